@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: MIT
+"""The cell file: n arms, their bases and grasps, the object, the limits."""
+
+import re
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from mrts.errors import InputError
+from mrts.input_file import Finite, Pose, Positive, StrictModel, Vector3, read_model
+from mrts.rigid_transform import Array
+
+IDENTIFIER = r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$"
+"""Letters, digits and single underscores: what C, file names and CasADi all accept."""
+
+INERTIA_SLACK = 1e-9
+"""Relative slack of the triangle inequality, for inertias printed with few digits."""
+
+ROBOT_NAMES_TAKEN = frozenset({"time"})
+"""Keys that stand beside the robots' names in the JSON result."""
+
+
+class Bounds(StrictModel):
+    """Two-sided bounds; null or an absent side is unbounded."""
+
+    lower: list[Finite | None] | None = None
+    upper: list[Finite | None] | None = None
+
+
+class TorqueBounds(StrictModel):
+    """Torque limits that differ by side [N m, N for prismatic joints]."""
+
+    lower: Annotated[list[Finite], Field(min_length=1)]
+    upper: Annotated[list[Finite], Field(min_length=1)]
+
+
+class ObjectDescription(StrictModel):
+    """The carried object.
+
+    Attributes:
+        mass: [kg].
+        inertia: At the com in the object frame: principal moments, Shape (3,), or matrix, Shape (3, 3) [kg m²].
+    """
+
+    mass: Positive
+    inertia: Annotated[list[Finite], Field(min_length=3, max_length=3)] | Annotated[
+        list[Vector3], Field(min_length=3, max_length=3)
+    ]
+
+    def inertia_matrix(self) -> Array:
+        """Inertia at the com in the object frame, Shape (3, 3) [kg m²]."""
+        inertia = np.array(self.inertia, dtype=float)
+        return inertia if inertia.ndim == 2 else np.diag(inertia)  # noqa: PLR2004 (a matrix)
+
+    @model_validator(mode="after")
+    def _physical(self) -> Self:
+        problem = inertia_problem(self.inertia_matrix())
+        if problem:
+            raise ValueError(f"Value error, object.inertia {problem}")
+        return self
+
+
+class RobotDescription(StrictModel):
+    """One arm of the cell; see docs/cell_file.md for every key."""
+
+    name: Annotated[str, Field(pattern=IDENTIFIER, max_length=40)]
+    urdf: Annotated[str, Field(min_length=1)]
+    base_link: str | None = None
+    tip_link: str
+    base: Pose = Pose()
+    grasp: Pose = Pose()
+    posture: Annotated[list[Finite], Field(min_length=1)]
+    torque: Annotated[list[Finite], Field(min_length=1)] | TorqueBounds | None = None
+    wrench: Bounds = Bounds()
+
+
+class CellDescription(StrictModel):
+    """A validated cell file."""
+
+    name: Annotated[str, Field(pattern=IDENTIFIER, max_length=40)]
+    gravity: Vector3
+    plane: Literal["xy", "xz", "yz"] | None = None
+    object: ObjectDescription
+    robots: Annotated[list[RobotDescription], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _robots_differ(self) -> Self:
+        names = [robot.name for robot in self.robots]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"Value error, two robots are called '{name}'; each needs a name of its own")
+            if name in ROBOT_NAMES_TAKEN:
+                raise ValueError(f"Value error, a robot cannot be called '{name}': results use that key")
+        return self
+
+
+def read_cell_description(path: Path) -> CellDescription:
+    """Read and validate a cell file.
+
+    Raises:
+        InputError: If the file is missing, not YAML, or breaks a rule.
+    """
+    return read_model(path, CellDescription, "cell file")
+
+
+def inertia_problem(inertia: Array) -> str:
+    """Why an inertia matrix, Shape (3, 3) [kg m²], is not that of a body; empty if it is.
+
+    A body's inertia is symmetric and positive definite, and no principal moment exceeds the sum of the others.
+    """
+    if not np.all(np.isfinite(inertia)):
+        return "holds a value that is not a finite number."
+    scale = float(np.max(np.abs(inertia)))
+    if np.max(np.abs(inertia - inertia.T)) > INERTIA_SLACK * scale:
+        return "is not symmetric; give ixy = iyx, ixz = izx, iyz = izy."
+    moments = np.linalg.eigvalsh(inertia)
+    shown = ", ".join(f"{moment:.6g}" for moment in moments)
+    if moments[0] <= 0:
+        return f"is not positive definite: its principal moments are {shown} kg m². All must be > 0."
+    if moments[2] > (moments[0] + moments[1]) * (1 + INERTIA_SLACK):
+        return (
+            f"breaks the triangle inequality: its principal moments are {shown} kg m², and no body has one "
+            "larger than the sum of the other two."
+        )
+    return ""
+
+
+def resolve_urdf(cell_path: Path, reference: str) -> Path:
+    """Path of a robot's URDF: relative to the cell file, absolute, or `package://NAME/…` of an installed package.
+
+    Raises:
+        InputError: If a `package://` name is not an installed Python package.
+    """
+    match = re.fullmatch(r"package://([^/]+)/(.+)", reference)
+    if not match:
+        return cell_path.parent / reference
+    from importlib.util import find_spec  # noqa: PLC0415 (only for package:// references)
+
+    package, inside = match.groups()
+    spec = find_spec(package) if re.fullmatch(IDENTIFIER, package) else None
+    if spec is None or not spec.submodule_search_locations:
+        raise InputError(
+            cell_path, f"'{package}' is not an installed Python package. Install it, or give a file path.",
+            key="robots[].urdf", value=reference,
+        )
+    return Path(next(iter(spec.submodule_search_locations))) / inside

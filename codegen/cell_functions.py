@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: MIT
+"""The registry of generated functions: what each is called, what goes in and what comes out.
+
+A new function is one builder and one line in `BUILDERS`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+
+from mrts_codegen.cell_model import CellModel
+from mrts_codegen.cooperative_terms import (
+    CooperativeTerms,
+    SampleSymbols,
+    cooperative_terms,
+    sample_symbols,
+    split_joints,
+)
+from mrts_codegen.formulations import fixed_distribution, torque_form, wrench_form
+from mrts_codegen.inverse_dynamics import coriolis_torque, mass_matrix
+from mrts_codegen.kinematics import bias_acceleration, forward_kinematics, frame_jacobian
+from mrts_codegen.spatial_algebra import block_diagonal
+
+Named = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What builders share: symbols of one sample and its terms."""
+
+    cell: CellModel
+    symbols: SampleSymbols
+    terms: CooperativeTerms
+
+    def inputs(self) -> Named:
+        """The seven inputs of every function of a moving sample."""
+        s = self.symbols
+        return {
+            "q": s.q,
+            "dq": s.dq,
+            "ddq": s.ddq,
+            "object_rotation": s.R_world_object,
+            "object_twist": s.twist,
+            "object_acceleration": s.acceleration,
+            "load": s.load,
+        }
+
+
+def _kinematics(sample: Sample) -> tuple[Named, Named]:
+    q = sample.symbols.q
+    rotations, positions, jacobians = [], [], []
+    for robot, q_robot in zip(sample.cell.robots, split_joints(sample.cell, q), strict=True):
+        pose = forward_kinematics(robot.model, q_robot)
+        R_world_base = ca.SX(robot.T_world_base.R)
+        positions.append(ca.SX(robot.T_world_base.p) + R_world_base @ pose.p_base_tip)
+        rotations.append(R_world_base @ pose.R_base_tip)
+        jacobians.append(frame_jacobian(robot.model, q_robot)[list(sample.cell.components), :])
+    return {"q": q}, {
+        "position": ca.horzcat(*positions),
+        "rotation": ca.horzcat(*rotations),
+        "jacobian": ca.horzcat(*jacobians),
+    }
+
+
+def _bias_acceleration(sample: Sample) -> tuple[Named, Named]:
+    s, cell = sample.symbols, sample.cell
+    columns = [
+        bias_acceleration(robot.model, q, dq)[list(cell.components)]
+        for robot, q, dq in zip(cell.robots, split_joints(cell, s.q), split_joints(cell, s.dq), strict=True)
+    ]
+    return {"q": s.q, "dq": s.dq}, {"bias_acceleration": ca.horzcat(*columns)}
+
+
+def _dynamics(sample: Sample) -> tuple[Named, Named]:
+    s, cell = sample.symbols, sample.cell
+    pieces = list(zip(cell.robots, split_joints(cell, s.q), split_joints(cell, s.dq), strict=True))
+    return {"q": s.q, "dq": s.dq}, {
+        "mass_matrix": block_diagonal([mass_matrix(robot.model, q) for robot, q, _ in pieces]),
+        "coriolis_torque": ca.vertcat(*(coriolis_torque(robot.model, q, dq) for robot, q, dq in pieces)),
+        "gravity_torque": sample.terms.G,
+    }
+
+
+def _terms(sample: Sample) -> tuple[Named, Named]:
+    t = sample.terms
+    outputs = {"E": t.E, "A": t.A, "G": t.G, "J": ca.horzcat(*t.J), "B": ca.horzcat(*t.B)}
+    return sample.inputs(), outputs | {"P": t.P, "S": t.S, "Q": t.Q}
+
+
+def _wrench_form(sample: Sample) -> tuple[Named, Named]:
+    return sample.inputs(), wrench_form(sample.terms).outputs()
+
+
+def _torque_form(sample: Sample) -> tuple[Named, Named] | None:
+    if any(J.size1() != J.size2() for J in sample.terms.J):
+        return None
+    return sample.inputs(), torque_form(sample.terms).outputs()
+
+
+def _fixed_distribution(sample: Sample) -> tuple[Named, Named]:
+    count = len(sample.cell.robots)
+    shares = ca.SX.sym("shares", count)
+    internal = ca.SX.sym("internal_wrench", count * len(sample.cell.components))
+    form = fixed_distribution(sample.cell, sample.terms, shares, internal)
+    return sample.inputs() | {"shares": shares, "internal_wrench": internal}, form.outputs()
+
+
+BUILDERS: dict[str, Callable[[Sample], tuple[Named, Named] | None]] = {
+    "kinematics": _kinematics,
+    "bias_acceleration": _bias_acceleration,
+    "dynamics": _dynamics,
+    "terms": _terms,
+    "wrench_form": _wrench_form,
+    "torque_form": _torque_form,
+    "fixed_distribution": _fixed_distribution,
+}
+"""Short name to builder; a builder returns None where the cell does not allow its function."""
+
+
+def build_functions(cell: CellModel) -> dict[str, ca.Function]:
+    """All functions of a cell as named CasADi Functions with named dense inputs and outputs.
+
+    Args:
+        cell: The cell.
+
+    Returns:
+        Short name to Function; the Function itself is called `<cell name>_<short name>`.
+    """
+    symbols = sample_symbols(cell)
+    sample = Sample(cell, symbols, cooperative_terms(cell, symbols))
+    functions = {}
+    for name, build in BUILDERS.items():
+        built = build(sample)
+        if built is not None:
+            inputs, outputs = built
+            functions[name] = ca.Function(
+                f"{cell.description.name}_{name}",
+                list(inputs.values()),
+                [ca.densify(output) for output in outputs.values()],
+                list(inputs),
+                list(outputs),
+            )
+    return functions

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: MIT
+"""The cell with its URDFs read: everything that the symbolic layer and the manifest need."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from mrts.errors import InputError
+from mrts.rigid_transform import Array, RigidTransform
+from mrts_codegen.cell_description import Bounds, CellDescription, RobotDescription, TorqueBounds, resolve_urdf
+from mrts_codegen.planar_chain import PlanarChain, check_plane_kept, planar_chain
+from mrts_codegen.robot_model import RobotModel, build_robot_model
+from mrts_codegen.spatial_algebra import PLANE_COMPONENTS
+from mrts_codegen.urdf_file import read_urdf
+
+
+@dataclass(frozen=True)
+class CellRobot:
+    """One arm in its place.
+
+    Attributes:
+        name: Name in the cell file.
+        model: The chain.
+        urdf: As the cell file gives it.
+        urdf_sha256: Hash of the URDF's bytes.
+        T_world_base: Base link in the world.
+        T_object_tip: Tip link in the object frame (its grasp).
+        posture: Joint positions near which the motion starts, Shape (n,) [rad or m].
+        torque_lower: Shape (n,) [N m or N].
+        torque_upper: Shape (n,) [N m or N].
+        wrench_lower: Base axes, minus infinity where unbounded, Shape (w,) [N, N m].
+        wrench_upper: Base axes, infinity where unbounded, Shape (w,) [N, N m].
+        planar: Geometry for closed-form inverse kinematics, None for a spatial cell or another kind of arm.
+    """
+
+    name: str
+    model: RobotModel
+    urdf: str
+    urdf_sha256: str
+    T_world_base: RigidTransform
+    T_object_tip: RigidTransform
+    posture: Array
+    torque_lower: Array
+    torque_upper: Array
+    wrench_lower: Array
+    wrench_upper: Array
+    planar: PlanarChain | None
+
+
+@dataclass(frozen=True)
+class CellModel:
+    """The whole cell.
+
+    Attributes:
+        description: The validated cell file.
+        components: Rows of a six-component wrench that this cell uses.
+        robots: The arms in the order of the cell file.
+    """
+
+    description: CellDescription
+    components: tuple[int, ...]
+    robots: tuple[CellRobot, ...]
+
+
+def build_cell_model(path: Path, description: CellDescription) -> CellModel:
+    """Read the URDFs of a cell and check every array of the cell file against them.
+
+    Args:
+        path: The cell file, for messages and for relative URDF paths.
+        description: Its content.
+
+    Raises:
+        InputError: If a URDF or an array of the cell file breaks a rule.
+    """
+    components = PLANE_COMPONENTS[description.plane]
+    robots = tuple(
+        _build_robot(path, description, index, len(components)) for index in range(len(description.robots))
+    )
+    return CellModel(description, components, robots)
+
+
+def _build_robot(path: Path, cell: CellDescription, index: int, wrench_size: int) -> CellRobot:
+    robot = cell.robots[index]
+    key = f"robots[{index}] ({robot.name})"
+    urdf_path = resolve_urdf(path, robot.urdf)
+    model = build_robot_model(urdf_path, read_urdf(urdf_path), robot.base_link, robot.tip_link)
+    joints = [joint.name for joint in model.joints]
+    if len(robot.posture) != len(joints):
+        raise InputError(
+            path, f"must have {len(joints)} values, one for each of {', '.join(joints)}.",
+            key=f"{key}.posture", value=robot.posture,
+        )
+    torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model)
+    wrench_lower, wrench_upper = _wrench_limits(path, key, robot.wrench, wrench_size)
+    T_world_base = RigidTransform.from_xyz_rpy(robot.base.xyz, robot.base.rpy)
+    T_object_tip = RigidTransform.from_xyz_rpy(robot.grasp.xyz, robot.grasp.rpy)
+    planar = None
+    if cell.plane is not None:
+        check_plane_kept(path, key, cell.plane, T_world_base, T_object_tip, model)
+        planar = planar_chain(cell.plane, model)
+    return CellRobot(
+        robot.name,
+        model,
+        robot.urdf,
+        hashlib.sha256(urdf_path.read_bytes()).hexdigest(),
+        T_world_base,
+        T_object_tip,
+        np.array(robot.posture, dtype=float),
+        torque_lower,
+        torque_upper,
+        wrench_lower,
+        wrench_upper,
+        planar,
+    )
+
+
+def _torque_limits(
+    path: Path, urdf_path: Path, key: str, robot: RobotDescription, model: RobotModel
+) -> tuple[Array, Array]:
+    joints = [joint.name for joint in model.joints]
+    if robot.torque is None:
+        for joint in model.joints:
+            if joint.effort is None or joint.effort <= 0:
+                raise InputError(
+                    urdf_path,
+                    f"its effort limit is {'missing or 0' if joint.effort is None else joint.effort}, which says "
+                    f"nothing about the motor. Give 'torque: [{', '.join(joints)}]' in N m for robot "
+                    f"'{robot.name}' in {path.name}.",
+                    key=f"joint '{joint.name}'",
+                )
+        upper = np.array([joint.effort for joint in model.joints], dtype=float)
+        return -upper, upper
+    if isinstance(robot.torque, TorqueBounds):
+        sides = {"torque.lower": robot.torque.lower, "torque.upper": robot.torque.upper}
+    else:
+        sides = {"torque": robot.torque}
+    for name, values in sides.items():
+        if len(values) != len(joints):
+            raise InputError(
+                path, f"must have {len(joints)} values, one for each of {', '.join(joints)}.",
+                key=f"{key}.{name}", value=values,
+            )
+    upper = np.array(list(sides.values())[-1], dtype=float)
+    lower = np.array(sides["torque.lower"], dtype=float) if "torque.lower" in sides else -upper
+    if np.any(lower >= upper):
+        joint_index = int(np.argmax(lower >= upper))
+        raise InputError(
+            path, f"the lower torque limit {lower[joint_index]:g} of joint '{joints[joint_index]}' must be below "
+            f"the upper one, {upper[joint_index]:g} (a symmetric limit must be > 0).", key=f"{key}.torque",
+        )
+    return lower, upper
+
+
+def _wrench_limits(path: Path, key: str, bounds: Bounds, size: int) -> tuple[Array, Array]:
+    sides = []
+    for name, values, unbounded in (("lower", bounds.lower, -np.inf), ("upper", bounds.upper, np.inf)):
+        if values is not None and len(values) != size:
+            what = "fx, fy, fz, nx, ny, nz" if size != 3 else "two forces and the moment about the plane's normal"  # noqa: PLR2004
+            raise InputError(
+                path, f"must have {size} values ({what}); null is unbounded.",
+                key=f"{key}.wrench.{name}", value=values,
+            )
+        filled = [unbounded if value is None else value for value in values or [None] * size]
+        sides.append(np.array(filled, dtype=float))
+    lower, upper = sides
+    if np.any(lower > upper):
+        component = int(np.argmax(lower > upper))
+        raise InputError(
+            path, f"its lower bound {lower[component]:g} exceeds its upper bound {upper[component]:g}.",
+            key=f"{key}.wrench[{component}]",
+        )
+    return lower, upper

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: MIT
+"""Reading a URDF: only links with inertials and joints, everything else in the file is left alone.
+
+yourdfpy does the parsing. Before it sees the file, document types are refused (entity bombs), and what yourdfpy
+would silently replace by a default (a missing mass, a missing inertia entry) is an error here.
+"""
+
+import io
+import re
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from mrts.errors import InputError
+from mrts.input_file import read_text
+
+_INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_JOINT_CHILDREN = ("parent", "child", "origin", "axis", "limit", "mimic")
+
+
+def read_urdf(path: Path) -> Any:
+    """Parse a URDF.
+
+    Args:
+        path: The file.
+
+    Returns:
+        A `yourdfpy.Robot` with links (inertial only) and joints.
+
+    Raises:
+        InputError: If it is missing, not XML, not a URDF, an unexpanded xacro, or holds a value that is no number.
+    """
+    text = read_text(path, "URDF")
+    root = _parse(path, text)
+    if root.tag != "robot":
+        raise InputError(path, "is not a URDF: its root element must be <robot>.", value=root.tag)
+    stripped = _keep_links_and_joints(path, root)
+    # 0.7 s of trimesh, needed at build time only
+    from yourdfpy import URDF  # noqa: PLC0415
+
+    document = io.BytesIO(etree.tostring(stripped))
+    model = URDF.load(document, load_meshes=False, build_scene_graph=False)
+    return model.robot
+
+
+def _parse(path: Path, text: str) -> Any:
+    if re.search(r"<!(DOCTYPE|ENTITY)", text):
+        raise InputError(path, "declares a document type or an entity; a URDF needs neither. Remove it.")
+    if re.search(r"<xacro:|\$\{|\$\(", text):
+        raise InputError(
+            path, "is an unexpanded xacro. Expand it first: `xacro robot.urdf.xacro > robot.urdf`."
+        )
+    # Undeclared prefixes (gazebo extensions) are common and harmless; anything worse than that is refused.
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, recover=True)
+    root = etree.fromstring(text.encode(), parser)
+    fatal = [error for error in parser.error_log if error.type_name != "NS_ERR_UNDEFINED_NAMESPACE"]
+    if root is None or fatal:
+        place = f" at line {fatal[0].line}: {fatal[0].message}" if fatal else ""
+        raise InputError(path, f"is not well-formed XML{place}.")
+    return root
+
+
+def _keep_links_and_joints(path: Path, root: Any) -> Any:
+    stripped = etree.Element("robot", name=root.get("name", "robot"))
+    for link in root.findall("link"):
+        name = _attribute(path, link, "name", "a <link>")
+        kept = etree.SubElement(stripped, "link", name=name)
+        inertial = link.find("inertial")
+        if inertial is not None:
+            kept.append(_checked_inertial(path, name, inertial))
+    for joint in root.findall("joint"):
+        name = _attribute(path, joint, "name", "a <joint>")
+        kept = etree.SubElement(
+            stripped, "joint", name=name, type=_attribute(path, joint, "type", f"joint '{name}'")
+        )
+        for tag in _JOINT_CHILDREN:
+            child = joint.find(tag)
+            if child is not None:
+                _check_numbers(path, f"joint '{name}'", child)
+                kept.append(child)
+            elif tag in ("parent", "child"):
+                raise InputError(path, f"a <{tag} link=…> element is needed.", key=f"joint '{name}'")
+        for tag in ("parent", "child"):
+            _attribute(path, kept.find(tag), "link", f"joint '{name}'")
+    return stripped
+
+
+def _checked_inertial(path: Path, link: str, inertial: Any) -> Any:
+    where = f"link '{link}'"
+    mass, inertia = inertial.find("mass"), inertial.find("inertia")
+    if mass is None or mass.get("value") is None:
+        raise InputError(path, "its <inertial> needs <mass value=…> in kg.", key=where)
+    if inertia is None or any(inertia.get(key) is None for key in _INERTIA_KEYS):
+        raise InputError(path, f"its <inertial> needs <inertia> with {', '.join(_INERTIA_KEYS)}.", key=where)
+    for child in inertial:
+        _check_numbers(path, where, child)
+    return inertial
+
+
+def _attribute(path: Path, element: Any, attribute: str, where: str) -> str:
+    value = element.get(attribute)
+    if not value:
+        raise InputError(path, f"a '{attribute}' attribute is needed.", key=where)
+    return str(value)
+
+
+_COUNTS = {"xyz": 3, "rpy": 3}
+_NAMES = {"link", "joint", "name", "type"}
+
+
+def _check_numbers(path: Path, where: str, element: Any) -> None:
+    if not isinstance(element.tag, str):  # a comment
+        return
+    for attribute, text in element.attrib.items():
+        if attribute in _NAMES:
+            continue
+        words = text.split()
+        count = _COUNTS.get(attribute, 1)
+        try:
+            finite = all(abs(float(word)) < float("inf") for word in words)
+        except ValueError:
+            finite = False
+        if not finite or len(words) != count:
+            wanted = "a finite number" if count == 1 else f"{count} finite numbers"
+            raise InputError(path, f"must be {wanted}.", key=f"{where}, <{element.tag}> {attribute}", value=text)

@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: MIT
+"""A cell ready to be asked: its data and its bound functions."""
+
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Literal, Self
+
+import numpy as np
+
+from mrts.cell_cache import generated_in_cache, virtual_machine_functions
+from mrts.cell_functions import Backend, CellFunctions, bind_functions
+from mrts.errors import InputError
+from mrts.manifest import MANIFEST_NAME, Manifest, PlanarChainRecord, PoseRecord, RobotRecord, read_generated
+from mrts.rigid_transform import Array, RigidTransform
+
+
+@dataclass(frozen=True)
+class Robot:
+    """One arm; n_i joints, w wrench components (3 in a planar cell, else 6).
+
+    Attributes:
+        name: Name in the cell file.
+        joints: Joint names, base to tip.
+        T_world_base: Base link in the world.
+        T_object_tip: Tip link in the object frame.
+        posture: Joint positions near which the motion starts, Shape (n_i,) [rad or m].
+        torque_lower: Shape (n_i,) [N m or N].
+        torque_upper: Shape (n_i,) [N m or N].
+        wrench_lower: On F_i, base axes, minus infinity where unbounded, Shape (w,) [N, N m].
+        wrench_upper: On F_i, base axes, infinity where unbounded, Shape (w,) [N, N m].
+        torque_units: "N m" for a revolute joint, "N" for a prismatic one.
+        planar_chain: Geometry for closed-form planar inverse kinematics, if the arm has one.
+    """
+
+    name: str
+    joints: tuple[str, ...]
+    T_world_base: RigidTransform
+    T_object_tip: RigidTransform
+    posture: Array
+    torque_lower: Array
+    torque_upper: Array
+    wrench_lower: Array
+    wrench_upper: Array
+    torque_units: tuple[str, ...]
+    planar_chain: PlanarChainRecord | None
+
+
+@dataclass(frozen=True)
+class Cell:
+    """n arms and the object that they hold; m joints in all.
+
+    Attributes:
+        name: Name in the cell file.
+        plane: World plane of a planar cell, None for a spatial one.
+        wrench_components: Names of the w components of a contact wrench.
+        gravity: Downward, world axes, Shape (3,) [m/s²].
+        mass: Of the object [kg].
+        inertia: Of the object at its com, object axes, Shape (3, 3) [kg m²].
+        robots: The arms in the order of the cell file.
+        functions: The generated functions.
+    """
+
+    name: str
+    plane: Literal["xy", "xz", "yz"] | None
+    wrench_components: tuple[str, ...]
+    gravity: Array
+    mass: float
+    inertia: Array
+    robots: tuple[Robot, ...]
+    functions: CellFunctions
+
+    @property
+    def joint_slices(self) -> dict[str, slice]:
+        """Where each robot's joints stand in a vector over all joints, Shape (m,)."""
+        return _slices({robot.name: len(robot.joints) for robot in self.robots})
+
+    @property
+    def wrench_slices(self) -> dict[str, slice]:
+        """Where each robot's wrench stands in the stacked wrenches F, Shape (n w,)."""
+        return _slices({robot.name: len(self.wrench_components) for robot in self.robots})
+
+    @property
+    def load(self) -> Array:
+        """Load vector of the generated functions: mass, ixx, iyy, izz, ixy, ixz, iyz, Shape (7,) [kg, kg m²]."""
+        inertia = self.inertia
+        off_diagonal = [inertia[0, 1], inertia[0, 2], inertia[1, 2]]
+        return np.array([self.mass, *np.diag(inertia), *off_diagonal])
+
+    def with_mass(self, mass: float) -> Self:
+        """The same cell carrying another mass with the same inertia [kg].
+
+        Raises:
+            InputError: Unless the mass is finite and > 0.
+        """
+        if not (np.isfinite(mass) and mass > 0):
+            raise InputError("mass", "must be a finite number > 0, in kg.", value=mass)
+        return replace(self, mass=float(mass))
+
+    def without_wrench_limits(self) -> Self:
+        """The same cell with every contact wrench unbounded."""
+        return replace(
+            self,
+            robots=tuple(
+                replace(
+                    robot,
+                    wrench_lower=np.full_like(robot.wrench_lower, -np.inf),
+                    wrench_upper=np.full_like(robot.wrench_upper, np.inf),
+                )
+                for robot in self.robots
+            ),
+        )
+
+    def with_postures(self, postures: dict[str, list[float]]) -> Self:
+        """The same cell starting near other joint positions.
+
+        Args:
+            postures: Joint positions by robot name, each Shape (n_i,) [rad or m]; other robots keep theirs.
+
+        Raises:
+            InputError: If a name is unknown or a posture has the wrong length or is not finite.
+        """
+        known = {robot.name: robot for robot in self.robots}
+        for name, posture in postures.items():
+            if name not in known:
+                raise InputError("postures", f"there is no such robot; there are {', '.join(known)}.", value=name)
+            joints = known[name].joints
+            if len(posture) != len(joints) or not np.all(np.isfinite(posture)):
+                raise InputError(
+                    "postures", f"must hold {len(joints)} finite joint positions.", key=name, value=posture
+                )
+        return replace(
+            self,
+            robots=tuple(
+                replace(robot, posture=np.array(postures.get(robot.name, robot.posture), dtype=float))
+                for robot in self.robots
+            ),
+        )
+
+
+def load_cell(path: Path | str, *, backend: Backend = "auto") -> Cell:
+    """Load a cell: generate and compile it on first use, from the cache after that.
+
+    Args:
+        path: A cell file, or a folder that `mrts generate` wrote.
+        backend: "auto" compiles the C and falls back to CasADi's virtual machine where there is no compiler;
+            "compiled" and "vm" insist.
+
+    Raises:
+        InputError: If the cell file, a URDF or the generated folder breaks a rule.
+        CompilerError: If the compiler fails.
+    """
+    path = Path(path)
+    if path.is_dir() or path.name == MANIFEST_NAME:
+        manifest, source = read_generated(path if path.is_dir() else path.parent)
+        return _cell(manifest, bind_functions(manifest, source, backend, None))
+    manifest, source = generated_in_cache(path)
+    machine = partial(virtual_machine_functions, path)
+    return _cell(manifest, bind_functions(manifest, source, backend, machine))
+
+
+def _cell(manifest: Manifest, functions: CellFunctions) -> Cell:
+    return Cell(
+        manifest.name,
+        manifest.plane,
+        tuple(manifest.wrench_components),
+        np.array(manifest.gravity),
+        manifest.object.mass,
+        np.array(manifest.object.inertia),
+        tuple(_robot(record) for record in manifest.robots),
+        functions,
+    )
+
+
+def _robot(record: RobotRecord) -> Robot:
+    return Robot(
+        record.name,
+        tuple(joint.name for joint in record.joints),
+        _transform(record.world_base),
+        _transform(record.object_tip),
+        np.array(record.posture),
+        np.array([joint.torque_lower for joint in record.joints]),
+        np.array([joint.torque_upper for joint in record.joints]),
+        _with_infinity(record.wrench_lower, -np.inf),
+        _with_infinity(record.wrench_upper, np.inf),
+        tuple("N" if joint.type == "prismatic" else "N m" for joint in record.joints),
+        record.planar_chain,
+    )
+
+
+def _transform(record: PoseRecord) -> RigidTransform:
+    return RigidTransform(np.array(record.rotation), np.array(record.position))
+
+
+def _with_infinity(values: list[float | None], unbounded: float) -> Array:
+    return np.array([unbounded if value is None else value for value in values])
+
+
+def _slices(sizes: dict[str, int]) -> dict[str, slice]:
+    slices, start = {}, 0
+    for name, size in sizes.items():
+        slices[name] = slice(start, start + size)
+        start += size
+    return slices

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: MIT
+"""Cells generated and compiled on first use, kept per user under a hash of their content.
+
+This is the only place where the run time calls the build time (`mrts_codegen`).
+"""
+
+import hashlib
+import os
+from pathlib import Path
+from typing import Any
+
+from mrts.compiler import FLAGS, compile_library
+from mrts.errors import InputError
+from mrts.manifest import MANIFEST_NAME, Manifest, read_generated
+
+
+def cache_folder() -> Path:
+    """The cache: `MRTS_CACHE_DIR`, else `XDG_CACHE_HOME`/mrts, else ~/.cache/mrts; made private if missing.
+
+    Raises:
+        InputError: If it cannot be made.
+    """
+    named = os.environ.get("MRTS_CACHE_DIR")
+    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    folder = Path(named) if named else base / "mrts"
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            folder, f"the cache folder cannot be made: {error.strerror}. Set MRTS_CACHE_DIR to a folder of yours."
+        ) from None
+    return folder
+
+
+def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
+    """Manifest and C file of a cell, generated unless the cache holds them.
+
+    Args:
+        path: The cell file.
+
+    Raises:
+        InputError: If the cell file or a URDF breaks a rule.
+    """
+    from mrts_codegen.generate import content_key, generate_cell  # noqa: PLC0415 (build time, on demand)
+
+    folder = cache_folder() / "cells" / content_key(path)
+    if (folder / MANIFEST_NAME).exists():
+        try:
+            return read_generated(folder)
+        except InputError:
+            pass  # damaged: make it again
+    generate_cell(path).write(folder)
+    return read_generated(folder)
+
+
+def virtual_machine_functions(path: Path) -> dict[str, Any]:
+    """The functions of a cell file for CasADi's virtual machine, by short name.
+
+    Raises:
+        InputError: If the cell file or a URDF breaks a rule.
+    """
+    from mrts_codegen.generate import generate_cell  # noqa: PLC0415 (build time, on demand)
+
+    return generate_cell(path).functions
+
+
+def library_in_cache(command: tuple[str, ...], source: Path, *, rebuild: bool = False) -> Path:
+    """Shared library of a generated C file, compiled unless the cache holds it.
+
+    Args:
+        command: Compiler, from `find_compiler`.
+        source: The C file.
+        rebuild: Compile even if the cache holds it (the library in it would not load).
+
+    Raises:
+        CompilerError: If the compiler fails.
+    """
+    text = source.read_bytes() + "\0".join((*command, *FLAGS)).encode()
+    library = cache_folder() / "lib" / hashlib.sha256(text).hexdigest() / f"{source.stem}.so"
+    if rebuild or not library.exists():
+        compile_library(command, source, library)
+    return library

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: MIT
+"""The generated functions of a cell, bound once, called for all samples of a motion at once."""
+
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Literal
+
+import casadi as ca
+import numpy as np
+
+from mrts.cell_cache import library_in_cache
+from mrts.compiler import find_compiler
+from mrts.errors import CompilerError
+from mrts.manifest import FunctionRecord, Manifest
+from mrts.rigid_transform import Array
+
+Backend = Literal["auto", "compiled", "vm"]
+logger = logging.getLogger("mrts")
+
+
+class CellFunctions:
+    """Callable by short name; see the manifest for inputs, outputs and shapes.
+
+    Args:
+        records: The manifest's functions.
+        functions: CasADi Functions (external or virtual machine) by short name.
+        backend: What evaluates them.
+    """
+
+    def __init__(
+        self, records: dict[str, FunctionRecord], functions: dict[str, Any], backend: Literal["compiled", "vm"]
+    ) -> None:
+        self.records = records
+        self.backend = backend
+        self._functions = functions
+        self._maps: dict[tuple[str, int], Any] = {}
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._functions
+
+    def __call__(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
+        """Evaluate one function for all samples in one call.
+
+        Args:
+            name: Short name, such as "terms".
+            samples: Number of samples N.
+            inputs: By input name, Shape (N, rows), (N, rows, columns), or (rows,) for one value for all samples.
+
+        Returns:
+            By output name, Shape (N, rows, columns); (N, rows) for a column.
+        """
+        record = self.records[name]
+        function = self._maps.setdefault((name, samples), self._functions[name].map(samples))
+        arguments = []
+        for argument in record.inputs:
+            rows, columns = argument.shape
+            value = np.asarray(inputs[argument.name], dtype=float)
+            if value.shape == (rows,):
+                value = np.broadcast_to(value, (samples, rows))
+            stacked = value.reshape(samples, rows, columns).transpose(1, 0, 2)
+            arguments.append(stacked.reshape(rows, samples * columns))
+        results = function.call([ca.DM(argument) for argument in arguments])
+        outputs = {}
+        for argument, result in zip(record.outputs, results, strict=True):
+            rows, columns = argument.shape
+            value = result.full().reshape(rows, samples, columns).transpose(1, 0, 2)
+            outputs[argument.name] = np.ascontiguousarray(value[:, :, 0] if columns == 1 else value)
+        return outputs
+
+
+def bind_functions(
+    manifest: Manifest,
+    source: Path,
+    backend: Backend,
+    virtual_machine: Callable[[], dict[str, Any]] | None,
+) -> CellFunctions:
+    """Compile and bind the generated C; without a compiler, fall back to CasADi's virtual machine.
+
+    Args:
+        manifest: Manifest of the cell.
+        source: Its C file.
+        backend: "compiled" insists on a compiler, "vm" on the virtual machine, "auto" prefers the compiler.
+        virtual_machine: Builds the functions from the cell file; None if only generated files are there.
+
+    Raises:
+        CompilerError: If the compiler fails, or none is there and nothing else can evaluate the C.
+    """
+    command = None if backend == "vm" else find_compiler()
+    if command is not None:
+        return CellFunctions(manifest.functions, _bind(manifest, command, source), "compiled")
+    if backend == "compiled" or virtual_machine is None:
+        raise CompilerError(
+            f"no C compiler was found to compile {source.name}. Install one (Debian: apt-get install gcc libc6-dev), "
+            "set CC, or load the cell file instead of its generated folder: it can run without a compiler."
+        )
+    if backend == "auto":
+        logger.warning("no C compiler found: running in CasADi's virtual machine, about 4 times slower")
+    return CellFunctions(manifest.functions, virtual_machine(), "vm")
+
+
+def _bind(manifest: Manifest, command: tuple[str, ...], source: Path) -> dict[str, Any]:
+    def load(library: Path) -> dict[str, Any]:
+        return {name: ca.external(record.symbol, str(library)) for name, record in manifest.functions.items()}
+
+    try:
+        return load(library_in_cache(command, source))
+    except RuntimeError:
+        pass  # a damaged file in the cache: compile it again
+    try:
+        return load(library_in_cache(command, source, rebuild=True))
+    except RuntimeError as error:
+        raise CompilerError(f"the compiled library of {source.name} cannot be loaded: {error}") from None

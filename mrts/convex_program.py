@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: MIT
+"""Batches of small convex programs and the verification that makes their answers trustworthy.
+
+A solver's own word is never taken: an answer counts when it passes `optimality_error`, else another solver is asked.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mrts.errors import SolverError
+from mrts.rigid_transform import Array
+from mrts.solvers import BatchSolver, make_solver
+
+OPTIMALITY_TOLERANCE = 1e-9
+"""On scaled rows (largest coefficient 1): residuals of feasibility, stationarity and complementarity."""
+
+Mask = np.typing.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class ConvexPrograms:
+    """N programs: minimise ½ xᵀHx + gᵀx subject to lower <= A x <= upper and x_lower <= x <= x_upper.
+
+    Attributes:
+        H: Symmetric, positive semidefinite, Shape (N, k, k); None for linear programs.
+        g: Shape (N, k).
+        A: Shape (N, r, k).
+        lower: Shape (N, r), minus infinity where unbounded.
+        upper: Shape (N, r), infinity where unbounded.
+        x_lower: Shape (N, k).
+        x_upper: Shape (N, k).
+    """
+
+    H: Array | None
+    g: Array
+    A: Array
+    lower: Array
+    upper: Array
+    x_lower: Array
+    x_upper: Array
+
+    def at(self, samples: Mask) -> "ConvexPrograms":
+        """Some of the programs."""
+        return ConvexPrograms(
+            None if self.H is None else self.H[samples],
+            self.g[samples],
+            self.A[samples],
+            self.lower[samples],
+            self.upper[samples],
+            self.x_lower[samples],
+            self.x_upper[samples],
+        )
+
+    def scaled(self) -> "tuple[ConvexPrograms, Array]":
+        """The same programs with the largest coefficient of every row 1, and the factors, Shape (N, r)."""
+        largest = np.max(np.abs(self.A), axis=2)
+        factor = 1 / np.where(largest > 0, largest, 1.0)
+        programs = ConvexPrograms(
+            self.H,
+            self.g,
+            self.A * factor[:, :, None],
+            self.lower * factor,
+            self.upper * factor,
+            self.x_lower,
+            self.x_upper,
+        )
+        return programs, factor
+
+
+@dataclass(frozen=True)
+class Answers:
+    """Minimisers and multipliers of a batch.
+
+    Signs follow Hx + g + Aᵀ row_dual + bound_dual = 0: a positive multiplier belongs to an upper limit.
+
+    Attributes:
+        x: Shape (N, k).
+        row_dual: Shape (N, r).
+        bound_dual: Shape (N, k).
+        verified: Which answers passed `optimality_error`, Shape (N,).
+        fallbacks: How many of them the first solver did not get.
+    """
+
+    x: Array
+    row_dual: Array
+    bound_dual: Array
+    verified: Mask
+    fallbacks: int
+
+
+def optimality_error(programs: ConvexPrograms, x: Array, row_dual: Array, bound_dual: Array) -> Array:
+    """Largest violation of the Karush-Kuhn-Tucker conditions of each program, Shape (N,).
+
+    Feasibility is relative to the limits' size, stationarity and complementarity to the multipliers'.
+
+    Args:
+        programs: The batch.
+        x: Shape (N, k).
+        row_dual: Shape (N, r).
+        bound_dual: Shape (N, k).
+    """
+    Ax = np.einsum("nrk,nk->nr", programs.A, x)
+    value = np.concatenate([Ax, x], axis=1)
+    lower = np.concatenate([programs.lower, programs.x_lower], axis=1)
+    upper = np.concatenate([programs.upper, programs.x_upper], axis=1)
+    dual = np.concatenate([row_dual, bound_dual], axis=1)
+    size = 1 + np.max(np.abs(x), axis=1, keepdims=True)
+
+    infeasible = np.max(np.maximum(lower - value, value - upper) / size, axis=1, initial=0.0)
+    gradient = programs.g + np.einsum("nrk,nr->nk", programs.A, row_dual) + bound_dual
+    if programs.H is not None:
+        gradient = gradient + np.einsum("nkl,nl->nk", programs.H, x)
+    dual_size = 1 + np.max(np.abs(dual), axis=1, initial=0.0)
+    stationary = np.max(np.abs(gradient), axis=1) / dual_size
+    # a multiplier needs its limit: distance times multiplier, where a multiplier of rounding counts nothing
+    significant = np.abs(dual) > OPTIMALITY_TOLERANCE * dual_size[:, None]
+    distance = np.where(dual > 0, upper - value, value - lower)
+    slack = np.where(significant, np.abs(distance), 0.0)
+    complementary = np.max(slack / size, axis=1, initial=0.0)
+    error: Array = np.maximum(np.maximum(infeasible, stationary), complementary)
+    return np.where(np.isfinite(error), error, np.inf)
+
+
+def solve_programs(programs: ConvexPrograms, solver: str) -> Answers:
+    """Solve a batch; what the chosen solver does not get right, the other solvers are asked for.
+
+    Args:
+        programs: The batch.
+        solver: Name in the registry, such as "qpsol:qpoases".
+
+    Raises:
+        InputError: If there is no such solver.
+    """
+    chosen = make_solver(solver)
+    scaled, factor = programs.scaled()
+    count, rows, unknowns = programs.A.shape
+    x, row_dual = np.zeros((count, unknowns)), np.zeros((count, rows))
+    bound_dual, verified = np.zeros((count, unknowns)), np.zeros(count, dtype=bool)
+    fallbacks = 0
+    for attempt, backend in enumerate([chosen, *chosen.alternatives()]):
+        todo = ~verified
+        if not np.any(todo):
+            break
+        part = scaled.at(todo)
+        found = _attempt(backend, part)
+        good = optimality_error(part, *found) <= OPTIMALITY_TOLERANCE
+        where = np.flatnonzero(todo)[good]
+        x[where], row_dual[where], bound_dual[where] = (value[good] for value in found)
+        verified[where] = True
+        fallbacks += int(np.sum(good)) if attempt > 0 else 0
+    return Answers(x, row_dual * factor, bound_dual, verified, fallbacks)
+
+
+def require_verified(answers: Answers, what: str) -> None:
+    """Raise where no solver could answer.
+
+    Raises:
+        SolverError: Names the first such sample.
+    """
+    if not np.all(answers.verified):
+        sample = int(np.argmin(answers.verified))
+        raise SolverError(
+            f"no solver found {what} at sample {sample} to a precision of {OPTIMALITY_TOLERANCE:.0e}. This is a defect "
+            "of mrts or of extremely scaled data: please report the cell and the motion."
+        )
+
+
+def _attempt(backend: BatchSolver, programs: ConvexPrograms) -> tuple[Array, Array, Array]:
+    return backend.solve(
+        programs.H,
+        programs.g,
+        programs.A,
+        programs.lower,
+        programs.upper,
+        programs.x_lower,
+        programs.x_upper,
+    )

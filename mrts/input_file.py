@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: MIT
+"""Strict reading of YAML input files: every mistake becomes one `InputError` with file, key, value and rule."""
+
+import difflib
+import re
+from pathlib import Path
+from typing import Annotated, Any, Self, TypeVar
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidatorFunctionWrapHandler, model_validator
+from pydantic_core import ErrorDetails, PydanticCustomError
+
+from mrts.errors import InputError
+
+MAX_FILE_BYTES = 1_000_000
+"""A cell or motion file is a page of text; a larger one is a mistake, and YAML aliases can make it explode."""
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Vector3 = Annotated[list[Finite], Field(min_length=3, max_length=3)]
+
+
+class StrictModel(BaseModel):
+    """Base of the file formats: unknown keys are refused with the known ones, types are not coerced."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _name_unknown_keys(cls, data: Any, handler: ValidatorFunctionWrapHandler) -> Self:
+        if isinstance(data, dict):
+            for key in data:
+                if key not in cls.model_fields:
+                    close = difflib.get_close_matches(str(key), cls.model_fields, n=1)
+                    hint = f"; did you mean '{close[0]}'?" if close else ""
+                    raise PydanticCustomError(
+                        "unknown_key",
+                        "unknown key '{key}'{hint} The keys here are: {known}",
+                        {"key": str(key), "hint": hint or ".", "known": ", ".join(cls.model_fields)},
+                    )
+        model: Self = handler(data)
+        return model
+
+
+class Pose(StrictModel):
+    """A frame: position and URDF roll, pitch, yaw.
+
+    Attributes:
+        xyz: Position, Shape (3,) [m].
+        rpy: Rotation R = Rz(yaw) Ry(pitch) Rx(roll), Shape (3,) [rad].
+    """
+
+    xyz: Vector3 = [0.0, 0.0, 0.0]
+    rpy: Vector3 = [0.0, 0.0, 0.0]
+
+
+class _StrictLoader(yaml.SafeLoader):
+    """SafeLoader that refuses duplicate keys and reads `1e-3` as the number that it is (YAML 1.2)."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:  # noqa: FBT001, FBT002 (PyYAML's signature)
+        seen: set[str] = set()
+        for key_node, _ in node.value:
+            key = str(key_node.value)
+            if key in seen:
+                raise yaml.constructor.ConstructorError(
+                    problem=f"the key '{key}' stands twice", problem_mark=key_node.start_mark
+                )
+            seen.add(key)
+        return super().construct_mapping(node, deep)
+
+
+_StrictLoader.add_implicit_resolver(
+    "tag:yaml.org,2002:float",
+    re.compile(r"^[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)[eE][-+]?[0-9]+$"),
+    list("-+0123456789."),
+)
+
+Model = TypeVar("Model", bound=StrictModel)
+
+
+def read_text(path: Path, what: str) -> str:
+    """Text of an input file.
+
+    Args:
+        path: The file.
+        what: What the file is, for the message: "cell file".
+
+    Raises:
+        InputError: If it is missing, a folder, unreadable, too large, or not UTF-8.
+    """
+    try:
+        if path.stat().st_size > MAX_FILE_BYTES:
+            raise InputError(path, f"a {what} has at most {MAX_FILE_BYTES} bytes.")
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(path, f"there is no such {what}. Check the path.") from None
+    except UnicodeDecodeError:
+        raise InputError(path, f"this {what} is not UTF-8 text.") from None
+    except OSError as error:
+        raise InputError(path, f"this {what} cannot be read: {error.strerror}.") from None
+
+
+def read_model(path: Path, model: type[Model], what: str) -> Model:
+    """Read and validate a YAML file.
+
+    Args:
+        path: The file.
+        model: The format that it must have.
+        what: What the file is, for messages: "cell file".
+
+    Raises:
+        InputError: If the file is missing, not YAML, or breaks a rule of the format.
+    """
+    text = read_text(path, what)
+    try:
+        data = yaml.load(text, Loader=_StrictLoader)  # noqa: S506 (a SafeLoader)
+    except (yaml.YAMLError, RecursionError) as error:
+        mark = getattr(error, "problem_mark", None)
+        place = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        problem = getattr(error, "problem", None) or "it cannot be parsed"
+        raise InputError(path, f"this {what} is not valid YAML{place}: {problem}.") from None
+    except ValueError as error:
+        raise InputError(path, f"this {what} holds a value that YAML cannot read: {error}.") from None
+    if not isinstance(data, dict):
+        raise InputError(
+            path, f"a {what} is a mapping of keys to values ({', '.join(model.model_fields)}).", value=data
+        )
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise _input_error(path, error.errors(include_url=False)) from None
+
+
+def _input_error(path: Path, details: list[ErrorDetails]) -> InputError:
+    first = details[0]
+    key = ""
+    for part in first["loc"]:
+        key += f"[{part}]" if isinstance(part, int) else f".{part}" if key else str(part)
+    rule = first["msg"]
+    rule = rule[0].lower() + rule[1:] if rule[:5] != "Value" else rule.removeprefix("Value error, ")
+    value = None if first["type"] in {"missing", "unknown_key"} else first["input"]
+    if value is None and first["type"] not in {"missing", "unknown_key"}:
+        rule = f"{rule} (it is empty)"
+    more = f" ({len(details) - 1} more after this one.)" if len(details) > 1 else ""
+    return InputError(path, f"{rule.rstrip('.')}.{more}", key=key, value=value)

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: MIT
+"""manifest.json: all that the run time knows of a cell beside its compiled functions."""
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from mrts.errors import InputError
+from mrts.input_file import read_text
+
+MANIFEST_NAME = "manifest.json"
+FORMAT = 1
+"""Version of this file's layout; a change that old code cannot read raises it."""
+
+Matrix = list[list[float]]
+
+
+class _Record(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class PlanarChainRecord(_Record):
+    """Geometry for closed-form planar inverse kinematics, base axes, joints at 0 [m]."""
+
+    anchor: list[float]
+    links: Matrix
+    signs: list[float]
+    tip_rotation: Matrix
+    offset: float
+
+
+class JointRecord(_Record):
+    """One joint; None is unbounded [rad or m; N m or N]."""
+
+    name: str
+    type: Literal["revolute", "prismatic"]
+    lower: float | None
+    upper: float | None
+    torque_lower: float
+    torque_upper: float
+
+
+class PoseRecord(_Record):
+    """A rigid transform: rotation matrix and position [m]."""
+
+    rotation: Matrix
+    position: list[float]
+
+
+class RobotRecord(_Record):
+    """One arm of the cell."""
+
+    name: str
+    urdf: str
+    urdf_sha256: str
+    base_link: str
+    tip_link: str
+    joints: list[JointRecord]
+    world_base: PoseRecord
+    object_tip: PoseRecord
+    posture: list[float]
+    wrench_lower: list[float | None]
+    wrench_upper: list[float | None]
+    planar_chain: PlanarChainRecord | None
+
+
+class ArgumentRecord(_Record):
+    """Name and dense shape (rows, columns) of one input or output."""
+
+    name: str
+    shape: tuple[int, int]
+
+
+class FunctionRecord(_Record):
+    """One generated function."""
+
+    symbol: str
+    instructions: int
+    inputs: list[ArgumentRecord]
+    outputs: list[ArgumentRecord]
+
+
+class ObjectRecord(_Record):
+    """Nominal load: kg, and kg m² at the com in the object frame."""
+
+    mass: float
+    inertia: Matrix
+
+
+class Manifest(_Record):
+    """The whole manifest; see docs/generated_files.md."""
+
+    notice: str
+    format: int
+    mrts_version: str
+    casadi_version: str
+    name: Annotated[str, Field(min_length=1)]
+    source: str
+    source_sha256: str
+    plane: Literal["xy", "xz", "yz"] | None
+    wrench_components: list[str]
+    gravity: list[float]
+    object: ObjectRecord
+    robots: Annotated[list[RobotRecord], Field(min_length=1)]
+    functions: dict[str, FunctionRecord]
+
+    def to_json(self) -> str:
+        """Deterministic text of manifest.json."""
+        return json.dumps(self.model_dump(mode="json"), indent=1, allow_nan=False) + "\n"
+
+
+def read_generated(folder: Path) -> tuple[Manifest, Path]:
+    """Read a folder that `mrts generate` wrote.
+
+    Args:
+        folder: It holds manifest.json and the C file that the manifest names.
+
+    Returns:
+        The manifest and the path of the C file.
+
+    Raises:
+        InputError: If a file is missing, of another format version, or was edited by hand.
+    """
+    path = folder / MANIFEST_NAME
+    try:
+        manifest = Manifest.model_validate_json(read_text(path, "manifest"))
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(str(part) for part in first["loc"])
+        raise InputError(
+            path, f"{first['msg']}. The file is generated: make it again with `mrts generate`.", key=key
+        ) from None
+    if manifest.format != FORMAT:
+        raise InputError(
+            path, f"this mrts reads format {FORMAT}. Make it again with `mrts generate`.",
+            key="format", value=manifest.format,
+        )
+    source = folder / Path(manifest.source).name
+    if hashlib.sha256(read_text(source, "generated C file").encode()).hexdigest() != manifest.source_sha256:
+        raise InputError(source, "differs from what its manifest describes. Make both again: `mrts generate`.")
+    return manifest, source

@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: MIT
+"""The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mrts.atomic_file import write_text_atomically
+from mrts.cell import Cell
+from mrts.constraints import cell_rows
+from mrts.coordinated_motion import CoordinatedMotion
+from mrts.rigid_transform import Array
+from mrts.scaled_trajectory import ScaledTrajectory
+from mrts.scaling_range import RangeEnd, ScalingRange, ScalingStatus
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """How far a trajectory is from what it promises; all should be rounding.
+
+    Attributes:
+        limits: Largest overstepping of (8) and (24), relative to the limit.
+        arms: Largest residual of the arms' dynamics (13) [N m].
+        object: Largest residual of the object's dynamics (20) [N, N m].
+    """
+
+    limits: float
+    arms: float
+    object: float
+
+
+@dataclass(frozen=True)
+class ScalingResult:
+    """What `mrts.scale` found.
+
+    Attributes:
+        cell: The cell.
+        motion: The given motion of the whole cell.
+        range: The admissible range of c², with the reason where there is none.
+        trajectory: The motion at the chosen c²; None if no c² is admissible.
+        fallbacks: Programs that the chosen solver did not solve and another did.
+    """
+
+    cell: Cell
+    motion: CoordinatedMotion
+    range: ScalingRange
+    trajectory: ScaledTrajectory | None
+    fallbacks: int
+
+    @property
+    def status(self) -> ScalingStatus:
+        """The outcome."""
+        return self.range.status
+
+    @property
+    def torque(self) -> dict[str, Array]:
+        """Joint torques by robot, each Shape (N, n_i) [N m or N]; empty if there is no trajectory."""
+        if self.trajectory is None:
+            return {}
+        return {name: self.trajectory.torque[:, part] for name, part in self.cell.joint_slices.items()}
+
+    @property
+    def wrench(self) -> dict[str, Array]:
+        """Contact wrenches by robot in base axes, each Shape (N, w) [N, N m]; empty if there is no trajectory."""
+        if self.trajectory is None:
+            return {}
+        return {name: self.trajectory.wrench[:, part] for name, part in self.cell.wrench_slices.items()}
+
+    def summary(self) -> str:
+        """The outcome in one or two sentences."""
+        found = self.range
+        if found.lower is None or found.upper is None or not found.status.admits_motion:
+            return f"{found.status.value}: {found.explain()}"
+        end = found.upper
+        if end.time is None:
+            return f"c² ∈ [{found.lower.c2:.4g}, ∞): {found.status.advice}"
+        text = f"c² ∈ [{found.lower.c2:.4g}, {end.c2:.4g}]: "
+        if end.c2 > 0:
+            text += f"the motion may be played {np.sqrt(end.c2):.3g} × as fast as given"
+        else:
+            text += "the cell can only hold still"
+        if found.lower.c2 > 0:
+            text += f" and no slower than {np.sqrt(found.lower.c2):.3g} ×"
+        rows = "; ".join(str(row) for row in end.rows)
+        return f"{text}; limited at t = {end.time:.4g} s by {rows}."
+
+    def residuals(self) -> Residuals:
+        """Check the trajectory against (8), (13), (20) and (24), from the terms and not from the programs.
+
+        Raises:
+            ValueError: If there is no trajectory.
+        """
+        done = self.trajectory
+        if done is None:
+            raise ValueError("there is no trajectory to check")
+        cell, motion = self.cell, self.motion
+        terms = cell.functions("terms", motion.samples, motion.inputs(cell.load))
+        arms = done.torque - terms["E"] * done.c2 - terms["G"]
+        for name, joints in cell.joint_slices.items():
+            J, F = terms["J"][:, :, joints], done.wrench[:, cell.wrench_slices[name]]
+            arms[:, joints] -= np.einsum("nwj,nw->nj", J, F)
+        carried = np.einsum("nij,nj->ni", terms["B"], done.wrench) - terms["P"] * done.c2 - terms["Q"]
+        rows = cell_rows(cell)
+        value = done.torque @ rows.torque_matrix.T + done.wrench @ rows.wrench_matrix.T
+        beyond = np.max(np.maximum(rows.lower - value, value - rows.upper), axis=0)
+        size = np.minimum(np.abs(rows.lower), np.abs(rows.upper))
+        relative = beyond / np.where(size > 0, size, 1.0)
+        return Residuals(
+            max(0.0, float(np.max(relative))), float(np.max(np.abs(arms))), float(np.max(np.abs(carried)))
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """The result as JSON values; null stands for an unbounded end."""
+        found, samples = self.range, self.range.samples
+        names = tuple(robot.name for robot in self.cell.robots)
+        output: dict[str, Any] = {
+            "status": found.status.value,
+            "cell": self.cell.name,
+            "summary": self.summary(),
+            "explanation": found.explain() or None,
+            "c2": {"lower": _end_value(found.lower), "upper": _end_value(found.upper)},
+            "binding": {"lower": _binding(found.lower), "upper": _binding(found.upper)},
+            "samples": {
+                "time": samples.time.tolist(),
+                "status": [status.value for status in samples.status],
+                "c2_lower": _finite(samples.lower),
+                "c2_upper": _finite(samples.upper),
+            },
+            "conflicts": [
+                {
+                    "sample": conflict.sample,
+                    "time": conflict.time,
+                    "rows": [row.to_json() for row in conflict.rows],
+                    "multipliers": list(conflict.multipliers),
+                    "widening": conflict.widening,
+                }
+                for conflict in samples.conflicts
+            ],
+            "solver_fallbacks": self.fallbacks,
+        }
+        done = self.trajectory
+        if done is not None:
+            time = done.time.tolist()
+            internal = {
+                name: done.internal_wrench[:, part].tolist() for name, part in self.cell.wrench_slices.items()
+            }
+            joints = {
+                name: {
+                    "names": list(robot.joints),
+                    "q": done.q[:, part].tolist(),
+                    "dq": done.dq[:, part].tolist(),
+                    "ddq": done.ddq[:, part].tolist(),
+                }
+                for (name, part), robot in zip(self.cell.joint_slices.items(), self.cell.robots, strict=True)
+            }
+            power = {name: done.power[:, part].tolist() for name, part in self.cell.joint_slices.items()}
+            output |= {
+                "selected": {"c2": done.c2, "duration": done.duration},
+                "joints": {"time": time} | joints,
+                "torque": {"time": time} | {name: self.torque[name].tolist() for name in names},
+                "wrench": {"time": time, "components": list(self.cell.wrench_components)}
+                | {name: self.wrench[name].tolist() for name in names},
+                "internal_wrench": {"time": time} | internal,
+                "power": {"time": time} | power,
+                "energy": done.energy,
+            }
+        return output
+
+    def write_json(self, path: Path | str) -> None:
+        """Write `to_json` to a file, whole or not at all.
+
+        Raises:
+            InputError: If the file cannot be written.
+        """
+        text = json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
+        write_text_atomically(Path(path), text + "\n")
+
+
+def _end_value(end: RangeEnd | None) -> float | None:
+    return end.c2 if end is not None and np.isfinite(end.c2) else None
+
+
+def _binding(end: RangeEnd | None) -> dict[str, Any] | None:
+    if end is None or end.time is None:
+        return None
+    return {"time": end.time, "rows": [row.to_json() for row in end.rows]}
+
+
+def _finite(values: Array) -> list[float | None]:
+    return [float(value) if np.isfinite(value) else None for value in values]

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: MIT
+"""From a cell and its motion to the linear rows of every sample, in any formulation."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from mrts.cell import Cell
+from mrts.constraints import cell_rows
+from mrts.coordinated_motion import CoordinatedMotion
+from mrts.errors import InputError, MotionError
+from mrts.limit_rows import RowName
+from mrts.load_sharing import LoadSharing
+from mrts.rigid_transform import Array
+
+FormulationName = Literal["wrench", "torque"]
+
+TORQUE_FORM_CONDITION_LIMIT = 1e6
+"""J^-T is formed explicitly by the torque form: at this condition number ten digits are left."""
+
+
+@dataclass(frozen=True)
+class SampleProblem:
+    """Torques and wrenches as affine functions of the unknowns x, c² last, at N samples.
+
+    τ = torque_map x + torque_offset, F = wrench_map x + wrench_offset, and rows lower <= A x <= upper.
+
+    Attributes:
+        torque_map: Shape (N, m, k).
+        torque_offset: Shape (N, m) [N m].
+        wrench_map: Shape (N, n w, k).
+        wrench_offset: Shape (N, n w) [N, N m].
+        names: One a row.
+        A: Shape (N, r, k).
+        lower: Shape (N, r).
+        upper: Shape (N, r).
+        limit_lower: The limits as given, before offsets, Shape (r,).
+        limit_upper: Likewise, Shape (r,).
+    """
+
+    torque_map: Array
+    torque_offset: Array
+    wrench_map: Array
+    wrench_offset: Array
+    names: tuple[RowName, ...]
+    A: Array
+    lower: Array
+    upper: Array
+    limit_lower: Array
+    limit_upper: Array
+
+    @property
+    def samples(self) -> int:
+        """Number of samples N."""
+        return self.A.shape[0]
+
+    @property
+    def unknowns(self) -> int:
+        """Number of unknowns k, c² included."""
+        return self.A.shape[2]
+
+    def torque(self, x: Array) -> Array:
+        """Torques of unknowns x, Shape (N, k), as Shape (N, m) [N m]."""
+        return apply(self.torque_map, x) + self.torque_offset
+
+    def wrench(self, x: Array) -> Array:
+        """Wrenches of unknowns x, Shape (N, k), as Shape (N, n w) [N, N m], base axes."""
+        return apply(self.wrench_map, x) + self.wrench_offset
+
+    def at(self, samples: Array) -> "SampleProblem":
+        """The same problem at some samples only (indices or a mask)."""
+        return SampleProblem(
+            self.torque_map[samples],
+            self.torque_offset[samples],
+            self.wrench_map[samples],
+            self.wrench_offset[samples],
+            self.names,
+            self.A[samples],
+            self.lower[samples],
+            self.upper[samples],
+            self.limit_lower,
+            self.limit_upper,
+        )
+
+
+def apply(matrix: Array, vector: Array) -> Array:
+    """Matrix times vector sample by sample: Shape (N, r, k) and (N, k) to (N, r)."""
+    product: Array = np.einsum("nrk,nk->nr", matrix, vector)
+    return product
+
+
+def build_sample_problem(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    formulation: FormulationName = "wrench",
+    sharing: LoadSharing | None = None,
+) -> SampleProblem:
+    """Evaluate the generated formulation along the motion and put every limit into rows.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+        formulation: "wrench" (unknowns F_1 … F_{n-1}, c²) or "torque" (unknowns τ, c²).
+        sharing: A fixed distribution of the load: the only unknown is c², whatever the formulation.
+
+    Raises:
+        InputError: If the formulation does not exist, or the sharing does not fit the cell.
+        MotionError: If the torque form meets a Jacobian that is not square or not well-conditioned.
+    """
+    inputs = motion.inputs(cell.load)
+    if formulation not in {"wrench", "torque"}:
+        raise InputError("formulation", "must be 'wrench' or 'torque'.", value=formulation)
+    if sharing is not None:
+        inputs |= sharing.inputs(cell, motion)
+        maps = cell.functions("fixed_distribution", motion.samples, inputs)
+    else:
+        if formulation == "torque":
+            _check_invertible(cell, motion)
+        maps = cell.functions(f"{formulation}_form", motion.samples, inputs)
+    unknowns = maps["torque_map"].shape[2] if maps["torque_map"].ndim == 3 else 1  # noqa: PLR2004 (N, m, k)
+    torque_map = maps["torque_map"].reshape(motion.samples, -1, unknowns)
+    wrench_map = maps["wrench_map"].reshape(motion.samples, -1, unknowns)
+
+    rows = cell_rows(cell)
+    offset = maps["torque_offset"] @ rows.torque_matrix.T + maps["wrench_offset"] @ rows.wrench_matrix.T
+    A = rows.torque_matrix @ torque_map + rows.wrench_matrix @ wrench_map
+    lower, upper = rows.lower - offset, rows.upper - offset
+    names, limit_lower, limit_upper = rows.names, rows.lower, rows.upper
+    if "equality_map" in maps:
+        names = (*names, *(RowName("balance", element=part) for part in cell.wrench_components))
+        A = np.concatenate([A, maps["equality_map"]], axis=1)
+        lower = np.concatenate([lower, maps["equality_rhs"]], axis=1)
+        upper = np.concatenate([upper, maps["equality_rhs"]], axis=1)
+        nothing = np.zeros(len(cell.wrench_components))
+        limit_lower = np.concatenate([limit_lower, nothing])
+        limit_upper = np.concatenate([limit_upper, nothing])
+    return SampleProblem(
+        torque_map,
+        maps["torque_offset"],
+        wrench_map,
+        maps["wrench_offset"],
+        names,
+        A,
+        lower,
+        upper,
+        limit_lower,
+        limit_upper,
+    )
+
+
+def _check_invertible(cell: Cell, motion: CoordinatedMotion) -> None:
+    size = len(cell.wrench_components)
+    for robot in cell.robots:
+        if len(robot.joints) != size:
+            raise MotionError(
+                f"the torque form needs a square Jacobian: robot '{robot.name}' has {len(robot.joints)} joints and "
+                f"{size} wrench components. Use the wrench form."
+            )
+    J = cell.functions("kinematics", motion.samples, {"q": motion.q})["jacobian"]
+    for robot in cell.robots:
+        condition = np.linalg.cond(J[:, :, cell.joint_slices[robot.name]])
+        worst = int(np.argmax(condition))
+        if not condition[worst] <= TORQUE_FORM_CONDITION_LIMIT:
+            raise MotionError(
+                f"the torque form inverts Jacobians: at sample {worst} (t = {motion.object.time[worst]:.6g} s) that of "
+                f"robot '{robot.name}' has the condition number {condition[worst]:.3g}, the limit is "
+                f"{TORQUE_FORM_CONDITION_LIMIT:.0e}. Use the wrench form."
+            )

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: MIT
+"""MMTSF, the paper's algorithm, whole: range, choice of c², torques."""
+
+from typing import Literal
+
+import numpy as np
+
+from mrts.cell import Cell
+from mrts.coordinated_motion import CoordinatedMotion, follow_object
+from mrts.errors import SelectionError
+from mrts.load_sharing import LoadSharing
+from mrts.object_motion import ObjectMotion
+from mrts.result import ScalingResult
+from mrts.rigid_transform import Array
+from mrts.sample_problem import FormulationName, build_sample_problem
+from mrts.scaled_trajectory import scaled_trajectory
+from mrts.scaling_range import ScalingRange, ScalingStatus, intersect, sample_ranges
+from mrts.solvers import DEFAULT_SOLVER
+from mrts.torque_distribution import distribute_torques, torque_weights
+
+Selection = Literal["auto", "fastest", "nominal"] | float
+
+
+def scale(
+    cell: Cell,
+    motion: ObjectMotion | CoordinatedMotion,
+    select: Selection = "auto",
+    *,
+    sharing: LoadSharing | None = None,
+    formulation: FormulationName = "wrench",
+    weights: Array | None = None,
+    solver: str = DEFAULT_SOLVER,
+) -> ScalingResult:
+    """Find the admissible range of c², choose c² and distribute the torques (steps 1 to 5 of MMTSF).
+
+    Args:
+        cell: The cell.
+        motion: Motion of the object, or of the whole cell.
+        select: "fastest" takes c²⁺, "nominal" takes 1, a number takes itself; "auto" is "fastest", or "nominal"
+            where nothing limits the speed.
+        sharing: A fixed distribution of the load; None leaves it to the quadratic program.
+        formulation: "wrench", or the paper's "torque".
+        weights: W of the quadratic program: None for the identity, diagonal, Shape (m,), or Shape (m, m).
+        solver: Name in the registry of solvers.
+
+    Returns:
+        The outcome. An infeasible motion is an outcome: see `ScalingResult.range`.
+
+    Raises:
+        InputError: If an argument breaks a rule.
+        MotionError: If the arms cannot follow the object.
+        SelectionError: If c² is not in the range; its `result` holds the range.
+        SolverError: If no solver answers.
+    """
+    W = torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
+    if isinstance(motion, ObjectMotion):
+        motion = follow_object(cell, motion)
+    problem = build_sample_problem(cell, motion, formulation, sharing)
+    found = intersect(sample_ranges(problem, motion.object.time, solver))
+    untouched = ScalingResult(cell, motion, found, None, found.samples.fallbacks)
+    if not found.status.admits_motion:
+        return untouched
+    try:
+        c2 = choose_c2(found, select)
+    except SelectionError as error:
+        error.result = untouched
+        raise
+    x, fallbacks = distribute_torques(problem, c2, W, solver)
+    trajectory = scaled_trajectory(cell, motion, c2, problem.torque(x), problem.wrench(x))
+    return ScalingResult(cell, motion, found, trajectory, found.samples.fallbacks + fallbacks)
+
+
+def choose_c2(found: ScalingRange, select: Selection) -> float:
+    """Step 3.1 of MMTSF: choose c² in an admissible range.
+
+    Args:
+        found: A range that admits motion.
+        select: As in `scale`.
+
+    Raises:
+        SelectionError: If the value is not in the range, not finite, or not above 0.
+    """
+    assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
+    low, high = found.lower.c2, found.upper.c2
+    interval = f"[{low:.6g}, {high:.6g}]" if np.isfinite(high) else f"[{low:.6g}, ∞)"
+    unlimited = found.status is ScalingStatus.UNBOUNDED
+    if select == "auto":
+        select = "nominal" if unlimited else "fastest"
+    if select == "fastest":
+        if unlimited:
+            raise SelectionError(f"nothing limits the speed: c² ∈ {interval}. Choose a value.")
+        if high <= 0:
+            raise SelectionError(f"c² ∈ {interval}: the cell can only hold still. {_ends_text(found)}")
+        return high
+    c2 = 1.0 if select == "nominal" else float(select)
+    if not (np.isfinite(c2) and c2 > 0):
+        raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {interval}.")
+    if not low <= c2 <= high:
+        raise SelectionError(f"c² = {c2:g} is outside the admissible range {interval}. {_ends_text(found)}")
+    return c2
+
+
+def _ends_text(found: ScalingRange) -> str:
+    assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
+    end = found.upper
+    if end.time is None:
+        return ""
+    return f"The upper end is set at t = {end.time:.4g} s by {'; '.join(str(row) for row in end.rows)}."

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: MIT
+"""The registry of solvers. A new solver is one file here and one line in `SOLVERS`."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+from mrts.errors import InputError
+from mrts.rigid_transform import Array
+from mrts.solvers.qpsol import QpsolSolver
+
+DEFAULT_SOLVER = "qpsol:qpoases"
+
+
+class BatchSolver(Protocol):
+    """Solves a batch of programs of equal size; see `mrts.convex_program.ConvexPrograms` for the shapes."""
+
+    def solve(
+        self,
+        H: Array | None,
+        g: Array,
+        A: Array,
+        lower: Array,
+        upper: Array,
+        x_lower: Array,
+        x_upper: Array,
+    ) -> tuple[Array, Array, Array]:
+        """Minimisers, row multipliers and bound multipliers; anything at all where it fails, never an exception."""
+
+    def alternatives(self) -> "list[BatchSolver]":
+        """What to try where this solver fails, in order."""
+
+
+SOLVERS: dict[str, Callable[[], BatchSolver]] = {
+    "qpsol:qpoases": lambda: QpsolSolver("qpoases"),
+    "qpsol:highs": lambda: QpsolSolver("highs"),
+}
+
+
+def make_solver(name: str) -> BatchSolver:
+    """A solver by its registered name.
+
+    Raises:
+        InputError: If there is no such solver.
+    """
+    if name not in SOLVERS:
+        raise InputError("solver", f"there is no such solver; there are {', '.join(SOLVERS)}.", value=name)
+    return SOLVERS[name]()

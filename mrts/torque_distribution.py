@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: MIT
+"""The redundant torques at a chosen c²: a strictly convex quadratic program at every sample."""
+
+import numpy as np
+
+from mrts.convex_program import ConvexPrograms, require_verified, solve_programs
+from mrts.errors import InputError
+from mrts.rigid_transform import Array
+from mrts.sample_problem import SampleProblem
+
+SLACK = 1e-9
+"""Relative widening of the limits: at c = √c²⁺ the feasible set is a point, which rounding may miss."""
+
+
+def torque_weights(weights: Array | None, joints: int) -> Array:
+    """W as a matrix, Shape (m, m).
+
+    Args:
+        weights: None for the identity, the diagonal, Shape (m,), or the matrix, Shape (m, m).
+        joints: m.
+
+    Raises:
+        InputError: Unless W is symmetric and positive definite.
+    """
+    if weights is None:
+        return np.eye(joints)
+    given = np.asarray(weights, dtype=float)
+    if given.shape not in {(joints,), (joints, joints)} or not np.all(np.isfinite(given)):
+        raise InputError("weights", f"must be finite with Shape ({joints},) or ({joints}, {joints}).", value=weights)
+    W = np.diag(given) if given.ndim == 1 else given
+    if not np.array_equal(W, W.T) or np.linalg.eigvalsh(W)[0] <= 0:
+        raise InputError("weights", "must be symmetric and positive definite (a diagonal: all > 0).", value=weights)
+    return W
+
+
+def distribute_torques(problem: SampleProblem, c2: float, weights: Array, solver: str) -> tuple[Array, int]:
+    """Eq. (31): minimise Φ = τᵀ W τ subject to the object's balance and every limit, at c².
+
+    Args:
+        problem: Rows along the motion, in any formulation.
+        c2: Chosen c², inside the range.
+        weights: W, Shape (m, m), positive definite.
+        solver: Name in the registry.
+
+    Returns:
+        Unknowns x with c² last, Shape (N, k), and the programs that a fallback had to solve.
+
+    Raises:
+        InputError: If there is no such solver.
+        SolverError: If no solver answers.
+    """
+    count, unknowns = problem.samples, problem.unknowns
+    speed = np.full((count, 1), c2)
+    if unknowns == 1:
+        return speed, 0
+    free, by_c2 = problem.torque_map[:, :, :-1], problem.torque_map[:, :, -1]
+    at_rest = by_c2 * c2 + problem.torque_offset  # torques with all free unknowns at zero
+    H = np.einsum("nij,ik,nkl->njl", free, weights, free)
+    size = np.max(np.abs(H), axis=(1, 2), keepdims=True)
+    g = np.einsum("nij,ik,nk->nj", free, weights, at_rest)
+    given = problem.A[:, :, -1] * c2
+    lower, upper = problem.lower - given, problem.upper - given
+    slack = SLACK * (1 + np.maximum(np.abs(problem.limit_lower), np.abs(problem.limit_upper)))
+    slack = np.where(problem.limit_lower < problem.limit_upper, slack, 0.0)
+    slack = np.where(np.isfinite(slack), slack, SLACK)
+    programs = ConvexPrograms(
+        H / size,
+        g / size[:, :, 0],
+        problem.A[:, :, :-1],
+        lower - slack,
+        upper + slack,
+        np.full((count, unknowns - 1), -np.inf),
+        np.full((count, unknowns - 1), np.inf),
+    )
+    answers = solve_programs(programs, solver)
+    require_verified(answers, f"torques for c² = {c2:g}")
+    return np.concatenate([answers.x, speed], axis=1), answers.fallbacks
