@@ -45,9 +45,10 @@ class ObjectDescription(StrictModel):
     """
 
     mass: Positive
-    inertia: Annotated[list[Finite], Field(min_length=3, max_length=3)] | Annotated[
-        list[Vector3], Field(min_length=3, max_length=3)
-    ]
+    inertia: (
+        Annotated[list[Finite], Field(min_length=3, max_length=3)]
+        | Annotated[list[Vector3], Field(min_length=3, max_length=3)]
+    )
 
     def inertia_matrix(self) -> Array:
         """Inertia at the com in the object frame, Shape (3, 3) [kg m²]."""
@@ -142,7 +143,9 @@ def resolve_urdf(cell_path: Path, reference: str) -> Path:
     spec = find_spec(package) if re.fullmatch(IDENTIFIER, package) else None
     if spec is None or not spec.submodule_search_locations:
         raise InputError(
-            cell_path, f"'{package}' is not an installed Python package. Install it, or give a file path.",
-            key="robots[].urdf", value=reference,
+            cell_path,
+            f"'{package}' is not an installed Python package. Install it, or give a file path.",
+            key="robots[].urdf",
+            value=reference,
         )
     return Path(next(iter(spec.submodule_search_locations))) / inside

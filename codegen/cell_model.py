@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-
-from mrts.errors import InputError
-from mrts.rigid_transform import Array, RigidTransform
 from mrts_codegen.cell_description import Bounds, CellDescription, RobotDescription, TorqueBounds, resolve_urdf
 from mrts_codegen.planar_chain import PlanarChain, check_plane_kept, planar_chain
 from mrts_codegen.robot_model import RobotModel, build_robot_model
 from mrts_codegen.spatial_algebra import PLANE_COMPONENTS
 from mrts_codegen.urdf_file import read_urdf
+
+from mrts.errors import InputError
+from mrts.rigid_transform import Array, RigidTransform
 
 
 @dataclass(frozen=True)
@@ -75,9 +75,7 @@ def build_cell_model(path: Path, description: CellDescription) -> CellModel:
         InputError: If a URDF or an array of the cell file breaks a rule.
     """
     components = PLANE_COMPONENTS[description.plane]
-    robots = tuple(
-        _build_robot(path, description, index, len(components)) for index in range(len(description.robots))
-    )
+    robots = tuple(_build_robot(path, description, index, len(components)) for index in range(len(description.robots)))
     return CellModel(description, components, robots)
 
 
@@ -89,8 +87,10 @@ def _build_robot(path: Path, cell: CellDescription, index: int, wrench_size: int
     joints = [joint.name for joint in model.joints]
     if len(robot.posture) != len(joints):
         raise InputError(
-            path, f"must have {len(joints)} values, one for each of {', '.join(joints)}.",
-            key=f"{key}.posture", value=robot.posture,
+            path,
+            f"must have {len(joints)} values, one for each of {', '.join(joints)}.",
+            key=f"{key}.posture",
+            value=robot.posture,
         )
     torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model)
     wrench_lower, wrench_upper = _wrench_limits(path, key, robot.wrench, wrench_size)
@@ -139,16 +139,20 @@ def _torque_limits(
     for name, values in sides.items():
         if len(values) != len(joints):
             raise InputError(
-                path, f"must have {len(joints)} values, one for each of {', '.join(joints)}.",
-                key=f"{key}.{name}", value=values,
+                path,
+                f"must have {len(joints)} values, one for each of {', '.join(joints)}.",
+                key=f"{key}.{name}",
+                value=values,
             )
     upper = np.array(list(sides.values())[-1], dtype=float)
     lower = np.array(sides["torque.lower"], dtype=float) if "torque.lower" in sides else -upper
     if np.any(lower >= upper):
         joint_index = int(np.argmax(lower >= upper))
         raise InputError(
-            path, f"the lower torque limit {lower[joint_index]:g} of joint '{joints[joint_index]}' must be below "
-            f"the upper one, {upper[joint_index]:g} (a symmetric limit must be > 0).", key=f"{key}.torque",
+            path,
+            f"the lower torque limit {lower[joint_index]:g} of joint '{joints[joint_index]}' must be below "
+            f"the upper one, {upper[joint_index]:g} (a symmetric limit must be > 0).",
+            key=f"{key}.torque",
         )
     return lower, upper
 
@@ -159,8 +163,10 @@ def _wrench_limits(path: Path, key: str, bounds: Bounds, size: int) -> tuple[Arr
         if values is not None and len(values) != size:
             what = "fx, fy, fz, nx, ny, nz" if size != 3 else "two forces and the moment about the plane's normal"  # noqa: PLR2004
             raise InputError(
-                path, f"must have {size} values ({what}); null is unbounded.",
-                key=f"{key}.wrench.{name}", value=values,
+                path,
+                f"must have {size} values ({what}); null is unbounded.",
+                key=f"{key}.wrench.{name}",
+                value=values,
             )
         filled = [unbounded if value is None else value for value in values or [None] * size]
         sides.append(np.array(filled, dtype=float))
@@ -168,7 +174,8 @@ def _wrench_limits(path: Path, key: str, bounds: Bounds, size: int) -> tuple[Arr
     if np.any(lower > upper):
         component = int(np.argmax(lower > upper))
         raise InputError(
-            path, f"its lower bound {lower[component]:g} exceeds its upper bound {upper[component]:g}.",
+            path,
+            f"its lower bound {lower[component]:g} exceeds its upper bound {upper[component]:g}.",
             key=f"{key}.wrench[{component}]",
         )
     return lower, upper

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
-
 from mrts_codegen.cell_model import CellModel
 from mrts_codegen.cooperative_terms import CooperativeTerms, inverse_jacobian_transpose, load_map
 from mrts_codegen.spatial_algebra import block_diagonal, cross
@@ -87,9 +86,7 @@ def wrench_of_torque(terms: CooperativeTerms, J_D: Any) -> tuple[Any, Any]:
     return ca.horzcat(J_D, -J_D @ terms.E), -J_D @ terms.G
 
 
-def fixed_distribution(
-    cell: CellModel, terms: CooperativeTerms, shares: Any, internal_wrench: Any
-) -> Formulation:
+def fixed_distribution(cell: CellModel, terms: CooperativeTerms, shares: Any, internal_wrench: Any) -> Formulation:
     """Eq. (36): the only unknown is c²; every torque is a_i c² + b_i, every wrench likewise.
 
     Args:

@@ -4,9 +4,9 @@
 from typing import Any
 
 import casadi as ca
+from mrts_codegen.spatial_algebra import skew
 
 from mrts.rigid_transform import Array
-from mrts_codegen.spatial_algebra import skew
 
 
 def contact_offset(R_world_object: Any, r_object_tip: Array) -> Any:

@@ -6,11 +6,11 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-
-from mrts.rigid_transform import Array
 from mrts_codegen.kinematics import chain_motion
 from mrts_codegen.robot_model import RobotModel
 from mrts_codegen.spatial_algebra import cross
+
+from mrts.rigid_transform import Array
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ def inverse_dynamics(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Any)
         gravity: Downward gravity in base axes, Shape (3,) [m/s²].
     """
     motion = chain_motion(robot, q, dq, ddq, -ca.SX(gravity))
-    torques = []
+    torques: list[Any] = []
     f, n = ca.SX.zeros(3), ca.SX.zeros(3)
     for index in reversed(range(len(robot.joints))):
         joint = robot.joints[index]

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
-
 from mrts_codegen.robot_model import Joint, RobotModel
 from mrts_codegen.spatial_algebra import axis_rotation, cross
 
@@ -115,9 +114,7 @@ def chain_motion(robot: RobotModel, q: Any, dq: Any, ddq: Any, base_acceleration
             w = w + axis * dq[index]
         else:
             a = a + axis * ddq[index] + 2 * cross(w, axis) * dq[index]
-        for values, value in zip(
-            (motion.R, motion.p, motion.w, motion.dw, motion.a), (R, p, w, dw, a), strict=True
-        ):
+        for values, value in zip((motion.R, motion.p, motion.w, motion.dw, motion.a), (R, p, w, dw, a), strict=True):
             values.append(value)
     return motion
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
+from mrts_codegen.spatial_algebra import cross
 
 from mrts.rigid_transform import Array
-from mrts_codegen.spatial_algebra import cross
 
 LOAD_ENTRIES = ("mass", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 """Layout of the load vector: kg and kg m², at the com in the object frame."""

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from mrts_codegen.robot_model import RobotModel
 
 from mrts.errors import InputError
 from mrts.rigid_transform import Array, RigidTransform, multiply
-from mrts_codegen.robot_model import RobotModel
 
 PLANE_TOLERANCE = 1e-9
 """Largest entry of a rotation that still counts as zero: 1 nm at 1 m, far below any calibration."""
@@ -51,7 +51,7 @@ def plane_normal(plane: str) -> Array:
     return np.cross(unit[first], unit[second])
 
 
-def check_plane_kept(  # noqa: PLR0917 (all of one robot)
+def check_plane_kept(
     path: Path,
     key: str,
     plane: str,
@@ -68,7 +68,8 @@ def check_plane_kept(  # noqa: PLR0917 (all of one robot)
     tilt = T_world_base.R @ normal - normal
     if np.max(np.abs(tilt)) > PLANE_TOLERANCE:
         raise InputError(
-            path, f"in a cell with plane {plane} a base may turn about the plane's normal only.",
+            path,
+            f"in a cell with plane {plane} a base may turn about the plane's normal only.",
             key=f"{key}.base.rpy",
         )
     T = RigidTransform.identity()
@@ -78,15 +79,18 @@ def check_plane_kept(  # noqa: PLR0917 (all of one robot)
         off = abs(abs(along) - 1) if joint.kind == "revolute" else abs(along)
         if off > PLANE_TOLERANCE:
             raise InputError(
-                path, f"joint '{joint.name}' leaves the plane {plane}: a revolute axis must be normal to it, a "
-                "prismatic axis must lie in it. Turn the base, or drop 'plane'.", key=f"{key}.urdf",
+                path,
+                f"joint '{joint.name}' leaves the plane {plane}: a revolute axis must be normal to it, a "
+                "prismatic axis must lie in it. Turn the base, or drop 'plane'.",
+                key=f"{key}.urdf",
             )
     R_base_tip = multiply(T.R, model.tip.R)
     R_tip_object = multiply(R_base_tip, T_object_tip.R.T)
     if np.max(np.abs(R_tip_object @ normal - normal)) > PLANE_TOLERANCE:
         angle = np.degrees(np.arccos(np.clip((R_tip_object @ normal) @ normal, -1, 1)))
         raise InputError(
-            path, f"the tip frame '{model.tip_link}' is tilted by {angle:.4g}° against the object. Choose a grasp "
+            path,
+            f"the tip frame '{model.tip_link}' is tilted by {angle:.4g}° against the object. Choose a grasp "
             f"rotation that differs from the tip's own only about the plane's normal ({plane}).",
             key=f"{key}.grasp.rpy",
         )
@@ -105,6 +109,4 @@ def planar_chain(plane: str, model: RobotModel) -> PlanarChain | None:
         signs.append(float(np.sign((T.R @ joint.axis) @ normal)))
     T = T @ model.tip
     points.append(T.p[axes])
-    return PlanarChain(
-        points[0], np.diff(np.array(points), axis=0), np.array(signs), T.R, float(T.p @ np.abs(normal))
-    )
+    return PlanarChain(points[0], np.diff(np.array(points), axis=0), np.array(signs), T.R, float(T.p @ np.abs(normal)))

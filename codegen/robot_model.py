@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from mrts_codegen.cell_description import inertia_problem
 
 from mrts.errors import InputError
 from mrts.rigid_transform import Array, RigidTransform, multiply, snap_rotation
-from mrts_codegen.cell_description import inertia_problem
 
 MOVING_TYPES = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic"}
 
@@ -35,9 +35,7 @@ class Inertia:
 
     def seen_from(self, T: RigidTransform) -> "Inertia":
         """The same body in frame a, where `T` is the pose of its frame in a."""
-        return Inertia(
-            self.mass, T.p + multiply(T.R, self.com), multiply(multiply(T.R, self.at_com), T.R.T)
-        )
+        return Inertia(self.mass, T.p + multiply(T.R, self.com), multiply(multiply(T.R, self.at_com), T.R.T))
 
     def __add__(self, other: "Inertia") -> "Inertia":
         mass = self.mass + other.mass
@@ -112,9 +110,7 @@ def build_robot_model(path: Path, urdf: Any, base_link: str | None, tip_link: st
     base_link = base_link or next(name for name in links if name not in joint_above)
     for key, name in (("base_link", base_link), ("tip_link", tip_link)):
         if name not in links:
-            raise InputError(
-                path, f"there is no such link. Its links are: {', '.join(links)}.", key=key, value=name
-            )
+            raise InputError(path, f"there is no such link. Its links are: {', '.join(links)}.", key=key, value=name)
     chain: list[Any] = []
     link = tip_link
     while link != base_link:
@@ -134,8 +130,10 @@ def build_robot_model(path: Path, urdf: Any, base_link: str | None, tip_link: st
     for urdf_joint in chain:
         if urdf_joint.type not in {*MOVING_TYPES, "fixed"}:
             raise InputError(
-                path, f"a joint on the chain must be one of {', '.join(MOVING_TYPES)}, fixed.",
-                key=f"joint '{urdf_joint.name}' type", value=urdf_joint.type,
+                path,
+                f"a joint on the chain must be one of {', '.join(MOVING_TYPES)}, fixed.",
+                key=f"joint '{urdf_joint.name}' type",
+                value=urdf_joint.type,
             )
         placement = placement @ _pose(urdf_joint.origin)
         if urdf_joint.type in MOVING_TYPES:
@@ -154,9 +152,7 @@ def _check_tree(path: Path, links: dict[str, Any], joints: list[Any]) -> None:
             if end not in links:
                 raise InputError(path, f"names a link '{end}' that is not there.", key=f"joint '{joint.name}'")
         if joint.child in parents:
-            raise InputError(
-                path, "hangs from two joints; a URDF must be a tree.", key=f"link '{joint.child}'"
-            )
+            raise InputError(path, "hangs from two joints; a URDF must be a tree.", key=f"link '{joint.child}'")
         parents[joint.child] = joint.parent
     for start in links:
         seen = {start}
@@ -196,7 +192,7 @@ def _joint(path: Path, joint: Any, placement: RigidTransform, body: Inertia) -> 
     )
 
 
-def _carried(  # noqa: PLR0913, PLR0917 (a recursion over the tree)
+def _carried(
     path: Path,
     links: dict[str, Any],
     children: dict[str, list[Any]],

@@ -18,9 +18,7 @@ PLANE_COMPONENTS = {None: (0, 1, 2, 3, 4, 5), "xy": (0, 1, 5), "xz": (0, 2, 4), 
 def skew(v: Any) -> Any:
     """Eq. (7): matrix S(v) with S(v) u = v × u, Shape (3, 3)."""
     zero = ca.SX(0)
-    return ca.vertcat(
-        ca.horzcat(zero, -v[2], v[1]), ca.horzcat(v[2], zero, -v[0]), ca.horzcat(-v[1], v[0], zero)
-    )
+    return ca.vertcat(ca.horzcat(zero, -v[2], v[1]), ca.horzcat(v[2], zero, -v[0]), ca.horzcat(-v[1], v[0], zero))
 
 
 def axis_rotation(axis: Array, angle: Any) -> Any:

@@ -48,9 +48,7 @@ def _parse(path: Path, text: str) -> Any:
     if re.search(r"<!(DOCTYPE|ENTITY)", text):
         raise InputError(path, "declares a document type or an entity; a URDF needs neither. Remove it.")
     if re.search(r"<xacro:|\$\{|\$\(", text):
-        raise InputError(
-            path, "is an unexpanded xacro. Expand it first: `xacro robot.urdf.xacro > robot.urdf`."
-        )
+        raise InputError(path, "is an unexpanded xacro. Expand it first: `xacro robot.urdf.xacro > robot.urdf`.")
     # Undeclared prefixes (gazebo extensions) are common and harmless; anything worse than that is refused.
     parser = etree.XMLParser(resolve_entities=False, no_network=True, recover=True)
     root = etree.fromstring(text.encode(), parser)
@@ -71,9 +69,7 @@ def _keep_links_and_joints(path: Path, root: Any) -> Any:
             kept.append(_checked_inertial(path, name, inertial))
     for joint in root.findall("joint"):
         name = _attribute(path, joint, "name", "a <joint>")
-        kept = etree.SubElement(
-            stripped, "joint", name=name, type=_attribute(path, joint, "type", f"joint '{name}'")
-        )
+        kept = etree.SubElement(stripped, "joint", name=name, type=_attribute(path, joint, "type", f"joint '{name}'"))
         for tag in _JOINT_CHILDREN:
             child = joint.find(tag)
             if child is not None:

@@ -1,4 +1,81 @@
 # SPDX-License-Identifier: MIT
-"""Time scaling of cooperative multi-robot motions."""
+"""Time scaling of cooperative multi-robot motions: how fast may several arms carry one object?
+
+Names are imported on first use, so that `import mrts` costs next to nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mrts.cell import Cell, Robot, load_cell
+    from mrts.coordinated_motion import CoordinatedMotion, follow_object
+    from mrts.errors import CompilerError, InputError, MotionError, MrtsError, SelectionError, SolverError
+    from mrts.load_sharing import LoadSharing
+    from mrts.object_motion import MotionDescription, ObjectMotion, load_motion, sample_motion
+    from mrts.result import ScalingResult
+    from mrts.scaled_trajectory import ScaledTrajectory
+    from mrts.scaling import scale
+    from mrts.scaling_range import SampleStatus, ScalingRange, ScalingStatus
 
 __version__ = "0.1.0"
+
+_HOMES = {
+    "Cell": "cell",
+    "CompilerError": "errors",
+    "CoordinatedMotion": "coordinated_motion",
+    "InputError": "errors",
+    "LoadSharing": "load_sharing",
+    "MotionDescription": "object_motion",
+    "MotionError": "errors",
+    "MrtsError": "errors",
+    "ObjectMotion": "object_motion",
+    "Robot": "cell",
+    "SampleStatus": "scaling_range",
+    "ScaledTrajectory": "scaled_trajectory",
+    "ScalingRange": "scaling_range",
+    "ScalingResult": "result",
+    "ScalingStatus": "scaling_range",
+    "SelectionError": "errors",
+    "SolverError": "errors",
+    "follow_object": "coordinated_motion",
+    "load_cell": "cell",
+    "load_motion": "object_motion",
+    "sample_motion": "object_motion",
+    "scale": "scaling",
+}
+
+__all__ = [
+    "Cell",
+    "CompilerError",
+    "CoordinatedMotion",
+    "InputError",
+    "LoadSharing",
+    "MotionDescription",
+    "MotionError",
+    "MrtsError",
+    "ObjectMotion",
+    "Robot",
+    "SampleStatus",
+    "ScaledTrajectory",
+    "ScalingRange",
+    "ScalingResult",
+    "ScalingStatus",
+    "SelectionError",
+    "SolverError",
+    "follow_object",
+    "load_cell",
+    "load_motion",
+    "sample_motion",
+    "scale",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'mrts' has no attribute '{name}'")
+    return getattr(import_module(f"mrts.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

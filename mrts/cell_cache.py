@@ -53,6 +53,27 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     return read_generated(folder)
 
 
+def generate_to(path: Path, folder: Path | None) -> tuple[Manifest, Path]:
+    """Generate a cell and keep it.
+
+    Args:
+        path: The cell file.
+        folder: Where to write the C file and manifest.json; None is the cache.
+
+    Returns:
+        The manifest and the path of the C file.
+
+    Raises:
+        InputError: If the cell file or a URDF breaks a rule, or the folder cannot be written.
+    """
+    if folder is None:
+        return generated_in_cache(path)
+    from mrts_codegen.generate import generate_cell  # noqa: PLC0415 (build time, on demand)
+
+    generate_cell(path).write(folder)
+    return read_generated(folder)
+
+
 def virtual_machine_functions(path: Path) -> dict[str, Any]:
     """The functions of a cell file for CasADi's virtual machine, by short name.
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from mrts.errors import SolverError
 from mrts.rigid_transform import Array
-from mrts.solvers import BatchSolver, make_solver
+from mrts.solvers import BatchSolver, with_fallbacks
 
 OPTIMALITY_TOLERANCE = 1e-9
 """On scaled rows (largest coefficient 1): residuals of feasibility, stationarity and complementarity."""
@@ -132,13 +132,13 @@ def solve_programs(programs: ConvexPrograms, solver: str) -> Answers:
     Raises:
         InputError: If there is no such solver.
     """
-    chosen = make_solver(solver)
+    backends = with_fallbacks(solver)
     scaled, factor = programs.scaled()
     count, rows, unknowns = programs.A.shape
     x, row_dual = np.zeros((count, unknowns)), np.zeros((count, rows))
     bound_dual, verified = np.zeros((count, unknowns)), np.zeros(count, dtype=bool)
     fallbacks = 0
-    for attempt, backend in enumerate([chosen, *chosen.alternatives()]):
+    for attempt, backend in enumerate(backends):
         todo = ~verified
         if not np.any(todo):
             break

@@ -98,15 +98,16 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
 
 
 def _solve(J: Array, rate: Array) -> Array:
-    solved: Array = np.linalg.solve(J, rate[:, :, None])[:, :, 0]
-    return solved
+    return np.asarray(np.linalg.solve(J, rate[:, :, None])[:, :, 0], dtype=np.float64)
 
 
 def _check_in_plane(cell: Cell, motion: ObjectMotion) -> None:
     if cell.plane is None:
         raise InputError(
-            cell.name, "this version finds joint motions for planar cells only (key 'plane'); for a spatial cell "
-            "build a CoordinatedMotion from joint positions, velocities and accelerations in Python.", key="plane",
+            cell.name,
+            "this version finds joint motions for planar cells only (key 'plane'); for a spatial cell "
+            "build a CoordinatedMotion from joint positions, velocities and accelerations in Python.",
+            key="plane",
         )
     normal = ({0, 1, 2} - {"xyz".index(axis) for axis in cell.plane}).pop()
     out_of_plane = max(float(np.max(np.abs(motion.twist[:, normal]))), _tilt(motion, normal))

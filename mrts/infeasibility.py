@@ -4,6 +4,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.convex_program import ConvexPrograms, require_verified, solve_programs
 from mrts.limit_rows import ActiveRow
@@ -61,7 +62,9 @@ def limit_scale(problem: SampleProblem) -> Array:
     return np.where(laws, 0.0, scale)
 
 
-def find_conflicts(problem: SampleProblem, time: Array, samples: Array, solver: str) -> list[Conflict | None]:
+def find_conflicts(
+    problem: SampleProblem, time: Array, samples: NDArray[np.int_], solver: str
+) -> list[Conflict | None]:
     """Decide feasibility of some samples and explain the infeasible ones.
 
     The elastic program min s, lower - s·scale <= A x <= upper + s·scale always has a solution; s > 0 exactly where
@@ -84,9 +87,7 @@ def find_conflicts(problem: SampleProblem, time: Array, samples: Array, solver: 
     scale = limit_scale(part)
     widened = np.broadcast_to(scale[None, :, None], (count, rows, 1))
     free = np.full((count, rows), np.inf)
-    A = np.concatenate(
-        [np.concatenate([part.A, -widened], axis=2), np.concatenate([part.A, widened], axis=2)], axis=1
-    )
+    A = np.concatenate([np.concatenate([part.A, -widened], axis=2), np.concatenate([part.A, widened], axis=2)], axis=1)
     g = np.zeros((count, unknowns + 1))
     g[:, -1] = 1
     x_lower = np.full((count, unknowns + 1), -np.inf)
@@ -130,7 +131,7 @@ def separation(problem: SampleProblem, index: int, y: Array) -> tuple[float, flo
         The right side, and the largest error of the left side's conditions.
     """
     combined = y @ problem.A[index]
-    error = max(float(np.max(np.abs(combined[:-1]), initial=0.0)), max(0.0, -float(combined[-1])))
+    error = max(float(np.max(np.abs(combined[:-1]), initial=0.0)), 0.0, -float(combined[-1]))
     limit = np.where(y > 0, problem.upper[index], np.where(y < 0, problem.lower[index], 0.0))
     return float(np.sum(y * limit)), error
 
@@ -138,7 +139,7 @@ def separation(problem: SampleProblem, index: int, y: Array) -> tuple[float, flo
 def _certified_rows(
     problem: SampleProblem, index: int, y: Array, scale: Array
 ) -> tuple[tuple[ActiveRow, ...], tuple[float, ...]] | None:
-    weight = np.abs(y) * np.max(np.abs(problem.A[index]), axis=1)
+    weight = np.abs(y) * (np.max(np.abs(problem.A[index]), axis=1) + scale)
     keep = weight > NEGLIGIBLE_MULTIPLIER * np.max(weight, initial=0.0)
     y = np.where(keep, y, 0.0)
     size = float(np.sum(np.abs(y) * scale))

@@ -12,8 +12,8 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 
 from mrts.errors import InputError
 
-MAX_FILE_BYTES = 1_000_000
-"""A cell or motion file is a page of text; a larger one is a mistake, and YAML aliases can make it explode."""
+MAX_FILE_BYTES = 30_000_000
+"""Far above any cell, motion, URDF or generated C file: a larger one is a mistake."""
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]

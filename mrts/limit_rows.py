@@ -94,9 +94,7 @@ class LimitRows:
         """Only the rows that have a limit on some side."""
         keep = np.isfinite(self.lower) | np.isfinite(self.upper)
         names = tuple(name for name, kept in zip(self.names, keep, strict=True) if kept)
-        return LimitRows(
-            names, self.torque_matrix[keep], self.wrench_matrix[keep], self.lower[keep], self.upper[keep]
-        )
+        return LimitRows(names, self.torque_matrix[keep], self.wrench_matrix[keep], self.lower[keep], self.upper[keep])
 
 
 def stack_rows(pieces: list[LimitRows]) -> LimitRows:

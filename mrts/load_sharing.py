@@ -46,8 +46,8 @@ class LoadSharing:
         internal = np.zeros(size) if self.internal_wrench is None else np.asarray(self.internal_wrench, float)
         if internal.shape not in {(size,), (motion.samples, size)} or not np.isfinite(internal).all():
             raise InputError(
-                "internal_wrench", f"must be finite with Shape ({size},) or ({motion.samples}, {size}); it has "
-                f"{internal.shape}."
+                "internal_wrench",
+                f"must be finite with Shape ({size},) or ({motion.samples}, {size}); it has {internal.shape}.",
             )
         internal = np.broadcast_to(internal, (motion.samples, size))
         B = cell.functions("terms", motion.samples, motion.inputs(cell.load))["B"]
@@ -55,7 +55,7 @@ class LoadSharing:
         worst = int(np.argmax(net))
         if net[worst] > BALANCE_TOLERANCE * (1 + float(np.max(np.abs(internal[worst])))):
             raise InputError(
-                "internal_wrench", f"must not move the object: at sample {worst} its net effect Σ B_i F_i is "
-                f"{net[worst]:.3g} (N, N m)."
+                "internal_wrench",
+                f"must not move the object: at sample {worst} its net effect Σ B_i F_i is {net[worst]:.3g} (N, N m).",
             )
         return {"shares": shares, "internal_wrench": internal}

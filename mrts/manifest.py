@@ -135,8 +135,10 @@ def read_generated(folder: Path) -> tuple[Manifest, Path]:
         ) from None
     if manifest.format != FORMAT:
         raise InputError(
-            path, f"this mrts reads format {FORMAT}. Make it again with `mrts generate`.",
-            key="format", value=manifest.format,
+            path,
+            f"this mrts reads format {FORMAT}. Make it again with `mrts generate`.",
+            key="format",
+            value=manifest.format,
         )
     source = folder / Path(manifest.source).name
     if hashlib.sha256(read_text(source, "generated C file").encode()).hexdigest() != manifest.source_sha256:

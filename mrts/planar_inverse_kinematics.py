@@ -30,7 +30,8 @@ def planar_joint_positions(cell: Cell, robot: Robot, motion: ObjectMotion) -> Ar
     distance = [np.max(np.abs(_wrap(branch[0] - robot.posture))) for branch in branches]
     nearest = branches[int(np.argmin(distance))]
     start = robot.posture + _wrap(nearest[0] - robot.posture)
-    return start + (np.unwrap(nearest, axis=0) - nearest[0])
+    positions: Array = start + (np.unwrap(nearest, axis=0) - nearest[0])
+    return positions
 
 
 def planar_branches(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Array]:
@@ -45,7 +46,8 @@ def planar_branches(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Arr
     chain = robot.planar_chain
     if chain is None or cell.plane is None:
         raise InputError(
-            cell.name, "planar inverse kinematics needs three revolute joints normal to the plane.",
+            cell.name,
+            "planar inverse kinematics needs three revolute joints normal to the plane.",
             key=f"robot '{robot.name}'",
         )
     R_world_base, p_world_base = robot.T_world_base.R, robot.T_world_base.p

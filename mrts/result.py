@@ -108,9 +108,7 @@ class ScalingResult:
         beyond = np.max(np.maximum(rows.lower - value, value - rows.upper), axis=0)
         size = np.minimum(np.abs(rows.lower), np.abs(rows.upper))
         relative = beyond / np.where(size > 0, size, 1.0)
-        return Residuals(
-            max(0.0, float(np.max(relative))), float(np.max(np.abs(arms))), float(np.max(np.abs(carried)))
-        )
+        return Residuals(max(0.0, float(np.max(relative))), float(np.max(np.abs(arms))), float(np.max(np.abs(carried))))
 
     def to_json(self) -> dict[str, Any]:
         """The result as JSON values; null stands for an unbounded end."""
@@ -144,9 +142,7 @@ class ScalingResult:
         done = self.trajectory
         if done is not None:
             time = done.time.tolist()
-            internal = {
-                name: done.internal_wrench[:, part].tolist() for name, part in self.cell.wrench_slices.items()
-            }
+            internal = {name: done.internal_wrench[:, part].tolist() for name, part in self.cell.wrench_slices.items()}
             joints = {
                 name: {
                     "names": list(robot.joints),
@@ -169,14 +165,17 @@ class ScalingResult:
             }
         return output
 
+    def json_text(self) -> str:
+        """`to_json` as text."""
+        return json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
+
     def write_json(self, path: Path | str) -> None:
-        """Write `to_json` to a file, whole or not at all.
+        """Write `json_text` to a file, whole or not at all.
 
         Raises:
             InputError: If the file cannot be written.
         """
-        text = json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
-        write_text_atomically(Path(path), text + "\n")
+        write_text_atomically(Path(path), self.json_text() + "\n")
 
 
 def _end_value(end: RangeEnd | None) -> float | None:

@@ -45,8 +45,10 @@ class RigidTransform:
 def multiply(a: Array, b: Array) -> Array:
     """Product of a matrix, Shape (3, 3), with a matrix or vector; each sum runs in index order."""
     if b.ndim == 1:
-        return a[:, 0] * b[0] + a[:, 1] * b[1] + a[:, 2] * b[2]
-    return a[:, 0:1] * b[0:1] + a[:, 1:2] * b[1:2] + a[:, 2:3] * b[2:3]
+        b = b[:, None]
+        return multiply(a, b)[:, 0]
+    product: Array = a[:, 0:1] * b[0:1] + a[:, 1:2] * b[1:2] + a[:, 2:3] * b[2:3]
+    return product
 
 
 def snap_rotation(R: Array) -> Array:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.cell import Cell
 from mrts.constraints import cell_rows
@@ -53,12 +54,12 @@ class SampleProblem:
     @property
     def samples(self) -> int:
         """Number of samples N."""
-        return self.A.shape[0]
+        return len(self.A)
 
     @property
     def unknowns(self) -> int:
         """Number of unknowns k, c² included."""
-        return self.A.shape[2]
+        return int(self.A.shape[2])
 
     def torque(self, x: Array) -> Array:
         """Torques of unknowns x, Shape (N, k), as Shape (N, m) [N m]."""
@@ -68,7 +69,7 @@ class SampleProblem:
         """Wrenches of unknowns x, Shape (N, k), as Shape (N, n w) [N, N m], base axes."""
         return apply(self.wrench_map, x) + self.wrench_offset
 
-    def at(self, samples: Array) -> "SampleProblem":
+    def at(self, samples: NDArray[np.int_]) -> "SampleProblem":
         """The same problem at some samples only (indices or a mask)."""
         return SampleProblem(
             self.torque_map[samples],

@@ -302,8 +302,7 @@ def _ends_by_linear_programs(problem: SampleProblem, solver: str) -> _Ends:
     free = (most.x[:, -1] >= cap * (1 - POINT_TOLERANCE)) | (effect == 0)
     high = np.where(free, np.inf, high)
     low_rows = [
-        _active_rows(problem, least.row_dual[sample], float(least.bound_dual[sample, -1]))
-        for sample in range(count)
+        _active_rows(problem, least.row_dual[sample], float(least.bound_dual[sample, -1])) for sample in range(count)
     ]
     high_rows = [_active_rows(problem, most.row_dual[sample], 0.0) for sample in range(count)]
     undecided = ~(least.verified & most.verified)

@@ -7,6 +7,7 @@ from typing import Protocol
 from mrts.errors import InputError
 from mrts.rigid_transform import Array
 from mrts.solvers.qpsol import QpsolSolver
+from mrts.solvers.scipy_highs import ScipyHighsSolver
 
 DEFAULT_SOLVER = "qpsol:qpoases"
 
@@ -26,22 +27,24 @@ class BatchSolver(Protocol):
     ) -> tuple[Array, Array, Array]:
         """Minimisers, row multipliers and bound multipliers; anything at all where it fails, never an exception."""
 
-    def alternatives(self) -> "list[BatchSolver]":
-        """What to try where this solver fails, in order."""
-
 
 SOLVERS: dict[str, Callable[[], BatchSolver]] = {
     "qpsol:qpoases": lambda: QpsolSolver("qpoases"),
     "qpsol:highs": lambda: QpsolSolver("highs"),
+    "qpsol:daqp": lambda: QpsolSolver("daqp"),
+    "scipy:highs": ScipyHighsSolver,
 }
 
+FALLBACKS = ("qpsol:qpoases", "scipy:highs", "qpsol:daqp")
+"""Asked in this order for what the chosen solver does not get right; between them they solve both kinds."""
 
-def make_solver(name: str) -> BatchSolver:
-    """A solver by its registered name.
+
+def with_fallbacks(name: str) -> list[BatchSolver]:
+    """A solver by its registered name, and the others to ask where it fails.
 
     Raises:
         InputError: If there is no such solver.
     """
     if name not in SOLVERS:
         raise InputError("solver", f"there is no such solver; there are {', '.join(SOLVERS)}.", value=name)
-    return SOLVERS[name]()
+    return [SOLVERS[name](), *(SOLVERS[other]() for other in FALLBACKS if other != name)]

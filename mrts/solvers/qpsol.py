@@ -3,18 +3,22 @@
 
 import contextlib
 import io
+import sys
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from mrts.errors import InputError
 from mrts.rigid_transform import Array
 
 OPTIONS: dict[str, dict[str, Any]] = {
     "qpoases": {"printLevel": "none", "error_on_fail": False},
+    "daqp": {"error_on_fail": False},
     "highs": {
         "error_on_fail": False,
-        "highs": {
+        "daqp": {"error_on_fail": False},
+    "highs": {
             "output_flag": False,
             # its default of 1e-7 is coarser than what an answer must pass
             "primal_feasibility_tolerance": 1e-10,
@@ -22,7 +26,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
         },
     },
 }
-"""Plugins that are exact on these programs (docs/extending.md tells of the others)."""
+"""Plugins that are exact on these programs: qpoases on both kinds, highs on linear, daqp on quadratic ones."""
 
 
 class QpsolSolver:
@@ -30,14 +34,20 @@ class QpsolSolver:
 
     Args:
         plugin: Key of `OPTIONS`.
+
+    Raises:
+        InputError: If the plugin would crash this process.
     """
 
     def __init__(self, plugin: str) -> None:
+        if plugin == "highs" and "highspy" in sys.modules:
+            raise InputError(
+                "solver",
+                "CasADi's HiGHS and the package highspy, which this process has imported, carry two versions of one "
+                "library and crash together. Use scipy:highs, or do not import highspy.",
+                value="qpsol:highs",
+            )
         self.plugin = plugin
-
-    def alternatives(self) -> "list[QpsolSolver]":
-        """The other plugins."""
-        return [QpsolSolver(plugin) for plugin in OPTIONS if plugin != self.plugin]
 
     def solve(
         self,

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: MIT
+"""The command line: `mrts demo`, `mrts generate`, `mrts scale`.
+
+Exit codes: 0 feasible, 1 a named infeasible outcome, 2 bad input.
+"""
+
+import argparse
+import logging
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mrts import __version__
+from mrts.errors import InputError, MrtsError, SelectionError
+
+if TYPE_CHECKING:
+    from mrts.load_sharing import LoadSharing
+    from mrts.result import ScalingResult
+    from mrts.scaling import Selection
+
+FEASIBLE, INFEASIBLE, BAD_INPUT = 0, 1, 2
+INTERRUPTED = 130
+"""What a shell expects of a program that Ctrl-C ended."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Args:
+        arguments: Without the program's name; None takes those of the process.
+
+    Returns:
+        Exit code.
+    """
+    logging.basicConfig(format="mrts: %(message)s", level=logging.WARNING)
+    options = _parser().parse_args(arguments)
+    try:
+        code: int = options.run(options)
+    except MrtsError as error:
+        print(f"mrts: error: {error}", file=sys.stderr)  # noqa: T201 (a command line prints)
+        return BAD_INPUT
+    except BrokenPipeError:
+        sys.stderr.close()  # the reader went away; nothing more to say
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("mrts: interrupted", file=sys.stderr)  # noqa: T201 (a command line prints)
+        return INTERRUPTED
+    return code
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="mrts",
+        description="How fast may several robot arms carry one object, and with which torques?",
+        epilog="Exit code: 0 feasible, 1 a named infeasible outcome, 2 bad input.",
+    )
+    parser.add_argument("--version", action="version", version=f"mrts {__version__}")
+    verbs = parser.add_subparsers(required=True, metavar="VERB")
+
+    demo = verbs.add_parser("demo", help="run the paper's examples", epilog="Example: mrts demo -o mrts-demo")
+    demo.add_argument("-o", "--output", type=Path, default=Path("mrts-demo"), metavar="DIR",
+                      help="folder for the figures and example files (default: %(default)s)")  # fmt: skip
+    demo.add_argument("--solver", default=None, help="solver of the registry (default: qpsol:qpoases)")
+    demo.set_defaults(run=_demo)
+
+    generate = verbs.add_parser(
+        "generate", help="generate the C of a cell", epilog="Example: mrts generate cell.yaml -o generated/my_cell"
+    )
+    generate.add_argument("cell", type=Path, metavar="CELL", help="cell file")
+    generate.add_argument("-o", "--output", type=Path, metavar="DIR",
+                          help="folder for the C file and manifest.json (default: the user's cache)")  # fmt: skip
+    generate.set_defaults(run=_generate)
+
+    scale = verbs.add_parser(
+        "scale",
+        help="find the range of c², choose c², distribute the torques",
+        epilog="Example: mrts scale cell.yaml motion.yaml --fastest --json result.json",
+    )
+    scale.add_argument("cell", type=Path, metavar="CELL", help="cell file, or a folder that `mrts generate` wrote")
+    scale.add_argument("motion", type=Path, metavar="MOTION", help="motion file")
+    choice = scale.add_mutually_exclusive_group()
+    choice.add_argument("--fastest", action="store_const", const="fastest", dest="select",
+                        help="play as fast as the limits allow (default)")  # fmt: skip
+    choice.add_argument("--nominal", action="store_const", const="nominal", dest="select", help="play as given, c² = 1")
+    choice.add_argument("--c2", type=float, dest="select", metavar="VALUE", help="play at this c²")
+    scale.add_argument("--share", metavar="equal|A,B,…",
+                       help="fixed distribution of the load: equal, or one share an arm")  # fmt: skip
+    scale.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
+    scale.add_argument("--formulation", choices=["wrench", "torque"], default="wrench",
+                       help="unknowns of the programs (default: %(default)s)")  # fmt: skip
+    scale.add_argument("--solver", default=None, help="solver of the registry (default: qpsol:qpoases)")
+    scale.add_argument("--json", type=Path, metavar="FILE", help="write the whole result ('-' is standard output)")
+    scale.add_argument("--plot", type=Path, metavar="DIR", help="write figures (needs the extra 'plot')")
+    scale.set_defaults(run=_scale)
+    return parser
+
+
+def _demo(options: argparse.Namespace) -> int:
+    from mrts.demo import NOTE, format_table, run_demo, write_demo_files  # noqa: PLC0415 (a light start)
+    from mrts.solvers import DEFAULT_SOLVER  # noqa: PLC0415
+
+    rows = run_demo(options.solver or DEFAULT_SOLVER)
+    _say("Two planar arms lift a bar (section VI of the paper): largest admissible c² in r(t) = c t\n")
+    _say(format_table(rows))
+    _say(f"\n{NOTE}\n")
+    write_demo_files(options.output, rows, note=_warn)
+    folder = options.output / "planar_dual_arm"
+    _say(f"Written to {options.output}: figures 4 to 8, and the example's files. Try next:")
+    _say(f"  mrts scale {folder / 'cell.yaml'} {folder / 'lift.yaml'} --plot {options.output}")
+    return FEASIBLE
+
+
+def _generate(options: argparse.Namespace) -> int:
+    from mrts.cell_cache import generate_to  # noqa: PLC0415 (a light start)
+
+    manifest, source = generate_to(options.cell, options.output)
+    _say(f"{manifest.name}: {len(manifest.functions)} functions in {source}")
+    for function in manifest.functions.values():
+        _say(f"  {function.symbol:<40} {function.instructions:>6} instructions")
+    return FEASIBLE
+
+
+def _scale(options: argparse.Namespace) -> int:
+    from mrts.cell import load_cell  # noqa: PLC0415 (a light start)
+    from mrts.object_motion import load_motion  # noqa: PLC0415
+    from mrts.scaling import scale  # noqa: PLC0415
+    from mrts.solvers import DEFAULT_SOLVER  # noqa: PLC0415
+
+    if options.plot is not None:
+        _require_matplotlib()
+    motion = load_motion(options.motion)
+    sharing = _sharing(options.share)
+    cell = load_cell(options.cell)
+    if options.no_wrench_limits:
+        cell = cell.without_wrench_limits()
+    select: Selection = "auto" if options.select is None else options.select
+    try:
+        result = scale(
+            cell,
+            motion,
+            select,
+            sharing=sharing,
+            formulation=options.formulation,
+            solver=options.solver or DEFAULT_SOLVER,
+        )
+    except SelectionError as error:
+        if error.result is not None:
+            _write(options, error.result)
+        raise
+    if str(options.json) != "-":
+        _report(result)
+    _write(options, result)
+    return FEASIBLE if result.status.admits_motion else INFEASIBLE
+
+
+def _sharing(text: str | None) -> "LoadSharing | None":
+    import numpy as np  # noqa: PLC0415 (a light start)
+
+    from mrts.load_sharing import LoadSharing  # noqa: PLC0415
+
+    if text is None:
+        return None
+    if text == "equal":
+        return LoadSharing()
+    try:
+        shares = [float(word) for word in text.split(",")]
+    except ValueError:
+        raise InputError("--share", "must be 'equal' or numbers such as 0.6,0.4.", value=text) from None
+    return LoadSharing(np.array(shares))
+
+
+def _write(options: argparse.Namespace, result: "ScalingResult") -> None:
+    if options.json is not None:
+        if str(options.json) == "-":
+            _say(result.json_text())
+        else:
+            result.write_json(options.json)
+    if options.plot is not None:
+        from mrts.figures import range_figure, trajectory_figure, write_figure  # noqa: PLC0415 (the extra 'plot')
+
+        write_figure(range_figure(result), options.plot / "c2_range.png")
+        if result.trajectory is not None:
+            title = f"{result.cell.name}, c² = {result.trajectory.c2:.4g}"
+            write_figure(trajectory_figure(result, title), options.plot / "torques_and_wrenches.png")
+
+
+def _require_matplotlib() -> None:
+    from importlib.util import find_spec  # noqa: PLC0415 (only for --plot)
+
+    if find_spec("matplotlib") is None:
+        raise InputError("--plot", "needs matplotlib: pip install 'mrts[plot]'.")
+
+
+def _report(result: "ScalingResult") -> None:
+    _say(f"{result.cell.name}: {result.summary()}")
+    done = result.trajectory
+    if done is None:
+        return
+    given = result.motion.object.time[-1]
+    _say(f"chosen c² = {done.c2:.6g}: {given:.4g} s become {done.duration:.4g} s, energy {done.energy:.4g} J\n")
+    _say(f"{'joint':<28} {'least torque':>13} {'largest torque':>15} {'limits':>22}")
+    for robot in result.cell.robots:
+        torque = result.torque[robot.name]
+        for index, joint in enumerate(robot.joints):
+            limits = f"[{robot.torque_lower[index]:g}, {robot.torque_upper[index]:g}] {robot.torque_units[index]}"
+            name = f"{robot.name}/{joint}"
+            _say(f"{name:<28} {min(torque[:, index]):>13.4g} {max(torque[:, index]):>15.4g} {limits:>22}")
+    if result.fallbacks:
+        _warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
+
+
+def _say(text: str) -> None:
+    print(text)  # noqa: T201 (a command line prints)
+
+
+def _warn(text: str) -> None:
+    print(f"mrts: {text}", file=sys.stderr)  # noqa: T201 (a command line prints)

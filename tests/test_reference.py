@@ -1,0 +1,60 @@
+"""Ranges of c² against the independent implementation, on random planar cells of 1 to 4 arms."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+from random_cells import random_planar_cell
+from reference import ReferenceCell
+
+import mrts
+
+CELLS_PER_COUNT = 25
+RANGE_TOLERANCE = 1e-7  # HiGHS and Newton tolerances of 1e-10 and 1e-12, times the condition of the programs
+MOTION_TOLERANCE = 1e-8
+
+
+@pytest.mark.parametrize("arms", [1, 2, 3, 4])
+def test_ranges_equal_the_reference(arms, tmp_path):
+    seen = Counter()
+    for seed in range(CELLS_PER_COUNT):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        paths = random_planar_cell(np.random.default_rng([arms, seed]), folder, arms)
+        seen += compare(*paths, f"{arms} arms, seed {seed}")
+    # the random cells would prove little if they were all of one kind
+    assert seen["feasible"] > 50
+    assert seen["infeasible"] > 10
+    assert seen["unbounded"] > 5
+    assert seen["minimum speed"] > 3
+
+
+def compare(cell_path, motion_path, label):
+    cell = mrts.load_cell(cell_path, backend="vm")
+    motion = mrts.follow_object(cell, mrts.load_motion(motion_path))
+    reference = ReferenceCell(cell_path)
+    _, samples = reference.object_motion(motion_path)
+    joints = reference.joint_motion(samples)
+    for index, field in enumerate((motion.q, motion.dq, motion.ddq)):
+        theirs = np.concatenate([[step[index] for step in arm] for arm in joints], axis=1)
+        if index == 0:
+            theirs = field + (theirs - field + np.pi) % (2 * np.pi) - np.pi
+        np.testing.assert_allclose(field, theirs, atol=MOTION_TOLERANCE * (1 + np.max(np.abs(theirs))), err_msg=label)
+
+    seen = Counter()
+    for even in (False, True):
+        result = mrts.scale(cell, motion, sharing=mrts.LoadSharing() if even else None)
+        ours = result.range.samples
+        for k, sample in enumerate(samples):
+            terms = reference.terms(sample, [arm[k] for arm in joints])
+            status, low, high = reference.range_at(terms, even=even)
+            where = f"{label}, sample {k}, even {even}"
+            assert ours.status[k].value == status, where
+            seen[status] += 1
+            if status == "infeasible":
+                continue
+            assert ours.lower[k] == pytest.approx(low, rel=RANGE_TOLERANCE, abs=RANGE_TOLERANCE), where
+            seen["minimum speed"] += low > RANGE_TOLERANCE
+            if status == "feasible":
+                assert ours.upper[k] == pytest.approx(high, rel=RANGE_TOLERANCE, abs=RANGE_TOLERANCE), where
+    return seen
