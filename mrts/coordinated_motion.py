@@ -14,8 +14,8 @@ from mrts.rigid_transform import Array
 CLOSURE_TOLERANCE = 1e-9
 """Largest gap between tip and grasp [m, and entries of the rotation]; closed forms leave about 1e-15."""
 
-CONDITION_LIMIT = 1e8
-"""Above this condition number of a Jacobian half of the digits of q' are lost."""
+CONDITION_LIMIT = 1e6
+"""Condition number of a Jacobian above which an arm counts as singular: ten digits of q' are left."""
 
 
 @dataclass(frozen=True)

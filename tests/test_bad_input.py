@@ -1,0 +1,287 @@
+"""Bad input through the command line: one clear paragraph, exit code 2, never a traceback."""
+
+import os
+import shutil
+
+import pytest
+import yaml
+from conftest import DATA
+
+from mrts.cli import main
+
+BOMB = """<?xml version="1.0"?><!DOCTYPE bomb [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">
+<!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;">]><robot name="&c;"><link name="base_link"/></robot>"""
+
+
+@pytest.fixture
+def files(tmp_path):
+    """A copy of the shipped cell to spoil."""
+    for path in DATA.iterdir():
+        shutil.copy(path, tmp_path / path.name)
+    return tmp_path
+
+
+def change(path, edit):
+    data = yaml.safe_load(path.read_text())
+    edit(data)
+    path.write_text(yaml.safe_dump(data))
+
+
+def refused(capsys, *arguments):
+    code = main([str(argument) for argument in arguments])
+    captured = capsys.readouterr()
+    assert code == 2, captured.out
+    assert captured.err.startswith("mrts: error: ")
+    assert "Traceback" not in captured.err
+    assert "\n\n" not in captured.err.strip()
+    return captured.err
+
+
+def run(capsys, files, *options):
+    return refused(capsys, "scale", files / "cell.yaml", files / "lift.yaml", *options)
+
+
+CELL_MISTAKES = {
+    "unknown key": (lambda d: d.update(masss=1), ["unknown key 'masss'", "The keys here are: name, gravity"]),
+    "unknown nested key": (lambda d: d["object"].update(mas=1), ["object", "did you mean 'mass'"]),
+    "missing key": (lambda d: d.pop("gravity"), ["gravity", "required"]),
+    "gravity too short": (lambda d: d.update(gravity=[0, -9.8]), ["gravity", "at least 3"]),
+    "nan": (lambda d: d.update(gravity=[0, float("nan"), 0]), ["gravity[1]", "nan", "finite"]),
+    "text for a number": (lambda d: d["object"].update(mass="heavy"), ["object.mass", "'heavy'", "number"]),
+    "truth for a number": (lambda d: d["object"].update(mass=True), ["object.mass", "number"]),
+    "negative mass": (lambda d: d["object"].update(mass=-3), ["object.mass", "-3", "greater than 0"]),
+    "zero mass": (lambda d: d["object"].update(mass=0), ["object.mass", "greater than 0"]),
+    "non-PD inertia": (
+        lambda d: d["object"].update(inertia=[[1, 2, 0], [2, 1, 0], [0, 0, 1]]),
+        ["inertia", "not positive definite", "-1, 1, 3"],
+    ),
+    "asymmetric inertia": (
+        lambda d: d["object"].update(inertia=[[1, 0.2, 0], [0, 1, 0], [0, 0, 1]]),
+        ["inertia", "not symmetric"],
+    ),
+    "triangle inequality": (lambda d: d["object"].update(inertia=[1, 1, 3]), ["triangle inequality"]),
+    "unknown plane": (lambda d: d.update(plane="zz"), ["plane", "'zz'", "'xy'"]),
+    "bad name": (lambda d: d.update(name="a; rm -rf /"), ["name", "pattern"]),
+    "two equal names": (lambda d: d["robots"][1].update(name="left"), ["two robots are called 'left'"]),
+    "reserved name": (lambda d: d["robots"][1].update(name="time"), ["cannot be called 'time'"]),
+    "no robots": (lambda d: d.update(robots=[]), ["robots", "at least 1"]),
+    "unknown tip": (lambda d: d["robots"][0].update(tip_link="tool"), ["tip_link = 'tool'", "contact"]),
+    "unknown base": (lambda d: d["robots"][0].update(base_link="socket"), ["base_link = 'socket'", "base_link"]),
+    "tip above base": (
+        lambda d: d["robots"][0].update(base_link="hand", tip_link="forearm"),
+        ["'forearm'", "not below base_link 'hand'"],
+    ),
+    "posture too long": (lambda d: d["robots"][0].update(posture=[0] * 4), ["posture", "3 values", "shoulder"]),
+    "torque too short": (lambda d: d["robots"][1].update(torque=[100, 80]), ["torque", "3 values"]),
+    "torque zero": (lambda d: d["robots"][1].update(torque=[100, 0, 50]), ["torque", "'elbow'", "must be > 0"]),
+    "torque upside down": (
+        lambda d: d["robots"][1].update(torque={"lower": [1, 1, 1], "upper": [0, 2, 2]}),
+        ["torque", "'shoulder'", "below"],
+    ),
+    "wrench of the wrong length": (
+        lambda d: d["robots"][0].update(wrench={"lower": [-2, None, None, -1]}),
+        ["wrench.lower", "3 values"],
+    ),
+    "wrench upside down": (
+        lambda d: d["robots"][0].update(wrench={"lower": [2, None, None], "upper": [-2, None, None]}),
+        ["wrench[0]", "exceeds"],
+    ),
+    "missing urdf": (lambda d: d["robots"][0].update(urdf="nothing.urdf"), ["nothing.urdf", "no such URDF"]),
+    "unknown package": (
+        lambda d: d["robots"][0].update(urdf="package://no_such_thing/arm.urdf"),
+        ["no_such_thing", "not an installed Python package"],
+    ),
+    "effort missing": (
+        lambda d: d["robots"][0].pop("torque"),
+        ["joint 'shoulder'", "effort limit is missing or 0", "torque: [shoulder, elbow, wrist]"],
+    ),
+    "tilted tip": (
+        lambda d: d["robots"][0].update(grasp={"xyz": [-1.1, 0, 0], "rpy": [0.5, 0, 0]}),
+        ["grasp.rpy", "'contact'", "tilted by 28.65°"],
+    ),
+    "tilted base": (lambda d: d["robots"][0].update(base={"rpy": [0.1, 0, 0]}), ["base.rpy", "normal"]),
+    "axis in the plane": (lambda d: d.update(plane="xz"), ["leaves the plane xz"]),
+    "base out of the plane": (
+        lambda d: d["robots"][0].update(base={"xyz": [0, 0, 0.2]}),
+        ["robot 'left'", "does not close", "0.2 m"],
+    ),
+}
+
+MOTION_MISTAKES = {
+    "zero duration": (lambda d: d.update(duration=0), ["duration", "greater than 0"]),
+    "one sample": (lambda d: d.update(samples=1), ["samples", "greater than or equal to 2"]),
+    "half a sample": (lambda d: d.update(samples=2.5), ["samples", "integer"]),
+    "unknown profile": (lambda d: d.update(profile="bang"), ["profile", "'bang'", "'trapezoid'"]),
+    "no end": (lambda d: d.pop("end"), ["end", "required"]),
+    "unknown key": (lambda d: d.update(waypoints=[]), ["unknown key 'waypoints'", "start, end"]),
+    "unreachable": (
+        lambda d: d.update(end={"xyz": [1.25, 3.0, 0]}),
+        ["robot 'left' cannot reach", "sample 100", "too far"],
+    ),
+    "infinite": (lambda d: d.update(duration=float("inf")), ["duration", "inf"]),
+}
+
+
+@pytest.mark.parametrize("mistake", CELL_MISTAKES)
+def test_mistakes_in_the_cell_file(mistake, files, capsys):
+    edit, expected = CELL_MISTAKES[mistake]
+    change(files / "cell.yaml", edit)
+    message = run(capsys, files)
+    assert str(files) in message or "robot" in message
+    for part in expected:
+        assert part in message
+
+
+@pytest.mark.parametrize("mistake", MOTION_MISTAKES)
+def test_mistakes_in_the_motion_file(mistake, files, capsys):
+    edit, expected = MOTION_MISTAKES[mistake]
+    change(files / "lift.yaml", edit)
+    message = run(capsys, files)
+    for part in expected:
+        assert part in message
+
+
+URDF_MISTAKES = {
+    "not xml": (lambda text: "robot: planar", ["not well-formed XML"]),
+    "cut off": (lambda text: text[: len(text) // 2], ["not well-formed XML", "line"]),
+    "entity bomb": (lambda text: BOMB, ["document type or an entity"]),
+    "another root": (lambda text: "<sdf/>", ["root element must be <robot>", "'sdf'"]),
+    "xacro": (lambda text: text.replace('value="5"', 'value="${m}"'), ["unexpanded xacro"]),
+    "no mass": (lambda text: text.replace('<mass value="5"/>', ""), ["link 'upper_arm'", "<mass value=…>"]),
+    "half an inertia": (lambda text: text.replace('iyz="0" ', "", 1), ["link 'upper_arm'", "ixx, ixy, ixz"]),
+    "negative mass": (lambda text: text.replace('value="5"', 'value="-5"'), ["link 'upper_arm' mass", "-5"]),
+    "nan": (lambda text: text.replace('value="5"', 'value="nan"'), ["link 'upper_arm', <mass> value", "'nan'"]),
+    "word": (lambda text: text.replace('xyz="1 0 0"', 'xyz="1 0 o"', 1), ["joint 'elbow', <origin> xyz", "'1 0 o'"]),
+    "two of three": (lambda text: text.replace('xyz="1 0 0"', 'xyz="1 0"', 1), ["3 finite numbers", "'1 0'"]),
+    "unphysical": (lambda text: text.replace('ixx="0.025"', 'ixx="2.5"'), ["link 'upper_arm' inertia", "triangle"]),
+    "zero axis": (lambda text: text.replace('xyz="0 0 1"', 'xyz="0 0 0"', 1), ["joint 'shoulder' axis", "zero"]),
+    "ball joint": (
+        lambda text: text.replace('"elbow" type="continuous"', '"elbow" type="floating"'),
+        ["joint 'elbow' type", "'floating'", "revolute"],
+    ),
+    "no parent": (lambda text: text.replace('<parent link="forearm"/>', ""), ["joint 'wrist'", "<parent link=…>"]),
+    "no such parent": (
+        lambda text: text.replace('<parent link="forearm"/>', '<parent link="elsewhere"/>'),
+        ["joint 'wrist'", "'elsewhere'"],
+    ),
+    "loop": (
+        lambda text: text.replace('<parent link="base_link"/>', '<parent link="hand"/>'),
+        ["loop", "tree"],
+    ),
+    "binary": (None, ["not UTF-8"]),
+}
+
+
+@pytest.mark.parametrize("mistake", URDF_MISTAKES)
+def test_mistakes_in_the_urdf(mistake, files, capsys):
+    edit, expected = URDF_MISTAKES[mistake]
+    path = files / "planar_arm.urdf"
+    if edit is None:
+        path.write_bytes(b"\xff\xfe\x00<robot/>")
+    else:
+        path.write_text(edit(path.read_text()))
+    message = run(capsys, files)
+    assert "planar_arm.urdf" in message
+    for part in expected:
+        assert part in message
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("name: [", ["not valid YAML", "line"]),
+        ("- a\n- b", ["mapping"]),
+        ("", ["mapping"]),
+        ("name: a\nname: b\n", ["'name' stands twice"]),
+        ("name: !!python/object/apply:os.system ['true']", ["not valid YAML"]),
+        ("a: &a [x]\nb: &b [*a,*a]\nc: [*b,*b]\n", ["unknown key 'a'"]),
+    ],
+)
+def test_files_that_are_not_a_cell(text, expected, files, capsys):
+    (files / "cell.yaml").write_text(text)
+    message = run(capsys, files)
+    for part in expected:
+        assert part in message
+
+
+def test_missing_files(files, capsys):
+    assert "no such cell file" in refused(capsys, "scale", files / "no.yaml", files / "lift.yaml")
+    assert "no such motion file" in refused(capsys, "scale", files / "cell.yaml", files / "no.yaml")
+    assert "no such manifest" in refused(capsys, "scale", files, files / "lift.yaml")
+    assert "no such cell file" in refused(capsys, "generate", files / "no.yaml")
+
+
+def test_exponents_without_a_point_are_numbers(files, capsys):
+    text = (files / "lift.yaml").read_text().replace("0.5235987755982988", "5e-1")
+    (files / "lift.yaml").write_text(text)
+    assert main(["scale", str(files / "cell.yaml"), str(files / "lift.yaml")]) == 0
+    assert "0.5 s become" in capsys.readouterr().out
+
+
+def test_unknown_solver(files, capsys):
+    message = run(capsys, files, "--solver", "magic")
+    assert "solver = 'magic'" in message
+    assert "qpsol:qpoases" in message
+
+
+@pytest.mark.parametrize(("share", "part"), [("half", "'equal'"), ("0.5,0.6", "sum to 1"), ("1", "2 numbers")])
+def test_wrong_shares(files, capsys, share, part):
+    assert part in run(capsys, files, "--share", share)
+
+
+def test_a_refused_speed_still_writes_the_range(files, capsys, tmp_path):
+    message = run(capsys, files, "--c2", "7", "--json", tmp_path / "range.json")
+    assert "outside the admissible range [0, 3.06181]" in message
+    saved = yaml.safe_load((tmp_path / "range.json").read_text())
+    assert saved["c2"]["upper"] == pytest.approx(3.0618125)
+    assert "selected" not in saved
+
+
+def test_an_output_that_cannot_be_written(files, capsys):
+    (files / "file").write_text("")
+    assert "cannot be written" in run(capsys, files, "--json", files / "file" / "result.json")
+
+
+@pytest.mark.parametrize(
+    ("compiler", "part"),
+    [("false", "exit code 1"), ("no-such-compiler -O1", "names no program"), ("cc '", "cannot be read")],
+)
+def test_a_compiler_that_fails(files, capsys, monkeypatch, tmp_path, compiler, part):
+    monkeypatch.setenv("CC", compiler)
+    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))
+    message = run(capsys, files)
+    assert part in message
+    assert "CC" in message
+    assert not list((tmp_path / "cache").rglob("*.so"))
+
+
+def test_a_compiler_that_rejects_the_code_is_quoted(files, capsys, monkeypatch, tmp_path):
+    script = tmp_path / "fake-cc"
+    script.write_text("#!/bin/sh\necho 'error: no space left' >&2\nexit 3\n")
+    script.chmod(0o755)
+    monkeypatch.setenv("CC", str(script))
+    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))
+    message = run(capsys, files)
+    assert "exit code 3" in message
+    assert "no space left" in message
+
+
+def test_a_cache_that_cannot_be_made(files, capsys, monkeypatch):
+    (files / "taken").write_text("")
+    monkeypatch.setenv("MRTS_CACHE_DIR", str(files / "taken" / "cache"))
+    assert "Set MRTS_CACHE_DIR" in run(capsys, files)
+
+
+def test_without_a_compiler_everything_runs_in_the_virtual_machine(files, capsys, caplog, monkeypatch, tmp_path):
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))
+    assert os.environ["PATH"] == str(tmp_path)
+    assert main(["scale", str(files / "cell.yaml"), str(files / "lift.yaml")]) == 0
+    assert "[0, 3.062]" in capsys.readouterr().out
+    assert [record.message for record in caplog.records].count(
+        "no C compiler found: running in CasADi's virtual machine, about 4 times slower"
+    ) == 1
+    generated = tmp_path / "generated"
+    assert main(["generate", str(files / "cell.yaml"), "-o", str(generated)]) == 0
+    assert "no C compiler was found" in refused(capsys, "scale", generated, files / "lift.yaml")

@@ -1,0 +1,97 @@
+"""The command line as a user runs it: a process of its own."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+import yaml
+from conftest import DATA
+
+import mrts
+
+
+def mrts_command(*arguments, **options):
+    command = [sys.executable, "-m", "mrts", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+
+
+def test_demo_prints_the_table_and_writes_its_folder(tmp_path):
+    done = mrts_command("demo", "-o", tmp_path / "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    for number in ("3.988", "2.949", "2.779", "0.265", "2.516", "2.406", "1.358"):
+        assert number in done.stdout
+    assert "qpOASES" not in done.stdout  # a solver's banner is not our output
+    assert (tmp_path / "out" / "figure_4.png").exists()
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_scale_reports_and_writes_the_documented_json(tmp_path, planar_cell, lift):
+    target = tmp_path / "deep" / "result.json"
+    done = mrts_command("scale", DATA / "cell.yaml", DATA / "lift.yaml", "--json", target, "--plot", tmp_path / "plots")
+    assert done.returncode == 0, done.stderr
+    assert "c² ∈ [0, 3.062]" in done.stdout
+    assert "left/elbow torque (upper, 80 N m)" in done.stdout
+    result = json.loads(target.read_text())
+    assert result["status"] == "feasible"
+    assert set(result["c2"]) == set(result["binding"]) == {"lower", "upper"}
+    assert set(result["samples"]) == {"time", "status", "c2_lower", "c2_upper"}
+    assert result["selected"]["c2"] == result["c2"]["upper"]
+    assert result["selected"]["duration"] == pytest.approx(result["torque"]["time"][-1])
+    for key in ("torque", "wrench", "internal_wrench", "power"):
+        assert {"time", "left", "right"} <= set(result[key])
+        assert len(result[key]["left"]) == len(result[key]["time"]) == 101
+    assert result == mrts.scale(planar_cell, lift).to_json()
+    assert sorted(path.name for path in (tmp_path / "plots").iterdir()) == ["c2_range.png", "torques_and_wrenches.png"]
+
+
+def test_json_to_standard_output_is_nothing_but_json():
+    done = mrts_command("scale", DATA / "cell.yaml", DATA / "lift.yaml", "--json", "-")
+    assert json.loads(done.stdout)["status"] == "feasible"
+
+
+@pytest.mark.parametrize("solver", ["qpsol:qpoases", "qpsol:highs", "qpsol:daqp", "scipy:highs"])
+@pytest.mark.parametrize("formulation", ["wrench", "torque"])
+def test_every_solver_and_formulation_gives_the_same_range(solver, formulation):
+    done = mrts_command(
+        "scale", DATA / "cell.yaml", DATA / "lift.yaml", "--solver", solver, "--formulation", formulation, "--json", "-"
+    )
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["c2"]["upper"] == pytest.approx(3.0618125415938, rel=1e-9)
+
+
+def test_options_choose_the_speed_and_the_sharing():
+    files = (DATA / "cell.yaml", DATA / "lift.yaml")
+    assert "chosen c² = 1:" in mrts_command("scale", *files, "--nominal").stdout
+    assert "chosen c² = 2.5:" in mrts_command("scale", *files, "--c2", "2.5").stdout
+    assert "[0, 2.96]" in mrts_command("scale", *files, "--share", "equal").stdout
+    assert "[0, 4.107]" in mrts_command("scale", *files, "--no-wrench-limits", "--fastest").stdout
+    assert mrts_command("scale", *files, "--nominal", "--fastest").returncode == 2
+
+
+def test_an_infeasible_motion_is_an_outcome(tmp_path):
+    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
+    cell["object"]["mass"] = 60
+    for robot in cell["robots"]:
+        robot["urdf"] = str(DATA / "planar_arm.urdf")
+    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
+    arguments = ("scale", tmp_path / "cell.yaml", DATA / "lift.yaml", "--json", tmp_path / "r.json", "--plot", tmp_path)
+    done = mrts_command(*arguments)
+    assert done.returncode == 1
+    assert done.stderr == ""
+    assert "infeasible" in done.stdout
+    assert "these limits conflict" in done.stdout
+    assert "would have to grow" in done.stdout
+    result = json.loads((tmp_path / "r.json").read_text())
+    assert result["c2"] == {"lower": None, "upper": None}
+    assert result["conflicts"][0]["rows"]
+    assert (tmp_path / "c2_range.png").exists()
+
+
+def test_help_and_version():
+    assert "demo" in mrts_command("--help").stdout
+    assert mrts_command("--version").stdout.strip() == f"mrts {mrts.__version__}"
+    for verb in ("demo", "generate", "scale"):
+        assert "Example: mrts" in mrts_command(verb, "--help").stdout
+    assert mrts_command().returncode == 2

@@ -1,0 +1,82 @@
+"""The paper's section VI: the table against the independent implementation, and what holds exactly."""
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+from reference import ReferenceCell
+
+import mrts
+from mrts.demo import PaperCase, format_table, run_demo, write_demo_files
+
+TABLE_TOLERANCE = 1e-6
+
+
+@pytest.fixture(scope="module")
+def rows():
+    return {row.case.id: row for row in run_demo()}
+
+
+def reference_range(case: PaperCase, tmp_path):
+    description = yaml.safe_load((DATA / "cell.yaml").read_text())
+    for robot in description["robots"]:
+        robot["urdf"] = str(DATA / "planar_arm.urdf")
+        robot["posture"] = case.postures.get(robot["name"], robot["posture"])
+        if not case.wrench_limits:
+            del robot["wrench"]
+    if case.mass is not None:
+        description["object"]["mass"] = case.mass
+    path = tmp_path / "cell.yaml"
+    path.write_text(yaml.safe_dump(description))
+    cell = ReferenceCell(path)
+    _, samples = cell.object_motion(DATA.parent / case.motion)
+    joints = cell.joint_motion(samples)
+    ranges = [
+        cell.range_at(cell.terms(sample, [arm[k] for arm in joints]), even=case.even) for k, sample in enumerate(samples)
+    ]
+    assert {status for status, _, _ in ranges} == {"feasible"}
+    return max(low for _, low, _ in ranges), min(high for _, _, high in ranges)
+
+
+def test_the_table_equals_the_reference(rows, tmp_path):
+    for row in rows.values():
+        low, high = reference_range(row.case, tmp_path)
+        assert row.c2 == pytest.approx(high, rel=TABLE_TOLERANCE), row.case.id
+        assert row.result.range.lower.c2 == pytest.approx(low, abs=TABLE_TOLERANCE), row.case.id
+
+
+def test_what_holds_exactly_in_any_reading(rows):
+    assert rows["6.2"].c2 / rows["6.1 (b)"].c2 == pytest.approx((6 / 20) ** 2, rel=1e-9)
+    assert rows["6.1 (a)"].c2 > rows["6.1 (b)"].c2 > rows["6.1 (c)"].c2
+    assert rows["6.3"].c2 > rows["6.3 even"].c2
+    for row in rows.values():
+        assert row.result.range.lower.c2 == 0
+        assert row.result.range.upper.time == 0
+
+
+def test_free_is_above_limited_in_the_other_configuration_too(rows, planar_cell, lift):
+    flipped = planar_cell.with_postures(rows["6.3"].case.postures).without_wrench_limits()
+    assert mrts.scale(flipped, lift).range.upper.c2 > rows["6.3"].c2
+
+
+def test_the_cases_are_the_papers(rows):
+    printed = {"6.1 (a)": 3.988, "6.1 (b)": 2.949, "6.1 (c)": 2.779, "6.2": 0.265}
+    printed |= {"6.3": 2.516, "6.3 even": 2.406, "6.4": 1.358}
+    assert {name: row.case.paper for name, row in rows.items()} == printed
+    text = format_table(list(rows.values()))
+    for name, row in rows.items():
+        assert f"{row.c2:#.4g}" in text, name
+        assert f"{100 * (row.c2 / row.case.paper - 1):+.1f}%" in text
+
+
+def test_the_figures_and_files_are_written(rows, tmp_path):
+    said = []
+    write_demo_files(tmp_path, list(rows.values()), note=said.append)
+    assert said == []
+    figures = sorted(path.name for path in tmp_path.glob("*.png"))
+    assert figures == [f"figure_{number}.png" for number in range(4, 9)]
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in tmp_path.glob("*.png"))
+    cell = mrts.load_cell(tmp_path / "planar_dual_arm" / "cell.yaml")
+    result = mrts.scale(cell, mrts.load_motion(tmp_path / "planar_dual_arm" / "lift.yaml"))
+    assert result.range.upper.c2 == pytest.approx(rows["6.1 (b)"].c2, rel=1e-12)
+    assert np.isfinite(result.trajectory.energy)
