@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from mrts.errors import InputError
-from mrts.input_file import Finite, Pose, Positive, StrictModel, Vector3, read_model
+from mrts.input_file import Finite, Pose, Positive, StrictModel, Vector3, broken_rule, read_model
 from mrts.rigid_transform import Array
 
 IDENTIFIER = r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$"
@@ -45,10 +45,7 @@ class ObjectDescription(StrictModel):
     """
 
     mass: Positive
-    inertia: (
-        Annotated[list[Finite], Field(min_length=3, max_length=3)]
-        | Annotated[list[Vector3], Field(min_length=3, max_length=3)]
-    )
+    inertia: Annotated[list[Finite | Vector3], Field(min_length=3, max_length=3)]
 
     def inertia_matrix(self) -> Array:
         """Inertia at the com in the object frame, Shape (3, 3) [kg m²]."""
@@ -57,9 +54,11 @@ class ObjectDescription(StrictModel):
 
     @model_validator(mode="after")
     def _physical(self) -> Self:
+        if len({isinstance(entry, list) for entry in self.inertia}) > 1:
+            raise broken_rule("its inertia must be three moments or three rows of three values")
         problem = inertia_problem(self.inertia_matrix())
         if problem:
-            raise ValueError(f"Value error, object.inertia {problem}")
+            raise broken_rule(f"its inertia {problem}")
         return self
 
 
@@ -91,9 +90,9 @@ class CellDescription(StrictModel):
         names = [robot.name for robot in self.robots]
         for name in names:
             if names.count(name) > 1:
-                raise ValueError(f"Value error, two robots are called '{name}'; each needs a name of its own")
+                raise broken_rule(f"two robots are called '{name}'; each needs a name of its own")
             if name in ROBOT_NAMES_TAKEN:
-                raise ValueError(f"Value error, a robot cannot be called '{name}': results use that key")
+                raise broken_rule(f"a robot cannot be called '{name}': results use that key")
         return self
 
 

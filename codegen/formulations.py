@@ -66,7 +66,10 @@ def wrench_form(terms: CooperativeTerms) -> Formulation:
 
 
 def torque_form(terms: CooperativeTerms) -> Formulation:
-    """Eq. (27): unknowns [τ, c²], A_1 = [L, -P - L E], b_1 = L G + Q; wrenches through `wrench_of_torque`."""
+    """Eqs. (21), (22), (23), (27): unknowns [τ, c²] on A_1 x = b_1, A_1 = [L, -P - L E], b_1 = L G + Q.
+
+    Every Jacobian must be square and well-conditioned.
+    """
     J_D = inverse_jacobian_transpose(terms)
     L = load_map(terms, J_D)
     joints = terms.E.numel()
@@ -82,12 +85,12 @@ def torque_form(terms: CooperativeTerms) -> Formulation:
 
 
 def wrench_of_torque(terms: CooperativeTerms, J_D: Any) -> tuple[Any, Any]:
-    """Eq. (14): F = J_D (τ - E c² - G), as [J_D, -J_D E] (A_2 of (28)) and the offset -J_D G."""
+    """Eqs. (14), (25), (28): F = J_D (τ - E c² - G) as A_2 = [J_D, -J_D E] and the offset -J_D G."""
     return ca.horzcat(J_D, -J_D @ terms.E), -J_D @ terms.G
 
 
 def fixed_distribution(cell: CellModel, terms: CooperativeTerms, shares: Any, internal_wrench: Any) -> Formulation:
-    """Eq. (36): the only unknown is c²; every torque is a_i c² + b_i, every wrench likewise.
+    """Eqs. (36), (37): the only unknown is c²; every torque is a_i c² + b_i, every wrench likewise.
 
     Args:
         cell: The cell.

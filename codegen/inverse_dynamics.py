@@ -59,7 +59,7 @@ def inverse_dynamics(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Any)
 
 
 def scaled_arm_terms(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Array) -> ScaledArmTerms:
-    """Eqs. (11), (12): with q̇ = q' ṙ and q̈ = q'' ṙ² + q' r̈ the torque (13) is E ṙ² + A r̈ + G (+ JᵀF).
+    """Eqs. (11), (12), (13): with q̇ = q' ṙ and q̈ = q'' ṙ² + q' r̈ the torque is E ṙ² + A r̈ + G (+ JᵀF).
 
     E = D q'' + q' C q', A = D q', G the gravity torque.
 

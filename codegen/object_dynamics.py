@@ -62,7 +62,7 @@ def angular_balance(inertia: Any, w: Any, dw: Any) -> Any:
 def object_terms(
     load: Any, R_world_object: Any, twist: Any, acceleration: Any, gravity: Array, components: tuple[int, ...]
 ) -> ObjectTerms:
-    """Eq. (5): both balances stacked, split by powers of ṙ and r̈ through (15) to (18).
+    """Eqs. (5), (15), (16), (17), (18): both balances stacked, split by powers of ṙ and r̈.
 
     Args:
         load: Load vector, `LOAD_ENTRIES`.

@@ -175,7 +175,7 @@ def _pose(matrix: Array | None) -> RigidTransform:
 def _joint(path: Path, joint: Any, placement: RigidTransform, body: Inertia) -> Joint:
     length = float(np.sqrt(sum(joint.axis * joint.axis)))
     if not 0 < length < np.inf:
-        raise InputError(path, "must not be zero.", key=f"joint '{joint.name}' axis", value=list(joint.axis))
+        raise InputError(path, "must not be zero.", key=f"joint '{joint.name}' axis", value=joint.axis.tolist())
     limit = joint.limit
     turns = joint.type == "continuous"
     lower = -np.inf if turns or limit is None or limit.lower is None else limit.lower

@@ -6,7 +6,6 @@ would silently replace by a default (a missing mass, a missing inertia entry) is
 """
 
 import io
-import re
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ from mrts.errors import InputError
 from mrts.input_file import read_text
 
 _INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+XACRO_NAMESPACE = "http://www.ros.org/wiki/xacro"
 _JOINT_CHILDREN = ("parent", "child", "origin", "axis", "limit", "mimic")
 
 
@@ -45,10 +45,6 @@ def read_urdf(path: Path) -> Any:
 
 
 def _parse(path: Path, text: str) -> Any:
-    if re.search(r"<!(DOCTYPE|ENTITY)", text):
-        raise InputError(path, "declares a document type or an entity; a URDF needs neither. Remove it.")
-    if re.search(r"<xacro:|\$\{|\$\(", text):
-        raise InputError(path, "is an unexpanded xacro. Expand it first: `xacro robot.urdf.xacro > robot.urdf`.")
     # Undeclared prefixes (gazebo extensions) are common and harmless; anything worse than that is refused.
     parser = etree.XMLParser(resolve_entities=False, no_network=True, recover=True)
     root = etree.fromstring(text.encode(), parser)
@@ -56,6 +52,13 @@ def _parse(path: Path, text: str) -> Any:
     if root is None or fatal:
         place = f" at line {fatal[0].line}: {fatal[0].message}" if fatal else ""
         raise InputError(path, f"is not well-formed XML{place}.")
+    if root.getroottree().docinfo.doctype:
+        raise InputError(path, "declares a document type or an entity; a URDF needs neither. Remove it.")
+    for element in root.iter(etree.Element):
+        if str(element.tag).startswith(("xacro:", f"{{{XACRO_NAMESPACE}}}")) or any(
+            mark in value for value in element.attrib.values() for mark in ("${", "$(")
+        ):
+            raise InputError(path, "is an unexpanded xacro. Expand it first: `xacro robot.urdf.xacro > robot.urdf`.")
     return root
 
 

@@ -148,8 +148,8 @@ def _check_closure(robot: Robot, index: int, motion: ObjectMotion, kinematics: d
     if max(gap[worst], turn[worst]) > CLOSURE_TOLERANCE:
         raise MotionError(
             f"robot '{robot.name}' does not close the chain at sample {worst} (t = {motion.time[worst]:.6g} s): its "
-            f"tip is {gap[worst]:.3g} m off its grasp, and turned by {turn[worst]:.3g} (largest difference of the "
-            "rotation matrices). Check base.xyz and grasp.xyz along the plane's normal, and grasp.rpy."
+            f"tip is {gap[worst]:.3g} m off its grasp (rotation matrices differ by {turn[worst]:.3g}). Check base.xyz "
+            "and grasp.xyz along the plane's normal, and grasp.rpy."
         )
 
 

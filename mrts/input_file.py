@@ -131,15 +131,43 @@ def read_model(path: Path, model: type[Model], what: str) -> Model:
         raise _input_error(path, error.errors(include_url=False)) from None
 
 
+def broken_rule(rule: str) -> PydanticCustomError:
+    """An error for a validator to raise: a rule that its sentence explains by itself, without the value."""
+    return PydanticCustomError("rule", "{rule}", {"rule": rule})
+
+
+_RULES = {
+    "finite_number": "must be a finite number",
+    "float_type": "must be a number",
+    "greater_than": "must be > {gt:g}",
+    "greater_than_equal": "must be >= {ge:g}",
+    "int_type": "must be a whole number",
+    "less_than_equal": "must be <= {le:g}",
+    "list_type": "must be a list",
+    "literal_error": "must be {expected}",
+    "missing": "this key is required",
+    "model_type": "must be a mapping of keys to values",
+    "string_pattern_mismatch": "must be letters, digits and single underscores, and start with a letter",
+    "string_type": "must be text",
+    "too_long": "has {actual_length} values, at most {max_length} belong here",
+    "too_short": "has {actual_length} values, at least {min_length} belong here",
+}
+"""Our words for pydantic's error types."""
+
+
 def _input_error(path: Path, details: list[ErrorDetails]) -> InputError:
-    first = details[0]
+    # of the alternatives of a union, the one whose error lies deepest is the one that was meant
+    first = max(details, key=lambda detail: (_keys(detail)[:1] == _keys(details[0])[:1], len(detail["loc"])))
     key = ""
-    for part in first["loc"]:
-        key += f"[{part}]" if isinstance(part, int) else f".{part}" if key else str(part)
-    rule = first["msg"]
-    rule = rule[0].lower() + rule[1:] if rule[:5] != "Value" else rule.removeprefix("Value error, ")
-    value = None if first["type"] in {"missing", "unknown_key"} else first["input"]
-    if value is None and first["type"] not in {"missing", "unknown_key"}:
-        rule = f"{rule} (it is empty)"
-    more = f" ({len(details) - 1} more after this one.)" if len(details) > 1 else ""
-    return InputError(path, f"{rule.rstrip('.')}.{more}", key=key, value=value)
+    for part in _keys(first):
+        key += f"[{part}]" if isinstance(part, int) else f".{part}" if key else part
+    rule = _RULES.get(first["type"], first["msg"]).format(**first.get("ctx", {}))
+    told = first["type"] in {"missing", "unknown_key", "rule"}
+    if first["input"] is None and not told:
+        rule += " (it is empty)"
+    return InputError(path, f"{rule.rstrip('.')}.", key=key, value=None if told else first["input"])
+
+
+def _keys(detail: ErrorDetails) -> list[str | int]:
+    """The location without the names that pydantic gives to the alternatives of a union."""
+    return [part for part in detail["loc"] if isinstance(part, int) or re.fullmatch(r"[a-z_0-9]+", part)]

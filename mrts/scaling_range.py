@@ -67,7 +67,7 @@ class ScalingStatus(Enum):
 
 @dataclass(frozen=True)
 class SampleRanges:
-    """Eq. (26): the least and the largest c² of each of N samples.
+    """The least and the largest c² of each of N samples.
 
     Attributes:
         time: Of the given motion, Shape (N,) [s].
@@ -109,7 +109,7 @@ class RangeEnd:
 
 @dataclass(frozen=True)
 class ScalingRange:
-    """Eq. (30): the intersection of the ranges of all samples.
+    """The range over the whole motion.
 
     Attributes:
         status: The outcome.
@@ -187,7 +187,7 @@ def sample_ranges(problem: SampleProblem, time: Array, solver: str) -> SampleRan
 
 
 def intersect(samples: SampleRanges) -> ScalingRange:
-    """Step 2 of MMTSF: the range that suits every sample.
+    """Eq. (30): the intersection of the ranges of all samples (step 2 of MMTSF).
 
     Args:
         samples: Ranges of all samples.
@@ -248,7 +248,7 @@ def _relaxed(problem: SampleProblem) -> SampleProblem:
 
 
 def _ends_in_closed_form(problem: SampleProblem, _solver: str) -> _Ends:
-    """Eq. (38): every row bounds c² by itself; (39) without the intersection over t."""
+    """Eqs. (38), (39): every row bounds c² by itself; `intersect` adds the intersection over t."""
     slope = problem.A[:, :, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
         at_lower, at_upper = problem.lower / slope, problem.upper / slope
@@ -276,7 +276,7 @@ def _closest_rows(problem: SampleProblem, ends: Array, c2: float, sign: Array) -
 
 
 def _ends_by_linear_programs(problem: SampleProblem, solver: str) -> _Ends:
-    """Linear programs (26) to (29) in the chosen formulation; c² is scaled to the size of the other unknowns."""
+    """Eqs. (26), (29): least and largest c² >= 0 within all limits; c² is scaled to the size of the other unknowns."""
     count, _, unknowns = problem.A.shape
     others = np.max(np.abs(problem.A[:, :, :-1]), axis=(1, 2))
     effect = np.max(np.abs(problem.A[:, :, -1]), axis=1)

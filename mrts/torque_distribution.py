@@ -34,7 +34,7 @@ def torque_weights(weights: Array | None, joints: int) -> Array:
 
 
 def distribute_torques(problem: SampleProblem, c2: float, weights: Array, solver: str) -> tuple[Array, int]:
-    """Eq. (31): minimise Φ = τᵀ W τ subject to the object's balance and every limit, at c².
+    """Eqs. (31), (32), (33), (34): minimise Φ = τᵀ W τ subject to the object's balance and every limit, at c².
 
     Args:
         problem: Rows along the motion, in any formulation.

@@ -13,11 +13,14 @@ DATA = Path(str(files("mrts") / "data")) / "planar_dual_arm"
 @pytest.fixture(scope="session", autouse=True)
 def private_cache(tmp_path_factory):
     """Tests neither read nor fill the user's cache."""
-    os.environ["MRTS_CACHE_DIR"] = str(tmp_path_factory.mktemp("cache"))
+    folder = tmp_path_factory.mktemp("cache")
+    os.environ["MRTS_CACHE_DIR"] = str(folder)
+    return folder
 
 
 @pytest.fixture(scope="session")
 def planar_cell(private_cache):
+    assert private_cache.is_dir()
     return mrts.load_cell(DATA / "cell.yaml")
 
 

@@ -117,7 +117,7 @@ def planar_urdf(rng, plane, links, signs):
 
 
 def joint_xml(name, kind, parent, child, xyz, rpy=(0, 0, 0), axis=(1, 0, 0)):
-    limit = "" if kind == "fixed" else f'<limit lower="-3" upper="3" velocity="1" effort="10"/>'
+    limit = "" if kind == "fixed" else '<limit lower="-3" upper="3" velocity="1" effort="10"/>'
     place = f'<origin xyz="{" ".join(map(str, xyz))}" rpy="{" ".join(map(str, rpy))}"/>'
     direction = f'<axis xyz="{" ".join(map(str, axis))}"/>' if kind != "fixed" else ""
     return (
@@ -139,9 +139,7 @@ def random_spatial_urdf(rng, joints: int):
         turned = " ".join(map(str, rng.uniform(-3, 3, 3)))
         parts.append(f'<link name="{name}">{inertial_xml(rng, rng.uniform(0.3, 4), 0.1, turned)}</link>')
         kind = "prismatic" if index == 2 else ("continuous" if index % 2 else "revolute")
-        parts.append(
-            joint_xml(f"j{index}", kind, parent, name, *frame(), axis=rng.normal(size=3))
-        )
+        parts.append(joint_xml(f"j{index}", kind, parent, name, *frame(), axis=rng.normal(size=3)))
         if index == 1:
             for side, side_kind in (("finger", "revolute"), ("camera", "fixed")):
                 parts.append(f'<link name="{side}">{inertial_xml(rng, 0.5, 0.05)}</link>')

@@ -99,7 +99,14 @@ class ReferenceCell:
         torque = np.array(robot["torque"], dtype=float)
         frame = model.getFrameId(robot["tip_link"])
         return Arm(
-            model, model.createData(), frame, base, grasp, np.array(robot["posture"]), np.array([-torque, torque]), wrench
+            model,
+            model.createData(),
+            frame,
+            base,
+            grasp,
+            np.array(robot["posture"]),
+            np.array([-torque, torque]),
+            wrench,
         )
 
     def object_motion(self, path: Path):
@@ -175,7 +182,7 @@ class ReferenceCell:
         Q = np.concatenate([-self.mass * self.gravity, np.zeros(3)])[self.rows]
         return Terms(E, G, J, B, P, Q)
 
-    def range_at(self, terms: Terms, even: bool = False):
+    def range_at(self, terms: Terms, *, even: bool):
         """(status, lower, upper) of one sample."""
         return highs_range(*self.program(terms, even=even))
 
@@ -195,7 +202,7 @@ class ReferenceCell:
         lower.append(terms.Q)
         upper.append(terms.Q)
         if even:
-            rows, rhs = self._even_rows(terms)
+            rows, rhs = self._even_rows()
             A.append(rows)
             lower.append(rhs)
             upper.append(rhs)
@@ -203,7 +210,7 @@ class ReferenceCell:
         x_upper = np.concatenate([*(arm.wrench[1] for arm in self.arms), [np.inf]])
         return np.vstack(A), np.concatenate(lower), np.concatenate(upper), x_lower, x_upper
 
-    def _even_rows(self, terms):
+    def _even_rows(self):
         """All forces equal and all contact moments equal, in world axes."""
         w, n = len(self.rows), len(self.arms)
         rows = []

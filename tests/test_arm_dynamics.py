@@ -135,7 +135,10 @@ def test_jacobian_and_bias_are_derivatives_of_the_pose(spatial, states):
         part = slice(3 * index, 3 * index + 3)
         moved = (ahead["position"] - behind["position"])[:, :, index] / (2 * DIFFERENCE_STEP)
         turned = np.array(
-            [pin.log3(a @ b.T) for a, b in zip(ahead["rotation"][:, :, part], behind["rotation"][:, :, part], strict=True)]
+            [
+                pin.log3(a @ b.T)
+                for a, b in zip(ahead["rotation"][:, :, part], behind["rotation"][:, :, part], strict=True)
+            ]
         ) / (2 * DIFFERENCE_STEP)
         rate = np.einsum("nwj,nj->nw", here["jacobian"][:, :, place], dq[:, place])
         np.testing.assert_allclose(rate[:, :3], moved @ R_base_world.T, atol=DIFFERENCE_TOLERANCE)

@@ -45,23 +45,31 @@ CELL_MISTAKES = {
     "unknown key": (lambda d: d.update(masss=1), ["unknown key 'masss'", "The keys here are: name, gravity"]),
     "unknown nested key": (lambda d: d["object"].update(mas=1), ["object", "did you mean 'mass'"]),
     "missing key": (lambda d: d.pop("gravity"), ["gravity", "required"]),
-    "gravity too short": (lambda d: d.update(gravity=[0, -9.8]), ["gravity", "at least 3"]),
+    "gravity too short": (lambda d: d.update(gravity=[0, -9.8]), ["gravity", "at least 3 belong here"]),
     "nan": (lambda d: d.update(gravity=[0, float("nan"), 0]), ["gravity[1]", "nan", "finite"]),
     "text for a number": (lambda d: d["object"].update(mass="heavy"), ["object.mass", "'heavy'", "number"]),
     "truth for a number": (lambda d: d["object"].update(mass=True), ["object.mass", "number"]),
-    "negative mass": (lambda d: d["object"].update(mass=-3), ["object.mass", "-3", "greater than 0"]),
-    "zero mass": (lambda d: d["object"].update(mass=0), ["object.mass", "greater than 0"]),
+    "negative mass": (lambda d: d["object"].update(mass=-3), ["object.mass", "-3", "must be > 0"]),
+    "zero mass": (lambda d: d["object"].update(mass=0), ["object.mass", "must be > 0"]),
     "non-PD inertia": (
         lambda d: d["object"].update(inertia=[[1, 2, 0], [2, 1, 0], [0, 0, 1]]),
         ["inertia", "not positive definite", "-1, 1, 3"],
     ),
+    "two moments": (lambda d: d["object"].update(inertia=[1, 1]), ["object.inertia", "has 2 values"]),
+    "a word for moments": (lambda d: d["object"].update(inertia="big"), ["object.inertia", "'big'", "list"]),
+    "a word in the matrix": (
+        lambda d: d["object"].update(inertia=[[1, 0, 0], [0, "x", 0], [0, 0, 1]]),
+        ["object.inertia[1][1]", "'x'", "number"],
+    ),
+    "a word for torque": (lambda d: d["robots"][0].update(torque="strong"), ["robots[0].torque", "'strong'"]),
+    "half of the torque": (lambda d: d["robots"][0].update(torque={"lower": [1]}), ["torque.upper", "required"]),
     "asymmetric inertia": (
         lambda d: d["object"].update(inertia=[[1, 0.2, 0], [0, 1, 0], [0, 0, 1]]),
         ["inertia", "not symmetric"],
     ),
     "triangle inequality": (lambda d: d["object"].update(inertia=[1, 1, 3]), ["triangle inequality"]),
     "unknown plane": (lambda d: d.update(plane="zz"), ["plane", "'zz'", "'xy'"]),
-    "bad name": (lambda d: d.update(name="a; rm -rf /"), ["name", "pattern"]),
+    "bad name": (lambda d: d.update(name="a; rm -rf /"), ["name", "letters, digits"]),
     "two equal names": (lambda d: d["robots"][1].update(name="left"), ["two robots are called 'left'"]),
     "reserved name": (lambda d: d["robots"][1].update(name="time"), ["cannot be called 'time'"]),
     "no robots": (lambda d: d.update(robots=[]), ["robots", "at least 1"]),
@@ -108,9 +116,9 @@ CELL_MISTAKES = {
 }
 
 MOTION_MISTAKES = {
-    "zero duration": (lambda d: d.update(duration=0), ["duration", "greater than 0"]),
-    "one sample": (lambda d: d.update(samples=1), ["samples", "greater than or equal to 2"]),
-    "half a sample": (lambda d: d.update(samples=2.5), ["samples", "integer"]),
+    "zero duration": (lambda d: d.update(duration=0), ["duration", "must be > 0"]),
+    "one sample": (lambda d: d.update(samples=1), ["samples", "must be >= 2"]),
+    "half a sample": (lambda d: d.update(samples=2.5), ["samples", "whole number"]),
     "unknown profile": (lambda d: d.update(profile="bang"), ["profile", "'bang'", "'trapezoid'"]),
     "no end": (lambda d: d.pop("end"), ["end", "required"]),
     "unknown key": (lambda d: d.update(waypoints=[]), ["unknown key 'waypoints'", "start, end"]),
@@ -142,10 +150,10 @@ def test_mistakes_in_the_motion_file(mistake, files, capsys):
 
 
 URDF_MISTAKES = {
-    "not xml": (lambda text: "robot: planar", ["not well-formed XML"]),
+    "not xml": (lambda _: "robot: planar", ["not well-formed XML"]),
     "cut off": (lambda text: text[: len(text) // 2], ["not well-formed XML", "line"]),
-    "entity bomb": (lambda text: BOMB, ["document type or an entity"]),
-    "another root": (lambda text: "<sdf/>", ["root element must be <robot>", "'sdf'"]),
+    "entity bomb": (lambda _: BOMB, ["document type or an entity"]),
+    "another root": (lambda _: "<sdf/>", ["root element must be <robot>", "'sdf'"]),
     "xacro": (lambda text: text.replace('value="5"', 'value="${m}"'), ["unexpanded xacro"]),
     "no mass": (lambda text: text.replace('<mass value="5"/>', ""), ["link 'upper_arm'", "<mass value=…>"]),
     "half an inertia": (lambda text: text.replace('iyz="0" ', "", 1), ["link 'upper_arm'", "ixx, ixy, ixz"]),

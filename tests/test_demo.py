@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import yaml
-from conftest import DATA
+from conftest import DATA, ROOT
 from reference import ReferenceCell
 
 import mrts
@@ -32,7 +32,8 @@ def reference_range(case: PaperCase, tmp_path):
     _, samples = cell.object_motion(DATA.parent / case.motion)
     joints = cell.joint_motion(samples)
     ranges = [
-        cell.range_at(cell.terms(sample, [arm[k] for arm in joints]), even=case.even) for k, sample in enumerate(samples)
+        cell.range_at(cell.terms(sample, [arm[k] for arm in joints]), even=case.even)
+        for k, sample in enumerate(samples)
     ]
     assert {status for status, _, _ in ranges} == {"feasible"}
     return max(low for _, low, _ in ranges), min(high for _, _, high in ranges)
@@ -67,6 +68,15 @@ def test_the_cases_are_the_papers(rows):
     for name, row in rows.items():
         assert f"{row.c2:#.4g}" in text, name
         assert f"{100 * (row.c2 / row.case.paper - 1):+.1f}%" in text
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/paper.md"])
+def test_the_printed_tables_are_current(rows, page):
+    lines = (ROOT / page).read_text(encoding="utf-8").splitlines()
+    for row in rows.values():
+        deviation = f"{100 * row.deviation:+.1f} %"
+        wanted = (f"| {row.case.paper:.3f} |", f"| {row.c2:#.4g} |", f"| {deviation} |")
+        assert any(all(part in line for part in wanted) for line in lines), row.case.id
 
 
 def test_the_figures_and_files_are_written(rows, tmp_path):

@@ -9,10 +9,10 @@ from importlib.resources import files
 import numpy as np
 import pytest
 from conftest import DATA, ROOT
+from mrts_codegen.generate import generate_cell
 
 import mrts
 from mrts.cell_cache import cache_folder, generated_in_cache
-from mrts_codegen.generate import generate_cell
 
 COMMITTED = ROOT / "generated" / "planar_dual_arm"
 SAME = 1e-15
@@ -43,7 +43,9 @@ def test_compiled_c_equals_the_virtual_machine(planar_cell):
         inputs = {a.name: rng.normal(size=(count, *a.shape)) for a in record.inputs}
         ours, theirs = (cell.functions(name, count, inputs) for cell in (planar_cell, machine))
         for output in ours:
-            np.testing.assert_allclose(ours[output], theirs[output], rtol=SAME, atol=SAME * np.max(np.abs(theirs[output])))
+            np.testing.assert_allclose(
+                ours[output], theirs[output], rtol=SAME, atol=SAME * np.max(np.abs(theirs[output]))
+            )
 
 
 def test_a_generated_folder_gives_the_same_result_without_the_cell_file(planar_cell, lift, tmp_path):

@@ -44,9 +44,7 @@ def test_object_wrench_is_the_rate_of_momentum_under_any_warp(cell, inputs, term
     rate, acceleration = 1.3, -0.7
     R, twist, change = (inputs[key] for key in ("object_rotation", "object_twist", "object_acceleration"))
     v, w = rate * twist[:, :3], rate * twist[:, 3:]
-    dv, dw = (
-        rate**2 * change[:, part] + acceleration * twist[:, part] for part in (slice(0, 3), slice(3, 6))
-    )
+    dv, dw = (rate**2 * change[:, part] + acceleration * twist[:, part] for part in (slice(0, 3), slice(3, 6)))
 
     def momentum(t):
         # the body turns by w t + dw t²/2 up to third order
@@ -106,9 +104,7 @@ def test_forms_follow_their_definitions(cell, inputs, terms):
 
 def test_fixed_distribution_carries_the_object_for_any_shares(cell, inputs, terms):
     shares = np.array([0.5, 0.2, 0.3])
-    maps = cell.functions(
-        "fixed_distribution", SAMPLES, inputs | {"shares": shares, "internal_wrench": np.zeros(18)}
-    )
+    maps = cell.functions("fixed_distribution", SAMPLES, inputs | {"shares": shares, "internal_wrench": np.zeros(18)})
     for of_wrench, expected in (("wrench_map", "P"), ("wrench_offset", "Q")):
         carried = np.einsum("nij,nj->ni", terms["B"], maps[of_wrench].reshape(SAMPLES, 18))
         np.testing.assert_allclose(carried, terms[expected], atol=TOLERANCE)

@@ -166,7 +166,9 @@ def test_loosening_only_a_binding_limit_raises_the_range(planar_cell, lift):
         robots = []
         for robot in planar_cell.robots:
             scale = np.array([factor if name == joint else 1.0 for name in robot.joints])
-            robots.append(replace(robot, torque_lower=robot.torque_lower * scale, torque_upper=robot.torque_upper * scale))
+            robots.append(
+                replace(robot, torque_lower=robot.torque_lower * scale, torque_upper=robot.torque_upper * scale)
+            )
         return replace(planar_cell, robots=tuple(robots))
 
     assert mrts.scale(with_torque("elbow", 1.05), lift).range.upper.c2 > before.c2 * 1.01

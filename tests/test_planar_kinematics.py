@@ -30,7 +30,7 @@ def test_mass_matrix_of_the_shipped_arm_in_closed_form(planar_cell):
     q = rng.uniform(-np.pi, np.pi, (50, 6))
     D = planar_cell.functions("dynamics", 50, {"q": q, "dq": np.zeros((50, 6))})["mass_matrix"]
     m, length, com = (5.0, 4.0, 0.5), (1.0, 1.0, 0.1), (0.5, 0.5, 0.05)
-    inertia = [mass * (3 * 0.01 + l * l) / 12 for mass, l in zip(m, length, strict=True)]
+    inertia = [mass * (3 * 0.01 + long**2) / 12 for mass, long in zip(m, length, strict=True)]
     for joints in planar_cell.joint_slices.values():
         absolute = np.cumsum(q[:, joints], axis=1)
         expected = np.zeros((50, 3, 3))
@@ -74,7 +74,9 @@ def test_both_branches_reach_and_the_posture_chooses(planar_cell, lift):
 def test_whole_turns_of_the_posture_are_kept(planar_cell, lift):
     turned = planar_cell.with_postures({"left": [2.1 + 2 * np.pi, -2.1, -4 * np.pi]})
     base = mrts.follow_object(planar_cell, lift).q
-    np.testing.assert_allclose(mrts.follow_object(turned, lift).q[:, :3] - base[:, :3], [[2 * np.pi, 0, -4 * np.pi]] * 101)
+    np.testing.assert_allclose(
+        mrts.follow_object(turned, lift).q[:, :3] - base[:, :3], [[2 * np.pi, 0, -4 * np.pi]] * 101
+    )
 
 
 def motion_to(xyz, rpy=(0, 0, 0), **changes):

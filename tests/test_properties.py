@@ -89,7 +89,10 @@ def test_both_formulations_agree(tmp_path):
             results[formulation] = mrts.scale(cell, motion, formulation=formulation)
         wrench, torque = (results[name].range for name in ("wrench", "torque"))
         assert wrench.samples.status == torque.samples.status
-        for ours, theirs in ((wrench.samples.lower, torque.samples.lower), (wrench.samples.upper, torque.samples.upper)):
+        for ours, theirs in (
+            (wrench.samples.lower, torque.samples.lower),
+            (wrench.samples.upper, torque.samples.upper),
+        ):
             np.testing.assert_allclose(ours, theirs, rtol=FORMULATION_TOLERANCE, atol=FORMULATION_TOLERANCE)
         if wrench.status.admits_motion:
             a, b = (results[name].trajectory.torque for name in ("wrench", "torque"))

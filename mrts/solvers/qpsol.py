@@ -18,7 +18,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "highs": {
         "error_on_fail": False,
         "daqp": {"error_on_fail": False},
-    "highs": {
+        "highs": {
             "output_flag": False,
             # its default of 1e-7 is coarser than what an answer must pass
             "primal_feasibility_tolerance": 1e-10,

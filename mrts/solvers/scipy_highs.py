@@ -33,7 +33,7 @@ class ScipyHighsSolver:
                 g[sample],
                 A_ub=np.concatenate([A[sample, has_upper], -A[sample, has_lower]]),
                 b_ub=np.concatenate([upper[sample, has_upper], -lower[sample, has_lower]]),
-                bounds=np.column_stack([x_lower[sample], x_upper[sample]]),
+                bounds=list(zip(x_lower[sample].tolist(), x_upper[sample].tolist(), strict=True)),
                 method="highs-ds",
                 options={
                     "primal_feasibility_tolerance": FEASIBILITY_TOLERANCE,

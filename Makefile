@@ -1,0 +1,40 @@
+# The verbs of this project. `make demo` and `make test` need nothing but Python >= 3.11, make and a C compiler.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+WORKERS ?= auto
+
+.DEFAULT_GOAL := help
+.PHONY: help install demo test check bench generate clean
+
+help:  ## show this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+install: $(VENV)/installed  ## create .venv with mrts and everything that tests and checks need
+
+$(VENV)/installed: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[plot,test,check]'
+	mkdir -p build/typing && ln -sfn ../../codegen build/typing/mrts_codegen
+	touch $@
+
+demo: install  ## generate, compile and run the paper's examples; figures in build/demo
+	$(BIN)/mrts demo -o build/demo
+
+test: install  ## run all tests
+	$(BIN)/python -m pytest -q -n $(WORKERS)
+
+check: install  ## lint, format and types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy -p mrts -p mrts_codegen
+
+bench: install  ## measure speed against what a user would otherwise run
+	$(BIN)/python benchmarks/range_speed.py
+
+generate: install  ## regenerate the committed C of the shipped cells
+	$(BIN)/mrts generate mrts/data/planar_dual_arm/cell.yaml -o generated/planar_dual_arm
+
+clean:  ## remove what the other verbs made
+	rm -rf $(VENV) build *.egg-info .pytest_cache .mypy_cache .ruff_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: MIT
+"""What the range of c² costs, against what a user would otherwise write: Pinocchio and a program at every sample.
+
+The same cell, motion and joint angles for all; terms and both ends of the range included; one process, medians.
+"""
+
+import statistics
+import sys
+import time
+from collections.abc import Callable
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import linprog
+
+import mrts
+from mrts.sample_problem import build_sample_problem
+from mrts.scaling_range import intersect, sample_ranges
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
+from reference import ReferenceCell, highs_range  # the independent implementation of the tests
+
+DATA = Path(str(files("mrts") / "data")) / "planar_dual_arm"
+REPEATS = 7
+
+
+def linprog_range(A: np.ndarray, lower: np.ndarray, upper: np.ndarray, low: np.ndarray, high: np.ndarray) -> float:
+    """Largest c² by two calls of `scipy.optimize.linprog` (the least is found and dropped)."""
+    equal = lower == upper
+    rows = np.concatenate([A[~equal], -A[~equal]])
+    rhs = np.concatenate([upper[~equal], -lower[~equal]])
+    ends = [
+        linprog(
+            np.eye(A.shape[1])[-1] * sign, rows, rhs, A[equal], lower[equal], np.column_stack([low, high]), "highs"
+        ).x[-1]
+        for sign in (1, -1)
+    ]
+    return float(ends[1])
+
+
+def median_time(run: Callable[[], float]) -> tuple[float, float]:
+    """Result and median wall time [s]."""
+    times = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        value = run()
+        times.append(time.perf_counter() - start)
+    return value, statistics.median(times)
+
+
+def main() -> None:
+    """Measure and print the table."""
+    cell = mrts.load_cell(DATA / "cell.yaml")
+    motion = mrts.follow_object(cell, mrts.load_motion(DATA / "lift.yaml"))
+    reference = ReferenceCell(DATA / "cell.yaml")
+    _, samples = reference.object_motion(DATA / "lift.yaml")
+    joints = [[(motion.q[k, s], motion.dq[k, s], motion.ddq[k, s]) for s in cell.joint_slices.values()] for k in
+              range(motion.samples)]  # fmt: skip
+
+    def ours() -> float:
+        found = intersect(sample_ranges(build_sample_problem(cell, motion), motion.object.time, "qpsol:qpoases"))
+        return found.upper.c2 if found.upper else float("nan")
+
+    def with_linprog() -> float:
+        programs = (reference.program(reference.terms(s, j), even=False) for s, j in zip(samples, joints, strict=True))
+        return min(linprog_range(*program) for program in programs)
+
+    def with_highspy() -> float:
+        programs = (reference.program(reference.terms(s, j), even=False) for s, j in zip(samples, joints, strict=True))
+        return min(highs_range(*program)[2] for program in programs)
+
+    rivals = {
+        "mrts": ours,
+        "Pinocchio + scipy.optimize.linprog": with_linprog,
+        "Pinocchio + highspy": with_highspy,
+    }
+    base = 0.0
+    print(f"range of c², planar dual-arm cell, {motion.samples} samples, median of {REPEATS}")
+    print(f"{'':<36}{'c²⁺':>10}{'ms':>10}{'µs/sample':>12}{'ratio':>9}")
+    for name, run in rivals.items():
+        value, seconds = median_time(run)
+        base = base or seconds
+        per_sample = 1e6 * seconds / motion.samples
+        print(f"{name:<36}{value:>10.6f}{1e3 * seconds:>10.2f}{per_sample:>12.1f}{seconds / base:>8.1f}x")
+
+
+if __name__ == "__main__":
+    main()
