@@ -72,6 +72,16 @@ def _bias_acceleration(sample: Sample) -> tuple[Named, Named]:
     return {"q": s.q, "dq": s.dq}, {"bias_acceleration": ca.horzcat(*columns)}
 
 
+def _jacobian_rate(sample: Sample) -> tuple[Named, Named] | None:
+    """J̇ of every arm, needed where an arm has more joints than its wrench has components."""
+    s = sample.symbols
+    if all(J.size2() <= J.size1() for J in sample.terms.J):
+        return None
+    J = ca.horzcat(*sample.terms.J)
+    rate = ca.reshape(ca.jtimes(ca.vec(J), s.q, s.dq), J.size1(), J.size2())
+    return {"q": s.q, "dq": s.dq}, {"jacobian_rate": rate}
+
+
 def _dynamics(sample: Sample) -> tuple[Named, Named]:
     s, cell = sample.symbols, sample.cell
     pieces = list(zip(cell.robots, split_joints(cell, s.q), split_joints(cell, s.dq), strict=True))
@@ -109,6 +119,7 @@ def _fixed_distribution(sample: Sample) -> tuple[Named, Named]:
 BUILDERS: dict[str, Callable[[Sample], tuple[Named, Named] | None]] = {
     "kinematics": _kinematics,
     "bias_acceleration": _bias_acceleration,
+    "jacobian_rate": _jacobian_rate,
     "dynamics": _dynamics,
     "terms": _terms,
     "wrench_form": _wrench_form,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from mrts_codegen.cell_description import Bounds, CellDescription, RobotDescription, TorqueBounds, resolve_urdf
-from mrts_codegen.planar_chain import PlanarChain, check_plane_kept, planar_chain
+from mrts_codegen.planar_cell import check_plane_kept
 from mrts_codegen.robot_model import RobotModel, build_robot_model
 from mrts_codegen.spatial_algebra import PLANE_COMPONENTS
 from mrts_codegen.urdf_file import read_urdf
@@ -32,7 +32,6 @@ class CellRobot:
         torque_upper: Shape (n,) [N m or N].
         wrench_lower: Base axes, minus infinity where unbounded, Shape (w,) [N, N m].
         wrench_upper: Base axes, infinity where unbounded, Shape (w,) [N, N m].
-        planar: Geometry for closed-form inverse kinematics, None for a spatial cell or another kind of arm.
     """
 
     name: str
@@ -46,7 +45,6 @@ class CellRobot:
     torque_upper: Array
     wrench_lower: Array
     wrench_upper: Array
-    planar: PlanarChain | None
 
 
 @dataclass(frozen=True)
@@ -96,10 +94,8 @@ def _build_robot(path: Path, cell: CellDescription, index: int, wrench_size: int
     wrench_lower, wrench_upper = _wrench_limits(path, key, robot.wrench, wrench_size)
     T_world_base = RigidTransform.from_xyz_rpy(robot.base.xyz, robot.base.rpy)
     T_object_tip = RigidTransform.from_xyz_rpy(robot.grasp.xyz, robot.grasp.rpy)
-    planar = None
     if cell.plane is not None:
         check_plane_kept(path, key, cell.plane, T_world_base, T_object_tip, model)
-        planar = planar_chain(cell.plane, model)
     return CellRobot(
         robot.name,
         model,
@@ -112,7 +108,6 @@ def _build_robot(path: Path, cell: CellDescription, index: int, wrench_size: int
         torque_upper,
         wrench_lower,
         wrench_upper,
-        planar,
     )
 
 

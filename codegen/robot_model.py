@@ -90,6 +90,13 @@ class RobotModel:
     joints: tuple[Joint, ...]
     tip: RigidTransform
 
+    def zero_frames(self) -> list[RigidTransform]:
+        """Joint frames, then the tip, in the base frame with every joint at zero."""
+        frames = [RigidTransform.identity()]
+        for step in (*(joint.placement for joint in self.joints), self.tip):
+            frames.append(frames[-1] @ step)
+        return frames[1:]
+
 
 def build_robot_model(path: Path, urdf: Any, base_link: str | None, tip_link: str) -> RobotModel:
     """Take the chain from `base_link` to `tip_link` out of a URDF; joints off the chain stay at zero.
@@ -214,6 +221,8 @@ def _link_inertia(path: Path, link: Any) -> Inertia:
         return Inertia.zero()
     if inertial.mass <= 0:
         raise InputError(path, "must be > 0 kg.", key=f"link '{link.name}' mass", value=inertial.mass)
+    if not np.any(inertial.inertia):  # a point mass, as small grippers are often given
+        return Inertia(inertial.mass, np.zeros(3), inertial.inertia).seen_from(_pose(inertial.origin))
     problem = inertia_problem(inertial.inertia)
     if problem:
         raise InputError(path, problem, key=f"link '{link.name}' inertia")

@@ -11,7 +11,7 @@ import numpy as np
 from mrts.cell_cache import generated_in_cache, virtual_machine_functions
 from mrts.cell_functions import Backend, CellFunctions, bind_functions
 from mrts.errors import InputError
-from mrts.manifest import MANIFEST_NAME, Manifest, PlanarChainRecord, PoseRecord, RobotRecord, read_generated
+from mrts.manifest import MANIFEST_NAME, Manifest, PoseRecord, RobotRecord, read_generated
 from mrts.rigid_transform import Array, RigidTransform
 
 
@@ -22,6 +22,12 @@ class Robot:
     Attributes:
         name: Name in the cell file.
         joints: Joint names, base to tip.
+        joint_types: "revolute" or "prismatic".
+        axes: Joint axes in the base frame with every joint at zero, Shape (n_i, 3).
+        points: A point on each axis, likewise, Shape (n_i, 3) [m].
+        T_base_tip: Tip in the base frame with every joint at zero.
+        position_lower: Joint limits, minus infinity where there is none, Shape (n_i,) [rad or m].
+        position_upper: Joint limits, infinity where there is none, Shape (n_i,) [rad or m].
         T_world_base: Base link in the world.
         T_object_tip: Tip link in the object frame.
         posture: Joint positions near which the motion starts, Shape (n_i,) [rad or m].
@@ -29,12 +35,16 @@ class Robot:
         torque_upper: Shape (n_i,) [N m or N].
         wrench_lower: On F_i, base axes, minus infinity where unbounded, Shape (w,) [N, N m].
         wrench_upper: On F_i, base axes, infinity where unbounded, Shape (w,) [N, N m].
-        torque_units: "N m" for a revolute joint, "N" for a prismatic one.
-        planar_chain: Geometry for closed-form planar inverse kinematics, if the arm has one.
     """
 
     name: str
     joints: tuple[str, ...]
+    joint_types: tuple[Literal["revolute", "prismatic"], ...]
+    axes: Array
+    points: Array
+    T_base_tip: RigidTransform
+    position_lower: Array
+    position_upper: Array
     T_world_base: RigidTransform
     T_object_tip: RigidTransform
     posture: Array
@@ -42,8 +52,11 @@ class Robot:
     torque_upper: Array
     wrench_lower: Array
     wrench_upper: Array
-    torque_units: tuple[str, ...]
-    planar_chain: PlanarChainRecord | None
+
+    @property
+    def torque_units(self) -> tuple[str, ...]:
+        """Unit of each joint's torque: "N m" for a revolute joint, "N" for a prismatic one."""
+        return tuple("N" if kind == "prismatic" else "N m" for kind in self.joint_types)
 
 
 @dataclass(frozen=True)
@@ -176,6 +189,12 @@ def _robot(record: RobotRecord) -> Robot:
     return Robot(
         record.name,
         tuple(joint.name for joint in record.joints),
+        tuple(joint.type for joint in record.joints),
+        np.array([joint.axis for joint in record.joints]),
+        np.array([joint.point for joint in record.joints]),
+        _transform(record.base_tip),
+        _with_infinity([joint.lower for joint in record.joints], -np.inf),
+        _with_infinity([joint.upper for joint in record.joints], np.inf),
         _transform(record.world_base),
         _transform(record.object_tip),
         np.array(record.posture),
@@ -183,8 +202,6 @@ def _robot(record: RobotRecord) -> Robot:
         np.array([joint.torque_upper for joint in record.joints]),
         _with_infinity(record.wrench_lower, -np.inf),
         _with_infinity(record.wrench_upper, np.inf),
-        tuple("N" if joint.type == "prismatic" else "N m" for joint in record.joints),
-        record.planar_chain,
     )
 
 

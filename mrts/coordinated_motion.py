@@ -7,15 +7,16 @@ import numpy as np
 
 from mrts.cell import Cell, Robot
 from mrts.errors import InputError, MotionError
+from mrts.grasp_tracking import POSE_TOLERANCE, STARTING_STEPS, Tracks, solve_grasps, track_grasps, unreachable
 from mrts.object_motion import ObjectMotion
-from mrts.planar_inverse_kinematics import planar_joint_positions
+from mrts.planar_inverse_kinematics import has_closed_form, planar_branches
 from mrts.rigid_transform import Array
 
-CLOSURE_TOLERANCE = 1e-9
-"""Largest gap between tip and grasp [m, and entries of the rotation]; closed forms leave about 1e-15."""
+PLANE_TOLERANCE = 1e-9
+"""Largest velocity and turning rate out of the plane of a planar cell [m/s, rad/s]: rounding of the input."""
 
-CONDITION_LIMIT = 1e6
-"""Condition number of a Jacobian above which an arm counts as singular: ten digits of q' are left."""
+LIMIT_TOLERANCE = 1e-9
+"""How far a joint may pass its position limit [rad or m]: rounding."""
 
 
 @dataclass(frozen=True)
@@ -66,99 +67,99 @@ class CoordinatedMotion:
 def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     """Joint motion of every arm that keeps its grasp along the object's motion.
 
-    Positions in closed form, on the branch nearest to the posture; velocities and accelerations from the
-    generated J and J̇q̇, never by differencing.
+    At t = 0 the joints are solved near each robot's posture, which so selects the branch; a redundant arm takes the
+    positions nearest to it. From there the branch is kept by continuity. Velocities and accelerations come from the
+    generated J and J̇q̇, never from differences; a redundant arm moves with the least joint velocity.
 
     Args:
-        cell: The cell; every arm must have three revolute joints in the cell's plane.
+        cell: The cell.
         motion: Motion of the object.
 
     Raises:
-        InputError: If an arm has no closed-form inverse kinematics.
-        MotionError: If the object leaves the plane, or an arm cannot reach or is singular; names robot and sample.
+        InputError: If an arm has too few joints to follow.
+        MotionError: If the object leaves the plane of a planar cell, or an arm cannot reach, is singular, loses its
+            branch or passes a joint limit; names robot, joint and sample.
     """
-    _check_in_plane(cell, motion)
-    samples = len(motion.time)
-    q = np.concatenate([planar_joint_positions(cell, robot, motion) for robot in cell.robots], axis=1)
-    kinematics = cell.functions("kinematics", samples, {"q": q})
-    J = kinematics["jacobian"]
-    dq, ddq = np.empty_like(q), np.empty_like(q)
-    for index, robot in enumerate(cell.robots):
-        columns = cell.joint_slices[robot.name]
-        _check_closure(robot, index, motion, kinematics)
-        _check_condition(robot, motion, J[:, :, columns])
-        dq[:, columns] = _solve(J[:, :, columns], _tip_rates(cell, robot, motion)[0])
-    bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
-    bias = bias.reshape(samples, len(cell.wrench_components), len(cell.robots))
-    for index, robot in enumerate(cell.robots):
-        columns = cell.joint_slices[robot.name]
-        acceleration = _tip_rates(cell, robot, motion)[1]
-        ddq[:, columns] = _solve(J[:, :, columns], acceleration - bias[:, :, index])
-    return CoordinatedMotion(motion, q, dq, ddq)
+    check_motion(cell, motion)
+    tracks = track_grasps(cell, motion, starting_positions(cell, motion)[None])
+    tracks.require(0)
+    check_joint_limits(cell, motion, tracks, 0)
+    return CoordinatedMotion(motion, tracks.q[0], tracks.dq[0], tracks.ddq[0])
 
 
-def _solve(J: Array, rate: Array) -> Array:
-    return np.asarray(np.linalg.solve(J, rate[:, :, None])[:, :, 0], dtype=np.float64)
+def check_motion(cell: Cell, motion: ObjectMotion) -> None:
+    """Check what does not depend on the joints: the plane of a planar cell, enough joints.
 
-
-def _check_in_plane(cell: Cell, motion: ObjectMotion) -> None:
+    Raises:
+        InputError: If an arm has fewer joints than wrench components.
+        MotionError: If the object leaves the plane.
+    """
+    for robot in cell.robots:
+        if len(robot.joints) < len(cell.wrench_components):
+            raise InputError(
+                cell.name,
+                f"it has {len(robot.joints)} moving joints, but holding the object takes "
+                f"{len(cell.wrench_components)}: it could not follow any motion.",
+                key=f"robot '{robot.name}'",
+            )
     if cell.plane is None:
-        raise InputError(
-            cell.name,
-            "this version finds joint motions for planar cells only (key 'plane'); for a spatial cell "
-            "build a CoordinatedMotion from joint positions, velocities and accelerations in Python.",
-            key="plane",
-        )
+        return
     normal = ({0, 1, 2} - {"xyz".index(axis) for axis in cell.plane}).pop()
-    out_of_plane = max(float(np.max(np.abs(motion.twist[:, normal]))), _tilt(motion, normal))
-    if out_of_plane > CLOSURE_TOLERANCE:
+    tilting = [3 + axis for axis in range(3) if axis != normal]
+    if np.max(np.abs(motion.twist[:, [normal, *tilting]])) > PLANE_TOLERANCE:
         raise MotionError(
             f"the object leaves the plane {cell.plane} of cell '{cell.name}': its path may move in {cell.plane} and "
             f"turn about {'xyz'[normal]} only."
         )
 
 
-def _tilt(motion: ObjectMotion, normal: int) -> float:
-    in_plane = [axis for axis in range(3) if axis != normal]
-    return float(np.max(np.abs(motion.twist[:, [3 + axis for axis in in_plane]])))
+def starting_positions(cell: Cell, motion: ObjectMotion) -> Array:
+    """Joint positions that hold the grasps at t = 0 near the robots' postures, Shape (m,) [rad or m].
+
+    Raises:
+        MotionError: If an arm cannot reach from its posture.
+    """
+    posture = np.concatenate([robot.posture for robot in cell.robots])
+    start = posture.copy()
+    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        if has_closed_form(cell, robot):
+            near = [nearest_turns(robot, branch[0]) for branch in planar_branches(cell, robot, motion)]
+            start[joints] = min(near, key=lambda q: float(np.max(np.abs(q - robot.posture))))
+    found, gap, turn = solve_grasps(cell, motion, 0, start[None], STARTING_STEPS, posture[None])
+    for index, robot in enumerate(cell.robots):
+        if max(gap[0, index], turn[0, index]) > POSE_TOLERANCE:
+            raise MotionError(unreachable(robot, motion, 0, gap[0, index], turn[0, index]))
+    return found[0]
 
 
-def _tip_rates(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Array]:
-    """Velocity and acceleration of a tip in its base axes, cell components, each Shape (N, w)."""
-    r = motion.rotation @ robot.T_object_tip.p
-    v, w = motion.twist[:, :3], motion.twist[:, 3:]
-    a, dw = motion.acceleration[:, :3], motion.acceleration[:, 3:]
-    R = robot.T_world_base.R
-    names = ("fx", "fy", "fz", "nx", "ny", "nz")
-    rows = [names.index(component) for component in cell.wrench_components]
-    velocity = np.concatenate([(v + np.cross(w, r)) @ R, w @ R], axis=1)
-    linear = a + np.cross(dw, r) + np.cross(w, np.cross(w, r))
-    acceleration = np.concatenate([linear @ R, dw @ R], axis=1)
-    return velocity[:, rows], acceleration[:, rows]
+def nearest_turns(robot: Robot, q: Array) -> Array:
+    """The same joint positions with whole turns added to come nearest to the posture, Shape (n_i,) [rad or m]."""
+    turns = np.array([kind == "revolute" for kind in robot.joint_types])
+    away = q - robot.posture
+    return np.where(turns, robot.posture + (away + np.pi) % (2 * np.pi) - np.pi, q)
 
 
-def _check_closure(robot: Robot, index: int, motion: ObjectMotion, kinematics: dict[str, Array]) -> None:
-    """Compare the generated forward kinematics with the grasp that the object asks for."""
-    position = kinematics["position"].reshape(len(motion.time), 3, -1)[:, :, index]
-    rotation = kinematics["rotation"][:, :, 3 * index : 3 * index + 3]
-    wanted = motion.position + motion.rotation @ robot.T_object_tip.p
-    gap = np.max(np.abs(position - wanted), axis=1)
-    turn = np.max(np.abs(rotation - motion.rotation @ robot.T_object_tip.R), axis=(1, 2))
-    worst = int(np.argmax(np.maximum(gap, turn)))
-    if max(gap[worst], turn[worst]) > CLOSURE_TOLERANCE:
-        raise MotionError(
-            f"robot '{robot.name}' does not close the chain at sample {worst} (t = {motion.time[worst]:.6g} s): its "
-            f"tip is {gap[worst]:.3g} m off its grasp (rotation matrices differ by {turn[worst]:.3g}). Check base.xyz "
-            "and grasp.xyz along the plane's normal, and grasp.rpy."
-        )
+def joint_limit_failure(cell: Cell, motion: ObjectMotion, tracks: Tracks, track: int, robot: Robot) -> str | None:
+    """The message for a joint that passes its position limit, None if none does."""
+    q = tracks.q[track][:, cell.joint_slices[robot.name]]
+    beyond = np.maximum(robot.position_lower - q, q - robot.position_upper)
+    sample, joint = np.unravel_index(int(np.argmax(beyond)), beyond.shape)
+    if beyond[sample, joint] <= LIMIT_TOLERANCE:
+        return None
+    return (
+        f"robot '{robot.name}' passes a position limit at sample {sample} (t = {motion.time[sample]:.6g} s): joint "
+        f"'{robot.joints[joint]}' would be at {q[sample, joint]:.6g}, its limits are [{robot.position_lower[joint]:g}, "
+        f"{robot.position_upper[joint]:g}]. Choose another posture, path, base or grasp."
+    )
 
 
-def _check_condition(robot: Robot, motion: ObjectMotion, J: Array) -> None:
-    condition = np.linalg.cond(J)
-    worst = int(np.argmax(condition))
-    if not condition[worst] < CONDITION_LIMIT:
-        raise MotionError(
-            f"robot '{robot.name}' is singular at sample {worst} (t = {motion.time[worst]:.6g} s): the condition "
-            f"number of its Jacobian is {condition[worst]:.3g}, the limit is {CONDITION_LIMIT:.0e}. Keep the arm "
-            "away from full stretch and full fold: move the path, the base or the grasp."
-        )
+def check_joint_limits(cell: Cell, motion: ObjectMotion, tracks: Tracks, track: int) -> None:
+    """Check the position limits of all joints of a track.
+
+    Raises:
+        MotionError: Names robot, joint, sample, value and limits.
+    """
+    for robot in cell.robots:
+        failure = joint_limit_failure(cell, motion, tracks, track, robot)
+        if failure:
+            raise MotionError(failure)

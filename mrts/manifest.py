@@ -22,21 +22,13 @@ class _Record(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-class PlanarChainRecord(_Record):
-    """Geometry for closed-form planar inverse kinematics, base axes, joints at 0 [m]."""
-
-    anchor: list[float]
-    links: Matrix
-    signs: list[float]
-    tip_rotation: Matrix
-    offset: float
-
-
 class JointRecord(_Record):
-    """One joint; None is unbounded [rad or m; N m or N]."""
+    """One joint; axis and a point on it in base axes with every joint at zero; None is unbounded."""
 
     name: str
     type: Literal["revolute", "prismatic"]
+    axis: list[float]
+    point: list[float]
     lower: float | None
     upper: float | None
     torque_lower: float
@@ -59,12 +51,12 @@ class RobotRecord(_Record):
     base_link: str
     tip_link: str
     joints: list[JointRecord]
+    base_tip: PoseRecord
     world_base: PoseRecord
     object_tip: PoseRecord
     posture: list[float]
     wrench_lower: list[float | None]
     wrench_upper: list[float | None]
-    planar_chain: PlanarChainRecord | None
 
 
 class ArgumentRecord(_Record):

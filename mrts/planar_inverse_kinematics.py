@@ -4,68 +4,54 @@
 import numpy as np
 
 from mrts.cell import Cell, Robot
-from mrts.errors import InputError, MotionError
+from mrts.errors import MotionError
 from mrts.object_motion import ObjectMotion
 from mrts.rigid_transform import Array
 
 REACH_TOLERANCE = 1e-12
 """Relative overshoot of |cos| of the elbow angle that is rounding and not distance."""
 
+CLOSED_FORM_JOINTS = ("revolute", "revolute", "revolute")
+"""Two links reach a point, a third turns the tip."""
 
-def planar_joint_positions(cell: Cell, robot: Robot, motion: ObjectMotion) -> Array:
-    """Joint positions that hold the grasp, continuous along the motion, Shape (N, 3) [rad].
 
-    Of the two elbow branches, the one nearest to the robot's posture at t = 0 is taken and kept.
+def has_closed_form(cell: Cell, robot: Robot) -> bool:
+    """Whether `planar_branches` can solve an arm: three revolute joints in a planar cell."""
+    return cell.plane is not None and robot.joint_types == CLOSED_FORM_JOINTS
+
+
+def planar_branches(cell: Cell, robot: Robot, motion: ObjectMotion) -> list[Array]:
+    """Both elbow branches along a motion, each Shape (N, 3) [rad], continuous in time.
+
+    The wrist's place in the base frame fixes the triangle of the two links; the law of cosines gives the elbow.
+    In-plane vectors are the plane's two coordinates in the order of its name; angles are positive from the first to
+    the second.
 
     Args:
         cell: A planar cell.
-        robot: The arm.
+        robot: An arm with `has_closed_form`.
         motion: Motion of the object in the cell's plane.
 
     Raises:
-        InputError: If the arm has no closed form.
         MotionError: If a sample is out of reach; names robot, sample and distance.
     """
-    branches = planar_branches(cell, robot, motion)
-    distance = [np.max(np.abs(_wrap(branch[0] - robot.posture))) for branch in branches]
-    nearest = branches[int(np.argmin(distance))]
-    start = robot.posture + _wrap(nearest[0] - robot.posture)
-    positions: Array = start + (np.unwrap(nearest, axis=0) - nearest[0])
-    return positions
-
-
-def planar_branches(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Array]:
-    """Both elbow branches along a motion, each Shape (N, 3) [rad], angles not unwrapped.
-
-    The wrist's place in the base frame fixes the triangle of the two links; the law of cosines gives the elbow.
-
-    Raises:
-        InputError: If the arm has no closed form.
-        MotionError: If a sample is out of reach.
-    """
-    chain = robot.planar_chain
-    if chain is None or cell.plane is None:
-        raise InputError(
-            cell.name,
-            "planar inverse kinematics needs three revolute joints normal to the plane.",
-            key=f"robot '{robot.name}'",
-        )
     R_world_base, p_world_base = robot.T_world_base.R, robot.T_world_base.p
-    axes = ["xyz".index(axis) for axis in cell.plane]
+    first_axis, second_axis = axes = ["xyz".index(axis) for axis in cell.plane or "xy"]
     p_tip = (motion.position + motion.rotation @ robot.T_object_tip.p - p_world_base) @ R_world_base
-    R_base_tip = R_world_base.T @ motion.rotation @ robot.T_object_tip.R
-    turned = R_base_tip @ np.array(chain.tip_rotation).T
-    tip_angle = np.arctan2(turned[:, axes[1], axes[0]], turned[:, axes[0], axes[0]])
+    turned = R_world_base.T @ motion.rotation @ robot.T_object_tip.R @ robot.T_base_tip.R.T
+    tip_angle = np.arctan2(turned[:, second_axis, first_axis], turned[:, first_axis, first_axis])
 
-    links = np.array(chain.links)
-    wrist = p_tip[:, axes] - _rotate(tip_angle, links[2]) - np.array(chain.anchor)
+    corners = np.concatenate([robot.points, robot.T_base_tip.p[None]])[:, axes]
+    links = np.diff(corners, axis=0)
+    wrist = p_tip[:, axes] - _rotate(tip_angle, links[2]) - corners[0]
     lengths = np.hypot(links[:2, 0], links[:2, 1])
     cosine = (np.sum(wrist**2, axis=1) - lengths @ lengths) / (2 * lengths[0] * lengths[1])
     _check_reach(robot, motion, wrist, lengths, cosine)
 
     bend = np.arccos(np.clip(cosine, -1, 1))
     link_angles = np.arctan2(links[:2, 1], links[:2, 0])
-    signs = np.array(chain.signs)
+    normal = np.cross(*np.eye(3)[axes])
+    signs = np.sign(robot.axes @ normal)
     branches = []
     for sign in (-1.0, 1.0):
         turn = sign * bend  # from link 1 to link 2
@@ -74,8 +60,8 @@ def planar_branches(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Arr
         first = toward - inner - link_angles[0]
         second = first + link_angles[0] + turn - link_angles[1]
         absolute = np.column_stack([first, second, tip_angle])
-        branches.append(np.diff(absolute, axis=1, prepend=0.0) * signs)
-    return branches[0], branches[1]
+        branches.append(np.unwrap(np.diff(absolute, axis=1, prepend=0.0) * signs, axis=0))
+    return branches
 
 
 def _check_reach(robot: Robot, motion: ObjectMotion, wrist: Array, lengths: Array, cosine: Array) -> None:
@@ -100,8 +86,3 @@ def _check_reach(robot: Robot, motion: ObjectMotion, wrist: Array, lengths: Arra
 def _rotate(angle: Array, vector: Array) -> Array:
     c, s = np.cos(angle), np.sin(angle)
     return np.column_stack([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]])
-
-
-def _wrap(angle: Array) -> Array:
-    wrapped: Array = (angle + np.pi) % (2 * np.pi) - np.pi
-    return wrapped

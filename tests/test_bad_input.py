@@ -111,7 +111,7 @@ CELL_MISTAKES = {
     "axis in the plane": (lambda d: d.update(plane="xz"), ["leaves the plane xz"]),
     "base out of the plane": (
         lambda d: d["robots"][0].update(base={"xyz": [0, 0, 0.2]}),
-        ["robot 'left'", "does not close", "0.2 m"],
+        ["robot 'left'", "came no nearer than 0.2 m"],
     ),
 }
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The geometry of an arm that moves in a plane: what closed-form inverse kinematics needs."""
+"""What makes a planar cell planar: bases, joints and grasps that stay in its plane."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,42 +12,11 @@ from mrts.rigid_transform import Array, RigidTransform, multiply
 PLANE_TOLERANCE = 1e-9
 """Largest entry of a rotation that still counts as zero: 1 nm at 1 m, far below any calibration."""
 
-CLOSED_FORM_JOINTS = 3
-"""Two links reach a point, a third turns the tip: the chain with a closed-form inverse."""
-
-
-@dataclass(frozen=True)
-class PlanarChain:
-    """Three revolute joints whose axes are normal to the plane, all in base axes at joint position 0.
-
-    In-plane vectors are the plane's two coordinates in the order of its name; angles are positive about
-    `normal` = first × second coordinate axis.
-
-    Attributes:
-        anchor: Joint 1, Shape (2,) [m].
-        links: Joint 1 to 2, 2 to 3, 3 to tip, Shape (3, 2) [m].
-        signs: +1 or -1: sense of each joint about the normal, Shape (3,).
-        R_base_tip: Rotation of the tip, Shape (3, 3).
-        offset: Tip's coordinate along the normal [m].
-    """
-
-    anchor: Array
-    links: Array
-    signs: Array
-    R_base_tip: Array
-    offset: float
-
-
-def plane_axes(plane: str) -> tuple[int, int]:
-    """Coordinate numbers of a plane's two axes: 'xz' is (0, 2)."""
-    return "xyz".index(plane[0]), "xyz".index(plane[1])
-
 
 def plane_normal(plane: str) -> Array:
     """First × second coordinate axis of a plane, Shape (3,): 'xz' has -y."""
-    first, second = plane_axes(plane)
-    unit = np.eye(3)
-    return np.cross(unit[first], unit[second])
+    first, second = (np.eye(3)["xyz".index(axis)] for axis in plane)
+    return np.cross(first, second)
 
 
 def check_plane_kept(
@@ -94,19 +62,3 @@ def check_plane_kept(
             f"rotation that differs from the tip's own only about the plane's normal ({plane}).",
             key=f"{key}.grasp.rpy",
         )
-
-
-def planar_chain(plane: str, model: RobotModel) -> PlanarChain | None:
-    """Geometry of a chain that `check_plane_kept` accepted; None unless it has three revolute joints."""
-    if len(model.joints) != CLOSED_FORM_JOINTS or any(joint.kind != "revolute" for joint in model.joints):
-        return None
-    normal, axes = plane_normal(plane), list(plane_axes(plane))
-    T = RigidTransform.identity()
-    points, signs = [], []
-    for joint in model.joints:
-        T = T @ joint.placement
-        points.append(T.p[axes])
-        signs.append(float(np.sign((T.R @ joint.axis) @ normal)))
-    T = T @ model.tip
-    points.append(T.p[axes])
-    return PlanarChain(points[0], np.diff(np.array(points), axis=0), np.array(signs), T.R, float(T.p @ np.abs(normal)))
