@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from mrts.errors import InputError
-from mrts.input_file import Finite, Pose, Positive, StrictModel, Vector3, broken_rule, read_model
+from mrts.input_file import Angle, Finite, Pose, Positive, StrictModel, Vector3, broken_rule, read_model
 from mrts.rigid_transform import Array
 
 IDENTIFIER = r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$"
@@ -18,7 +18,7 @@ IDENTIFIER = r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$"
 INERTIA_SLACK = 1e-9
 """Relative slack of the triangle inequality, for inertias printed with few digits."""
 
-ROBOT_NAMES_TAKEN = frozenset({"time"})
+ROBOT_NAMES_TAKEN = frozenset({"time", "components"})
 """Keys that stand beside the robots' names in the JSON result."""
 
 
@@ -71,7 +71,7 @@ class RobotDescription(StrictModel):
     tip_link: str
     base: Pose = Pose()
     grasp: Pose = Pose()
-    posture: Annotated[list[Finite], Field(min_length=1)]
+    posture: Annotated[list[Angle], Field(min_length=1)]
     torque: Annotated[list[Finite], Field(min_length=1)] | TorqueBounds | None = None
     wrench: Bounds = Bounds()
 
@@ -135,7 +135,7 @@ def resolve_urdf(cell_path: Path, reference: str) -> Path:
     """
     match = re.fullmatch(r"package://([^/]+)/(.+)", reference)
     if not match:
-        return cell_path.parent / reference
+        return cell_path.resolve().parent / reference
     from importlib.util import find_spec  # noqa: PLC0415 (only for package:// references)
 
     package, inside = match.groups()

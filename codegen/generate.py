@@ -13,7 +13,8 @@ from mrts_codegen.cell_description import CellDescription, read_cell_description
 from mrts_codegen.cell_functions import build_functions
 from mrts_codegen.cell_model import CellModel, CellRobot, build_cell_model
 
-from mrts import __version__
+from mrts import __version__, input_file, rigid_transform
+from mrts import manifest as manifest_module
 from mrts.atomic_file import write_text_atomically
 from mrts.manifest import (
     FORMAT,
@@ -86,7 +87,8 @@ def content_key(path: Path) -> str:
     digest = hashlib.sha256("\n".join(parts).encode())
     for robot in description.robots:
         digest.update(_file_bytes(path, description, robot.urdf))
-    for source in sorted(Path(__file__).parent.glob("*.py")):
+    shaping = (manifest_module, rigid_transform, input_file)
+    for source in sorted([*Path(__file__).parent.glob("*.py"), *(Path(module.__file__ or "") for module in shaping)]):
         digest.update(source.read_bytes())
     return digest.hexdigest()
 
@@ -104,6 +106,7 @@ def _manifest(cell: CellModel, functions: dict[str, ca.Function], c_source: str)
     description = cell.description
     return Manifest(
         notice=NOTICE,
+        content_sha256="",
         format=FORMAT,
         mrts_version=__version__,
         casadi_version=ca.CasadiMeta.version(),
@@ -116,7 +119,7 @@ def _manifest(cell: CellModel, functions: dict[str, ca.Function], c_source: str)
         object=ObjectRecord(mass=description.object.mass, inertia=description.object.inertia_matrix().tolist()),
         robots=[_robot_record(robot) for robot in cell.robots],
         functions={name: _function_record(function) for name, function in functions.items()},
-    )
+    ).sealed()
 
 
 def _robot_record(robot: CellRobot) -> RobotRecord:

@@ -115,17 +115,7 @@ def build_robot_model(path: Path, urdf: Any, base_link: str | None, tip_link: st
     joint_above = {joint.child: joint for joint in urdf.joints}
     _check_tree(path, links, urdf.joints)
     base_link = base_link or next(name for name in links if name not in joint_above)
-    for key, name in (("base_link", base_link), ("tip_link", tip_link)):
-        if name not in links:
-            raise InputError(path, f"there is no such link. Its links are: {', '.join(links)}.", key=key, value=name)
-    chain: list[Any] = []
-    link = tip_link
-    while link != base_link:
-        if link not in joint_above:
-            raise InputError(path, f"is not below base_link '{base_link}'.", key="tip_link", value=tip_link)
-        chain.insert(0, joint_above[link])
-        link = joint_above[link].parent
-
+    chain = _chain(path, links, joint_above, base_link, tip_link)
     children: dict[str, list[Any]] = {}
     for joint in urdf.joints:
         children.setdefault(joint.parent, []).append(joint)
@@ -142,14 +132,35 @@ def build_robot_model(path: Path, urdf: Any, base_link: str | None, tip_link: st
                 key=f"joint '{urdf_joint.name}' type",
                 value=urdf_joint.type,
             )
+        if urdf_joint.mimic is not None and urdf_joint.type in MOVING_TYPES:
+            raise InputError(
+                path,
+                f"it moves with '{urdf_joint.mimic.joint}', but each joint on the chain must have a motor of its own.",
+                key=f"joint '{urdf_joint.name}' mimic",
+            )
         placement = placement @ _pose(urdf_joint.origin)
         if urdf_joint.type in MOVING_TYPES:
-            body = _carried(path, links, children, stops, urdf_joint.child, RigidTransform.identity())
+            body = _carried(path, links, children, stops, urdf_joint.child)
             joints.append(_joint(path, urdf_joint, placement, body))
             placement = RigidTransform.identity()
     if not joints:
         raise InputError(path, f"no joint moves between '{base_link}' and '{tip_link}'.", key="tip_link")
     return RobotModel(base_link, tip_link, tuple(joints), placement)
+
+
+def _chain(path: Path, links: dict[str, Any], joint_above: dict[str, Any], base_link: str, tip_link: str) -> list[Any]:
+    """The URDF's joints from base link to tip link."""
+    for key, name in (("base_link", base_link), ("tip_link", tip_link)):
+        if name not in links:
+            raise InputError(path, f"there is no such link. Its links are: {', '.join(links)}.", key=key, value=name)
+    chain: list[Any] = []
+    link = tip_link
+    while link != base_link:
+        if link not in joint_above:
+            raise InputError(path, f"is not below base_link '{base_link}'.", key="tip_link", value=tip_link)
+        chain.insert(0, joint_above[link])
+        link = joint_above[link].parent
+    return chain
 
 
 def _check_tree(path: Path, links: dict[str, Any], joints: list[Any]) -> None:
@@ -199,19 +210,18 @@ def _joint(path: Path, joint: Any, placement: RigidTransform, body: Inertia) -> 
     )
 
 
-def _carried(
-    path: Path,
-    links: dict[str, Any],
-    children: dict[str, list[Any]],
-    stops: set[str],
-    link: str,
-    T_body_link: RigidTransform,
-) -> Inertia:
-    total = _link_inertia(path, links[link]).seen_from(T_body_link)
-    for joint in children.get(link, []):
-        if joint.child not in stops:
-            T_body_child = T_body_link @ _pose(joint.origin)
-            total = total + _carried(path, links, children, stops, joint.child, T_body_child)
+def _carried(path: Path, links: dict[str, Any], children: dict[str, list[Any]], stops: set[str], first: str) -> Inertia:
+    """Everything that a chain joint carries up to the next, in the frame of its first link."""
+    total = Inertia.zero()
+    pending = [(first, RigidTransform.identity())]
+    while pending:
+        link, T_body_link = pending.pop()
+        total = total + _link_inertia(path, links[link]).seen_from(T_body_link)
+        pending += [
+            (joint.child, T_body_link @ _pose(joint.origin))
+            for joint in children.get(link, [])
+            if joint.child not in stops
+        ]
     return total
 
 

@@ -12,9 +12,10 @@ from typing import Any
 from lxml import etree
 
 from mrts.errors import InputError
-from mrts.input_file import read_text
+from mrts.input_file import LARGEST_NUMBER, read_text
 
 _INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 XACRO_NAMESPACE = "http://www.ros.org/wiki/xacro"
 _JOINT_CHILDREN = ("parent", "child", "origin", "axis", "limit", "mimic")
 
@@ -64,30 +65,48 @@ def _parse(path: Path, text: str) -> Any:
 
 def _keep_links_and_joints(path: Path, root: Any) -> Any:
     stripped = etree.Element("robot", name=root.get("name", "robot"))
+    _check_names_differ(path, root)
     for link in root.findall("link"):
         name = _attribute(path, link, "name", "a <link>")
         kept = etree.SubElement(stripped, "link", name=name)
-        inertial = link.find("inertial")
+        inertial = _only(path, f"link '{name}'", link, "inertial")
         if inertial is not None:
             kept.append(_checked_inertial(path, name, inertial))
     for joint in root.findall("joint"):
-        name = _attribute(path, joint, "name", "a <joint>")
-        kept = etree.SubElement(stripped, "joint", name=name, type=_attribute(path, joint, "type", f"joint '{name}'"))
-        for tag in _JOINT_CHILDREN:
-            child = joint.find(tag)
-            if child is not None:
-                _check_numbers(path, f"joint '{name}'", child)
-                kept.append(child)
-            elif tag in ("parent", "child"):
-                raise InputError(path, f"a <{tag} link=…> element is needed.", key=f"joint '{name}'")
-        for tag in ("parent", "child"):
-            _attribute(path, kept.find(tag), "link", f"joint '{name}'")
+        stripped.append(_checked_joint(path, joint))
     return stripped
+
+
+def _checked_joint(path: Path, joint: Any) -> Any:
+    name = _attribute(path, joint, "name", "a <joint>")
+    where = f"joint '{name}'"
+    kind = _attribute(path, joint, "type", where)
+    if kind not in JOINT_TYPES:
+        raise InputError(path, f"must be one of {', '.join(JOINT_TYPES)}.", key=f"{where} type", value=kind)
+    kept = etree.Element("joint", name=name, type=kind)
+    for tag in _JOINT_CHILDREN:
+        child = _only(path, where, joint, tag)
+        if child is not None:
+            _check_numbers(path, where, child)
+            kept.append(child)
+        elif tag in {"parent", "child"}:
+            raise InputError(path, f"a <{tag} link=…> element is needed.", key=where)
+    for tag in ("parent", "child"):
+        _attribute(path, kept.find(tag), "link", where)
+    return kept
+
+
+def _check_names_differ(path: Path, root: Any) -> None:
+    for tag in ("link", "joint"):
+        names = [element.get("name") for element in root.findall(tag)]
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError(path, f"two {tag}s have this name.", key=f"{tag} '{name}'")
 
 
 def _checked_inertial(path: Path, link: str, inertial: Any) -> Any:
     where = f"link '{link}'"
-    mass, inertia = inertial.find("mass"), inertial.find("inertia")
+    mass, inertia = (_only(path, where, inertial, tag) for tag in ("mass", "inertia"))
     if mass is None or mass.get("value") is None:
         raise InputError(path, "its <inertial> needs <mass value=…> in kg.", key=where)
     if inertia is None or any(inertia.get(key) is None for key in _INERTIA_KEYS):
@@ -95,6 +114,13 @@ def _checked_inertial(path: Path, link: str, inertial: Any) -> Any:
     for child in inertial:
         _check_numbers(path, where, child)
     return inertial
+
+
+def _only(path: Path, where: str, element: Any, tag: str) -> Any:
+    found = element.findall(tag)
+    if len(found) > 1:
+        raise InputError(path, f"has {len(found)} <{tag}> elements; one belongs here.", key=where)
+    return found[0] if found else None
 
 
 def _attribute(path: Path, element: Any, attribute: str, where: str) -> str:
@@ -117,7 +143,7 @@ def _check_numbers(path: Path, where: str, element: Any) -> None:
         words = text.split()
         count = _COUNTS.get(attribute, 1)
         try:
-            finite = all(abs(float(word)) < float("inf") for word in words)
+            finite = "_" not in text and all(abs(float(word)) <= LARGEST_NUMBER for word in words)
         except ValueError:
             finite = False
         if not finite or len(words) != count:

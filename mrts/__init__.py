@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from mrts.cell import Cell, Robot, load_cell
     from mrts.coordinated_motion import CoordinatedMotion, follow_object
-    from mrts.errors import CompilerError, InputError, MotionError, MrtsError, SelectionError, SolverError
+    from mrts.errors import CompilerError, InputError, MotionError, MrtsError, SolverError
     from mrts.load_sharing import LoadSharing
-    from mrts.object_motion import MotionDescription, ObjectMotion, load_motion, sample_motion
+    from mrts.motion_file import MotionDescription, load_motion, sample_motion
+    from mrts.motion_table import JointTable
+    from mrts.object_motion import ObjectMotion
     from mrts.result import ScalingResult
     from mrts.scaled_trajectory import ScaledTrajectory
-    from mrts.scaling import scale
+    from mrts.scaling import SelectionError, scale
     from mrts.scaling_range import SampleStatus, ScalingRange, ScalingStatus
 
 __version__ = "0.1.0"
@@ -25,8 +27,9 @@ _HOMES = {
     "CompilerError": "errors",
     "CoordinatedMotion": "coordinated_motion",
     "InputError": "errors",
+    "JointTable": "motion_table",
     "LoadSharing": "load_sharing",
-    "MotionDescription": "object_motion",
+    "MotionDescription": "motion_file",
     "MotionError": "errors",
     "MrtsError": "errors",
     "ObjectMotion": "object_motion",
@@ -36,12 +39,12 @@ _HOMES = {
     "ScalingRange": "scaling_range",
     "ScalingResult": "result",
     "ScalingStatus": "scaling_range",
-    "SelectionError": "errors",
+    "SelectionError": "scaling",
     "SolverError": "errors",
     "follow_object": "coordinated_motion",
     "load_cell": "cell",
-    "load_motion": "object_motion",
-    "sample_motion": "object_motion",
+    "load_motion": "motion_file",
+    "sample_motion": "motion_file",
     "scale": "scaling",
 }
 
@@ -50,6 +53,7 @@ __all__ = [
     "CompilerError",
     "CoordinatedMotion",
     "InputError",
+    "JointTable",
     "LoadSharing",
     "MotionDescription",
     "MotionError",

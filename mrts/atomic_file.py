@@ -13,13 +13,18 @@ def write_atomically(path: Path, write: Callable[[Path], object]) -> None:
     """Let `write` fill a temporary file beside `path`, then rename it into place.
 
     Args:
-        path: The file to make or replace; missing folders are made.
+        path: The file to make or replace; missing folders are made. What a link points to is replaced, not the link;
+            a device or a pipe is written into.
         write: Fills the temporary file whose path it is given.
 
     Raises:
         InputError: If the folder cannot be made or written.
     """
+    path = path.resolve()
     try:
+        if path.exists() and not path.is_file():
+            write(path)  # a device or a pipe cannot be replaced
+            return
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix)
     except OSError as error:

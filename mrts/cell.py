@@ -10,7 +10,7 @@ import numpy as np
 
 from mrts.cell_cache import generated_in_cache, virtual_machine_functions
 from mrts.cell_functions import Backend, CellFunctions, bind_functions
-from mrts.errors import InputError
+from mrts.errors import InputError, as_array
 from mrts.manifest import MANIFEST_NAME, Manifest, PoseRecord, RobotRecord, read_generated
 from mrts.rigid_transform import Array, RigidTransform
 
@@ -106,7 +106,7 @@ class Cell:
         Raises:
             InputError: Unless the mass is finite and > 0.
         """
-        if not (np.isfinite(mass) and mass > 0):
+        if isinstance(mass, bool) or not isinstance(mass, int | float) or not (np.isfinite(mass) and mass > 0):
             raise InputError("mass", "must be a finite number > 0, in kg.", value=mass)
         return replace(self, mass=float(mass))
 
@@ -138,7 +138,7 @@ class Cell:
             if name not in known:
                 raise InputError("postures", f"there is no such robot; there are {', '.join(known)}.", value=name)
             joints = known[name].joints
-            if len(posture) != len(joints) or not np.all(np.isfinite(posture)):
+            if as_array("postures", posture).shape != (len(joints),) or not np.all(np.isfinite(posture)):
                 raise InputError(
                     "postures", f"must hold {len(joints)} finite joint positions.", key=name, value=posture
                 )
@@ -163,6 +163,8 @@ def load_cell(path: Path | str, *, backend: Backend = "auto") -> Cell:
         InputError: If the cell file, a URDF or the generated folder breaks a rule.
         CompilerError: If the compiler fails.
     """
+    if backend not in {"auto", "compiled", "vm"}:
+        raise InputError("backend", "must be 'auto', 'compiled' or 'vm'.", value=backend)
     path = Path(path)
     if path.is_dir() or path.name == MANIFEST_NAME:
         manifest, source = read_generated(path if path.is_dir() else path.parent)

@@ -9,6 +9,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+from mrts.atomic_file import write_text_atomically
 from mrts.compiler import FLAGS, compile_library
 from mrts.errors import InputError
 from mrts.manifest import MANIFEST_NAME, Manifest, read_generated
@@ -98,6 +99,16 @@ def library_in_cache(command: tuple[str, ...], source: Path, *, rebuild: bool = 
     """
     text = source.read_bytes() + "\0".join((*command, *FLAGS)).encode()
     library = cache_folder() / "lib" / hashlib.sha256(text).hexdigest() / f"{source.stem}.so"
-    if rebuild or not library.exists():
+    seal = library.with_suffix(".sha256")
+    if rebuild or not _is_whole(library, seal):
         compile_library(command, source, library)
+        write_text_atomically(seal, hashlib.sha256(library.read_bytes()).hexdigest())
     return library
+
+
+def _is_whole(library: Path, seal: Path) -> bool:
+    """Whether a library is the one that was compiled: a damaged one can crash the process that loads it."""
+    try:
+        return hashlib.sha256(library.read_bytes()).hexdigest() == seal.read_text(encoding="ascii")
+    except (OSError, ValueError):
+        return False

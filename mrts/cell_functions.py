@@ -51,7 +51,9 @@ class CellFunctions:
             By output name, Shape (N, rows, columns); (N, rows) for a column.
         """
         record = self.records[name]
-        function = self._maps.setdefault((name, samples), self._functions[name].map(samples))
+        function = self._maps.get((name, samples))
+        if function is None:
+            function = self._maps[name, samples] = self._functions[name].map(samples)
         arguments = []
         for argument in record.inputs:
             rows, columns = argument.shape

@@ -5,6 +5,7 @@ Exit codes: 0 feasible, 1 a named infeasible outcome, 2 bad input.
 """
 
 import argparse
+import io
 import logging
 import sys
 from collections.abc import Sequence
@@ -12,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrts import __version__
-from mrts.errors import InputError, MrtsError, SelectionError
+from mrts.errors import InputError, MrtsError
 
 if TYPE_CHECKING:
     from mrts.load_sharing import LoadSharing
@@ -33,15 +34,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         Exit code.
     """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # c² on a terminal without ²
     logging.basicConfig(format="mrts: %(message)s", level=logging.WARNING)
     options = _parser().parse_args(arguments)
     try:
         code: int = options.run(options)
+        sys.stdout.flush()
     except MrtsError as error:
         print(f"mrts: error: {error}", file=sys.stderr)  # noqa: T201 (a command line prints)
         return BAD_INPUT
     except BrokenPipeError:
         sys.stderr.close()  # the reader went away; nothing more to say
+        return BAD_INPUT
+    except OSError as error:
+        sys.stdout = None  # type: ignore[assignment] # its buffer cannot be written; Python would try again at exit
+        print(f"mrts: error: cannot write: {error.strerror}", file=sys.stderr)  # noqa: T201 (a command line prints)
         return BAD_INPUT
     except KeyboardInterrupt:
         print("mrts: interrupted", file=sys.stderr)  # noqa: T201 (a command line prints)
@@ -123,8 +132,8 @@ def _generate(options: argparse.Namespace) -> int:
 
 def _scale(options: argparse.Namespace) -> int:
     from mrts.cell import load_cell  # noqa: PLC0415 (a light start)
-    from mrts.object_motion import load_motion  # noqa: PLC0415
-    from mrts.scaling import scale  # noqa: PLC0415
+    from mrts.motion_file import load_motion  # noqa: PLC0415
+    from mrts.scaling import SelectionError, scale  # noqa: PLC0415
     from mrts.solvers import DEFAULT_SOLVER  # noqa: PLC0415
 
     if options.plot is not None:

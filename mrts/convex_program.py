@@ -13,7 +13,10 @@ from mrts.rigid_transform import Array
 from mrts.solvers import BatchSolver, with_fallbacks
 
 OPTIMALITY_TOLERANCE = 1e-9
-"""On scaled rows (largest coefficient 1): residuals of feasibility, stationarity and complementarity."""
+"""Residuals of feasibility, stationarity and complementarity, each relative to the terms that it sums."""
+
+GRADIENT_TOLERANCE = 1e-12
+"""The same for the gradient of a quadratic cost, so that torques of small weight are right as well."""
 
 Mask = np.typing.NDArray[np.bool_]
 
@@ -52,27 +55,44 @@ class ConvexPrograms:
             self.x_upper[samples],
         )
 
-    def scaled(self) -> "tuple[ConvexPrograms, Array]":
-        """The same programs with the largest coefficient of every row 1, and the factors, Shape (N, r)."""
-        largest = np.max(np.abs(self.A), axis=2)
-        factor = 1 / np.where(largest > 0, largest, 1.0)
+    def scaled(self) -> "tuple[ConvexPrograms, Array, Array]":
+        """The same programs with unknowns of the size of the limits: the largest coefficient of each unknown is 1.
+
+        Inequality rows keep their own scale, which is that of their limits; equations are scaled to coefficients of 1.
+
+        Returns:
+            The programs, the factors x = column * x_scaled, Shape (N, k), and the factors of the rows, Shape (N, r).
+        """
+        equation = self.lower == self.upper
+        size = np.abs(self.A)
+        largest = np.max(np.where(equation[:, :, None], 0.0, size), axis=1, initial=0.0)
+        largest = np.where(largest > 0, largest, np.max(size, axis=1, initial=0.0))
+        column = 1 / np.where(largest > 0, largest, 1.0)
+        A = self.A * column[:, None, :]
+        in_row = np.max(np.abs(A), axis=2)
+        row = np.where(equation & (in_row > 0), 1 / np.where(in_row > 0, in_row, 1.0), 1.0)
+        g = self.g * column
+        H = None if self.H is None else self.H * column[:, :, None] * column[:, None, :]
+        weight = np.max(np.abs(g), axis=1) if H is None else np.max(np.abs(H), axis=(1, 2))
+        weight = 1 / np.where(weight > 0, weight, 1.0)
         programs = ConvexPrograms(
-            self.H,
-            self.g,
-            self.A * factor[:, :, None],
-            self.lower * factor,
-            self.upper * factor,
-            self.x_lower,
-            self.x_upper,
+            None if H is None else H * weight[:, None, None],
+            g * weight[:, None],
+            A * row[:, :, None],
+            self.lower * row,
+            self.upper * row,
+            self.x_lower / column,
+            self.x_upper / column,
         )
-        return programs, factor
+        return programs, column, row
 
 
 @dataclass(frozen=True)
 class Answers:
     """Minimisers and multipliers of a batch.
 
-    Signs follow Hx + g + Aᵀ row_dual + bound_dual = 0: a positive multiplier belongs to an upper limit.
+    Signs follow Hx + g + Aᵀ row_dual + bound_dual = 0 up to a positive factor: a positive multiplier belongs to an
+    upper limit.
 
     Attributes:
         x: Shape (N, k).
@@ -90,34 +110,36 @@ class Answers:
 
 
 def optimality_error(programs: ConvexPrograms, x: Array, row_dual: Array, bound_dual: Array) -> Array:
-    """Largest violation of the Karush-Kuhn-Tucker conditions of each program, Shape (N,).
+    """Largest violation of the Karush-Kuhn-Tucker conditions of each scaled program, Shape (N,).
 
-    Feasibility is relative to the limits' size, stationarity and complementarity to the multipliers'.
+    A limit is measured against 1 (its own size) and the terms of its row, the gradient against its largest term: the
+    scaled unknowns have the size of the limits, so this bounds the loss of the objective.
 
     Args:
-        programs: The batch.
+        programs: The batch, scaled.
         x: Shape (N, k).
         row_dual: Shape (N, r).
         bound_dual: Shape (N, k).
     """
-    Ax = np.einsum("nrk,nk->nr", programs.A, x)
-    value = np.concatenate([Ax, x], axis=1)
+    value = np.concatenate([np.einsum("nrk,nk->nr", programs.A, x), x], axis=1)
+    size = np.concatenate([1 + np.einsum("nrk,nk->nr", np.abs(programs.A), np.abs(x)), 1 + np.abs(x)], axis=1)
     lower = np.concatenate([programs.lower, programs.x_lower], axis=1)
     upper = np.concatenate([programs.upper, programs.x_upper], axis=1)
     dual = np.concatenate([row_dual, bound_dual], axis=1)
-    size = 1 + np.max(np.abs(x), axis=1, keepdims=True)
-
     infeasible = np.max(np.maximum(lower - value, value - upper) / size, axis=1, initial=0.0)
+
     gradient = programs.g + np.einsum("nrk,nr->nk", programs.A, row_dual) + bound_dual
+    terms = np.abs(programs.g) + np.einsum("nrk,nr->nk", np.abs(programs.A), np.abs(row_dual)) + np.abs(bound_dual)
     if programs.H is not None:
         gradient = gradient + np.einsum("nkl,nl->nk", programs.H, x)
-    dual_size = 1 + np.max(np.abs(dual), axis=1, initial=0.0)
-    stationary = np.max(np.abs(gradient), axis=1) / dual_size
-    # a multiplier needs its limit: distance times multiplier, where a multiplier of rounding counts nothing
-    significant = np.abs(dual) > OPTIMALITY_TOLERANCE * dual_size[:, None]
-    distance = np.where(dual > 0, upper - value, value - lower)
-    slack = np.where(significant, np.abs(distance), 0.0)
-    complementary = np.max(slack / size, axis=1, initial=0.0)
+        terms = terms + np.einsum("nkl,nl->nk", np.abs(programs.H), np.abs(x))
+    stationary = np.max(np.abs(gradient), axis=1) / np.max(terms, axis=1)
+    if programs.H is not None:
+        stationary = stationary * (OPTIMALITY_TOLERANCE / GRADIENT_TOLERANCE)
+    # a multiplier needs its limit; one that is rounding counts nothing
+    significant = np.abs(dual) > OPTIMALITY_TOLERANCE * np.max(np.abs(dual), axis=1, keepdims=True, initial=0.0)
+    distance = np.abs(np.where(dual > 0, upper - value, value - lower))
+    complementary = np.max(np.where(significant, distance, 0.0) / size, axis=1, initial=0.0)
     error: Array = np.maximum(np.maximum(infeasible, stationary), complementary)
     return np.where(np.isfinite(error), error, np.inf)
 
@@ -133,7 +155,7 @@ def solve_programs(programs: ConvexPrograms, solver: str) -> Answers:
         InputError: If there is no such solver.
     """
     backends = with_fallbacks(solver)
-    scaled, factor = programs.scaled()
+    scaled, column, row = programs.scaled()
     count, rows, unknowns = programs.A.shape
     x, row_dual = np.zeros((count, unknowns)), np.zeros((count, rows))
     bound_dual, verified = np.zeros((count, unknowns)), np.zeros(count, dtype=bool)
@@ -149,7 +171,8 @@ def solve_programs(programs: ConvexPrograms, solver: str) -> Answers:
         x[where], row_dual[where], bound_dual[where] = (value[good] for value in found)
         verified[where] = True
         fallbacks += int(np.sum(good)) if attempt > 0 else 0
-    return Answers(x, row_dual * factor, bound_dual, verified, fallbacks)
+    # multipliers are those of the scaled objective: only their signs and proportions matter
+    return Answers(x * column, row_dual * row, bound_dual / column, verified, fallbacks)
 
 
 def require_verified(answers: Answers, what: str) -> None:

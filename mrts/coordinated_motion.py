@@ -4,16 +4,36 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from mrts.cell import Cell, Robot
-from mrts.errors import InputError, MotionError
-from mrts.grasp_tracking import POSE_TOLERANCE, STARTING_STEPS, Tracks, solve_grasps, track_grasps, unreachable
+from mrts.errors import InputError, MotionError, as_array
+from mrts.grasp_tracking import (
+    POSE_TOLERANCE,
+    STARTING_STEPS,
+    WRENCH_ROWS,
+    Tracks,
+    solve_grasps,
+    tip_rates,
+    track_grasps,
+    unreachable,
+)
+from mrts.motion_table import JointTable
 from mrts.object_motion import ObjectMotion
 from mrts.planar_inverse_kinematics import has_closed_form, planar_branches
 from mrts.rigid_transform import Array
 
 PLANE_TOLERANCE = 1e-9
 """Largest velocity and turning rate out of the plane of a planar cell [m/s, rad/s]: rounding of the input."""
+
+GIVEN_CLOSURE = 1e-4
+"""Largest gap between tip and grasp of joint motion that is given [m, rad]: tables carry few digits."""
+
+GIVEN_SLIP = 1e-2
+"""Largest slip of a tip on its grasp, relative to the largest velocity or acceleration: derivatives carry fewer."""
+
+REST_SLIP = 1e-9
+"""Slip of an object at rest that is rounding [m/s, rad/s and per s]."""
 
 LIMIT_TOLERANCE = 1e-9
 """How far a joint may pass its position limit [rad or m]: rounding."""
@@ -38,7 +58,8 @@ class CoordinatedMotion:
     def __post_init__(self) -> None:
         joints = np.shape(self.q)[-1] if np.ndim(self.q) == 2 else 0  # noqa: PLR2004 (a matrix)
         for name in ("q", "dq", "ddq"):
-            value = getattr(self, name)
+            value = as_array(name, getattr(self, name))
+            object.__setattr__(self, name, value)
             if np.shape(value) != (len(self.object.time), joints) or not np.all(np.isfinite(value)):
                 raise InputError(name, f"must have Shape ({len(self.object.time)}, joints) and be finite.")
 
@@ -87,6 +108,121 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     return CoordinatedMotion(motion, tracks.q[0], tracks.dq[0], tracks.ddq[0])
 
 
+def coordinate(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion) -> CoordinatedMotion:
+    """Motion of the whole cell from whatever is known of it.
+
+    Args:
+        cell: The cell.
+        motion: Of the object (the joints follow it), of the joints (the object follows the first robot), or of both.
+
+    Raises:
+        InputError: If a joint table does not fit the cell.
+        MotionError: If the arms cannot follow the object, or a joint table does not close the chain.
+    """
+    if isinstance(motion, ObjectMotion):
+        return follow_object(cell, motion)
+    if isinstance(motion, JointTable):
+        return _follow_joints(cell, motion)
+    joints = sum(len(robot.joints) for robot in cell.robots)
+    if motion.q.shape[1] != joints:
+        raise InputError("motion.q", f"has {motion.q.shape[1]} columns, cell '{cell.name}' has {joints} joints.")
+    check_closure(cell, motion, "motion")
+    return motion
+
+
+def _follow_joints(cell: Cell, table: JointTable) -> CoordinatedMotion:
+    """Let the first robot's tip carry the object, and check that all others hold their grasps on it."""
+    columns = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
+    for name in columns:
+        if name not in table.positions:
+            raise InputError(table.path, f"the column 'q.{name}' is needed for cell '{cell.name}'.")
+    for name in table.positions:
+        if name not in columns:
+            raise InputError(table.path, f"cell '{cell.name}' has no joint '{name}'; it has {', '.join(columns)}.")
+    q, dq, ddq = (
+        np.column_stack([part[name] for name in columns])
+        for part in (table.positions, table.velocities, table.accelerations)
+    )
+    samples, robots = len(table.time), len(cell.robots)
+    poses = cell.functions("kinematics", samples, {"q": q})
+    bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
+    bias = bias.reshape(samples, len(cell.wrench_components), robots)
+    rates, changes = [], []
+    for index, joints in enumerate(cell.joint_slices.values()):
+        J = poses["jacobian"][:, :, joints]
+        rates.append(np.einsum("nwj,nj->nw", J, dq[:, joints]))
+        changes.append(np.einsum("nwj,nj->nw", J, ddq[:, joints]) + bias[:, :, index])
+
+    first = cell.robots[0]
+    rotation = poses["rotation"][:, :, :3] @ first.T_object_tip.R.T
+    r = rotation @ first.T_object_tip.p
+    v, w = _in_world(cell, first, rates[0])
+    a, dw = _in_world(cell, first, changes[0])
+    motion = ObjectMotion(
+        table.time,
+        poses["position"].reshape(samples, 3, robots)[:, :, 0] - r,
+        rotation,
+        np.concatenate([v - np.cross(w, r), w], axis=1),
+        np.concatenate([a - np.cross(dw, r) - np.cross(w, np.cross(w, r)), dw], axis=1),
+    )
+    given = CoordinatedMotion(motion, q, dq, ddq)
+    check_closure(cell, given, str(table.path))
+    return given
+
+
+def _in_world(cell: Cell, robot: Robot, rate: Array) -> tuple[Array, Array]:
+    """Linear and angular part of a tip's rate, base axes and cell components, Shape (N, w), in the world."""
+    full = np.zeros((len(rate), 6))
+    full[:, [WRENCH_ROWS[component] for component in cell.wrench_components]] = rate
+    R = robot.T_world_base.R
+    return full[:, :3] @ R.T, full[:, 3:] @ R.T
+
+
+def check_closure(cell: Cell, motion: CoordinatedMotion, where: str) -> None:
+    """Check that the joints hold every grasp on the object: positions, velocities and accelerations.
+
+    Args:
+        cell: The cell.
+        motion: Motion of object and joints.
+        where: What gave it, for the message.
+
+    Raises:
+        MotionError: Names the worst robot, sample and gap.
+    """
+    given, samples, robots = motion.object, motion.samples, len(cell.robots)
+    poses = cell.functions("kinematics", samples, {"q": motion.q})
+    bias = cell.functions("bias_acceleration", samples, {"q": motion.q, "dq": motion.dq})["bias_acceleration"]
+    bias = bias.reshape(samples, len(cell.wrench_components), robots)
+    positions = poses["position"].reshape(samples, 3, robots)
+    for index, (robot, joints) in enumerate(zip(cell.robots, cell.joint_slices.values(), strict=True)):
+        wanted = given.position + given.rotation @ robot.T_object_tip.p
+        gap = np.linalg.norm(positions[:, :, index] - wanted, axis=1)
+        R_world_tip = poses["rotation"][:, :, 3 * index : 3 * index + 3]
+        off = given.rotation @ robot.T_object_tip.R @ R_world_tip.transpose(0, 2, 1)
+        turn = np.atleast_1d(Rotation.from_matrix(off).magnitude())
+        worst = int(np.argmax(np.maximum(gap, turn)))
+        if max(gap[worst], turn[worst]) > GIVEN_CLOSURE:
+            raise MotionError(
+                f"{where}: the joints do not close the chain. The tip of '{robot.name}' is off its grasp by "
+                f"{gap[worst]:.3g} m and {turn[worst]:.3g} rad at sample {worst} (t = {given.time[worst]:.6g} s), the "
+                f"worst; {GIVEN_CLOSURE:g} is allowed. Check the joint positions, the bases and the grasps."
+            )
+        J = poses["jacobian"][:, :, joints]
+        velocity, acceleration = tip_rates(cell, robot, given)
+        held = np.einsum("nwj,nj->nw", J, motion.dq[:, joints])
+        changing = np.einsum("nwj,nj->nw", J, motion.ddq[:, joints]) + bias[:, :, index]
+        for what, ours, expected in (("velocities", held, velocity), ("accelerations", changing, acceleration)):
+            size = float(np.max(np.abs(expected))) + float(np.max(np.abs(ours))) * GIVEN_SLIP
+            slip = np.max(np.abs(ours - expected), axis=1)
+            worst = int(np.argmax(slip))
+            if slip[worst] > max(GIVEN_SLIP * size, REST_SLIP):
+                raise MotionError(
+                    f"{where}: the joint {what} do not fit the object's: at sample {worst} (t = "
+                    f"{given.time[worst]:.6g} s) the tip of '{robot.name}' slips on its grasp by {slip[worst]:.3g} "
+                    f"(m, rad per s or s²); the largest is {size:.3g}. Check the {what}."
+                )
+
+
 def check_motion(cell: Cell, motion: ObjectMotion) -> None:
     """Check what does not depend on the joints: the plane of a planar cell, enough joints.
 
@@ -129,7 +265,7 @@ def starting_positions(cell: Cell, motion: ObjectMotion) -> Array:
     for index, robot in enumerate(cell.robots):
         if max(gap[0, index], turn[0, index]) > POSE_TOLERANCE:
             raise MotionError(unreachable(robot, motion, 0, gap[0, index], turn[0, index]))
-    return found[0]
+    return np.asarray(found[0], dtype=np.float64)
 
 
 def nearest_turns(robot: Robot, q: Array) -> Array:

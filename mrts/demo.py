@@ -14,7 +14,7 @@ from mrts.cell import Cell, load_cell
 from mrts.input_file import Finite, Positive, StrictModel, read_model
 from mrts.limit_rows import ActiveRow
 from mrts.load_sharing import LoadSharing
-from mrts.object_motion import load_motion
+from mrts.motion_file import load_motion
 from mrts.result import ScalingResult
 from mrts.scaling import scale
 from mrts.solvers import DEFAULT_SOLVER

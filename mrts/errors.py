@@ -7,10 +7,9 @@ and a tool that failed. Every message names the value, the rule and what to do.
 
 import reprlib
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from mrts.result import ScalingResult
+import numpy as np
+from numpy.typing import NDArray
 
 
 class MrtsError(Exception):
@@ -40,14 +39,20 @@ class InputError(MrtsError):
         super().__init__(f"{subject}: {rule}")
 
 
-class SelectionError(MrtsError):
-    """The requested c² is not in the admissible range, or no single value answers the request.
+def as_array(name: str, value: object) -> NDArray[np.float64]:
+    """An argument of the Python API as an array of numbers.
 
-    Attributes:
-        result: The `ScalingResult` with the range that was found; None before there is one.
+    Args:
+        name: Of the argument, for the message.
+        value: Anything that numpy can read.
+
+    Raises:
+        InputError: If it is not numbers of one shape.
     """
-
-    result: "ScalingResult | None" = None
+    try:
+        return np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(name, "must be numbers of one rectangular shape.", value=value) from None
 
 
 class MotionError(MrtsError):

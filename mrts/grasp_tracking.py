@@ -5,6 +5,7 @@ Several tracks (one set of starting positions each) are followed at once; each r
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -141,9 +142,9 @@ def track_grasps(cell: Cell, motion: ObjectMotion, start: Array) -> Tracks:
         start: Positions at t = 0 that hold the grasps, Shape (T, m) [rad or m].
     """
     count, samples = len(start), len(motion.time)
-    tracks = Tracks(*(np.zeros((count, samples, start.shape[1])) for _ in range(3)), [{} for _ in range(count)])
-    for failures in tracks.failures:
-        failures.update(dict.fromkeys((robot.name for robot in cell.robots), None))
+    shape = (count, samples, start.shape[1])
+    failures: list[dict[str, str | None]] = [{robot.name: None for robot in cell.robots} for _ in range(count)]
+    tracks = Tracks(np.zeros(shape), np.zeros(shape), np.zeros(shape), failures)
     rates = [tip_rates(cell, robot, motion) for robot in cell.robots]
     tracks.q[:, 0] = start
     _rates_at(cell, motion, 0, rates, tracks)
@@ -251,6 +252,5 @@ def _least_squares(square: Array, rhs: Array) -> Array:
         return _apply(np.linalg.pinv(square), rhs)
 
 
-def _apply(matrix: NDArray[np.float64], vector: Array) -> Array:
-    product: Array = np.einsum("trk,tk->tr", matrix, vector)
-    return product
+def _apply(matrix: NDArray[np.floating[Any]], vector: Array) -> Array:
+    return np.asarray(np.einsum("trk,tk->tr", matrix, vector), dtype=np.float64)

@@ -26,14 +26,15 @@ class Conflict:
     """Limits that cannot hold together at one sample, whatever c² >= 0.
 
     With the multipliers y of these rows, Σ yᵢ (row i) is a combination of limits that no torque satisfies
-    (Farkas' lemma); `verified_conflict` checks it by substitution.
+    (Farkas' lemma); `separation` checks it by substitution.
 
     Attributes:
         sample: Index of the sample.
         time: [s].
         rows: The conflicting rows and sides.
-        multipliers: y of these rows, per unit of the row; positive at an upper limit.
-        widening: Every limit must grow by at least this share for the sample to become feasible.
+        multipliers: y of these rows, per N or N m; positive at an upper limit.
+        widening: All limits must move outward by at least this share of their larger side to make the sample feasible.
+        moves: The same for each of these rows in its own unit.
     """
 
     sample: int
@@ -41,25 +42,19 @@ class Conflict:
     rows: tuple[ActiveRow, ...]
     multipliers: tuple[float, ...]
     widening: float
+    moves: tuple[float, ...]
 
     def __str__(self) -> str:
         names = "; ".join(str(row) for row in self.rows)
+        moves = ", ".join(
+            f"{row.name.robot}/{row.name.element} by {move:.3g} {row.name.unit}"
+            for row, move in zip(self.rows, self.moves, strict=True)
+        )
         return (
             f"at t = {self.time:.4g} s (sample {self.sample}) no torques carry the object at any speed: these limits "
-            f"conflict: {names}. Every limit of the cell would have to grow by at least {100 * self.widening:.3g} %"
+            f"conflict: {names}. It takes moving all limits outward by {100 * self.widening:.3g} % of their size "
+            f"({moves})"
         )
-
-
-def limit_scale(problem: SampleProblem) -> Array:
-    """What 100 % of a limit is: its larger side, or 1 where both sides are zero, Shape (r,).
-
-    Rows of the object's balance are laws, not limits: 0.
-    """
-    sides = np.stack([np.abs(problem.limit_lower), np.abs(problem.limit_upper)])
-    largest = np.max(np.where(np.isfinite(sides), sides, 0.0), axis=0)
-    scale = np.where(largest > 0, largest, 1.0)
-    laws = np.array([name.kind == "balance" for name in problem.names])
-    return np.where(laws, 0.0, scale)
 
 
 def find_conflicts(
@@ -67,8 +62,8 @@ def find_conflicts(
 ) -> list[Conflict | None]:
     """Decide feasibility of some samples and explain the infeasible ones.
 
-    The elastic program min s, lower - s·scale <= A x <= upper + s·scale always has a solution; s > 0 exactly where
-    the sample is infeasible, and its multipliers are the Farkas certificate.
+    The elastic program min s, lower - s <= A x <= upper + s (in rows of limits) always has a solution; s > 0 exactly
+    where the sample is infeasible, and its multipliers are the Farkas certificate.
 
     Args:
         problem: Rows of all samples.
@@ -84,10 +79,11 @@ def find_conflicts(
     """
     part = problem.at(samples)
     count, rows, unknowns = part.A.shape
-    scale = limit_scale(part)
-    widened = np.broadcast_to(scale[None, :, None], (count, rows, 1))
-    free = np.full((count, rows), np.inf)
-    A = np.concatenate([np.concatenate([part.A, -widened], axis=2), np.concatenate([part.A, widened], axis=2)], axis=1)
+    limits, laws = np.flatnonzero(part.is_limit), np.flatnonzero(~part.is_limit)
+    # each limit twice, once a side, as s widens them in opposite senses; laws once, as they are
+    order = np.concatenate([limits, limits, laws])
+    widening = np.repeat([-1.0, 1.0, 0.0], [len(limits), len(limits), len(laws)])
+    A = np.concatenate([part.A[:, order], np.broadcast_to(widening[:, None], (count, len(order), 1))], axis=2)
     g = np.zeros((count, unknowns + 1))
     g[:, -1] = 1
     x_lower = np.full((count, unknowns + 1), -np.inf)
@@ -96,23 +92,33 @@ def find_conflicts(
         None,
         g,
         A,
-        np.concatenate([-free, part.lower], axis=1),
-        np.concatenate([part.upper, free], axis=1),
+        np.where(widening < 0, -np.inf, part.lower[:, order]),
+        np.where(widening > 0, np.inf, part.upper[:, order]),
         x_lower,
         np.full_like(x_lower, np.inf),
     )
     answers = solve_programs(programs, solver)
     require_verified(answers, "whether the limits hold together")
-    y = answers.row_dual[:, :rows] + answers.row_dual[:, rows:]
+    y = np.zeros((count, rows))
+    for column, row in enumerate(order):
+        y[:, row] += answers.row_dual[:, column]
     conflicts: list[Conflict | None] = []
     for index, sample in enumerate(samples):
-        rows_of_sample = _certified_rows(part, index, y[index], scale)
-        if rows_of_sample is None:
+        certified = _certified(part, index, y[index])
+        if certified is None:
             conflicts.append(None)
             continue
-        active, multipliers = rows_of_sample
-        widening = float(answers.x[index, -1])
-        conflicts.append(Conflict(int(sample), float(time[sample]), active, multipliers, widening))
+        rows_in_conflict = np.flatnonzero(certified).tolist()
+        conflicts.append(
+            Conflict(
+                int(sample),
+                float(time[sample]),
+                tuple(part.active_row(row, upper=bool(certified[row] > 0)) for row in rows_in_conflict),
+                tuple(float(certified[row] / part.unit[row]) for row in rows_in_conflict),
+                float(answers.x[index, -1]),
+                tuple(float(answers.x[index, -1] * part.unit[row]) for row in rows_in_conflict),
+            )
+        )
     return conflicts
 
 
@@ -125,33 +131,23 @@ def separation(problem: SampleProblem, index: int, y: Array) -> tuple[float, flo
     Args:
         problem: Rows.
         index: Sample.
-        y: Multipliers, Shape (r,).
+        y: Multipliers of the problem's rows, Shape (r,).
 
     Returns:
-        The right side, and the largest error of the left side's conditions.
+        The right side, relative to Σ |y|, and the largest error of the left side, each column relative to Σ |y|
+        times its largest coefficient.
     """
-    combined = y @ problem.A[index]
+    terms = np.sum(np.abs(y)) * np.max(np.abs(problem.A[index]), axis=0)
+    combined = (y @ problem.A[index]) / np.where(terms > 0, terms, 1.0)
     error = max(float(np.max(np.abs(combined[:-1]), initial=0.0)), 0.0, -float(combined[-1]))
     limit = np.where(y > 0, problem.upper[index], np.where(y < 0, problem.lower[index], 0.0))
-    return float(np.sum(y * limit)), error
+    size = float(np.sum(np.abs(y) * problem.is_limit))
+    return float(np.sum(y * limit)) / (size or 1.0), error
 
 
-def _certified_rows(
-    problem: SampleProblem, index: int, y: Array, scale: Array
-) -> tuple[tuple[ActiveRow, ...], tuple[float, ...]] | None:
-    weight = np.abs(y) * (np.max(np.abs(problem.A[index]), axis=1) + scale)
-    keep = weight > NEGLIGIBLE_MULTIPLIER * np.max(weight, initial=0.0)
-    y = np.where(keep, y, 0.0)
-    size = float(np.sum(np.abs(y) * scale))
-    if size == 0:
-        return None
+def _certified(problem: SampleProblem, index: int, y: Array) -> Array | None:
+    """The multipliers without rounding if they prove infeasibility, else None."""
+    weight = np.abs(y) * np.maximum(np.max(np.abs(problem.A[index]), axis=1), problem.is_limit)
+    y = np.where(weight > NEGLIGIBLE_MULTIPLIER * np.max(weight, initial=0.0), y, 0.0)
     value, error = separation(problem, index, y)
-    if value >= -CERTIFICATE_TOLERANCE * size or error > COMBINATION_TOLERANCE * float(np.max(weight)):
-        return None
-    active, multipliers = [], []
-    for row in np.flatnonzero(y):
-        upper = y[row] > 0
-        limit = problem.limit_upper[row] if upper else problem.limit_lower[row]
-        active.append(ActiveRow(problem.names[row], "upper" if upper else "lower", float(limit)))
-        multipliers.append(float(y[row]))
-    return tuple(active), tuple(multipliers)
+    return y if value < -CERTIFICATE_TOLERANCE and error <= COMBINATION_TOLERANCE else None

@@ -15,8 +15,13 @@ from mrts.errors import InputError
 MAX_FILE_BYTES = 30_000_000
 """Far above any cell, motion, URDF or generated C file: a larger one is a mistake."""
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+LARGEST_NUMBER = 1e12
+"""Largest magnitude of a number in an input file, in SI units: anything larger is a mistake and would overflow."""
+
+Finite = Annotated[float, Field(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER, allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, le=LARGEST_NUMBER, allow_inf_nan=False)]
+Angle = Annotated[float, Field(ge=-1e4, le=1e4, allow_inf_nan=False)]
+Angles3 = Annotated[list[Angle], Field(min_length=3, max_length=3)]
 Vector3 = Annotated[list[Finite], Field(min_length=3, max_length=3)]
 
 
@@ -51,11 +56,16 @@ class Pose(StrictModel):
     """
 
     xyz: Vector3 = [0.0, 0.0, 0.0]
-    rpy: Vector3 = [0.0, 0.0, 0.0]
+    rpy: Angles3 = [0.0, 0.0, 0.0]
 
 
 class _StrictLoader(yaml.SafeLoader):
-    """SafeLoader that refuses duplicate keys and reads `1e-3` as the number that it is (YAML 1.2)."""
+    """SafeLoader that refuses duplicate keys and reads numbers as YAML 1.2 does: `1e-3` is one, `1:30` is none."""
+
+    yaml_implicit_resolvers = {  # noqa: RUF012 (PyYAML's own class attribute)
+        first: [(tag, pattern) for tag, pattern in resolvers if not tag.endswith((":int", ":float"))]
+        for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+    }
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:  # noqa: FBT001, FBT002 (PyYAML's signature)
         seen: set[str] = set()
@@ -69,9 +79,10 @@ class _StrictLoader(yaml.SafeLoader):
         return super().construct_mapping(node, deep)
 
 
+_StrictLoader.add_implicit_resolver("tag:yaml.org,2002:int", re.compile(r"^[-+]?[0-9]+$"), list("-+0123456789"))
 _StrictLoader.add_implicit_resolver(
     "tag:yaml.org,2002:float",
-    re.compile(r"^[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)[eE][-+]?[0-9]+$"),
+    re.compile(r"^([-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN))$"),
     list("-+0123456789."),
 )
 
@@ -96,8 +107,8 @@ def read_text(path: Path, what: str) -> str:
         raise InputError(path, f"there is no such {what}. Check the path.") from None
     except UnicodeDecodeError:
         raise InputError(path, f"this {what} is not UTF-8 text.") from None
-    except OSError as error:
-        raise InputError(path, f"this {what} cannot be read: {error.strerror}.") from None
+    except (OSError, ValueError) as error:  # ValueError: a null byte in the path
+        raise InputError(path, f"this {what} cannot be read: {getattr(error, 'strerror', error)}.") from None
 
 
 def read_model(path: Path, model: type[Model], what: str) -> Model:
@@ -157,7 +168,14 @@ _RULES = {
 
 def _input_error(path: Path, details: list[ErrorDetails]) -> InputError:
     # of the alternatives of a union, the one whose error lies deepest is the one that was meant
-    first = max(details, key=lambda detail: (_keys(detail)[:1] == _keys(details[0])[:1], len(detail["loc"])))
+    first = max(
+        details,
+        key=lambda detail: (
+            _keys(detail)[:1] == _keys(details[0])[:1],
+            detail["type"] not in {"list_type", "model_type", "float_type"},
+            len(detail["loc"]),
+        ),
+    )
     key = ""
     for part in _keys(first):
         key += f"[{part}]" if isinstance(part, int) else f".{part}" if key else part
@@ -170,4 +188,9 @@ def _input_error(path: Path, details: list[ErrorDetails]) -> InputError:
 
 def _keys(detail: ErrorDetails) -> list[str | int]:
     """The location without the names that pydantic gives to the alternatives of a union."""
-    return [part for part in detail["loc"] if isinstance(part, int) or re.fullmatch(r"[a-z_0-9]+", part)]
+    kinds = {"float", "int", "str", "bool"}
+    return [
+        part
+        for part in detail["loc"]
+        if isinstance(part, int) or (re.fullmatch(r"[a-z_0-9]+", part) and part not in kinds)
+    ]

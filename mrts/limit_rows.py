@@ -16,13 +16,13 @@ class RowName:
     """What a row limits.
 
     Attributes:
-        kind: "torque", "wrench", "balance" (of the object) or "c2" (c² >= 0).
+        kind: "torque", "wrench", "balance" (of the object), "c2" (c² >= 0), or what a constraint of yours limits.
         robot: Robot's name; empty for rows of the object and of c².
         element: Joint, wrench component, or empty.
         unit: "N m", "N", or empty.
     """
 
-    kind: Literal["torque", "wrench", "balance", "c2"]
+    kind: str
     robot: str = ""
     element: str = ""
     unit: str = ""
@@ -32,7 +32,7 @@ class RowName:
             return "c² ≥ 0"
         if self.kind == "balance":
             return f"balance of the object ({self.element})"
-        what = "torque" if self.kind == "torque" else "contact wrench"
+        what = "contact wrench" if self.kind == "wrench" else self.kind
         return f"{self.robot}/{self.element} {what}"
 
 
@@ -89,6 +89,15 @@ class LimitRows:
     wrench_matrix: Array
     lower: Array
     upper: Array
+
+    def units(self) -> Array:
+        """What 100 % of each limit is, Shape (r,): its larger side; for a zero, the largest of its unit, or 1."""
+        sides = np.stack([np.abs(self.lower), np.abs(self.upper)])
+        size = np.max(np.where(np.isfinite(sides), sides, 0.0), axis=0)
+        for row in np.flatnonzero(size == 0):
+            alike = [size[other] for other, name in enumerate(self.names) if name.unit == self.names[row].unit]
+            size[row] = max(alike) or 1.0
+        return np.asarray(size, dtype=np.float64)
 
     def bounded(self) -> "LimitRows":
         """Only the rows that have a limit on some side."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion
-from mrts.errors import InputError
+from mrts.errors import InputError, as_array
 from mrts.rigid_transform import Array
 
 SHARE_TOLERANCE = 1e-9
@@ -37,13 +37,15 @@ class LoadSharing:
             InputError: If a shape is wrong, the shares do not sum to 1, or the internal wrench moves the object.
         """
         robots = len(cell.robots)
-        shares = np.full(robots, 1 / robots) if self.shares is None else np.asarray(self.shares, dtype=float)
+        shares = np.full(robots, 1 / robots) if self.shares is None else as_array("shares", self.shares)
         if shares.shape != (robots,) or not np.all(shares >= 0) or not np.isfinite(shares).all():
-            raise InputError("shares", f"must be {robots} numbers >= 0.", value=shares.tolist())
+            raise InputError(
+                "shares", f"must be {robots} finite numbers >= 0, one for each robot.", value=shares.tolist()
+            )
         if abs(np.sum(shares) - 1) > SHARE_TOLERANCE:
             raise InputError("shares", f"must sum to 1; they sum to {np.sum(shares):.12g}.", value=shares.tolist())
         size = robots * len(cell.wrench_components)
-        internal = np.zeros(size) if self.internal_wrench is None else np.asarray(self.internal_wrench, float)
+        internal = np.zeros(size) if self.internal_wrench is None else as_array("internal_wrench", self.internal_wrench)
         if internal.shape not in {(size,), (motion.samples, size)} or not np.isfinite(internal).all():
             raise InputError(
                 "internal_wrench",

@@ -4,7 +4,7 @@
 import hashlib
 import json
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -86,6 +86,7 @@ class Manifest(_Record):
     """The whole manifest; see docs/generated_files.md."""
 
     notice: str
+    content_sha256: str
     format: int
     mrts_version: str
     casadi_version: str
@@ -102,6 +103,15 @@ class Manifest(_Record):
     def to_json(self) -> str:
         """Deterministic text of manifest.json."""
         return json.dumps(self.model_dump(mode="json"), indent=1, allow_nan=False) + "\n"
+
+    def content_hash(self) -> str:
+        """Hash of everything in the manifest but the hash itself."""
+        content = self.model_dump(mode="json", exclude={"content_sha256"})
+        return hashlib.sha256(json.dumps(content, allow_nan=False).encode()).hexdigest()
+
+    def sealed(self) -> Self:
+        """The same manifest with its own hash filled in."""
+        return self.model_copy(update={"content_sha256": self.content_hash()})
 
 
 def read_generated(folder: Path) -> tuple[Manifest, Path]:
@@ -132,6 +142,8 @@ def read_generated(folder: Path) -> tuple[Manifest, Path]:
             key="format",
             value=manifest.format,
         )
+    if manifest.content_sha256 != manifest.content_hash():
+        raise InputError(path, "was edited after it was generated. Change the cell file and run `mrts generate` again.")
     source = folder / Path(manifest.source).name
     if hashlib.sha256(read_text(source, "generated C file").encode()).hexdigest() != manifest.source_sha256:
         raise InputError(source, "differs from what its manifest describes. Make both again: `mrts generate`.")

@@ -1,38 +1,27 @@
 # SPDX-License-Identifier: MIT
-"""The motion of the carried object: the motion file and its samples."""
+"""The motion of the carried object, and its samples from splines and paths."""
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field
-from scipy.spatial.transform import Rotation
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation, RotationSpline
 
-from mrts.errors import InputError
-from mrts.input_file import Pose, Positive, StrictModel, read_model
-from mrts.rigid_transform import Array, rotation_from_rpy
-from mrts.velocity_profile import PROFILES
+from mrts.errors import InputError, as_array
+from mrts.rigid_transform import Array
+from mrts.velocity_profile import Profile
 
-MAX_SAMPLES = 1_000_000
+ROTATION_LENGTH = 0.25
+"""Metres of path that a turn by one radian counts as, where waypoints are spaced along a path."""
 
+ORTHOGONAL = 1e-6
+"""Largest entry of R Rᵀ - I: matrices from tables carry few digits."""
 
-class MotionDescription(StrictModel):
-    """A validated motion file.
+DERIVATIVE_TOLERANCE = 0.5
+"""Largest part of a step that rates may miss: a jump of the acceleration inside it is legal, wrong units are not."""
 
-    Attributes:
-        duration: t_f [s].
-        samples: Number of samples, both ends included.
-        profile: Velocity profile.
-        start: Object frame in the world at t = 0.
-        end: Object frame in the world at t = t_f.
-    """
-
-    duration: Positive
-    samples: Annotated[int, Field(ge=2, le=MAX_SAMPLES)] = 101
-    profile: Literal["sinusoid", "trapezoid", "cubic", "quintic"]
-    start: Pose
-    end: Pose
+SAME_WAYPOINT = 1e-9
+"""Waypoints nearer than this [m, with turns by `ROTATION_LENGTH`] are one."""
 
 
 @dataclass(frozen=True)
@@ -54,42 +43,152 @@ class ObjectMotion:
     acceleration: Array
 
     def __post_init__(self) -> None:
-        samples = np.shape(self.time)[0] if np.ndim(self.time) == 1 else 0
-        shapes = {"position": (3,), "rotation": (3, 3), "twist": (6,), "acceleration": (6,)}
-        if samples < 2 or self.time[0] != 0 or not np.all(np.diff(self.time) > 0):  # noqa: PLR2004 (two ends)
+        shapes = {"time": (), "position": (3,), "rotation": (3, 3), "twist": (6,), "acceleration": (6,)}
+        time = as_array("time", self.time)
+        if time.ndim != 1 or len(time) < 2 or time[0] != 0 or not np.all(np.diff(time) > 0):  # noqa: PLR2004 (two ends)
             raise InputError("time", "must have Shape (N,) with N >= 2, start at 0 and strictly increase.")
         for name, shape in shapes.items():
-            value = getattr(self, name)
-            if np.shape(value) != (samples, *shape) or not np.all(np.isfinite(value)):
-                raise InputError(name, f"must have Shape {(samples, *shape)} and be finite.")
+            value = as_array(name, getattr(self, name))
+            object.__setattr__(self, name, value)
+            if value.shape != (len(time), *shape) or not np.all(np.isfinite(value)):
+                raise InputError(name, f"must have Shape {(len(time), *shape)} and be finite.")
+        off = np.abs(self.rotation @ self.rotation.transpose(0, 2, 1) - np.eye(3))
+        if np.max(off) > ORTHOGONAL or np.min(np.linalg.det(self.rotation)) < 0:
+            raise InputError("rotation", "must hold rotation matrices: R Rᵀ = I, det R = 1.")
+        steps = Rotation.from_matrix(self.rotation[1:] @ self.rotation[:-1].transpose(0, 2, 1)).as_rotvec()
+        turned = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
+        check_derivatives("position", time, self.position, self.twist[:, :3], self.acceleration[:, :3])
+        check_derivatives("rotation", time, turned, self.twist[:, 3:], self.acceleration[:, 3:])
 
 
-def load_motion(path: Path | str) -> ObjectMotion:
-    """Read a motion file and sample it.
+def check_derivatives(name: str, time: Array, value: Array, rate: Array, change: Array) -> None:
+    """Check rates against the steps between samples: catches wrong units, axes and signs, and too few samples.
+
+    The rule that the steps are compared with is of fourth order, so a reasonable table passes by far.
+
+    Args:
+        name: What is checked, for the message.
+        time: Shape (N,) [s].
+        value: Shape (N, k).
+        rate: Its derivative, Shape (N, k).
+        change: The derivative of that, Shape (N, k).
 
     Raises:
-        InputError: If the file is missing, not YAML, or breaks a rule.
+        InputError: If the rates do not lead from sample to sample.
     """
-    return sample_motion(read_model(Path(path), MotionDescription, "motion file"))
+    h = np.diff(time)[:, None]
+    for what, values, first, second in (("rates", value, rate, change), ("accelerations", rate, change, None)):
+        steps = np.diff(values, axis=0)
+        expected = h / 2 * (first[:-1] + first[1:])
+        if second is not None:
+            expected = expected + h**2 / 12 * (second[:-1] - second[1:])
+        off = np.linalg.norm(steps - expected, axis=1)
+        size = max(float(np.max(np.linalg.norm(steps, axis=1))), float(np.max(np.linalg.norm(expected, axis=1))))
+        worst = int(np.argmax(off))
+        if off[worst] > DERIVATIVE_TOLERANCE * size and size > SAME_WAYPOINT:
+            raise InputError(
+                name,
+                f"its {what} do not lead from sample {worst} to {worst + 1} (t = {time[worst]:.6g} s): they are off by "
+                f"{100 * off[worst] / size:.3g} % of the largest step. Check units, world axes and signs; if those are "
+                "right, the samples are too few.",
+            )
 
 
-def sample_motion(description: MotionDescription) -> ObjectMotion:
-    """Samples along a straight line and the geodesic rotation, under the velocity profile."""
-    start, end, duration = description.start, description.end, description.duration
-    u = np.linspace(0.0, 1.0, description.samples)
-    s, ds, dds = PROFILES[description.profile](u)
-    ds, dds = ds / duration, dds / duration**2
+def geodesic_motion(
+    positions: Array, rotations: Array, profile: Profile, duration: float, samples: int
+) -> ObjectMotion:
+    """From one pose to another along a straight line and the geodesic rotation.
 
-    p0 = np.array(start.xyz)
-    step = np.array(end.xyz) - p0
-    R0, R1 = rotation_from_rpy(*start.rpy), rotation_from_rpy(*end.rpy)
-    turn = Rotation.from_matrix(R1 @ R0.T).as_rotvec()  # world axes, constant along the geodesic
-    rotation = Rotation.from_rotvec(s[:, None] * turn).as_matrix() @ R0
+    Args:
+        positions: Start and end, Shape (2, 3) [m].
+        rotations: Start and end, Shape (2, 3, 3).
+        profile: Velocity profile.
+        duration: [s].
+        samples: Number of samples.
+    """
+    u = np.linspace(0.0, 1.0, samples)
+    s, ds, dds = profile(u)
+    step = positions[1] - positions[0]
+    turn = Rotation.from_matrix(rotations[1] @ rotations[0].T).as_rotvec()  # world axes, constant on the geodesic
     direction = np.concatenate([step, turn])
     return ObjectMotion(
         u * duration,
-        p0 + s[:, None] * step,
+        positions[0] + s[:, None] * step,
+        Rotation.from_rotvec(s[:, None] * turn).as_matrix() @ rotations[0],
+        ds[:, None] / duration * direction,
+        dds[:, None] / duration**2 * direction,
+    )
+
+
+def waypoint_motion(
+    positions: Array, rotations: Array, profile: Profile, duration: float, samples: int
+) -> ObjectMotion:
+    """Through waypoints on a C² path: a cubic spline in position and scipy's rotation spline.
+
+    The path parameter is the distance along the waypoints, a turn counted by `ROTATION_LENGTH`; the profile runs it
+    from the first to the last.
+
+    Args:
+        positions: Shape (M, 3) [m].
+        rotations: Shape (M, 3, 3).
+        profile: Velocity profile.
+        duration: [s].
+        samples: Number of samples.
+
+    Raises:
+        InputError: If two waypoints that follow each other are the same.
+    """
+    turns = Rotation.from_matrix(rotations[1:] @ rotations[:-1].transpose(0, 2, 1)).magnitude()
+    spacing = np.hypot(np.linalg.norm(np.diff(positions, axis=0), axis=1), ROTATION_LENGTH * turns)
+    if np.min(spacing) <= SAME_WAYPOINT:
+        index = int(np.argmin(spacing))
+        raise InputError("waypoints", f"waypoints {index} and {index + 1} are the same; leave one out.")
+    knots = np.concatenate([[0.0], np.cumsum(spacing)]) / np.sum(spacing)
+    u = np.linspace(0.0, 1.0, samples)
+    s, ds, dds = profile(u)
+    path = _spline(knots, positions, rotations, np.clip(s, 0.0, 1.0))
+    ds, dds = ds[:, None] / duration, dds[:, None] / duration**2
+    return ObjectMotion(
+        u * duration,
+        path.position,
+        path.rotation,
+        path.twist * ds,
+        path.acceleration * ds**2 + path.twist * dds,
+    )
+
+
+def spline_motion(time: Array, positions: Array, rotations: Array, at: Array) -> ObjectMotion:
+    """Through poses at given times on a C² spline.
+
+    Args:
+        time: Shape (M,) [s], strictly increasing from 0.
+        positions: Shape (M, 3) [m].
+        rotations: Shape (M, 3, 3).
+        at: Times of the samples, Shape (N,) [s], from 0 to the last of `time`.
+    """
+    path = _spline(time, positions, rotations, at)
+    return ObjectMotion(at, path.position, path.rotation, path.twist, path.acceleration)
+
+
+@dataclass(frozen=True)
+class _PathSamples:
+    """Pose and its first two derivatives by the spline's parameter."""
+
+    position: Array
+    rotation: Array
+    twist: Array
+    acceleration: Array
+
+
+def _spline(knots: Array, positions: Array, rotations: Array, at: Array) -> _PathSamples:
+    line = CubicSpline(knots, positions, bc_type="natural")
+    turn = RotationSpline(knots, Rotation.from_matrix(rotations))
+    rotation = np.asarray(turn(at).as_matrix(), dtype=np.float64)
+    # scipy gives rates in the body's axes
+    rate, change = (np.einsum("nij,nj->ni", rotation, turn(at, order)) for order in (1, 2))
+    return _PathSamples(
+        np.asarray(line(at), dtype=np.float64),
         rotation,
-        ds[:, None] * direction,
-        dds[:, None] * direction,
+        np.concatenate([line(at, 1), rate], axis=1),
+        np.concatenate([line(at, 2), change], axis=1),
     )

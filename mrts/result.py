@@ -19,10 +19,10 @@ from mrts.scaling_range import RangeEnd, ScalingRange, ScalingStatus
 
 @dataclass(frozen=True)
 class Residuals:
-    """How far a trajectory is from what it promises; all should be rounding.
+    """How far a trajectory is from what it promises: rounding, and at most 1e-9 of a limit.
 
     Attributes:
-        limits: Largest overstepping of (8) and (24), relative to the limit.
+        limits: Largest overstepping of (8) and (24), as a share of the limit; up to 1e-9 is the programs' slack.
         arms: Largest residual of the arms' dynamics (13) [N m].
         object: Largest residual of the object's dynamics (20) [N, N m].
     """
@@ -106,8 +106,7 @@ class ScalingResult:
         rows = cell_rows(cell)
         value = done.torque @ rows.torque_matrix.T + done.wrench @ rows.wrench_matrix.T
         beyond = np.max(np.maximum(rows.lower - value, value - rows.upper), axis=0)
-        size = np.minimum(np.abs(rows.lower), np.abs(rows.upper))
-        relative = beyond / np.where(size > 0, size, 1.0)
+        relative = beyond / rows.units()
         return Residuals(max(0.0, float(np.max(relative))), float(np.max(np.abs(arms))), float(np.max(np.abs(carried))))
 
     def to_json(self) -> dict[str, Any]:

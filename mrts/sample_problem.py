@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """From a cell and its motion to the linear rows of every sample, in any formulation."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -11,7 +11,7 @@ from mrts.cell import Cell
 from mrts.constraints import cell_rows
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.errors import InputError, MotionError
-from mrts.limit_rows import RowName
+from mrts.limit_rows import ActiveRow, RowName
 from mrts.load_sharing import LoadSharing
 from mrts.rigid_transform import Array
 
@@ -25,7 +25,8 @@ TORQUE_FORM_CONDITION_LIMIT = 1e6
 class SampleProblem:
     """Torques and wrenches as affine functions of the unknowns x, c² last, at N samples.
 
-    τ = torque_map x + torque_offset, F = wrench_map x + wrench_offset, and rows lower <= A x <= upper.
+    τ = torque_map x + torque_offset, F = wrench_map x + wrench_offset, and rows lower <= A x <= upper, each divided by
+    its unit, so that a limit has the size 1 whatever its unit and magnitude.
 
     Attributes:
         torque_map: Shape (N, m, k).
@@ -33,6 +34,8 @@ class SampleProblem:
         wrench_map: Shape (N, n w, k).
         wrench_offset: Shape (N, n w) [N, N m].
         names: One a row.
+        unit: What 100 % of a row's limit is; 1 for the object's balance, which is no limit, Shape (r,).
+        is_limit: False for the object's balance, Shape (r,).
         A: Shape (N, r, k).
         lower: Shape (N, r).
         upper: Shape (N, r).
@@ -45,6 +48,8 @@ class SampleProblem:
     wrench_map: Array
     wrench_offset: Array
     names: tuple[RowName, ...]
+    unit: Array
+    is_limit: NDArray[np.bool_]
     A: Array
     lower: Array
     upper: Array
@@ -69,19 +74,22 @@ class SampleProblem:
         """Wrenches of unknowns x, Shape (N, k), as Shape (N, n w) [N, N m], base axes."""
         return apply(self.wrench_map, x) + self.wrench_offset
 
+    def active_row(self, row: int, *, upper: bool) -> ActiveRow:
+        """One row at one of its limits, in its own unit."""
+        limit = self.limit_upper[row] if upper else self.limit_lower[row]
+        return ActiveRow(self.names[row], "upper" if upper else "lower", float(limit))
+
     def at(self, samples: NDArray[np.int_]) -> "SampleProblem":
         """The same problem at some samples only (indices or a mask)."""
-        return SampleProblem(
-            self.torque_map[samples],
-            self.torque_offset[samples],
-            self.wrench_map[samples],
-            self.wrench_offset[samples],
-            self.names,
-            self.A[samples],
-            self.lower[samples],
-            self.upper[samples],
-            self.limit_lower,
-            self.limit_upper,
+        return replace(
+            self,
+            torque_map=self.torque_map[samples],
+            torque_offset=self.torque_offset[samples],
+            wrench_map=self.wrench_map[samples],
+            wrench_offset=self.wrench_offset[samples],
+            A=self.A[samples],
+            lower=self.lower[samples],
+            upper=self.upper[samples],
         )
 
 
@@ -127,7 +135,7 @@ def build_sample_problem(
     offset = maps["torque_offset"] @ rows.torque_matrix.T + maps["wrench_offset"] @ rows.wrench_matrix.T
     A = rows.torque_matrix @ torque_map + rows.wrench_matrix @ wrench_map
     lower, upper = rows.lower - offset, rows.upper - offset
-    names, limit_lower, limit_upper = rows.names, rows.lower, rows.upper
+    names, limit_lower, limit_upper, unit = rows.names, rows.lower, rows.upper, rows.units()
     if "equality_map" in maps:
         names = (*names, *(RowName("balance", element=part) for part in cell.wrench_components))
         A = np.concatenate([A, maps["equality_map"]], axis=1)
@@ -136,15 +144,18 @@ def build_sample_problem(
         nothing = np.zeros(len(cell.wrench_components))
         limit_lower = np.concatenate([limit_lower, nothing])
         limit_upper = np.concatenate([limit_upper, nothing])
+        unit = np.concatenate([unit, nothing + 1])
     return SampleProblem(
         torque_map,
         maps["torque_offset"],
         wrench_map,
         maps["wrench_offset"],
         names,
-        A,
-        lower,
-        upper,
+        unit,
+        np.array([name.kind != "balance" for name in names]),
+        A / unit[:, None],
+        lower / unit,
+        upper / unit,
         limit_lower,
         limit_upper,
     )

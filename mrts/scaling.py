@@ -6,9 +6,10 @@ from typing import Literal
 import numpy as np
 
 from mrts.cell import Cell
-from mrts.coordinated_motion import CoordinatedMotion, follow_object
-from mrts.errors import SelectionError
+from mrts.coordinated_motion import CoordinatedMotion, coordinate
+from mrts.errors import InputError, MrtsError, SolverError
 from mrts.load_sharing import LoadSharing
+from mrts.motion_table import JointTable
 from mrts.object_motion import ObjectMotion
 from mrts.result import ScalingResult
 from mrts.rigid_transform import Array
@@ -18,12 +19,26 @@ from mrts.scaling_range import ScalingRange, ScalingStatus, intersect, sample_ra
 from mrts.solvers import DEFAULT_SOLVER
 from mrts.torque_distribution import distribute_torques, torque_weights
 
+
+class SelectionError(MrtsError):
+    """The requested c² is not in the admissible range, or no single value answers the request.
+
+    Attributes:
+        result: The result with the range that was found; None before there is one.
+    """
+
+    result: ScalingResult | None = None
+
+
+LIMIT_TOLERANCE = 1e-8
+"""Largest overstepping of a limit, as a share of it, that counts as rounding and the programs' own slack."""
+
 Selection = Literal["auto", "fastest", "nominal"] | float
 
 
 def scale(
     cell: Cell,
-    motion: ObjectMotion | CoordinatedMotion,
+    motion: ObjectMotion | JointTable | CoordinatedMotion,
     select: Selection = "auto",
     *,
     sharing: LoadSharing | None = None,
@@ -35,7 +50,7 @@ def scale(
 
     Args:
         cell: The cell.
-        motion: Motion of the object, or of the whole cell.
+        motion: Motion of the object, a table of joint motion, or motion of the whole cell.
         select: "fastest" takes c²⁺, "nominal" takes 1, a number takes itself; "auto" is "fastest", or "nominal"
             where nothing limits the speed.
         sharing: A fixed distribution of the load; None leaves it to the quadratic program.
@@ -52,9 +67,10 @@ def scale(
         SelectionError: If c² is not in the range; its `result` holds the range.
         SolverError: If no solver answers.
     """
+    if sharing is not None and not isinstance(sharing, LoadSharing):
+        raise InputError("sharing", "must be a LoadSharing: LoadSharing() is the equal one.", value=sharing)
     W = torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
-    if isinstance(motion, ObjectMotion):
-        motion = follow_object(cell, motion)
+    motion = coordinate(cell, motion)
     problem = build_sample_problem(cell, motion, formulation, sharing)
     found = intersect(sample_ranges(problem, motion.object.time, solver))
     untouched = ScalingResult(cell, motion, found, None, found.samples.fallbacks)
@@ -67,7 +83,14 @@ def scale(
         raise
     x, fallbacks = distribute_torques(problem, c2, W, solver)
     trajectory = scaled_trajectory(cell, motion, c2, problem.torque(x), problem.wrench(x))
-    return ScalingResult(cell, motion, found, trajectory, found.samples.fallbacks + fallbacks)
+    result = ScalingResult(cell, motion, found, trajectory, found.samples.fallbacks + fallbacks)
+    overstep = result.residuals().limits
+    if not overstep <= LIMIT_TOLERANCE:
+        raise SolverError(
+            f"the torques found overstep a limit by {overstep:.2g} of it, more than {LIMIT_TOLERANCE:.0e}: the limits "
+            "or the masses of this cell are too unlike in size to be solved."
+        )
+    return result
 
 
 def choose_c2(found: ScalingRange, select: Selection) -> float:
@@ -88,10 +111,12 @@ def choose_c2(found: ScalingRange, select: Selection) -> float:
         select = "nominal" if unlimited else "fastest"
     if select == "fastest":
         if unlimited:
-            raise SelectionError(f"nothing limits the speed: c² ∈ {interval}. Choose a value.")
+            raise SelectionError(f"no limit depends on the speed: c² ∈ {interval}. Choose a value.")
         if high <= 0:
             raise SelectionError(f"c² ∈ {interval}: the cell can only hold still. {_ends_text(found)}")
         return high
+    if isinstance(select, bool) or not (select == "nominal" or isinstance(select, int | float)):
+        raise SelectionError(f"select = {select!r}: must be 'auto', 'fastest', 'nominal' or a number.")
     c2 = 1.0 if select == "nominal" else float(select)
     if not (np.isfinite(c2) and c2 > 0):
         raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {interval}.")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mrts.convex_program import Answers, ConvexPrograms, Mask, solve_programs
 from mrts.errors import SolverError
-from mrts.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts, limit_scale
+from mrts.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
 from mrts.limit_rows import STANDSTILL, ActiveRow
 from mrts.rigid_transform import Array
 from mrts.sample_problem import SampleProblem
@@ -18,7 +18,7 @@ REST_TOLERANCE = 1e-12
 """A sample is at rest where c² moves no row by more than this share of what it does elsewhere."""
 
 UNBOUNDED = 1e9
-"""Inertial load, as a multiple of the largest limit, beyond which a range has no upper end."""
+"""Effect of the speed on some row, as a multiple of its limit, beyond which a range has no upper end."""
 
 BINDING_TOLERANCE = 1e-7
 """A row binds if its multiplier exceeds this share of the largest, or, in closed form, its c² ties this closely."""
@@ -56,7 +56,7 @@ class ScalingStatus(Enum):
                 "Every sample is feasible at some speed, but no constant c² suits all. Change the velocity profile, "
                 "or split the motion between the two samples."
             ),
-            "unbounded": "Nothing limits the speed: nothing moves. Any c² above the lower end is admissible.",
+            "unbounded": "No limit depends on the speed at the samples. Any c² from the lower end on is admissible.",
         }[self.value]
 
     @property
@@ -243,7 +243,7 @@ def _without_speed_at_rest(problem: SampleProblem) -> SampleProblem:
 
 def _relaxed(problem: SampleProblem) -> SampleProblem:
     """The same problem with limits wider by what `find_conflicts` cannot tell from nothing."""
-    slack = 2 * CERTIFICATE_TOLERANCE * limit_scale(problem)
+    slack = 2 * CERTIFICATE_TOLERANCE * problem.is_limit
     return replace(problem, lower=problem.lower - slack, upper=problem.upper + slack)
 
 
@@ -278,18 +278,14 @@ def _closest_rows(problem: SampleProblem, ends: Array, c2: float, sign: Array) -
 def _ends_by_linear_programs(problem: SampleProblem, solver: str) -> _Ends:
     """Eqs. (26), (29): least and largest c² >= 0 within all limits; c² is scaled to the size of the other unknowns."""
     count, _, unknowns = problem.A.shape
-    others = np.max(np.abs(problem.A[:, :, :-1]), axis=(1, 2))
-    effect = np.max(np.abs(problem.A[:, :, -1]), axis=1)
-    unit = np.where(effect > 0, others / np.where(effect > 0, effect, 1.0), 1.0)  # c² = unit · y
+    effect = _effect_of_speed(problem)
+    unit = 1 / np.where(effect > 0, effect, 1.0)  # c² = unit · y, where y = 1 moves some row by a whole limit
     A = problem.A.copy()
     A[:, :, -1] *= unit[:, None]
     x_lower = np.full((count, unknowns), -np.inf)
     x_lower[:, -1] = 0.0
     x_upper = np.full((count, unknowns), np.inf)
-    finite = np.where(np.isfinite(problem.limit_upper), np.abs(problem.limit_upper), 0.0)
-    finite = np.maximum(finite, np.where(np.isfinite(problem.limit_lower), np.abs(problem.limit_lower), 0.0))
-    cap = UNBOUNDED * max(1.0, float(np.max(finite)))
-    x_upper[:, -1] = np.where(effect > 0, cap, 0.0)
+    x_upper[:, -1] = np.where(effect > 0, UNBOUNDED, 0.0)
 
     def solve(direction: float) -> Answers:
         g = np.zeros((count, unknowns))
@@ -299,7 +295,7 @@ def _ends_by_linear_programs(problem: SampleProblem, solver: str) -> _Ends:
 
     least, most = solve(1.0), solve(-1.0)
     low, high = np.maximum(least.x[:, -1], 0.0) * unit, most.x[:, -1] * unit
-    free = (most.x[:, -1] >= cap * (1 - POINT_TOLERANCE)) | (effect == 0)
+    free = (most.x[:, -1] >= UNBOUNDED * (1 - POINT_TOLERANCE)) | (effect == 0)
     high = np.where(free, np.inf, high)
     low_rows = [
         _active_rows(problem, least.row_dual[sample], float(least.bound_dual[sample, -1])) for sample in range(count)
@@ -309,15 +305,26 @@ def _ends_by_linear_programs(problem: SampleProblem, solver: str) -> _Ends:
     return _Ends(low, high, low_rows, high_rows, undecided, least.fallbacks + most.fallbacks)
 
 
+def _effect_of_speed(problem: SampleProblem) -> Array:
+    """Largest effect of c² = 1 on a limit, or on a balance that other unknowns of the size of their limits keep."""
+    size = np.abs(problem.A)
+    limits = size[:, problem.is_limit]
+    effect: Array = np.max(limits[:, :, -1], axis=1)
+    laws = size[:, ~problem.is_limit]
+    if laws.shape[1] == 0:
+        return effect
+    reach = np.max(limits[:, :, :-1], axis=1)  # 1 / size of each unknown at its limits
+    terms = np.max(laws[:, :, :-1] / np.where(reach > 0, reach, 1.0)[:, None, :], axis=2)
+    in_laws: Array = np.max(laws[:, :, -1] / np.where(terms > 0, terms, 1.0), axis=1)
+    return np.maximum(effect, in_laws)
+
+
 def _active_rows(problem: SampleProblem, dual: Array, standstill_dual: float) -> tuple[ActiveRow, ...]:
     """Rows with a multiplier, strongest first; rows of the object's balance are laws and are left out."""
     largest = max(float(np.max(np.abs(dual), initial=0.0)), abs(standstill_dual))
     active = []
     if abs(standstill_dual) > BINDING_TOLERANCE * largest:
         active.append(ActiveRow(STANDSTILL, "lower", 0.0))
-    for row in np.argsort(-np.abs(dual), kind="stable"):
-        if abs(dual[row]) > BINDING_TOLERANCE * largest and problem.names[row].kind != "balance":
-            upper = dual[row] > 0
-            limit = problem.limit_upper[row] if upper else problem.limit_lower[row]
-            active.append(ActiveRow(problem.names[row], "upper" if upper else "lower", float(limit)))
-    return tuple(active)
+    order = np.argsort(-np.abs(dual), kind="stable")
+    strong = [row for row in order if problem.is_limit[row] and abs(dual[row]) > BINDING_TOLERANCE * largest]
+    return tuple(active + [problem.active_row(row, upper=bool(dual[row] > 0)) for row in strong])

@@ -4,12 +4,16 @@
 import numpy as np
 
 from mrts.convex_program import ConvexPrograms, require_verified, solve_programs
-from mrts.errors import InputError
+from mrts.errors import InputError, as_array
 from mrts.rigid_transform import Array
 from mrts.sample_problem import SampleProblem
 
 SLACK = 1e-9
-"""Relative widening of the limits: at c = √c²⁺ the feasible set is a point, which rounding may miss."""
+"""Widening of each limit, as a share of it: at c = √c²⁺ the feasible set is a point, which rounding may miss."""
+
+
+WEIGHT_SPREAD = 1e6
+"""Largest ratio of weights: the programs are solved to 1e-9, and the lightest torque must still be felt."""
 
 
 def torque_weights(weights: Array | None, joints: int) -> Array:
@@ -24,12 +28,19 @@ def torque_weights(weights: Array | None, joints: int) -> Array:
     """
     if weights is None:
         return np.eye(joints)
-    given = np.asarray(weights, dtype=float)
+    given = as_array("weights", weights)
     if given.shape not in {(joints,), (joints, joints)} or not np.all(np.isfinite(given)):
         raise InputError("weights", f"must be finite with Shape ({joints},) or ({joints}, {joints}).", value=weights)
     W = np.diag(given) if given.ndim == 1 else given
-    if not np.array_equal(W, W.T) or np.linalg.eigvalsh(W)[0] <= 0:
+    spread = np.linalg.eigvalsh(W)
+    if not np.array_equal(W, W.T) or spread[0] <= 0:
         raise InputError("weights", "must be symmetric and positive definite (a diagonal: all > 0).", value=weights)
+    if spread[-1] > WEIGHT_SPREAD * spread[0]:
+        raise InputError(
+            "weights",
+            f"its eigenvalues (a diagonal: its values) spread over a factor of {spread[-1] / spread[0]:.3g}; at most "
+            f"{WEIGHT_SPREAD:.0e} leaves digits for the torques.",
+        )
     return W
 
 
@@ -56,16 +67,13 @@ def distribute_torques(problem: SampleProblem, c2: float, weights: Array, solver
     free, by_c2 = problem.torque_map[:, :, :-1], problem.torque_map[:, :, -1]
     at_rest = by_c2 * c2 + problem.torque_offset  # torques with all free unknowns at zero
     H = np.einsum("nij,ik,nkl->njl", free, weights, free)
-    size = np.max(np.abs(H), axis=(1, 2), keepdims=True)
     g = np.einsum("nij,ik,nk->nj", free, weights, at_rest)
     given = problem.A[:, :, -1] * c2
     lower, upper = problem.lower - given, problem.upper - given
-    slack = SLACK * (1 + np.maximum(np.abs(problem.limit_lower), np.abs(problem.limit_upper)))
-    slack = np.where(problem.limit_lower < problem.limit_upper, slack, 0.0)
-    slack = np.where(np.isfinite(slack), slack, SLACK)
+    slack = np.where(problem.is_limit & (problem.limit_lower < problem.limit_upper), SLACK, 0.0)
     programs = ConvexPrograms(
-        H / size,
-        g / size[:, :, 0],
+        H,
+        g,
         problem.A[:, :, :-1],
         lower - slack,
         upper + slack,

@@ -28,7 +28,7 @@ def inertial_xml(rng, mass, size, rpy="0 0 0"):
     return f'<inertial><origin xyz="{com}" rpy="{rpy}"/><mass value="{mass:.17g}"/><inertia {entries}/></inertial>'
 
 
-def random_planar_cell(rng, folder: Path, arms: int, samples: int = 5):
+def random_planar_cell(rng, folder: Path, arms: int, samples: int = 11):
     """Write cell.yaml, arm URDFs and motion.yaml of a reachable planar cell; returns both paths."""
     plane = str(rng.choice(list(PLANES)))
     first, second, normal, handed = PLANES[plane]

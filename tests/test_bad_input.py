@@ -116,12 +116,20 @@ CELL_MISTAKES = {
 }
 
 MOTION_MISTAKES = {
-    "zero duration": (lambda d: d.update(duration=0), ["duration", "must be > 0"]),
-    "one sample": (lambda d: d.update(samples=1), ["samples", "must be >= 2"]),
+    "zero duration": (lambda d: d.update(duration=0), ["duration = 0", "must be > 1e-09"]),
+    "one sample": (lambda d: d.update(samples=1), ["samples", "must be >= 11"]),
     "half a sample": (lambda d: d.update(samples=2.5), ["samples", "whole number"]),
     "unknown profile": (lambda d: d.update(profile="bang"), ["profile", "'bang'", "'trapezoid'"]),
-    "no end": (lambda d: d.pop("end"), ["end", "required"]),
-    "unknown key": (lambda d: d.update(waypoints=[]), ["unknown key 'waypoints'", "start, end"]),
+    "no end": (lambda d: d.pop("end"), ["required with 'start'", "end"]),
+    "two kinds": (lambda d: d.update(file="motion.csv"), ["one of: start and end", "start, file"]),
+    "nothing": (lambda d: d.clear() or d.update(duration=1), ["here is none of them"]),
+    "one waypoint": (lambda d: [d.pop("start"), d.pop("end"), d.update(waypoints=[{}])], ["waypoints", "at least 2"]),
+    "equal waypoints": (
+        lambda d: [d.pop("start"), d.pop("end"), d.update(waypoints=[{}, {}, {"xyz": [1, 0, 0]}])],
+        ["waypoints 0 and 1 are the same"],
+    ),
+    "missing table": (lambda d: d.clear() or d.update(file="no.csv"), ["no.csv", "no such table"]),
+    "unknown key": (lambda d: d.update(waypoint=[]), ["unknown key 'waypoint'", "did you mean 'waypoints'"]),
     "unreachable": (
         lambda d: d.update(end={"xyz": [1.25, 3.0, 0]}),
         ["robot 'left' cannot reach", "sample 100", "too far"],
@@ -232,7 +240,7 @@ def test_unknown_solver(files, capsys):
     assert "qpsol:qpoases" in message
 
 
-@pytest.mark.parametrize(("share", "part"), [("half", "'equal'"), ("0.5,0.6", "sum to 1"), ("1", "2 numbers")])
+@pytest.mark.parametrize(("share", "part"), [("half", "'equal'"), ("0.5,0.6", "sum to 1"), ("1", "2 finite numbers")])
 def test_wrong_shares(files, capsys, share, part):
     assert part in run(capsys, files, "--share", share)
 

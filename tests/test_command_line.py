@@ -82,7 +82,7 @@ def test_an_infeasible_motion_is_an_outcome(tmp_path):
     assert done.stderr == ""
     assert "infeasible" in done.stdout
     assert "these limits conflict" in done.stdout
-    assert "would have to grow" in done.stdout
+    assert "moving all limits outward by" in done.stdout
     result = json.loads((tmp_path / "r.json").read_text())
     assert result["c2"] == {"lower": None, "upper": None}
     assert result["conflicts"][0]["rows"]

@@ -17,7 +17,6 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "daqp": {"error_on_fail": False},
     "highs": {
         "error_on_fail": False,
-        "daqp": {"error_on_fail": False},
         "highs": {
             "output_flag": False,
             # its default of 1e-7 is coarser than what an answer must pass
@@ -73,7 +72,9 @@ class QpsolSolver:
             arguments["h"] = H.transpose(1, 0, 2).reshape(unknowns, count * unknowns)
         try:
             solved = self._call(count, rows, unknowns, arguments, quadratic=H is not None)
-        except RuntimeError:
+        except RuntimeError as error:
+            if "Unknown option" in str(error):
+                raise
             # one failure fails the whole map, and qpOASES does not recover from it: each sample gets a new solver
             if count == 1:
                 return np.zeros((1, unknowns)), np.zeros((1, rows)), np.zeros((1, unknowns))

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: MIT
+"""The motion file: a pose to a pose, waypoints, or a table of object or joint motion."""
+
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from mrts.errors import InputError
+from mrts.input_file import Pose, StrictModel, broken_rule, read_model
+from mrts.motion_table import JointTable, read_joint_table, read_object_table
+from mrts.object_motion import ObjectMotion, geodesic_motion, waypoint_motion
+from mrts.rigid_transform import rotation_from_rpy
+from mrts.velocity_profile import PROFILES
+
+MIN_SAMPLES = 11
+"""Limits are checked at the samples only: a range from fewer says little about the motion between them."""
+
+MAX_SAMPLES = 1_000_000
+DEFAULT_SAMPLES = 101
+
+Duration = Annotated[float, Field(gt=1e-9, le=1e9, allow_inf_nan=False)]
+"""[s]; beyond these, squares of rates overflow, and no robot moves."""
+
+KINDS = {
+    "start": {"start", "end", "duration", "profile"},
+    "waypoints": {"waypoints", "duration", "profile"},
+    "file": {"file"},
+    "joints": {"joints"},
+}
+"""The four kinds of motion, by the key that chooses one, and the keys that each needs."""
+
+
+class MotionDescription(StrictModel):
+    """A validated motion file; see docs/cell_file.md.
+
+    Attributes:
+        duration: t_f [s]; of a path, a table has its own times.
+        samples: Number of samples, both ends included; a table with derivatives keeps its own.
+        profile: Velocity profile along a path.
+        start: Object frame in the world at t = 0.
+        end: Object frame in the world at t = t_f.
+        waypoints: Object frames in the world that the path goes through.
+        file: CSV table of the object's motion, relative to the motion file.
+        joints: CSV table of the joints' motion, relative to the motion file.
+    """
+
+    duration: Duration | None = None
+    samples: Annotated[int, Field(ge=MIN_SAMPLES, le=MAX_SAMPLES)] | None = None
+    profile: Literal["sinusoid", "trapezoid", "cubic", "quintic"] | None = None
+    start: Pose | None = None
+    end: Pose | None = None
+    waypoints: Annotated[list[Pose], Field(min_length=2)] | None = None
+    file: str | None = None
+    joints: str | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        given = {key for key, value in self if value is not None} - {"samples"}
+        chosen = [kind for kind in KINDS if kind in given or (kind == "start" and "end" in given)]
+        if len(chosen) != 1:
+            raise broken_rule(
+                "a motion is given by one of: start and end, waypoints, file, joints; "
+                + (f"here are {', '.join(chosen)}" if chosen else "here is none of them")
+            )
+        needed = KINDS[chosen[0]]
+        if missing := needed - given:
+            raise broken_rule(f"this key is required with '{chosen[0]}': {', '.join(sorted(missing))}")
+        if extra := given - needed:
+            raise broken_rule(f"'{chosen[0]}' does not go with: {', '.join(sorted(extra))}")
+        return self
+
+
+def load_motion(path: Path | str) -> ObjectMotion | JointTable:
+    """Read a motion file.
+
+    Returns:
+        Samples of the object's motion, or a table of joint motion, which needs a cell to say where the object is.
+
+    Raises:
+        InputError: If the file or a table that it names is missing, malformed, or breaks a rule.
+    """
+    path = Path(path)
+    description = read_model(path, MotionDescription, "motion file")
+    if description.file is not None:
+        return read_object_table(path.parent / description.file, description.samples)
+    if description.joints is not None:
+        return read_joint_table(path.parent / description.joints, description.samples)
+    try:
+        return sample_motion(description)
+    except InputError as error:
+        raise InputError(path, error.rule, key=error.where) from None
+
+
+def sample_motion(description: MotionDescription) -> ObjectMotion:
+    """Samples of a motion from pose to pose or through waypoints.
+
+    Raises:
+        InputError: If the motion is a table, which `load_motion` reads, or two waypoints are the same.
+    """
+    if description.profile is None or description.duration is None:
+        raise InputError("description", "is that of a table; load it with load_motion.")
+    poses = description.waypoints or [description.start or Pose(), description.end or Pose()]
+    through = waypoint_motion if description.waypoints else geodesic_motion
+    return through(
+        np.array([pose.xyz for pose in poses]),
+        np.array([rotation_from_rpy(*pose.rpy) for pose in poses]),
+        PROFILES[description.profile],
+        description.duration,
+        description.samples or DEFAULT_SAMPLES,
+    )

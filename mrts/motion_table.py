@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: MIT
+"""CSV tables of motion: the object's pose, or the joints' positions, over time."""
+
+import csv
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
+
+from mrts.errors import InputError
+from mrts.input_file import read_text
+from mrts.object_motion import ObjectMotion, check_derivatives, spline_motion
+from mrts.rigid_transform import Array
+
+POSE_COLUMNS = ("px", "py", "pz", "qx", "qy", "qz", "qw")
+RATE_COLUMNS = ("vx", "vy", "vz", "wx", "wy", "wz", "ax", "ay", "az", "alphax", "alphay", "alphaz")
+
+QUATERNION_TOLERANCE = 1e-3
+"""How far from 1 a quaternion's length may be: tables carry few digits."""
+
+
+@dataclass(frozen=True)
+class JointTable:
+    """N samples of joint motion by column name; which joint a column is of, the cell tells.
+
+    Attributes:
+        path: The file, for messages.
+        time: Shape (N,) [s], strictly increasing from 0.
+        positions: Column "robot/joint" to positions, each Shape (N,) [rad or m].
+        velocities: Likewise [rad/s or m/s].
+        accelerations: Likewise [rad/s² or m/s²].
+    """
+
+    path: Path
+    time: Array
+    positions: dict[str, Array]
+    velocities: dict[str, Array]
+    accelerations: dict[str, Array]
+
+
+def read_object_table(path: Path, samples: int | None) -> ObjectMotion:
+    """Read a table with t, px, py, pz, qx, qy, qz, qw and, all or none, velocities and accelerations in world axes.
+
+    Args:
+        path: The file.
+        samples: Number of samples on the C² spline through a table without velocities; None takes its own times.
+
+    Raises:
+        InputError: If a column is missing or unknown, a value is not a finite number, the times do not increase, a
+            quaternion is not of length 1, or the velocities contradict the positions.
+    """
+    columns = _read_columns(path)
+    time = _time(path, columns)
+    rates = [name for name in RATE_COLUMNS if name in columns]
+    missing = [name for name in POSE_COLUMNS if name not in columns]
+    if missing:
+        raise InputError(path, f"these columns are needed too: {', '.join(missing)}.")
+    if rates and len(rates) < len(RATE_COLUMNS):
+        lacking = ", ".join(name for name in RATE_COLUMNS if name not in columns)
+        raise InputError(path, f"give all velocities and accelerations or none; these are missing: {lacking}.")
+    unknown = set(columns) - {"t", *POSE_COLUMNS, *RATE_COLUMNS}
+    if unknown:
+        raise InputError(
+            path, f"unknown column '{min(unknown)}'. Columns are t, {', '.join((*POSE_COLUMNS, *RATE_COLUMNS))}."
+        )
+    pose = np.column_stack([columns[name] for name in POSE_COLUMNS])
+    lengths = np.linalg.norm(pose[:, 3:], axis=1)
+    if np.max(np.abs(lengths - 1)) > QUATERNION_TOLERANCE:
+        row = int(np.argmax(np.abs(lengths - 1)))
+        raise InputError(
+            path, f"must have length 1, it has {lengths[row]:.6g}. The order is x, y, z, w.",
+            key=f"row {row + 1}, quaternion", value=pose[row, 3:].tolist(),
+        )  # fmt: skip
+    rotation = np.asarray(Rotation.from_quat(pose[:, 3:]).as_matrix(), dtype=np.float64)
+    if not rates:
+        at = time if samples is None else np.linspace(0.0, time[-1], samples)
+        return spline_motion(time, pose[:, :3], rotation, at)
+    if samples is not None:
+        raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
+    given = np.column_stack([columns[name] for name in RATE_COLUMNS])
+    try:
+        return ObjectMotion(time, pose[:, :3], rotation, given[:, :6], given[:, 6:])
+    except InputError as error:
+        raise InputError(path, error.rule, key=error.where) from None
+
+
+def read_joint_table(path: Path, samples: int | None) -> JointTable:
+    """Read a table with t and, for every joint, `q.ROBOT/JOINT`, and, all or none, `dq.…` and `ddq.…`.
+
+    Args:
+        path: The file.
+        samples: Number of samples on the C² spline through a table without velocities; None takes its own times.
+
+    Raises:
+        InputError: If a column is malformed, a value is not a finite number, or the times do not increase.
+    """
+    columns = _read_columns(path)
+    time = _time(path, columns)
+    parts: dict[str, dict[str, Array]] = {"q": {}, "dq": {}, "ddq": {}}
+    for name, values in columns.items():
+        if name == "t":
+            continue
+        part, _, joint = name.partition(".")
+        if part not in parts or not joint:
+            raise InputError(path, f"unknown column '{name}'. Columns are t, q.ROBOT/JOINT, dq.…, ddq.….")
+        parts[part][joint] = values
+    q, dq, ddq = parts.values()
+    for part in ("dq", "ddq"):
+        if (dq or ddq) and set(parts[part]) != set(q):
+            raise InputError(path, f"give q, dq and ddq of every joint, or q alone; '{part}' is not complete.")
+    if not q:
+        raise InputError(path, "holds no column q.ROBOT/JOINT.")
+    if dq:
+        if samples is not None:
+            raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
+        for joint in q:
+            try:
+                check_derivatives(joint, time, *(part[joint][:, None] for part in (q, dq, ddq)))
+            except InputError as error:
+                raise InputError(path, error.rule, key=error.where) from None
+        return JointTable(path, time, q, dq, ddq)
+    at = time if samples is None else np.linspace(0.0, time[-1], samples)
+    splines = {joint: CubicSpline(time, values, bc_type="natural") for joint, values in q.items()}
+    derivatives = [{joint: np.asarray(spline(at, order)) for joint, spline in splines.items()} for order in range(3)]
+    return JointTable(path, at, *derivatives)
+
+
+def _read_columns(path: Path) -> dict[str, Array]:
+    rows = [row for row in csv.reader(io.StringIO(read_text(path, "table"))) if row and "".join(row).strip()]
+    if not rows:
+        raise InputError(path, "is empty: the first line names the columns.")
+    names = [name.strip() for name in rows[0]]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(path, f"the column '{name}' stands twice.")
+    if len(rows) < 3:  # noqa: PLR2004 (a name line and two samples)
+        raise InputError(path, f"holds {len(rows) - 1} rows of values; a motion has at least 2.")
+    values = np.empty((len(rows) - 1, len(names)))
+    for index, row in enumerate(rows[1:]):
+        if len(row) != len(names):
+            raise InputError(path, f"has {len(row)} values for {len(names)} columns.", key=f"row {index + 1}")
+        for column, text in enumerate(row):
+            try:
+                values[index, column] = float(text) if "_" not in text else np.nan
+            except ValueError:
+                values[index, column] = np.nan
+            if not np.isfinite(values[index, column]):
+                raise InputError(
+                    path, "must be a finite number.", key=f"row {index + 1}, column {names[column]}", value=text
+                )
+    return {name: values[:, column].copy() for column, name in enumerate(names)}
+
+
+def _time(path: Path, columns: dict[str, Array]) -> Array:
+    if "t" not in columns:
+        raise InputError(path, f"a column 't' in s is needed; there are {', '.join(columns)}.")
+    time = columns["t"]
+    steps = np.diff(time)
+    if np.min(steps) <= 0:
+        row = int(np.argmax(steps <= 0)) + 2
+        raise InputError(path, "must be later than the row before.", key=f"row {row}, column t", value=time[row - 1])
+    return np.asarray(time - time[0], dtype=np.float64)
