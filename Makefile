@@ -34,6 +34,7 @@ bench: install  ## measure speed against what a user would otherwise run
 
 generate: install  ## regenerate the committed C of the shipped cells
 	$(BIN)/mrts generate mrts/data/planar_dual_arm/cell.yaml -o generated/planar_dual_arm
+	$(BIN)/mrts generate mrts/data/dual_ur5/cell.yaml -o generated/dual_ur5
 
 clean:  ## remove what the other verbs made
 	rm -rf $(VENV) build *.egg-info .pytest_cache .mypy_cache .ruff_cache

@@ -132,6 +132,7 @@ def _robot_record(robot: CellRobot) -> RobotRecord:
             point=frame.p.tolist(),
             lower=_finite(joint.lower),
             upper=_finite(joint.upper),
+            velocity=joint.velocity,
             torque_lower=float(robot.torque_lower[index]),
             torque_upper=float(robot.torque_upper[index]),
         )

@@ -62,6 +62,7 @@ class Joint:
         lower: Position limit, minus infinity if none [rad or m].
         upper: Position limit, infinity if none [rad or m].
         effort: Largest torque or force from the URDF, None if it says nothing [N m or N].
+        velocity: Largest velocity from the URDF, None if it says nothing [rad/s or m/s].
     """
 
     name: str
@@ -72,6 +73,7 @@ class Joint:
     lower: float
     upper: float
     effort: float | None
+    velocity: float | None
 
 
 @dataclass(frozen=True)
@@ -207,6 +209,7 @@ def _joint(path: Path, joint: Any, placement: RigidTransform, body: Inertia) -> 
         float(lower),
         float(upper),
         limit.effort if limit is not None and limit.effort else None,
+        limit.velocity if limit is not None and limit.velocity else None,
     )
 
 

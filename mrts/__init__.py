@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mrts.cell import Cell, Robot, load_cell
+    from mrts.configurations import rank_configurations
     from mrts.coordinated_motion import CoordinatedMotion, follow_object
     from mrts.errors import CompilerError, InputError, MotionError, MrtsError, SolverError
     from mrts.load_sharing import LoadSharing
@@ -44,6 +45,7 @@ _HOMES = {
     "follow_object": "coordinated_motion",
     "load_cell": "cell",
     "load_motion": "motion_file",
+    "rank_configurations": "configurations",
     "sample_motion": "motion_file",
     "scale": "scaling",
 }
@@ -70,6 +72,7 @@ __all__ = [
     "follow_object",
     "load_cell",
     "load_motion",
+    "rank_configurations",
     "sample_motion",
     "scale",
 ]

@@ -28,6 +28,7 @@ class Robot:
         T_base_tip: Tip in the base frame with every joint at zero.
         position_lower: Joint limits, minus infinity where there is none, Shape (n_i,) [rad or m].
         position_upper: Joint limits, infinity where there is none, Shape (n_i,) [rad or m].
+        velocity_limit: Infinity where the URDF says nothing, Shape (n_i,) [rad/s or m/s].
         T_world_base: Base link in the world.
         T_object_tip: Tip link in the object frame.
         posture: Joint positions near which the motion starts, Shape (n_i,) [rad or m].
@@ -45,6 +46,7 @@ class Robot:
     T_base_tip: RigidTransform
     position_lower: Array
     position_upper: Array
+    velocity_limit: Array
     T_world_base: RigidTransform
     T_object_tip: RigidTransform
     posture: Array
@@ -197,6 +199,7 @@ def _robot(record: RobotRecord) -> Robot:
         _transform(record.base_tip),
         _with_infinity([joint.lower for joint in record.joints], -np.inf),
         _with_infinity([joint.upper for joint in record.joints], np.inf),
+        _with_infinity([joint.velocity for joint in record.joints], np.inf),
         _transform(record.world_base),
         _transform(record.object_tip),
         np.array(record.posture),

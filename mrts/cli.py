@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command line: `mrts demo`, `mrts generate`, `mrts scale`.
+"""The command line: `mrts demo`, `mrts generate`, `mrts scale`, `mrts configurations`.
 
 Exit codes: 0 feasible, 1 a named infeasible outcome, 2 bad input.
 """
@@ -49,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.close()  # the reader went away; nothing more to say
         return BAD_INPUT
     except OSError as error:
-        sys.stdout = None  # type: ignore[assignment] # its buffer cannot be written; Python would try again at exit
+        sys.stdout = None  # its buffer cannot be written; Python would try again at exit
         print(f"mrts: error: cannot write: {error.strerror}", file=sys.stderr)  # noqa: T201 (a command line prints)
         return BAD_INPUT
     except KeyboardInterrupt:
@@ -102,7 +102,50 @@ def _parser() -> argparse.ArgumentParser:
     scale.add_argument("--json", type=Path, metavar="FILE", help="write the whole result ('-' is standard output)")
     scale.add_argument("--plot", type=Path, metavar="DIR", help="write figures (needs the extra 'plot')")
     scale.set_defaults(run=_scale)
+    _add_configurations(verbs)
     return parser
+
+
+def _add_configurations(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    study = verbs.add_parser(
+        "configurations",
+        help="compare all inverse-kinematics branches of the arms",
+        epilog="Example: mrts configurations cell.yaml motion.yaml --show 5",
+    )
+    study.add_argument("cell", type=Path, metavar="CELL", help="cell file, or a folder that `mrts generate` wrote")
+    study.add_argument("motion", type=Path, metavar="MOTION", help="motion file of the object")
+    study.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
+    study.add_argument("--cap", type=int, default=1024, help="most combinations to evaluate (default: %(default)s)")
+    study.add_argument("--show", type=int, default=10, metavar="N", help="rows to print (default: %(default)s)")
+    study.add_argument("--solver", default=None, help="solver of the registry (default: qpsol:qpoases)")
+    study.add_argument("--json", type=Path, metavar="FILE", help="write the whole ranking ('-' is standard output)")
+    study.set_defaults(run=_configurations)
+
+
+def _configurations(options: argparse.Namespace) -> int:
+    from mrts.cell import load_cell  # noqa: PLC0415 (a light start)
+    from mrts.configurations import rank_configurations  # noqa: PLC0415
+    from mrts.motion_file import load_motion  # noqa: PLC0415
+    from mrts.object_motion import ObjectMotion  # noqa: PLC0415
+    from mrts.solvers import DEFAULT_SOLVER  # noqa: PLC0415
+
+    motion = load_motion(options.motion)
+    if not isinstance(motion, ObjectMotion):
+        raise InputError(options.motion, "a table of joint motion fixes the configuration; give the object's motion.")
+    study = rank_configurations(
+        load_cell(options.cell),
+        motion,
+        sharing=_sharing(options.share),
+        cap=options.cap,
+        solver=options.solver or DEFAULT_SOLVER,
+    )
+    if str(options.json) == "-":
+        _say(study.json_text())
+    else:
+        _say(study.table(options.show))
+        if options.json is not None:
+            study.write_json(options.json)
+    return FEASIBLE if study.ranked and study.ranked[0].range.status.admits_motion else INFEASIBLE
 
 
 def _demo(options: argparse.Namespace) -> int:
@@ -215,6 +258,8 @@ def _report(result: "ScalingResult") -> None:
             limits = f"[{robot.torque_lower[index]:g}, {robot.torque_upper[index]:g}] {robot.torque_units[index]}"
             name = f"{robot.name}/{joint}"
             _say(f"{name:<28} {min(torque[:, index]):>13.4g} {max(torque[:, index]):>15.4g} {limits:>22}")
+    for note in result.too_fast():
+        _say(f"note: {note}")
     if result.fallbacks:
         _warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
 

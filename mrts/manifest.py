@@ -31,6 +31,7 @@ class JointRecord(_Record):
     point: list[float]
     lower: float | None
     upper: float | None
+    velocity: float | None
     torque_lower: float
     torque_upper: float
 

@@ -116,16 +116,21 @@ def read_joint_table(path: Path, samples: int | None) -> JointTable:
     if dq:
         if samples is not None:
             raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
-        for joint in q:
-            try:
-                check_derivatives(joint, time, *(part[joint][:, None] for part in (q, dq, ddq)))
-            except InputError as error:
-                raise InputError(path, error.rule, key=error.where) from None
-        return JointTable(path, time, q, dq, ddq)
+        return _checked(JointTable(path, time, q, dq, ddq))
     at = time if samples is None else np.linspace(0.0, time[-1], samples)
     splines = {joint: CubicSpline(time, values, bc_type="natural") for joint, values in q.items()}
     derivatives = [{joint: np.asarray(spline(at, order)) for joint, spline in splines.items()} for order in range(3)]
     return JointTable(path, at, *derivatives)
+
+
+def _checked(table: JointTable) -> JointTable:
+    for joint, values in table.positions.items():
+        columns = (values, table.velocities[joint], table.accelerations[joint])
+        try:
+            check_derivatives(joint, table.time, *(column[:, None] for column in columns))
+        except InputError as error:
+            raise InputError(table.path, error.rule, key=error.where) from None
+    return table
 
 
 def _read_columns(path: Path) -> dict[str, Array]:

@@ -69,6 +69,25 @@ class ScalingResult:
             return {}
         return {name: self.trajectory.wrench[:, part] for name, part in self.cell.wrench_slices.items()}
 
+    def too_fast(self) -> list[str]:
+        """Joints that pass the velocity limit of their URDF at the chosen speed, a sentence each.
+
+        Velocity limits are reported, not enforced: c² answers for torques and wrenches.
+        """
+        if self.trajectory is None:
+            return []
+        notes = []
+        for robot, joints in zip(self.cell.robots, self.cell.joint_slices.values(), strict=True):
+            fastest = np.max(np.abs(self.trajectory.dq[:, joints]), axis=0)
+            for index in np.flatnonzero(fastest > robot.velocity_limit):
+                unit = "m/s" if robot.joint_types[index] == "prismatic" else "rad/s"
+                c2 = self.trajectory.c2 * (robot.velocity_limit[index] / fastest[index]) ** 2
+                notes.append(
+                    f"{robot.name}/{robot.joints[index]} reaches {fastest[index]:.3g} {unit}, its limit is "
+                    f"{robot.velocity_limit[index]:.3g} {unit}: for that, c² may be at most {c2:.4g}"
+                )
+        return notes
+
     def summary(self) -> str:
         """The outcome in one or two sentences."""
         found = self.range
@@ -160,6 +179,7 @@ class ScalingResult:
                 | {name: self.wrench[name].tolist() for name in names},
                 "internal_wrench": {"time": time} | internal,
                 "power": {"time": time} | power,
+                "velocity_limits_passed": self.too_fast(),
                 "energy": done.energy,
             }
         return output

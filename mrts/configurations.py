@@ -1,0 +1,297 @@
+# SPDX-License-Identifier: MIT
+"""All inverse-kinematics branches of every arm, followed along the motion and ranked by c²⁺ (section VI, 6.3)."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import islice, product
+from pathlib import Path
+
+import numpy as np
+
+from mrts.analytic_inverse_kinematics import analytic_branches
+from mrts.atomic_file import write_text_atomically
+from mrts.cell import Cell, Robot
+from mrts.coordinated_motion import CoordinatedMotion, check_motion, joint_limit_failure, nearest_turns
+from mrts.errors import InputError
+from mrts.grasp_tracking import POSE_TOLERANCE, STARTING_STEPS, Tracks, solve_grasps, track_grasps, unreachable
+from mrts.load_sharing import LoadSharing
+from mrts.object_motion import ObjectMotion
+from mrts.planar_inverse_kinematics import has_closed_form, planar_branches
+from mrts.rigid_transform import Array
+from mrts.sample_problem import build_sample_problem
+from mrts.scaling_range import ScalingRange, ScalingStatus, intersect, sample_ranges
+from mrts.solvers import DEFAULT_SOLVER
+
+MULTI_STARTS = 400
+"""Seeded random starts for an arm without an analytic inverse: each of up to 16 branches is then found many times."""
+
+SEED = 20
+SAME_BRANCH = 1e-6
+"""Joint positions closer than this, whole turns aside, are one branch [rad or m]."""
+
+DEFAULT_CAP = 1024
+
+
+@dataclass(frozen=True)
+class Branch:
+    """One way in which an arm can hold its grasp at t = 0, followed along the motion.
+
+    Attributes:
+        robot: Name of the arm.
+        number: Counted from 1 in the order found.
+        start: Joint positions at t = 0, Shape (n_i,) [rad or m].
+        failure: Why it ends before the motion does; None if it does not.
+    """
+
+    robot: str
+    number: int
+    start: Array
+    failure: str | None
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """One branch for each arm.
+
+    Attributes:
+        branches: In the order of the cell's robots.
+        range: The admissible range of c².
+    """
+
+    branches: tuple[Branch, ...]
+    range: ScalingRange
+
+    @property
+    def c2_upper(self) -> float:
+        """c²⁺; infinity if nothing limits it, minus infinity if no c² is admissible."""
+        if not self.range.status.admits_motion or self.range.upper is None:
+            return -np.inf
+        return self.range.upper.c2
+
+    def postures(self) -> dict[str, list[float]]:
+        """For `Cell.with_postures` or the cell file, by robot [rad or m]."""
+        return {branch.robot: branch.start.tolist() for branch in self.branches}
+
+
+@dataclass(frozen=True)
+class ConfigurationStudy:
+    """What `rank_configurations` found.
+
+    Attributes:
+        branches: All branches by robot, those that fail included.
+        ranked: Configurations by falling c²⁺, infeasible ones last.
+        combinations: Number of combinations of branches that reach the end.
+    """
+
+    branches: dict[str, list[Branch]]
+    ranked: tuple[Configuration, ...]
+    combinations: int
+
+    def table(self, rows: int) -> str:
+        """The best configurations and the branches that they are made of, as text.
+
+        Args:
+            rows: Most configurations to show.
+        """
+        done = len(self.ranked)
+        lines = [f"{self.combinations} configurations reach the end, {done} evaluated, by falling c²⁺:"]
+        if done < self.combinations:
+            lines[0] += " (the best of the even distribution; raise --cap for all)"
+        names = [*self.branches]
+        lines.append(f"{'rank':>4}  " + "  ".join(f"{name:>8}" for name in names) + f"  {'c²⁺':>9}  limited at")
+        for rank, configuration in enumerate(self.ranked[:rows], start=1):
+            numbers = "  ".join(f"{branch.number:>8}" for branch in configuration.branches)
+            c2 = f"{configuration.c2_upper:#.4g}" if np.isfinite(configuration.c2_upper) else "-"
+            lines.append(f"{rank:>4}  {numbers}  {c2:>9}  {outcome(configuration)}")
+        lines.append("\nbranches at t = 0 (rad, m; a line is a `posture` for the cell file):")
+        for branches in self.branches.values():
+            for branch in branches:
+                start = ", ".join(f"{value:.4f}" for value in branch.start)
+                end = "" if branch.failure is None else f"  {branch.failure}"
+                lines.append(f"{branch.robot:>8} {branch.number:>3}  [{start}]{end}")
+        return "\n".join(lines)
+
+    def json_text(self) -> str:
+        """The whole study as JSON text."""
+        ranked = []
+        for configuration in self.ranked:
+            found = configuration.range
+            ends = (found.lower, found.upper) if found.status.admits_motion else (None, None)
+            lower, upper = (end.c2 if end is not None and np.isfinite(end.c2) else None for end in ends)
+            ranked.append(
+                {
+                    "branches": {branch.robot: branch.number for branch in configuration.branches},
+                    "postures": configuration.postures(),
+                    "status": found.status.value,
+                    "c2": {"lower": lower, "upper": upper},
+                    "outcome": outcome(configuration),
+                }
+            )
+        branches = {
+            name: [{"number": b.number, "start": b.start.tolist(), "failure": b.failure} for b in of_robot]
+            for name, of_robot in self.branches.items()
+        }
+        output = {"combinations": self.combinations, "ranked": ranked, "branches": branches}
+        return json.dumps(output, allow_nan=False, ensure_ascii=False)
+
+    def write_json(self, path: Path | str) -> None:
+        """Write `json_text` to a file, whole or not at all.
+
+        Raises:
+            InputError: If the file cannot be written.
+        """
+        write_text_atomically(Path(path), self.json_text() + "\n")
+
+
+def rank_configurations(
+    cell: Cell,
+    motion: ObjectMotion,
+    *,
+    sharing: LoadSharing | None = None,
+    cap: int = DEFAULT_CAP,
+    solver: str = DEFAULT_SOLVER,
+) -> ConfigurationStudy:
+    """Evaluate every combination of inverse-kinematics branches.
+
+    Branches come from the planar closed form, from the analytic inverse of a six-joint arm (extra `ik`), or else from
+    seeded random starts; of a redundant arm only the positions nearest to its posture count. More combinations than
+    `cap` are ordered by c²⁺ of the even distribution, which is cheap, and the first `cap` evaluated.
+
+    Args:
+        cell: The cell.
+        motion: Motion of the object.
+        sharing: A fixed distribution of the load; None leaves it free.
+        cap: Most combinations to evaluate.
+        solver: Name in the registry.
+
+    Raises:
+        InputError: If the cap is below 1, or an arm has too few joints.
+        MotionError: If the object leaves the plane of a planar cell.
+    """
+    if cap < 1:
+        raise InputError("cap", "must be at least 1.", value=cap)
+    check_motion(cell, motion)
+    starts = [_branches_at_start(cell, index, motion) for index in range(len(cell.robots))]
+    tracks, branches = _follow(cell, motion, starts)
+    good = [[branch for branch in branches[robot.name] if branch.failure is None] for robot in cell.robots]
+    combinations = int(np.prod([len(of_robot) for of_robot in good]))
+    chosen: Iterator[tuple[Branch, ...]] = product(*good)
+    if combinations > cap:
+        scored = ((_evaluate(cell, motion, tracks, choice, LoadSharing(), solver), choice) for choice in product(*good))
+        best_first = sorted(scored, key=lambda pair: -pair[0].c2_upper)
+        chosen = islice((choice for _, choice in best_first), cap)
+    evaluated = [_evaluate(cell, motion, tracks, choice, sharing, solver) for choice in chosen]
+    ranked = sorted(evaluated, key=lambda configuration: -configuration.c2_upper)
+    return ConfigurationStudy(branches, tuple(ranked), combinations)
+
+
+def _branches_at_start(cell: Cell, index: int, motion: ObjectMotion) -> Array:
+    """Joint positions of one arm that hold its grasp at t = 0, each branch once, Shape (count, n_i)."""
+    robot = cell.robots[index]
+    joints = cell.joint_slices[robot.name]
+    posture = np.concatenate([other.posture for other in cell.robots])
+    redundant = len(robot.joints) > len(cell.wrench_components)
+    if has_closed_form(cell, robot):
+        # only the first sample: a path out of reach further on is the outcome of its branch
+        first = replace(
+            motion,
+            **{
+                name: np.concatenate([getattr(motion, name)[:1]] * 2)
+                * (0.0 if name in {"twist", "acceleration"} else 1)
+                for name in ("position", "rotation", "twist", "acceleration")
+            },
+            time=motion.time[:2],
+        )
+        guesses = np.array([branch[0] for branch in planar_branches(cell, robot, first)])
+    else:
+        found = analytic_branches(cell, robot, motion)
+        guesses = found if found is not None and len(found) else _random_starts(robot)
+    start = np.tile(posture, (len(guesses), 1))
+    start[:, joints] = guesses
+    pull = np.tile(posture, (len(guesses), 1)) if redundant else None
+    q, gap, turn = solve_grasps(cell, motion, 0, start, STARTING_STEPS, pull)
+    reached = q[np.maximum(gap[:, index], turn[:, index]) <= POSE_TOLERANCE][:, joints]
+    distinct: list[Array] = []
+    for candidate in reached:
+        near = _within_limits(robot, nearest_turns(robot, candidate))
+        if not any(np.max(np.abs(_apart(robot, near, other))) < SAME_BRANCH for other in distinct):
+            distinct.append(near)
+    return np.array(distinct).reshape(-1, len(robot.joints))
+
+
+def _random_starts(robot: Robot) -> Array:
+    rng = np.random.default_rng(SEED)
+    low = np.where(np.isfinite(robot.position_lower), np.maximum(robot.position_lower, -np.pi), -np.pi)
+    high = np.where(np.isfinite(robot.position_upper), np.minimum(robot.position_upper, np.pi), np.pi)
+    starts = rng.uniform(low, high, (MULTI_STARTS, len(robot.joints)))
+    starts[0] = robot.posture
+    return starts
+
+
+def _within_limits(robot: Robot, q: Array) -> Array:
+    """Whole turns added or taken where that brings a joint inside its limits."""
+    turn = np.where([kind == "revolute" for kind in robot.joint_types], 2 * np.pi, 0.0)
+    q = np.where((q > robot.position_upper) & (q - turn >= robot.position_lower), q - turn, q)
+    return np.where((q < robot.position_lower) & (q + turn <= robot.position_upper), q + turn, q)
+
+
+def _apart(robot: Robot, a: Array, b: Array) -> Array:
+    turns = np.array([kind == "revolute" for kind in robot.joint_types])
+    return np.where(turns, (a - b + np.pi) % (2 * np.pi) - np.pi, a - b)
+
+
+def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[Tracks, dict[str, list[Branch]]]:
+    """Follow all branches of all arms at once: track t carries branch t of every arm that has one."""
+    posture = np.concatenate([robot.posture for robot in cell.robots])
+    start = np.tile(posture, (max(1, *(len(of_robot) for of_robot in starts)), 1))
+    for joints, of_robot in zip(cell.joint_slices.values(), starts, strict=True):
+        start[: len(of_robot), joints] = of_robot
+        if len(of_robot):  # an arm with fewer branches repeats its first in the other tracks
+            start[len(of_robot) :, joints] = of_robot[0]
+    tracks = track_grasps(cell, motion, start)
+    branches: dict[str, list[Branch]] = {}
+    for robot, of_robot in zip(cell.robots, starts, strict=True):
+        branches[robot.name] = [
+            Branch(
+                robot.name,
+                number + 1,
+                q,
+                tracks.failures[number][robot.name] or joint_limit_failure(cell, motion, tracks, number, robot),
+            )
+            for number, q in enumerate(of_robot)
+        ]
+        if not len(of_robot):
+            failure = unreachable(robot, motion, 0, np.nan, np.nan).replace("nan m and nan rad", "any of its branches")
+            branches[robot.name] = [Branch(robot.name, 1, robot.posture, failure)]
+    return tracks, branches
+
+
+def _evaluate(
+    cell: Cell,
+    motion: ObjectMotion,
+    tracks: Tracks,
+    choice: tuple[Branch, ...],
+    sharing: LoadSharing | None,
+    solver: str,
+) -> Configuration:
+    parts = []
+    for values in (tracks.q, tracks.dq, tracks.ddq):
+        columns = [
+            values[branch.number - 1][:, joints]
+            for branch, joints in zip(choice, cell.joint_slices.values(), strict=True)
+        ]
+        parts.append(np.concatenate(columns, axis=1))
+    problem = build_sample_problem(cell, CoordinatedMotion(motion, *parts), "wrench", sharing)
+    return Configuration(choice, intersect(sample_ranges(problem, motion.time, solver)))
+
+
+def outcome(configuration: Configuration) -> str:
+    """What limits a configuration, or why it is not feasible, in a phrase."""
+    found = configuration.range
+    if found.upper is None or not found.status.admits_motion:
+        return f"{found.status.value}: {found.explain()}"
+    if found.status is ScalingStatus.UNBOUNDED or found.upper.time is None:
+        return "unbounded"
+    rows = ", ".join(f"{row.name.robot}/{row.name.element}" for row in found.upper.rows)
+    return f"t = {found.upper.time:.3g} s: {rows}"
