@@ -3,7 +3,7 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import islice, product
 from pathlib import Path
 
@@ -193,16 +193,9 @@ def _branches_at_start(cell: Cell, index: int, motion: ObjectMotion) -> Array:
     posture = np.concatenate([other.posture for other in cell.robots])
     redundant = len(robot.joints) > len(cell.wrench_components)
     if has_closed_form(cell, robot):
-        # only the first sample: a path out of reach further on is the outcome of its branch
-        first = replace(
-            motion,
-            **{
-                name: np.concatenate([getattr(motion, name)[:1]] * 2)
-                * (0.0 if name in {"twist", "acceleration"} else 1)
-                for name in ("position", "rotation", "twist", "acceleration")
-            },
-            time=motion.time[:2],
-        )
+        # standing still at the first sample: a path out of reach further on is the outcome of its branch
+        still = np.zeros((2, 6))
+        first = ObjectMotion(motion.time[:2], motion.position[[0, 0]], motion.rotation[[0, 0]], still, still)
         guesses = np.array([branch[0] for branch in planar_branches(cell, robot, first)])
     else:
         found = analytic_branches(cell, robot, motion)

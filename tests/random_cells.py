@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 import yaml
 
 PLANES = {"xy": (0, 1, 2, 1.0), "xz": (0, 2, 1, -1.0), "yz": (1, 2, 0, 1.0)}
@@ -152,3 +153,77 @@ def random_spatial_urdf(rng, joints: int):
     parts.append('<link name="tip"/>')
     parts.append(joint_xml("grip", "fixed", parent, "tip", *frame()))
     return "\n".join([*parts, "</robot>"])
+
+
+def configuration(model, q):
+    """Pinocchio's configuration vector: a continuous joint is (cos, sin)."""
+    entries = []
+    for joint, value in zip(model.joints[1:], q, strict=True):
+        entries += [np.cos(value), np.sin(value)] if joint.nq == 2 else [value]
+    return np.array(entries)
+
+
+def chain_model(path: Path, tip: str = "tip"):
+    """Pinocchio's model of the chain to a tip: every other joint is locked at zero."""
+    full = pin.buildModelFromUrdf(str(path))
+    supports = set(full.supports[full.frames[full.getFrameId(tip)].parentJoint])
+    lock = [joint for joint in range(1, full.njoints) if joint not in supports]
+    return pin.buildReducedModel(full, lock, pin.neutral(full)) if lock else full
+
+
+def random_spatial_cell(rng, folder: Path, arms: int, samples: int = 11, joints: int = 6):
+    """Write cell.yaml, arm URDFs and motion.yaml of a reachable spatial cell; returns both paths."""
+    start = pin.SE3(pin.exp3(rng.normal(size=3)), rng.uniform(-0.3, 0.3, 3))
+    robots = []
+    for index in range(arms):
+        urdf = folder / f"arm{index}.urdf"
+        urdf.write_text(random_spatial_urdf(rng, joints), encoding="utf-8")
+        model = chain_model(urdf)
+        data, frame = model.createData(), model.getFrameId("tip")
+        condition = np.inf
+        while condition > 15:  # away from singularities along the whole motion
+            q = rng.uniform(-2, 2, joints)
+            full_q = configuration(model, q)
+            pin.computeJointJacobians(model, data, full_q)
+            pin.updateFramePlacements(model, data)
+            condition = np.linalg.cond(pin.getFrameJacobian(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED))
+        grasp = pin.SE3(pin.exp3(rng.normal(size=3)), rng.uniform(-0.3, 0.3, 3))
+        base = start * grasp * data.oMf[frame].inverse()
+        strength = rng.choice([1.0, 2.5, 8.0])
+        robot = {
+            "name": f"arm{index}",
+            "urdf": urdf.name,
+            "tip_link": "tip",
+            "base": {"xyz": base.translation.tolist(), "rpy": pin.rpy.matrixToRpy(base.rotation).tolist()},
+            "grasp": {"xyz": grasp.translation.tolist(), "rpy": pin.rpy.matrixToRpy(grasp.rotation).tolist()},
+            "posture": q.tolist(),
+            "torque": (strength * rng.uniform(10, 40, joints)).tolist(),
+        }
+        if rng.random() < 0.6:
+            bounds = rng.uniform(2, 60, 6)
+            robot["wrench"] = {
+                "lower": [None if rng.random() < 0.4 else -float(b) for b in bounds],
+                "upper": [None if rng.random() < 0.4 else float(b) for b in bounds],
+            }
+        robots.append(robot)
+    mass = rng.uniform(0.2, 6)
+    cell = {
+        "name": "random_cell",
+        "gravity": (rng.normal(size=3) * 5).tolist(),
+        "object": {"mass": mass, "inertia": random_inertia(rng, mass, 0.2).tolist()},
+        "robots": robots,
+    }
+    turned = start.rotation @ pin.exp3(rng.uniform(-0.05, 0.05, 3))
+    motion = {
+        "duration": float(rng.uniform(0.1, 0.6)),
+        "samples": samples,
+        "profile": str(rng.choice(["sinusoid", "trapezoid", "cubic", "quintic"])),
+        "start": {"xyz": start.translation.tolist(), "rpy": pin.rpy.matrixToRpy(start.rotation).tolist()},
+        "end": {
+            "xyz": (start.translation + rng.uniform(-0.012, 0.012, 3)).tolist(),
+            "rpy": pin.rpy.matrixToRpy(turned).tolist(),
+        },
+    }
+    for name, data in (("cell.yaml", cell), ("motion.yaml", motion)):
+        (folder / name).write_text(yaml.safe_dump(data), encoding="utf-8")
+    return folder / "cell.yaml", folder / "motion.yaml"

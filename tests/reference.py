@@ -11,6 +11,7 @@ import highspy
 import numpy as np
 import pinocchio as pin
 import yaml
+from random_cells import chain_model, configuration
 
 ROWS = {None: [0, 1, 2, 3, 4, 5], "xy": [0, 1, 5], "xz": [0, 2, 4], "yz": [1, 2, 3]}
 NEWTON_TOLERANCE = 1e-12
@@ -36,14 +37,6 @@ def profile(name, u):
         return acceleration * ramp * (u - ramp / 2), acceleration * ramp, 0.0
     coefficients = {"cubic": [-2, 3, 0, 0], "quintic": [6, -15, 10, 0, 0, 0]}[name]
     return tuple(np.polyval(np.polyder(coefficients, order), u) for order in range(3))
-
-
-def configuration(model, q):
-    """Pinocchio's configuration vector: a continuous joint is (cos, sin)."""
-    entries = []
-    for joint, value in zip(model.joints[1:], q, strict=True):
-        entries += [np.cos(value), np.sin(value)] if joint.nq == 2 else [value]
-    return np.array(entries)
 
 
 @dataclass
@@ -81,7 +74,7 @@ class ReferenceCell:
         self.arms = [self._arm(robot, Path(path).parent) for robot in self.description["robots"]]
 
     def _arm(self, robot, folder):
-        model = pin.buildModelFromUrdf(str(folder / robot["urdf"]))
+        model = chain_model(folder / robot["urdf"], robot["tip_link"])
         pose = {key: robot.get(key, {}) for key in ("base", "grasp")}
         base, grasp = (
             pin.SE3(rpy_matrix(value.get("rpy", [0, 0, 0])), np.array(value.get("xyz", [0, 0, 0]), dtype=float))

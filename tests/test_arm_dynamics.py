@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import yaml
-from random_cells import random_spatial_urdf
+from random_cells import chain_model, configuration, random_spatial_urdf
 
 import mrts
 
@@ -56,18 +56,9 @@ def states(spatial):
 
 
 def pinocchio_arm(folder, index, gravity, base):
-    """The chain alone: Pinocchio locks the finger of the side branch at zero."""
-    full = pin.buildModelFromUrdf(str(folder / f"arm{index}.urdf"))
-    model = pin.buildReducedModel(full, [full.getJointId("to_finger")], pin.neutral(full))
+    model = chain_model(folder / f"arm{index}.urdf")
     model.gravity.linear = base.rotation.T @ gravity
     return model
-
-
-def configuration(model, q):
-    entries = []
-    for joint, value in zip(model.joints[1:], q, strict=True):
-        entries += [np.cos(value), np.sin(value)] if joint.nq == 2 else [value]
-    return np.array(entries)
 
 
 def close(ours, theirs):

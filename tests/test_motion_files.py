@@ -1,0 +1,193 @@
+"""Waypoints and CSV tables: smooth, right at the given poses, and strict."""
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+from scipy.integrate import cumulative_simpson
+from scipy.spatial.transform import Rotation
+
+import mrts
+from mrts.cli import main
+
+UR5 = DATA.parent / "dual_ur5"
+WAYPOINTS = [
+    {"xyz": [0.0, 0.1, 0.35], "rpy": [0, 0, 0]},
+    {"xyz": [0.02, 0.15, 0.42], "rpy": [0.1, 0, 0.1]},
+    {"xyz": [0.03, 0.2, 0.5], "rpy": [0.2, 0, 0.3]},
+    {"xyz": [0.0, 0.15, 0.45], "rpy": [0.1, 0.1, 0.2]},
+]
+
+
+@pytest.fixture(scope="module")
+def dual_ur5():
+    return mrts.load_cell(UR5 / "cell.yaml")
+
+
+def write_motion(folder, **keys):
+    (folder / "motion.yaml").write_text(yaml.safe_dump(keys), encoding="utf-8")
+    return folder / "motion.yaml"
+
+
+def assert_smooth(motion, tolerance):
+    """Rates and accelerations are derivatives: integrated, they give back pose and rate."""
+    moved = cumulative_simpson(motion.twist[:, :3], x=motion.time, axis=0, initial=0)
+    np.testing.assert_allclose(moved, motion.position - motion.position[0], atol=tolerance)
+    steps = Rotation.from_matrix(motion.rotation[1:] @ motion.rotation[:-1].transpose(0, 2, 1)).as_rotvec()
+    means = steps / np.diff(motion.time)[:, None]
+    np.testing.assert_allclose(means, (motion.twist[1:, 3:] + motion.twist[:-1, 3:]) / 2, atol=100 * tolerance)
+    sped = cumulative_simpson(motion.acceleration, x=motion.time, axis=0, initial=0)
+    np.testing.assert_allclose(sped, motion.twist - motion.twist[0], atol=100 * tolerance)
+
+
+def test_waypoints_are_passed_on_a_smooth_path(tmp_path, dual_ur5):
+    path = write_motion(tmp_path, duration=1.0, samples=2001, profile="quintic", waypoints=WAYPOINTS)
+    motion = mrts.load_motion(path)
+    assert_smooth(motion, 1e-6)
+    assert np.max(np.abs(motion.twist[[0, -1]])) < 1e-12
+    for waypoint in WAYPOINTS:
+        distance = np.linalg.norm(motion.position - waypoint["xyz"], axis=1)
+        k = int(np.argmin(distance))
+        assert distance[k] < 1e-3  # between two samples
+        wanted = Rotation.from_euler("xyz", waypoint["rpy"]).as_matrix()
+        assert Rotation.from_matrix(motion.rotation[k] @ wanted.T).magnitude() < 1e-2
+    short = write_motion(tmp_path, duration=1.0, profile="quintic", waypoints=WAYPOINTS)
+    assert mrts.scale(dual_ur5, mrts.load_motion(short)).status is mrts.ScalingStatus.FEASIBLE
+
+
+def object_table(motion, *, rates):
+    quaternion = Rotation.from_matrix(motion.rotation).as_quat()
+    columns = [motion.time[:, None] + 3.0, motion.position, quaternion]  # a table may start at any time
+    names = ["t", "px", "py", "pz", "qx", "qy", "qz", "qw"]
+    if rates:
+        columns += [motion.twist, motion.acceleration]
+        names += ["vx", "vy", "vz", "wx", "wy", "wz", "ax", "ay", "az", "alphax", "alphay", "alphaz"]
+    rows = np.concatenate(columns, axis=1)
+    return ",".join(names) + "\n" + "\n".join(",".join(f"{value:.12g}" for value in row) for row in rows) + "\n"
+
+
+@pytest.mark.parametrize("rates", [True, False])
+def test_object_tables_give_the_motion_back(tmp_path, dual_ur5, rates):
+    given = mrts.load_motion(UR5 / "lift_and_turn.yaml")
+    (tmp_path / "motion.csv").write_text(object_table(given, rates=rates))
+    read = mrts.load_motion(write_motion(tmp_path, file="motion.csv"))
+    np.testing.assert_allclose(read.time, given.time, atol=1e-9)
+    np.testing.assert_allclose(read.position, given.position, atol=1e-11)
+    np.testing.assert_allclose(read.rotation, given.rotation, atol=1e-11)
+    size = np.max(np.abs(given.acceleration))
+    # a natural spline's second derivative is wrong at its ends only
+    inner = slice(8, -8)
+    np.testing.assert_allclose(
+        read.acceleration[inner], given.acceleration[inner], atol=(1e-9 if rates else 5e-3) * size
+    )
+    expected = mrts.scale(dual_ur5, given).range.upper.c2
+    assert mrts.scale(dual_ur5, read).range.upper.c2 == pytest.approx(expected, rel=1e-8 if rates else 2e-2)
+
+
+def test_a_coarse_table_is_resampled_on_its_spline(tmp_path):
+    given = mrts.load_motion(UR5 / "lift_and_turn.yaml")
+    lines = object_table(given, rates=False).splitlines()
+    (tmp_path / "motion.csv").write_text("\n".join([lines[0], *lines[1::10]]))
+    read = mrts.load_motion(write_motion(tmp_path, file="motion.csv", samples=101))
+    assert len(read.time) == 101
+    np.testing.assert_allclose(read.position, given.position, atol=2e-3)
+    assert_smooth(read, 1e-4)
+
+
+def joint_table(cell, followed, *, rates):
+    names = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
+    parts = {"q": followed.q, "dq": followed.dq, "ddq": followed.ddq} if rates else {"q": followed.q}
+    header = ["t", *(f"{part}.{name}" for part in parts for name in names)]
+    rows = np.concatenate([followed.object.time[:, None], *parts.values()], axis=1)
+    return ",".join(header) + "\n" + "\n".join(",".join(f"{value:.12g}" for value in row) for row in rows) + "\n"
+
+
+@pytest.mark.parametrize("rates", [True, False])
+def test_joint_tables_carry_the_object(tmp_path, dual_ur5, rates):
+    given = mrts.load_motion(UR5 / "lift_and_turn.yaml")
+    followed = mrts.follow_object(dual_ur5, given)
+    (tmp_path / "joints.csv").write_text(joint_table(dual_ur5, followed, rates=rates))
+    table = mrts.load_motion(write_motion(tmp_path, joints="joints.csv"))
+    result = mrts.scale(dual_ur5, table)
+    np.testing.assert_allclose(result.motion.object.position, given.position, atol=1e-9)
+    np.testing.assert_allclose(result.motion.object.twist, given.twist, atol=1e-8 if rates else 1e-2)
+    expected = mrts.scale(dual_ur5, followed).range.upper.c2
+    assert result.range.upper.c2 == pytest.approx(expected, rel=1e-7 if rates else 2e-2)
+
+
+def test_joint_tables_of_a_planar_cell(tmp_path, planar_cell, lift):
+    followed = mrts.follow_object(planar_cell, lift)
+    (tmp_path / "joints.csv").write_text(joint_table(planar_cell, followed, rates=True))
+    result = mrts.scale(planar_cell, mrts.load_motion(write_motion(tmp_path, joints="joints.csv")))
+    assert result.range.upper.c2 == pytest.approx(3.0618125416, rel=1e-9)
+
+
+def test_an_open_chain_is_refused_with_the_worst_gap(tmp_path, dual_ur5):
+    followed = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
+    q = followed.q.copy()
+    q[50:, 6] += 0.02 * np.linspace(0, 1, 51) ** 3
+    spoiled = mrts.CoordinatedMotion(followed.object, q, followed.dq, followed.ddq)
+    (tmp_path / "joints.csv").write_text(joint_table(dual_ur5, spoiled, rates=False))
+    table = mrts.load_motion(write_motion(tmp_path, joints="joints.csv"))
+    with pytest.raises(mrts.MotionError, match=r"do not close the chain. The tip of 'right' .* at sample 100 .* worst"):
+        mrts.scale(dual_ur5, table)
+
+
+TABLE_MISTAKES = {
+    "missing column": (lambda text: text.replace(",qw", ",qq", 1), ["columns are needed too: qw"]),
+    "unknown column": (
+        lambda text: text.replace("\n", ",0\n").replace(",0\n", ",extra\n", 1),
+        ["unknown column 'extra'"],
+    ),
+    "half of the rates": (lambda text: text.replace("alphaz", "alphazz", 1), ["missing: alphaz"]),
+    "a word": (lambda text: text.replace("\n3,", "\nthree,", 1), ["row 1, column t", "'three'", "finite number"]),
+    "nan": (lambda text: text.replace("\n3,0,", "\n3,nan,", 1), ["row 1, column px", "'nan'"]),
+    "short row": (lambda text: text + "4,5\n", ["row 102", "2 values for 20 columns"]),
+    "time back": (lambda text: text + text.splitlines()[1] + "\n", ["row 102, column t", "later than the row before"]),
+    "no quaternion": (
+        lambda text: text.replace("\n3,0,0.1,0.35,0,0,0,1,", "\n3,0,0.1,0.35,0,0,0,2,", 1),
+        ["length 1", "it has 2"],
+    ),
+    "one row": (lambda text: "\n".join(text.splitlines()[:2]), ["1 rows of values", "at least 2"]),
+    "empty": (lambda _: "", ["is empty"]),
+    "twice a name": (lambda text: text.replace("py", "px", 1), ["'px' stands twice"]),
+    "no time": (lambda text: text.replace("t,", "time,", 1), ["a column 't'"]),
+}
+
+
+@pytest.mark.parametrize("mistake", TABLE_MISTAKES)
+def test_mistakes_in_a_table(tmp_path, capsys, mistake):
+    spoil, expected = TABLE_MISTAKES[mistake]
+    given = mrts.load_motion(UR5 / "lift_and_turn.yaml")
+    (tmp_path / "motion.csv").write_text(spoil(object_table(given, rates=True)))
+    code = main(["scale", str(UR5 / "cell.yaml"), str(write_motion(tmp_path, file="motion.csv"))])
+    message = capsys.readouterr().err
+    assert code == 2
+    assert "motion.csv" in message
+    for part in expected:
+        assert part in message
+
+
+def test_wrong_units_in_a_table_are_noticed(tmp_path):
+    given = mrts.load_motion(UR5 / "lift_and_turn.yaml")
+    lines = object_table(given, rates=True).splitlines()
+    header = lines[0].split(",")
+    rows = np.array([[float(value) for value in line.split(",")] for line in lines[1:]])
+    rows[:, header.index("wz")] *= 57.3
+    text = "\n".join([lines[0], *(",".join(map(str, row)) for row in rows)])
+    (tmp_path / "motion.csv").write_text(text)
+    with pytest.raises(mrts.InputError, match="rotation: its rates do not lead"):
+        mrts.load_motion(write_motion(tmp_path, file="motion.csv"))
+
+
+def test_mistakes_in_a_joint_table(tmp_path, dual_ur5):
+    followed = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
+    text = joint_table(dual_ur5, followed, rates=True)
+    for spoiled, message in (
+        (text.replace("q.left/elbow", "q.left/knee"), "column 'q.left/elbow' is needed"),
+        (text.replace("ddq.left/elbow", "ddq.left/knee", 1), "'ddq' is not complete"),
+        (text.replace("t,q.left/shoulder_pan", "t,left/shoulder_pan", 1), "unknown column 'left/shoulder_pan'"),
+    ):
+        (tmp_path / "joints.csv").write_text(spoiled)
+        with pytest.raises(mrts.InputError, match=message):
+            mrts.scale(dual_ur5, mrts.load_motion(write_motion(tmp_path, joints="joints.csv")))
