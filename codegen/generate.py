@@ -96,8 +96,8 @@ def content_key(path: Path) -> str:
 def _file_bytes(path: Path, description: CellDescription, urdf: str) -> bytes:
     try:
         return resolve_urdf(path, urdf).read_bytes()
-    except OSError:
-        # generation itself gives the precise error; a missing file has no cache entry
+    except (OSError, ValueError):
+        # generation itself gives the precise error; a file that cannot be read has no cache entry
         build_cell_model(path, description)
         raise
 

@@ -72,6 +72,14 @@ CELL_MISTAKES = {
     "bad name": (lambda d: d.update(name="a; rm -rf /"), ["name", "letters, digits"]),
     "two equal names": (lambda d: d["robots"][1].update(name="left"), ["two robots are called 'left'"]),
     "reserved name": (lambda d: d["robots"][1].update(name="time"), ["cannot be called 'time'"]),
+    "name of a result key": (lambda d: d["robots"][1].update(name="components"), ["cannot be called 'components'"]),
+    "unknown torque key": (
+        lambda d: d["robots"][0].update(torque={"lowr": [1], "upper": [1]}),
+        ["unknown key 'lowr'", "did you mean 'lower'"],
+    ),
+    "sexagesimal": (lambda d: d["object"].update(mass="1:30"), ["object.mass", "'1:30'"]),
+    "null byte": (lambda d: d["robots"][0].update(urdf="t\0.urdf"), ["cannot be read"]),
+    "posture out of all bounds": (lambda d: d["robots"][0].update(posture=[1e300, 0, 0]), ["posture[0]", "<= 10000"]),
     "no robots": (lambda d: d.update(robots=[]), ["robots", "at least 1"]),
     "unknown tip": (lambda d: d["robots"][0].update(tip_link="tool"), ["tip_link = 'tool'", "contact"]),
     "unknown base": (lambda d: d["robots"][0].update(base_link="socket"), ["base_link = 'socket'", "base_link"]),
@@ -183,6 +191,22 @@ URDF_MISTAKES = {
     "loop": (
         lambda text: text.replace('<parent link="base_link"/>', '<parent link="hand"/>'),
         ["loop", "tree"],
+    ),
+    "two links": (lambda text: text.replace('name="forearm">', 'name="upper_arm">'), ["link 'upper_arm'", "two links"]),
+    "two joints": (lambda text: text.replace('name="wrist"', 'name="elbow"'), ["joint 'elbow'", "two joints"]),
+    "two masses": (
+        lambda text: text.replace('<mass value="5"/>', '<mass value="5"/><mass value="6"/>'),
+        ["link 'upper_arm'", "2 <mass> elements"],
+    ),
+    "mimic": (
+        lambda text: text.replace('<origin xyz="1 0 0"/>', '<origin xyz="1 0 0"/><mimic joint="shoulder"/>', 1),
+        ["joint 'elbow' mimic", "'shoulder'", "a motor of its own"],
+    ),
+    "python number": (lambda text: text.replace('value="5"', 'value="4_0"'), ["'4_0'", "finite number"]),
+    "huge number": (lambda text: text.replace('value="5"', 'value="1e30"'), ["'1e30'", "finite number"]),
+    "unknown joint type": (
+        lambda text: text.replace('"grip" type="fixed"', '"grip" type="welded"'),
+        ["joint 'grip' type", "'welded'", "revolute"],
     ),
     "binary": (None, ["not UTF-8"]),
 }

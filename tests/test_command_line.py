@@ -1,8 +1,10 @@
 """The command line as a user runs it: a process of its own."""
 
 import json
+import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 import yaml
@@ -59,6 +61,52 @@ def test_every_solver_and_formulation_gives_the_same_range(solver, formulation):
     )
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["c2"]["upper"] == pytest.approx(3.0618125415938, rel=1e-9)
+
+
+def test_solvers_solve_what_they_are_for():
+    """A broken solver would be hidden by its fallbacks, so they are counted: linear programs, then quadratic ones."""
+    script = (
+        "import mrts, sys; cell, motion = mrts.load_cell(sys.argv[1]), mrts.load_motion(sys.argv[2]);"
+        "r = mrts.scale(cell, motion, solver=sys.argv[3]);"
+        "print(r.range.samples.fallbacks, r.fallbacks - r.range.samples.fallbacks)"
+    )
+    for solver, linear, quadratic in (("qpsol:qpoases", 0, 0), ("qpsol:highs", 0, None), ("scipy:highs", 0, None),
+                                      ("qpsol:daqp", None, 0)):  # fmt: skip
+        command = [sys.executable, "-c", script, str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), solver]
+        counts = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+        for count, expected in zip(counts, (linear, quadratic), strict=True):
+            assert expected is None or int(count) == expected, solver
+
+
+def test_special_files_are_written_into_and_links_followed(tmp_path):
+    pipe, link, target = tmp_path / "pipe", tmp_path / "link.json", tmp_path / "target.json"
+    os.mkfifo(pipe)
+    target.write_text("old")
+    link.symlink_to(target)
+    arguments = ["scale", DATA / "cell.yaml", DATA / "lift.yaml", "--json"]
+    reader = subprocess.Popen(["/bin/cat", str(pipe)], stdout=subprocess.PIPE, text=True)
+    assert mrts_command(*arguments, pipe).returncode == 0
+    assert json.loads(reader.communicate(timeout=60)[0])["status"] == "feasible"
+    assert pipe.is_fifo()
+    assert mrts_command(*arguments, link).returncode == 0
+    assert link.is_symlink()
+    assert json.loads(target.read_text())["status"] == "feasible"
+
+
+def test_output_that_cannot_be_written_is_an_error():
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
+        command = [sys.executable, "-m", "mrts", "scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 2
+    assert "cannot write" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_terminal_without_superscripts_gets_question_marks():
+    environment = os.environ | {"LC_ALL": "C", "PYTHONIOENCODING": "ascii"}
+    done = mrts_command("scale", DATA / "cell.yaml", DATA / "lift.yaml", env=environment)
+    assert done.returncode == 0
+    assert "c? ? [0, 3.062]" in done.stdout
 
 
 def test_options_choose_the_speed_and_the_sharing():

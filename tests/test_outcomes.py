@@ -272,3 +272,32 @@ def test_one_arm_needs_no_program(tmp_path):
     alone, shared = (mrts.scale(cell, motion, sharing=s).range.samples for s in (None, mrts.LoadSharing()))
     np.testing.assert_allclose(alone.upper, shared.upper)
     np.testing.assert_allclose(alone.lower, shared.lower)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "match"),
+    [
+        ({"select": "slow"}, "must be 'auto'"),
+        ({"select": None}, "must be 'auto'"),
+        ({"select": True}, "must be 'auto'"),
+        ({"sharing": "equal"}, "must be a LoadSharing"),
+        ({"weights": "x"}, "numbers of one rectangular shape"),
+        ({"weights": [1, 1, 1, 1, 1, 1e9]}, "spread over a factor of 1e"),
+        ({"formulation": "force"}, "'wrench' or 'torque'"),
+        ({"solver": "magic"}, "no such solver"),
+    ],
+)
+def test_arguments_of_the_api_are_checked(planar_cell, lift, arguments, match):
+    with pytest.raises(mrts.MrtsError, match=match):
+        mrts.scale(planar_cell, lift, **arguments)
+
+
+def test_changes_of_a_cell_are_checked(planar_cell):
+    for mass in (True, "3", float("nan"), 0, -1):
+        with pytest.raises(mrts.InputError, match="mass"):
+            planar_cell.with_mass(mass)
+    for postures in ({"middle": [0, 0, 0]}, {"left": [0, 0]}, {"left": None}, {"left": [0, 0, np.inf]}):
+        with pytest.raises(mrts.InputError, match="postures"):
+            planar_cell.with_postures(postures)
+    with pytest.raises(mrts.InputError, match="backend"):
+        mrts.load_cell(DATA / "cell.yaml", backend="gpu")

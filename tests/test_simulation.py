@@ -1,0 +1,127 @@
+"""Closed loop in MuJoCo: the scaled torques carry the object along its path, in a model that MuJoCo builds itself.
+
+Arms from the same URDF through MuJoCo's own parser, the object a free body welded to both hands. The torques of
+c = √c²⁺ are played open loop with a small tracking feedback.
+"""
+
+import mujoco
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
+
+import mrts
+
+UR5 = DATA.parent / "dual_ur5"
+STEP = 5e-5  # s; a weld is a stiff spring in MuJoCo, and its time constant is two steps
+POSITION_GAIN, VELOCITY_GAIN = 300.0, 10.0  # N m/rad, N m s/rad
+
+
+def quaternion(R):
+    return np.roll(Rotation.from_matrix(R).as_quat(), 1)
+
+
+def simulator(cell, start_pose):
+    spec = mujoco.MjSpec()
+    spec.option.timestep = STEP
+    spec.option.gravity = cell.gravity
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
+    carried = spec.worldbody.add_body(name="object", pos=start_pose[0], quat=quaternion(start_pose[1]))
+    carried.add_freejoint()
+    carried.explicitinertial = True
+    carried.mass, carried.ipos = cell.mass, np.zeros(3)
+    carried.inertia, carried.iquat = np.diag(cell.inertia), [1, 0, 0, 0]
+    urdf = UR5 / yaml.safe_load((UR5 / "cell.yaml").read_text())["robots"][0]["urdf"]
+    for robot in cell.robots:
+        T = robot.T_world_base
+        frame = spec.worldbody.add_frame(pos=T.p, quat=quaternion(T.R))
+        spec.attach(mujoco.MjSpec.from_file(str(urdf)), frame=frame, prefix=f"{robot.name}/")
+        weld = spec.add_equality(
+            type=mujoco.mjtEq.mjEQ_WELD,
+            objtype=mujoco.mjtObj.mjOBJ_BODY,
+            name1=f"{robot.name}/wrist_3",
+            name2="object",
+            solref=[2 * STEP, 1.0],
+            solimp=[0.9999, 0.9999, 1e-3, 0.5, 2.0],
+        )
+        R_tip_object = robot.T_object_tip.R.T
+        weld.data[:11] = np.concatenate(
+            [np.zeros(3), -R_tip_object @ robot.T_object_tip.p, quaternion(R_tip_object), [1.0]]
+        )
+    model = spec.compile()
+    return model, mujoco.MjData(model)
+
+
+def weld_wrench(model, data, weld):
+    """Force and moment about the com that a weld exerts on the object, world axes."""
+    rows = np.flatnonzero((data.efc_id == weld) & (data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY))
+    J = data.efc_J.reshape(-1, model.nv) if not mujoco.mj_isSparse(model) else dense_jacobian(model, data)
+    on_object = J[rows][:, :6].T @ data.efc_force[rows]  # free joint: force in the world, moment in the body
+    R = data.body("object").xmat.reshape(3, 3)
+    return np.concatenate([on_object[:3], R @ on_object[3:]])
+
+
+def dense_jacobian(model, data):
+    J = np.zeros((data.nefc, model.nv))
+    mujoco.mju_sparse2dense(J, data.efc_J, data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
+    return J
+
+
+@pytest.fixture(scope="module")
+def run():
+    cell = mrts.load_cell(UR5 / "cell.yaml")
+    description = yaml.safe_load((UR5 / "lift_and_turn.yaml").read_text()) | {"samples": 1001}
+    result = mrts.scale(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(description)))
+    done, given = result.trajectory, result.motion.object
+    model, data = simulator(cell, (given.position[0], given.rotation[0]))
+    assert model.nv == 18
+    joints = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
+    q_index = [model.joint(name).qposadr[0] for name in joints]
+    v_index = [model.joint(name).dofadr[0] for name in joints]
+    data.qpos[q_index] = done.q[0]
+    torque = CubicSpline(done.time, done.torque)
+    wanted = CubicSpline(done.time, done.q)
+    path = CubicSpline(done.time, given.position)
+    B = cell.functions("terms", len(given.time), result.motion.inputs(cell.load))["B"]
+    arms = [slice(0, 6), slice(6, 12)]
+    on_object = [np.einsum("nij,nj->ni", B[:, :, arm], done.wrench[:, arm]) for arm in arms]
+    wrenches = [CubicSpline(done.time, wrench) for wrench in on_object]
+    log = {"path": [], "feedback": [], "forward": [], "weld": [], "wrench": []}
+    for _ in range(int(done.duration / STEP)):
+        t = data.time
+        forward = torque(t)
+        feedback = POSITION_GAIN * (wanted(t) - data.qpos[q_index])
+        feedback += VELOCITY_GAIN * (wanted(t, 1) - data.qvel[v_index])
+        data.qfrc_applied[v_index] = forward + feedback
+        mujoco.mj_step(model, data)
+        log["path"].append(data.body("object").xpos - path(data.time))
+        log["feedback"].append(feedback)
+        log["forward"].append(forward)
+        log["weld"].append([weld_wrench(model, data, weld) for weld in range(2)])
+        log["wrench"].append([wrench(t) for wrench in wrenches])
+    final = Rotation.from_matrix(data.body("object").xmat.reshape(3, 3) @ given.rotation[-1].T).magnitude()
+    return {name: np.array(values) for name, values in log.items()} | {"turn": final}
+
+
+def test_the_object_follows_its_path(run):
+    print("largest path error [m]", np.max(np.linalg.norm(run["path"], axis=1)), "final turn [rad]", run["turn"])
+    assert np.max(np.linalg.norm(run["path"], axis=1)) < 5e-4
+    assert run["turn"] < 1e-3
+
+
+def test_the_feedback_stays_small(run):
+    share = np.max(np.abs(run["feedback"]), axis=0) / np.max(np.abs(run["forward"]), axis=0)
+    print("feedback / feed-forward by joint", np.round(share, 4))
+    assert np.max(share) < 0.01
+
+
+def test_weld_forces_are_the_reported_wrenches(run):
+    late = slice(200, None)  # the first steps settle the springs that welds are
+    off = np.abs(run["weld"] - run["wrench"])[late]
+    for part, unit in ((slice(0, 3), "N"), (slice(3, 6), "N m")):
+        size = np.max(np.abs(run["wrench"][:, :, part]))
+        print("weld against reported", unit, np.max(off[:, :, part]), "of", size)
+        assert np.max(off[:, :, part]) < 0.01 * size
