@@ -7,6 +7,7 @@ Exit codes: 0 feasible, 1 a named infeasible outcome, 2 bad input.
 import argparse
 import io
 import logging
+import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -159,8 +160,16 @@ def _demo(options: argparse.Namespace) -> int:
     write_demo_files(options.output, rows, note=_warn)
     folder = options.output / "planar_dual_arm"
     _say(f"Written to {options.output}: figures 4 to 8, and the example's files. Try next:")
-    _say(f"  mrts scale {folder / 'cell.yaml'} {folder / 'lift.yaml'} --plot {options.output}")
+    _say(f"  {_command()} scale {folder / 'cell.yaml'} {folder / 'lift.yaml'} --plot {options.output}")
     return FEASIBLE
+
+
+def _command() -> str:
+    """How this program was called, for commands to try."""
+    called = Path(sys.argv[0])
+    if called.name == "__main__.py":
+        return "python -m mrts"
+    return called.name if shutil.which(called.name) else sys.argv[0]
 
 
 def _generate(options: argparse.Namespace) -> int:

@@ -89,7 +89,7 @@ class ReferenceCell:
                 for side, default in (("lower", -np.inf), ("upper", np.inf))
             ]
         )
-        torque = np.array(robot["torque"], dtype=float)
+        torque = np.array(robot.get("torque", model.effortLimit), dtype=float)
         frame = model.getFrameId(robot["tip_link"])
         return Arm(
             model,
