@@ -10,6 +10,9 @@ PLANES = {"xy": (0, 1, 2, 1.0), "xz": (0, 2, 1, -1.0), "yz": (1, 2, 0, 1.0)}
 """Plane: its two axes, its normal axis, and the sign of first × second along that axis."""
 
 
+WELL_CONDITIONED = 15
+
+
 def rotation_in_plane(angle):
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s], [s, c]])
@@ -171,24 +174,30 @@ def chain_model(path: Path, tip: str = "tip"):
     return pin.buildReducedModel(full, lock, pin.neutral(full)) if lock else full
 
 
+def reachable_arm(rng, urdf: Path, joints: int):
+    """Write a random arm; positions away from singularities, and the tip there. Some arms have none: draw another."""
+    while True:
+        urdf.write_text(random_spatial_urdf(rng, joints), encoding="utf-8")
+        model = chain_model(urdf)
+        data, frame = model.createData(), model.getFrameId("tip")
+        for _ in range(50):
+            q = rng.uniform(-2, 2, joints)
+            pin.computeJointJacobians(model, data, configuration(model, q))
+            pin.updateFramePlacements(model, data)
+            J = pin.getFrameJacobian(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+            if np.linalg.cond(J) < WELL_CONDITIONED:
+                return q, data.oMf[frame].copy()
+
+
 def random_spatial_cell(rng, folder: Path, arms: int, samples: int = 11, joints: int = 6):
     """Write cell.yaml, arm URDFs and motion.yaml of a reachable spatial cell; returns both paths."""
     start = pin.SE3(pin.exp3(rng.normal(size=3)), rng.uniform(-0.3, 0.3, 3))
     robots = []
     for index in range(arms):
         urdf = folder / f"arm{index}.urdf"
-        urdf.write_text(random_spatial_urdf(rng, joints), encoding="utf-8")
-        model = chain_model(urdf)
-        data, frame = model.createData(), model.getFrameId("tip")
-        condition = np.inf
-        while condition > 15:  # away from singularities along the whole motion
-            q = rng.uniform(-2, 2, joints)
-            full_q = configuration(model, q)
-            pin.computeJointJacobians(model, data, full_q)
-            pin.updateFramePlacements(model, data)
-            condition = np.linalg.cond(pin.getFrameJacobian(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED))
+        q, T_base_tip = reachable_arm(rng, urdf, joints)
         grasp = pin.SE3(pin.exp3(rng.normal(size=3)), rng.uniform(-0.3, 0.3, 3))
-        base = start * grasp * data.oMf[frame].inverse()
+        base = start * grasp * T_base_tip.inverse()
         strength = rng.choice([1.0, 2.5, 8.0])
         robot = {
             "name": f"arm{index}",
