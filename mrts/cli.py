@@ -44,17 +44,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code: int = options.run(options)
         sys.stdout.flush()
     except MrtsError as error:
-        print(f"mrts: error: {error}", file=sys.stderr)  # noqa: T201 (a command line prints)
+        print(f"mrts: error: {error}", file=sys.stderr)
         return BAD_INPUT
     except BrokenPipeError:
         sys.stderr.close()  # the reader went away; nothing more to say
         return BAD_INPUT
     except OSError as error:
         sys.stdout = None  # its buffer cannot be written; Python would try again at exit
-        print(f"mrts: error: cannot write: {error.strerror}", file=sys.stderr)  # noqa: T201 (a command line prints)
+        print(f"mrts: error: cannot write: {error.strerror}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
-        print("mrts: interrupted", file=sys.stderr)  # noqa: T201 (a command line prints)
+        print("mrts: interrupted", file=sys.stderr)
         return INTERRUPTED
     return code
 
@@ -124,11 +124,11 @@ def _add_configurations(verbs: "argparse._SubParsersAction[argparse.ArgumentPars
 
 
 def _configurations(options: argparse.Namespace) -> int:
-    from mrts.cell import load_cell  # noqa: PLC0415 (a light start)
-    from mrts.configurations import rank_configurations  # noqa: PLC0415
-    from mrts.motion_file import load_motion  # noqa: PLC0415
-    from mrts.object_motion import ObjectMotion  # noqa: PLC0415
-    from mrts.solvers import DEFAULT_SOLVER  # noqa: PLC0415
+    from mrts.cell import load_cell
+    from mrts.configurations import rank_configurations
+    from mrts.motion_file import load_motion
+    from mrts.object_motion import ObjectMotion
+    from mrts.solvers import DEFAULT_SOLVER
 
     motion = load_motion(options.motion)
     if not isinstance(motion, ObjectMotion):
@@ -150,8 +150,8 @@ def _configurations(options: argparse.Namespace) -> int:
 
 
 def _demo(options: argparse.Namespace) -> int:
-    from mrts.demo import NOTE, format_table, run_demo, write_demo_files  # noqa: PLC0415 (a light start)
-    from mrts.solvers import DEFAULT_SOLVER  # noqa: PLC0415
+    from mrts.demo import NOTE, format_table, run_demo, write_demo_files
+    from mrts.solvers import DEFAULT_SOLVER
 
     rows = run_demo(options.solver or DEFAULT_SOLVER)
     _say("Two planar arms lift a bar (section VI of the paper): largest admissible c² in r(t) = c t\n")
@@ -173,7 +173,7 @@ def _command() -> str:
 
 
 def _generate(options: argparse.Namespace) -> int:
-    from mrts.cell_cache import generate_to  # noqa: PLC0415 (a light start)
+    from mrts.cell_cache import generate_to
 
     manifest, source = generate_to(options.cell, options.output)
     _say(f"{manifest.name}: {len(manifest.functions)} functions in {source}")
@@ -183,10 +183,10 @@ def _generate(options: argparse.Namespace) -> int:
 
 
 def _scale(options: argparse.Namespace) -> int:
-    from mrts.cell import load_cell  # noqa: PLC0415 (a light start)
-    from mrts.motion_file import load_motion  # noqa: PLC0415
-    from mrts.scaling import SelectionError, scale  # noqa: PLC0415
-    from mrts.solvers import DEFAULT_SOLVER  # noqa: PLC0415
+    from mrts.cell import load_cell
+    from mrts.motion_file import load_motion
+    from mrts.scaling import SelectionError, scale
+    from mrts.solvers import DEFAULT_SOLVER
 
     if options.plot is not None:
         _require_matplotlib()
@@ -216,9 +216,9 @@ def _scale(options: argparse.Namespace) -> int:
 
 
 def _sharing(text: str | None) -> "LoadSharing | None":
-    import numpy as np  # noqa: PLC0415 (a light start)
+    import numpy as np
 
-    from mrts.load_sharing import LoadSharing  # noqa: PLC0415
+    from mrts.load_sharing import LoadSharing
 
     if text is None:
         return None
@@ -238,7 +238,7 @@ def _write(options: argparse.Namespace, result: "ScalingResult") -> None:
         else:
             result.write_json(options.json)
     if options.plot is not None:
-        from mrts.figures import range_figure, trajectory_figure, write_figure  # noqa: PLC0415 (the extra 'plot')
+        from mrts.figures import range_figure, trajectory_figure, write_figure
 
         write_figure(range_figure(result), options.plot / "c2_range.png")
         if result.trajectory is not None:
@@ -247,7 +247,7 @@ def _write(options: argparse.Namespace, result: "ScalingResult") -> None:
 
 
 def _require_matplotlib() -> None:
-    from importlib.util import find_spec  # noqa: PLC0415 (only for --plot)
+    from importlib.util import find_spec
 
     if find_spec("matplotlib") is None:
         raise InputError("--plot", "needs matplotlib: pip install 'mrts[plot]'.")
@@ -274,8 +274,8 @@ def _report(result: "ScalingResult") -> None:
 
 
 def _say(text: str) -> None:
-    print(text)  # noqa: T201 (a command line prints)
+    print(text)
 
 
 def _warn(text: str) -> None:
-    print(f"mrts: {text}", file=sys.stderr)  # noqa: T201 (a command line prints)
+    print(f"mrts: {text}", file=sys.stderr)

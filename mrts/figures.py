@@ -17,6 +17,9 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (7, 3)))
 """A second difference between lines, for print without colour."""
 
+MANY_LINES = 3
+"""Above this the legend takes two columns."""
+
 DPI = 150
 
 
@@ -95,6 +98,6 @@ def _lines(axes: Axes, time: Array, values: Array, names: tuple[str, ...], limit
         for limit in limits[:, index]:
             if np.isfinite(limit):
                 axes.axhline(limit, color=colour, linewidth=0.8, alpha=0.5)
-    axes.legend(loc="best", fontsize="small")
+    axes.legend(loc="best", fontsize="x-small", ncols=2 if len(names) > MANY_LINES else 1, framealpha=0.7)
     axes.grid(visible=True, alpha=0.3)
     axes.margins(x=0)
