@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from mrts.scaling import Selection
 
 FEASIBLE, INFEASIBLE, BAD_INPUT = 0, 1, 2
+PIPE_CLOSED = 141
+"""What a shell reports of a program whose reader went away."""
+
 INTERRUPTED = 130
 """What a shell expects of a program that Ctrl-C ended."""
 
@@ -48,7 +51,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return BAD_INPUT
     except BrokenPipeError:
         sys.stderr.close()  # the reader went away; nothing more to say
-        return BAD_INPUT
+        return PIPE_CLOSED
     except OSError as error:
         sys.stdout = None  # its buffer cannot be written; Python would try again at exit
         print(f"mrts: error: cannot write: {error.strerror}", file=sys.stderr)

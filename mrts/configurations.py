@@ -12,7 +12,13 @@ import numpy as np
 from mrts.analytic_inverse_kinematics import analytic_branches
 from mrts.atomic_file import write_text_atomically
 from mrts.cell import Cell, Robot
-from mrts.coordinated_motion import CoordinatedMotion, check_motion, joint_limit_failure, nearest_turns
+from mrts.coordinated_motion import (
+    CoordinatedMotion,
+    check_motion,
+    joint_limit_failure,
+    nearest_turns,
+    within_limits,
+)
 from mrts.errors import InputError
 from mrts.grasp_tracking import POSE_TOLERANCE, STARTING_STEPS, Tracks, solve_grasps, track_grasps, unreachable
 from mrts.load_sharing import LoadSharing
@@ -29,6 +35,9 @@ MULTI_STARTS = 400
 SEED = 20
 SAME_BRANCH = 1e-6
 """Joint positions closer than this, whole turns aside, are one branch [rad or m]."""
+
+SAME_SETTLED = 1e-3
+"""The same for a redundant arm, whose null space settles more slowly."""
 
 DEFAULT_CAP = 1024
 
@@ -93,11 +102,16 @@ class ConfigurationStudy:
 
         Args:
             rows: Most configurations to show.
+
+        Raises:
+            InputError: If that is negative.
         """
+        if rows < 0:
+            raise InputError("--show", "must be at least 0.", value=rows)
         done = len(self.ranked)
         lines = [f"{self.combinations} configurations reach the end, {done} evaluated, by falling c²⁺:"]
         if done < self.combinations:
-            lines[0] += " (the best of the even distribution; raise --cap for all)"
+            lines[0] += " (the best of a fixed distribution; raise --cap for all)"
         names = [*self.branches]
         lines.append(f"{'rank':>4}  " + "  ".join(f"{name:>8}" for name in names) + f"  {'c²⁺':>9}  limited at")
         for rank, configuration in enumerate(self.ranked[:rows], start=1):
@@ -155,8 +169,9 @@ def rank_configurations(
     """Evaluate every combination of inverse-kinematics branches.
 
     Branches come from the planar closed form, from the analytic inverse of a six-joint arm (extra `ik`), or else from
-    seeded random starts; of a redundant arm only the positions nearest to its posture count. More combinations than
-    `cap` are ordered by c²⁺ of the even distribution, which is cheap, and the first `cap` evaluated.
+    seeded random starts; for a redundant arm these settle where they come locally nearest to its posture. Positions
+    outside the joint limits do not count. More combinations than `cap` are ordered by c²⁺ of the fixed distribution
+    (`sharing`, else the even one), which is cheap, and the first `cap` evaluated.
 
     Args:
         cell: The cell.
@@ -178,7 +193,8 @@ def rank_configurations(
     combinations = int(np.prod([len(of_robot) for of_robot in good]))
     chosen: Iterator[tuple[Branch, ...]] = product(*good)
     if combinations > cap:
-        scored = ((_evaluate(cell, motion, tracks, choice, LoadSharing(), solver), choice) for choice in product(*good))
+        fixed = sharing or LoadSharing()
+        scored = ((_evaluate(cell, motion, tracks, choice, fixed, solver), choice) for choice in product(*good))
         best_first = sorted(scored, key=lambda pair: -pair[0].c2_upper)
         chosen = islice((choice for _, choice in best_first), cap)
     evaluated = [_evaluate(cell, motion, tracks, choice, sharing, solver) for choice in chosen]
@@ -206,9 +222,14 @@ def _branches_at_start(cell: Cell, index: int, motion: ObjectMotion) -> Array:
     q, gap, turn = solve_grasps(cell, motion, 0, start, STARTING_STEPS, pull)
     reached = q[np.maximum(gap[:, index], turn[:, index]) <= POSE_TOLERANCE][:, joints]
     distinct: list[Array] = []
+    same = SAME_SETTLED if redundant else SAME_BRANCH
     for candidate in reached:
-        near = _within_limits(robot, nearest_turns(robot, candidate))
-        if not any(np.max(np.abs(_apart(robot, near, other))) < SAME_BRANCH for other in distinct):
+        # a redundant arm has settled where its null space points, whole turns and all
+        near = candidate if redundant else nearest_turns(robot, candidate)
+        near = within_limits(robot, near[None])[0]
+        if joint_limit_failure(robot, motion.time, near[None]) is not None:
+            continue
+        if not any(np.max(np.abs(_apart(robot, near, other))) < same for other in distinct):
             distinct.append(near)
     return np.array(distinct).reshape(-1, len(robot.joints))
 
@@ -220,13 +241,6 @@ def _random_starts(robot: Robot) -> Array:
     starts = rng.uniform(low, high, (MULTI_STARTS, len(robot.joints)))
     starts[0] = robot.posture
     return starts
-
-
-def _within_limits(robot: Robot, q: Array) -> Array:
-    """Whole turns added or taken where that brings a joint inside its limits."""
-    turn = np.where([kind == "revolute" for kind in robot.joint_types], 2 * np.pi, 0.0)
-    q = np.where((q > robot.position_upper) & (q - turn >= robot.position_lower), q - turn, q)
-    return np.where((q < robot.position_lower) & (q + turn <= robot.position_upper), q + turn, q)
 
 
 def _apart(robot: Robot, a: Array, b: Array) -> Array:
@@ -246,18 +260,20 @@ def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[Trac
     branches: dict[str, list[Branch]] = {}
     for robot, of_robot in zip(cell.robots, starts, strict=True):
         branches[robot.name] = [
-            Branch(
-                robot.name,
-                number + 1,
-                q,
-                tracks.failures[number][robot.name] or joint_limit_failure(cell, motion, tracks, number, robot),
-            )
-            for number, q in enumerate(of_robot)
+            _branch(cell, motion, tracks, robot, number, start) for number, start in enumerate(of_robot)
         ]
         if not len(of_robot):
             failure = unreachable(robot, motion, 0, np.nan, np.nan).replace("nan m and nan rad", "any of its branches")
             branches[robot.name] = [Branch(robot.name, 1, robot.posture, failure)]
     return tracks, branches
+
+
+def _branch(cell: Cell, motion: ObjectMotion, tracks: Tracks, robot: Robot, number: int, start: Array) -> Branch:
+    joints = cell.joint_slices[robot.name]
+    q = within_limits(robot, tracks.q[number][:, joints])
+    tracks.q[number][:, joints] = q
+    failure = tracks.failures[number][robot.name] or joint_limit_failure(robot, motion.time, q)
+    return Branch(robot.name, number + 1, q[0] if failure is None else start, failure)
 
 
 def _evaluate(

@@ -12,7 +12,6 @@ from mrts.grasp_tracking import (
     POSE_TOLERANCE,
     STARTING_STEPS,
     WRENCH_ROWS,
-    Tracks,
     solve_grasps,
     tip_rates,
     track_grasps,
@@ -34,6 +33,9 @@ GIVEN_SLIP = 1e-2
 
 REST_SLIP = 1e-9
 """Slip of an object at rest that is rounding [m/s, rad/s and per s]."""
+
+DEGREES_SUSPECTED = 4 * np.pi
+"""A joint position beyond two turns is rather degrees than radians."""
 
 LIMIT_TOLERANCE = 1e-9
 """How far a joint may pass its position limit [rad or m]: rounding."""
@@ -104,8 +106,11 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     check_motion(cell, motion)
     tracks = track_grasps(cell, motion, starting_positions(cell, motion)[None])
     tracks.require(0)
-    check_joint_limits(cell, motion, tracks, 0)
-    return CoordinatedMotion(motion, tracks.q[0], tracks.dq[0], tracks.ddq[0])
+    q = tracks.q[0]
+    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        q[:, joints] = within_limits(robot, q[:, joints])
+    check_joint_limits(cell, motion.time, q)
+    return CoordinatedMotion(motion, q, tracks.dq[0], tracks.ddq[0])
 
 
 def coordinate(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion) -> CoordinatedMotion:
@@ -126,6 +131,7 @@ def coordinate(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion
     joints = sum(len(robot.joints) for robot in cell.robots)
     if motion.q.shape[1] != joints:
         raise InputError("motion.q", f"has {motion.q.shape[1]} columns, cell '{cell.name}' has {joints} joints.")
+    check_joint_limits(cell, motion.object.time, motion.q)
     check_closure(cell, motion, "motion")
     return motion
 
@@ -143,6 +149,7 @@ def _follow_joints(cell: Cell, table: JointTable) -> CoordinatedMotion:
         np.column_stack([part[name] for name in columns])
         for part in (table.positions, table.velocities, table.accelerations)
     )
+    check_joint_limits(cell, table.time, q)
     samples, robots = len(table.time), len(cell.robots)
     poses = cell.functions("kinematics", samples, {"q": q})
     bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
@@ -212,7 +219,7 @@ def check_closure(cell: Cell, motion: CoordinatedMotion, where: str) -> None:
         held = np.einsum("nwj,nj->nw", J, motion.dq[:, joints])
         changing = np.einsum("nwj,nj->nw", J, motion.ddq[:, joints]) + bias[:, :, index]
         for what, ours, expected in (("velocities", held, velocity), ("accelerations", changing, acceleration)):
-            size = float(np.max(np.abs(expected))) + float(np.max(np.abs(ours))) * GIVEN_SLIP
+            size = max(float(np.max(np.abs(expected))), float(np.max(np.abs(ours))))
             slip = np.max(np.abs(ours - expected), axis=1)
             worst = int(np.argmax(slip))
             if slip[worst] > max(GIVEN_SLIP * size, REST_SLIP):
@@ -275,27 +282,59 @@ def nearest_turns(robot: Robot, q: Array) -> Array:
     return np.where(turns, robot.posture + (away + np.pi) % (2 * np.pi) - np.pi, q)
 
 
-def joint_limit_failure(cell: Cell, motion: ObjectMotion, tracks: Tracks, track: int, robot: Robot) -> str | None:
-    """The message for a joint that passes its position limit, None if none does."""
-    q = tracks.q[track][:, cell.joint_slices[robot.name]]
-    beyond = np.maximum(robot.position_lower - q, q - robot.position_upper)
-    sample, joint = np.unravel_index(int(np.argmax(beyond)), beyond.shape)
-    if beyond[sample, joint] <= LIMIT_TOLERANCE:
+def within_limits(robot: Robot, q: Array) -> Array:
+    """Whole turns added to or taken from a joint's path where that brings it inside its position limits.
+
+    Args:
+        robot: The arm.
+        q: Joint positions along a motion, Shape (N, n_i) [rad or m].
+    """
+    turn = np.where([kind == "revolute" for kind in robot.joint_types], 2 * np.pi, np.inf)
+    low, high = np.min(q, axis=0), np.max(q, axis=0)
+    down = np.ceil((high - robot.position_upper) / turn - LIMIT_TOLERANCE).clip(min=0)
+    up = np.ceil((robot.position_lower - low) / turn - LIMIT_TOLERANCE).clip(min=0)
+    shift = np.where(np.isfinite(turn), turn, 0.0)
+    fits_down = low - shift * down >= robot.position_lower - LIMIT_TOLERANCE
+    fits_up = high + shift * up <= robot.position_upper + LIMIT_TOLERANCE
+    moved: Array = q + shift * (np.where(fits_up, up, 0.0) - np.where(fits_down, down, 0.0))
+    return moved
+
+
+def joint_limit_failure(robot: Robot, time: Array, q: Array) -> str | None:
+    """The message for the first sample where a joint passes its position limit, None if none does.
+
+    Args:
+        robot: The arm.
+        time: Shape (N,) [s].
+        q: Joint positions of this arm, Shape (N, n_i) [rad or m].
+    """
+    beyond = np.maximum(robot.position_lower - q, q - robot.position_upper) > LIMIT_TOLERANCE
+    if not np.any(beyond):
         return None
+    sample = int(np.argmax(np.any(beyond, axis=1)))
+    joint = int(np.argmax(beyond[sample]))
+    hint = ""
+    if robot.joint_types[joint] == "revolute" and abs(q[sample, joint]) > DEGREES_SUSPECTED:
+        hint = " If these are degrees: positions are in rad."
     return (
-        f"robot '{robot.name}' passes a position limit at sample {sample} (t = {motion.time[sample]:.6g} s): joint "
+        f"robot '{robot.name}' passes a position limit at sample {sample} (t = {time[sample]:.6g} s): joint "
         f"'{robot.joints[joint]}' would be at {q[sample, joint]:.6g}, its limits are [{robot.position_lower[joint]:g}, "
-        f"{robot.position_upper[joint]:g}]. Choose another posture, path, base or grasp."
+        f"{robot.position_upper[joint]:g}].{hint} Choose another posture, path, base or grasp."
     )
 
 
-def check_joint_limits(cell: Cell, motion: ObjectMotion, tracks: Tracks, track: int) -> None:
-    """Check the position limits of all joints of a track.
+def check_joint_limits(cell: Cell, time: Array, q: Array) -> None:
+    """Check the position limits of all joints along a motion.
+
+    Args:
+        cell: The cell.
+        time: Shape (N,) [s].
+        q: Shape (N, m) [rad or m].
 
     Raises:
-        MotionError: Names robot, joint, sample, value and limits.
+        MotionError: Names robot, joint, the first such sample, value and limits.
     """
     for robot in cell.robots:
-        failure = joint_limit_failure(cell, motion, tracks, track, robot)
+        failure = joint_limit_failure(robot, time, q[:, cell.joint_slices[robot.name]])
         if failure:
             raise MotionError(failure)

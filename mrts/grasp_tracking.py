@@ -159,8 +159,7 @@ def track_grasps(cell: Cell, motion: ObjectMotion, start: Array) -> Tracks:
                 guess = q + h / 2 * (dq + tracks.dq[:, k]) + h * h / 12 * (ddq - tracks.ddq[:, k])
             found, gap, turn = solve_grasps(cell, motion, k, guess, TRACKING_STEPS)
             tracks.q[:, k] = found
-            if sweep == 0:
-                _note_failures(cell, motion, k, tracks, predicted, gap, turn)
+            _note_failures(cell, motion, k, tracks, guess, gap, turn)
             _rates_at(cell, motion, k, rates, tracks)
     return tracks
 
@@ -215,8 +214,8 @@ def _note_failures(
             elif jump[track] > JUMP_LIMIT:
                 failures[robot.name] = (
                     f"robot '{robot.name}' loses its branch at sample {k} (t = {motion.time[k]:.6g} s): a joint is "
-                    f"{jump[track]:.3g} rad from where its velocity led. Use more samples, or keep away from the "
-                    "singularity near there."
+                    f"{jump[track]:.3g} (rad or m) from where its velocity led. Use more samples, or keep away from "
+                    "the singularity near there."
                 )
 
 
@@ -224,8 +223,8 @@ def unreachable(robot: Robot, motion: ObjectMotion, sample: int, gap: float, tur
     """The message for a grasp out of reach: the smallest position and rotation errors met [m, rad]."""
     return (
         f"robot '{robot.name}' cannot reach its grasp at sample {sample} (t = {motion.time[sample]:.6g} s): its tip "
-        f"came no nearer than {gap:.3g} m and {turn:.3g} rad. Move the path, the base or the grasp, or choose another "
-        "posture."
+        f"came no nearer than {gap:.3g} m and {turn:.3g} rad. Choose another posture, from which another branch may "
+        "reach it, or move the path, the base or the grasp."
     )
 
 

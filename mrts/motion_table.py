@@ -11,12 +11,15 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from mrts.errors import InputError
-from mrts.input_file import read_text
+from mrts.input_file import LARGEST_NUMBER, read_text
 from mrts.object_motion import ObjectMotion, check_derivatives, spline_motion
 from mrts.rigid_transform import Array
 
 POSE_COLUMNS = ("px", "py", "pz", "qx", "qy", "qz", "qw")
 RATE_COLUMNS = ("vx", "vy", "vz", "wx", "wy", "wz", "ax", "ay", "az", "alphax", "alphay", "alphaz")
+
+SHORTEST_STEP = 1e-9
+"""[s]; below it squares of rates overflow."""
 
 QUATERNION_TOLERANCE = 1e-3
 """How far from 1 a quaternion's length may be: tables carry few digits."""
@@ -134,15 +137,8 @@ def _checked(table: JointTable) -> JointTable:
 
 
 def _read_columns(path: Path) -> dict[str, Array]:
-    rows = [row for row in csv.reader(io.StringIO(read_text(path, "table"))) if row and "".join(row).strip()]
-    if not rows:
-        raise InputError(path, "is empty: the first line names the columns.")
-    names = [name.strip() for name in rows[0]]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(path, f"the column '{name}' stands twice.")
-    if len(rows) < 3:  # noqa: PLR2004 (a name line and two samples)
-        raise InputError(path, f"holds {len(rows) - 1} rows of values; a motion has at least 2.")
+    rows = _read_rows(path)
+    names = _column_names(path, rows[0])
     values = np.empty((len(rows) - 1, len(names)))
     for index, row in enumerate(rows[1:]):
         if len(row) != len(names):
@@ -152,11 +148,37 @@ def _read_columns(path: Path) -> dict[str, Array]:
                 values[index, column] = float(text) if "_" not in text else np.nan
             except ValueError:
                 values[index, column] = np.nan
-            if not np.isfinite(values[index, column]):
+            if not abs(values[index, column]) <= LARGEST_NUMBER:
                 raise InputError(
                     path, "must be a finite number.", key=f"row {index + 1}, column {names[column]}", value=text
                 )
     return {name: values[:, column].copy() for column, name in enumerate(names)}
+
+
+def _read_rows(path: Path) -> list[list[str]]:
+    """The line of names and at least two of values."""
+    text = read_text(path, "table").removeprefix("\ufeff")  # the mark that spreadsheets put in front of UTF-8
+    try:
+        rows = [row for row in csv.reader(io.StringIO(text)) if row and "".join(row).strip()]
+    except csv.Error as error:
+        raise InputError(path, f"is no CSV table: {error}.") from None
+    if not rows:
+        raise InputError(path, "is empty: the first line names the columns.")
+    if len(rows) < 3:  # noqa: PLR2004 (a name line and two samples)
+        raise InputError(path, f"holds {len(rows) - 1} rows of values; a motion has at least 2.")
+    return rows
+
+
+def _column_names(path: Path, row: list[str]) -> list[str]:
+    names = [name.strip() for name in row]
+    if len(names) == 1:
+        raise InputError(path, "has one column; separate columns by commas.", value=names[0])
+    for name in names:
+        if not name:
+            raise InputError(path, "a column has no name: is there a comma too many in the first line?")
+        if names.count(name) > 1:
+            raise InputError(path, f"the column '{name}' stands twice.")
+    return names
 
 
 def _time(path: Path, columns: dict[str, Array]) -> Array:
@@ -167,4 +189,7 @@ def _time(path: Path, columns: dict[str, Array]) -> Array:
     if np.min(steps) <= 0:
         row = int(np.argmax(steps <= 0)) + 2
         raise InputError(path, "must be later than the row before.", key=f"row {row}, column t", value=time[row - 1])
+    if np.min(steps) < SHORTEST_STEP:
+        row = int(np.argmin(steps)) + 2
+        raise InputError(path, f"is less than {SHORTEST_STEP:g} s after the row before.", key=f"row {row}, column t")
     return np.asarray(time - time[0], dtype=np.float64)

@@ -17,8 +17,11 @@ ROTATION_LENGTH = 0.25
 ORTHOGONAL = 1e-6
 """Largest entry of R Rᵀ - I: matrices from tables carry few digits."""
 
-DERIVATIVE_TOLERANCE = 0.5
-"""Largest part of a step that rates may miss: a jump of the acceleration inside it is legal, wrong units are not."""
+RATE_TOLERANCE = 0.1
+"""Largest part of a step that velocities may miss: a trapezoid in eleven samples misses 0.03."""
+
+ACCELERATION_TOLERANCE = 0.5
+"""The same for accelerations, which may jump inside a step."""
 
 SAME_WAYPOINT = 1e-9
 """Waypoints nearer than this [m, with turns by `ROTATION_LENGTH`] are one."""
@@ -85,7 +88,8 @@ def check_derivatives(name: str, time: Array, value: Array, rate: Array, change:
         off = np.linalg.norm(steps - expected, axis=1)
         size = max(float(np.max(np.linalg.norm(steps, axis=1))), float(np.max(np.linalg.norm(expected, axis=1))))
         worst = int(np.argmax(off))
-        if off[worst] > DERIVATIVE_TOLERANCE * size and size > SAME_WAYPOINT:
+        tolerance = RATE_TOLERANCE if second is not None else ACCELERATION_TOLERANCE
+        if off[worst] > tolerance * size and size > SAME_WAYPOINT:
             raise InputError(
                 name,
                 f"its {what} do not lead from sample {worst} to {worst + 1} (t = {time[worst]:.6g} s): they are off by "

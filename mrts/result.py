@@ -102,7 +102,8 @@ class ScalingResult:
         else:
             text += "the cell can only hold still"
         if found.lower.c2 > 0:
-            text += f" and no slower than {np.sqrt(found.lower.c2):.3g} ×"
+            slow = "; ".join(str(row) for row in found.lower.rows)
+            text += f" and no slower than {np.sqrt(found.lower.c2):.3g} × (t = {found.lower.time:.4g} s: {slow})"
         rows = "; ".join(str(row) for row in end.rows)
         return f"{text}; limited at t = {end.time:.4g} s by {rows}."
 

@@ -113,7 +113,7 @@ def choose_c2(found: ScalingRange, select: Selection) -> float:
         if unlimited:
             raise SelectionError(f"no limit depends on the speed: c² ∈ {interval}. Choose a value.")
         if high <= 0:
-            raise SelectionError(f"c² ∈ {interval}: the cell can only hold still. {_ends_text(found)}")
+            raise SelectionError(f"c² ∈ {interval}: the cell can only hold still. {_end_text(found, 'upper')}")
         return high
     if isinstance(select, bool) or not (select == "nominal" or isinstance(select, int | float)):
         raise SelectionError(f"select = {select!r}: must be 'auto', 'fastest', 'nominal' or a number.")
@@ -121,13 +121,14 @@ def choose_c2(found: ScalingRange, select: Selection) -> float:
     if not (np.isfinite(c2) and c2 > 0):
         raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {interval}.")
     if not low <= c2 <= high:
-        raise SelectionError(f"c² = {c2:g} is outside the admissible range {interval}. {_ends_text(found)}")
+        side: Literal["lower", "upper"] = "lower" if c2 < low else "upper"
+        raise SelectionError(f"c² = {c2:g} is outside the admissible range {interval}. {_end_text(found, side)}")
     return c2
 
 
-def _ends_text(found: ScalingRange) -> str:
+def _end_text(found: ScalingRange, side: Literal["lower", "upper"]) -> str:
     assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
-    end = found.upper
+    end = found.lower if side == "lower" else found.upper
     if end.time is None:
         return ""
-    return f"The upper end is set at t = {end.time:.4g} s by {'; '.join(str(row) for row in end.rows)}."
+    return f"The {side} end is set at t = {end.time:.4g} s by {'; '.join(str(row) for row in end.rows)}."

@@ -128,9 +128,20 @@ def test_joint_limits_are_checked(dual_ur5):
     given = motion([0.03, 0.35, 0.5])
     highest = np.max(mrts.follow_object(dual_ur5, given).q[:, 6])
     upper = np.append(highest - 0.01, np.full(5, 7.0))
-    cell = replace(dual_ur5, robots=(dual_ur5.robots[0], replace(dual_ur5.robots[1], position_upper=upper)))
+    tight = replace(dual_ur5.robots[1], position_upper=upper, position_lower=np.full(6, -3.2))
+    cell = replace(dual_ur5, robots=(dual_ur5.robots[0], tight))
     with pytest.raises(mrts.MotionError, match=r"robot 'right' passes a position limit .* 'shoulder_pan' would be at"):
         mrts.follow_object(cell, given)
+
+
+def test_whole_turns_bring_a_joint_inside_its_limits(dual_ur5):
+    given = motion([0.03, 0.2, 0.5])
+    free = mrts.follow_object(dual_ur5, given)
+    upper = np.append(np.max(free.q[:, 6]) - 0.01, np.full(5, 7.0))
+    lower = np.full(6, -7.0)
+    tight = replace(dual_ur5.robots[1], position_lower=lower, position_upper=upper)
+    turned = mrts.follow_object(replace(dual_ur5, robots=(dual_ur5.robots[0], tight)), given)
+    np.testing.assert_allclose(free.q - turned.q, np.tile(2 * np.pi * np.eye(12)[6], (201, 1)), atol=1e-9)
 
 
 def test_too_few_joints_are_refused(tmp_path):

@@ -151,6 +151,8 @@ TABLE_MISTAKES = {
     "one row": (lambda text: "\n".join(text.splitlines()[:2]), ["1 rows of values", "at least 2"]),
     "empty": (lambda _: "", ["is empty"]),
     "twice a name": (lambda text: text.replace("py", "px", 1), ["'px' stands twice"]),
+    "semicolons": (lambda text: text.replace(",", ";"), ["has one column", "commas"]),
+    "huge": (lambda text: text.replace("\n3,0,", "\n3,1e300,", 1), ["row 1, column px", "'1e300'"]),
     "no time": (lambda text: text.replace("t,", "time,", 1), ["a column 't'"]),
 }
 
@@ -166,6 +168,16 @@ def test_mistakes_in_a_table(tmp_path, capsys, mistake):
     assert "motion.csv" in message
     for part in expected:
         assert part in message
+
+
+def test_joint_tables_keep_the_position_limits(tmp_path, dual_ur5):
+    """Degrees would close the chain of a single arm; the limits notice them."""
+    followed = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
+    degrees = mrts.CoordinatedMotion(followed.object, *(np.rad2deg(v) for v in (followed.q, followed.dq, followed.ddq)))
+    (tmp_path / "joints.csv").write_text("\ufeff" + joint_table(dual_ur5, degrees, rates=True))
+    table = mrts.load_motion(write_motion(tmp_path, joints="joints.csv"))
+    with pytest.raises(mrts.MotionError, match=r"position limit at sample 0 .* If these are degrees"):
+        mrts.scale(dual_ur5, table)
 
 
 def test_wrong_units_in_a_table_are_noticed(tmp_path):

@@ -12,7 +12,9 @@ from random_cells import random_planar_cell
 
 import mrts
 from mrts.infeasibility import separation
+from mrts.limit_rows import ActiveRow, RowName
 from mrts.sample_problem import build_sample_problem
+from mrts.scaling import choose_c2
 from mrts.scaling_range import SampleRanges, SampleStatus, intersect
 
 
@@ -141,6 +143,15 @@ def test_a_minimum_speed_is_legal(planar_cell, lift):
     late = [k for k, status in enumerate(samples.status) if status is SampleStatus.FEASIBLE and samples.lower[k] > 0]
     assert late
     assert all(samples.lower_rows[k][0].name.kind in {"torque", "wrench"} for k in late)
+
+
+def test_too_slow_is_refused_by_the_lower_end():
+    row = ActiveRow(RowName("torque", "left", "elbow", "N m"), "upper", 80.0)
+    ranges = replace(ranges_of([0, 2, 0], [5, 5, 4]), lower_rows=((), (row,), ()))
+    with pytest.raises(
+        mrts.SelectionError, match=r"outside .* \[2, 4\]. The lower end is set at t = 1 s by left/elbow"
+    ):
+        choose_c2(intersect(ranges), 1.0)
 
 
 def test_at_rest_nothing_limits_the_speed(planar_cell, lift):
