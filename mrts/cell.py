@@ -11,7 +11,7 @@ import numpy as np
 from mrts.cell_cache import generated_in_cache, virtual_machine_functions
 from mrts.cell_functions import Backend, CellFunctions, bind_functions
 from mrts.errors import InputError, as_array
-from mrts.manifest import MANIFEST_NAME, Manifest, PoseRecord, RobotRecord, read_generated
+from mrts.manifest import MANIFEST_NAME, WRENCH_COMPONENTS, Manifest, PoseRecord, RobotRecord, read_generated
 from mrts.rigid_transform import Array, RigidTransform
 
 
@@ -94,6 +94,11 @@ class Cell:
     def wrench_slices(self) -> dict[str, slice]:
         """Where each robot's wrench stands in the stacked wrenches F, Shape (n w,)."""
         return _slices({robot.name: len(self.wrench_components) for robot in self.robots})
+
+    @property
+    def wrench_rows(self) -> list[int]:
+        """Rows of a six-component wrench or twist that this cell uses, in the order of its components."""
+        return [WRENCH_COMPONENTS.index(component) for component in self.wrench_components]
 
     @property
     def load(self) -> Array:

@@ -90,8 +90,7 @@ def _parser() -> argparse.ArgumentParser:
         help="find the range of c², choose c², distribute the torques",
         epilog="Example: mrts scale cell.yaml motion.yaml --fastest --json result.json",
     )
-    scale.add_argument("cell", type=Path, metavar="CELL", help="cell file, or a folder that `mrts generate` wrote")
-    scale.add_argument("motion", type=Path, metavar="MOTION", help="motion file")
+    _add_cell_and_motion(scale)
     choice = scale.add_mutually_exclusive_group()
     choice.add_argument("--fastest", action="store_const", const="fastest", dest="select",
                         help="play as fast as the limits allow (default)")  # fmt: skip
@@ -110,14 +109,18 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _add_cell_and_motion(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument("cell", type=Path, metavar="CELL", help="cell file, or a folder that `mrts generate` wrote")
+    verb.add_argument("motion", type=Path, metavar="MOTION", help="motion file")
+
+
 def _add_configurations(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     study = verbs.add_parser(
         "configurations",
         help="compare all inverse-kinematics branches of the arms",
         epilog="Example: mrts configurations cell.yaml motion.yaml --show 5",
     )
-    study.add_argument("cell", type=Path, metavar="CELL", help="cell file, or a folder that `mrts generate` wrote")
-    study.add_argument("motion", type=Path, metavar="MOTION", help="motion file of the object")
+    _add_cell_and_motion(study)
     study.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
     study.add_argument("--cap", type=int, default=1024, help="most combinations to evaluate (default: %(default)s)")
     study.add_argument("--show", type=int, default=10, metavar="N", help="rows to print (default: %(default)s)")

@@ -2,9 +2,9 @@
 """All inverse-kinematics branches of every arm, followed along the motion and ranked by c²⁺ (section VI, 6.3)."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import islice, product
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +20,7 @@ from mrts.coordinated_motion import (
     within_limits,
 )
 from mrts.errors import InputError
-from mrts.grasp_tracking import POSE_TOLERANCE, STARTING_STEPS, Tracks, solve_grasps, track_grasps, unreachable
+from mrts.grasp_tracking import POSE_TOLERANCE, STARTING_STEPS, Tracks, solve_grasps, track_grasps
 from mrts.load_sharing import LoadSharing
 from mrts.object_motion import ObjectMotion
 from mrts.planar_inverse_kinematics import has_closed_form, planar_branches
@@ -191,13 +191,16 @@ def rank_configurations(
     tracks, branches = _follow(cell, motion, starts)
     good = [[branch for branch in branches[robot.name] if branch.failure is None] for robot in cell.robots]
     combinations = int(np.prod([len(of_robot) for of_robot in good]))
-    chosen: Iterator[tuple[Branch, ...]] = product(*good)
+    chosen: Iterable[tuple[Branch, ...]] = product(*good)
+    evaluated: list[Configuration] | None = None
     if combinations > cap:
         fixed = sharing or LoadSharing()
-        scored = ((_evaluate(cell, motion, tracks, choice, fixed, solver), choice) for choice in product(*good))
-        best_first = sorted(scored, key=lambda pair: -pair[0].c2_upper)
-        chosen = islice((choice for _, choice in best_first), cap)
-    evaluated = [_evaluate(cell, motion, tracks, choice, sharing, solver) for choice in chosen]
+        scored = [_evaluate(cell, motion, tracks, choice, fixed, solver) for choice in chosen]
+        best = sorted(scored, key=lambda configuration: -configuration.c2_upper)[:cap]
+        chosen = [configuration.branches for configuration in best]
+        evaluated = best if sharing is not None else None
+    if evaluated is None:
+        evaluated = [_evaluate(cell, motion, tracks, choice, sharing, solver) for choice in chosen]
     ranked = sorted(evaluated, key=lambda configuration: -configuration.c2_upper)
     return ConfigurationStudy(branches, tuple(ranked), combinations)
 
@@ -263,7 +266,7 @@ def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[Trac
             _branch(cell, motion, tracks, robot, number, start) for number, start in enumerate(of_robot)
         ]
         if not len(of_robot):
-            failure = unreachable(robot, motion, 0, np.nan, np.nan).replace("nan m and nan rad", "any of its branches")
+            failure = f"robot '{robot.name}' cannot reach its grasp at t = 0. Move the path, the base or the grasp."
             branches[robot.name] = [Branch(robot.name, 1, robot.posture, failure)]
     return tracks, branches
 

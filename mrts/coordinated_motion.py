@@ -11,7 +11,6 @@ from mrts.errors import InputError, MotionError, as_array
 from mrts.grasp_tracking import (
     POSE_TOLERANCE,
     STARTING_STEPS,
-    WRENCH_ROWS,
     solve_grasps,
     tip_rates,
     track_grasps,
@@ -150,24 +149,15 @@ def _follow_joints(cell: Cell, table: JointTable) -> CoordinatedMotion:
         for part in (table.positions, table.velocities, table.accelerations)
     )
     check_joint_limits(cell, table.time, q)
-    samples, robots = len(table.time), len(cell.robots)
-    poses = cell.functions("kinematics", samples, {"q": q})
-    bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
-    bias = bias.reshape(samples, len(cell.wrench_components), robots)
-    rates, changes = [], []
-    for index, joints in enumerate(cell.joint_slices.values()):
-        J = poses["jacobian"][:, :, joints]
-        rates.append(np.einsum("nwj,nj->nw", J, dq[:, joints]))
-        changes.append(np.einsum("nwj,nj->nw", J, ddq[:, joints]) + bias[:, :, index])
-
+    tip = _tip_motions(cell, q, dq, ddq)[0]
     first = cell.robots[0]
-    rotation = poses["rotation"][:, :, :3] @ first.T_object_tip.R.T
+    rotation = tip.rotation @ first.T_object_tip.R.T
     r = rotation @ first.T_object_tip.p
-    v, w = _in_world(cell, first, rates[0])
-    a, dw = _in_world(cell, first, changes[0])
+    v, w = _in_world(cell, first, tip.velocity)
+    a, dw = _in_world(cell, first, tip.acceleration)
     motion = ObjectMotion(
         table.time,
-        poses["position"].reshape(samples, 3, robots)[:, :, 0] - r,
+        tip.position - r,
         rotation,
         np.concatenate([v - np.cross(w, r), w], axis=1),
         np.concatenate([a - np.cross(dw, r) - np.cross(w, np.cross(w, r)), dw], axis=1),
@@ -177,10 +167,41 @@ def _follow_joints(cell: Cell, table: JointTable) -> CoordinatedMotion:
     return given
 
 
+@dataclass(frozen=True)
+class _TipMotion:
+    """Pose of one tip in the world, and its velocity and acceleration in base axes and cell components."""
+
+    position: Array
+    rotation: Array
+    velocity: Array
+    acceleration: Array
+
+
+def _tip_motions(cell: Cell, q: Array, dq: Array, ddq: Array) -> list[_TipMotion]:
+    """Motion of every tip from the joints' motion, each Shape (N, m)."""
+    samples, robots = len(q), len(cell.robots)
+    poses = cell.functions("kinematics", samples, {"q": q})
+    bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
+    bias = bias.reshape(samples, len(cell.wrench_components), robots)
+    positions = poses["position"].reshape(samples, 3, robots)
+    tips = []
+    for index, joints in enumerate(cell.joint_slices.values()):
+        J = poses["jacobian"][:, :, joints]
+        tips.append(
+            _TipMotion(
+                positions[:, :, index],
+                poses["rotation"][:, :, 3 * index : 3 * index + 3],
+                np.einsum("nwj,nj->nw", J, dq[:, joints]),
+                np.einsum("nwj,nj->nw", J, ddq[:, joints]) + bias[:, :, index],
+            )
+        )
+    return tips
+
+
 def _in_world(cell: Cell, robot: Robot, rate: Array) -> tuple[Array, Array]:
     """Linear and angular part of a tip's rate, base axes and cell components, Shape (N, w), in the world."""
     full = np.zeros((len(rate), 6))
-    full[:, [WRENCH_ROWS[component] for component in cell.wrench_components]] = rate
+    full[:, cell.wrench_rows] = rate
     R = robot.T_world_base.R
     return full[:, :3] @ R.T, full[:, 3:] @ R.T
 
@@ -196,16 +217,10 @@ def check_closure(cell: Cell, motion: CoordinatedMotion, where: str) -> None:
     Raises:
         MotionError: Names the worst robot, sample and gap.
     """
-    given, samples, robots = motion.object, motion.samples, len(cell.robots)
-    poses = cell.functions("kinematics", samples, {"q": motion.q})
-    bias = cell.functions("bias_acceleration", samples, {"q": motion.q, "dq": motion.dq})["bias_acceleration"]
-    bias = bias.reshape(samples, len(cell.wrench_components), robots)
-    positions = poses["position"].reshape(samples, 3, robots)
-    for index, (robot, joints) in enumerate(zip(cell.robots, cell.joint_slices.values(), strict=True)):
-        wanted = given.position + given.rotation @ robot.T_object_tip.p
-        gap = np.linalg.norm(positions[:, :, index] - wanted, axis=1)
-        R_world_tip = poses["rotation"][:, :, 3 * index : 3 * index + 3]
-        off = given.rotation @ robot.T_object_tip.R @ R_world_tip.transpose(0, 2, 1)
+    given = motion.object
+    for robot, tip in zip(cell.robots, _tip_motions(cell, motion.q, motion.dq, motion.ddq), strict=True):
+        gap = np.linalg.norm(tip.position - given.position - given.rotation @ robot.T_object_tip.p, axis=1)
+        off = given.rotation @ robot.T_object_tip.R @ tip.rotation.transpose(0, 2, 1)
         turn = np.atleast_1d(Rotation.from_matrix(off).magnitude())
         worst = int(np.argmax(np.maximum(gap, turn)))
         if max(gap[worst], turn[worst]) > GIVEN_CLOSURE:
@@ -214,11 +229,9 @@ def check_closure(cell: Cell, motion: CoordinatedMotion, where: str) -> None:
                 f"{gap[worst]:.3g} m and {turn[worst]:.3g} rad at sample {worst} (t = {given.time[worst]:.6g} s), the "
                 f"worst; {GIVEN_CLOSURE:g} is allowed. Check the joint positions, the bases and the grasps."
             )
-        J = poses["jacobian"][:, :, joints]
         velocity, acceleration = tip_rates(cell, robot, given)
-        held = np.einsum("nwj,nj->nw", J, motion.dq[:, joints])
-        changing = np.einsum("nwj,nj->nw", J, motion.ddq[:, joints]) + bias[:, :, index]
-        for what, ours, expected in (("velocities", held, velocity), ("accelerations", changing, acceleration)):
+        compared = (("velocities", tip.velocity, velocity), ("accelerations", tip.acceleration, acceleration))
+        for what, ours, expected in compared:
             size = max(float(np.max(np.abs(expected))), float(np.max(np.abs(ours))))
             slip = np.max(np.abs(ours - expected), axis=1)
             worst = int(np.argmax(slip))

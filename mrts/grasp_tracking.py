@@ -40,8 +40,6 @@ STEP_LIMIT = 0.3
 REDUNDANCY_SWEEPS = 3
 """Sweeps of the implicit fourth-order rule that integrates q' = J⁺ v of a redundant arm."""
 
-WRENCH_ROWS = {name: row for row, name in enumerate(("fx", "fy", "fz", "nx", "ny", "nz"))}
-
 
 @dataclass
 class Tracks:
@@ -76,7 +74,7 @@ def tip_rates(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Ar
     v, w = motion.twist[:, :3], motion.twist[:, 3:]
     a, dw = motion.acceleration[:, :3], motion.acceleration[:, 3:]
     R = robot.T_world_base.R
-    rows = [WRENCH_ROWS[component] for component in cell.wrench_components]
+    rows = cell.wrench_rows
     velocity = np.concatenate([(v + np.cross(w, r)) @ R, w @ R], axis=1)
     linear = a + np.cross(dw, r) + np.cross(w, np.cross(w, r))
     acceleration = np.concatenate([linear @ R, dw @ R], axis=1)
@@ -116,7 +114,7 @@ def solve_grasps(
             best_q[better, joints] = q[better, joints]
             J = poses["jacobian"][:, :, joints]
             damping = 0.5 * np.sum(error**2, axis=1)[:, None, None] * np.eye(J.shape[1])
-            square = J @ J.transpose(0, 2, 1) + damping + np.finfo(float).tiny * np.eye(J.shape[1])
+            square = J @ J.transpose(0, 2, 1) + damping
             arm_step = _apply(J.transpose(0, 2, 1), _least_squares(square, error))
             if pull is not None and J.shape[2] > J.shape[1]:
                 away = pull[:, joints] - q[:, joints]
@@ -165,7 +163,7 @@ def track_grasps(cell: Cell, motion: ObjectMotion, start: Array) -> Tracks:
 
 
 def _rates_at(cell: Cell, motion: ObjectMotion, k: int, rates: list[tuple[Array, Array]], tracks: Tracks) -> None:
-    """Q' and q'' of all tracks at one sample; notes singular arms."""
+    """Velocities q' and accelerations q'' of all tracks at one sample; notes singular arms."""
     count, q = len(tracks.q), tracks.q[:, k]
     J_all = cell.functions("kinematics", count, {"q": q})["jacobian"]
     inverses = {}
@@ -240,8 +238,7 @@ def _pose_error(
     turned = Rotation.from_matrix(R_world_tip @ rotations.transpose(0, 2, 1)).as_rotvec()
     sizes = np.column_stack([np.linalg.norm(off, axis=1), np.linalg.norm(turned, axis=1)])
     R = robot.T_world_base.R
-    rows = [WRENCH_ROWS[component] for component in cell.wrench_components]
-    return np.concatenate([off @ R, turned @ R], axis=1)[:, rows], sizes
+    return np.concatenate([off @ R, turned @ R], axis=1)[:, cell.wrench_rows], sizes
 
 
 def _least_squares(square: Array, rhs: Array) -> Array:

@@ -15,6 +15,9 @@ MANIFEST_NAME = "manifest.json"
 FORMAT = 1
 """Version of this file's layout; a change that old code cannot read raises it."""
 
+WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
+"""Names of a six-component wrench, forces before moments; a planar cell uses three of them."""
+
 Matrix = list[list[float]]
 
 

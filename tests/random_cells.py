@@ -24,6 +24,15 @@ def random_inertia(rng, mass, size):
     return mass * sum(p @ p * np.eye(3) - np.outer(p, p) for p in points) / len(points)
 
 
+def random_wrench_limits(rng, low, high, size):
+    """Mostly limits on some components; sometimes none at all."""
+    if rng.random() >= 0.6:
+        return {}
+    bounds = rng.uniform(low, high, size)
+    lower = [None if rng.random() < 0.4 else -float(b) for b in bounds]
+    return {"wrench": {"lower": lower, "upper": [None if rng.random() < 0.4 else float(b) for b in bounds]}}
+
+
 def inertial_xml(rng, mass, size, rpy="0 0 0"):
     inertia = random_inertia(rng, mass, size)
     com = " ".join(map(str, rng.uniform(-size, size, 3)))
@@ -76,13 +85,7 @@ def random_planar_cell(rng, folder: Path, arms: int, samples: int = 11):
             "posture": (q + rng.uniform(-0.05, 0.05, 3)).tolist(),
             "torque": (strength * rng.uniform([40, 25, 6], [90, 50, 15])).tolist(),
         }
-        if rng.random() < 0.6:
-            bounds = rng.uniform(1, 40, 3)
-            robot["wrench"] = {
-                "lower": [None if rng.random() < 0.4 else -float(b) for b in bounds],
-                "upper": [None if rng.random() < 0.4 else float(b) for b in bounds],
-            }
-        robots.append(robot)
+        robots.append(robot | random_wrench_limits(rng, 1, 40, 3))
     mass = rng.uniform(0.2, 6)
     cell = {
         "name": "random_cell",
@@ -208,13 +211,7 @@ def random_spatial_cell(rng, folder: Path, arms: int, samples: int = 11, joints:
             "posture": q.tolist(),
             "torque": (strength * rng.uniform(10, 40, joints)).tolist(),
         }
-        if rng.random() < 0.6:
-            bounds = rng.uniform(2, 60, 6)
-            robot["wrench"] = {
-                "lower": [None if rng.random() < 0.4 else -float(b) for b in bounds],
-                "upper": [None if rng.random() < 0.4 else float(b) for b in bounds],
-            }
-        robots.append(robot)
+        robots.append(robot | random_wrench_limits(rng, 2, 60, 6))
     mass = rng.uniform(0.2, 6)
     cell = {
         "name": "random_cell",
