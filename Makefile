@@ -31,6 +31,7 @@ check: install  ## lint, format and types
 
 bench: install  ## measure speed against what a user would otherwise run
 	$(BIN)/python benchmarks/range_speed.py
+	$(BIN)/python benchmarks/uncertain_load.py
 	$(BIN)/python benchmarks/generation_cost.py
 
 generate: install  ## regenerate the committed C of the shipped cells

@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from mrts.errors import InputError
 from mrts.input_file import Angle, Finite, Pose, Positive, StrictModel, Vector3, broken_rule, read_model
+from mrts.load_box import PARAMETERS, range_problem
 from mrts.rigid_transform import Array
 
 IDENTIFIER = r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$"
@@ -20,6 +21,10 @@ INERTIA_SLACK = 1e-9
 
 ROBOT_NAMES_TAKEN = frozenset({"time", "components"})
 """Keys that stand beside the robots' names in the JSON result."""
+
+
+Range = Annotated[list[Finite], Field(min_length=2, max_length=2)]
+"""Least and largest value."""
 
 
 class Bounds(StrictModel):
@@ -36,16 +41,52 @@ class TorqueBounds(StrictModel):
     upper: Annotated[list[Finite], Field(min_length=1)]
 
 
+class VariationDescription(StrictModel):
+    """Ranges of what is uncertain of the load; see docs/uncertain_load.md.
+
+    Attributes:
+        mass, ixx, iyy, izz: Factors of the mass and of the principal moments.
+        mx, my, mz: First moments [kg m].
+        com_x, com_y, com_z: Offsets of the com [m], with `hull: outer`.
+        hull: How offsets are made linear.
+    """
+
+    mass: Range | None = None
+    ixx: Range | None = None
+    iyy: Range | None = None
+    izz: Range | None = None
+    mx: Range | None = None
+    my: Range | None = None
+    mz: Range | None = None
+    com_x: Range | None = None
+    com_y: Range | None = None
+    com_z: Range | None = None
+    hull: Literal["outer"] | None = None
+
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """The ranges that are given, by parameter."""
+        return {name: (given[0], given[1]) for name in PARAMETERS if (given := getattr(self, name)) is not None}
+
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        problem = range_problem(self.ranges(), outer_hull=self.hull is not None)
+        if problem:
+            raise broken_rule(problem)
+        return self
+
+
 class ObjectDescription(StrictModel):
     """The carried object.
 
     Attributes:
         mass: [kg].
         inertia: At the com in the object frame: principal moments, Shape (3,), or matrix, Shape (3, 3) [kg m²].
+        variation: What is uncertain of it.
     """
 
     mass: Positive
     inertia: Annotated[list[Finite | Vector3], Field(min_length=3, max_length=3)]
+    variation: VariationDescription | None = None
 
     def inertia_matrix(self) -> Array:
         """Inertia at the com in the object frame, Shape (3, 3) [kg m²]."""

@@ -9,9 +9,10 @@ from mrts_codegen.cell_model import CellModel
 from mrts_codegen.grasp_map import contact_offset, grasp_map, grasp_map_inverse
 from mrts_codegen.inverse_dynamics import scaled_arm_terms
 from mrts_codegen.kinematics import frame_jacobian
-from mrts_codegen.object_dynamics import LOAD_ENTRIES, object_terms
+from mrts_codegen.object_dynamics import object_terms
 from mrts_codegen.spatial_algebra import block_diagonal
 
+from mrts.manifest import LOAD_ENTRIES
 from mrts.rigid_transform import multiply
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import casadi as ca
-from mrts_codegen.cell_description import CellDescription, read_cell_description, resolve_urdf
+from mrts_codegen.cell_description import CellDescription, ObjectDescription, read_cell_description, resolve_urdf
 from mrts_codegen.cell_functions import build_functions
 from mrts_codegen.cell_model import CellModel, CellRobot, build_cell_model
 
@@ -116,10 +116,20 @@ def _manifest(cell: CellModel, functions: dict[str, ca.Function], c_source: str)
         plane=description.plane,
         wrench_components=[WRENCH_COMPONENTS[component] for component in cell.components],
         gravity=list(description.gravity),
-        object=ObjectRecord(mass=description.object.mass, inertia=description.object.inertia_matrix().tolist()),
+        object=_object_record(description.object),
         robots=[_robot_record(robot) for robot in cell.robots],
         functions={name: _function_record(function) for name, function in functions.items()},
     ).sealed()
+
+
+def _object_record(carried: ObjectDescription) -> ObjectRecord:
+    variation = carried.variation
+    return ObjectRecord(
+        mass=carried.mass,
+        inertia=carried.inertia_matrix().tolist(),
+        variation={} if variation is None else variation.ranges(),
+        outer_hull=variation is not None and variation.hull is not None,
+    )
 
 
 def _robot_record(robot: CellRobot) -> RobotRecord:

@@ -7,15 +7,13 @@ from typing import Any
 import casadi as ca
 from mrts_codegen.spatial_algebra import cross
 
+from mrts.manifest import LOAD_ENTRIES
 from mrts.rigid_transform import Array
-
-LOAD_ENTRIES = ("mass", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-"""Layout of the load vector: kg and kg m², at the com in the object frame."""
 
 
 @dataclass(frozen=True)
 class ObjectTerms:
-    """Balance of the object, forces on top of moments about the com, world axes.
+    """Balance of the object, forces on top of moments about the object frame's origin (nominally the com), world axes.
 
     Attributes:
         P: Inertial wrench of the given motion, Shape (w,) [N, N m].
@@ -29,40 +27,41 @@ class ObjectTerms:
 
 
 def load_inertia(load: Any) -> Any:
-    """Inertia at the com in the object frame from a load vector (`LOAD_ENTRIES`), Shape (3, 3) [kg m²]."""
-    _, ixx, iyy, izz, ixy, ixz, iyz = (load[index] for index in range(len(LOAD_ENTRIES)))
+    """Inertia about the object frame's origin in its axes from a load vector, Shape (3, 3) [kg m²]."""
+    ixx, iyy, izz, ixy, ixz, iyz = (load[LOAD_ENTRIES.index(name)] for name in LOAD_ENTRIES[4:])
     return ca.vertcat(ca.horzcat(ixx, ixy, ixz), ca.horzcat(ixy, iyy, iyz), ca.horzcat(ixz, iyz, izz))
 
 
-def linear_balance(mass: Any, acceleration: Any, gravity: Array) -> tuple[Any, Any]:
-    """Eq. (3): force that the contacts give, m p̈ + m g with g upward positive.
+def linear_balance(mass: Any, h: Any, acceleration: Any, w: Any, dw: Any) -> Any:
+    """Eq. (3): inertial force m p̈ + ω̇ × h + ω × (ω × h), Shape (3,) [N]; h = 0 where the com is the origin.
 
     Args:
         mass: [kg].
-        acceleration: p'' of the com in world axes, Shape (3,) [m/s²].
-        gravity: Downward gravity in world axes, Shape (3,) [m/s²].
-
-    Returns:
-        Inertial force and force that carries the weight, each Shape (3,) [N].
-    """
-    return mass * acceleration, -mass * ca.SX(gravity)
-
-
-def angular_balance(inertia: Any, w: Any, dw: Any) -> Any:
-    """Eq. (4): moment about the com that the contacts give, I_w ω̇ + ω × I_w ω, Shape (3,) [N m].
-
-    Args:
-        inertia: Inertia in world axes, Shape (3, 3) [kg m²].
+        h: First moment m (com - origin) in world axes, Shape (3,) [kg m].
+        acceleration: p'' of the origin in world axes, Shape (3,) [m/s²].
         w: Angular velocity in world axes, Shape (3,) [rad/s].
         dw: Angular acceleration in world axes, Shape (3,) [rad/s²].
     """
-    return inertia @ dw + cross(w, inertia @ w)
+    return mass * acceleration + cross(dw, h) + cross(w, cross(w, h))
+
+
+def angular_balance(inertia: Any, h: Any, acceleration: Any, w: Any, dw: Any) -> Any:
+    """Eq. (4): moment about the origin, I_w ω̇ + ω × I_w ω + h × p̈, Shape (3,) [N m]; h = 0 in the paper.
+
+    Args:
+        inertia: Inertia about the origin in world axes, Shape (3, 3) [kg m²].
+        h: First moment m (com - origin) in world axes, Shape (3,) [kg m].
+        acceleration: p'' of the origin in world axes, Shape (3,) [m/s²].
+        w: Angular velocity in world axes, Shape (3,) [rad/s].
+        dw: Angular acceleration in world axes, Shape (3,) [rad/s²].
+    """
+    return inertia @ dw + cross(w, inertia @ w) + cross(h, acceleration)
 
 
 def object_terms(
     load: Any, R_world_object: Any, twist: Any, acceleration: Any, gravity: Array, components: tuple[int, ...]
 ) -> ObjectTerms:
-    """Eqs. (5), (15), (16), (17), (18): both balances stacked, split by powers of ṙ and r̈.
+    """Eqs. (5), (15), (16), (17), (18): both balances stacked, split by powers of ṙ and r̈; linear in the load.
 
     Args:
         load: Load vector, `LOAD_ENTRIES`.
@@ -73,9 +72,12 @@ def object_terms(
         components: Rows of the six-component wrench in use.
     """
     I_w = R_world_object @ load_inertia(load) @ R_world_object.T
-    inertial, weight = linear_balance(load[0], acceleration[:3], gravity)
-    P = ca.vertcat(inertial, angular_balance(I_w, twist[3:], acceleration[3:]))
-    S = ca.vertcat(load[0] * twist[:3], I_w @ twist[3:])
-    Q = ca.vertcat(weight, ca.SX.zeros(3))
+    m, h = load[0], R_world_object @ load[1:4]
+    v, w = twist[:3], twist[3:]
+    a, dw = acceleration[:3], acceleration[3:]
+    upward = -ca.SX(gravity)  # the weight acts like an acceleration upward
+    P = ca.vertcat(linear_balance(m, h, a, w, dw), angular_balance(I_w, h, a, w, dw))
+    S = ca.vertcat(m * v + cross(w, h), I_w @ w + cross(h, v))
+    Q = ca.vertcat(m * upward, cross(h, upward))
     rows = list(components)
     return ObjectTerms(ca.densify(P[rows]), ca.densify(S[rows]), ca.densify(Q[rows]))

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from mrts.configurations import rank_configurations
     from mrts.coordinated_motion import CoordinatedMotion, follow_object
     from mrts.errors import CompilerError, InputError, MotionError, MrtsError, SolverError
+    from mrts.known_load import torques_for_load
+    from mrts.load_box import LoadBox, LoadPoint
     from mrts.load_sharing import LoadSharing
     from mrts.motion_file import MotionDescription, load_motion, sample_motion
     from mrts.motion_table import JointTable
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from mrts.scaled_trajectory import ScaledTrajectory
     from mrts.scaling import SelectionError, scale
     from mrts.scaling_range import SampleStatus, ScalingRange, ScalingStatus
+    from mrts.uncertain_load import LoadStudy
 
 __version__ = "0.1.0"
 
@@ -29,7 +32,10 @@ _HOMES = {
     "CoordinatedMotion": "coordinated_motion",
     "InputError": "errors",
     "JointTable": "motion_table",
+    "LoadBox": "load_box",
+    "LoadPoint": "load_box",
     "LoadSharing": "load_sharing",
+    "LoadStudy": "uncertain_load",
     "MotionDescription": "motion_file",
     "MotionError": "errors",
     "MrtsError": "errors",
@@ -48,6 +54,7 @@ _HOMES = {
     "rank_configurations": "configurations",
     "sample_motion": "motion_file",
     "scale": "scaling",
+    "torques_for_load": "known_load",
 }
 
 __all__ = [
@@ -56,7 +63,10 @@ __all__ = [
     "CoordinatedMotion",
     "InputError",
     "JointTable",
+    "LoadBox",
+    "LoadPoint",
     "LoadSharing",
+    "LoadStudy",
     "MotionDescription",
     "MotionError",
     "MrtsError",
@@ -75,6 +85,7 @@ __all__ = [
     "rank_configurations",
     "sample_motion",
     "scale",
+    "torques_for_load",
 ]
 
 

@@ -11,7 +11,16 @@ import numpy as np
 from mrts.cell_cache import generated_in_cache, virtual_machine_functions
 from mrts.cell_functions import Backend, CellFunctions, bind_functions
 from mrts.errors import InputError, as_array
-from mrts.manifest import MANIFEST_NAME, WRENCH_COMPONENTS, Manifest, PoseRecord, RobotRecord, read_generated
+from mrts.load_box import LoadBox, load_vector
+from mrts.manifest import (
+    LOAD_ENTRIES,
+    MANIFEST_NAME,
+    WRENCH_COMPONENTS,
+    Manifest,
+    PoseRecord,
+    RobotRecord,
+    read_generated,
+)
 from mrts.rigid_transform import Array, RigidTransform
 
 
@@ -70,8 +79,8 @@ class Cell:
         plane: World plane of a planar cell, None for a spatial one.
         wrench_components: Names of the w components of a contact wrench.
         gravity: Downward, world axes, Shape (3,) [m/s²].
-        mass: Of the object [kg].
-        inertia: Of the object at its com, object axes, Shape (3, 3) [kg m²].
+        load: Load vector of the object (`mrts.manifest.LOAD_ENTRIES`), Shape (10,) [kg, kg m, kg m²].
+        load_box: What is uncertain of the load, None if it is known.
         robots: The arms in the order of the cell file.
         functions: The generated functions.
     """
@@ -80,8 +89,8 @@ class Cell:
     plane: Literal["xy", "xz", "yz"] | None
     wrench_components: tuple[str, ...]
     gravity: Array
-    mass: float
-    inertia: Array
+    load: Array
+    load_box: LoadBox | None
     robots: tuple[Robot, ...]
     functions: CellFunctions
 
@@ -101,21 +110,55 @@ class Cell:
         return [WRENCH_COMPONENTS.index(component) for component in self.wrench_components]
 
     @property
-    def load(self) -> Array:
-        """Load vector of the generated functions: mass, ixx, iyy, izz, ixy, ixz, iyz, Shape (7,) [kg, kg m²]."""
-        inertia = self.inertia
-        off_diagonal = [inertia[0, 1], inertia[0, 2], inertia[1, 2]]
-        return np.array([self.mass, *np.diag(inertia), *off_diagonal])
+    def mass(self) -> float:
+        """Mass of the object [kg]."""
+        return float(self.load[0])
+
+    @property
+    def inertia(self) -> Array:
+        """Inertia of the object about its frame's origin, the nominal com, object axes, Shape (3, 3) [kg m²]."""
+        xx, yy, zz, xy, xz, yz = self.load[4:]
+        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
     def with_mass(self, mass: float) -> Self:
-        """The same cell carrying another mass with the same inertia [kg].
+        """The same cell carrying another mass [kg] with the same inertia; ranges of factors are then about that mass.
 
         Raises:
             InputError: Unless the mass is finite and > 0.
         """
         if isinstance(mass, bool) or not isinstance(mass, int | float) or not (np.isfinite(mass) and mass > 0):
             raise InputError("mass", "must be a finite number > 0, in kg.", value=mass)
-        return replace(self, mass=float(mass))
+        box = None if self.load_box is None else replace(self.load_box, mass=float(mass))
+        return replace(self, load=np.array([mass, *self.load[1:]], dtype=np.float64), load_box=box)
+
+    def with_load(self, load: Array) -> Self:
+        """The same cell carrying a known load.
+
+        Args:
+            load: Load vector (`mrts.manifest.LOAD_ENTRIES`), Shape (10,), as from `LoadBox.load_at`.
+
+        Raises:
+            InputError: Unless it is finite with a mass > 0.
+        """
+        given = as_array("load", load)
+        if given.shape != (len(LOAD_ENTRIES),) or not np.all(np.isfinite(given)) or not given[0] > 0:
+            raise InputError("load", f"must be finite: {', '.join(LOAD_ENTRIES)}, with a mass > 0.", value=load)
+        return replace(self, load=given, load_box=None)
+
+    def with_variation(self, *, outer_hull: bool = False, **ranges: tuple[float, float]) -> Self:
+        """The same cell with a load that is known only within ranges.
+
+        Args:
+            outer_hull: Needed with ranges of com_x, com_y, com_z.
+            **ranges: Least and largest value by parameter: factors mass, ixx, iyy, izz; first moments mx, my, mz
+                [kg m]; offsets com_x, com_y, com_z [m]. None at all: the load is known.
+
+        Raises:
+            InputError: If a range breaks a rule.
+        """
+        if not ranges:
+            return replace(self, load_box=None)
+        return replace(self, load_box=LoadBox(self.mass, self.inertia, ranges, outer_hull))
 
     def without_wrench_limits(self) -> Self:
         """The same cell with every contact wrench unbounded."""
@@ -182,13 +225,15 @@ def load_cell(path: Path | str, *, backend: Backend = "auto") -> Cell:
 
 
 def _cell(manifest: Manifest, functions: CellFunctions) -> Cell:
+    carried = manifest.object
+    inertia = np.array(carried.inertia)
     return Cell(
         manifest.name,
         manifest.plane,
         tuple(manifest.wrench_components),
         np.array(manifest.gravity),
-        manifest.object.mass,
-        np.array(manifest.object.inertia),
+        load_vector(carried.mass, np.zeros(3), inertia),
+        LoadBox(carried.mass, inertia, carried.variation, carried.outer_hull) if carried.variation else None,
         tuple(_robot(record) for record in manifest.robots),
         functions,
     )

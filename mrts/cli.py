@@ -17,13 +17,19 @@ from mrts import __version__
 from mrts.errors import InputError, MrtsError
 
 if TYPE_CHECKING:
+    from mrts.cell import Cell
     from mrts.load_sharing import LoadSharing
     from mrts.result import ScalingResult
+    from mrts.rigid_transform import Array
     from mrts.scaling import Selection
+    from mrts.uncertain_load import LoadStudy
 
 FEASIBLE, INFEASIBLE, BAD_INPUT = 0, 1, 2
 PIPE_CLOSED = 141
 """What a shell reports of a program whose reader went away."""
+
+LOADS_SHOWN = 8
+"""Loads of a box that are printed."""
 
 INTERRUPTED = 130
 """What a shell expects of a program that Ctrl-C ended."""
@@ -98,6 +104,11 @@ def _parser() -> argparse.ArgumentParser:
     choice.add_argument("--c2", type=float, dest="select", metavar="VALUE", help="play at this c²")
     scale.add_argument("--share", metavar="equal|A,B,…",
                        help="fixed distribution of the load: equal, or one share an arm")  # fmt: skip
+    scale.add_argument("--load", default="auto", metavar="QUESTION",
+                       help="of a load that varies: guaranteed (for every load; the default if the cell gives "
+                       "object.variation), possible (for some load), grid:N (for N masses), or nominal")  # fmt: skip
+    scale.add_argument("--carry", metavar="KEY=VALUE,…",
+                       help="torques for this load of the box, as mass=1.5,izz=0.8 (default: nominal)")  # fmt: skip
     scale.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
     scale.add_argument("--formulation", choices=["wrench", "torque"], default="wrench",
                        help="unknowns of the programs (default: %(default)s)")  # fmt: skip
@@ -165,7 +176,7 @@ def _demo(options: argparse.Namespace) -> int:
     _say(f"\n{NOTE}\n")
     write_demo_files(options.output, rows, note=_warn)
     folder = options.output / "planar_dual_arm"
-    _say(f"Written to {options.output}: figures 4 to 8, and the example's files. Try next:")
+    _say(f"Written to {options.output}: figures 4 to 8, the uncertain load, and the example's files. Try next:")
     _say(f"  {_command()} scale {folder / 'cell.yaml'} {folder / 'lift.yaml'} --plot {options.output}")
     return FEASIBLE
 
@@ -190,6 +201,7 @@ def _generate(options: argparse.Namespace) -> int:
 
 def _scale(options: argparse.Namespace) -> int:
     from mrts.cell import load_cell
+    from mrts.known_load import torques_for_load
     from mrts.motion_file import load_motion
     from mrts.scaling import SelectionError, scale
     from mrts.solvers import DEFAULT_SOLVER
@@ -202,6 +214,7 @@ def _scale(options: argparse.Namespace) -> int:
     if options.no_wrench_limits:
         cell = cell.without_wrench_limits()
     select: Selection = "auto" if options.select is None else options.select
+    carried = _known_load(cell, options.carry)
     try:
         result = scale(
             cell,
@@ -210,7 +223,17 @@ def _scale(options: argparse.Namespace) -> int:
             sharing=sharing,
             formulation=options.formulation,
             solver=options.solver or DEFAULT_SOLVER,
+            load=options.load,
+            progress=_progress,
         )
+        if carried is not None and result.trajectory is not None:
+            result = torques_for_load(
+                result,
+                carried,
+                sharing=sharing,
+                formulation=options.formulation,
+                solver=options.solver or DEFAULT_SOLVER,
+            )
     except SelectionError as error:
         if error.result is not None:
             _write(options, error.result)
@@ -237,6 +260,29 @@ def _sharing(text: str | None) -> "LoadSharing | None":
     return LoadSharing(np.array(shares))
 
 
+def _known_load(cell: "Cell", text: str | None) -> "Array | None":
+    """The load of `--carry`."""
+    if text is None:
+        return None
+    if cell.load_box is None:
+        raise InputError("--carry", "picks a load of the box, but the cell gives no object.variation.", value=text)
+    parameters = {}
+    for part in text.split(","):
+        name, _, number = part.partition("=")
+        try:
+            parameters[name.strip()] = float(number)
+        except ValueError:
+            raise InputError("--carry", "must be KEY=NUMBER, such as mass=1.5,izz=0.8.", value=text) from None
+    return cell.load_box.load_at(parameters)
+
+
+def _progress(done: int, total: int) -> None:
+    """One line on a terminal, rewritten; gone when the work is done."""
+    if sys.stderr.isatty():
+        text = f"load {done} of {total}" if done < total else ""
+        print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+
+
 def _write(options: argparse.Namespace, result: "ScalingResult") -> None:
     if options.json is not None:
         if str(options.json) == "-":
@@ -261,11 +307,15 @@ def _require_matplotlib() -> None:
 
 def _report(result: "ScalingResult") -> None:
     _say(f"{result.cell.name}: {result.summary()}")
+    study = result.load
+    if study is not None:
+        _report_load(study)
     done = result.trajectory
     if done is None:
         return
     given = result.motion.object.time[-1]
-    _say(f"chosen c² = {done.c2:.6g}: {given:.4g} s become {done.duration:.4g} s, energy {done.energy:.4g} J\n")
+    _say(f"chosen c² = {done.c2:.6g}: {given:.4g} s become {done.duration:.4g} s, energy {done.energy:.4g} J")
+    _say(f"torques for a load of {result.cell.mass:.4g} kg\n" if study is not None else "")
     _say(f"{'joint':<28} {'least torque':>13} {'largest torque':>15} {'limits':>22}")
     for robot in result.cell.robots:
         torque = result.torque[robot.name]
@@ -277,6 +327,23 @@ def _report(result: "ScalingResult") -> None:
         _say(f"note: {note}")
     if result.fallbacks:
         _warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
+
+
+def _report_load(study: "LoadStudy") -> None:
+    """Ranges by load, the worst first, and what the factors of inertia refer to."""
+    ordered = sorted(
+        zip(study.points, study.ranges, strict=True), key=lambda pair: pair[1].upper.c2 if pair[1].upper else 0
+    )
+    for point, found in ordered[:LOADS_SHOWN]:
+        ends = f"[{found.lower.c2:.4g}, {found.upper.c2:.4g}]" if found.lower and found.upper else found.status.value
+        _say(f"  {ends:<20} {point}")
+    if len(ordered) > LOADS_SHOWN:
+        _say(f"  … and {len(ordered) - LOADS_SHOWN} more loads (--json has all)")
+    if not study.box.axes_are_the_objects:
+        axes = "; ".join(
+            f"{name} {column.round(4).tolist()}" for name, column in zip("xyz", study.box.principal_axes.T, strict=True)
+        )
+        _say(f"  factors of ixx, iyy, izz are about the principal axes, in the object frame: {axes}")
 
 
 def _say(text: str) -> None:

@@ -28,6 +28,7 @@ from mrts.rigid_transform import Array
 from mrts.sample_problem import build_sample_problem
 from mrts.scaling_range import ScalingRange, ScalingStatus, intersect, sample_ranges
 from mrts.solvers import DEFAULT_SOLVER
+from mrts.uncertain_load import study_load
 
 MULTI_STARTS = 400
 """Seeded random starts for an arm without an analytic inverse: each of up to 16 branches is then found many times."""
@@ -171,7 +172,8 @@ def rank_configurations(
     Branches come from the planar closed form, from the analytic inverse of a six-joint arm (extra `ik`), or else from
     seeded random starts; for a redundant arm these settle where they come locally nearest to its posture. Positions
     outside the joint limits do not count. More combinations than `cap` are ordered by c²⁺ of the fixed distribution
-    (`sharing`, else the even one), which is cheap, and the first `cap` evaluated.
+    (`sharing`, else the even one), which is cheap, and the first `cap` evaluated. Ranges of an uncertain load are the
+    guaranteed ones.
 
     Args:
         cell: The cell.
@@ -294,7 +296,11 @@ def _evaluate(
             for branch, joints in zip(choice, cell.joint_slices.values(), strict=True)
         ]
         parts.append(np.concatenate(columns, axis=1))
-    problem = build_sample_problem(cell, CoordinatedMotion(motion, *parts), "wrench", sharing)
+    whole = CoordinatedMotion(motion, *parts)
+    if cell.load_box is not None:
+        guaranteed, _ = study_load(cell, whole, "guaranteed", "wrench", sharing, solver)
+        return Configuration(choice, guaranteed)
+    problem = build_sample_problem(cell, whole, "wrench", sharing)
     return Configuration(choice, intersect(sample_ranges(problem, motion.time, solver)))
 
 

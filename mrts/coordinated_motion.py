@@ -73,7 +73,7 @@ class CoordinatedMotion:
         """Inputs of the generated functions of a moving sample.
 
         Args:
-            load: Load vector, Shape (7,).
+            load: Load vector, Shape (10,), or one a sample, Shape (N, 10).
         """
         return {
             "q": self.q,

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Figures of a result; needs the extra 'plot' (matplotlib)."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -77,6 +78,34 @@ def range_figure(result: ScalingResult) -> Figure:
     axes.margins(x=0)
     axes.set_xlabel("time of the given motion [s]")
     axes.set_ylabel("c² [1]")
+    axes.legend()
+    axes.grid(visible=True, alpha=0.3)
+    return figure
+
+
+def load_figure(results: Mapping[str, ScalingResult]) -> Figure:
+    """c²⁺(t) for several questions of one load, and how fast each lets the whole motion be played.
+
+    Args:
+        results: By label, such as "nominal", "guaranteed", "possible".
+    """
+    figure = Figure(figsize=(7.0, 4.0), layout="constrained")
+    axes = figure.subplots()
+    lowest = np.inf
+    for index, (label, result) in enumerate(results.items()):
+        samples, end = result.range.samples, result.range.upper
+        upper = np.where(np.isfinite(samples.upper), samples.upper, np.nan)
+        colour, dash = COLOURS[index % len(COLOURS)], DASHES[index % len(DASHES)]
+        reach = f" (c²⁺ = {end.c2:.4g})" if end is not None and np.isfinite(end.c2) else ""
+        axes.plot(samples.time, upper, color=colour, linestyle=dash, label=f"{label}{reach}")
+        if end is not None and end.time is not None:
+            axes.plot(end.time, end.c2, "o", color=colour, clip_on=False)
+            lowest = min(lowest, max(end.c2, 0.0))
+    if np.isfinite(lowest):
+        axes.set_ylim(0, 10 * lowest + 1e-12)
+    axes.margins(x=0)
+    axes.set_xlabel("time of the given motion [s]")
+    axes.set_ylabel("largest c² at the sample [1]")
     axes.legend()
     axes.grid(visible=True, alpha=0.3)
     return figure

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from mrts.convex_program import ConvexPrograms, require_verified, solve_programs
 from mrts.limit_rows import ActiveRow
+from mrts.load_box import LoadPoint
 from mrts.rigid_transform import Array
 from mrts.sample_problem import SampleProblem
 
@@ -35,6 +36,7 @@ class Conflict:
         multipliers: y of these rows, per N or N m; positive at an upper limit.
         widening: All limits must move outward by at least this share of their larger side to make the sample feasible.
         moves: The same for each of these rows in its own unit.
+        load: The load that cannot be carried, if the load is uncertain.
     """
 
     sample: int
@@ -43,15 +45,17 @@ class Conflict:
     multipliers: tuple[float, ...]
     widening: float
     moves: tuple[float, ...]
+    load: LoadPoint | None = None
 
     def __str__(self) -> str:
         names = "; ".join(str(row) for row in self.rows)
+        carried = "the object" if self.load is None else f"the object with {self.load}"
         moves = ", ".join(
             f"{row.name.robot}/{row.name.element} by {move:.3g} {row.name.unit}"
             for row, move in zip(self.rows, self.moves, strict=True)
         )
         return (
-            f"at t = {self.time:.4g} s (sample {self.sample}) no torques carry the object at any speed: these limits "
+            f"at t = {self.time:.4g} s (sample {self.sample}) no torques carry {carried} at any speed: these limits "
             f"conflict: {names}. It takes moving all limits outward by {100 * self.widening:.3g} % of their size "
             f"({moves})"
         )

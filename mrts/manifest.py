@@ -12,11 +12,15 @@ from mrts.errors import InputError
 from mrts.input_file import read_text
 
 MANIFEST_NAME = "manifest.json"
-FORMAT = 1
+FORMAT = 2
 """Version of this file's layout; a change that old code cannot read raises it."""
 
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
 """Names of a six-component wrench, forces before moments; a planar cell uses three of them."""
+
+LOAD_ENTRIES = ("mass", "mx", "my", "mz", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+"""Layout of a load vector, in the object frame: mass [kg], first moments mass × com [kg m], and the inertia about the
+frame's origin, which is the nominal com [kg m²]. The balance of the object is linear in it."""
 
 Matrix = list[list[float]]
 
@@ -80,10 +84,12 @@ class FunctionRecord(_Record):
 
 
 class ObjectRecord(_Record):
-    """Nominal load: kg, and kg m² at the com in the object frame."""
+    """Nominal load: kg, and kg m² at the com in the object frame; ranges of what may vary (docs/uncertain_load.md)."""
 
     mass: float
     inertia: Matrix
+    variation: dict[str, tuple[float, float]]
+    outer_hull: bool
 
 
 class Manifest(_Record):

@@ -12,9 +12,11 @@ from mrts.atomic_file import write_text_atomically
 from mrts.cell import Cell
 from mrts.constraints import cell_rows
 from mrts.coordinated_motion import CoordinatedMotion
+from mrts.load_box import LoadPoint
 from mrts.rigid_transform import Array
 from mrts.scaled_trajectory import ScaledTrajectory
-from mrts.scaling_range import RangeEnd, ScalingRange, ScalingStatus
+from mrts.scaling_range import ScalingRange, ScalingStatus
+from mrts.uncertain_load import LoadStudy
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,7 @@ class ScalingResult:
         range: The admissible range of c², with the reason where there is none.
         trajectory: The motion at the chosen c²; None if no c² is admissible.
         fallbacks: Programs that the chosen solver did not solve and another did.
+        load: What was asked of an uncertain load; None if the load is known.
     """
 
     cell: Cell
@@ -49,6 +52,7 @@ class ScalingResult:
     range: ScalingRange
     trajectory: ScaledTrajectory | None
     fallbacks: int
+    load: LoadStudy | None = None
 
     @property
     def status(self) -> ScalingStatus:
@@ -90,6 +94,10 @@ class ScalingResult:
 
     def summary(self) -> str:
         """The outcome in one or two sentences."""
+        text = self._outcome()
+        return text if self.load is None else f"{self.load.sentence()}: {text}"
+
+    def _outcome(self) -> str:
         found = self.range
         if found.lower is None or found.upper is None or not found.status.admits_motion:
             return f"{found.status.value}: {found.explain()}"
@@ -102,10 +110,8 @@ class ScalingResult:
         else:
             text += "the cell can only hold still"
         if found.lower.c2 > 0:
-            slow = "; ".join(str(row) for row in found.lower.rows)
-            text += f" and no slower than {np.sqrt(found.lower.c2):.3g} × (t = {found.lower.time:.4g} s: {slow})"
-        rows = "; ".join(str(row) for row in end.rows)
-        return f"{text}; limited at t = {end.time:.4g} s by {rows}."
+            text += f" and no slower than {np.sqrt(found.lower.c2):.3g} × (set {found.lower.place()})"
+        return f"{text}; limited {end.place()}."
 
     def residuals(self) -> Residuals:
         """Check the trajectory against (8), (13), (20) and (24), from the terms and not from the programs.
@@ -131,15 +137,13 @@ class ScalingResult:
 
     def to_json(self) -> dict[str, Any]:
         """The result as JSON values; null stands for an unbounded end."""
-        found, samples = self.range, self.range.samples
+        samples = self.range.samples
         names = tuple(robot.name for robot in self.cell.robots)
         output: dict[str, Any] = {
-            "status": found.status.value,
             "cell": self.cell.name,
             "summary": self.summary(),
-            "explanation": found.explain() or None,
-            "c2": {"lower": _end_value(found.lower), "upper": _end_value(found.upper)},
-            "binding": {"lower": _binding(found.lower), "upper": _binding(found.upper)},
+            "explanation": self.range.explain() or None,
+            **self.range.to_json(),
             "samples": {
                 "time": samples.time.tolist(),
                 "status": [status.value for status in samples.status],
@@ -150,6 +154,7 @@ class ScalingResult:
                 {
                     "sample": conflict.sample,
                     "time": conflict.time,
+                    "load": conflict.load.to_json() if conflict.load else None,
                     "rows": [row.to_json() for row in conflict.rows],
                     "multipliers": list(conflict.multipliers),
                     "widening": conflict.widening,
@@ -158,6 +163,8 @@ class ScalingResult:
             ],
             "solver_fallbacks": self.fallbacks,
         }
+        if self.load is not None:
+            output["load"] = self.load.to_json()
         done = self.trajectory
         if done is not None:
             time = done.time.tolist()
@@ -172,8 +179,9 @@ class ScalingResult:
                 for (name, part), robot in zip(self.cell.joint_slices.items(), self.cell.robots, strict=True)
             }
             power = {name: done.power[:, part].tolist() for name, part in self.cell.joint_slices.items()}
+            load = LoadPoint({}, self.cell.load).to_json()["load"]
             output |= {
-                "selected": {"c2": done.c2, "duration": done.duration},
+                "selected": {"c2": done.c2, "duration": done.duration, "load": load},
                 "joints": {"time": time} | joints,
                 "torque": {"time": time} | {name: self.torque[name].tolist() for name in names},
                 "wrench": {"time": time, "components": list(self.cell.wrench_components)}
@@ -196,16 +204,6 @@ class ScalingResult:
             InputError: If the file cannot be written.
         """
         write_text_atomically(Path(path), self.json_text() + "\n")
-
-
-def _end_value(end: RangeEnd | None) -> float | None:
-    return end.c2 if end is not None and np.isfinite(end.c2) else None
-
-
-def _binding(end: RangeEnd | None) -> dict[str, Any] | None:
-    if end is None or end.time is None:
-        return None
-    return {"time": end.time, "rows": [row.to_json() for row in end.rows]}
 
 
 def _finite(values: Array) -> list[float | None]:

@@ -104,6 +104,7 @@ def build_sample_problem(
     motion: CoordinatedMotion,
     formulation: FormulationName = "wrench",
     sharing: LoadSharing | None = None,
+    load: Array | None = None,
 ) -> SampleProblem:
     """Evaluate the generated formulation along the motion and put every limit into rows.
 
@@ -112,12 +113,13 @@ def build_sample_problem(
         motion: Its motion.
         formulation: "wrench" (unknowns F_1 … F_{n-1}, c²) or "torque" (unknowns τ, c²).
         sharing: A fixed distribution of the load: the only unknown is c², whatever the formulation.
+        load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
 
     Raises:
         InputError: If the formulation does not exist, or the sharing does not fit the cell.
         MotionError: If the torque form meets a Jacobian that is not square or not well-conditioned.
     """
-    inputs = motion.inputs(cell.load)
+    inputs = motion.inputs(cell.load if load is None else load)
     if formulation not in {"wrench", "torque"}:
         raise InputError("formulation", "must be 'wrench' or 'torque'.", value=formulation)
     if sharing is not None:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """MMTSF, the paper's algorithm, whole: range, choice of c², torques."""
 
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -13,11 +14,12 @@ from mrts.motion_table import JointTable
 from mrts.object_motion import ObjectMotion
 from mrts.result import ScalingResult
 from mrts.rigid_transform import Array
-from mrts.sample_problem import FormulationName, build_sample_problem
+from mrts.sample_problem import FormulationName, SampleProblem, build_sample_problem
 from mrts.scaled_trajectory import scaled_trajectory
 from mrts.scaling_range import ScalingRange, ScalingStatus, intersect, sample_ranges
 from mrts.solvers import DEFAULT_SOLVER
 from mrts.torque_distribution import distribute_torques, torque_weights
+from mrts.uncertain_load import Progress, study_load
 
 
 class SelectionError(MrtsError):
@@ -45,6 +47,8 @@ def scale(
     formulation: FormulationName = "wrench",
     weights: Array | None = None,
     solver: str = DEFAULT_SOLVER,
+    load: str = "auto",
+    progress: Progress = lambda _done, _total: None,
 ) -> ScalingResult:
     """Find the admissible range of c², choose c² and distribute the torques (steps 1 to 5 of MMTSF).
 
@@ -57,6 +61,10 @@ def scale(
         formulation: "wrench", or the paper's "torque".
         weights: W of the quadratic program: None for the identity, diagonal, Shape (m,), or Shape (m, m).
         solver: Name in the registry of solvers.
+        load: Which range is asked for where the load varies: "guaranteed" (for every load), "possible" (for some
+            load), "grid:N" (for N masses), or "nominal". "auto" is "guaranteed" if the cell has a load box. Torques
+            are those of the nominal load; "possible" has none, as it leaves open which load it is.
+        progress: Told how many of how many pieces of work on an uncertain load are done.
 
     Returns:
         The outcome. An infeasible motion is an outcome: see `ScalingResult.range`.
@@ -69,21 +77,70 @@ def scale(
     """
     if sharing is not None and not isinstance(sharing, LoadSharing):
         raise InputError("sharing", "must be a LoadSharing: LoadSharing() is the equal one.", value=sharing)
+    question = _question(cell, load, select)
     W = torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
     motion = coordinate(cell, motion)
     problem = build_sample_problem(cell, motion, formulation, sharing)
-    found = intersect(sample_ranges(problem, motion.object.time, solver))
-    untouched = ScalingResult(cell, motion, found, None, found.samples.fallbacks)
-    if not found.status.admits_motion:
+    study = None
+    if question == "nominal":
+        found = intersect(sample_ranges(problem, motion.object.time, solver))
+    else:
+        found, study = study_load(cell, motion, question, formulation, sharing, solver, progress)
+    untouched = ScalingResult(cell, motion, found, None, found.samples.fallbacks, study)
+    if not found.status.admits_motion or question == "possible":
         return untouched
     try:
         c2 = choose_c2(found, select)
     except SelectionError as error:
         error.result = untouched
         raise
-    x, fallbacks = distribute_torques(problem, c2, W, solver)
+    return replace(carry_out(cell, motion, problem, c2, W, solver, found, found.samples.fallbacks), load=study)
+
+
+def _question(cell: Cell, load: str, select: Selection) -> str:
+    """The question that is asked of the load."""
+    if not isinstance(load, str):
+        raise InputError("load", "must be nominal, guaranteed, possible, or grid:N.", value=load)
+    if load == "auto":
+        return "nominal" if cell.load_box is None else "guaranteed"
+    if load == "possible" and select != "auto":
+        raise InputError(
+            "select",
+            "what is possible leaves open which load it is, so no c² and no torques are chosen. Ask for the guaranteed "
+            "range, or give the cell a known load.",
+            value=select,
+        )
+    return load
+
+
+def carry_out(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    problem: SampleProblem,
+    c2: float,
+    weights: Array,
+    solver: str,
+    found: ScalingRange,
+    fallbacks: int,
+) -> ScalingResult:
+    """Distribute the torques at a chosen c² and check the trajectory.
+
+    Args:
+        cell: The cell, with the load that is carried.
+        motion: Its motion.
+        problem: Its rows.
+        c2: The choice.
+        weights: W, Shape (m, m).
+        solver: Name in the registry.
+        found: The range that c² was chosen from.
+        fallbacks: Programs so far that another solver had to solve.
+
+    Raises:
+        SolverError: If no solver answers, or a limit is overstepped.
+    """
+    x, more = distribute_torques(problem, c2, weights, solver)
     trajectory = scaled_trajectory(cell, motion, c2, problem.torque(x), problem.wrench(x))
-    result = ScalingResult(cell, motion, found, trajectory, found.samples.fallbacks + fallbacks)
+    result = ScalingResult(cell, motion, found, trajectory, fallbacks + more)
     overstep = result.residuals().limits
     if not overstep <= LIMIT_TOLERANCE:
         raise SolverError(
@@ -131,4 +188,4 @@ def _end_text(found: ScalingRange, side: Literal["lower", "upper"]) -> str:
     end = found.lower if side == "lower" else found.upper
     if end.time is None:
         return ""
-    return f"The {side} end is set at t = {end.time:.4g} s by {'; '.join(str(row) for row in end.rows)}."
+    return f"The {side} end is set {end.place()}."

@@ -44,12 +44,12 @@ def torque_weights(weights: Array | None, joints: int) -> Array:
     return W
 
 
-def distribute_torques(problem: SampleProblem, c2: float, weights: Array, solver: str) -> tuple[Array, int]:
+def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array, solver: str) -> tuple[Array, int]:
     """Eqs. (31), (32), (33), (34): minimise Φ = τᵀ W τ subject to the object's balance and every limit, at c².
 
     Args:
         problem: Rows along the motion, in any formulation.
-        c2: Chosen c², inside the range.
+        c2: Chosen c², inside the range; one for all samples, or one a sample, Shape (N,).
         weights: W, Shape (m, m), positive definite.
         solver: Name in the registry.
 
@@ -61,14 +61,14 @@ def distribute_torques(problem: SampleProblem, c2: float, weights: Array, solver
         SolverError: If no solver answers.
     """
     count, unknowns = problem.samples, problem.unknowns
-    speed = np.full((count, 1), c2)
+    speed = np.broadcast_to(np.reshape(c2, (-1, 1)), (count, 1))
     if unknowns == 1:
         return speed, 0
     free, by_c2 = problem.torque_map[:, :, :-1], problem.torque_map[:, :, -1]
-    at_rest = by_c2 * c2 + problem.torque_offset  # torques with all free unknowns at zero
+    at_rest = by_c2 * speed + problem.torque_offset  # torques with all free unknowns at zero
     H = np.einsum("nij,ik,nkl->njl", free, weights, free)
     g = np.einsum("nij,ik,nk->nj", free, weights, at_rest)
-    given = problem.A[:, :, -1] * c2
+    given = problem.A[:, :, -1] * speed
     lower, upper = problem.lower - given, problem.upper - given
     slack = np.where(problem.is_limit & (problem.limit_lower < problem.limit_upper), SLACK, 0.0)
     programs = ConvexPrograms(
@@ -81,5 +81,5 @@ def distribute_torques(problem: SampleProblem, c2: float, weights: Array, solver
         np.full((count, unknowns - 1), np.inf),
     )
     answers = solve_programs(programs, solver)
-    require_verified(answers, f"torques for c² = {c2:g}")
+    require_verified(answers, f"torques for c² = {np.min(c2):g}")
     return np.concatenate([answers.x, speed], axis=1), answers.fallbacks

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: MIT
+"""Torques for a load that has become known, at the c² that was chosen for the whole box."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from mrts.errors import InputError
+from mrts.load_sharing import LoadSharing
+from mrts.result import ScalingResult
+from mrts.rigid_transform import Array
+from mrts.sample_problem import FormulationName, build_sample_problem
+from mrts.scaling import SelectionError, carry_out
+from mrts.scaling_range import intersect, sample_ranges
+from mrts.solvers import DEFAULT_SOLVER
+from mrts.torque_distribution import torque_weights
+
+END_TOLERANCE = 1e-8
+"""How far c² may pass the end of this load's own range, as a share of it: both ends are rounded."""
+
+
+def torques_for_load(
+    result: ScalingResult,
+    load: Array,
+    *,
+    sharing: LoadSharing | None = None,
+    formulation: FormulationName = "wrench",
+    weights: Array | None = None,
+    solver: str = DEFAULT_SOLVER,
+) -> ScalingResult:
+    """Eqs. (47), (48), (49): the quadratic program with a known load k, at the c² of a result.
+
+    At a c² of the guaranteed range every load of the box has such torques; motion and duration stay as they are.
+
+    Args:
+        result: A result with a trajectory.
+        load: Load vector, Shape (10,), as from `LoadBox.load_at` or of `LoadBox.draw`.
+        sharing: As in `scale`.
+        formulation: Likewise.
+        weights: Likewise.
+        solver: Likewise.
+
+    Returns:
+        The same result with the torques of this load.
+
+    Raises:
+        InputError: If the result has no trajectory or an argument breaks a rule.
+        SelectionError: If this load cannot be carried at that c²; its `result` holds the range that it admits.
+        SolverError: If no solver answers.
+    """
+    if result.trajectory is None:
+        raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
+    cell, motion, c2 = result.cell.with_load(load), result.motion, result.trajectory.c2
+    W = torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
+    problem = build_sample_problem(cell, motion, formulation, sharing)
+    own = intersect(sample_ranges(problem, motion.object.time, solver))
+    low, high = (end.c2 if end else np.nan for end in (own.lower, own.upper))
+    if not low * (1 - END_TOLERANCE) <= c2 <= high * (1 + END_TOLERANCE):
+        refused = replace(result, cell=cell, range=own, trajectory=None, load=None)
+        error = SelectionError(f"c² = {c2:g} does not suit this load: {refused.summary()}")
+        error.result = refused
+        raise error
+    carried = carry_out(cell, motion, problem, c2, W, solver, result.range, result.fallbacks + own.samples.fallbacks)
+    return replace(carried, load=result.load)

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: MIT
+"""Least and largest c² of a batch of samples, and the rows that bind there."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.errors import SolverError
+from mrts.limit_rows import STANDSTILL, ActiveRow
+from mrts.rigid_transform import Array
+from mrts.sample_problem import SampleProblem
+
+BINDING_TOLERANCE = 1e-7
+"""A row binds if its multiplier exceeds this share of the largest, or, in closed form, its c² ties this closely."""
+
+
+@dataclass
+class RangeEnds:
+    """Least and largest c² of a batch, the rows that bind there, and where neither was found."""
+
+    low: Array
+    high: Array
+    low_rows: list[tuple[ActiveRow, ...]]
+    high_rows: list[tuple[ActiveRow, ...]]
+    undecided: NDArray[np.bool_]
+    fallbacks: int
+
+    def replace(self, samples: NDArray[np.int_], other: "RangeEnds") -> None:
+        """Take some samples from another batch, which must have found them."""
+        if np.any(other.undecided):
+            sample = int(samples[int(np.argmax(other.undecided))])
+            raise SolverError(
+                f"no solver found the range of c² at sample {sample}, although its limits hold together. This is a "
+                "defect of mrts or of extremely scaled data: please report the cell and the motion."
+            )
+        for index, sample in enumerate(samples):
+            low, high = other.low[index], other.high[index]
+            self.low[sample], self.high[sample] = min(low, high), high
+            self.low_rows[sample], self.high_rows[sample] = other.low_rows[index], other.high_rows[index]
+        self.fallbacks += other.fallbacks
+
+
+def active_rows(problem: SampleProblem, dual: Array, standstill_dual: float) -> tuple[ActiveRow, ...]:
+    """Rows with a multiplier, strongest first; rows of the object's balance are laws and are left out."""
+    largest = max(float(np.max(np.abs(dual), initial=0.0)), abs(standstill_dual))
+    active = []
+    if abs(standstill_dual) > BINDING_TOLERANCE * largest:
+        active.append(ActiveRow(STANDSTILL, "lower", 0.0))
+    order = np.argsort(-np.abs(dual), kind="stable")
+    strong = [row for row in order if problem.is_limit[row] and abs(dual[row]) > BINDING_TOLERANCE * largest]
+    return tuple(active + [problem.active_row(row, upper=bool(dual[row] > 0)) for row in strong])

@@ -1,0 +1,296 @@
+# SPDX-License-Identifier: MIT
+"""The range of c² where the load is known only within a box: three questions, kept apart by name."""
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from mrts.cell import Cell
+from mrts.closed_form_range import ends_in_closed_form, load_sensitivity, worst_parameters
+from mrts.coordinated_motion import CoordinatedMotion
+from mrts.errors import InputError
+from mrts.infeasibility import Conflict
+from mrts.load_box import OFFSETS, LoadBox, LoadPoint
+from mrts.load_sharing import LoadSharing
+from mrts.possible_load import widen_by_search
+from mrts.rigid_transform import Array
+from mrts.sample_problem import FormulationName, SampleProblem, build_sample_problem
+from mrts.scaling_range import (
+    SampleRanges,
+    ScalingRange,
+    intersect,
+    sample_ranges,
+    statuses,
+    without_speed_at_rest,
+)
+
+INERT = 1e-12
+"""A parameter that changes the object's wrench by no more than this share of it has no effect along a motion."""
+
+GRID_POINTS = 51
+"""Loads of `grid` where no number is given."""
+
+LARGEST_GRID = 10_000
+
+Progress = Callable[[int, int], None]
+"""Told how many of how many pieces of work are done."""
+
+
+@dataclass(frozen=True)
+class LoadStudy:
+    """What was asked of an uncertain load, and the answer for each load that was looked at.
+
+    Attributes:
+        question: "guaranteed" (every load of the box), "possible" (some load, sample by sample) or "grid:N".
+        box: The box.
+        points: Loads that were evaluated one by one; empty where a fixed distribution was answered in closed form.
+        ranges: Their ranges over the motion.
+        not_converged: Samples where the search of `possible` was not verified and a corner's range stands.
+    """
+
+    question: str
+    box: LoadBox
+    points: tuple[LoadPoint, ...]
+    ranges: tuple[ScalingRange, ...]
+    not_converged: tuple[int, ...] = ()
+
+    def sentence(self) -> str:
+        """The question and the box in words."""
+        what = self.box.description()
+        if self.question == "guaranteed":
+            return f"for every load of the box ({what})"
+        if self.question == "possible":
+            missed = f"; {len(self.not_converged)} samples not converged" if self.not_converged else ""
+            return f"for some load of the box at each sample ({what}{missed})"
+        return f"for {len(self.points)} masses of the box ({what})"
+
+    def to_json(self) -> dict[str, Any]:
+        """The study as JSON values."""
+        return {
+            "question": self.question,
+            "ranges": {name: list(pair) for name, pair in self.box.ranges.items()},
+            "outer_hull": self.box.outer_hull,
+            "principal_axes": self.box.principal_axes.tolist(),
+            "principal_moments": self.box.principal_moments.tolist(),
+            "points": [
+                point.to_json() | found.to_json() for point, found in zip(self.points, self.ranges, strict=True)
+            ],
+            "not_converged": list(self.not_converged),
+        }
+
+
+@dataclass(frozen=True)
+class _Task:
+    """What every question shares."""
+
+    cell: Cell
+    motion: CoordinatedMotion
+    formulation: FormulationName
+    sharing: LoadSharing | None
+    solver: str
+    progress: Progress
+
+    def problem(self, load: Array) -> SampleProblem:
+        """Rows with a load, Shape (10,), or one a sample, Shape (N, 10)."""
+        return build_sample_problem(self.cell, self.motion, self.formulation, self.sharing, load)
+
+    def ranges(self, points: Sequence[LoadPoint]) -> list[SampleRanges]:
+        """Ranges of each load."""
+        found = []
+        for number, point in enumerate(points):
+            self.progress(number, len(points))
+            found.append(sample_ranges(self.problem(point.load), self.motion.object.time, self.solver))
+        self.progress(len(points), len(points))
+        return found
+
+
+def study_load(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    question: str,
+    formulation: FormulationName,
+    sharing: LoadSharing | None,
+    solver: str,
+    progress: Progress = lambda _done, _total: None,
+) -> tuple[ScalingRange, LoadStudy]:
+    """The range of c² of an uncertain load.
+
+    Args:
+        cell: The cell, with a load box.
+        motion: Its motion.
+        question: "guaranteed", "possible", or "grid:N" for N masses.
+        formulation: As in `build_sample_problem`.
+        sharing: Likewise.
+        solver: Name in the registry.
+        progress: Told how far the work is.
+
+    Raises:
+        InputError: If there is no box, or the question does not fit it.
+        SolverError: If no solver answers.
+    """
+    box = cell.load_box
+    if box is None:
+        raise InputError(
+            "load",
+            "the cell says nothing of how its load varies: add 'variation' under 'object' in the cell file, such as "
+            "'variation: {mass: [0.5, 2.0]}'.",
+            value=question,
+        )
+    task = _Task(cell, motion, formulation, sharing, solver, progress)
+    varying = _effective(cell, motion, box)
+    if question == "guaranteed":
+        if sharing is not None and not any(name in OFFSETS for name in varying):
+            closed = _guaranteed_by_fixed_rule(task, box, varying)
+            if closed is not None:
+                return intersect(closed), LoadStudy(question, box, (), ())
+        points = box.corners(varying)
+    elif question == "possible":
+        return _possible(task, box, varying)
+    else:
+        points = _mass_grid(box, question)
+    ranges = task.ranges(points)
+    found = intersect(_for_every_point(points, ranges))
+    return found, LoadStudy(question, box, points, tuple(intersect(of_point) for of_point in ranges))
+
+
+def _effective(cell: Cell, motion: CoordinatedMotion, box: LoadBox) -> tuple[str, ...]:
+    """Parameters that change the object's wrench P c² + Q along this motion: corners that differ in others coincide."""
+
+    def wrench(load: Array) -> Array:
+        terms = cell.functions("terms", motion.samples, motion.inputs(load))
+        return np.stack([terms["P"], terms["Q"]])
+
+    nominal = wrench(box.nominal_point().load)
+    size = float(np.max(np.abs(nominal)))
+    found = []
+    for name in box.varying:
+        ends = [wrench(box.load_at({name: end})) for end in box.ranges[name]]
+        if max(float(np.max(np.abs(end - nominal))) for end in ends) > INERT * size:
+            found.append(name)
+    return tuple(found)
+
+
+def _mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
+    """The paper's exhaustive search along k_m (below (46)): evenly spaced masses, both ends included."""
+    match = re.fullmatch(r"grid(?::([0-9]{1,9}))?", question)
+    if not match:
+        raise InputError("load", "must be nominal, guaranteed, possible, or grid:N such as grid:51.", value=question)
+    if "mass" not in box.varying:
+        raise InputError("load", "a grid runs along the mass, which does not vary in this cell.", value=question)
+    count = int(match.group(1) or GRID_POINTS)
+    if not 2 <= count <= LARGEST_GRID:  # noqa: PLR2004 (both ends)
+        raise InputError("load", f"a grid takes 2 to {LARGEST_GRID} masses.", value=question)
+    factors = np.linspace(*box.ranges["mass"], count).tolist()
+    return tuple(LoadPoint({"mass": factor}, box.load_at({"mass": factor})) for factor in factors)
+
+
+def _for_every_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -> SampleRanges:
+    """The intersection of the ranges of all loads at every sample, with the load that sets each end."""
+    samples = range(len(ranges[0].time))
+    low, high = np.array([found.lower for found in ranges]), np.array([found.upper for found in ranges])
+    at_low, at_high = np.argmax(low, axis=0), np.argmin(high, axis=0)
+    conflicts: dict[int, Conflict] = {}
+    for point, found in zip(points, ranges, strict=True):
+        for conflict in found.conflicts:
+            worst = conflicts.get(conflict.sample)
+            if worst is None or conflict.widening > worst.widening:
+                conflicts[conflict.sample] = replace(conflict, load=point)
+    ordered = tuple(conflicts[sample] for sample in sorted(conflicts))
+    lower, upper = np.max(low, axis=0), np.min(high, axis=0)
+    return SampleRanges(
+        ranges[0].time,
+        statuses(lower, upper, ordered),
+        lower,
+        upper,
+        tuple(ranges[at_low[sample]].lower_rows[sample] for sample in samples),
+        tuple(ranges[at_high[sample]].upper_rows[sample] for sample in samples),
+        ordered,
+        sum(found.fallbacks for found in ranges),
+        tuple(points[at_low[sample]] for sample in samples),
+        tuple(points[at_high[sample]] for sample in samples),
+    )
+
+
+def _guaranteed_by_fixed_rule(task: _Task, box: LoadBox, varying: tuple[str, ...]) -> SampleRanges | None:
+    """The guaranteed range of a fixed distribution, no corner enumerated; None if some sample has none."""
+    least = {name: box.ranges[name][0] for name in varying}
+    problem = without_speed_at_rest(task.problem(box.load_at(least)))
+    others = [task.problem(box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
+    sensitivity = load_sensitivity(problem, others)
+    ends = ends_in_closed_form(problem, sensitivity)
+    if np.any(ends.undecided):
+        return None
+
+    def worst(sample: int, c2: float) -> LoadPoint:
+        if not np.isfinite(c2):
+            return box.nominal_point()
+        largest = worst_parameters(problem, sensitivity, sample, c2)
+        values = {name: box.ranges[name][int(high)] for name, high in zip(varying, largest, strict=True)}
+        return LoadPoint(values, box.load_at(values))
+
+    return SampleRanges(
+        task.motion.object.time,
+        statuses(ends.low, ends.high, ()),
+        ends.low,
+        ends.high,
+        tuple(ends.low_rows),
+        tuple(ends.high_rows),
+        (),
+        0,
+        tuple(worst(sample, c2) for sample, c2 in enumerate(ends.low)),
+        tuple(worst(sample, c2) for sample, c2 in enumerate(ends.high)),
+    )
+
+
+def _possible(task: _Task, box: LoadBox, varying: tuple[str, ...]) -> tuple[ScalingRange, LoadStudy]:
+    if box.outer_hull:
+        raise InputError(
+            "load",
+            "an outer hull holds loads that do not exist, so it cannot answer what is possible. Give ranges of the "
+            "first moments mx, my, mz instead of the offsets.",
+            value="possible",
+        )
+    points = box.corners(varying)
+    if varying:
+        points = (*points, box.nominal_point())
+    ranges = task.ranges(points)
+    best = _for_some_point(points, ranges)
+    not_converged: tuple[int, ...] = ()
+    if varying:
+        best, not_converged = widen_by_search(
+            task.problem, box, varying, best, task.motion.object.time, task.solver, task.progress
+        )
+    study = LoadStudy("possible", box, points, tuple(intersect(of_point) for of_point in ranges), not_converged)
+    return intersect(best), study
+
+
+def _for_some_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -> SampleRanges:
+    """At every sample the lowest and the highest c² that one of the loads reaches."""
+    samples = range(len(ranges[0].time))
+    low, high = np.array([found.lower for found in ranges]), np.array([found.upper for found in ranges])
+    at_low, at_high = np.argmin(low, axis=0), np.argmax(high, axis=0)
+    lower, upper = np.min(low, axis=0), np.max(high, axis=0)
+    conflicts = []
+    for sample in np.flatnonzero(np.isinf(lower)):
+        of_points = [
+            replace(conflict, load=point)
+            for point, found in zip(points, ranges, strict=True)
+            for conflict in found.conflicts
+            if conflict.sample == sample
+        ]
+        conflicts.append(min(of_points, key=lambda conflict: conflict.widening))
+    return SampleRanges(
+        ranges[0].time,
+        statuses(lower, upper, conflicts),
+        lower,
+        upper,
+        tuple(ranges[at_low[sample]].lower_rows[sample] for sample in samples),
+        tuple(ranges[at_high[sample]].upper_rows[sample] for sample in samples),
+        tuple(conflicts),
+        sum(found.fallbacks for found in ranges),
+        tuple(points[at_low[sample]] for sample in samples),
+        tuple(points[at_high[sample]] for sample in samples),
+    )
