@@ -2,19 +2,17 @@
 """From a cell file to C source and manifest: the one entry of build time."""
 
 import hashlib
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import casadi as ca
-from mrts_codegen.cell_description import CellDescription, ObjectDescription, read_cell_description, resolve_urdf
+from mrts_codegen.cell_description import ObjectDescription, read_cell_description
 from mrts_codegen.cell_functions import build_functions
 from mrts_codegen.cell_model import CellModel, CellRobot, build_cell_model
 
-from mrts import __version__, input_file, rigid_transform
-from mrts import manifest as manifest_module
+from mrts import __version__
 from mrts.atomic_file import write_text_atomically
 from mrts.manifest import (
     FORMAT,
@@ -74,32 +72,6 @@ def emit_c(name: str, functions: dict[str, ca.Function]) -> str:
     for function in functions.values():
         generator.add(function)
     return f"/* {NOTICE} */\n{generator.dump()}"
-
-
-def content_key(path: Path) -> str:
-    """Hash of all that a generated cell depends on: cell file, URDFs, this package and CasADi's version.
-
-    Raises:
-        InputError: If the cell file breaks a rule or a URDF is missing.
-    """
-    description = read_cell_description(path)
-    parts = [json.dumps(description.model_dump(), sort_keys=True), ca.CasadiMeta.version(), __version__]
-    digest = hashlib.sha256("\n".join(parts).encode())
-    for robot in description.robots:
-        digest.update(_file_bytes(path, description, robot.urdf))
-    shaping = (manifest_module, rigid_transform, input_file)
-    for source in sorted([*Path(__file__).parent.glob("*.py"), *(Path(module.__file__ or "") for module in shaping)]):
-        digest.update(source.read_bytes())
-    return digest.hexdigest()
-
-
-def _file_bytes(path: Path, description: CellDescription, urdf: str) -> bytes:
-    try:
-        return resolve_urdf(path, urdf).read_bytes()
-    except (OSError, ValueError):
-        # generation itself gives the precise error; a file that cannot be read has no cache entry
-        build_cell_model(path, description)
-        raise
 
 
 def _manifest(cell: CellModel, functions: dict[str, ca.Function], c_source: str) -> Manifest:

@@ -42,7 +42,7 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     Raises:
         InputError: If the cell file or a URDF breaks a rule.
     """
-    from mrts_codegen.generate import content_key, generate_cell  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.content_key import content_key  # noqa: PLC0415 (build time, on demand)
 
     folder = cache_folder() / "cells" / content_key(path)
     if (folder / MANIFEST_NAME).exists():
@@ -50,6 +50,8 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
             return read_generated(folder)
         except InputError:
             pass  # damaged: make it again
+    from mrts_codegen.generate import generate_cell  # noqa: PLC0415 (the symbolic layer, only if it is needed)
+
     generate_cell(path).write(folder)
     return read_generated(folder)
 
@@ -86,22 +88,25 @@ def virtual_machine_functions(path: Path) -> dict[str, Any]:
     return generate_cell(path).functions
 
 
-def library_in_cache(command: tuple[str, ...], source: Path, *, rebuild: bool = False) -> Path:
-    """Shared library of a generated C file, compiled unless the cache holds it.
+def library_in_cache(command: tuple[str, ...], name: str, source: str, *, rebuild: bool = False) -> Path:
+    """Shared library of a C text, compiled unless the cache holds it.
 
     Args:
         command: Compiler, from `find_compiler`.
-        source: The C file.
+        name: Of its files, an identifier.
+        source: The C text.
         rebuild: Compile even if the cache holds it (the library in it would not load).
 
     Raises:
         CompilerError: If the compiler fails.
     """
-    text = source.read_bytes() + "\0".join((*command, *FLAGS)).encode()
-    library = cache_folder() / "lib" / hashlib.sha256(text).hexdigest() / f"{source.stem}.so"
+    text = "\0".join((source, *command, *FLAGS)).encode()
+    library = cache_folder() / "lib" / hashlib.sha256(text).hexdigest() / f"{name}.so"
     seal = library.with_suffix(".sha256")
     if rebuild or not _is_whole(library, seal):
-        compile_library(command, source, library)
+        file = library.with_suffix(".c")
+        write_text_atomically(file, source)
+        compile_library(command, file, library)
         write_text_atomically(seal, hashlib.sha256(library.read_bytes()).hexdigest())
     return library
 

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal
 
-import casadi as ca
 import numpy as np
 
 from mrts.cell_cache import library_in_cache
+from mrts.compiled_cell import CompiledCell, cell_source
 from mrts.compiler import find_compiler
 from mrts.errors import CompilerError
 from mrts.manifest import FunctionRecord, Manifest
@@ -24,20 +24,27 @@ class CellFunctions:
 
     Args:
         records: The manifest's functions.
-        functions: CasADi Functions (external or virtual machine) by short name.
-        backend: What evaluates them.
+        evaluate: Evaluates one of them: short name, number of samples, inputs by name to outputs by name.
+        compiled: The cell's library; None in the virtual machine.
     """
 
     def __init__(
-        self, records: dict[str, FunctionRecord], functions: dict[str, Any], backend: Literal["compiled", "vm"]
+        self,
+        records: dict[str, FunctionRecord],
+        evaluate: Callable[[str, int, dict[str, Array]], dict[str, Array]],
+        compiled: CompiledCell | None,
     ) -> None:
         self.records = records
-        self.backend = backend
-        self._functions = functions
-        self._maps: dict[tuple[str, int], Any] = {}
+        self.compiled = compiled
+        self._evaluate = evaluate
+
+    @property
+    def backend(self) -> Literal["compiled", "vm"]:
+        """What evaluates the functions."""
+        return "vm" if self.compiled is None else "compiled"
 
     def __contains__(self, name: str) -> bool:
-        return name in self._functions
+        return name in self.records
 
     def __call__(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
         """Evaluate one function for all samples in one call.
@@ -50,25 +57,7 @@ class CellFunctions:
         Returns:
             By output name, Shape (N, rows, columns); (N, rows) for a column.
         """
-        record = self.records[name]
-        function = self._maps.get((name, samples))
-        if function is None:
-            function = self._maps[name, samples] = self._functions[name].map(samples)
-        arguments = []
-        for argument in record.inputs:
-            rows, columns = argument.shape
-            value = np.asarray(inputs[argument.name], dtype=float)
-            if value.shape == (rows,):
-                value = np.broadcast_to(value, (samples, rows))
-            stacked = value.reshape(samples, rows, columns).transpose(1, 0, 2)
-            arguments.append(stacked.reshape(rows, samples * columns))
-        results = function.call([ca.DM(argument) for argument in arguments])
-        outputs = {}
-        for argument, result in zip(record.outputs, results, strict=True):
-            rows, columns = argument.shape
-            value = result.full().reshape(rows, samples, columns).transpose(1, 0, 2)
-            outputs[argument.name] = np.ascontiguousarray(value[:, :, 0] if columns == 1 else value)
-        return outputs
+        return self._evaluate(name, samples, inputs)
 
 
 def bind_functions(
@@ -90,26 +79,56 @@ def bind_functions(
     """
     command = None if backend == "vm" else find_compiler()
     if command is not None:
-        return CellFunctions(manifest.functions, _bind(manifest, command, source), "compiled")
+        compiled = _bind(manifest, command, source)
+        return CellFunctions(manifest.functions, compiled.map, compiled)
     if backend == "compiled" or virtual_machine is None:
         raise CompilerError(
             f"no C compiler was found to compile {source.name}. Install one (Debian: apt-get install gcc libc6-dev), "
             "set CC, or load the cell file instead of its generated folder: it can run without a compiler."
         )
     if backend == "auto":
-        logger.warning("no C compiler found: running in CasADi's virtual machine, about 4 times slower")
-    return CellFunctions(manifest.functions, virtual_machine(), "vm")
+        logger.warning("no C compiler found: running in CasADi's virtual machine, about 20 times slower")
+    return CellFunctions(manifest.functions, _VirtualMachine(manifest.functions, virtual_machine()), None)
 
 
-def _bind(manifest: Manifest, command: tuple[str, ...], source: Path) -> dict[str, Any]:
-    def load(library: Path) -> dict[str, Any]:
-        return {name: ca.external(record.symbol, str(library)) for name, record in manifest.functions.items()}
+class _VirtualMachine:
+    """CasADi Functions, mapped over all samples."""
 
+    def __init__(self, records: dict[str, FunctionRecord], functions: dict[str, Any]) -> None:
+        self._records, self._functions = records, functions
+        self._maps: dict[tuple[str, int], Any] = {}
+
+    def __call__(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
+        import casadi as ca  # noqa: PLC0415 (the compiled path does without)
+
+        record = self._records[name]
+        function = self._maps.get((name, samples))
+        if function is None:
+            function = self._maps[name, samples] = self._functions[name].map(samples)
+        arguments = []
+        for argument in record.inputs:
+            rows, columns = argument.shape
+            value = np.asarray(inputs[argument.name], dtype=float)
+            if value.shape == (rows,):
+                value = np.broadcast_to(value, (samples, rows))
+            stacked = value.reshape(samples, rows, columns).transpose(1, 0, 2)
+            arguments.append(stacked.reshape(rows, samples * columns))
+        results = function.call([ca.DM(argument) for argument in arguments])
+        outputs = {}
+        for argument, result in zip(record.outputs, results, strict=True):
+            rows, columns = argument.shape
+            value = result.full().reshape(rows, samples, columns).transpose(1, 0, 2)
+            outputs[argument.name] = np.ascontiguousarray(value[:, :, 0] if columns == 1 else value)
+        return outputs
+
+
+def _bind(manifest: Manifest, command: tuple[str, ...], source: Path) -> CompiledCell:
+    text = cell_source(manifest, source)
     try:
-        return load(library_in_cache(command, source))
-    except RuntimeError:
+        return CompiledCell(manifest, library_in_cache(command, manifest.name, text))
+    except OSError:
         pass  # a damaged file in the cache: compile it again
     try:
-        return load(library_in_cache(command, source, rebuild=True))
-    except RuntimeError as error:
+        return CompiledCell(manifest, library_in_cache(command, manifest.name, text, rebuild=True))
+    except OSError as error:
         raise CompilerError(f"the compiled library of {source.name} cannot be loaded: {error}") from None

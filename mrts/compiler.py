@@ -10,7 +10,7 @@ from pathlib import Path
 from mrts.atomic_file import write_atomically
 from mrts.errors import CompilerError
 
-FLAGS = ("-O2", "-fPIC", "-shared", "-ffp-contract=off")
+FLAGS = ("-std=c99", "-O2", "-fPIC", "-shared", "-ffp-contract=off")
 """No contraction to fused multiply-add, so that compiled C equals CasADi's virtual machine."""
 
 CANDIDATES = ("cc", "gcc", "clang")

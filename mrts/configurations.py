@@ -25,9 +25,9 @@ from mrts.load_sharing import LoadSharing
 from mrts.object_motion import ObjectMotion
 from mrts.planar_inverse_kinematics import has_closed_form, planar_branches
 from mrts.rigid_transform import Array
-from mrts.sample_problem import build_sample_problem
-from mrts.scaling_range import ScalingRange, ScalingStatus, intersect, sample_ranges
+from mrts.scaling_range import ScalingRange, ScalingStatus, intersect
 from mrts.solvers import DEFAULT_SOLVER
+from mrts.trajectory_programs import motion_ranges
 from mrts.uncertain_load import study_load
 
 MULTI_STARTS = 400
@@ -300,8 +300,7 @@ def _evaluate(
     if cell.load_box is not None:
         guaranteed, _ = study_load(cell, whole, "guaranteed", "wrench", sharing, solver)
         return Configuration(choice, guaranteed)
-    problem = build_sample_problem(cell, whole, "wrench", sharing)
-    return Configuration(choice, intersect(sample_ranges(problem, motion.time, solver)))
+    return Configuration(choice, intersect(motion_ranges(cell, whole, "wrench", sharing, solver)))
 
 
 def outcome(configuration: Configuration) -> str:

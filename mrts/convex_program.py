@@ -162,8 +162,6 @@ def solve_programs(programs: ConvexPrograms, solver: str) -> Answers:
     fallbacks = 0
     for attempt, backend in enumerate(backends):
         todo = ~verified
-        if not np.any(todo):
-            break
         part = scaled.at(todo)
         found = _attempt(backend, part)
         good = optimality_error(part, *found) <= OPTIMALITY_TOLERANCE
@@ -171,6 +169,8 @@ def solve_programs(programs: ConvexPrograms, solver: str) -> Answers:
         x[where], row_dual[where], bound_dual[where] = (value[good] for value in found)
         verified[where] = True
         fallbacks += int(np.sum(good)) if attempt > 0 else 0
+        if np.all(verified):
+            break
     # multipliers are those of the scaled objective: only their signs and proportions matter
     return Answers(x * column, row_dual * row, bound_dual / column, verified, fallbacks)
 

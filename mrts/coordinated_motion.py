@@ -11,9 +11,9 @@ from mrts.errors import InputError, MotionError, as_array
 from mrts.grasp_tracking import (
     POSE_TOLERANCE,
     STARTING_STEPS,
+    follow_grasps,
     solve_grasps,
     tip_rates,
-    track_grasps,
     unreachable,
 )
 from mrts.motion_table import JointTable
@@ -103,13 +103,11 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
             branch or passes a joint limit; names robot, joint and sample.
     """
     check_motion(cell, motion)
-    tracks = track_grasps(cell, motion, starting_positions(cell, motion)[None])
-    tracks.require(0)
-    q = tracks.q[0]
+    q, dq, ddq = follow_grasps(cell, motion, starting_positions(cell, motion))
     for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
         q[:, joints] = within_limits(robot, q[:, joints])
     check_joint_limits(cell, motion.time, q)
-    return CoordinatedMotion(motion, q, tracks.dq[0], tracks.ddq[0])
+    return CoordinatedMotion(motion, q, dq, ddq)
 
 
 def coordinate(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion) -> CoordinatedMotion:

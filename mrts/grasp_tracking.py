@@ -129,6 +129,35 @@ def solve_grasps(
     return best_q, parts[:, :, 0], parts[:, :, 1]
 
 
+def follow_grasps(cell: Cell, motion: ObjectMotion, start: Array) -> tuple[Array, Array, Array]:
+    """Follow the grasps from one set of positions at t = 0: joint positions, velocities and accelerations.
+
+    In the compiled library the whole path is one call; what it does not settle, `track_grasps` does and explains.
+
+    Args:
+        cell: The cell.
+        motion: Motion of the object.
+        start: Positions at t = 0 that hold the grasps, Shape (m,) [rad or m].
+
+    Raises:
+        MotionError: If an arm cannot follow.
+    """
+    compiled = cell.functions.compiled
+    if compiled is not None and compiled.can_track:
+        arms = [(robot.T_world_base.R, robot.T_object_tip.R, robot.T_object_tip.p) for robot in cell.robots]
+        path = (motion.time, motion.position, motion.rotation, motion.twist, motion.acceleration)
+        found = compiled.track(arms, cell.wrench_rows, path, start, (TRACKING_STEPS, SETTLED, STEP_LIMIT))
+        if found.done == len(motion.time) and not (
+            np.any(np.maximum(found.gap, found.turn) > POSE_TOLERANCE)
+            or np.any(found.jump > JUMP_LIMIT)
+            or not np.all(found.condition < CONDITION_LIMIT)
+        ):
+            return found.q, found.dq, found.ddq
+    tracks = track_grasps(cell, motion, start[None])
+    tracks.require(0)
+    return tracks.q[0], tracks.dq[0], tracks.ddq[0]
+
+
 def track_grasps(cell: Cell, motion: ObjectMotion, start: Array) -> Tracks:
     """Follow the grasps from given positions at t = 0, keeping each branch by continuity.
 

@@ -9,11 +9,13 @@ from mrts.errors import InputError
 from mrts.load_sharing import LoadSharing
 from mrts.result import ScalingResult
 from mrts.rigid_transform import Array
-from mrts.sample_problem import FormulationName, build_sample_problem
-from mrts.scaling import SelectionError, carry_out
-from mrts.scaling_range import intersect, sample_ranges
+from mrts.sample_problem import FormulationName
+from mrts.scaled_trajectory import ScaledTrajectory
+from mrts.scaling import SelectionError
+from mrts.scaling_range import intersect
 from mrts.solvers import DEFAULT_SOLVER
 from mrts.torque_distribution import torque_weights
+from mrts.trajectory_programs import motion_ranges, motion_torques
 
 END_TOLERANCE = 1e-8
 """How far c² may pass the end of this load's own range, as a share of it: both ends are rounded."""
@@ -52,13 +54,14 @@ def torques_for_load(
         raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
     cell, motion, c2 = result.cell.with_load(load), result.motion, result.trajectory.c2
     W = torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
-    problem = build_sample_problem(cell, motion, formulation, sharing)
-    own = intersect(sample_ranges(problem, motion.object.time, solver))
+    own = intersect(motion_ranges(cell, motion, formulation, sharing, solver))
     low, high = (end.c2 if end else np.nan for end in (own.lower, own.upper))
     if not low * (1 - END_TOLERANCE) <= c2 <= high * (1 + END_TOLERANCE):
         refused = replace(result, cell=cell, range=own, trajectory=None, load=None)
         error = SelectionError(f"c² = {c2:g} does not suit this load: {refused.summary()}")
         error.result = refused
         raise error
-    carried = carry_out(cell, motion, problem, c2, W, solver, result.range, result.fallbacks + own.samples.fallbacks)
-    return replace(carried, load=result.load)
+    torque, wrench, fallbacks = motion_torques(cell, motion, formulation, sharing, solver, c2, W)
+    trajectory = ScaledTrajectory(cell, motion, c2, torque, wrench)
+    fallbacks += result.fallbacks + own.samples.fallbacks
+    return replace(result, cell=cell, trajectory=trajectory, fallbacks=fallbacks).checked()

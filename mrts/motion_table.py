@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from mrts.errors import InputError
@@ -121,6 +120,8 @@ def read_joint_table(path: Path, samples: int | None) -> JointTable:
             raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
         return _checked(JointTable(path, time, q, dq, ddq))
     at = time if samples is None else np.linspace(0.0, time[-1], samples)
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for tables without rates only)
+
     splines = {joint: CubicSpline(time, values, bc_type="natural") for joint, values in q.items()}
     derivatives = [{joint: np.asarray(spline(at, order)) for joint, spline in splines.items()} for order in range(3)]
     return JointTable(path, at, *derivatives)

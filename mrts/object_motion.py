@@ -4,8 +4,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.spatial.transform import Rotation, RotationSpline
+from scipy.spatial.transform import Rotation
 
 from mrts.errors import InputError, as_array
 from mrts.rigid_transform import Array
@@ -185,6 +184,9 @@ class _PathSamples:
 
 
 def _spline(knots: Array, positions: Array, rotations: Array, at: Array) -> _PathSamples:
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for waypoints and tables only)
+    from scipy.spatial.transform import RotationSpline  # noqa: PLC0415
+
     line = CubicSpline(knots, positions, bc_type="natural")
     turn = RotationSpline(knots, Rotation.from_matrix(rotations))
     rotation = np.asarray(turn(at).as_matrix(), dtype=np.float64)

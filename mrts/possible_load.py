@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -180,6 +179,8 @@ class _Search:
         self.da = sensitivity.c2 * self.unit[:, None]
         self.do = sensitivity.offset
         self.lower, self.upper = problem.lower, problem.upper
+        import casadi as ca  # noqa: PLC0415 (only here: this is the nonlinear program)
+
         x, y, s = ca.SX.sym("x", unknowns - 1), ca.SX.sym("y"), ca.SX.sym("s", p)
         A, a = ca.SX.sym("A", rows, unknowns - 1), ca.SX.sym("a", rows)
         da, do, sign = ca.SX.sym("da", rows, p), ca.SX.sym("do", rows, p), ca.SX.sym("sign")

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Least and largest c² of a batch of samples, and the rows that bind there."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.errors import SolverError
-from mrts.limit_rows import STANDSTILL, ActiveRow
+from mrts.limit_rows import STANDSTILL, ActiveRow, LimitRows
 from mrts.rigid_transform import Array
 from mrts.sample_problem import SampleProblem
 
@@ -39,6 +41,44 @@ class RangeEnds:
             self.low[sample], self.high[sample] = min(low, high), high
             self.low_rows[sample], self.high_rows[sample] = other.low_rows[index], other.high_rows[index]
         self.fallbacks += other.fallbacks
+
+
+@dataclass(frozen=True)
+class KernelRows(Sequence[tuple[ActiveRow, ...]]):
+    """The rows that bind at one end of each of N samples, named when they are asked for.
+
+    Attributes:
+        limits: The r rows; row r + k - 1 of a basis is c² >= 0.
+        basis: As the kernel gives them, Shape (N, k).
+        dual: Their multipliers, Shape (N, k).
+        settled: By sample, what was found in another way.
+    """
+
+    limits: LimitRows
+    basis: NDArray[np.int16]
+    dual: Array
+    settled: dict[int, tuple[ActiveRow, ...]]
+
+    def __len__(self) -> int:
+        return len(self.basis)
+
+    def __getitem__(self, sample: Any) -> Any:
+        if isinstance(sample, slice):
+            return tuple(self[index] for index in range(*sample.indices(len(self))))
+        index = range(len(self))[sample]
+        if index in self.settled:
+            return self.settled[index]
+        sides, size = self.basis[index], np.abs(self.dual[index])
+        rows = np.abs(sides.astype(int)) - 1
+        strong = size > BINDING_TOLERANCE * np.max(size)
+        standstill = strong & (rows >= len(self.limits.names))
+        named = [ActiveRow(STANDSTILL, "lower", 0.0)] if np.any(standstill & (sides < 0)) else []
+        for place in np.argsort(-size, kind="stable"):
+            if strong[place] and not standstill[place]:
+                row, upper = rows[place], bool(sides[place] > 0)
+                limit = self.limits.upper[row] if upper else self.limits.lower[row]
+                named.append(ActiveRow(self.limits.names[row], "upper" if upper else "lower", float(limit)))
+        return tuple(named)
 
 
 def active_rows(problem: SampleProblem, dual: Array, standstill_dual: float) -> tuple[ActiveRow, ...]:

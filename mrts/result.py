@@ -4,7 +4,7 @@
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -12,11 +12,18 @@ from mrts.atomic_file import write_text_atomically
 from mrts.cell import Cell
 from mrts.constraints import cell_rows
 from mrts.coordinated_motion import CoordinatedMotion
+from mrts.errors import SolverError
 from mrts.load_box import LoadPoint
 from mrts.rigid_transform import Array
 from mrts.scaled_trajectory import ScaledTrajectory
 from mrts.scaling_range import ScalingRange, ScalingStatus
 from mrts.uncertain_load import LoadStudy
+
+LIMIT_TOLERANCE = 1e-8
+"""Largest overstepping of a limit, as a share of it, that counts as rounding and the programs' own slack."""
+
+BLOCK = 4096
+"""Samples whose terms are evaluated at a time: they are many numbers a sample."""
 
 
 @dataclass(frozen=True)
@@ -122,18 +129,35 @@ class ScalingResult:
         done = self.trajectory
         if done is None:
             raise ValueError("there is no trajectory to check")
-        cell, motion = self.cell, self.motion
-        terms = cell.functions("terms", motion.samples, motion.inputs(cell.load))
-        arms = done.torque - terms["E"] * done.c2 - terms["G"]
-        for name, joints in cell.joint_slices.items():
-            J, F = terms["J"][:, :, joints], done.wrench[:, cell.wrench_slices[name]]
-            arms[:, joints] -= np.einsum("nwj,nw->nj", J, F)
-        carried = np.einsum("nij,nj->ni", terms["B"], done.wrench) - terms["P"] * done.c2 - terms["Q"]
-        rows = cell_rows(cell)
-        value = done.torque @ rows.torque_matrix.T + done.wrench @ rows.wrench_matrix.T
-        beyond = np.max(np.maximum(rows.lower - value, value - rows.upper), axis=0)
-        relative = beyond / rows.units()
-        return Residuals(max(0.0, float(np.max(relative))), float(np.max(np.abs(arms))), float(np.max(np.abs(carried))))
+        cell = self.cell
+        inputs = self.motion.inputs(cell.load)
+        arms = carried = 0.0
+        for start in range(0, self.motion.samples, BLOCK):
+            part = slice(start, start + BLOCK)
+            torque, wrench = done.torque[part], done.wrench[part]
+            block = {name: value[part] if name != "load" else value for name, value in inputs.items()}
+            terms = cell.functions("terms", len(torque), block)
+            rest = torque - terms["E"] * done.c2 - terms["G"]
+            for name, joints in cell.joint_slices.items():
+                J, F = terms["J"][:, :, joints], wrench[:, cell.wrench_slices[name]]
+                rest[:, joints] -= np.einsum("nwj,nw->nj", J, F)
+            balance = np.einsum("nij,nj->ni", terms["B"], wrench) - terms["P"] * done.c2 - terms["Q"]
+            arms, carried = max(arms, float(np.max(np.abs(rest)))), max(carried, float(np.max(np.abs(balance))))
+        return Residuals(_overstep(cell, done), arms, carried)
+
+    def checked(self) -> Self:
+        """This result, if its trajectory keeps every limit.
+
+        Raises:
+            SolverError: If it oversteps one by more than `LIMIT_TOLERANCE`.
+        """
+        overstep = 0.0 if self.trajectory is None else _overstep(self.cell, self.trajectory)
+        if not overstep <= LIMIT_TOLERANCE:
+            raise SolverError(
+                f"the torques found overstep a limit by {overstep:.2g} of it, more than {LIMIT_TOLERANCE:.0e}: the "
+                "limits or the masses of this cell are too unlike in size to be solved."
+            )
+        return self
 
     def to_json(self) -> dict[str, Any]:
         """The result as JSON values; null stands for an unbounded end."""
@@ -204,6 +228,14 @@ class ScalingResult:
             InputError: If the file cannot be written.
         """
         write_text_atomically(Path(path), self.json_text() + "\n")
+
+
+def _overstep(cell: Cell, done: ScaledTrajectory) -> float:
+    """Largest overstepping of a limit, as a share of it."""
+    rows = cell_rows(cell)
+    value = done.torque @ rows.torque_matrix.T + done.wrench @ rows.wrench_matrix.T
+    beyond = np.max(np.maximum(rows.lower - value, value - rows.upper), axis=0)
+    return max(0.0, float(np.max(beyond / rows.units())))
 
 
 def _finite(values: Array) -> list[float | None]:

@@ -105,6 +105,7 @@ def build_sample_problem(
     formulation: FormulationName = "wrench",
     sharing: LoadSharing | None = None,
     load: Array | None = None,
+    samples: NDArray[np.int_] | None = None,
 ) -> SampleProblem:
     """Evaluate the generated formulation along the motion and put every limit into rows.
 
@@ -114,6 +115,7 @@ def build_sample_problem(
         formulation: "wrench" (unknowns F_1 … F_{n-1}, c²) or "torque" (unknowns τ, c²).
         sharing: A fixed distribution of the load: the only unknown is c², whatever the formulation.
         load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
+        samples: Indices of the samples to take; None takes all.
 
     Raises:
         InputError: If the formulation does not exist, or the sharing does not fit the cell.
@@ -124,14 +126,16 @@ def build_sample_problem(
         raise InputError("formulation", "must be 'wrench' or 'torque'.", value=formulation)
     if sharing is not None:
         inputs |= sharing.inputs(cell, motion)
-        maps = cell.functions("fixed_distribution", motion.samples, inputs)
-    else:
-        if formulation == "torque":
-            _check_invertible(cell, motion)
-        maps = cell.functions(f"{formulation}_form", motion.samples, inputs)
+    elif formulation == "torque":
+        _check_invertible(cell, motion)
+    count = motion.samples
+    if samples is not None:
+        inputs = {name: value[samples] if len(value) == count else value for name, value in inputs.items()}
+        count = len(samples)
+    maps = cell.functions("fixed_distribution" if sharing else f"{formulation}_form", count, inputs)
     unknowns = maps["torque_map"].shape[2] if maps["torque_map"].ndim == 3 else 1  # noqa: PLR2004 (N, m, k)
-    torque_map = maps["torque_map"].reshape(motion.samples, -1, unknowns)
-    wrench_map = maps["wrench_map"].reshape(motion.samples, -1, unknowns)
+    torque_map = maps["torque_map"].reshape(count, -1, unknowns)
+    wrench_map = maps["wrench_map"].reshape(count, -1, unknowns)
 
     rows = cell_rows(cell)
     offset = maps["torque_offset"] @ rows.torque_matrix.T + maps["wrench_offset"] @ rows.wrench_matrix.T

@@ -8,17 +8,18 @@ import numpy as np
 
 from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion, coordinate
-from mrts.errors import InputError, MrtsError, SolverError
+from mrts.errors import InputError, MrtsError
 from mrts.load_sharing import LoadSharing
 from mrts.motion_table import JointTable
 from mrts.object_motion import ObjectMotion
 from mrts.result import ScalingResult
 from mrts.rigid_transform import Array
-from mrts.sample_problem import FormulationName, SampleProblem, build_sample_problem
-from mrts.scaled_trajectory import scaled_trajectory
-from mrts.scaling_range import ScalingRange, ScalingStatus, intersect, sample_ranges
+from mrts.sample_problem import FormulationName
+from mrts.scaled_trajectory import ScaledTrajectory
+from mrts.scaling_range import ScalingRange, ScalingStatus, intersect
 from mrts.solvers import DEFAULT_SOLVER
-from mrts.torque_distribution import distribute_torques, torque_weights
+from mrts.torque_distribution import torque_weights
+from mrts.trajectory_programs import motion_ranges, motion_torques
 from mrts.uncertain_load import Progress, study_load
 
 
@@ -31,9 +32,6 @@ class SelectionError(MrtsError):
 
     result: ScalingResult | None = None
 
-
-LIMIT_TOLERANCE = 1e-8
-"""Largest overstepping of a limit, as a share of it, that counts as rounding and the programs' own slack."""
 
 Selection = Literal["auto", "fastest", "nominal"] | float
 
@@ -80,10 +78,9 @@ def scale(
     question = _question(cell, load, select)
     W = torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
     motion = coordinate(cell, motion)
-    problem = build_sample_problem(cell, motion, formulation, sharing)
     study = None
     if question == "nominal":
-        found = intersect(sample_ranges(problem, motion.object.time, solver))
+        found = intersect(motion_ranges(cell, motion, formulation, sharing, solver))
     else:
         found, study = study_load(cell, motion, question, formulation, sharing, solver, progress)
     untouched = ScalingResult(cell, motion, found, None, found.samples.fallbacks, study)
@@ -94,7 +91,9 @@ def scale(
     except SelectionError as error:
         error.result = untouched
         raise
-    return replace(carry_out(cell, motion, problem, c2, W, solver, found, found.samples.fallbacks), load=study)
+    torque, wrench, fallbacks = motion_torques(cell, motion, formulation, sharing, solver, c2, W)
+    trajectory = ScaledTrajectory(cell, motion, c2, torque, wrench)
+    return replace(untouched, trajectory=trajectory, fallbacks=untouched.fallbacks + fallbacks).checked()
 
 
 def _question(cell: Cell, load: str, select: Selection) -> str:
@@ -111,43 +110,6 @@ def _question(cell: Cell, load: str, select: Selection) -> str:
             value=select,
         )
     return load
-
-
-def carry_out(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    problem: SampleProblem,
-    c2: float,
-    weights: Array,
-    solver: str,
-    found: ScalingRange,
-    fallbacks: int,
-) -> ScalingResult:
-    """Distribute the torques at a chosen c² and check the trajectory.
-
-    Args:
-        cell: The cell, with the load that is carried.
-        motion: Its motion.
-        problem: Its rows.
-        c2: The choice.
-        weights: W, Shape (m, m).
-        solver: Name in the registry.
-        found: The range that c² was chosen from.
-        fallbacks: Programs so far that another solver had to solve.
-
-    Raises:
-        SolverError: If no solver answers, or a limit is overstepped.
-    """
-    x, more = distribute_torques(problem, c2, weights, solver)
-    trajectory = scaled_trajectory(cell, motion, c2, problem.torque(x), problem.wrench(x))
-    result = ScalingResult(cell, motion, found, trajectory, fallbacks + more)
-    overstep = result.residuals().limits
-    if not overstep <= LIMIT_TOLERANCE:
-        raise SolverError(
-            f"the torques found overstep a limit by {overstep:.2g} of it, more than {LIMIT_TOLERANCE:.0e}: the limits "
-            "or the masses of this cell are too unlike in size to be solved."
-        )
-    return result
 
 
 def choose_c2(found: ScalingRange, select: Selection) -> float:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The admissible range of c²: at every sample, and over the whole motion."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
@@ -84,8 +84,8 @@ class SampleRanges:
     status: tuple[SampleStatus, ...]
     lower: Array
     upper: Array
-    lower_rows: tuple[tuple[ActiveRow, ...], ...]
-    upper_rows: tuple[tuple[ActiveRow, ...], ...]
+    lower_rows: Sequence[tuple[ActiveRow, ...]]
+    upper_rows: Sequence[tuple[ActiveRow, ...]]
     conflicts: tuple[Conflict, ...]
     fallbacks: int
     lower_loads: tuple[LoadPoint, ...] | None = None
@@ -213,17 +213,10 @@ def statuses(low: Array, high: Array, conflicts: Iterable[Conflict]) -> tuple[Sa
         high: c²⁺(t), Shape (N,).
         conflicts: Of the infeasible samples.
     """
-    found = [
-        SampleStatus.UNBOUNDED
-        if np.isinf(most)
-        else SampleStatus.EMPTY
-        if least > most * (1 + POINT_TOLERANCE)
-        else SampleStatus.FEASIBLE
-        for least, most in zip(low, high, strict=True)
-    ]
-    for conflict in conflicts:
-        found[conflict.sample] = SampleStatus.INFEASIBLE
-    return tuple(found)
+    names = np.array([SampleStatus.FEASIBLE, SampleStatus.EMPTY, SampleStatus.UNBOUNDED, SampleStatus.INFEASIBLE])
+    code = np.where(np.isinf(high), 2, np.where(low > high * (1 + POINT_TOLERANCE), 1, 0))
+    code[[conflict.sample for conflict in conflicts]] = 3
+    return tuple(names[code].tolist())
 
 
 def intersect(samples: SampleRanges) -> ScalingRange:
@@ -250,16 +243,21 @@ def _end(
     samples: SampleRanges,
     sample: int,
     c2: float,
-    rows: tuple[tuple[ActiveRow, ...], ...],
+    rows: Sequence[tuple[ActiveRow, ...]],
     loads: tuple[LoadPoint, ...] | None,
 ) -> RangeEnd:
     return RangeEnd(c2, sample, float(samples.time[sample]), rows[sample], loads[sample] if loads else None)
 
 
-def without_speed_at_rest(problem: SampleProblem) -> SampleProblem:
-    """The same problem with exactly no effect of c² where only rounding is left of it."""
+def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> SampleProblem:
+    """The same problem with exactly no effect of c² where only rounding is left of it.
+
+    Args:
+        problem: Rows of some samples.
+        largest: Largest effect at other samples of the motion.
+    """
     effect = np.max(np.abs(problem.A[:, :, -1]), axis=1)
-    at_rest = effect <= REST_TOLERANCE * np.max(effect, initial=0.0)
+    at_rest = effect <= REST_TOLERANCE * np.max(effect, initial=largest)
     A = problem.A.copy()
     A[at_rest, :, -1] = 0.0
     return replace(problem, A=A)

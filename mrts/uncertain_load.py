@@ -22,10 +22,10 @@ from mrts.scaling_range import (
     SampleRanges,
     ScalingRange,
     intersect,
-    sample_ranges,
     statuses,
     without_speed_at_rest,
 )
+from mrts.trajectory_programs import motion_ranges
 
 INERT = 1e-12
 """A parameter that changes the object's wrench by no more than this share of it has no effect along a motion."""
@@ -102,7 +102,7 @@ class _Task:
         found = []
         for number, point in enumerate(points):
             self.progress(number, len(points))
-            found.append(sample_ranges(self.problem(point.load), self.motion.object.time, self.solver))
+            found.append(motion_ranges(self.cell, self.motion, self.formulation, self.sharing, self.solver, point.load))
         self.progress(len(points), len(points))
         return found
 

@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: MIT
 """The registry of solvers. A new solver is one file here and one line in `SOLVERS`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Protocol
 
+from mrts.compiler import find_compiler
 from mrts.errors import InputError
 from mrts.rigid_transform import Array
-from mrts.solvers.qpsol import QpsolSolver
-from mrts.solvers.scipy_highs import ScipyHighsSolver
 
-DEFAULT_SOLVER = "qpsol:qpoases"
+DEFAULT_SOLVER = "kernel"
 
 
 class BatchSolver(Protocol):
@@ -28,23 +27,54 @@ class BatchSolver(Protocol):
         """Minimisers, row multipliers and bound multipliers; anything at all where it fails, never an exception."""
 
 
+def _kernel() -> BatchSolver:
+    """Our kernel; without a C compiler the next best."""
+    if find_compiler() is None:
+        return _qpsol("qpoases")
+    from mrts.solvers.kernel import KernelSolver  # noqa: PLC0415 (a solver is loaded when it is asked)
+
+    return KernelSolver()
+
+
+def _qpsol(plugin: str) -> BatchSolver:
+    from mrts.solvers.qpsol import QpsolSolver  # noqa: PLC0415 (CasADi is not needed otherwise)
+
+    return QpsolSolver(plugin)
+
+
+def _scipy_highs() -> BatchSolver:
+    from mrts.solvers.scipy_highs import ScipyHighsSolver  # noqa: PLC0415 (nor is scipy.optimize)
+
+    return ScipyHighsSolver()
+
+
 SOLVERS: dict[str, Callable[[], BatchSolver]] = {
-    "qpsol:qpoases": lambda: QpsolSolver("qpoases"),
-    "qpsol:highs": lambda: QpsolSolver("highs"),
-    "qpsol:daqp": lambda: QpsolSolver("daqp"),
-    "scipy:highs": ScipyHighsSolver,
+    "kernel": _kernel,
+    "qpsol:qpoases": lambda: _qpsol("qpoases"),
+    "qpsol:highs": lambda: _qpsol("highs"),
+    "qpsol:daqp": lambda: _qpsol("daqp"),
+    "scipy:highs": _scipy_highs,
 }
 
-FALLBACKS = ("qpsol:qpoases", "scipy:highs", "qpsol:daqp")
+FALLBACKS = ("scipy:highs", "qpsol:qpoases", "qpsol:daqp")
 """Asked in this order for what the chosen solver does not get right; between them they solve both kinds."""
 
 
-def with_fallbacks(name: str) -> list[BatchSolver]:
-    """A solver by its registered name, and the others to ask where it fails.
+def with_fallbacks(name: str) -> Iterator[BatchSolver]:
+    """A solver by its registered name, and the others to ask where it fails, each made when its turn comes.
+
+    Raises:
+        InputError: If there is no such solver.
+    """
+    check_solver(name)
+    return (SOLVERS[each]() for each in (name, *(other for other in FALLBACKS if other != name)))
+
+
+def check_solver(name: str) -> None:
+    """Check a registered name.
 
     Raises:
         InputError: If there is no such solver.
     """
     if name not in SOLVERS:
         raise InputError("solver", f"there is no such solver; there are {', '.join(SOLVERS)}.", value=name)
-    return [SOLVERS[name](), *(SOLVERS[other]() for other in FALLBACKS if other != name)]

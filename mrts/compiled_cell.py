@@ -1,0 +1,372 @@
+# SPDX-License-Identifier: MIT
+"""A cell's generated C and our kernel in one shared library: whole trajectories in one foreign call."""
+
+import ctypes
+import os
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.kernel_library import KERNEL_FILES, KernelLibrary, kernel_text, pointer
+from mrts.limit_rows import LimitRows
+from mrts.manifest import FunctionRecord, Manifest
+from mrts.rigid_transform import Array
+
+CHUNK = 256
+"""Samples between cold starts: chunks are dealt to threads whole, so their number does not change a result."""
+
+MOST_THREADS = 2
+"""More than this gains little: the work of a sample is a few microseconds."""
+
+
+class _Arm(ctypes.Structure):
+    """`mrts_arm` of tracking.c."""
+
+    _fields_ = [
+        ("base_rotation", ctypes.c_double * 9),
+        ("tip_rotation", ctypes.c_double * 9),
+        ("tip_position", ctypes.c_double * 3),
+    ]
+
+
+@dataclass(frozen=True)
+class KernelTrack:
+    """Joints along a path of N samples, n robots.
+
+    Attributes:
+        done: How many samples were followed; fewer than N where an arm is singular.
+        q: Shape (N, m); likewise `dq` and `ddq`.
+        gap: Remaining error of position, Shape (N, n) [m].
+        turn: Remaining error of rotation, Shape (N, n) [rad].
+        jump: Largest correction of a predicted joint, Shape (N, n) [rad or m].
+        condition: At least the condition number of the Jacobian, Shape (N, n).
+    """
+
+    done: int
+    q: Array
+    dq: Array
+    ddq: Array
+    gap: Array
+    turn: Array
+    jump: Array
+    condition: Array
+
+
+class _Limits(ctypes.Structure):
+    """`mrts_limits` of trajectory.c."""
+
+    _fields_ = [
+        ("rows", ctypes.c_int),
+        ("start", ctypes.c_void_p),
+        ("column", ctypes.c_void_p),
+        ("value", ctypes.c_void_p),
+        ("lower", ctypes.c_void_p),
+        ("upper", ctypes.c_void_p),
+        ("unit", ctypes.c_void_p),
+    ]
+
+
+@dataclass(frozen=True)
+class KernelRanges:
+    """What the kernel found at N samples; k unknowns, c² last.
+
+    Attributes:
+        low: c²⁻(t), Shape (N,).
+        high: c²⁺(t), Shape (N,), infinity where nothing bounds it.
+        status: Of the two programs, Shape (2, N).
+        effect: Largest effect of c² = 1 on a row in its unit, Shape (N,).
+        basis: Rows that determine each end, Shape (2, N, k): 1 + row at an upper, -1 - row at a lower limit.
+        dual: Their multipliers, Shape (2, N, k).
+    """
+
+    low: Array
+    high: Array
+    status: NDArray[np.uint8]
+    effect: Array
+    basis: NDArray[np.int16]
+    dual: Array
+
+
+class CompiledCell(KernelLibrary):
+    """The library of one cell.
+
+    Args:
+        manifest: Manifest of the cell.
+        library: Path of the shared library.
+    """
+
+    def __init__(self, manifest: Manifest, library: Path) -> None:
+        super().__init__(library)
+        self.records = manifest.functions
+        self.unknowns = len(manifest.wrench_components) * (len(manifest.robots) - 1) + 1
+        self.joints = sum(len(robot.joints) for robot in manifest.robots)
+        self.wrenches = len(manifest.wrench_components) * len(manifest.robots)
+        self.can_track = can_track(manifest)
+
+    def map(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
+        """Evaluate a generated function at all samples; see `mrts.cell_functions.CellFunctions`."""
+        record = self.records[name]
+        given, strides = _inputs(record, inputs)
+        outputs = {item.name: np.zeros((samples, item.shape[1], item.shape[0])) for item in record.outputs}
+        scratch = _Scratch(self.library, record)
+        failed = self.library.mrts_map(
+            ctypes.cast(getattr(self.library, record.symbol), ctypes.c_void_p),
+            ctypes.c_longlong(samples),
+            len(given),
+            _pointers(given),
+            strides,
+            len(outputs),
+            _pointers(list(outputs.values())),
+            (ctypes.c_longlong * len(outputs))(*(item.shape[0] * item.shape[1] for item in record.outputs)),
+            *scratch.pointers(),
+        )
+        assert failed == 0  # noqa: S101 (generated functions of smooth expressions cannot fail)
+        return {name: _by_rows(value) for name, value in outputs.items()}
+
+    def ranges(self, samples: int, inputs: dict[str, Array], limits: LimitRows) -> KernelRanges:
+        """Least and largest c² at every sample.
+
+        Args:
+            samples: N.
+            inputs: Of the wrench form, by name.
+            limits: Rows over torques and wrenches.
+        """
+        k, N = self.unknowns, samples
+        found = KernelRanges(
+            np.zeros(N),
+            np.zeros(N),
+            np.zeros((2, N), dtype=np.uint8),
+            np.zeros(N),
+            np.zeros((2, N, k), dtype=np.int16),
+            np.zeros((2, N, k)),
+        )
+        outputs = [found.low, found.high, *found.status, found.effect, *found.basis, *found.dual]
+        sparse = _SparseLimits(limits)
+
+        def run(first: int, count: int, given: list[Array], strides: Any, scratch: "_Scratch") -> None:
+            work, iwork = self._workspace(len(limits.names))
+            self.library.mrts_ranges(
+                ctypes.c_longlong(count),
+                _pointers(given, first, strides),
+                strides,
+                ctypes.byref(sparse.structure),
+                *(pointer(output[first:]) for output in outputs),
+                *scratch.pointers(),
+                pointer(work),
+                pointer(iwork),
+            )
+
+        self._over_chunks(samples, inputs, run)
+        return found
+
+    def torques(
+        self, samples: int, inputs: dict[str, Array], limits: LimitRows, c2: Array, weights: Array, slack: float
+    ) -> tuple[Array, Array, NDArray[np.uint8]]:
+        """Torques τ, Shape (N, m), wrenches F, Shape (N, n w), that minimise τᵀWτ at c², and statuses, Shape (N,).
+
+        Args:
+            samples: N.
+            inputs: Of the wrench form, by name.
+            limits: Rows over torques and wrenches.
+            c2: Shape (N,).
+            weights: W, Shape (m, m).
+            slack: Widening of each limit, as a share of it.
+        """
+        torque, wrench = np.zeros((samples, self.joints)), np.zeros((samples, self.wrenches))
+        status, W, speed = np.zeros(samples, dtype=np.uint8), np.ascontiguousarray(weights), np.ascontiguousarray(c2)
+        sparse = _SparseLimits(limits)
+
+        def run(first: int, count: int, given: list[Array], strides: Any, scratch: "_Scratch") -> None:
+            work, iwork = self._workspace(len(limits.names))
+            self.library.mrts_torques(
+                ctypes.c_longlong(count),
+                _pointers(given, first, strides),
+                strides,
+                ctypes.byref(sparse.structure),
+                pointer(speed[first:]),
+                1,
+                pointer(W),
+                ctypes.c_double(slack),
+                pointer(torque[first:]),
+                pointer(wrench[first:]),
+                pointer(status[first:]),
+                *scratch.pointers(),
+                pointer(work),
+                pointer(iwork),
+            )
+
+        self._over_chunks(samples, inputs, run)
+        return torque, wrench, status
+
+    def track(
+        self,
+        arms: list[tuple[Array, Array, Array]],
+        components: list[int],
+        path: tuple[Array, Array, Array, Array, Array],
+        start: Array,
+        newton: tuple[int, float, float],
+    ) -> KernelTrack:
+        """Follow the grasps from joint positions that hold them; arms have as many joints as wrench components.
+
+        Args:
+            arms: R_world_base, R_object_tip and p_object_tip of each.
+            components: Rows of a six-component twist that the cell uses.
+            path: Time, Shape (N,), position, (N, 3), rotation, (N, 3, 3), twist, (N, 6), and acceleration, (N, 6).
+            start: Positions at the first sample, Shape (m,) [rad or m].
+            newton: Most steps at a sample, joint step at which they end, largest joint step.
+        """
+        robots = len(arms)
+
+        class Task(ctypes.Structure):
+            """`mrts_tracking` of tracking.c."""
+
+            _fields_ = [
+                ("steps", ctypes.c_int),
+                ("settled", ctypes.c_double),
+                ("longest", ctypes.c_double),
+                ("components", ctypes.c_int * 6),
+                ("arm", _Arm * robots),
+            ]
+
+        task = Task(*newton, (ctypes.c_int * 6)(*components))
+        for place, (base, tip, offset) in zip(task.arm, arms, strict=True):
+            place.base_rotation[:], place.tip_rotation[:] = base.ravel().tolist(), tip.ravel().tolist()
+            place.tip_position[:] = offset.tolist()
+        given = [np.ascontiguousarray(part) for part in path]
+        samples = len(given[0])
+        q, dq, ddq = (np.zeros((samples, self.joints)) for _ in range(3))
+        gap, turn, jump, condition = (np.zeros((samples, robots)) for _ in range(4))
+        q[0] = start
+        scratches = [_Scratch(self.library, self.records[name]) for name in ("kinematics", "bias_acceleration")]
+        self.library.mrts_track.restype = ctypes.c_longlong
+        done = self.library.mrts_track(
+            ctypes.c_longlong(samples),
+            ctypes.byref(task),
+            *(pointer(array) for array in (*given, q, dq, ddq, gap, turn, jump, condition)),
+            *scratches[0].at_least(scratches[1]).pointers(),
+        )
+        return KernelTrack(int(done), q, dq, ddq, gap, turn, jump, condition)
+
+    def _workspace(self, rows: int) -> tuple[Array, NDArray[np.int32]]:
+        k = self.unknowns
+        return np.zeros(2 * rows * k + 2 * (rows + k) + 3 * k * k + 9 * k), np.zeros(rows + 7 * k + 1, dtype=np.int32)
+
+    def _over_chunks(self, samples: int, inputs: dict[str, Array], run: Callable[..., None]) -> None:
+        """Deal whole chunks of samples to a few threads: foreign calls let others run."""
+        record = self.records["wrench_form"]
+        given, strides = _inputs(record, inputs)
+        chunks = -(-samples // CHUNK)
+        threads = max(1, min(MOST_THREADS, os.cpu_count() or 1, chunks))
+        bounds = [min(samples, CHUNK * (chunks * part // threads)) for part in range(threads + 1)]
+        pieces = [(first, last - first) for first, last in pairwise(bounds) if last > first]
+        scratches = [_Scratch(self.library, record) for _ in pieces]
+        workers = [
+            threading.Thread(target=run, args=(*piece, given, strides, scratch))
+            for piece, scratch in zip(pieces[1:], scratches[1:], strict=True)
+        ]
+        for worker in workers:
+            worker.start()
+        run(*pieces[0], given, strides, scratches[0])
+        for worker in workers:
+            worker.join()
+
+
+class _Scratch:
+    """The work arrays that a generated function wants."""
+
+    def __init__(self, library: ctypes.CDLL, record: FunctionRecord) -> None:
+        sizes = [ctypes.c_longlong() for _ in range(4)]
+        getattr(library, f"{record.symbol}_work")(*(ctypes.byref(size) for size in sizes))
+        argument, result, integers, reals = (size.value for size in sizes)
+        self.sizes: tuple[int, ...] = (argument, result, integers, reals)
+        self._allocate()
+
+    def _allocate(self) -> None:
+        *words, reals = self.sizes
+        self._arrays: list[NDArray[Any]] = [np.zeros(size + 1, dtype=np.int64) for size in words]
+        self._arrays.append(np.zeros(reals + 1))
+
+    def at_least(self, other: "_Scratch") -> "_Scratch":
+        """The same with room for another function's work as well."""
+        self.sizes = tuple(max(pair) for pair in zip(self.sizes, other.sizes, strict=True))
+        self._allocate()
+        return self
+
+    def pointers(self) -> list[ctypes.c_void_p]:
+        """arg, res, iw, w."""
+        return [pointer(array) for array in self._arrays]
+
+
+class _SparseLimits:
+    """Rows over torques and wrenches in compressed form."""
+
+    def __init__(self, limits: LimitRows) -> None:
+        matrix = np.hstack([limits.torque_matrix, limits.wrench_matrix])
+        row, column = np.nonzero(matrix)
+        start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(limits.names)))])
+        self._arrays: list[NDArray[Any]] = [
+            np.ascontiguousarray(start, dtype=np.int32),
+            np.ascontiguousarray(column, dtype=np.int32),
+            np.ascontiguousarray(matrix[row, column]),
+            np.ascontiguousarray(np.maximum(limits.lower, -1e300)),
+            np.ascontiguousarray(np.minimum(limits.upper, 1e300)),
+            limits.units(),
+        ]
+        self.structure = _Limits(len(limits.names), *(pointer(array) for array in self._arrays))
+
+
+def can_track(manifest: Manifest) -> bool:
+    """Whether every arm has as many joints as wrench components, as the compiled inverse kinematics wants."""
+    return all(len(robot.joints) == len(manifest.wrench_components) for robot in manifest.robots)
+
+
+def cell_source(manifest: Manifest, source: Path) -> str:
+    """The C text of a cell's library: sizes, generated functions, kernel."""
+    symbol = {name: record.symbol for name, record in manifest.functions.items()}
+    components, joints = len(manifest.wrench_components), sum(len(robot.joints) for robot in manifest.robots)
+    macros = {
+        "MRTS_JOINTS": joints,
+        "MRTS_ROBOTS": len(manifest.robots),
+        "MRTS_SIZE": components,
+        "MRTS_WRENCHES": components * len(manifest.robots),
+        "MRTS_UNKNOWNS": components * (len(manifest.robots) - 1) + 1,
+        "MRTS_CHUNK": CHUNK,
+        "MRTS_WRENCH_FORM": symbol["wrench_form"],
+        "MRTS_KINEMATICS": symbol["kinematics"],
+        "MRTS_BIAS_ACCELERATION": symbol["bias_acceleration"],
+    }
+    kernel = [*KERNEL_FILES, "trajectory.c", *(["tracking.c"] if can_track(manifest) else [])]
+    defined = "".join(f"#define {name} {value}\n" for name, value in macros.items())
+    return f"{source.read_text(encoding='utf-8')}\n{defined}{kernel_text(kernel)}"
+
+
+def _inputs(record: FunctionRecord, inputs: dict[str, Array]) -> tuple[list[Array], Any]:
+    """Inputs as the generated C reads them (matrices by columns), and how far apart samples lie (0: one for all)."""
+    given, strides = [], []
+    for argument in record.inputs:
+        rows, columns = argument.shape
+        value = np.asarray(inputs[argument.name], dtype=np.float64)
+        alone = value.shape == (rows,) and columns == 1
+        if columns > 1:
+            value = value.reshape(-1, rows, columns).transpose(0, 2, 1)
+        given.append(np.ascontiguousarray(value))
+        strides.append(0 if alone else rows * columns)
+    return given, (ctypes.c_longlong * len(strides))(*strides)
+
+
+def _by_rows(value: Array) -> Array:
+    """An output by columns, Shape (N, columns, rows), as (N, rows, columns), or (N, rows) for a column."""
+    return value[:, 0, :] if value.shape[1] == 1 else np.ascontiguousarray(value.transpose(0, 2, 1))
+
+
+def _pointers(arrays: list[Array], first: int = 0, strides: Any = None) -> Any:
+    """An array of pointers, each moved on to sample `first`."""
+    steps = [8 * first * stride for stride in strides] if strides is not None else [0] * len(arrays)
+    addresses = [array.ctypes.data + step for array, step in zip(arrays, steps, strict=True)]
+    return (ctypes.c_void_p * len(arrays))(*addresses)

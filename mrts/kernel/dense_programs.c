@@ -1,0 +1,524 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Linear programs: the bounded dual simplex method with the bound flipping ratio test (Maros, Computational Techniques
+ * of the Simplex Method, 2003, chapter 10; Koberstein, The dual simplex method, 2005), in its row form: k rows that hold
+ * with equality determine x. Free unknowns start as rows without limits and leave first. Bland's rule (1977) ends cycles.
+ *
+ * Quadratic programs: the dual method of Goldfarb and Idnani, A numerically stable dual method for solving strictly
+ * convex quadratic programs, Mathematical Programming 27, 1983; two-sided rows and a final refinement are added.
+ */
+
+enum { MRTS_AT_LOWER = -1, MRTS_FREE = 0, MRTS_AT_UPPER = 1 };
+
+static mrts_real mrts_dot(int k, const mrts_real *a, const mrts_real *b) {
+    mrts_real sum = 0;
+    for (int i = 0; i < k; ++i) sum += a[i] * b[i];
+    return sum;
+}
+
+/* alpha_j = a_row' c_j: how the row is made of the basis rows */
+static void mrts_lp_alpha(int k, int rows, const mrts_real *A, int row, const mrts_real *C, mrts_real *alpha) {
+    if (row < rows) {
+        for (int j = 0; j < k; ++j) alpha[j] = mrts_dot(k, A + row * k, C + j * k);
+    } else {
+        for (int j = 0; j < k; ++j) alpha[j] = C[j * k + row - rows];
+    }
+}
+
+/* The inverse of the basis after its row q has been replaced; C holds the columns of the inverse. */
+static void mrts_lp_exchange(int k, int q, const mrts_real *alpha, mrts_real *C) {
+    mrts_real *cq = C + q * k;
+    const mrts_real factor = 1 / alpha[q];
+    for (int i = 0; i < k; ++i) cq[i] *= factor;
+    for (int j = 0; j < k; ++j) {
+        if (j == q || alpha[j] == 0) continue;
+        for (int i = 0; i < k; ++i) C[j * k + i] -= alpha[j] * cq[i];
+    }
+}
+
+static mrts_real mrts_lp_value(int rows, const mrts_real *A, int k, int row, const mrts_real *x) {
+    return row < rows ? mrts_dot(k, A + row * k, x) : x[row - rows];
+}
+
+/* Puts a side to each basis row that fits the sign of its multiplier; 0 where the limit that it needs is absent. */
+static int mrts_lp_choose_sides(int k, const mrts_real *lower, const mrts_real *upper, const int *row, int *side,
+                                const mrts_real *y) {
+    mrts_real largest = 0;
+    for (int j = 0; j < k; ++j) {
+        const mrts_real size = MRTS_ABS(y[j]);
+        if (size > largest) largest = size;
+    }
+    for (int j = 0; j < k; ++j) {
+        const int has_lower = lower[row[j]] > -MRTS_INFINITY, has_upper = upper[row[j]] < MRTS_INFINITY;
+        if (y[j] > MRTS_ZERO * largest) {
+            if (!has_lower) return 0;
+            side[j] = MRTS_AT_LOWER;
+        } else if (y[j] < -MRTS_ZERO * largest) {
+            if (!has_upper) return 0;
+            side[j] = MRTS_AT_UPPER;
+        } else if (side[j] == MRTS_AT_UPPER ? !has_upper : side[j] == MRTS_AT_LOWER ? !has_lower : has_lower || has_upper) {
+            side[j] = has_lower ? MRTS_AT_LOWER : has_upper ? MRTS_AT_UPPER : MRTS_FREE;
+        }
+    }
+    return 1;
+}
+
+static mrts_real mrts_limit(const mrts_real *lower, const mrts_real *upper, int row, int side) {
+    return side == MRTS_AT_LOWER ? lower[row] : side == MRTS_AT_UPPER ? upper[row] : 0;
+}
+
+/* x of a basis, refined once against its own rows; the largest residual that is left, relative to 1 and the limit */
+static mrts_real mrts_lp_solve(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
+                               const int *row, const int *side, const mrts_real *C, mrts_real *x) {
+    mrts_real worst = 0;
+    for (int i = 0; i < k; ++i) x[i] = 0;
+    for (int j = 0; j < k; ++j) {
+        const mrts_real limit = mrts_limit(lower, upper, row[j], side[j]);
+        if (limit != 0) {
+            for (int i = 0; i < k; ++i) x[i] += limit * C[j * k + i];
+        }
+    }
+    for (int pass = 0; pass < 2; ++pass) {
+        worst = 0;
+        for (int j = 0; j < k; ++j) {
+            const mrts_real limit = mrts_limit(lower, upper, row[j], side[j]);
+            const mrts_real missing = limit - mrts_lp_value(rows, A, k, row[j], x);
+            const mrts_real size = MRTS_ABS(missing) / (1 + MRTS_ABS(limit));
+            if (size > worst) worst = size;
+            if (missing != 0 && pass == 0) {
+                for (int i = 0; i < k; ++i) x[i] += missing * C[j * k + i];
+            }
+        }
+        if (worst == 0) break;
+    }
+    return worst;
+}
+
+/* How far g is from sum_j y_j a_j, relative to the largest term */
+static mrts_real mrts_lp_stationarity(int k, int rows, const mrts_real *A, const mrts_real *g, const int *row,
+                                      const mrts_real *y, mrts_real *rest) {
+    mrts_real size = 0, worst = 0;
+    for (int i = 0; i < k; ++i) {
+        rest[i] = g[i];
+        if (MRTS_ABS(g[i]) > size) size = MRTS_ABS(g[i]);
+    }
+    for (int j = 0; j < k; ++j) {
+        if (y[j] == 0) continue;
+        if (row[j] >= rows) {
+            rest[row[j] - rows] -= y[j];
+        } else {
+            for (int i = 0; i < k; ++i) rest[i] -= y[j] * A[row[j] * k + i];
+        }
+    }
+    for (int i = 0; i < k; ++i) {
+        if (MRTS_ABS(rest[i]) > worst) worst = MRTS_ABS(rest[i]);
+    }
+    return size > 0 ? worst / size : worst;
+}
+
+/* Rebuilds the inverse for the rows of a basis; rows that depend on others are replaced by unknowns. */
+static void mrts_lp_factor(int k, int rows, const mrts_real *A, int *row, int *side, mrts_real *C, mrts_real *alpha,
+                           int *wanted, int *taken) {
+    int count = 0;
+    for (int i = 0; i < k * k; ++i) C[i] = 0;
+    for (int j = 0; j < k; ++j) {
+        C[j * k + j] = 1;
+        taken[j] = 0;
+    }
+    for (int j = 0; j < k; ++j) { /* unknowns first: they cost nothing */
+        if (row[j] >= rows) {
+            taken[row[j] - rows] = 1 + side[j] + 1;
+        } else {
+            wanted[2 * count] = row[j];
+            wanted[2 * count + 1] = side[j];
+            ++count;
+        }
+    }
+    for (int j = 0; j < k; ++j) {
+        row[j] = rows + j;
+        side[j] = taken[j] ? taken[j] - 2 : MRTS_FREE;
+    }
+    for (int next = 0; next < count; ++next) {
+        int q = -1;
+        mrts_real best = 0, size = 0;
+        mrts_lp_alpha(k, rows, A, wanted[2 * next], C, alpha);
+        for (int j = 0; j < k; ++j) {
+            const mrts_real value = MRTS_ABS(alpha[j]);
+            if (value > size) size = value;
+            if (!taken[j] && value > best) {
+                best = value;
+                q = j;
+            }
+        }
+        if (q < 0 || best <= MRTS_PIVOT * size) continue;
+        mrts_lp_exchange(k, q, alpha, C);
+        row[q] = wanted[2 * next];
+        side[q] = wanted[2 * next + 1];
+        taken[q] = 1;
+    }
+}
+
+/* The row that oversteps its limits most (Bland: the first), signed +-(row + 1); 0 if none does. */
+static int mrts_lp_price(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
+                         const mrts_real *x, const int *in_basis, int bland, mrts_real *excess) {
+    int found = 0;
+    mrts_real most = 0;
+    for (int row = 0; row < rows + k; ++row) {
+        if (in_basis[row]) continue;
+        const mrts_real value = mrts_lp_value(rows, A, k, row, x);
+        const mrts_real above = value - upper[row], below = lower[row] - value;
+        const mrts_real over = above > below ? above : below;
+        if (over <= 0) continue;
+        const mrts_real limit = above > below ? upper[row] : lower[row];
+        if (over > MRTS_FEASIBLE * (1 + MRTS_ABS(limit)) && over > most) {
+            most = over;
+            found = above > below ? row + 1 : -row - 1;
+            if (bland) break;
+        }
+    }
+    *excess = most;
+    return found;
+}
+
+/* Leaving position of the ratio test, -1 if none: flips the limits of rows that the step passes. Adds to *slack how far
+ * the entering row stays beyond its limit with all basis rows at their better ends. */
+static int mrts_lp_ratio(int k, const mrts_real *lower, const mrts_real *upper, const int *row, int *side,
+                         const mrts_real *y, const mrts_real *alpha, mrts_real sign, mrts_real excess, int bland,
+                         int *passed, mrts_real *slack) {
+    mrts_real size = 0, slope = excess, scale = 0;
+    for (int j = 0; j < k; ++j) {
+        const mrts_real value = MRTS_ABS(alpha[j]), weight = MRTS_ABS(y[j]);
+        if (value > size) size = value;
+        if (weight > scale) scale = weight;
+        passed[j] = 0;
+    }
+    const mrts_real smallest = MRTS_PIVOT * size;
+    for (;;) {
+        mrts_real least = MRTS_INFINITY, best = 0;
+        int leaving = -1;
+        for (int j = 0; j < k; ++j) { /* y_j + sign t alpha_j keeps its sign until t reaches this ratio */
+            const mrts_real rate = sign * alpha[j];
+            if (passed[j] || MRTS_ABS(rate) <= smallest) continue;
+            if (side[j] == MRTS_AT_LOWER ? rate > 0 : side[j] == MRTS_AT_UPPER ? rate < 0 : 0) continue;
+            const mrts_real reach = side[j] == MRTS_FREE ? 0 : MRTS_ABS(y[j] / rate);
+            if (reach < least) least = reach;
+        }
+        if (least >= MRTS_INFINITY) break;
+        const mrts_real tie = least + MRTS_ZERO * (least + scale / (size > 0 ? size : 1));
+        for (int j = 0; j < k; ++j) { /* of those that tie, the largest pivot */
+            const mrts_real rate = sign * alpha[j];
+            if (passed[j] || MRTS_ABS(rate) <= smallest) continue;
+            if (side[j] == MRTS_AT_LOWER ? rate > 0 : side[j] == MRTS_AT_UPPER ? rate < 0 : 0) continue;
+            const mrts_real reach = side[j] == MRTS_FREE ? 0 : MRTS_ABS(y[j] / rate);
+            if (reach <= tie && (bland ? leaving < 0 || row[j] < row[leaving] : MRTS_ABS(rate) > best)) {
+                best = MRTS_ABS(rate);
+                leaving = j;
+            }
+        }
+        const mrts_real low = lower[row[leaving]], high = upper[row[leaving]];
+        if (side[leaving] == MRTS_FREE || low <= -MRTS_INFINITY || high >= MRTS_INFINITY) return leaving;
+        if (bland) return leaving;
+        slope -= best * (high - low);
+        if (slope <= 0) return leaving;
+        passed[leaving] = 1;
+    }
+    /* no row blocks: with every basis row at its better end the entering row stays beyond its limit by the slope */
+    *slack = slope;
+    return -1;
+}
+
+static int mrts_lp(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
+                   const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering, mrts_real *work,
+                   int *iwork) {
+    mrts_real *C = work, *alpha = C + k * k;
+    int *in_basis = iwork, *passed = in_basis + rows + k, *row = passed + k, *side = row + k, *wanted = side + k;
+    const int bland_from = 10 + 2 * (k + rows), limit = 2 * bland_from;
+    int cold = basis[0] == 0, status = MRTS_STOPPED, updates = 0, tried_again = 0;
+
+    *entering = 0;
+    for (int j = 0; j < k; ++j) {
+        row[j] = cold ? rows + j : (basis[j] < 0 ? -basis[j] : basis[j]) - 1;
+        side[j] = cold ? MRTS_FREE : basis[j] < 0 ? MRTS_AT_LOWER : MRTS_AT_UPPER;
+    }
+restart:
+    mrts_lp_factor(k, rows, A, row, side, C, alpha, wanted, passed);
+    updates = 0;
+    for (int j = 0; j < k; ++j) y[j] = mrts_dot(k, g, C + j * k);
+    if (!mrts_lp_choose_sides(k, lower, upper, row, side, y)) {
+        if (cold) goto done;
+        cold = 1;
+        for (int j = 0; j < k; ++j) {
+            row[j] = rows + j;
+            side[j] = MRTS_FREE;
+        }
+        goto restart;
+    }
+    for (int i = 0; i < rows + k; ++i) in_basis[i] = 0;
+    for (int j = 0; j < k; ++j) in_basis[row[j]] = 1;
+    mrts_lp_solve(k, rows, A, lower, upper, row, side, C, x);
+
+    for (int iteration = 0; iteration < limit; ++iteration) {
+        mrts_real excess, slack = 0;
+        const int bland = iteration >= bland_from;
+        const int found = mrts_lp_price(k, rows, A, lower, upper, x, in_basis, bland, &excess);
+        if (found == 0) {
+            const mrts_real left = mrts_lp_solve(k, rows, A, lower, upper, row, side, C, x);
+            const mrts_real uneven = mrts_lp_stationarity(k, rows, A, g, row, y, alpha);
+            if (left > MRTS_FEASIBLE || uneven > MRTS_FEASIBLE) { /* try a fresh inverse */
+                if (!updates || ++tried_again > 3) goto done;
+                goto restart;
+            }
+            status = MRTS_OPTIMAL;
+            goto done;
+        }
+        const int p = (found < 0 ? -found : found) - 1;
+        const mrts_real sign = found > 0 ? 1 : -1;
+        mrts_lp_alpha(k, rows, A, p, C, alpha);
+        const int q = mrts_lp_ratio(k, lower, upper, row, side, y, alpha, sign, excess, bland, passed, &slack);
+        if (q < 0) {
+            mrts_real size = 1;
+            if (updates && tried_again < 3) { /* the certificate comes from a fresh inverse */
+                ++tried_again;
+                goto restart;
+            }
+            for (int j = 0; j < k; ++j) {
+                size += MRTS_ABS(alpha[j]);
+                y[j] = -alpha[j];
+            }
+            *entering = found;
+            status = slack > MRTS_SEPARATED * size ? MRTS_INFEASIBLE : MRTS_MARGINAL;
+            goto done;
+        }
+        for (int j = 0; j < k; ++j) {
+            if (passed[j]) side[j] = -side[j];
+        }
+        mrts_lp_exchange(k, q, alpha, C);
+        ++updates;
+        in_basis[row[q]] = 0;
+        in_basis[p] = 1;
+        row[q] = p;
+        side[q] = found > 0 ? MRTS_AT_UPPER : MRTS_AT_LOWER;
+        for (int j = 0; j < k; ++j) y[j] = mrts_dot(k, g, C + j * k);
+        mrts_lp_solve(k, rows, A, lower, upper, row, side, C, x);
+    }
+done:
+    for (int j = 0; j < k; ++j) basis[j] = side[j] == MRTS_AT_LOWER ? -row[j] - 1 : row[j] + 1;
+    return status;
+}
+
+/* Cholesky factor of H and the inverse of its transpose, upper triangular, by columns in J; 0 if H is not definite. */
+static int mrts_qp_factor(int k, const mrts_real *H, mrts_real *L, mrts_real *J) {
+    for (int j = 0; j < k; ++j) {
+        for (int i = j; i < k; ++i) {
+            mrts_real sum = H[i * k + j];
+            for (int l = 0; l < j; ++l) sum -= L[i * k + l] * L[j * k + l];
+            if (i == j) {
+                if (!(sum > 0)) return 0;
+                L[j * k + j] = MRTS_SQRT(sum);
+            } else {
+                L[i * k + j] = sum / L[j * k + j];
+            }
+        }
+    }
+    for (int j = 0; j < k; ++j) { /* column j of L^-T, stored as J[j * k + i] */
+        for (int i = 0; i < k; ++i) J[j * k + i] = 0;
+        J[j * k + j] = 1 / L[j * k + j];
+        for (int i = j - 1; i >= 0; --i) {
+            mrts_real sum = 0;
+            for (int l = i + 1; l <= j; ++l) sum += L[l * k + i] * J[j * k + l];
+            J[j * k + i] = -sum / L[i * k + i];
+        }
+    }
+    return 1;
+}
+
+static void mrts_rotate(int k, mrts_real c, mrts_real s, mrts_real *a, mrts_real *b) {
+    for (int i = 0; i < k; ++i) {
+        const mrts_real t = c * a[i] + s * b[i];
+        b[i] = c * b[i] - s * a[i];
+        a[i] = t;
+    }
+}
+
+/* Adds a row with J'a = d as the last active one: rotates d's tail into one entry. R is upper triangular, by columns. */
+static void mrts_qp_add(int k, int count, mrts_real *d, mrts_real *J, mrts_real *R) {
+    for (int j = k - 1; j > count; --j) {
+        if (d[j] == 0) continue;
+        const mrts_real a = d[j - 1], b = d[j];
+        const mrts_real size = MRTS_SQRT(a * a + b * b);
+        mrts_rotate(k, a / size, b / size, J + (j - 1) * k, J + j * k);
+        d[j - 1] = size;
+        d[j] = 0;
+    }
+    for (int i = 0; i <= count; ++i) R[count * k + i] = d[i];
+}
+
+/* Takes active row `out` away and restores the triangle. */
+static void mrts_qp_drop(int k, int count, int out, mrts_real *J, mrts_real *R) {
+    for (int j = out; j + 1 < count; ++j) {
+        for (int i = 0; i <= j + 1; ++i) R[j * k + i] = R[(j + 1) * k + i];
+    }
+    for (int j = out; j + 1 < count; ++j) {
+        const mrts_real a = R[j * k + j], b = R[j * k + j + 1];
+        if (b == 0) continue;
+        const mrts_real size = MRTS_SQRT(a * a + b * b), c = a / size, s = b / size;
+        for (int l = j; l + 1 < count; ++l) {
+            const mrts_real t = c * R[l * k + j] + s * R[l * k + j + 1];
+            R[l * k + j + 1] = c * R[l * k + j + 1] - s * R[l * k + j];
+            R[l * k + j] = t;
+        }
+        mrts_rotate(k, c, s, J + j * k, J + (j + 1) * k);
+    }
+}
+
+static void mrts_row_of(int k, int rows, const mrts_real *A, int row, mrts_real sign, mrts_real *a) {
+    for (int i = 0; i < k; ++i) a[i] = row < rows ? sign * A[row * k + i] : 0;
+    if (row >= rows) a[row - rows] = sign;
+}
+
+/* One step of refinement of x and u on the active rows: residuals of stationarity and of the rows are solved for. */
+static void mrts_qp_refine(int k, int rows, const mrts_real *H, const mrts_real *A, const mrts_real *lower,
+                           const mrts_real *upper, const mrts_real *g, const int *active, int count,
+                           const mrts_real *J, const mrts_real *R, mrts_real *x, mrts_real *u, mrts_real *work) {
+    mrts_real *gradient = work, *w = work + k, *a = work + 2 * k;
+    for (int i = 0; i < k; ++i) gradient[i] = mrts_dot(k, H + i * k, x) + g[i];
+    for (int j = 0; j < count; ++j) {
+        const int at_lower = active[j] < 0, row = (at_lower ? -active[j] : active[j]) - 1;
+        mrts_row_of(k, rows, A, row, at_lower ? 1 : -1, a);
+        for (int i = 0; i < k; ++i) gradient[i] -= u[j] * a[i];
+        w[j] = (at_lower ? lower[row] : -upper[row]) - mrts_dot(k, a, x);
+    }
+    for (int j = 0; j < count; ++j) { /* R'w = what the rows miss */
+        for (int i = 0; i < j; ++i) w[j] -= R[j * k + i] * w[i];
+        w[j] /= R[j * k + j];
+    }
+    for (int j = count; j < k; ++j) w[j] = -mrts_dot(k, J + j * k, gradient);
+    for (int j = 0; j < k; ++j) {
+        for (int i = 0; i < k; ++i) x[i] += w[j] * J[j * k + i];
+    }
+    for (int j = 0; j < count; ++j) w[j] += mrts_dot(k, J + j * k, gradient);
+    for (int j = count - 1; j >= 0; --j) {
+        for (int i = j + 1; i < count; ++i) w[j] -= R[i * k + j] * w[i];
+        w[j] /= R[j * k + j];
+        u[j] += w[j];
+    }
+}
+
+/* Largest error of stationarity, relative to its terms, of the active rows, and of a multiplier's sign. */
+static mrts_real mrts_qp_error(int k, int rows, const mrts_real *H, const mrts_real *A, const mrts_real *lower,
+                               const mrts_real *upper, const mrts_real *g, const int *active, int count,
+                               const mrts_real *x, const mrts_real *u, mrts_real *work) {
+    mrts_real *gradient = work, *a = work + k, size = 0, worst = 0, largest = 0;
+    for (int i = 0; i < k; ++i) {
+        gradient[i] = mrts_dot(k, H + i * k, x) + g[i];
+        if (MRTS_ABS(g[i]) > size) size = MRTS_ABS(g[i]);
+    }
+    for (int j = 0; j < count; ++j) {
+        if (u[j] > largest) largest = u[j];
+    }
+    for (int j = 0; j < count; ++j) {
+        const int at_lower = active[j] < 0, row = (at_lower ? -active[j] : active[j]) - 1;
+        mrts_row_of(k, rows, A, row, at_lower ? 1 : -1, a);
+        const mrts_real limit = at_lower ? lower[row] : -upper[row];
+        const mrts_real missing = MRTS_ABS(limit - mrts_dot(k, a, x)) / (1 + MRTS_ABS(limit));
+        if (missing > worst) worst = missing;
+        if (lower[row] < upper[row] && -u[j] > worst * largest) worst = largest > 0 ? -u[j] / largest : 1;
+        for (int i = 0; i < k; ++i) {
+            gradient[i] -= u[j] * a[i];
+            if (MRTS_ABS(u[j] * a[i]) > size) size = MRTS_ABS(u[j] * a[i]);
+        }
+    }
+    for (int i = 0; i < k; ++i) {
+        if (MRTS_ABS(gradient[i]) > worst * size) worst = MRTS_ABS(gradient[i]) / size;
+    }
+    return worst;
+}
+
+static int mrts_qp(int k, int rows, const mrts_real *H, const mrts_real *A, const mrts_real *lower,
+                   const mrts_real *upper, const mrts_real *g, mrts_real *x, int *active, mrts_real *u, int *count,
+                   mrts_real *work, int *iwork) {
+    mrts_real *L = work, *J = L + k * k, *R = J + k * k, *a = R + k * k, *d = a + k, *z = d + k, *r = z + k;
+    mrts_real *scratch = r + k;
+    int *is_active = iwork;
+    const int limit = 20 + 4 * (k + rows);
+    int m = 0;
+
+    *count = 0;
+    if (!mrts_qp_factor(k, H, L, J)) return MRTS_STOPPED;
+    for (int i = 0; i < rows + k; ++i) is_active[i] = 0;
+    for (int i = 0; i < k; ++i) x[i] = 0;
+    for (int j = 0; j < k; ++j) { /* the unconstrained minimiser */
+        const mrts_real step = -mrts_dot(k, J + j * k, g);
+        for (int i = 0; i <= j; ++i) x[i] += step * J[j * k + i];
+    }
+    for (int iteration = 0; iteration < limit; ++iteration) {
+        mrts_real excess;
+        const int found = mrts_lp_price(k, rows, A, lower, upper, x, is_active, 0, &excess);
+        if (found == 0) {
+            *count = m;
+            mrts_qp_refine(k, rows, H, A, lower, upper, g, active, m, J, R, x, u, scratch);
+            mrts_qp_refine(k, rows, H, A, lower, upper, g, active, m, J, R, x, u, scratch);
+            if (mrts_qp_error(k, rows, H, A, lower, upper, g, active, m, x, u, scratch) > MRTS_FEASIBLE) {
+                return MRTS_STOPPED;
+            }
+            return mrts_lp_price(k, rows, A, lower, upper, x, is_active, 0, &excess) ? MRTS_STOPPED : MRTS_OPTIMAL;
+        }
+        const int p = (found < 0 ? -found : found) - 1;
+        mrts_real multiplier = 0, missing = excess; /* a'x >= b is missed by this much */
+        mrts_row_of(k, rows, A, p, found < 0 ? 1 : -1, a);
+        for (;;) {
+            mrts_real curvature = 0, size = 0, full = MRTS_INFINITY, part = MRTS_INFINITY;
+            int out = -1;
+            for (int j = 0; j < k; ++j) {
+                d[j] = mrts_dot(k, J + j * k, a);
+                size += d[j] * d[j];
+                if (j >= m) curvature += d[j] * d[j];
+            }
+            for (int i = 0; i < k; ++i) z[i] = 0;
+            for (int j = m; j < k; ++j) {
+                for (int i = 0; i < k; ++i) z[i] += d[j] * J[j * k + i];
+            }
+            for (int j = m - 1; j >= 0; --j) {
+                r[j] = d[j];
+                for (int i = j + 1; i < m; ++i) r[j] -= R[i * k + j] * r[i];
+                r[j] /= R[j * k + j];
+            }
+            if (curvature > MRTS_PIVOT * MRTS_PIVOT * size) full = missing / curvature;
+            for (int j = 0; j < m; ++j) {
+                const int row = (active[j] < 0 ? -active[j] : active[j]) - 1;
+                if (r[j] > 0 && lower[row] < upper[row] && u[j] < part * r[j]) {
+                    part = u[j] / r[j];
+                    out = j;
+                }
+            }
+            if (full >= MRTS_INFINITY && part >= MRTS_INFINITY) {
+                mrts_real weight = 1;
+                for (int j = 0; j < m; ++j) weight += MRTS_ABS(r[j]);
+                return missing > MRTS_SEPARATED * weight ? MRTS_INFEASIBLE : MRTS_MARGINAL;
+            }
+            const mrts_real step = full < part ? full : part;
+            for (int j = 0; j < m; ++j) u[j] -= step * r[j];
+            multiplier += step;
+            if (full < MRTS_INFINITY) {
+                for (int i = 0; i < k; ++i) x[i] += step * z[i];
+                missing -= step * curvature;
+            }
+            if (full <= part) {
+                mrts_qp_add(k, m, d, J, R);
+                active[m] = found; /* < 0: its lower limit binds */
+                u[m++] = multiplier;
+                is_active[p] = 1;
+                break;
+            }
+            is_active[(active[out] < 0 ? -active[out] : active[out]) - 1] = 0;
+            mrts_qp_drop(k, m, out, J, R);
+            for (int j = out; j + 1 < m; ++j) {
+                u[j] = u[j + 1];
+                active[j] = active[j + 1];
+            }
+            --m;
+            if (++iteration >= limit) return MRTS_STOPPED;
+        }
+    }
+    return MRTS_STOPPED;
+}

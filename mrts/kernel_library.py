@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: MIT
+"""Our kernel of small dense programs, compiled by itself: batches of any size in one foreign call."""
+
+import ctypes
+from collections.abc import Sequence
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.cell_cache import library_in_cache
+from mrts.rigid_transform import Array
+
+KERNEL_FILES = ("dense_programs.h", "dense_programs.c", "batch.c")
+EXPORT = '__attribute__((visibility("default")))'
+
+OPTIMAL, INFEASIBLE, MARGINAL, STOPPED = range(4)
+"""The kernel's statuses, see dense_programs.h."""
+
+
+class KernelLibrary:
+    """Our kernel by itself: batches of small dense programs.
+
+    Args:
+        library: Path of the shared library.
+
+    Raises:
+        OSError: If it cannot be loaded.
+    """
+
+    def __init__(self, library: Path) -> None:
+        self.library = ctypes.CDLL(str(library))
+
+    def linear_programs(self, g: Array, A: Array, lower: Array, upper: Array) -> tuple[Array, Array, NDArray[np.uint8]]:
+        """Minimise gᵀx in every program of a batch; shapes as in `quadratic_programs`."""
+        return self._batch("mrts_lp_batch", [g, A, lower, upper])
+
+    def quadratic_programs(
+        self, H: Array, g: Array, A: Array, lower: Array, upper: Array
+    ) -> tuple[Array, Array, NDArray[np.uint8]]:
+        """Minimise ½ xᵀHx + gᵀx in every program of a batch.
+
+        Args:
+            H: Positive definite, Shape (N, k, k).
+            g: Shape (N, k).
+            A: Shape (N, r, k).
+            lower: Of the rows and then the unknowns, Shape (N, r + k).
+            upper: Likewise.
+
+        Returns:
+            Minimisers, Shape (N, k), multipliers of rows and unknowns, Shape (N, r + k), positive at an upper limit,
+            and statuses, Shape (N,).
+        """
+        return self._batch("mrts_qp_batch", [H, g, A, lower, upper])
+
+    def _batch(self, name: str, arrays: list[Array]) -> tuple[Array, Array, NDArray[np.uint8]]:
+        count, rows, k = arrays[-3].shape
+        arrays = [np.ascontiguousarray(np.clip(array, -1e300, 1e300)) for array in arrays]
+        x, dual, status = np.zeros((count, k)), np.zeros((count, rows + k)), np.zeros(count, dtype=np.uint8)
+        work, iwork = np.zeros(3 * k * k + 9 * k), np.zeros(rows + 7 * k + 1, dtype=np.int32)
+        pointers = [pointer(array) for array in (*arrays, x, dual, status, work, iwork)]
+        getattr(self.library, name)(ctypes.c_longlong(count), k, rows, *pointers)
+        return x, dual, status
+
+
+def kernel_library(command: tuple[str, ...]) -> KernelLibrary:
+    """The kernel without a cell, compiled on first use.
+
+    Raises:
+        CompilerError: If the compiler fails.
+    """
+    return KernelLibrary(library_in_cache(command, "mrts_kernel", kernel_text(KERNEL_FILES)))
+
+
+def kernel_text(names: Sequence[str]) -> str:
+    """C text of some files of mrts/kernel, in order."""
+    folder = files("mrts") / "kernel"
+    texts = [(folder / name).read_text(encoding="utf-8") for name in names]
+    return f"#include <math.h>\n#define MRTS_EXPORT {EXPORT}\n" + "\n".join(texts)
+
+
+def pointer(array: NDArray[Any]) -> ctypes.c_void_p:
+    """Address of an array's first entry."""
+    return ctypes.c_void_p(array.ctypes.data)

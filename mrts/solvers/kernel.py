@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: MIT
+"""Our own dense kernel for any batch of programs; see mrts/kernel/dense_programs.h."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from mrts.compiler import find_compiler
+from mrts.kernel_library import KernelLibrary, kernel_library
+from mrts.rigid_transform import Array
+
+
+class KernelSolver:
+    """Linear programs by the bounded dual simplex method, quadratic ones by a dual active set method."""
+
+    def __init__(self) -> None:
+        self._library = _library()
+
+    def solve(
+        self,
+        H: Array | None,
+        g: Array,
+        A: Array,
+        lower: Array,
+        upper: Array,
+        x_lower: Array,
+        x_upper: Array,
+    ) -> tuple[Array, Array, Array]:
+        """Solve a batch; see `mrts.convex_program.ConvexPrograms` for the shapes."""
+        rows = A.shape[1]
+        low, high = np.concatenate([lower, x_lower], axis=1), np.concatenate([upper, x_upper], axis=1)
+        if H is None:
+            x, dual, _ = self._library.linear_programs(g, A, low, high)
+        else:
+            x, dual, _ = self._library.quadratic_programs(H, g, A, low, high)
+        return x, dual[:, :rows], dual[:, rows:]
+
+
+@lru_cache(maxsize=1)
+def _library() -> KernelLibrary:
+    command = find_compiler()
+    assert command is not None  # noqa: S101 (the registry asks before)
+    return kernel_library(command)

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: MIT
+"""The programs of a whole trajectory: by the compiled kernel in one call, or put together here for another solver."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.cell import Cell
+from mrts.compiled_cell import CompiledCell
+from mrts.constraints import cell_rows
+from mrts.coordinated_motion import CoordinatedMotion
+from mrts.infeasibility import Conflict, find_conflicts
+from mrts.kernel_library import MARGINAL, OPTIMAL
+from mrts.limit_rows import ActiveRow
+from mrts.load_sharing import LoadSharing
+from mrts.range_ends import KernelRows
+from mrts.rigid_transform import Array
+from mrts.sample_problem import FormulationName, build_sample_problem
+from mrts.scaling_range import (
+    REST_TOLERANCE,
+    SampleRanges,
+    sample_ranges,
+    statuses,
+    without_speed_at_rest,
+)
+from mrts.solvers import check_solver
+from mrts.torque_distribution import SLACK, distribute_torques
+
+BLOCK = 4096
+"""Samples whose rows are put together at a time where the kernel has not answered."""
+
+
+def motion_ranges(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    formulation: FormulationName,
+    sharing: LoadSharing | None,
+    solver: str,
+    load: Array | None = None,
+) -> SampleRanges:
+    """Least and largest c² at every sample (step 1 of MMTSF).
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+        formulation: "wrench" or "torque".
+        sharing: A fixed distribution of the load, None for a free one.
+        solver: Name in the registry; "kernel" takes the compiled path where it applies.
+        load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
+
+    Raises:
+        InputError: If an argument breaks a rule.
+        SolverError: If no solver answers.
+    """
+    compiled = _compiled(cell, formulation, sharing, solver)
+    if compiled is None:
+        problem = build_sample_problem(cell, motion, formulation, sharing, load)
+        return sample_ranges(problem, motion.object.time, solver)
+    limits = cell_rows(cell)
+    found = compiled.ranges(motion.samples, motion.inputs(cell.load if load is None else load), limits)
+    at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
+    low, high = found.low, np.where(at_rest, np.inf, found.high)
+    suspects = np.flatnonzero(np.any(found.status != OPTIMAL, axis=0) | (at_rest & (low > 0)))
+    rows = [KernelRows(limits, found.basis[end], found.dual[end], {}) for end in (0, 1)]
+    conflicts: list[Conflict] = []
+    fallbacks = int(np.sum(np.any(found.status > MARGINAL, axis=0)))
+    for start in range(0, len(suspects), BLOCK):
+        block = suspects[start : start + BLOCK]
+        part = _settle(cell, motion, load, block, float(np.max(found.effect)), solver)
+        low[block], high[block] = part.lower, part.upper
+        for index, sample in enumerate(block.tolist()):
+            rows[0].settled[sample], rows[1].settled[sample] = part.lower_rows[index], part.upper_rows[index]
+        conflicts += [replace(conflict, sample=int(block[conflict.sample])) for conflict in part.conflicts]
+        fallbacks += part.fallbacks
+    return SampleRanges(
+        motion.object.time, statuses(low, high, conflicts), low, high, rows[0], rows[1], tuple(conflicts), fallbacks
+    )
+
+
+def motion_torques(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    formulation: FormulationName,
+    sharing: LoadSharing | None,
+    solver: str,
+    c2: float,
+    weights: Array,
+) -> tuple[Array, Array, int]:
+    """Torques, Shape (N, m), and wrenches, Shape (N, n w), at a chosen c², and how many programs another solver solved.
+
+    Args:
+        cell: The cell, with its load.
+        motion: Its motion.
+        formulation: As in `motion_ranges`.
+        sharing: Likewise.
+        solver: Likewise.
+        c2: Chosen c².
+        weights: W, Shape (m, m).
+
+    Raises:
+        InputError: If an argument breaks a rule.
+        SolverError: If no solver answers.
+    """
+    compiled = _compiled(cell, formulation, sharing, solver)
+    if compiled is None:
+        problem = build_sample_problem(cell, motion, formulation, sharing)
+        x, fallbacks = distribute_torques(problem, c2, weights, solver)
+        return problem.torque(x), problem.wrench(x), fallbacks
+    torque, wrench, status = compiled.torques(
+        motion.samples, motion.inputs(cell.load), cell_rows(cell), np.full(motion.samples, c2), weights, SLACK
+    )
+    missing = np.flatnonzero(status != OPTIMAL)
+    for start in range(0, len(missing), BLOCK):
+        block = missing[start : start + BLOCK]
+        problem = build_sample_problem(cell, motion, samples=block)
+        x, _ = distribute_torques(problem, c2, weights, solver)
+        torque[block], wrench[block] = problem.torque(x), problem.wrench(x)
+    return torque, wrench, len(missing)
+
+
+def _compiled(
+    cell: Cell, formulation: FormulationName, sharing: LoadSharing | None, solver: str
+) -> CompiledCell | None:
+    """The cell's library where it answers: free distribution, wrench form, more than one arm."""
+    check_solver(solver)
+    compiled = cell.functions.compiled
+    applies = solver == "kernel" and formulation == "wrench" and sharing is None and len(cell.robots) > 1
+    return compiled if applies else None
+
+
+def _settle(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    load: Array | None,
+    samples: NDArray[np.int_],
+    speed: float,
+    solver: str,
+) -> SampleRanges:
+    """Ranges of samples that the kernel found infeasible or could not decide."""
+    problem = without_speed_at_rest(build_sample_problem(cell, motion, load=load, samples=samples), speed)
+    time = motion.object.time[samples]
+    found = find_conflicts(problem, time, np.arange(len(samples)), solver)
+    conflicts = tuple(conflict for conflict in found if conflict is not None)
+    still = np.array([index for index, conflict in enumerate(found) if conflict is None], dtype=int)
+    low, high = np.full(len(samples), np.inf), np.full(len(samples), -np.inf)
+    low_rows: list[tuple[ActiveRow, ...]] = [()] * len(samples)
+    high_rows, fallbacks = low_rows.copy(), 0
+    if still.size:
+        part = sample_ranges(problem.at(still), time[still], solver)
+        low[still], high[still], fallbacks = part.lower, part.upper, part.fallbacks
+        for index, sample in enumerate(still.tolist()):
+            low_rows[sample], high_rows[sample] = part.lower_rows[index], part.upper_rows[index]
+    return SampleRanges(
+        time, statuses(low, high, conflicts), low, high, tuple(low_rows), tuple(high_rows), conflicts, fallbacks
+    )
