@@ -41,7 +41,7 @@ MRTS_EXPORT void mrts_lp_batch(long long count, int k, int rows, const double *g
         }
         for (int i = 0; i < rows + k; ++i) d[i] = 0;
         mrts_store_duals(k, basis, y, k, -1, d);
-        if (entering) d[(entering < 0 ? -entering : entering) - 1] = entering < 0 ? 1 : -1;
+        if (entering) d[(entering < 0 ? -entering : entering) - 1] = entering < 0 ? -1 : 1;
         status[n] = (unsigned char)found;
         if (found != MRTS_OPTIMAL) basis[0] = 0;
     }

@@ -40,27 +40,31 @@ static mrts_real mrts_lp_value(int rows, const mrts_real *A, int k, int row, con
     return row < rows ? mrts_dot(k, A + row * k, x) : x[row - rows];
 }
 
-/* Puts a side to each basis row that fits the sign of its multiplier; 0 where the limit that it needs is absent. */
+/* Puts a side to each basis row that fits the sign of its multiplier, if that exceeds a share of the largest. Returns -1
+ * where the limit that it needs is absent, else how many have changed. */
 static int mrts_lp_choose_sides(int k, const mrts_real *lower, const mrts_real *upper, const int *row, int *side,
-                                const mrts_real *y) {
+                                const mrts_real *y, mrts_real share) {
     mrts_real largest = 0;
+    int changed = 0;
     for (int j = 0; j < k; ++j) {
         const mrts_real size = MRTS_ABS(y[j]);
         if (size > largest) largest = size;
     }
     for (int j = 0; j < k; ++j) {
         const int has_lower = lower[row[j]] > -MRTS_INFINITY, has_upper = upper[row[j]] < MRTS_INFINITY;
-        if (y[j] > MRTS_ZERO * largest) {
-            if (!has_lower) return 0;
+        const int before = side[j];
+        if (y[j] > share * largest) {
+            if (!has_lower) return -1;
             side[j] = MRTS_AT_LOWER;
-        } else if (y[j] < -MRTS_ZERO * largest) {
-            if (!has_upper) return 0;
+        } else if (y[j] < -share * largest) {
+            if (!has_upper) return -1;
             side[j] = MRTS_AT_UPPER;
         } else if (side[j] == MRTS_AT_UPPER ? !has_upper : side[j] == MRTS_AT_LOWER ? !has_lower : has_lower || has_upper) {
             side[j] = has_lower ? MRTS_AT_LOWER : has_upper ? MRTS_AT_UPPER : MRTS_FREE;
         }
+        changed += side[j] != before;
     }
-    return 1;
+    return changed;
 }
 
 static mrts_real mrts_limit(const mrts_real *lower, const mrts_real *upper, int row, int side) {
@@ -94,21 +98,33 @@ static mrts_real mrts_lp_solve(int k, int rows, const mrts_real *A, const mrts_r
     return worst;
 }
 
-/* How far g is from sum_j y_j a_j, relative to the largest term */
+/* rest -= y a_row; the largest term */
+static mrts_real mrts_lp_take(int k, int rows, const mrts_real *A, int row, mrts_real y, mrts_real *rest) {
+    mrts_real size = 0;
+    if (y == 0) return 0;
+    if (row >= rows) {
+        rest[row - rows] -= y;
+        return MRTS_ABS(y);
+    }
+    for (int i = 0; i < k; ++i) {
+        const mrts_real term = y * A[row * k + i];
+        rest[i] -= term;
+        if (MRTS_ABS(term) > size) size = MRTS_ABS(term);
+    }
+    return size;
+}
+
+/* How far g (none: zero) is from sum_j y_j a_j and one more row with its multiplier, relative to the largest term */
 static mrts_real mrts_lp_stationarity(int k, int rows, const mrts_real *A, const mrts_real *g, const int *row,
-                                      const mrts_real *y, mrts_real *rest) {
+                                      const mrts_real *y, int more, mrts_real its_y, mrts_real *rest) {
     mrts_real size = 0, worst = 0;
     for (int i = 0; i < k; ++i) {
-        rest[i] = g[i];
-        if (MRTS_ABS(g[i]) > size) size = MRTS_ABS(g[i]);
+        rest[i] = g ? g[i] : 0;
+        if (MRTS_ABS(rest[i]) > size) size = MRTS_ABS(rest[i]);
     }
-    for (int j = 0; j < k; ++j) {
-        if (y[j] == 0) continue;
-        if (row[j] >= rows) {
-            rest[row[j] - rows] -= y[j];
-        } else {
-            for (int i = 0; i < k; ++i) rest[i] -= y[j] * A[row[j] * k + i];
-        }
+    for (int j = -1; j < k; ++j) {
+        const mrts_real term = mrts_lp_take(k, rows, A, j < 0 ? more : row[j], j < 0 ? its_y : y[j], rest);
+        if (term > size) size = term;
     }
     for (int i = 0; i < k; ++i) {
         if (MRTS_ABS(rest[i]) > worst) worst = MRTS_ABS(rest[i]);
@@ -180,11 +196,10 @@ static int mrts_lp_price(int k, int rows, const mrts_real *A, const mrts_real *l
     return found;
 }
 
-/* Leaving position of the ratio test, -1 if none: flips the limits of rows that the step passes. Adds to *slack how far
- * the entering row stays beyond its limit with all basis rows at their better ends. */
+/* Leaving position of the ratio test, -1 if none. The step passes rows whose other limit lies nearer: those flip. */
 static int mrts_lp_ratio(int k, const mrts_real *lower, const mrts_real *upper, const int *row, int *side,
                          const mrts_real *y, const mrts_real *alpha, mrts_real sign, mrts_real excess, int bland,
-                         int *passed, mrts_real *slack) {
+                         int *passed) {
     mrts_real size = 0, slope = excess, scale = 0;
     for (int j = 0; j < k; ++j) {
         const mrts_real value = MRTS_ABS(alpha[j]), weight = MRTS_ABS(y[j]);
@@ -219,12 +234,30 @@ static int mrts_lp_ratio(int k, const mrts_real *lower, const mrts_real *upper, 
         if (side[leaving] == MRTS_FREE || low <= -MRTS_INFINITY || high >= MRTS_INFINITY) return leaving;
         if (bland) return leaving;
         slope -= best * (high - low);
-        if (slope <= 0) return leaving;
+        if (slope <= MRTS_SEPARATED * (1 + excess)) return leaving; /* rounding must not pass the last one */
         passed[leaving] = 1;
     }
-    /* no row blocks: with every basis row at its better end the entering row stays beyond its limit by the slope */
-    *slack = slope;
-    return -1;
+    return -1; /* with every basis row at its better end the entering row stays beyond its limit */
+}
+
+/* Whether the entering row and the basis rows that make it up exclude each other: the row's own limit against the
+ * best that the limits of the others allow. Leaves the certificate's multipliers in y. */
+static int mrts_lp_certificate(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
+                               const int *row, mrts_real *alpha, int entering, mrts_real sign, mrts_real *y) {
+    mrts_real size = 0, weight = 1, gap = sign > 0 ? -upper[entering] : lower[entering];
+    for (int j = 0; j < k; ++j) {
+        if (MRTS_ABS(alpha[j]) > size) size = MRTS_ABS(alpha[j]);
+    }
+    for (int j = 0; j < k; ++j) {
+        const mrts_real limit = sign * alpha[j] > 0 ? lower[row[j]] : upper[row[j]];
+        const int absent = MRTS_ABS(limit) >= MRTS_INFINITY;
+        y[j] = absent && MRTS_ABS(alpha[j]) <= MRTS_PIVOT * size ? 0 : sign * alpha[j];
+        if (y[j] != 0) gap += y[j] * limit;
+        weight += MRTS_ABS(y[j]);
+    }
+    if (!(gap > MRTS_SEPARATED * weight)) return MRTS_MARGINAL;
+    return mrts_lp_stationarity(k, rows, A, 0, row, y, entering, -sign, alpha) <= MRTS_SEPARATED ? MRTS_INFEASIBLE
+                                                                                                 : MRTS_STOPPED;
 }
 
 static int mrts_lp(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
@@ -244,7 +277,8 @@ restart:
     mrts_lp_factor(k, rows, A, row, side, C, alpha, wanted, passed);
     updates = 0;
     for (int j = 0; j < k; ++j) y[j] = mrts_dot(k, g, C + j * k);
-    if (!mrts_lp_choose_sides(k, lower, upper, row, side, y)) {
+    if (mrts_lp_choose_sides(k, lower, upper, row, side, y, MRTS_ZERO) < 0) {
+    start_cold:
         if (cold) goto done;
         cold = 1;
         for (int j = 0; j < k; ++j) {
@@ -258,12 +292,19 @@ restart:
     mrts_lp_solve(k, rows, A, lower, upper, row, side, C, x);
 
     for (int iteration = 0; iteration < limit; ++iteration) {
-        mrts_real excess, slack = 0;
+        mrts_real excess;
         const int bland = iteration >= bland_from;
         const int found = mrts_lp_price(k, rows, A, lower, upper, x, in_basis, bland, &excess);
         if (found == 0) {
+            /* pivots too small to count may have left a multiplier with the wrong sign */
+            const int changed = mrts_lp_choose_sides(k, lower, upper, row, side, y, MRTS_SEPARATED);
+            if (changed < 0) goto start_cold;
+            if (changed > 0) {
+                mrts_lp_solve(k, rows, A, lower, upper, row, side, C, x);
+                continue;
+            }
             const mrts_real left = mrts_lp_solve(k, rows, A, lower, upper, row, side, C, x);
-            const mrts_real uneven = mrts_lp_stationarity(k, rows, A, g, row, y, alpha);
+            const mrts_real uneven = mrts_lp_stationarity(k, rows, A, g, row, y, 0, 0, alpha);
             if (left > MRTS_FEASIBLE || uneven > MRTS_FEASIBLE) { /* try a fresh inverse */
                 if (!updates || ++tried_again > 3) goto done;
                 goto restart;
@@ -274,19 +315,14 @@ restart:
         const int p = (found < 0 ? -found : found) - 1;
         const mrts_real sign = found > 0 ? 1 : -1;
         mrts_lp_alpha(k, rows, A, p, C, alpha);
-        const int q = mrts_lp_ratio(k, lower, upper, row, side, y, alpha, sign, excess, bland, passed, &slack);
+        const int q = mrts_lp_ratio(k, lower, upper, row, side, y, alpha, sign, excess, bland, passed);
         if (q < 0) {
-            mrts_real size = 1;
-            if (updates && tried_again < 3) { /* the certificate comes from a fresh inverse */
+            if (updates && tried_again < 3) { /* decide with a fresh inverse */
                 ++tried_again;
                 goto restart;
             }
-            for (int j = 0; j < k; ++j) {
-                size += MRTS_ABS(alpha[j]);
-                y[j] = -alpha[j];
-            }
+            status = mrts_lp_certificate(k, rows, A, lower, upper, row, alpha, p, sign, y);
             *entering = found;
-            status = slack > MRTS_SEPARATED * size ? MRTS_INFEASIBLE : MRTS_MARGINAL;
             goto done;
         }
         for (int j = 0; j < k; ++j) {

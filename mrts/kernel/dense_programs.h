@@ -5,7 +5,7 @@
  *     minimise g'x  or  1/2 x'Hx + g'x   subject to   lower_i <= a_i'x <= upper_i,  i < rows
  *                                        and          lower_(rows+j) <= x_j <= upper_(rows+j),  j < k
  *
- * Rows are stored one after another; an absent limit is +-MRTS_INFINITY. C99, no allocation, no input or output, no
+ * The caller scales: the largest coefficient of each unknown and of each row is about 1; tolerances refer to that. Rows are stored one after another; an absent limit is +-MRTS_INFINITY. C99, no allocation, no input or output, no
  * static data, bounded iterations: the caller owns every array.
  */
 #ifndef MRTS_DENSE_PROGRAMS_H
@@ -30,7 +30,7 @@ typedef MRTS_REAL mrts_real;
 #define MRTS_C(value) value
 #define MRTS_FEASIBLE 1e-10
 #define MRTS_SEPARATED 1e-9
-#define MRTS_PIVOT 1e-9
+#define MRTS_PIVOT 1e-8
 #define MRTS_ZERO 1e-13
 #define MRTS_INFINITY 1e300
 #define MRTS_ABS(value) ((value) < 0 ? -(value) : (value))
@@ -57,8 +57,8 @@ enum {
  *           basis[0] == 0 starts cold; otherwise the method starts from the rows that it holds. On return the last one.
  * x[k]:     the minimiser.
  * y[k]:     multipliers of the basis, g = sum_j y_j a_(basis j), >= 0 at a lower and <= 0 at an upper limit. If
- *           infeasible: the certificate's multipliers of the basis rows, and *entering the row with multiplier 1 or -1,
- *           entering > 0: that of row entering - 1 at its upper limit, < 0: -entering - 1 at its lower limit.
+ *           infeasible, a certificate: with g = 0 the same sum over the basis and the row *entering, coded as a basis
+ *           row, whose multiplier is -1 at its upper and 1 at its lower limit; then sum_i y_i limit_i > 0.
  * Returns one of the statuses above.
  */
 static int mrts_lp(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
