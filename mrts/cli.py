@@ -306,6 +306,8 @@ def _require_matplotlib() -> None:
 
 
 def _report(result: "ScalingResult") -> None:
+    import numpy as np
+
     _say(f"{result.cell.name}: {result.summary()}")
     study = result.load
     if study is not None:
@@ -322,7 +324,7 @@ def _report(result: "ScalingResult") -> None:
         for index, joint in enumerate(robot.joints):
             limits = f"[{robot.torque_lower[index]:g}, {robot.torque_upper[index]:g}] {robot.torque_units[index]}"
             name = f"{robot.name}/{joint}"
-            _say(f"{name:<28} {min(torque[:, index]):>13.4g} {max(torque[:, index]):>15.4g} {limits:>22}")
+            _say(f"{name:<28} {np.min(torque[:, index]):>13.4g} {np.max(torque[:, index]):>15.4g} {limits:>22}")
     for note in result.too_fast():
         _say(f"note: {note}")
     if result.fallbacks:

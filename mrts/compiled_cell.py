@@ -90,7 +90,7 @@ class KernelRanges:
     status: NDArray[np.uint8]
     effect: Array
     basis: NDArray[np.int16]
-    dual: Array
+    dual: NDArray[np.float32]
 
 
 class CompiledCell(KernelLibrary):
@@ -144,7 +144,7 @@ class CompiledCell(KernelLibrary):
             np.zeros((2, N), dtype=np.uint8),
             np.zeros(N),
             np.zeros((2, N, k), dtype=np.int16),
-            np.zeros((2, N, k)),
+            np.zeros((2, N, k), dtype=np.float32),
         )
         outputs = [found.low, found.high, *found.status, found.effect, *found.basis, *found.dual]
         sparse = _SparseLimits(limits)

@@ -56,7 +56,7 @@ class KernelRows(Sequence[tuple[ActiveRow, ...]]):
 
     limits: LimitRows
     basis: NDArray[np.int16]
-    dual: Array
+    dual: NDArray[np.float32]
     settled: dict[int, tuple[ActiveRow, ...]]
 
     def __len__(self) -> int:

@@ -233,9 +233,13 @@ class ScalingResult:
 def _overstep(cell: Cell, done: ScaledTrajectory) -> float:
     """Largest overstepping of a limit, as a share of it."""
     rows = cell_rows(cell)
-    value = done.torque @ rows.torque_matrix.T + done.wrench @ rows.wrench_matrix.T
-    beyond = np.max(np.maximum(rows.lower - value, value - rows.upper), axis=0)
-    return max(0.0, float(np.max(beyond / rows.units())))
+    worst = 0.0
+    for start in range(0, len(done.torque), BLOCK):
+        part = slice(start, start + BLOCK)
+        value = done.torque[part] @ rows.torque_matrix.T + done.wrench[part] @ rows.wrench_matrix.T
+        beyond = np.max(np.maximum(rows.lower - value, value - rows.upper), axis=0)
+        worst = max(worst, float(np.max(beyond / rows.units())))
+    return worst
 
 
 def _finite(values: Array) -> list[float | None]:

@@ -67,7 +67,7 @@ class ScaledTrajectory:
     @cached_property
     def energy(self) -> float:
         """Energy that the motors give, Σ ∫ q̇ᵀ τ dt (remark after (34)), by the trapezoidal rule [J]."""
-        total = np.sum(self.power, axis=1)
+        total = self.c * np.einsum("nm,nm->n", self.motion.dq, self.torque)
         return float(np.sum(np.diff(self.time) * (total[1:] + total[:-1]) / 2))
 
     @cached_property

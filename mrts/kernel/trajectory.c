@@ -82,7 +82,7 @@ static void mrts_scale(int k, int rows, double *A, int stride, double *column) {
 MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long long *stride,
                             const mrts_limits *limits, double *low, double *high, unsigned char *low_status,
                             unsigned char *high_status, double *effect, short *low_basis, short *high_basis,
-                            double *low_dual, double *high_dual, const double **arg, double **res, long long *iw,
+                            float *low_dual, float *high_dual, const double **arg, double **res, long long *iw,
                             double *w, double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS };
     const int rows = limits->rows;
@@ -108,7 +108,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
         for (int end = 0; end < 2; ++end) {
             int *basis = end ? high_rows : low_rows;
             short *kept = (end ? high_basis : low_basis) + n * K;
-            double *dual = (end ? high_dual : low_dual) + n * K;
+            float *dual = (end ? high_dual : low_dual) + n * K;
             unsigned char *status = (end ? high_status : low_status) + n;
             if (end && low_status[n] != MRTS_OPTIMAL) {
                 high_status[n] = low_status[n];
@@ -125,7 +125,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
             }
             for (int j = 0; j < K; ++j) {
                 kept[j] = (short)basis[j];
-                dual[j] = y[j];
+                dual[j] = (float)y[j];
             }
             if (*status != MRTS_OPTIMAL) basis[0] = 0;
         }

@@ -1,0 +1,268 @@
+# SPDX-License-Identifier: MIT
+"""The fast path against what a user would otherwise run, side by side in one process; see docs/performance.md."""
+
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import daqp
+import numpy as np
+import pinocchio as pin
+import toppra
+import yaml
+
+import mrts
+from mrts.compiler import find_compiler
+from mrts.convex_program import ConvexPrograms
+from mrts.kernel_library import kernel_library
+from mrts.linear_program_range import UNBOUNDED
+from mrts.rigid_transform import Array
+from mrts.sample_problem import build_sample_problem
+from mrts.scaling_range import intersect
+from mrts.trajectory_programs import motion_ranges
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
+from range_speed import linprog_range  # the other benchmark
+from reference import ReferenceCell, highs_range  # the independent implementation of the tests
+
+CELL = Path(str(files("mrts") / "data")) / "dual_ur5"
+SAMPLES = 1000
+REPEATS = 7
+MOST_SAMPLES = 1_000_000
+
+
+def median_time(run: Callable[[], Any], repeats: int = REPEATS) -> float:
+    """Median wall time [s]."""
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        run()
+        times.append(time.perf_counter() - start)
+    return statistics.median(times)
+
+
+def motion_file(folder: Path, samples: int) -> Path:
+    """The shipped lift with another number of samples."""
+    text = (CELL / "lift_and_turn.yaml").read_text(encoding="utf-8").replace("samples: 101", f"samples: {samples}")
+    path = folder / "motion.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def against_users(cell: mrts.Cell, motion: mrts.CoordinatedMotion, path: Path) -> None:
+    """Bars 1 and 2: both ends of the range at every sample, terms included."""
+    reference = ReferenceCell(CELL / "cell.yaml")
+    _, samples = reference.object_motion(path)
+    parts = list(cell.joint_slices.values())
+    joints = [[(motion.q[k, s], motion.dq[k, s], motion.ddq[k, s]) for s in parts] for k in range(motion.samples)]
+
+    def programs() -> Any:
+        return (reference.program(reference.terms(s, j), even=False) for s, j in zip(samples, joints, strict=True))
+
+    rows: list[tuple[str, Callable[[], Any], int]] = [
+        ("mrts, kernel", lambda: motion_ranges(cell, motion, "wrench", None, "kernel"), REPEATS),
+        ("mrts, qpsol:qpoases in a map", lambda: motion_ranges(cell, motion, "wrench", None, "qpsol:qpoases"), REPEATS),
+        ("Pinocchio + highspy at every sample", lambda: min(highs_range(*program)[2] for program in programs()), 3),
+        ("Pinocchio + linprog at every sample", lambda: min(linprog_range(*program) for program in programs()), 1),
+    ]
+    print(f"both ends of the range, dual UR5-class cell, {motion.samples} samples, terms included")
+    base = 0.0
+    for name, run, repeats in rows:
+        run()
+        seconds = median_time(run, repeats)
+        base = base or seconds
+        print(f"  {name:<40}{1e6 * seconds / motion.samples:>10.2f} µs/sample{seconds / base:>9.1f}x")
+
+
+def against_daqp(cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> None:
+    """Bar 3: the kernel alone on the same programs, C time only."""
+    problem = build_sample_problem(cell, motion)
+    count, rows, k = problem.A.shape
+    g = np.zeros((count, k))
+    low, high = np.full((count, k), -np.inf), np.full((count, k), np.inf)
+    low[:, -1], high[:, -1] = 0, UNBOUNDED
+    kernel = kernel_library(find_compiler() or ())
+    print("kernel alone, the same linear programs, C time")
+    for name, direction in (("least c²", 1.0), ("largest c²", -1.0)):
+        g[:, -1] = direction
+        effect = np.max(np.abs(problem.A[:, :, -1]), axis=1)
+        A = problem.A.copy()
+        A[:, :, -1] /= np.where(effect > 0, effect, 1)[:, None]
+        scaled, _, _ = ConvexPrograms(None, g, A, problem.lower, problem.upper, low, high).scaled()
+        ends = np.hstack([scaled.lower, scaled.x_lower]), np.hstack([scaled.upper, scaled.x_upper])
+        warm = median_time(lambda: kernel.linear_programs(scaled.g, scaled.A, *ends))  # noqa: B023 (called here)
+        order = np.random.default_rng(0).permutation(count)
+        shuffled = [np.ascontiguousarray(part[order]) for part in (scaled.g, scaled.A, *ends)]
+        cold = median_time(lambda: kernel.linear_programs(*shuffled))  # noqa: B023 (called here)
+        theirs = []
+        for n in range(count):
+            upper, lower = (np.clip(np.concatenate([e[n, rows:], e[n, :rows]]), -1e30, 1e30) for e in ends[::-1])
+            sense = np.zeros(rows + k, dtype=np.int32)
+            _, _, flag, info = daqp.solve(np.zeros((k, k)), scaled.g[n], scaled.A[n], upper, lower, sense, eps_prox=-1)
+            if flag == 1:
+                theirs.append(info["solve_time"])
+        print(
+            f"  {name:<12} kernel {1e6 * warm / count:5.2f} µs along the path, {1e6 * cold / count:5.2f} µs in random "
+            f"order; DAQP {1e6 * statistics.median(theirs):6.2f} µs ({len(theirs)} of {count} solved)"
+        )
+
+
+def against_toppra(cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> None:
+    """Bar 4: one grid point of toppra for one arm with torque limits."""
+    arm = ReferenceCell(CELL / "cell.yaml").arms[0]
+    # toppra wants a path that does not stand still: joint positions over the way that they go
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(motion.q[:, :6], axis=0), axis=1))])
+    places = np.linspace(0, way[-1], 50)
+    path = toppra.SplineInterpolator(places, np.array([np.interp(places, way, q) for q in motion.q[:, :6].T]).T)
+
+    def inverse_dynamics(q: Array, v: Array, a: Array) -> Array:
+        return np.asarray(pin.rnea(arm.model, arm.data, q, v, a))
+
+    limit = np.column_stack([-np.array(arm.torque[1]), np.array(arm.torque[1])])
+    constraint = toppra.constraint.JointTorqueConstraint(
+        inverse_dynamics, limit, np.zeros(6), discretization_scheme=toppra.constraint.DiscretizationType.Interpolation
+    )
+    points = np.linspace(0, way[-1], motion.samples)
+
+    def solve() -> Any:
+        planner = toppra.algorithm.TOPPRA([constraint], path, gridpoints=points, solver_wrapper="seidel")
+        found = planner.compute_parameterization(0, 0)
+        if found[1] is None:
+            raise RuntimeError("toppra found no parameterization")
+        return found
+
+    whole = median_time(solve, 3)
+    ours = median_time(lambda: motion_ranges(cell, motion, "wrench", None, "kernel"))
+    print("one sample of the dual-arm cell (terms, two programs) against one grid point of toppra for one arm")
+    sample, point = (1e6 * seconds / motion.samples for seconds in (ours, whole))
+    print(f"  mrts {sample:.2f} µs, toppra (seidel, interpolation) {point:.1f} µs: {point / sample:.1f}x")
+
+
+def growth(folder: Path) -> None:
+    """Bar 5: with the number of samples, and of arms."""
+    cell = mrts.load_cell(CELL / "cell.yaml")
+    print("growth with the number of samples")
+    few = mrts.follow_object(cell, _motion(folder, 101))
+    for samples in (100, 1000, 10_000, 100_000, MOST_SAMPLES):
+        motion = _stretched(few, samples)
+        seconds = median_time(lambda: motion_ranges(cell, motion, "wrench", None, "kernel"), 3)  # noqa: B023
+        print(f"  {samples:>8} samples{1e3 * seconds:>10.1f} ms{1e6 * seconds / samples:>8.2f} µs/sample")
+    print("growth with the number of arms, 1000 samples")
+    for arms in range(1, 7):
+        cell = mrts.load_cell(_ring(folder, arms))
+        if arms == 1:  # one gripper cannot hold the box within the limits of two
+            cell = cell.without_wrench_limits()
+        motion = _stretched(mrts.follow_object(cell, _lift(few)), SAMPLES)
+        seconds = median_time(lambda: motion_ranges(cell, motion, "wrench", None, "kernel"))  # noqa: B023
+        found = intersect(motion_ranges(cell, motion, "wrench", None, "kernel"))
+        end = found.upper.c2 if found.upper else float("nan")
+        print(
+            f"  {arms} arms, {6 * (arms - 1) + 1:>2} unknowns{1e6 * seconds / SAMPLES:>8.2f} µs/sample"
+            f"   ({found.status.value}, c²⁺ = {end:.4g}, {found.samples.fallbacks} left to other solvers)"
+        )
+
+
+def _motion(folder: Path, samples: int) -> mrts.ObjectMotion:
+    motion = mrts.load_motion(motion_file(folder, samples))
+    if not isinstance(motion, mrts.ObjectMotion):
+        raise TypeError
+    return motion
+
+
+def _lift(motion: mrts.CoordinatedMotion) -> mrts.ObjectMotion:
+    """Straight up by 50 mm from the start of the shipped motion."""
+    description = {"duration": 0.5, "samples": 101, "profile": "quintic"}
+    start = motion.object.position[0].tolist()
+    ends = {"start": {"xyz": start}, "end": {"xyz": [start[0], start[1], start[2] + 0.05]}}
+    return mrts.sample_motion(mrts.MotionDescription.model_validate(description | ends))
+
+
+def _stretched(motion: mrts.CoordinatedMotion, samples: int) -> mrts.CoordinatedMotion:
+    """The same motion at more samples, each field interpolated: for timing, where an error of closure is no harm."""
+    time_now = np.linspace(0, motion.object.time[-1], samples)
+
+    def fields(values: Array) -> Array:
+        flat = values.reshape(len(values), -1)
+        columns = [np.interp(time_now, motion.object.time, column) for column in flat.T]
+        return np.column_stack(columns).reshape(samples, *values.shape[1:])
+
+    given = motion.object
+    moved = object.__new__(mrts.ObjectMotion)
+    for name in ("position", "rotation", "twist", "acceleration"):
+        object.__setattr__(moved, name, fields(getattr(given, name)))
+    object.__setattr__(moved, "time", time_now)
+    return replace(motion, object=moved, q=fields(motion.q), dq=fields(motion.dq), ddq=fields(motion.ddq))
+
+
+def _ring(folder: Path, arms: int) -> Path:
+    """The shipped left arm, `arms` times around the object."""
+    cell = yaml.safe_load((CELL / "cell.yaml").read_text(encoding="utf-8"))
+    left = cell["robots"][0] | {"urdf": str(CELL / cell["robots"][0]["urdf"])}
+    centre = np.array([0.0, 0.1, 0.0])
+    robots = []
+    for index in range(arms):
+        turn = pin.rpy.rpyToMatrix(0.0, 0.0, 2 * np.pi * index / arms)
+        base = turn @ (np.array(left["base"]["xyz"]) - centre) + centre
+        grasp = turn @ pin.rpy.rpyToMatrix(*map(float, left["grasp"]["rpy"]))
+        rpy = pin.rpy.matrixToRpy(grasp).tolist()
+        robots.append(left | {
+            "name": f"arm{index}",
+            "base": {"xyz": base.tolist(), "rpy": [0, 0, 2 * np.pi * index / arms]},
+            "grasp": {"xyz": (turn @ np.array(left["grasp"]["xyz"])).tolist(), "rpy": rpy},
+        })  # fmt: skip
+    path = folder / f"ring{arms}.yaml"
+    path.write_text(yaml.safe_dump(cell | {"name": f"ring{arms}", "robots": robots}), encoding="utf-8")
+    return path
+
+
+END_TO_END = """
+import re, sys
+from mrts.cli import main
+main(["scale", sys.argv[1], sys.argv[2]])
+print(re.search(r"VmHWM:\\s*(\\d+)", open("/proc/self/status").read()).group(1), file=sys.stderr)
+"""
+
+
+def end_to_end(folder: Path) -> None:
+    """Bar 6: `mrts scale` with a warm cache, process start to exit, and its memory."""
+    print("mrts scale, dual UR5-class cell, warm cache, process start to exit")
+    peak = {}
+    for samples in (SAMPLES, 20 * SAMPLES):
+        command = [sys.executable, "-c", END_TO_END, str(CELL / "cell.yaml"), str(motion_file(folder, samples))]
+
+        def run(command: list[str] = command) -> int:
+            done = subprocess.run(command, capture_output=True, text=True, check=True)  # noqa: S603
+            return int(done.stderr.split()[-1])
+
+        peak[samples] = run()
+        print(f"  {samples:>6} samples{median_time(run):>8.3f} s, peak {peak[samples] / 1024:.0f} MB")
+    per_sample = 1024 * (peak[20 * SAMPLES] - peak[SAMPLES]) / (19 * SAMPLES)
+    print(f"  growth of the peak: {per_sample:.0f} bytes a sample")
+    cell, motion = mrts.load_cell(CELL / "cell.yaml"), _motion(folder, SAMPLES)
+    seconds = median_time(lambda: mrts.follow_object(cell, motion))
+    print(f"  inverse kinematics of {SAMPLES} samples: {1e3 * seconds:.1f} ms")
+
+
+def main() -> None:
+    """Measure everything."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        cell = mrts.load_cell(CELL / "cell.yaml")
+        path = motion_file(folder, SAMPLES)
+        motion = mrts.follow_object(cell, _motion(folder, SAMPLES))
+        against_users(cell, motion, path)
+        against_daqp(cell, motion)
+        against_toppra(cell, motion)
+        end_to_end(folder)
+        growth(folder)
+
+
+if __name__ == "__main__":
+    main()

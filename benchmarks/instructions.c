@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT
+ * Ranges and torques of samples read from a file, for counting instructions. The cell's library text comes first.
+ * The file: samples and rows as doubles, then the seven inputs, then start, column, value, lower, upper, unit. */
+#include <stdio.h>
+#include <stdlib.h>
+
+static double *take(FILE *file, size_t count) {
+    double *values = malloc((count + 1) * sizeof(double));
+    if (fread(values, sizeof(double), count, file) != count) exit(2);
+    return values;
+}
+
+static int *take_ints(FILE *file, size_t count) {
+    double *values = take(file, count);
+    int *integers = malloc((count + 1) * sizeof(int));
+    for (size_t i = 0; i < count; ++i) integers[i] = (int)values[i];
+    return integers;
+}
+
+int main(int arguments, char **argument) {
+    static const int size[MRTS_INPUTS] = {MRTS_JOINTS, MRTS_JOINTS, MRTS_JOINTS, 9, 6, 6, 10};
+    enum { K = MRTS_UNKNOWNS };
+    FILE *file = fopen(argument[arguments - 1], "rb");
+    const double *head = take(file, 2), *in[MRTS_INPUTS];
+    const long long n = (long long)head[0], rows = (long long)head[1];
+    long long stride[MRTS_INPUTS];
+    for (int i = 0; i < MRTS_INPUTS; ++i) {
+        const int repeated = i == MRTS_INPUTS - 1;
+        in[i] = take(file, (size_t)(repeated ? size[i] : n * size[i]));
+        stride[i] = repeated ? 0 : size[i];
+    }
+    const int *start = take_ints(file, (size_t)rows + 1), *column = take_ints(file, (size_t)start[rows]);
+    const double *value = take(file, (size_t)start[rows]);
+    const double *lower = take(file, (size_t)rows), *upper = take(file, (size_t)rows), *unit = take(file, (size_t)rows);
+    const mrts_limits limits = {(int)rows, start, column, value, lower, upper, unit};
+    double *out = calloc((size_t)n * (8 + 4 * K + MRTS_JOINTS + MRTS_WRENCHES), sizeof(double)), *next = out;
+    double *low = next, *high = low + n, *effect = high + n, *torque = effect + n;
+    float *low_dual = calloc((size_t)n * 2 * K, sizeof(float)), *high_dual = low_dual + n * K;
+    double *wrench = torque + n * MRTS_JOINTS;
+    short *bases = calloc((size_t)n * 2 * K, sizeof(short));
+    unsigned char *status = calloc((size_t)n * 3, 1);
+    double weights[MRTS_JOINTS * MRTS_JOINTS] = {0}, c2 = 1, *w = calloc(100000, sizeof(double));
+    double *work = calloc(100000, sizeof(double));
+    const double *arg[64];
+    double *res[64];
+    long long *iw = calloc(1000, sizeof(long long));
+    int *iwork = calloc(10000, sizeof(int));
+    for (int i = 0; i < MRTS_JOINTS; ++i) weights[i * (MRTS_JOINTS + 1)] = 1;
+    mrts_ranges(n, in, stride, &limits, low, high, status, status + n, effect, bases, bases + n * K, low_dual, high_dual,
+                arg, res, iw, w, work, iwork);
+    mrts_torques(n, in, stride, &limits, &c2, 0, weights, 1e-9, torque, wrench, status + 2 * n, arg, res, iw, w, work,
+                 iwork);
+    printf("%.6g\n", high[0]);
+    return 0;
+}

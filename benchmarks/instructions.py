@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: MIT
+"""Instructions a sample of the generated terms and of the kernel, by callgrind: the floor under the measured times."""
+
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+
+import mrts
+from mrts.cell_cache import generated_in_cache
+from mrts.compiled_cell import cell_source
+from mrts.compiler import FLAGS
+from mrts.constraints import cell_rows
+
+DATA = Path(str(files("mrts") / "data"))
+HERE = Path(__file__).resolve().parent
+COUNTED = ("wrench_form", "mrts_ranges", "mrts_torques", "mrts_lp", "mrts_qp")
+
+
+def samples_file(path: Path, cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> None:
+    """Write what instructions.c reads."""
+    limits = cell_rows(cell)
+    matrix = np.hstack([limits.torque_matrix, limits.wrench_matrix])
+    row, column = np.nonzero(matrix)
+    start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(matrix)))])
+    inputs = motion.inputs(cell.load)
+    inputs["object_rotation"] = inputs["object_rotation"].transpose(0, 2, 1)
+    ends = [np.maximum(limits.lower, -1e300), np.minimum(limits.upper, 1e300), limits.units()]
+    parts = [np.array([motion.samples, len(matrix)]), *inputs.values(), start, column, matrix[row, column], *ends]
+    path.write_bytes(b"".join(np.ascontiguousarray(part, dtype=np.float64).tobytes() for part in parts))
+
+
+def count(name: str, motion_file: str) -> None:
+    """Count one shipped cell and print its line."""
+    cell = mrts.load_cell(DATA / name / "cell.yaml")
+    motion = mrts.follow_object(cell, mrts.load_motion(DATA / name / motion_file))  # type: ignore[arg-type]
+    compiler, valgrind = shutil.which("gcc"), shutil.which("valgrind")
+    if compiler is None or valgrind is None:
+        sys.exit("this benchmark needs gcc and valgrind: apt-get install gcc valgrind")
+    with tempfile.TemporaryDirectory() as folder:
+        source, program, data = (Path(folder) / file for file in ("driver.c", "driver", "samples"))
+        manifest, generated = generated_in_cache(DATA / name / "cell.yaml")
+        source.write_text(cell_source(manifest, generated) + (HERE / "instructions.c").read_text(encoding="utf-8"))
+        flags = [flag for flag in FLAGS if flag not in {"-fPIC", "-shared"}]
+        build = [compiler, *flags, "-g", "-fno-inline-functions", str(source), "-o", str(program), "-lm"]
+        subprocess.run(build, check=True)  # noqa: S603 (fixed commands on files of our own, here and below)
+        samples_file(data, cell, motion)
+        record = Path(folder) / "callgrind.out"
+        run = [valgrind, "--tool=callgrind", f"--callgrind-out-file={record}", str(program), str(data)]
+        subprocess.run(run, check=True, capture_output=True)  # noqa: S603
+        annotate = shutil.which("callgrind_annotate") or "callgrind_annotate"
+        report = [annotate, "--inclusive=yes", "--threshold=100", str(record)]
+        text = subprocess.run(report, check=True, capture_output=True, text=True).stdout  # noqa: S603
+    print(f"instructions a sample, cell {name}, {motion.samples} samples")
+    for function in COUNTED:
+        found = re.search(rf"^\s*([\d,]+) .*:(?:\w*_)?{function}\b", text, re.MULTILINE)
+        if found:
+            print(f"  {function:<14}{int(found.group(1).replace(',', '')) / motion.samples:>10.0f}")
+
+
+def main() -> None:
+    """Count both shipped cells."""
+    count("planar_dual_arm", "lift.yaml")
+    count("dual_ur5", "lift_and_turn.yaml")
+
+
+if __name__ == "__main__":
+    main()
