@@ -5,10 +5,10 @@ BIN := $(VENV)/bin
 WORKERS ?= auto
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test check bench generate clean
+.PHONY: help install demo test check bench instructions generate clean
 
 help:  ## show this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 install: $(VENV)/installed  ## create .venv with mrts and everything that tests and checks need
 
@@ -31,8 +31,12 @@ check: install  ## lint, format and types
 
 bench: install  ## measure speed against what a user would otherwise run
 	$(BIN)/python benchmarks/range_speed.py
+	$(BIN)/python benchmarks/fast_path.py
 	$(BIN)/python benchmarks/uncertain_load.py
 	$(BIN)/python benchmarks/generation_cost.py
+
+instructions: install  ## count instructions of a sample (needs gcc and valgrind)
+	$(BIN)/python benchmarks/instructions.py
 
 generate: install  ## regenerate the committed C of the shipped cells
 	$(BIN)/mrts generate mrts/data/planar_dual_arm/cell.yaml -o generated/planar_dual_arm

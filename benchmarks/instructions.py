@@ -10,6 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
+import yaml
 
 import mrts
 from mrts.cell_cache import generated_in_cache
@@ -19,7 +20,8 @@ from mrts.constraints import cell_rows
 
 DATA = Path(str(files("mrts") / "data"))
 HERE = Path(__file__).resolve().parent
-COUNTED = ("wrench_form", "mrts_ranges", "mrts_torques", "mrts_lp", "mrts_qp")
+SAMPLES = 1000
+COUNTED = ("mrts_evaluate", "mrts_rows", "mrts_ranges", "mrts_torques", "mrts_lp", "mrts_qp")
 
 
 def samples_file(path: Path, cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> None:
@@ -38,7 +40,8 @@ def samples_file(path: Path, cell: mrts.Cell, motion: mrts.CoordinatedMotion) ->
 def count(name: str, motion_file: str) -> None:
     """Count one shipped cell and print its line."""
     cell = mrts.load_cell(DATA / name / "cell.yaml")
-    motion = mrts.follow_object(cell, mrts.load_motion(DATA / name / motion_file))  # type: ignore[arg-type]
+    description = yaml.safe_load((DATA / name / motion_file).read_text(encoding="utf-8")) | {"samples": SAMPLES}
+    motion = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(description)))
     compiler, valgrind = shutil.which("gcc"), shutil.which("valgrind")
     if compiler is None or valgrind is None:
         sys.exit("this benchmark needs gcc and valgrind: apt-get install gcc valgrind")

@@ -15,8 +15,9 @@ import numpy as np
 from scipy.optimize import linprog
 
 import mrts
-from mrts.sample_problem import build_sample_problem
-from mrts.scaling_range import intersect, sample_ranges
+from mrts.scaling_range import intersect
+from mrts.solvers import DEFAULT_SOLVER
+from mrts.trajectory_programs import motion_ranges
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 from reference import ReferenceCell, highs_range  # the independent implementation of the tests
@@ -61,7 +62,7 @@ def compare(name: str, motion_file: str) -> None:
     joints = [[(motion.q[k, s], motion.dq[k, s], motion.ddq[k, s]) for s in parts] for k in range(motion.samples)]
 
     def ours() -> float:
-        found = intersect(sample_ranges(build_sample_problem(cell, motion), motion.object.time, "qpsol:qpoases"))
+        found = intersect(motion_ranges(cell, motion, "wrench", None, DEFAULT_SOLVER))
         return found.upper.c2 if found.upper else float("nan")
 
     def programs() -> Iterator[tuple[np.ndarray, ...]]:

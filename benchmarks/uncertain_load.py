@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 import mrts
-from mrts.sample_problem import build_sample_problem
-from mrts.scaling_range import intersect, sample_ranges
+from mrts.scaling_range import intersect
 from mrts.solvers import DEFAULT_SOLVER
+from mrts.trajectory_programs import motion_ranges
 from mrts.uncertain_load import study_load
 
 DATA = Path(str(files("mrts") / "data"))
@@ -40,7 +40,7 @@ def compare(name: str, motion_file: str) -> None:
     motion = mrts.follow_object(known, given)
 
     def nominal() -> tuple[float, int]:
-        found = intersect(sample_ranges(build_sample_problem(known, motion), given.time, DEFAULT_SOLVER))
+        found = intersect(motion_ranges(known, motion, "wrench", None, DEFAULT_SOLVER))
         return found.upper.c2 if found.upper else float("nan"), 1
 
     def asked(question: str, names: tuple[str, ...], sharing: mrts.LoadSharing | None = None) -> tuple[float, int]:
@@ -52,8 +52,7 @@ def compare(name: str, motion_file: str) -> None:
         box = known.with_variation(**RANGES).load_box
         lowest = np.inf
         for point in box.draw(np.random.default_rng(0), DRAWN) if box else ():
-            problem = build_sample_problem(known, motion, load=point.load)
-            found = intersect(sample_ranges(problem, given.time, DEFAULT_SOLVER))
+            found = intersect(motion_ranges(known, motion, "wrench", None, DEFAULT_SOLVER, point.load))
             lowest = min(lowest, found.upper.c2 if found.upper else np.nan)
         return lowest, DRAWN
 

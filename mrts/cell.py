@@ -121,7 +121,9 @@ class Cell:
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
     def with_mass(self, mass: float) -> Self:
-        """The same cell carrying another mass [kg] with the same inertia; ranges of factors are then about that mass.
+        """The same cell carrying another mass [kg]; ranges of factors are then about that mass.
+
+        Inertia and first moments stay as they are.
 
         Raises:
             InputError: Unless the mass is finite and > 0.
@@ -156,8 +158,15 @@ class Cell:
         Raises:
             InputError: If a range breaks a rule.
         """
-        if not ranges:
+        if not ranges and not outer_hull:
             return replace(self, load_box=None)
+        if np.any(self.load[1:4] != 0):
+            raise InputError(
+                "variation",
+                "ranges are about an object whose centre of mass is the origin of its frame, but this cell's load has "
+                "first moments. Vary the cell's own object, with ranges of mx, my, mz.",
+                value=self.load[1:4].tolist(),
+            )
         return replace(self, load_box=LoadBox(self.mass, self.inertia, ranges, outer_hull))
 
     def without_wrench_limits(self) -> Self:

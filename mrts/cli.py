@@ -80,7 +80,7 @@ def _parser() -> argparse.ArgumentParser:
     demo = verbs.add_parser("demo", help="run the paper's examples", epilog="Example: mrts demo -o mrts-demo")
     demo.add_argument("-o", "--output", type=Path, default=Path("mrts-demo"), metavar="DIR",
                       help="folder for the figures and example files (default: %(default)s)")  # fmt: skip
-    demo.add_argument("--solver", default=None, help="solver of the registry (default: qpsol:qpoases)")
+    demo.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
     demo.set_defaults(run=_demo)
 
     generate = verbs.add_parser(
@@ -112,7 +112,7 @@ def _parser() -> argparse.ArgumentParser:
     scale.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
     scale.add_argument("--formulation", choices=["wrench", "torque"], default="wrench",
                        help="unknowns of the programs (default: %(default)s)")  # fmt: skip
-    scale.add_argument("--solver", default=None, help="solver of the registry (default: qpsol:qpoases)")
+    scale.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
     scale.add_argument("--json", type=Path, metavar="FILE", help="write the whole result ('-' is standard output)")
     scale.add_argument("--plot", type=Path, metavar="DIR", help="write figures (needs the extra 'plot')")
     scale.set_defaults(run=_scale)
@@ -135,7 +135,7 @@ def _add_configurations(verbs: "argparse._SubParsersAction[argparse.ArgumentPars
     study.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
     study.add_argument("--cap", type=int, default=1024, help="most combinations to evaluate (default: %(default)s)")
     study.add_argument("--show", type=int, default=10, metavar="N", help="rows to print (default: %(default)s)")
-    study.add_argument("--solver", default=None, help="solver of the registry (default: qpsol:qpoases)")
+    study.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
     study.add_argument("--json", type=Path, metavar="FILE", help="write the whole ranking ('-' is standard output)")
     study.set_defaults(run=_configurations)
 
@@ -214,7 +214,7 @@ def _scale(options: argparse.Namespace) -> int:
     if options.no_wrench_limits:
         cell = cell.without_wrench_limits()
     select: Selection = "auto" if options.select is None else options.select
-    carried = _known_load(cell, options.carry)
+    carried = _known_load(cell, options.carry, options.load)
     try:
         result = scale(
             cell,
@@ -227,13 +227,7 @@ def _scale(options: argparse.Namespace) -> int:
             progress=_progress,
         )
         if carried is not None and result.trajectory is not None:
-            result = torques_for_load(
-                result,
-                carried,
-                sharing=sharing,
-                formulation=options.formulation,
-                solver=options.solver or DEFAULT_SOLVER,
-            )
+            result = torques_for_load(result, carried, solver=options.solver or DEFAULT_SOLVER)
     except SelectionError as error:
         if error.result is not None:
             _write(options, error.result)
@@ -260,15 +254,19 @@ def _sharing(text: str | None) -> "LoadSharing | None":
     return LoadSharing(np.array(shares))
 
 
-def _known_load(cell: "Cell", text: str | None) -> "Array | None":
+def _known_load(cell: "Cell", text: str | None, question: str) -> "Array | None":
     """The load of `--carry`."""
     if text is None:
         return None
     if cell.load_box is None:
         raise InputError("--carry", "picks a load of the box, but the cell gives no object.variation.", value=text)
-    parameters = {}
+    if question == "possible":
+        raise InputError("--carry", "what is possible chooses no c², so there are no torques.", value=text)
+    parameters: dict[str, float] = {}
     for part in text.split(","):
         name, _, number = part.partition("=")
+        if name.strip() in parameters:
+            raise InputError("--carry", f"gives {name.strip()} twice.", value=text)
         try:
             parameters[name.strip()] = float(number)
         except ValueError:

@@ -6,10 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from mrts.errors import InputError
-from mrts.load_sharing import LoadSharing
 from mrts.result import ScalingResult
 from mrts.rigid_transform import Array
-from mrts.sample_problem import FormulationName
 from mrts.scaled_trajectory import ScaledTrajectory
 from mrts.scaling import SelectionError
 from mrts.scaling_range import intersect
@@ -21,15 +19,7 @@ END_TOLERANCE = 1e-8
 """How far c² may pass the end of this load's own range, as a share of it: both ends are rounded."""
 
 
-def torques_for_load(
-    result: ScalingResult,
-    load: Array,
-    *,
-    sharing: LoadSharing | None = None,
-    formulation: FormulationName = "wrench",
-    weights: Array | None = None,
-    solver: str = DEFAULT_SOLVER,
-) -> ScalingResult:
+def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAULT_SOLVER) -> ScalingResult:
     """Eqs. (47), (48), (49): the quadratic program with a known load k, at the c² of a result.
 
     At a c² of the guaranteed range every load of the box has such torques; motion and duration stay as they are.
@@ -37,10 +27,7 @@ def torques_for_load(
     Args:
         result: A result with a trajectory.
         load: Load vector, Shape (10,), as from `LoadBox.load_at` or of `LoadBox.draw`.
-        sharing: As in `scale`.
-        formulation: Likewise.
-        weights: Likewise.
-        solver: Likewise.
+        solver: As in `scale`; the distribution follows the result's own rule.
 
     Returns:
         The same result with the torques of this load.
@@ -53,7 +40,8 @@ def torques_for_load(
     if result.trajectory is None:
         raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
     cell, motion, c2 = result.cell.with_load(load), result.motion, result.trajectory.c2
-    W = torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
+    sharing, formulation = result.rule.sharing, result.rule.formulation
+    W = torque_weights(result.rule.weights, sum(len(robot.joints) for robot in cell.robots))
     own = intersect(motion_ranges(cell, motion, formulation, sharing, solver))
     low, high = (end.c2 if end else np.nan for end in (own.lower, own.upper))
     if not low * (1 - END_TOLERANCE) <= c2 <= high * (1 + END_TOLERANCE):

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Loads that are known only within ranges: the box, its corners, and loads drawn from it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import permutations, product
+from numbers import Real
 from typing import Any
 
 import numpy as np
 
-from mrts.errors import InputError
+from mrts.errors import InputError, as_array
 from mrts.manifest import LOAD_ENTRIES
 from mrts.rigid_transform import Array
 
@@ -90,6 +91,10 @@ class LoadBox:
     principal_moments: Array = field(init=False)
 
     def __post_init__(self) -> None:
+        inertia = as_array("inertia", self.inertia)
+        if inertia.shape != (3, 3) or not np.all(np.isfinite(inertia)):
+            raise InputError("inertia", "must be finite with Shape (3, 3).", value=self.inertia)
+        object.__setattr__(self, "inertia", inertia)
         problem = range_problem(self.ranges, outer_hull=self.outer_hull)
         if problem:
             raise InputError("variation", problem)
@@ -123,7 +128,7 @@ class LoadBox:
                 known = ", ".join(self.ranges)
                 raise InputError("load", f"is not a parameter of this box; those are {known}.", key=name, value=value)
             low, high = self.ranges[name]
-            if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
+            if not _is_number(value) or not low <= value <= high:
                 raise InputError("load", f"must be a number in [{low:g}, {high:g}].", key=name, value=value)
         values = self._inside() | dict(parameters)
         return self._load(values, values)
@@ -238,10 +243,10 @@ def range_problem(ranges: Mapping[str, tuple[float, float]], *, outer_hull: bool
 def _one_range_problem(name: str, pair: Any) -> str:
     if name not in PARAMETERS:
         return f"unknown parameter '{name}'; there are {', '.join(PARAMETERS)}."
-    given = np.asarray(pair, dtype=object)
-    if given.shape != (2,) or not all(isinstance(end, int | float) and np.isfinite(end) for end in given):
+    given = list(pair) if isinstance(pair, Sequence | np.ndarray) else []
+    if len(given) != 2 or not all(_is_number(end) for end in given):  # noqa: PLR2004 (two ends)
         return f"{name} = {pair!r} must be two finite numbers, [least, largest]."
-    low, high = given
+    low, high = map(float, given)
     nominal = NOMINAL[name]
     what = "a factor of the nominal value" if name in FACTORS else "a difference from the nominal one"
     rules = (
@@ -254,19 +259,28 @@ def _one_range_problem(name: str, pair: Any) -> str:
     return f"{name} = [{low:g}, {high:g}]: {broken}." if broken else ""
 
 
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool) and bool(np.isfinite(float(value)))
+
+
 def principal_axes(inertia: Array) -> Array:
     """The principal axes nearest to the object's axes, columns of a rotation, Shape (3, 3).
 
     Args:
         inertia: Symmetric, Shape (3, 3) [kg m²].
     """
-    moments, axes = np.linalg.eigh(inertia)
-    order = max(permutations(range(3)), key=lambda order: sum(abs(axes[axis, order[axis]]) for axis in range(3)))
-    moments, axes = moments[list(order)], axes[:, list(order)]
-    for group in _equal_groups(moments):
-        # equal moments leave the axes free in their span: take those nearest to the object's axes of the same names
-        u, _, vt = np.linalg.svd(axes[:, group].T @ np.eye(3)[:, group])
-        axes[:, group] = axes[:, group] @ u @ vt
+    moments, vectors = np.linalg.eigh(inertia)
+    best = -np.inf
+    axes = vectors
+    for order in permutations(range(3)):
+        candidate = vectors[:, order].copy()
+        for group in _equal_groups(moments[list(order)]):
+            # equal moments leave the axes free in their span: take those nearest to the object's axes
+            u, _, vt = np.linalg.svd(candidate[:, group].T @ np.eye(3)[:, group])
+            candidate[:, group] = candidate[:, group] @ u @ vt
+        nearness = float(np.sum(np.abs(np.diag(candidate))))
+        if nearness > best + AXES_TOLERANCE:
+            best, axes = nearness, candidate
     axes = axes * np.where(np.diag(axes) < 0, -1.0, 1.0)
     if np.linalg.det(axes) < 0:
         axes[:, int(np.argmin(np.abs(np.diag(axes))))] *= -1

@@ -81,6 +81,27 @@ class KernelRows(Sequence[tuple[ActiveRow, ...]]):
         return tuple(named)
 
 
+@dataclass(frozen=True)
+class SelectedRows(Sequence[tuple[ActiveRow, ...]]):
+    """The rows at one end of each of N samples, each from one of several sources, looked up when they are asked for.
+
+    Attributes:
+        sources: Rows of every sample by source.
+        choice: Which source counts, Shape (N,).
+    """
+
+    sources: tuple[Sequence[tuple[ActiveRow, ...]], ...]
+    choice: NDArray[np.int_]
+
+    def __len__(self) -> int:
+        return len(self.choice)
+
+    def __getitem__(self, sample: Any) -> Any:
+        if isinstance(sample, slice):
+            return tuple(self[index] for index in range(*sample.indices(len(self))))
+        return self.sources[self.choice[sample]][sample]
+
+
 def active_rows(problem: SampleProblem, dual: Array, standstill_dual: float) -> tuple[ActiveRow, ...]:
     """Rows with a multiplier, strongest first; rows of the object's balance are laws and are left out."""
     largest = max(float(np.max(np.abs(dual), initial=0.0)), abs(standstill_dual))

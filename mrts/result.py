@@ -14,7 +14,9 @@ from mrts.constraints import cell_rows
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.errors import SolverError
 from mrts.load_box import LoadPoint
+from mrts.load_sharing import LoadSharing
 from mrts.rigid_transform import Array
+from mrts.sample_problem import FormulationName
 from mrts.scaled_trajectory import ScaledTrajectory
 from mrts.scaling_range import ScalingRange, ScalingStatus
 from mrts.uncertain_load import LoadStudy
@@ -42,6 +44,21 @@ class Residuals:
 
 
 @dataclass(frozen=True)
+class DistributionRule:
+    """How torques are distributed.
+
+    Attributes:
+        sharing: A fixed distribution of the load; None leaves it to the quadratic program.
+        formulation: Unknowns of the programs.
+        weights: W of the quadratic program, None for the identity.
+    """
+
+    sharing: LoadSharing | None = None
+    formulation: FormulationName = "wrench"
+    weights: Array | None = None
+
+
+@dataclass(frozen=True)
 class ScalingResult:
     """What `mrts.scale` found.
 
@@ -52,6 +69,7 @@ class ScalingResult:
         trajectory: The motion at the chosen c²; None if no c² is admissible.
         fallbacks: Programs that the chosen solver did not solve and another did.
         load: What was asked of an uncertain load; None if the load is known.
+        rule: How torques are distributed.
     """
 
     cell: Cell
@@ -60,6 +78,7 @@ class ScalingResult:
     trajectory: ScaledTrajectory | None
     fallbacks: int
     load: LoadStudy | None = None
+    rule: DistributionRule = DistributionRule()
 
     @property
     def status(self) -> ScalingStatus:
@@ -182,6 +201,7 @@ class ScalingResult:
                     "rows": [row.to_json() for row in conflict.rows],
                     "multipliers": list(conflict.multipliers),
                     "widening": conflict.widening,
+                    "moves": list(conflict.moves),
                 }
                 for conflict in samples.conflicts
             ],

@@ -12,7 +12,7 @@ from mrts.errors import InputError, MrtsError
 from mrts.load_sharing import LoadSharing
 from mrts.motion_table import JointTable
 from mrts.object_motion import ObjectMotion
-from mrts.result import ScalingResult
+from mrts.result import DistributionRule, ScalingResult
 from mrts.rigid_transform import Array
 from mrts.sample_problem import FormulationName
 from mrts.scaled_trajectory import ScaledTrajectory
@@ -83,7 +83,8 @@ def scale(
         found = intersect(motion_ranges(cell, motion, formulation, sharing, solver))
     else:
         found, study = study_load(cell, motion, question, formulation, sharing, solver, progress)
-    untouched = ScalingResult(cell, motion, found, None, found.samples.fallbacks, study)
+    rule = DistributionRule(sharing, formulation, weights)
+    untouched = ScalingResult(cell, motion, found, None, found.samples.fallbacks, study, rule)
     if not found.status.admits_motion or question == "possible":
         return untouched
     try:

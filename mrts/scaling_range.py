@@ -88,8 +88,8 @@ class SampleRanges:
     upper_rows: Sequence[tuple[ActiveRow, ...]]
     conflicts: tuple[Conflict, ...]
     fallbacks: int
-    lower_loads: tuple[LoadPoint, ...] | None = None
-    upper_loads: tuple[LoadPoint, ...] | None = None
+    lower_loads: Sequence[LoadPoint] | None = None
+    upper_loads: Sequence[LoadPoint] | None = None
 
 
 @dataclass(frozen=True)
@@ -244,7 +244,7 @@ def _end(
     sample: int,
     c2: float,
     rows: Sequence[tuple[ActiveRow, ...]],
-    loads: tuple[LoadPoint, ...] | None,
+    loads: Sequence[LoadPoint] | None,
 ) -> RangeEnd:
     return RangeEnd(c2, sample, float(samples.time[sample]), rows[sample], loads[sample] if loads else None)
 

@@ -4,6 +4,7 @@
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from mrts.infeasibility import Conflict
 from mrts.load_box import OFFSETS, LoadBox, LoadPoint
 from mrts.load_sharing import LoadSharing
 from mrts.possible_load import widen_by_search
+from mrts.range_ends import SelectedRows
 from mrts.rigid_transform import Array
 from mrts.sample_problem import FormulationName, SampleProblem, build_sample_problem
 from mrts.scaling_range import (
@@ -65,7 +67,8 @@ class LoadStudy:
         if self.question == "possible":
             missed = f"; {len(self.not_converged)} samples not converged" if self.not_converged else ""
             return f"for some load of the box at each sample ({what}{missed})"
-        return f"for {len(self.points)} masses of the box ({what})"
+        low, high = (self.box.mass * factor for factor in self.box.ranges["mass"])
+        return f"for {len(self.points)} masses from {low:.4g} to {high:.4g} kg, all else nominal"
 
     def to_json(self) -> dict[str, Any]:
         """The study as JSON values."""
@@ -159,17 +162,19 @@ def study_load(
 def _effective(cell: Cell, motion: CoordinatedMotion, box: LoadBox) -> tuple[str, ...]:
     """Parameters that change the object's wrench P c² + Q along this motion: corners that differ in others coincide."""
 
-    def wrench(load: Array) -> Array:
+    def wrenches(load: Array) -> tuple[Array, Array]:
         terms = cell.functions("terms", motion.samples, motion.inputs(load))
-        return np.stack([terms["P"], terms["Q"]])
+        return terms["P"], terms["Q"]  # compared each by itself: how fast the motion is given moves only P
 
-    nominal = wrench(box.nominal_point().load)
-    size = float(np.max(np.abs(nominal)))
+    nominal = wrenches(box.nominal_point().load)
     found = []
     for name in box.varying:
-        ends = [wrench(box.load_at({name: end})) for end in box.ranges[name]]
-        if max(float(np.max(np.abs(end - nominal))) for end in ends) > INERT * size:
-            found.append(name)
+        ends = [wrenches(box.load_at({name: end})) for end in box.ranges[name]]
+        for end, part in product(ends, range(2)):
+            change = float(np.max(np.abs(end[part] - nominal[part])))
+            if change > INERT * float(np.max(np.abs(nominal[part]))):
+                found.append(name)
+                break
     return tuple(found)
 
 
@@ -189,7 +194,6 @@ def _mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
 
 def _for_every_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -> SampleRanges:
     """The intersection of the ranges of all loads at every sample, with the load that sets each end."""
-    samples = range(len(ranges[0].time))
     low, high = np.array([found.lower for found in ranges]), np.array([found.upper for found in ranges])
     at_low, at_high = np.argmax(low, axis=0), np.argmin(high, axis=0)
     conflicts: dict[int, Conflict] = {}
@@ -205,12 +209,12 @@ def _for_every_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]
         statuses(lower, upper, ordered),
         lower,
         upper,
-        tuple(ranges[at_low[sample]].lower_rows[sample] for sample in samples),
-        tuple(ranges[at_high[sample]].upper_rows[sample] for sample in samples),
+        SelectedRows(tuple(found.lower_rows for found in ranges), at_low),
+        SelectedRows(tuple(found.upper_rows for found in ranges), at_high),
         ordered,
         sum(found.fallbacks for found in ranges),
-        tuple(points[at_low[sample]] for sample in samples),
-        tuple(points[at_high[sample]] for sample in samples),
+        tuple(points[index] for index in at_low),
+        tuple(points[index] for index in at_high),
     )
 
 
@@ -240,9 +244,25 @@ def _guaranteed_by_fixed_rule(task: _Task, box: LoadBox, varying: tuple[str, ...
         tuple(ends.high_rows),
         (),
         0,
-        tuple(worst(sample, c2) for sample, c2 in enumerate(ends.low)),
-        tuple(worst(sample, c2) for sample, c2 in enumerate(ends.high)),
+        _LoadsOnDemand(ends.low, worst),
+        _LoadsOnDemand(ends.high, worst),
     )
+
+
+@dataclass(frozen=True)
+class _LoadsOnDemand(Sequence[LoadPoint]):
+    """The load that sets one end of each sample, found when it is asked for: c² of the end, Shape (N,), and by whom."""
+
+    c2: Array
+    find: Callable[[int, float], LoadPoint]
+
+    def __len__(self) -> int:
+        return len(self.c2)
+
+    def __getitem__(self, sample: Any) -> Any:
+        if isinstance(sample, slice):
+            return tuple(self[index] for index in range(*sample.indices(len(self))))
+        return self.find(sample, float(self.c2[sample]))
 
 
 def _possible(task: _Task, box: LoadBox, varying: tuple[str, ...]) -> tuple[ScalingRange, LoadStudy]:
@@ -269,7 +289,6 @@ def _possible(task: _Task, box: LoadBox, varying: tuple[str, ...]) -> tuple[Scal
 
 def _for_some_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -> SampleRanges:
     """At every sample the lowest and the highest c² that one of the loads reaches."""
-    samples = range(len(ranges[0].time))
     low, high = np.array([found.lower for found in ranges]), np.array([found.upper for found in ranges])
     at_low, at_high = np.argmin(low, axis=0), np.argmax(high, axis=0)
     lower, upper = np.min(low, axis=0), np.max(high, axis=0)
@@ -287,10 +306,10 @@ def _for_some_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges])
         statuses(lower, upper, conflicts),
         lower,
         upper,
-        tuple(ranges[at_low[sample]].lower_rows[sample] for sample in samples),
-        tuple(ranges[at_high[sample]].upper_rows[sample] for sample in samples),
+        SelectedRows(tuple(found.lower_rows for found in ranges), at_low),
+        SelectedRows(tuple(found.upper_rows for found in ranges), at_high),
         tuple(conflicts),
         sum(found.fallbacks for found in ranges),
-        tuple(points[at_low[sample]] for sample in samples),
-        tuple(points[at_high[sample]] for sample in samples),
+        tuple(points[index] for index in at_low),
+        tuple(points[index] for index in at_high),
     )

@@ -222,6 +222,31 @@ def test_the_closed_form_of_a_fixed_rule_equals_its_corners(tmp_path):
     assert compared > 10
 
 
+def test_how_fast_a_motion_is_given_hides_no_parameter(dual_ur5, lift_and_turn):
+    """c²⁺ is proportional to the square of the duration, whatever that is."""
+    cell = dual_ur5.with_variation(izz=(1, 50))
+    ends = []
+    for factor in (1.0, 1e7):
+        slow = mrts.ObjectMotion(
+            lift_and_turn.time * factor,
+            lift_and_turn.position,
+            lift_and_turn.rotation,
+            lift_and_turn.twist / factor,
+            lift_and_turn.acceleration / factor**2,
+        )
+        ends.append(mrts.scale(cell, slow).range.upper.c2 / factor**2)
+    assert ends[1] == pytest.approx(ends[0], rel=1e-6)
+
+
+def test_the_search_keeps_its_answer_where_the_best_load_leaves_no_room(planar_cell, lift):
+    cell = planar_cell.with_variation(mass=(0.2, 200.0))
+    result = mrts.scale(cell, lift, load="possible", sharing=mrts.LoadSharing())
+    assert result.load.not_converged == ()
+    grid = mrts.scale(cell, lift, load="grid:2001", sharing=mrts.LoadSharing())
+    best = np.max([found.samples.upper for found in grid.load.ranges], axis=0)
+    assert np.all(result.range.samples.upper >= best * (1 - SEARCH_TOLERANCE))
+
+
 def test_parameters_without_effect_double_no_work(planar_cell, lift):
     cell = planar_cell.with_variation(mass=(0.2, 6.0), ixx=(0.1, 3), izz=(0.1, 3), mz=(-1, 1))
     result = mrts.scale(cell, lift)
@@ -298,6 +323,22 @@ def test_factors_are_about_the_principal_axes_nearest_to_the_object():
         np.testing.assert_allclose(box.load_at({"iyy": 3.0}), load_vector(2.0, np.zeros(3), wanted), atol=1e-12)
 
 
+def test_equal_moments_take_the_nearest_of_all_axes():
+    rng = np.random.default_rng(6)
+    for _ in range(300):
+        R = Rotation.random(rng=rng).as_matrix()
+        moments = np.array([1.0, 2.0, 2.0])
+        axes = LoadBox(1.0, R * moments @ R.T, {"ixx": (0.5, 2)}).principal_axes
+        best = 0.0
+        for order in ((0, 1, 2), (1, 0, 2), (1, 2, 0)):  # which axis of the object is nearest to the single one
+            place = order.index(0)
+            others = [axis for axis in range(3) if axis != place]
+            best = max(best, abs(R[place, 0]) + np.linalg.svd(R[np.ix_(others, [1, 2])], compute_uv=False).sum())
+        assert np.sum(np.abs(np.diag(axes))) == pytest.approx(best, abs=1e-9)
+        turned = axes.T @ (R * moments @ R.T) @ axes
+        np.testing.assert_allclose(turned, np.diag(np.diag(turned)), atol=1e-9)
+
+
 @pytest.mark.parametrize("moments", [[1, 1, 1], [1, 1, 1.5], [1.5, 1, 1], [1, 1.5, 1]])
 def test_equal_moments_leave_the_axes_of_the_object(moments):
     assert LoadBox(1.0, np.diag(np.array(moments, dtype=float)), {"ixx": (0.5, 2)}).axes_are_the_objects
@@ -312,6 +353,9 @@ def test_a_known_load_of_the_box_has_torques_at_the_guaranteed_c2(dual_ur5, lift
         checks = carried.residuals()
         assert checks.limits <= RANGE_TOLERANCE
         assert max(checks.arms, checks.object) <= 1e-9 * (1 + np.max(np.abs(carried.trajectory.wrench)))
+    even = mrts.scale(cell, lift_and_turn, 5.0, sharing=mrts.LoadSharing())
+    again = mrts.torques_for_load(even, cell.load)
+    np.testing.assert_allclose(again.trajectory.torque, even.trajectory.torque, atol=1e-9)  # the result's own rule
     with pytest.raises(mrts.SelectionError, match="does not suit this load") as refused:
         mrts.torques_for_load(result, cell.load * 5)
     assert refused.value.result.range.upper.c2 < result.trajectory.c2
@@ -363,6 +407,10 @@ def test_the_command_line_asks_what_the_cell_file_says(tmp_path, capsys):
     assert result["binding"]["upper"]["load"]["parameters"] == {"mass": 6.0}
     assert [point["c2"]["upper"] for point in result["load"]["points"]] == pytest.approx([3.352, 1.516], abs=1e-3)
     assert result["selected"]["load"]["mass"] == 3.0
+    assert main([*command, "--load", "possible", "--carry", "mass=6"]) == 2
+    assert "chooses no c²" in capsys.readouterr().err
+    assert main([*command, "--carry", "mass=6,mass=2"]) == 2
+    assert "gives mass twice" in capsys.readouterr().err
     assert main([*command, "--load", "possible"]) == 0
     assert "for some load of the box at each sample" in capsys.readouterr().out
     assert main([*command, "--load", "nominal"]) == 0
@@ -404,6 +452,7 @@ def test_a_bad_variation_is_refused(mistake, tmp_path, capsys):
         (["--load", "guaranteed"], "add 'variation' under 'object'"),
         (["--load", "sometimes"], "add 'variation' under 'object'"),
         (["--carry", "mass=2"], "gives no object.variation"),
+        (["--carry", "mass"], "gives no object.variation"),
     ],
 )
 def test_questions_without_a_box_are_refused(options, words, capsys):
@@ -426,6 +475,15 @@ def test_bad_questions_and_loads_are_refused(planar_cell, lift):
     for load in (np.zeros(10), np.ones(7), np.full(10, np.nan), "heavy"):
         with pytest.raises(mrts.InputError):
             planar_cell.with_load(load)
+    with pytest.raises(mrts.InputError, match="has first moments"):
+        planar_cell.with_load(cell.load + np.eye(10)[1]).with_variation(mass=(0.9, 1.1))
+    with pytest.raises(mrts.InputError, match="at least one range"):
+        planar_cell.with_variation(outer_hull=True)
+    with pytest.raises(mrts.InputError, match="two finite numbers"):
+        planar_cell.with_variation(mass=(True, 2))
+    with pytest.raises(mrts.InputError, match="Shape"):
+        LoadBox(1.0, np.ones(3), {"mass": (0.5, 2)})
+    assert planar_cell.with_variation(mass=(np.int64(1), np.float32(2))).load_box.ranges == {"mass": (1.0, 2.0)}
     with pytest.raises(mrts.InputError, match="unknown parameter 'weight'"):
         planar_cell.with_variation(weight=(1, 2))
     with pytest.raises(mrts.InputError, match="no trajectory"):
