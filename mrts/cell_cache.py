@@ -7,12 +7,15 @@ This is the only place where the run time calls the build time (`mrts_codegen`).
 import hashlib
 import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from mrts.atomic_file import write_text_atomically
 from mrts.compiler import FLAGS, compile_library
 from mrts.errors import InputError
 from mrts.manifest import MANIFEST_NAME, Manifest, read_generated
+
+if TYPE_CHECKING:
+    from mrts.embedded_vectors import EmbeddedVector
 
 
 def cache_folder() -> Path:
@@ -75,6 +78,39 @@ def generate_to(path: Path, folder: Path | None) -> tuple[Manifest, Path]:
 
     generate_cell(path).write(folder)
     return read_generated(folder)
+
+
+def export_to(
+    path: Path,
+    folder: Path,
+    vectors: "list[EmbeddedVector]",
+    path_samples: int,
+    precision: Literal["double", "float"],
+    parts: tuple[str, ...],
+) -> list[str]:
+    """Export a cell as a self-contained C library.
+
+    Args:
+        path: The cell file.
+        folder: For the library.
+        vectors: Its test vectors.
+        path_samples: The first so many of them are one motion with the nominal load.
+        precision: "double" or "float".
+        parts: Of `mrts_codegen.embedded_export.PARTS`; none at all is all.
+
+    Returns:
+        The files, relative to the folder.
+
+    Raises:
+        InputError: If the cell file breaks a rule, a part does not exist, or the folder cannot be written.
+    """
+    from mrts_codegen.embedded_export import PARTS, export_library, write_library  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.generate import generate_cell  # noqa: PLC0415
+
+    cell = generate_cell(path)
+    texts = export_library(cell.manifest, cell.functions, vectors, path_samples, precision, parts or PARTS)
+    write_library(folder, texts)
+    return sorted(texts)
 
 
 def virtual_machine_functions(path: Path) -> dict[str, Any]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command line: `mrts demo`, `mrts generate`, `mrts scale`, `mrts configurations`.
+"""The command line: `mrts demo`, `mrts generate`, `mrts scale`, `mrts configurations`, `mrts export`.
 
 Exit codes: 0 feasible, 1 a named infeasible outcome, 2 bad input.
 """
@@ -117,6 +117,7 @@ def _parser() -> argparse.ArgumentParser:
     scale.add_argument("--plot", type=Path, metavar="DIR", help="write figures (needs the extra 'plot')")
     scale.set_defaults(run=_scale)
     _add_configurations(verbs)
+    _add_export(verbs)
     return parser
 
 
@@ -138,6 +139,41 @@ def _add_configurations(verbs: "argparse._SubParsersAction[argparse.ArgumentPars
     study.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
     study.add_argument("--json", type=Path, metavar="FILE", help="write the whole ranking ('-' is standard output)")
     study.set_defaults(run=_configurations)
+
+
+def _add_export(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    export = verbs.add_parser(
+        "export",
+        help="write a self-contained C library of a cell for a controller",
+        epilog="Example: mrts export cell.yaml -o embedded/my_cell --precision float",
+    )
+    export.add_argument("cell", type=Path, metavar="CELL", help="cell file")
+    export.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the library")
+    export.add_argument("--precision", choices=["double", "float"], default="double", help="(default: %(default)s)")
+    export.add_argument("--functions", default="", metavar="A,B,…",
+                        help="of terms, range, share, torques (default: all, with tests and an example)")  # fmt: skip
+    export.add_argument("--motion", type=Path, metavar="MOTION",
+                        help="motion of the test vectors (default: a short lift)")  # fmt: skip
+    export.set_defaults(run=_export)
+
+
+def _export(options: argparse.Namespace) -> int:
+    from mrts.cell import load_cell
+    from mrts.cell_cache import export_to
+    from mrts.coordinated_motion import coordinate
+    from mrts.embedded_vectors import make_vectors, own_motion
+    from mrts.motion_file import load_motion
+
+    if options.cell.is_dir():
+        raise InputError(options.cell, "an export starts from the cell file, not from a generated folder.")
+    cell = load_cell(options.cell)
+    motion = coordinate(cell, load_motion(options.motion)) if options.motion is not None else own_motion(cell)
+    parts = tuple(part for part in options.functions.split(",") if part)
+    vectors = make_vectors(cell, motion)
+    written = export_to(options.cell, options.output, vectors, motion.samples, options.precision, parts)
+    _say(f"{cell.name}: {options.precision} precision, {len(vectors)} test vectors, in {options.output}:")
+    _say("\n".join(f"  {name}" for name in written))
+    return FEASIBLE
 
 
 def _configurations(options: argparse.Namespace) -> int:

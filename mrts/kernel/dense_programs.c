@@ -342,6 +342,8 @@ done:
     return status;
 }
 
+/* Quadratic programs */
+
 /* Cholesky factor of H and the inverse of its transpose, upper triangular, by columns in J; 0 if H is not definite. */
 static int mrts_qp_factor(int k, const mrts_real *H, mrts_real *L, mrts_real *J) {
     for (int j = 0; j < k; ++j) {

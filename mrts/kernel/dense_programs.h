@@ -19,8 +19,8 @@ typedef MRTS_REAL mrts_real;
 /* MRTS_SINGLE is defined where mrts_real is float: tolerances and literals follow. */
 #ifdef MRTS_SINGLE
 #define MRTS_C(value) value##f
-#define MRTS_FEASIBLE MRTS_C(3e-5)    /* overstepping of a limit, relative to 1 and to it, that is rounding */
-#define MRTS_SEPARATED MRTS_C(3e-4)   /* a certificate must separate the limits by this share, or proves nothing */
+#define MRTS_FEASIBLE MRTS_C(4e-6)    /* overstepping of a limit, relative to 1 and to it, that is rounding */
+#define MRTS_SEPARATED MRTS_C(2e-5)   /* a certificate must separate the limits by this share, or proves nothing */
 #define MRTS_PIVOT MRTS_C(1e-4)       /* smallest pivot, relative to its row */
 #define MRTS_ZERO MRTS_C(1e-6)        /* a multiplier below this share of the largest is rounding */
 #define MRTS_INFINITY MRTS_C(1e30)
@@ -64,6 +64,8 @@ enum {
 static int mrts_lp(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
                    const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering, mrts_real *work,
                    int *iwork);
+
+/* Quadratic programs */
 
 /* Strictly convex quadratic program by the dual active set method.
  *

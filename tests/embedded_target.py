@@ -1,0 +1,47 @@
+"""Exported libraries on a Cortex-M7 under QEMU: cross compilation with our own startup and linker script."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+FOLDER = Path(__file__).resolve().parent / "cortex_m7"
+CPU = ["-mcpu=cortex-m7", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv5-d16"]
+TOOLS = {
+    "arm-none-eabi-gcc": "gcc-arm-none-eabi libnewlib-arm-none-eabi",
+    "qemu-system-arm": "qemu-system-arm",
+}
+SECONDS = 300
+
+
+def missing_tools():
+    """Debian packages of the tools that are not here."""
+    return [package for tool, package in TOOLS.items() if shutil.which(tool) is None]
+
+
+def cross_compile(library: Path, name: str, main: Path, image: Path, *defines: str, flags=("-O2",)) -> Path:
+    """Link a main program with an exported library into an image for the board."""
+    sources = [FOLDER / "startup.c", main, *sorted((library / "src").glob("*.c"))]
+    command = [shutil.which("arm-none-eabi-gcc"), *CPU, *flags, "-std=c99", "-ffp-contract=off", "-fno-common", *defines]
+    command += [f"-I{library / 'include'}", f"-I{library / 'tests'}", "-nostartfiles", "--specs=rdimon.specs"]
+    command += ["-Wl,-T", str(FOLDER / "mps2.ld"), *map(str, sources), "-lm", "-o", str(image)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert name
+    return image
+
+
+def run_on_target(image: Path):
+    """Run an image under QEMU; its exit code and what it printed. Instructions take 64 ns each."""
+    command = [shutil.which("qemu-system-arm"), "-M", "mps2-an500", "-nographic", "-monitor", "none", "-serial", "none"]
+    command += ["-icount", "shift=6", "-semihosting-config", "enable=on,target=native", "-kernel", str(image)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=SECONDS)
+
+
+def section_sizes(image: Path, prefix: str):
+    """Bytes of code and constants of the library's own functions in an image."""
+    text = subprocess.run(
+        [shutil.which("arm-none-eabi-nm"), "--print-size", "--defined-only", str(image)], capture_output=True, text=True, check=True
+    ).stdout
+    sizes = [line.split() for line in text.splitlines() if len(line.split()) == 4]
+    own = [(int(size, 16), symbol) for _, size, _, symbol in sizes if symbol.startswith((prefix, "mrts_"))]
+    return sum(size for size, symbol in own if "vectors" not in symbol)
