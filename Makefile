@@ -5,10 +5,10 @@ BIN := $(VENV)/bin
 WORKERS ?= auto
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test check bench instructions generate clean
+.PHONY: help install demo test check bench instructions embedded-counts generate clean
 
 help:  ## show this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 install: $(VENV)/installed  ## create .venv with mrts and everything that tests and checks need
 
@@ -38,9 +38,13 @@ bench: install  ## measure speed against what a user would otherwise run
 instructions: install  ## count instructions of a sample (needs gcc and valgrind)
 	$(BIN)/python benchmarks/instructions.py
 
+embedded-counts: install  ## count instructions on a Cortex-M7 (needs qemu-system-arm and an ARM compiler)
+	$(BIN)/python benchmarks/embedded_counts.py
+
 generate: install  ## regenerate the committed C of the shipped cells
 	$(BIN)/mrts generate mrts/data/planar_dual_arm/cell.yaml -o generated/planar_dual_arm
 	$(BIN)/mrts generate mrts/data/dual_ur5/cell.yaml -o generated/dual_ur5
+	$(BIN)/mrts export mrts/data/planar_dual_arm/cell.yaml -o generated/embedded/planar_dual_arm
 
 clean:  ## remove what the other verbs made
 	rm -rf $(VENV) build *.egg-info .pytest_cache .mypy_cache .ruff_cache

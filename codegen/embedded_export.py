@@ -222,6 +222,9 @@ def _kernel(name: str, precision: Precision, parts: tuple[str, ...]) -> str:
     if "torques" not in parts:
         header = header.split(marker)[0] + "#endif\n"
         source = source.split(marker)[0]
+    if set(parts) != set(PARTS):  # what a part does not use must not be warned of
+        source = re.sub(r"^static (?=\w+ )", "static inline ", source, flags=re.MULTILINE)
+        header = re.sub(r"^static int mrts_.*?;\n", "", header, flags=re.MULTILINE | re.DOTALL)
     defined = f"#define MRTS_REAL {name}_real\n" + ("#define MRTS_SINGLE\n" if precision == "float" else "")
     return f"/* {NOTICE} */\n{defined}{header}\n{source}"
 

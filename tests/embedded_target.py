@@ -18,15 +18,22 @@ def missing_tools():
     return [package for tool, package in TOOLS.items() if shutil.which(tool) is None]
 
 
-def cross_compile(library: Path, name: str, main: Path, image: Path, *defines: str, flags=("-O2",)) -> Path:
+def cross_compile(library: Path, main: Path, image: Path, *defines: str, flags=("-O2",)) -> Path:
     """Link a main program with an exported library into an image for the board."""
     sources = [FOLDER / "startup.c", main, *sorted((library / "src").glob("*.c"))]
-    command = [shutil.which("arm-none-eabi-gcc"), *CPU, *flags, "-std=c99", "-ffp-contract=off", "-fno-common", *defines]
+    command = [
+        shutil.which("arm-none-eabi-gcc"),
+        *CPU,
+        *flags,
+        "-std=c99",
+        "-ffp-contract=off",
+        "-fno-common",
+        *defines,
+    ]
     command += [f"-I{library / 'include'}", f"-I{library / 'tests'}", "-nostartfiles", "--specs=rdimon.specs"]
     command += ["-Wl,-T", str(FOLDER / "mps2.ld"), *map(str, sources), "-lm", "-o", str(image)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[-3000:]
-    assert name
     return image
 
 
@@ -39,9 +46,8 @@ def run_on_target(image: Path):
 
 def section_sizes(image: Path, prefix: str):
     """Bytes of code and constants of the library's own functions in an image."""
-    text = subprocess.run(
-        [shutil.which("arm-none-eabi-nm"), "--print-size", "--defined-only", str(image)], capture_output=True, text=True, check=True
-    ).stdout
+    command = [shutil.which("arm-none-eabi-nm"), "--print-size", "--defined-only", str(image)]
+    text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     sizes = [line.split() for line in text.splitlines() if len(line.split()) == 4]
     own = [(int(size, 16), symbol) for _, size, _, symbol in sizes if symbol.startswith((prefix, "mrts_"))]
     return sum(size for size, symbol in own if "vectors" not in symbol)

@@ -108,6 +108,7 @@ void @NAME@_terms(const @NAME@_sample *sample, const @NAME@_settings *settings, 
 }
 /*@end terms*/
 
+/*@begin range share torques*/
 /* Size of a limit: its larger side. */
 static @NAME@_real unit_of(@NAME@_real lower, @NAME@_real upper) {
     const @NAME@_real low = lower > -MRTS_INFINITY ? MRTS_ABS(lower) : 0;
@@ -137,6 +138,7 @@ static int limit_rows(const @NAME@_settings *settings, int unknowns, const @NAME
     }
     return count;
 }
+/*@end range share torques*/
 /*@begin range torques*/
 
 /* Scales unknowns so that each moves some row by one limit: x = column * x_scaled. */

@@ -71,10 +71,9 @@ static mrts_real mrts_limit(const mrts_real *lower, const mrts_real *upper, int 
     return side == MRTS_AT_LOWER ? lower[row] : side == MRTS_AT_UPPER ? upper[row] : 0;
 }
 
-/* x of a basis, refined once against its own rows; the largest residual that is left, relative to 1 and the limit */
-static mrts_real mrts_lp_solve(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
-                               const int *row, const int *side, const mrts_real *C, mrts_real *x) {
-    mrts_real worst = 0;
+/* x of a basis */
+static void mrts_lp_place(int k, const mrts_real *lower, const mrts_real *upper, const int *row, const int *side,
+                          const mrts_real *C, mrts_real *x) {
     for (int i = 0; i < k; ++i) x[i] = 0;
     for (int j = 0; j < k; ++j) {
         const mrts_real limit = mrts_limit(lower, upper, row[j], side[j]);
@@ -82,6 +81,12 @@ static mrts_real mrts_lp_solve(int k, int rows, const mrts_real *A, const mrts_r
             for (int i = 0; i < k; ++i) x[i] += limit * C[j * k + i];
         }
     }
+}
+
+/* x of a basis, refined once against its own rows; the largest residual that is left, relative to 1 and the limit */
+static mrts_real mrts_lp_refine(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
+                               const int *row, const int *side, const mrts_real *C, mrts_real *x) {
+    mrts_real worst = 0;
     for (int pass = 0; pass < 2; ++pass) {
         worst = 0;
         for (int j = 0; j < k; ++j) {
@@ -93,7 +98,7 @@ static mrts_real mrts_lp_solve(int k, int rows, const mrts_real *A, const mrts_r
                 for (int i = 0; i < k; ++i) x[i] += missing * C[j * k + i];
             }
         }
-        if (worst == 0) break;
+        if (worst <= MRTS_FEASIBLE / 100) break; /* nothing to gain */
     }
     return worst;
 }
@@ -289,7 +294,7 @@ restart:
     }
     for (int i = 0; i < rows + k; ++i) in_basis[i] = 0;
     for (int j = 0; j < k; ++j) in_basis[row[j]] = 1;
-    mrts_lp_solve(k, rows, A, lower, upper, row, side, C, x);
+    mrts_lp_place(k, lower, upper, row, side, C, x);
 
     for (int iteration = 0; iteration < limit; ++iteration) {
         mrts_real excess;
@@ -300,10 +305,10 @@ restart:
             const int changed = mrts_lp_choose_sides(k, lower, upper, row, side, y, MRTS_SEPARATED);
             if (changed < 0) goto start_cold;
             if (changed > 0) {
-                mrts_lp_solve(k, rows, A, lower, upper, row, side, C, x);
+                mrts_lp_place(k, lower, upper, row, side, C, x);
                 continue;
             }
-            const mrts_real left = mrts_lp_solve(k, rows, A, lower, upper, row, side, C, x);
+            const mrts_real left = mrts_lp_refine(k, rows, A, lower, upper, row, side, C, x);
             const mrts_real uneven = mrts_lp_stationarity(k, rows, A, g, row, y, 0, 0, alpha);
             if (left > MRTS_FEASIBLE || uneven > MRTS_FEASIBLE) { /* try a fresh inverse */
                 if (!updates || ++tried_again > 3) goto done;
@@ -335,7 +340,7 @@ restart:
         row[q] = p;
         side[q] = found > 0 ? MRTS_AT_UPPER : MRTS_AT_LOWER;
         for (int j = 0; j < k; ++j) y[j] = mrts_dot(k, g, C + j * k);
-        mrts_lp_solve(k, rows, A, lower, upper, row, side, C, x);
+        mrts_lp_place(k, lower, upper, row, side, C, x);
     }
 done:
     for (int j = 0; j < k; ++j) basis[j] = side[j] == MRTS_AT_LOWER ? -row[j] - 1 : row[j] + 1;
