@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from mrts.atomic_file import write_text_atomically
-from mrts.embedded_vectors import EmbeddedVector
+from mrts.embedded_vector import EmbeddedVector
 from mrts.errors import InputError
 from mrts.load_box import LoadBox, load_vector
 from mrts.manifest import Manifest

@@ -7,15 +7,13 @@ This is the only place where the run time calls the build time (`mrts_codegen`).
 import hashlib
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from mrts.atomic_file import write_text_atomically
 from mrts.compiler import FLAGS, compile_library
+from mrts.embedded_vector import EmbeddedVector
 from mrts.errors import InputError
 from mrts.manifest import MANIFEST_NAME, Manifest, read_generated
-
-if TYPE_CHECKING:
-    from mrts.embedded_vectors import EmbeddedVector
 
 
 def cache_folder() -> Path:
@@ -83,7 +81,7 @@ def generate_to(path: Path, folder: Path | None) -> tuple[Manifest, Path]:
 def export_to(
     path: Path,
     folder: Path,
-    vectors: "list[EmbeddedVector]",
+    vectors: list[EmbeddedVector],
     path_samples: int,
     precision: Literal["double", "float"],
     parts: tuple[str, ...],

@@ -161,7 +161,7 @@ def _export(options: argparse.Namespace) -> int:
     from mrts.cell import load_cell
     from mrts.cell_cache import export_to
     from mrts.coordinated_motion import coordinate
-    from mrts.embedded_vectors import make_vectors, own_motion
+    from mrts.embedded_test_vectors import make_vectors, own_motion
     from mrts.motion_file import load_motion
 
     if options.cell.is_dir():

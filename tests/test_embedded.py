@@ -13,7 +13,7 @@ from embedded_target import cross_compile, missing_tools, run_on_target
 import mrts
 from mrts.cell_cache import export_to
 from mrts.cli import main
-from mrts.embedded_vectors import make_vectors, own_motion
+from mrts.embedded_test_vectors import make_vectors, own_motion
 
 CELLS = ("planar_dual_arm", "dual_ur5")
 WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror"]

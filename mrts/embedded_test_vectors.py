@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Test vectors of an exported library: samples of a motion under several loads, and what this runtime finds."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion, follow_object
+from mrts.embedded_vector import EmbeddedVector
 from mrts.errors import InputError, MotionError
 from mrts.load_sharing import LoadSharing
 from mrts.motion_file import MotionDescription, sample_motion
@@ -29,31 +28,6 @@ SHARE_OF_END = 0.5
 
 STATUS = {SampleStatus.FEASIBLE: 0, SampleStatus.UNBOUNDED: 1, SampleStatus.INFEASIBLE: 2}
 """Of the exported header."""
-
-
-@dataclass(frozen=True)
-class EmbeddedVector:
-    """One sample, a mass, and the answers.
-
-    Attributes:
-        inputs: q, dq, ddq, rotation of the object, twist, acceleration.
-        mass: [kg].
-        status: A value of `STATUS`; likewise `share_status`.
-        ends: c²⁻, c²⁺; infinite where there is none.
-        share_status: Of an equal distribution.
-        share_ends: Its ends.
-        c2: Where torques are compared; 0 for no comparison.
-        torque: Shape (m,) [N m or N].
-    """
-
-    inputs: tuple[Array, ...]
-    mass: float
-    status: int
-    ends: tuple[float, float]
-    share_status: int
-    share_ends: tuple[float, float]
-    c2: float
-    torque: Array
 
 
 def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
