@@ -11,6 +11,7 @@ import numpy as np
 from mrts.cell_cache import generated_in_cache, virtual_machine_functions
 from mrts.cell_functions import Backend, CellFunctions, bind_functions
 from mrts.errors import InputError, as_array
+from mrts.input_file import LARGEST_NUMBER
 from mrts.load_box import LoadBox, load_vector
 from mrts.manifest import (
     LOAD_ENTRIES,
@@ -128,8 +129,8 @@ class Cell:
         Raises:
             InputError: Unless the mass is finite and > 0.
         """
-        if isinstance(mass, bool) or not isinstance(mass, int | float) or not (np.isfinite(mass) and mass > 0):
-            raise InputError("mass", "must be a finite number > 0, in kg.", value=mass)
+        if isinstance(mass, bool) or not isinstance(mass, int | float) or not 0 < mass <= LARGEST_NUMBER:
+            raise InputError("mass", f"must be a number > 0 and at most {LARGEST_NUMBER:.0e}, in kg.", value=mass)
         box = None if self.load_box is None else replace(self.load_box, mass=float(mass))
         return replace(self, load=np.array([mass, *self.load[1:]], dtype=np.float64), load_box=box)
 
@@ -143,8 +144,12 @@ class Cell:
             InputError: Unless it is finite with a mass > 0.
         """
         given = as_array("load", load)
-        if given.shape != (len(LOAD_ENTRIES),) or not np.all(np.isfinite(given)) or not given[0] > 0:
-            raise InputError("load", f"must be finite: {', '.join(LOAD_ENTRIES)}, with a mass > 0.", value=load)
+        if given.shape != (len(LOAD_ENTRIES),) or not np.all(np.abs(given) <= LARGEST_NUMBER) or not given[0] > 0:
+            raise InputError(
+                "load",
+                f"must be {', '.join(LOAD_ENTRIES)}, each at most {LARGEST_NUMBER:.0e} in size, with a mass > 0.",
+                value=load,
+            )
         return replace(self, load=given, load_box=None)
 
     def with_variation(self, *, outer_hull: bool = False, **ranges: tuple[float, float]) -> Self:

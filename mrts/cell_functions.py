@@ -3,15 +3,16 @@
 
 import logging
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from mrts.cell_cache import library_in_cache
 from mrts.compiled_cell import CompiledCell, cell_source
 from mrts.compiler import find_compiler
 from mrts.errors import CompilerError
+from mrts.kernel_library import load_or_rebuild
 from mrts.manifest import FunctionRecord, Manifest
 from mrts.rigid_transform import Array
 
@@ -123,12 +124,4 @@ class _VirtualMachine:
 
 
 def _bind(manifest: Manifest, command: tuple[str, ...], source: Path) -> CompiledCell:
-    text = cell_source(manifest, source)
-    try:
-        return CompiledCell(manifest, library_in_cache(command, manifest.name, text))
-    except OSError:
-        pass  # a damaged file in the cache: compile it again
-    try:
-        return CompiledCell(manifest, library_in_cache(command, manifest.name, text, rebuild=True))
-    except OSError as error:
-        raise CompilerError(f"the compiled library of {source.name} cannot be loaded: {error}") from None
+    return load_or_rebuild(command, manifest.name, cell_source(manifest, source), partial(CompiledCell, manifest))

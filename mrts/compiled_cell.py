@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.kernel_library import KERNEL_FILES, KernelLibrary, kernel_text, pointer
+from mrts.kernel_library import KERNEL_FILES, STOPPED, KernelLibrary, kernel_text, pointer
 from mrts.limit_rows import LimitRows
 from mrts.manifest import FunctionRecord, Manifest
 from mrts.rigid_transform import Array
@@ -112,7 +112,7 @@ class CompiledCell(KernelLibrary):
     def map(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
         """Evaluate a generated function at all samples; see `mrts.cell_functions.CellFunctions`."""
         record = self.records[name]
-        given, strides = _inputs(record, inputs)
+        given, strides = _inputs(record, samples, inputs)
         outputs = {item.name: np.zeros((samples, item.shape[1], item.shape[0])) for item in record.outputs}
         scratch = _Scratch(self.library, record)
         failed = self.library.mrts_map(
@@ -141,7 +141,7 @@ class CompiledCell(KernelLibrary):
         found = KernelRanges(
             np.zeros(N),
             np.zeros(N),
-            np.zeros((2, N), dtype=np.uint8),
+            np.full((2, N), STOPPED, dtype=np.uint8),
             np.zeros(N),
             np.zeros((2, N, k), dtype=np.int16),
             np.zeros((2, N, k), dtype=np.float32),
@@ -151,7 +151,7 @@ class CompiledCell(KernelLibrary):
 
         def run(first: int, count: int, given: list[Array], strides: Any, scratch: "_Scratch") -> None:
             work, iwork = self._workspace(len(limits.names))
-            self.library.mrts_ranges(
+            failed = self.library.mrts_ranges(
                 ctypes.c_longlong(count),
                 _pointers(given, first, strides),
                 strides,
@@ -161,6 +161,7 @@ class CompiledCell(KernelLibrary):
                 pointer(work),
                 pointer(iwork),
             )
+            assert failed == 0  # noqa: S101 (as in `map`)
 
         self._over_chunks(samples, inputs, run)
         return found
@@ -179,12 +180,13 @@ class CompiledCell(KernelLibrary):
             slack: Widening of each limit, as a share of it.
         """
         torque, wrench = np.zeros((samples, self.joints)), np.zeros((samples, self.wrenches))
-        status, W, speed = np.zeros(samples, dtype=np.uint8), np.ascontiguousarray(weights), np.ascontiguousarray(c2)
+        status = np.full(samples, STOPPED, dtype=np.uint8)
+        W, speed = np.ascontiguousarray(weights), np.ascontiguousarray(c2)
         sparse = _SparseLimits(limits)
 
         def run(first: int, count: int, given: list[Array], strides: Any, scratch: "_Scratch") -> None:
             work, iwork = self._workspace(len(limits.names))
-            self.library.mrts_torques(
+            failed = self.library.mrts_torques(
                 ctypes.c_longlong(count),
                 _pointers(given, first, strides),
                 strides,
@@ -200,6 +202,7 @@ class CompiledCell(KernelLibrary):
                 pointer(work),
                 pointer(iwork),
             )
+            assert failed == 0  # noqa: S101 (as in `map`)
 
         self._over_chunks(samples, inputs, run)
         return torque, wrench, status
@@ -260,21 +263,31 @@ class CompiledCell(KernelLibrary):
     def _over_chunks(self, samples: int, inputs: dict[str, Array], run: Callable[..., None]) -> None:
         """Deal whole chunks of samples to a few threads: foreign calls let others run."""
         record = self.records["wrench_form"]
-        given, strides = _inputs(record, inputs)
+        given, strides = _inputs(record, samples, inputs)
         chunks = -(-samples // CHUNK)
         threads = max(1, min(MOST_THREADS, os.cpu_count() or 1, chunks))
         bounds = [min(samples, CHUNK * (chunks * part // threads)) for part in range(threads + 1)]
         pieces = [(first, last - first) for first, last in pairwise(bounds) if last > first]
         scratches = [_Scratch(self.library, record) for _ in pieces]
+        failures: list[BaseException] = []
+
+        def guarded(*work: Any) -> None:
+            try:
+                run(*work)
+            except BaseException as error:  # noqa: BLE001 (raised again below, in the caller's thread)
+                failures.append(error)
+
         workers = [
-            threading.Thread(target=run, args=(*piece, given, strides, scratch))
+            threading.Thread(target=guarded, args=(*piece, given, strides, scratch))
             for piece, scratch in zip(pieces[1:], scratches[1:], strict=True)
         ]
         for worker in workers:
             worker.start()
-        run(*pieces[0], given, strides, scratches[0])
+        guarded(*pieces[0], given, strides, scratches[0])
         for worker in workers:
             worker.join()
+        if failures:
+            raise failures[0]
 
 
 class _Scratch:
@@ -346,15 +359,21 @@ def cell_source(manifest: Manifest, source: Path) -> str:
     return f"{source.read_text(encoding='utf-8')}\n{defined}{kernel_text(kernel)}"
 
 
-def _inputs(record: FunctionRecord, inputs: dict[str, Array]) -> tuple[list[Array], Any]:
-    """Inputs as the generated C reads them (matrices by columns), and how far apart samples lie (0: one for all)."""
+def _inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]) -> tuple[list[Array], Any]:
+    """Inputs as the generated C reads them (matrices by columns), and how far apart samples lie (0: one for all).
+
+    Raises:
+        ValueError: If an input has another shape: the C would read past its end.
+    """
     given, strides = [], []
     for argument in record.inputs:
         rows, columns = argument.shape
         value = np.asarray(inputs[argument.name], dtype=np.float64)
         alone = value.shape == (rows,) and columns == 1
-        if columns > 1:
-            value = value.reshape(-1, rows, columns).transpose(0, 2, 1)
+        if not alone:
+            if value.size != samples * rows * columns or len(value) != samples:
+                raise ValueError(f"{argument.name} has Shape {value.shape}, not {(samples, rows, columns)}")
+            value = value.reshape(samples, rows, columns).transpose(0, 2, 1)
         given.append(np.ascontiguousarray(value))
         strides.append(0 if alone else rows * columns)
     return given, (ctypes.c_longlong * len(strides))(*strides)

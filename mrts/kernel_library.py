@@ -2,16 +2,19 @@
 """Our kernel of small dense programs, compiled by itself: batches of any size in one foreign call."""
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.cell_cache import library_in_cache
+from mrts.errors import CompilerError
 from mrts.rigid_transform import Array
+
+Library = TypeVar("Library")
 
 KERNEL_FILES = ("dense_programs.h", "dense_programs.c", "batch.c")
 EXPORT = '__attribute__((visibility("default")))'
@@ -65,13 +68,35 @@ class KernelLibrary:
         return x, dual, status
 
 
+def load_or_rebuild(command: tuple[str, ...], name: str, source: str, load: Callable[[Path], Library]) -> Library:
+    """Load a library from the cache; a damaged one is compiled again.
+
+    Args:
+        command: Compiler, from `find_compiler`.
+        name: Of its files.
+        source: Its C text.
+        load: Raises OSError where the file cannot be loaded.
+
+    Raises:
+        CompilerError: If the compiler fails, or makes what cannot be loaded.
+    """
+    try:
+        return load(library_in_cache(command, name, source))
+    except OSError:
+        pass
+    try:
+        return load(library_in_cache(command, name, source, rebuild=True))
+    except OSError as error:
+        raise CompilerError(f"the compiled library of {name} cannot be loaded: {error}") from None
+
+
 def kernel_library(command: tuple[str, ...]) -> KernelLibrary:
     """The kernel without a cell, compiled on first use.
 
     Raises:
         CompilerError: If the compiler fails.
     """
-    return KernelLibrary(library_in_cache(command, "mrts_kernel", kernel_text(KERNEL_FILES)))
+    return load_or_rebuild(command, "mrts_kernel", kernel_text(KERNEL_FILES), KernelLibrary)
 
 
 def kernel_text(names: Sequence[str]) -> str:

@@ -258,7 +258,7 @@ def _overstep(cell: Cell, done: ScaledTrajectory) -> float:
         part = slice(start, start + BLOCK)
         value = done.torque[part] @ rows.torque_matrix.T + done.wrench[part] @ rows.wrench_matrix.T
         beyond = np.max(np.maximum(rows.lower - value, value - rows.upper), axis=0)
-        worst = max(worst, float(np.max(beyond / rows.units())))
+        worst = float(np.maximum(worst, np.max(beyond / rows.units())))  # not max: it would drop what is no number
     return worst
 
 

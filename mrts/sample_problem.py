@@ -130,7 +130,8 @@ def build_sample_problem(
         _check_invertible(cell, motion)
     count = motion.samples
     if samples is not None:
-        inputs = {name: value[samples] if len(value) == count else value for name, value in inputs.items()}
+        one_for_all = {name for name, value in inputs.items() if value.ndim == 1}
+        inputs = {name: value if name in one_for_all else value[samples] for name, value in inputs.items()}
         count = len(samples)
     maps = cell.functions("fixed_distribution" if sharing else f"{formulation}_form", count, inputs)
     unknowns = maps["torque_map"].shape[2] if maps["torque_map"].ndim == 3 else 1  # noqa: PLR2004 (N, m, k)

@@ -11,7 +11,7 @@ from mrts.compiled_cell import CompiledCell
 from mrts.constraints import cell_rows
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.infeasibility import Conflict, find_conflicts
-from mrts.kernel_library import MARGINAL, OPTIMAL
+from mrts.kernel_library import OPTIMAL
 from mrts.limit_rows import ActiveRow
 from mrts.load_sharing import LoadSharing
 from mrts.range_ends import KernelRows
@@ -29,6 +29,10 @@ from mrts.torque_distribution import SLACK, distribute_torques
 
 BLOCK = 4096
 """Samples whose rows are put together at a time where the kernel has not answered."""
+
+
+MOST_ROWS = 32_767
+"""The compiled path keeps the rows of each sample's answer as 16-bit numbers."""
 
 
 def motion_ranges(
@@ -64,7 +68,7 @@ def motion_ranges(
     suspects = np.flatnonzero(np.any(found.status != OPTIMAL, axis=0) | (at_rest & (low > 0)))
     rows = [KernelRows(limits, found.basis[end], found.dual[end], {}) for end in (0, 1)]
     conflicts: list[Conflict] = []
-    fallbacks = int(np.sum(np.any(found.status > MARGINAL, axis=0)))
+    fallbacks = 0
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
         part = _settle(cell, motion, load, block, float(np.max(found.effect)), solver)
@@ -110,13 +114,14 @@ def motion_torques(
     torque, wrench, status = compiled.torques(
         motion.samples, motion.inputs(cell.load), cell_rows(cell), np.full(motion.samples, c2), weights, SLACK
     )
-    missing = np.flatnonzero(status != OPTIMAL)
+    missing, fallbacks = np.flatnonzero(status != OPTIMAL), 0
     for start in range(0, len(missing), BLOCK):
         block = missing[start : start + BLOCK]
         problem = build_sample_problem(cell, motion, samples=block)
-        x, _ = distribute_torques(problem, c2, weights, solver)
+        x, by_another = distribute_torques(problem, c2, weights, solver)
         torque[block], wrench[block] = problem.torque(x), problem.wrench(x)
-    return torque, wrench, len(missing)
+        fallbacks += by_another
+    return torque, wrench, fallbacks
 
 
 def _compiled(
@@ -126,7 +131,9 @@ def _compiled(
     check_solver(solver)
     compiled = cell.functions.compiled
     applies = solver == "kernel" and formulation == "wrench" and sharing is None and len(cell.robots) > 1
-    return compiled if applies else None
+    if compiled is None or not applies or len(cell_rows(cell).names) + compiled.unknowns > MOST_ROWS:
+        return None
+    return compiled
 
 
 def _settle(

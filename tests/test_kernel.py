@@ -1,9 +1,11 @@
 """Our dense kernel against HiGHS and DAQP, its certificates by substitution, sanitizers and a fuzzer."""
 
+import hashlib
 import os
 import shutil
 import subprocess
 import sys
+import threading
 from collections import Counter
 
 import daqp
@@ -14,11 +16,13 @@ from conftest import DATA, ROOT
 from random_programs import cell_programs, hard_programs
 
 import mrts
+from mrts.cell_cache import library_in_cache
 from mrts.compiled_cell import CHUNK
 from mrts.compiler import find_compiler
 from mrts.constraints import cell_rows
 from mrts.convex_program import ConvexPrograms, optimality_error, solve_programs
-from mrts.kernel_library import INFEASIBLE, MARGINAL, OPTIMAL, kernel_library
+from mrts.kernel_library import INFEASIBLE, KERNEL_FILES, MARGINAL, OPTIMAL, kernel_library, kernel_text
+from mrts.solvers.kernel import KernelSolver
 
 LINEAR_PROGRAMS = 100_000
 QUADRATIC_PROGRAMS = 10_000
@@ -260,6 +264,78 @@ def test_the_compiled_path_equals_the_reference_solver(name):
             if ours.trajectory is not None:
                 size = np.max(np.abs(theirs.trajectory.torque))
                 np.testing.assert_allclose(ours.trajectory.torque, theirs.trajectory.torque, atol=1e-8 * size)
+
+
+@pytest.mark.parametrize("samples", [9, 10, 11])
+def test_ten_samples_are_not_taken_for_ten_entries_of_a_load(samples, planar_cell, lift):
+    fields = (lift.time, lift.position, lift.rotation, lift.twist, lift.acceleration)
+    short = mrts.ObjectMotion(*(field[: 10 * samples : 10] for field in fields))
+    for mass in (0.5, 12.67, 13.1, 13.6, 40.0):
+        heavy = planar_cell.with_mass(mass)
+        ours, theirs = (mrts.scale(heavy, short, solver=name) for name in ("kernel", "qpsol:qpoases"))
+        assert ours.range.samples.status == theirs.range.samples.status
+
+
+def test_inputs_of_a_wrong_shape_never_reach_the_compiled_code(planar_cell):
+    for q in (np.zeros((1, 6)), np.zeros((50, 5)), np.zeros(7), np.zeros((51, 6))):
+        with pytest.raises(ValueError, match="q has Shape"):
+            planar_cell.functions("kinematics", 50, {"q": q})
+
+
+def test_a_failing_thread_is_an_error_and_not_a_result(planar_cell, lift, monkeypatch):
+    fields = (lift.time, lift.position, lift.rotation, lift.twist, lift.acceleration)
+    longer = np.linspace(0, lift.time[-1], 1000)
+    motion = mrts.ObjectMotion(longer, *(interpolated(field, longer, lift.time) for field in fields[1:]))
+    whole = mrts.follow_object(planar_cell, motion)
+    workspace = planar_cell.functions.compiled._workspace  # noqa: SLF001 (stands in for memory running out)
+
+    def fails_elsewhere(rows):
+        if threading.current_thread() is not threading.main_thread():
+            raise MemoryError
+        return workspace(rows)
+
+    monkeypatch.setattr(planar_cell.functions.compiled, "_workspace", fails_elsewhere)
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    with pytest.raises(MemoryError):
+        mrts.scale(planar_cell, whole, "nominal")
+
+
+def interpolated(field, at, time):
+    flat = field.reshape(len(field), -1)
+    return np.column_stack([np.interp(at, time, column) for column in flat.T]).reshape(len(at), *field.shape[1:])
+
+
+def test_what_is_no_number_gets_no_answer(kernel, planar_cell):
+    A = np.ones((1, 3, 2))
+    A[0, 1, 0] = np.nan
+    low, high = np.array([[-1.0, -1, -1, -1, 0]]), np.array([[1.0, 1, 1, 1, 1]])
+    _, _, status = kernel.linear_programs(np.array([[0.0, 1]]), A, low, high)
+    assert status[0] != OPTIMAL
+    _, _, status = kernel.quadratic_programs(np.eye(2)[None], np.array([[-5.0, 1]]), A, low, high)
+    assert status[0] != OPTIMAL
+    with pytest.raises(mrts.InputError, match="at most 1e"):
+        planar_cell.with_mass(1.7e308)
+
+
+def test_a_library_that_does_not_load_is_compiled_again(tmp_path, monkeypatch):
+    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
+    command = find_compiler()
+    library = library_in_cache(command, "mrts_kernel", kernel_text(KERNEL_FILES))
+    library.write_bytes(b"of another machine")
+    library.with_suffix(".sha256").write_text(hashlib.sha256(b"of another machine").hexdigest())
+    x, _, status = kernel_library(command).linear_programs(
+        np.ones((1, 1)), np.ones((1, 1, 1)), np.array([[2.0, 0.0]]), np.array([[3.0, np.inf]])
+    )
+    assert status[0] == OPTIMAL
+    assert x[0, 0] == 2
+
+
+def test_a_broken_compiler_does_not_stop_the_virtual_machine(monkeypatch, lift):
+    monkeypatch.setenv("CC", "false")
+    KernelSolver.__init__.__globals__["_library"].cache_clear()
+    cell = mrts.load_cell(DATA / "cell.yaml", backend="vm")
+    assert mrts.scale(cell, lift).range.upper.c2 == pytest.approx(3.0618, abs=1e-4)
+    KernelSolver.__init__.__globals__["_library"].cache_clear()
 
 
 SANITIZED = """

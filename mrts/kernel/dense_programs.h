@@ -59,7 +59,7 @@ enum {
  * y[k]:     multipliers of the basis, g = sum_j y_j a_(basis j), >= 0 at a lower and <= 0 at an upper limit. If
  *           infeasible, a certificate: with g = 0 the same sum over the basis and the row *entering, coded as a basis
  *           row, whose multiplier is -1 at its upper and 1 at its lower limit; then sum_i y_i limit_i > 0.
- * Returns one of the statuses above.
+ * An unknown with a cost needs the limit that its cost pushes it against. Returns one of the statuses above.
  */
 static int mrts_lp(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
                    const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering, mrts_real *work,

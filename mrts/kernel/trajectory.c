@@ -63,6 +63,13 @@ static void mrts_rows(const mrts_form *form, const mrts_limits *limits, double *
     }
 }
 
+static int mrts_all_finite(int count, const double *values) {
+    for (int i = 0; i < count; ++i) {
+        if (!(MRTS_ABS(values[i]) < MRTS_INFINITY)) return 0;
+    }
+    return 1;
+}
+
 /* Scales the unknowns so that each moves some row by one limit: x = column * x_scaled. */
 static void mrts_scale(int k, int rows, double *A, int stride, double *column) {
     for (int j = 0; j < k; ++j) {
@@ -96,6 +103,11 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
         if (n % MRTS_CHUNK == 0) low_rows[0] = high_rows[0] = 0; /* so that chunks do not depend on each other */
         if (mrts_evaluate(in, stride, n, &form, arg, res, iw, w)) return 1;
         mrts_rows(&form, limits, A, lower, upper);
+        if (!mrts_all_finite(rows * K, A)) {
+            low_status[n] = high_status[n] = MRTS_STOPPED;
+            low_rows[0] = high_rows[0] = 0;
+            continue;
+        }
         mrts_scale(K, rows, A, K, column);
         effect[n] = 0;
         for (int row = 0; row < rows; ++row) {
@@ -154,6 +166,10 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
         double largest = 0;
         if (mrts_evaluate(in, stride, n, &form, arg, res, iw, w)) return 1;
         mrts_rows(&form, limits, A, lower, upper);
+        if (!mrts_all_finite(rows * K, A)) {
+            status[n] = MRTS_STOPPED;
+            continue;
+        }
         for (int row = 0; row < rows; ++row) {
             const double given = A[row * K + F] * speed;
             const double gap = limits->lower[row] < limits->upper[row] ? slack : 0;

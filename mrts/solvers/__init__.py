@@ -4,8 +4,7 @@
 from collections.abc import Callable, Iterator
 from typing import Protocol
 
-from mrts.compiler import find_compiler
-from mrts.errors import InputError
+from mrts.errors import CompilerError, InputError
 from mrts.rigid_transform import Array
 
 DEFAULT_SOLVER = "kernel"
@@ -28,12 +27,13 @@ class BatchSolver(Protocol):
 
 
 def _kernel() -> BatchSolver:
-    """Our kernel; without a C compiler the next best."""
-    if find_compiler() is None:
-        return _qpsol("qpoases")
+    """Our kernel; without a C compiler that works, the next best."""
     from mrts.solvers.kernel import KernelSolver  # noqa: PLC0415 (a solver is loaded when it is asked)
 
-    return KernelSolver()
+    try:
+        return KernelSolver()
+    except CompilerError:
+        return _qpsol("qpoases")
 
 
 def _qpsol(plugin: str) -> BatchSolver:

@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from mrts.compiler import find_compiler
+from mrts.errors import CompilerError
 from mrts.kernel_library import KernelLibrary, kernel_library
 from mrts.rigid_transform import Array
 
@@ -39,5 +40,6 @@ class KernelSolver:
 @lru_cache(maxsize=1)
 def _library() -> KernelLibrary:
     command = find_compiler()
-    assert command is not None  # noqa: S101 (the registry asks before)
+    if command is None:
+        raise CompilerError("no C compiler was found.")
     return kernel_library(command)

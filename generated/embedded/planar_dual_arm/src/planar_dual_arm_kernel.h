@@ -61,7 +61,7 @@ enum {
  * y[k]:     multipliers of the basis, g = sum_j y_j a_(basis j), >= 0 at a lower and <= 0 at an upper limit. If
  *           infeasible, a certificate: with g = 0 the same sum over the basis and the row *entering, coded as a basis
  *           row, whose multiplier is -1 at its upper and 1 at its lower limit; then sum_i y_i limit_i > 0.
- * Returns one of the statuses above.
+ * An unknown with a cost needs the limit that its cost pushes it against. Returns one of the statuses above.
  */
 static int mrts_lp(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
                    const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering, mrts_real *work,
@@ -176,7 +176,7 @@ static mrts_real mrts_lp_refine(int k, int rows, const mrts_real *A, const mrts_
             const mrts_real limit = mrts_limit(lower, upper, row[j], side[j]);
             const mrts_real missing = limit - mrts_lp_value(rows, A, k, row[j], x);
             const mrts_real size = MRTS_ABS(missing) / (1 + MRTS_ABS(limit));
-            if (size > worst) worst = size;
+            if (!(size <= worst)) worst = size; /* so that a value that is no number is seen */
             if (missing != 0 && pass == 0) {
                 for (int i = 0; i < k; ++i) x[i] += missing * C[j * k + i];
             }
@@ -215,7 +215,7 @@ static mrts_real mrts_lp_stationarity(int k, int rows, const mrts_real *A, const
         if (term > size) size = term;
     }
     for (int i = 0; i < k; ++i) {
-        if (MRTS_ABS(rest[i]) > worst) worst = MRTS_ABS(rest[i]);
+        if (!(MRTS_ABS(rest[i]) <= worst)) worst = MRTS_ABS(rest[i]);
     }
     return size > 0 ? worst / size : worst;
 }
@@ -274,7 +274,7 @@ static int mrts_lp_price(int k, int rows, const mrts_real *A, const mrts_real *l
         const mrts_real over = above > below ? above : below;
         if (over <= 0) continue;
         const mrts_real limit = above > below ? upper[row] : lower[row];
-        if (over > MRTS_FEASIBLE * (1 + MRTS_ABS(limit)) && over > most) {
+        if (!(over <= MRTS_FEASIBLE * (1 + MRTS_ABS(limit))) && !(over <= most)) { /* no number: no answer */
             most = over;
             found = above > below ? row + 1 : -row - 1;
             if (bland) break;
@@ -393,7 +393,7 @@ restart:
             }
             const mrts_real left = mrts_lp_refine(k, rows, A, lower, upper, row, side, C, x);
             const mrts_real uneven = mrts_lp_stationarity(k, rows, A, g, row, y, 0, 0, alpha);
-            if (left > MRTS_FEASIBLE || uneven > MRTS_FEASIBLE) { /* try a fresh inverse */
+            if (!(left <= MRTS_FEASIBLE) || !(uneven <= MRTS_FEASIBLE)) { /* try a fresh inverse */
                 if (!updates || ++tried_again > 3) goto done;
                 goto restart;
             }
@@ -547,7 +547,7 @@ static mrts_real mrts_qp_error(int k, int rows, const mrts_real *H, const mrts_r
         mrts_row_of(k, rows, A, row, at_lower ? 1 : -1, a);
         const mrts_real limit = at_lower ? lower[row] : -upper[row];
         const mrts_real missing = MRTS_ABS(limit - mrts_dot(k, a, x)) / (1 + MRTS_ABS(limit));
-        if (missing > worst) worst = missing;
+        if (!(missing <= worst)) worst = missing;
         if (lower[row] < upper[row] && -u[j] > worst * largest) worst = largest > 0 ? -u[j] / largest : 1;
         for (int i = 0; i < k; ++i) {
             gradient[i] -= u[j] * a[i];
@@ -555,7 +555,7 @@ static mrts_real mrts_qp_error(int k, int rows, const mrts_real *H, const mrts_r
         }
     }
     for (int i = 0; i < k; ++i) {
-        if (MRTS_ABS(gradient[i]) > worst * size) worst = MRTS_ABS(gradient[i]) / size;
+        if (!(MRTS_ABS(gradient[i]) <= worst * size)) worst = MRTS_ABS(gradient[i]) / size;
     }
     return worst;
 }
@@ -584,7 +584,7 @@ static int mrts_qp(int k, int rows, const mrts_real *H, const mrts_real *A, cons
             *count = m;
             mrts_qp_refine(k, rows, H, A, lower, upper, g, active, m, J, R, x, u, scratch);
             mrts_qp_refine(k, rows, H, A, lower, upper, g, active, m, J, R, x, u, scratch);
-            if (mrts_qp_error(k, rows, H, A, lower, upper, g, active, m, x, u, scratch) > MRTS_FEASIBLE) {
+            if (!(mrts_qp_error(k, rows, H, A, lower, upper, g, active, m, x, u, scratch) <= MRTS_FEASIBLE)) {
                 return MRTS_STOPPED;
             }
             return mrts_lp_price(k, rows, A, lower, upper, x, is_active, 0, &excess) ? MRTS_STOPPED : MRTS_OPTIMAL;
