@@ -85,6 +85,7 @@ def export_to(
     path_samples: int,
     precision: Literal["double", "float"],
     parts: tuple[str, ...],
+    name: str | None = None,
 ) -> list[str]:
     """Export a cell as a self-contained C library.
 
@@ -95,6 +96,7 @@ def export_to(
         path_samples: The first so many of them are one motion with the nominal load.
         precision: "double" or "float".
         parts: Of `mrts_codegen.embedded_export.PARTS`; none at all is all.
+        name: Prefix of every name in the library; None is the cell's.
 
     Returns:
         The files, relative to the folder.
@@ -106,7 +108,8 @@ def export_to(
     from mrts_codegen.generate import generate_cell  # noqa: PLC0415
 
     cell = generate_cell(path)
-    texts = export_library(cell.manifest, cell.functions, vectors, path_samples, precision, parts or PARTS)
+    manifest = cell.manifest if name is None else cell.manifest.model_copy(update={"name": name})
+    texts = export_library(manifest, cell.functions, vectors, path_samples, precision, parts or PARTS)
     write_library(folder, texts)
     return sorted(texts)
 

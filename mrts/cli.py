@@ -7,6 +7,7 @@ Exit codes: 0 feasible, 1 a named infeasible outcome, 2 bad input.
 import argparse
 import io
 import logging
+import re
 import shutil
 import sys
 from collections.abc import Sequence
@@ -22,14 +23,10 @@ if TYPE_CHECKING:
     from mrts.result import ScalingResult
     from mrts.rigid_transform import Array
     from mrts.scaling import Selection
-    from mrts.uncertain_load import LoadStudy
 
 FEASIBLE, INFEASIBLE, BAD_INPUT = 0, 1, 2
 PIPE_CLOSED = 141
 """What a shell reports of a program whose reader went away."""
-
-LOADS_SHOWN = 8
-"""Loads of a box that are printed."""
 
 INTERRUPTED = 130
 """What a shell expects of a program that Ctrl-C ended."""
@@ -114,6 +111,9 @@ def _parser() -> argparse.ArgumentParser:
                        help="unknowns of the programs (default: %(default)s)")  # fmt: skip
     scale.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
     scale.add_argument("--json", type=Path, metavar="FILE", help="write the whole result ('-' is standard output)")
+    scale.add_argument("--csv", type=Path, metavar="FILE", help="write the scaled trajectory as a table")
+    scale.add_argument("--ros-bag", type=Path, metavar="DIR",
+                       help="write the scaled trajectory as a ROS 2 bag (MCAP; needs the extra 'ros')")  # fmt: skip
     scale.add_argument("--plot", type=Path, metavar="DIR", help="write figures (needs the extra 'plot')")
     scale.set_defaults(run=_scale)
     _add_configurations(verbs)
@@ -152,6 +152,7 @@ def _add_export(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") ->
     export.add_argument("--precision", choices=["double", "float"], default="double", help="(default: %(default)s)")
     export.add_argument("--functions", default="", metavar="A,B,…",
                         help="of terms, range, share, torques (default: all, with tests and an example)")  # fmt: skip
+    export.add_argument("--name", metavar="NAME", help="prefix of all names (default: the cell's name)")
     export.add_argument("--motion", type=Path, metavar="MOTION",
                         help="motion of the test vectors (default: a short lift)")  # fmt: skip
     export.set_defaults(run=_export)
@@ -167,10 +168,14 @@ def _export(options: argparse.Namespace) -> int:
     if options.cell.is_dir():
         raise InputError(options.cell, "an export starts from the cell file, not from a generated folder.")
     cell = load_cell(options.cell)
-    motion = coordinate(cell, load_motion(options.motion)) if options.motion is not None else own_motion(cell)
     parts = tuple(part for part in options.functions.split(",") if part)
-    vectors = make_vectors(cell, motion)
-    written = export_to(options.cell, options.output, vectors, motion.samples, options.precision, parts)
+    vectors, samples = [], 0
+    if not parts:  # tests and example go with a library of all parts only
+        motion = coordinate(cell, load_motion(options.motion)) if options.motion is not None else own_motion(cell)
+        vectors, samples = make_vectors(cell, motion), motion.samples
+    if options.name is not None and not re.fullmatch(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*", options.name):
+        raise InputError("--name", "must be letters, digits and single underscores.", value=options.name)
+    written = export_to(options.cell, options.output, vectors, samples, options.precision, parts, options.name)
     _say(f"{cell.name}: {options.precision} precision, {len(vectors)} test vectors, in {options.output}:")
     _say("\n".join(f"  {name}" for name in written))
     return FEASIBLE
@@ -241,9 +246,10 @@ def _scale(options: argparse.Namespace) -> int:
     from mrts.motion_file import load_motion
     from mrts.scaling import SelectionError, scale
     from mrts.solvers import DEFAULT_SOLVER
+    from mrts.text_report import report_lines
 
-    if options.plot is not None:
-        _require_matplotlib()
+    _require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
+    _require("rosbags", "--ros-bag", "ros", wanted=options.ros_bag is not None)
     motion = load_motion(options.motion)
     sharing = _sharing(options.share)
     cell = load_cell(options.cell)
@@ -269,7 +275,10 @@ def _scale(options: argparse.Namespace) -> int:
             _write(options, error.result)
         raise
     if str(options.json) != "-":
-        _report(result)
+        for line in report_lines(result):
+            _say(line)
+        if result.fallbacks:
+            _warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
     _write(options, result)
     return FEASIBLE if result.status.admits_motion else INFEASIBLE
 
@@ -323,6 +332,14 @@ def _write(options: argparse.Namespace, result: "ScalingResult") -> None:
             _say(result.json_text())
         else:
             result.write_json(options.json)
+    if options.csv is not None:
+        from mrts.trajectory_table import write_trajectory_csv
+
+        write_trajectory_csv(result, options.csv)
+    if options.ros_bag is not None:
+        from mrts.ros_bag import write_ros_bag
+
+        write_ros_bag(result, options.ros_bag)
     if options.plot is not None:
         from mrts.figures import range_figure, trajectory_figure, write_figure
 
@@ -332,54 +349,12 @@ def _write(options: argparse.Namespace, result: "ScalingResult") -> None:
             write_figure(trajectory_figure(result, title), options.plot / "torques_and_wrenches.png")
 
 
-def _require_matplotlib() -> None:
+def _require(package: str, option: str, extra: str, *, wanted: bool) -> None:
+    """Fail before any work if an option's package is missing."""
     from importlib.util import find_spec
 
-    if find_spec("matplotlib") is None:
-        raise InputError("--plot", "needs matplotlib: pip install 'mrts[plot]'.")
-
-
-def _report(result: "ScalingResult") -> None:
-    import numpy as np
-
-    _say(f"{result.cell.name}: {result.summary()}")
-    study = result.load
-    if study is not None:
-        _report_load(study)
-    done = result.trajectory
-    if done is None:
-        return
-    given = result.motion.object.time[-1]
-    _say(f"chosen c² = {done.c2:.6g}: {given:.4g} s become {done.duration:.4g} s, energy {done.energy:.4g} J")
-    _say(f"torques for a load of {result.cell.mass:.4g} kg\n" if study is not None else "")
-    _say(f"{'joint':<28} {'least torque':>13} {'largest torque':>15} {'limits':>22}")
-    for robot in result.cell.robots:
-        torque = result.torque[robot.name]
-        for index, joint in enumerate(robot.joints):
-            limits = f"[{robot.torque_lower[index]:g}, {robot.torque_upper[index]:g}] {robot.torque_units[index]}"
-            name = f"{robot.name}/{joint}"
-            _say(f"{name:<28} {np.min(torque[:, index]):>13.4g} {np.max(torque[:, index]):>15.4g} {limits:>22}")
-    for note in result.too_fast():
-        _say(f"note: {note}")
-    if result.fallbacks:
-        _warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
-
-
-def _report_load(study: "LoadStudy") -> None:
-    """Ranges by load, the worst first, and what the factors of inertia refer to."""
-    ordered = sorted(
-        zip(study.points, study.ranges, strict=True), key=lambda pair: pair[1].upper.c2 if pair[1].upper else 0
-    )
-    for point, found in ordered[:LOADS_SHOWN]:
-        ends = f"[{found.lower.c2:.4g}, {found.upper.c2:.4g}]" if found.lower and found.upper else found.status.value
-        _say(f"  {ends:<20} {point}")
-    if len(ordered) > LOADS_SHOWN:
-        _say(f"  … and {len(ordered) - LOADS_SHOWN} more loads (--json has all)")
-    if not study.box.axes_are_the_objects:
-        axes = "; ".join(
-            f"{name} {column.round(4).tolist()}" for name, column in zip("xyz", study.box.principal_axes.T, strict=True)
-        )
-        _say(f"  factors of ixx, iyy, izz are about the principal axes, in the object frame: {axes}")
+    if wanted and find_spec(package) is None:
+        raise InputError(option, f"needs {package}: pip install 'mrts[{extra}]'.")
 
 
 def _say(text: str) -> None:

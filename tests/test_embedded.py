@@ -228,6 +228,115 @@ int main(void) {
     assert row.strip() == "right/elbow torque"
 
 
+MISUSE = """
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "NAME.h"
+#include "NAME_vectors.h"
+#define SAY(what, status) printf("%s=%d\\n", what, (int)(status))
+int main(void) {
+    static NAME_workspace w;
+    NAME_settings s, spoiled;
+    NAME_range r;
+    NAME_sample sample = NAME_vectors[20].sample;
+    NAME_real torque[MACRO_JOINTS], wrench[MACRO_WRENCHES], none[1][MACRO_LOAD];
+    NAME_default_settings(&s);
+    memset(&w, 0x80, sizeof w);
+    NAME_reset(&w);
+    SAY("ok", NAME_range_of_sample(&sample, &s, &r, &w));
+    SAY("beyond", NAME_torques(&sample, &s, 100 * r.upper, torque, wrench, &w));
+    SAY("inside", NAME_torques(&sample, &s, r.upper / 2, torque, wrench, &w));
+    SAY("negative", NAME_torques(&sample, &s, -1, torque, wrench, &w));
+    memset(&w, 0x80, sizeof w);
+    SAY("garbage", NAME_range_of_sample(&sample, &s, &r, &w));
+    for (int i = 0; i < MACRO_ROWS; ++i) {
+        spoiled = s;
+        spoiled.lower[i] = 5;
+        spoiled.upper[i] = -5;
+        if (NAME_range_of_sample(&sample, &spoiled, &r, &w) != MACRO_BAD_ARGUMENT) SAY("reversed", i);
+        spoiled.upper[i] = (NAME_real)NAN;
+        if (NAME_equal_share_range(&sample, &spoiled, &r, &w) != MACRO_BAD_ARGUMENT) SAY("not a number", i);
+        if (NAME_check_settings(&spoiled) != MACRO_BAD_ARGUMENT) SAY("unchecked", i);
+    }
+    spoiled = s;
+    for (int i = 0; i < MACRO_ROWS; ++i) {
+        spoiled.lower[i] = -MACRO_UNLIMITED;
+        spoiled.upper[i] = MACRO_UNLIMITED;
+    }
+    SAY("unlimited", NAME_range_of_sample(&sample, &spoiled, &r, &w));
+    memset(none, 0, sizeof none);
+    none[0][0] = -1;
+    SAY("load", NAME_guaranteed_range(&sample, &s, (const NAME_real(*)[MACRO_LOAD])none, 1, &r, 0, 0, &w));
+    sample.ddq[0] = (NAME_real)NAN;
+    SAY("nan", NAME_torques(&sample, &spoiled, 1, torque, wrench, &w));
+    SAY("nan range", NAME_range_of_sample(&sample, &spoiled, &r, &w));
+    return 0;
+}
+"""
+
+
+@pytest.mark.parametrize("arms", [1, 2])
+@pytest.mark.parametrize("precision", ["double", "float"])
+def test_misuse_is_a_status(arms, precision, tmp_path):
+    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
+    for robot in cell["robots"]:
+        robot["urdf"] = str(DATA / "planar_arm.urdf")
+    cell["robots"] = cell["robots"][:arms]
+    if arms == 1:
+        del cell["robots"][0]["wrench"]
+    path, folder = tmp_path / "cell.yaml", tmp_path / "library"
+    path.write_text(yaml.safe_dump(cell))
+    command = ["export", str(path), "-o", str(folder), "--precision", precision, "--name", "my_cell"]
+    assert main(command) == 0
+    assert "0 mismatches" in run("make", "test", cwd=folder)
+    (tmp_path / "main.c").write_text(MISUSE.replace("NAME", "my_cell").replace("MACRO", "MY_CELL"))
+    run(tool("gcc", "gcc"), "-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all",
+        f"-I{folder}/include", f"-I{folder}/tests", folder / "src/my_cell.c", folder / "src/my_cell_model.c",
+        tmp_path / "main.c", "-lm", "-o", tmp_path / "main")  # fmt: skip
+    said = dict(line.split("=") for line in run(tmp_path / "main").splitlines())
+    ok, unbounded, infeasible, bad = "0", "1", "2", "5"
+    wanted = {"ok": ok, "beyond": infeasible, "inside": ok, "negative": bad, "garbage": ok, "unlimited": unbounded}
+    assert said == wanted | {"load": bad, "nan": bad, "nan range": bad}
+
+
+@pytest.mark.parametrize("precision", ["double", "float"])
+def test_a_slow_motion_is_not_taken_for_rest(precision, tmp_path):
+    slow = yaml.safe_load((DATA / "lift.yaml").read_text()) | {"duration": 600.0}
+    (tmp_path / "slow.yaml").write_text(yaml.safe_dump(slow))
+    command = ["export", str(DATA / "cell.yaml"), "-o", str(tmp_path / "x"), "--precision", precision]
+    assert main([*command, "--motion", str(tmp_path / "slow.yaml")]) == 0
+    assert "0 mismatches" in run("make", "test", cwd=tmp_path / "x")
+
+
+def test_names_that_build_systems_use_are_refused(tmp_path, capsys):
+    for name, words in (
+        ("mrts", "is taken"),
+        ("test", "is taken"),
+        ("1x", "must be letters"),
+        ("a/b", "must be letters"),
+    ):
+        assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path / "x"), "--name", name]) == 2
+        assert words in capsys.readouterr().err
+    assert not (tmp_path / "x").exists()
+
+
+def test_a_smaller_export_leaves_nothing_of_a_larger_one(tmp_path):
+    assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path)]) == 0
+    assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path), "--functions", "range"]) == 0
+    assert not [path for path in tmp_path.rglob("*.c") if path.parent.name in {"tests", "examples"}]
+    assert "make test" not in (tmp_path / "README.md").read_text()
+
+
+def test_the_readme_tells_the_size_of_the_workspace(library, tmp_path):
+    cell, _, folder = library
+    told = re.search(rf"sizeof\({cell}_workspace\)` = (\d+)", (folder / "README.md").read_text()).group(1)
+    says = f'printf("%u", (unsigned)sizeof({cell}_workspace));'
+    (tmp_path / "main.c").write_text(f'#include <stdio.h>\n#include "{cell}.h"\nint main(void) {{ {says} }}\n')
+    run(tool("gcc", "gcc"), f"-I{folder}/include", tmp_path / "main.c", "-o", tmp_path / "main")
+    assert run(tmp_path / "main") == told
+
+
 def test_text_from_a_urdf_cannot_leave_its_string(tmp_path):
     nasty = 'el"bow\\ */ #include "x" \n%s ü'
     urdf = (DATA / "planar_arm.urdf").read_text()

@@ -60,11 +60,15 @@ void @NAME@_default_settings(@NAME@_settings *settings) {
 
 static int is_finite(@NAME@_real value) { return value > -MRTS_INFINITY && value < MRTS_INFINITY; }
 
-@NAME@_status @NAME@_check_settings(const @NAME@_settings *settings) {
-    if (!(settings->load[0] > 0)) return @MACRO@_BAD_ARGUMENT;
-    for (int i = 0; i < @MACRO@_LOAD; ++i) {
-        if (!is_finite(settings->load[i])) return @MACRO@_BAD_ARGUMENT;
+static int all_finite(int count, const @NAME@_real *values) {
+    for (int i = 0; i < count; ++i) {
+        if (!is_finite(values[i])) return 0;
     }
+    return 1;
+}
+
+@NAME@_status @NAME@_check_settings(const @NAME@_settings *settings) {
+    if (!(settings->load[0] > 0) || !all_finite(@MACRO@_LOAD, settings->load)) return @MACRO@_BAD_ARGUMENT;
     for (int i = 0; i < ROWS; ++i) {
         if (!(settings->lower[i] <= settings->upper[i])) return @MACRO@_BAD_ARGUMENT;
     }
@@ -74,7 +78,18 @@ static int is_finite(@NAME@_real value) { return value > -MRTS_INFINITY && value
     return @MACRO@_OK;
 }
 
-void @NAME@_reset(@NAME@_workspace *workspace) { workspace->lower_basis[0] = workspace->upper_basis[0] = 0; }
+void @NAME@_reset(@NAME@_workspace *workspace) {
+    for (int j = 0; j < K; ++j) workspace->lower_basis[j] = workspace->upper_basis[j] = 0;
+}
+
+/*@begin range share torques*/
+
+static int is_sound(const @NAME@_sample *sample, const @NAME@_real *load) {
+    return all_finite(JOINTS, sample->q) && all_finite(JOINTS, sample->dq) && all_finite(JOINTS, sample->ddq) &&
+           all_finite(9, sample->rotation) && all_finite(6, sample->twist) && all_finite(6, sample->acceleration) &&
+           all_finite(@MACRO@_LOAD, load) && load[0] > 0;
+}
+/*@end range share torques*/
 
 /* Inputs of the generated functions; matrices there are column after column. */
 static void point_to(const @NAME@_sample *sample, const @NAME@_real *load, @NAME@_real turned[9], const @NAME@_real **arg) {
@@ -118,7 +133,7 @@ static @NAME@_real unit_of(@NAME@_real lower, @NAME@_real upper) {
 }
 
 /* Columns of the affine maps of `unknowns` unknowns (torques, then wrenches, then their offsets) as rows of limits, each
- * divided by its size; rows without limits are left out. Returns how many, and which. */
+ * divided by its size; rows without limits are left out. Returns how many, and which; -1 if limits are reversed. */
 static int limit_rows(const @NAME@_settings *settings, int unknowns, const @NAME@_real *torque_map,
                       const @NAME@_real *torque_offset, const @NAME@_real *wrench_map, const @NAME@_real *wrench_offset,
                       @NAME@_real *A, @NAME@_real *lower, @NAME@_real *upper, int *which) {
@@ -127,6 +142,7 @@ static int limit_rows(const @NAME@_settings *settings, int unknowns, const @NAME
         const int is_torque = row < JOINTS, place = is_torque ? row : row - JOINTS;
         const int size = is_torque ? JOINTS : WRENCHES;
         const @NAME@_real low = settings->lower[row], high = settings->upper[row];
+        if (!(low <= high)) return -1;
         if (low <= -MRTS_INFINITY && high >= MRTS_INFINITY) continue;
         const @NAME@_real *map = (is_torque ? torque_map : wrench_map) + place;
         const @NAME@_real offset = (is_torque ? torque_offset : wrench_offset)[place];
@@ -194,9 +210,12 @@ static int name_rows(const int *basis, const @NAME@_real *y, int rows, const int
 
 /* A kept basis that does not fit these rows starts cold. */
 static void check_basis(int *basis, int rows) {
+    if (basis[0] == 0) return;
     for (int j = 0; j < K; ++j) {
-        const int row = (basis[j] < 0 ? -basis[j] : basis[j]) - 1;
-        if (row < 0 || row >= rows + K) basis[0] = 0;
+        if (basis[j] == 0 || basis[j] > rows + K || basis[j] < -rows - K) {
+            basis[0] = 0;
+            return;
+        }
     }
 }
 
@@ -241,21 +260,25 @@ static @NAME@_status range_with_load(const @NAME@_sample *sample, const @NAME@_s
     @NAME@_real *res[4], column[K];
     @NAME@_real *lower = workspace->limits, *upper = lower + ROWS + K;
     int *which = workspace->integers, *integers = which + ROWS;
-    wrench_form(sample, load, workspace, res);
-    const int rows = limit_rows(settings, K, res[0], res[1], res[2], res[3], workspace->rows, lower, upper, which);
     range->lower = range->upper = 0;
     range->lower_count = range->upper_count = 0;
+    if (!is_sound(sample, load)) return range->status = @MACRO@_BAD_ARGUMENT;
+    wrench_form(sample, load, workspace, res);
+    const int rows = limit_rows(settings, K, res[0], res[1], res[2], res[3], workspace->rows, lower, upper, which);
+    if (rows < 0) return range->status = @MACRO@_BAD_ARGUMENT;
     for (int i = 0; i < rows; ++i) {
         for (int j = 0; j < K; ++j) {
             if (!is_finite(workspace->rows[i * K + j])) return range->status = @MACRO@_BAD_ARGUMENT;
         }
     }
+    int moves = 0;
+    for (int i = 0; i < rows; ++i) moves |= workspace->rows[i * K + F] != 0;
     scale_columns(rows, K, K, workspace->rows, column);
     for (int j = 0; j < K; ++j) {
         lower[rows + j] = j < F ? -MRTS_INFINITY : 0;
         upper[rows + j] = j < F ? MRTS_INFINITY : UNBOUNDED_EFFECT;
     }
-    const int at_rest = 1 <= REST * column[F] || rows == 0;
+    const int at_rest = 1 <= REST * column[F] || !moves;
     for (int i = 0; at_rest && i < rows; ++i) workspace->rows[i * K + F] = 0;
     range->status = solve_end(rows, which, 1, workspace->lower_basis, column[F], workspace, integers,
                               &range->lower, &range->lower_count, range->lower_rows);
@@ -349,6 +372,9 @@ void @NAME@_horizon_start(@NAME@_horizon *horizon) {
     const @NAME@_real *arg[9];
     @NAME@_real *a = workspace->rows, *lower = workspace->limits, *upper = lower + ROWS + K;
     int *which = workspace->integers;
+    range->lower = range->upper = 0;
+    range->lower_count = range->upper_count = 0;
+    if (!is_sound(sample, settings->load)) return range->status = @MACRO@_BAD_ARGUMENT;
     for (int i = 0; i < @MACRO@_ROBOTS; ++i) shares[i] = (@NAME@_real)1 / @MACRO@_ROBOTS;
     for (int i = 0; i < WRENCHES; ++i) internal[i] = 0;
     point_to(sample, settings->load, turned, arg);
@@ -360,6 +386,7 @@ void @NAME@_horizon_start(@NAME@_horizon *horizon) {
     res[3] = res[2] + WRENCHES;
     @NAME@_model_fixed_distribution(arg, res);
     const int rows = limit_rows(settings, 1, res[0], res[1], res[2], res[3], a, lower, upper, which);
+    if (rows < 0) return range->status = @MACRO@_BAD_ARGUMENT;
     range->lower = 0;
     range->upper = MRTS_INFINITY;
     range->lower_count = 1;
@@ -401,9 +428,13 @@ void @NAME@_horizon_start(@NAME@_horizon *horizon) {
     @NAME@_real *res[4], column[K], x[K], u[K], g[K], H[K * K], at_rest[JOINTS], largest = 0;
     @NAME@_real *A = workspace->rows, *lower = workspace->limits, *upper = lower + ROWS + K;
     int *which = workspace->integers, *integers = which + ROWS, active[K], count = 0, status = MRTS_OPTIMAL;
-    if (!(c2 >= 0) || !is_finite(c2)) return @MACRO@_BAD_ARGUMENT;
+    for (int i = 0; i < JOINTS; ++i) torque[i] = 0;
+    for (int i = 0; i < WRENCHES; ++i) wrench[i] = 0;
+    if (!(c2 >= 0) || !is_finite(c2) || !is_sound(sample, settings->load)) return @MACRO@_BAD_ARGUMENT;
     wrench_form(sample, settings->load, workspace, res);
     const int rows = limit_rows(settings, K, res[0], res[1], res[2], res[3], A, lower, upper, which);
+    if (rows < 0) return @MACRO@_BAD_ARGUMENT;
+    for (int j = 0; j < K; ++j) x[j] = 0;
     for (int i = 0; i < rows; ++i) {
         const int row = which[i];
         const @NAME@_real given = A[i * K + F] * c2, slack = settings->lower[row] < settings->upper[row] ? SLACK : 0;
@@ -432,6 +463,9 @@ void @NAME@_horizon_start(@NAME@_horizon *horizon) {
     for (int i = 0; largest > 0 && i < F * F; ++i) H[i] /= largest;
     for (int j = 0; largest > 0 && j < F; ++j) g[j] /= largest;
     if (F > 0) status = mrts_qp(F, rows, H, A, lower, upper, g, x, active, u, &count, workspace->work, integers);
+    for (int i = 0; F == 0 && i < rows; ++i) { /* one arm: nothing to choose */
+        if (!(lower[i] <= MRTS_FEASIBLE) || !(upper[i] >= -MRTS_FEASIBLE)) status = MRTS_INFEASIBLE;
+    }
     for (int i = 0; i < JOINTS; ++i) {
         torque[i] = at_rest[i];
         for (int j = 0; j < F; ++j) torque[i] += x[j] * res[0][j * JOINTS + i];
@@ -440,6 +474,7 @@ void @NAME@_horizon_start(@NAME@_horizon *horizon) {
         wrench[i] = res[2][F * WRENCHES + i] * c2 + res[3][i];
         for (int j = 0; j < F; ++j) wrench[i] += x[j] * column[j] * res[2][j * WRENCHES + i];
     }
+    if (!all_finite(JOINTS, torque) || !all_finite(WRENCHES, wrench)) return @MACRO@_UNDECIDED;
     return status == MRTS_OPTIMAL ? @MACRO@_OK : status == MRTS_INFEASIBLE ? @MACRO@_INFEASIBLE : @MACRO@_UNDECIDED;
 }
 /*@end torques*/

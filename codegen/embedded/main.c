@@ -11,7 +11,7 @@ int main(void) {
     @NAME@_horizon horizon;
     @NAME@_range range;
     @NAME@_real torque[@MACRO@_JOINTS], wrench[@MACRO@_WRENCHES];
-    const int samples = @MACRO@_PATH_SAMPLES;
+    const int samples = @MACRO@_PATH_SAMPLES, step = samples > 4 ? samples / 4 : 1;
 
     @NAME@_default_settings(&settings);
     @NAME@_horizon_start(&horizon);
@@ -22,7 +22,7 @@ int main(void) {
     printf("%s: c^2 in [%.6g, %.6g], set at sample %ld\n", @NAME@_status_text(horizon.status), (double)horizon.lower,
            (double)horizon.upper, horizon.upper_sample);
     if (horizon.status != @MACRO@_OK) return 1;
-    for (int k = 0; k < samples; k += samples / 4) {
+    for (int k = 0; k < samples; k += step) {
         if (@NAME@_torques(&@NAME@_vectors[k].sample, &settings, horizon.upper, torque, wrench, &workspace) != @MACRO@_OK) {
             return 1;
         }

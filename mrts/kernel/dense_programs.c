@@ -245,6 +245,23 @@ static int mrts_lp_ratio(int k, const mrts_real *lower, const mrts_real *upper, 
     return -1; /* with every basis row at its better end the entering row stays beyond its limit */
 }
 
+/* How far the objective may be off: what multipliers of the wrong sign could still gain, and what rounding of the rows
+ * moves, relative to the objective. */
+static mrts_real mrts_lp_doubt(int k, int rows, const mrts_real *lower, const mrts_real *upper, const mrts_real *g,
+                               const int *row, const int *side, const mrts_real *x, const mrts_real *y) {
+    mrts_real doubt = 0, value = mrts_dot(k, g, x);
+    for (int j = 0; j < k; ++j) {
+        const mrts_real size = MRTS_ABS(y[j]);
+        const int wrong = side[j] == MRTS_AT_LOWER ? y[j] < 0 : side[j] == MRTS_AT_UPPER ? y[j] > 0 : 0;
+        if (wrong && lower[row[j]] > -MRTS_INFINITY && upper[row[j]] < MRTS_INFINITY) {
+            doubt += size * (upper[row[j]] - lower[row[j]]);
+        }
+        if (row[j] < rows) doubt += size * MRTS_ROUNDING * (1 + MRTS_ABS(mrts_limit(lower, upper, row[j], side[j])));
+    }
+    value = MRTS_ABS(value);
+    return doubt / (value > MRTS_SMALL ? value : MRTS_SMALL);
+}
+
 /* Whether the entering row and the basis rows that make it up exclude each other: the row's own limit against the
  * best that the limits of the others allow. Leaves the certificate's multipliers in y. */
 static int mrts_lp_certificate(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
@@ -314,7 +331,7 @@ restart:
                 if (!updates || ++tried_again > 3) goto done;
                 goto restart;
             }
-            status = MRTS_OPTIMAL;
+            if (mrts_lp_doubt(k, rows, lower, upper, g, row, side, x, y) <= MRTS_GAP) status = MRTS_OPTIMAL;
             goto done;
         }
         const int p = (found < 0 ? -found : found) - 1;

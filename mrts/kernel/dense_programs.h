@@ -23,6 +23,9 @@ typedef MRTS_REAL mrts_real;
 #define MRTS_SEPARATED MRTS_C(2e-5)   /* a certificate must separate the limits by this share, or proves nothing */
 #define MRTS_PIVOT MRTS_C(1e-4)       /* smallest pivot, relative to its row */
 #define MRTS_ZERO MRTS_C(1e-6)        /* a multiplier below this share of the largest is rounding */
+#define MRTS_ROUNDING MRTS_C(1e-6)     /* of a limit's row, relative to 1 and the limit */
+#define MRTS_GAP MRTS_C(3e-5)          /* of an objective, relative to it and MRTS_SMALL */
+#define MRTS_SMALL MRTS_C(1e-2)
 #define MRTS_INFINITY MRTS_C(1e30)
 #define MRTS_ABS(value) ((value) < 0 ? -(value) : (value))
 #define MRTS_SQRT(value) sqrtf(value)
@@ -32,6 +35,9 @@ typedef MRTS_REAL mrts_real;
 #define MRTS_SEPARATED 1e-9
 #define MRTS_PIVOT 1e-8
 #define MRTS_ZERO 1e-13
+#define MRTS_ROUNDING 1e-15
+#define MRTS_GAP 1e-9
+#define MRTS_SMALL 1e-3
 #define MRTS_INFINITY 1e300
 #define MRTS_ABS(value) ((value) < 0 ? -(value) : (value))
 #define MRTS_SQRT(value) sqrt(value)

@@ -11,7 +11,7 @@ int main(void) {
     planar_dual_arm_horizon horizon;
     planar_dual_arm_range range;
     planar_dual_arm_real torque[PLANAR_DUAL_ARM_JOINTS], wrench[PLANAR_DUAL_ARM_WRENCHES];
-    const int samples = PLANAR_DUAL_ARM_PATH_SAMPLES;
+    const int samples = PLANAR_DUAL_ARM_PATH_SAMPLES, step = samples > 4 ? samples / 4 : 1;
 
     planar_dual_arm_default_settings(&settings);
     planar_dual_arm_horizon_start(&horizon);
@@ -22,7 +22,7 @@ int main(void) {
     printf("%s: c^2 in [%.6g, %.6g], set at sample %ld\n", planar_dual_arm_status_text(horizon.status), (double)horizon.lower,
            (double)horizon.upper, horizon.upper_sample);
     if (horizon.status != PLANAR_DUAL_ARM_OK) return 1;
-    for (int k = 0; k < samples; k += samples / 4) {
+    for (int k = 0; k < samples; k += step) {
         if (planar_dual_arm_torques(&planar_dual_arm_vectors[k].sample, &settings, horizon.upper, torque, wrench, &workspace) != PLANAR_DUAL_ARM_OK) {
             return 1;
         }

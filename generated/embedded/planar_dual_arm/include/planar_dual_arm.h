@@ -118,7 +118,7 @@ planar_dual_arm_status planar_dual_arm_horizon_add(planar_dual_arm_horizon *hori
 /* Range of c^2 where every arm carries an equal share of the load: closed form, one row at a time. */
 planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_range *range,
                                    planar_dual_arm_workspace *workspace);
-/* Torques and contact wrenches with the least t'Wt at a c^2 of the range. */
+/* Torques and contact wrenches with the least t'Wt at a c^2 of the range; only with PLANAR_DUAL_ARM_OK do they keep the limits. */
 planar_dual_arm_status planar_dual_arm_torques(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_real c2,
                          planar_dual_arm_real torque[PLANAR_DUAL_ARM_JOINTS], planar_dual_arm_real wrench[PLANAR_DUAL_ARM_WRENCHES],
                          planar_dual_arm_workspace *workspace);

@@ -15,7 +15,7 @@ enum {
     F = PLANAR_DUAL_ARM_UNKNOWNS - 1
 };
 
-#define REST 1e-12 /* an effect of c^2 = 1 on a limit below this share of it is none */
+#define REST 1e-30 /* an effect of c^2 = 1 on a limit below this share of it is none */
 #define UNBOUNDED_EFFECT 1e9 /* c^2 is unbounded if it may move some row by this many limits */
 #define BINDING 1e-7 /* a row binds if its multiplier exceeds this share of the largest */
 #define SLACK 1e-9 /* widening of limits for torques: at the end of a range the feasible set is a point */
@@ -69,11 +69,15 @@ void planar_dual_arm_default_settings(planar_dual_arm_settings *settings) {
 
 static int is_finite(planar_dual_arm_real value) { return value > -MRTS_INFINITY && value < MRTS_INFINITY; }
 
-planar_dual_arm_status planar_dual_arm_check_settings(const planar_dual_arm_settings *settings) {
-    if (!(settings->load[0] > 0)) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
-    for (int i = 0; i < PLANAR_DUAL_ARM_LOAD; ++i) {
-        if (!is_finite(settings->load[i])) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
+static int all_finite(int count, const planar_dual_arm_real *values) {
+    for (int i = 0; i < count; ++i) {
+        if (!is_finite(values[i])) return 0;
     }
+    return 1;
+}
+
+planar_dual_arm_status planar_dual_arm_check_settings(const planar_dual_arm_settings *settings) {
+    if (!(settings->load[0] > 0) || !all_finite(PLANAR_DUAL_ARM_LOAD, settings->load)) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
     for (int i = 0; i < ROWS; ++i) {
         if (!(settings->lower[i] <= settings->upper[i])) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
     }
@@ -83,7 +87,16 @@ planar_dual_arm_status planar_dual_arm_check_settings(const planar_dual_arm_sett
     return PLANAR_DUAL_ARM_OK;
 }
 
-void planar_dual_arm_reset(planar_dual_arm_workspace *workspace) { workspace->lower_basis[0] = workspace->upper_basis[0] = 0; }
+void planar_dual_arm_reset(planar_dual_arm_workspace *workspace) {
+    for (int j = 0; j < K; ++j) workspace->lower_basis[j] = workspace->upper_basis[j] = 0;
+}
+
+
+static int is_sound(const planar_dual_arm_sample *sample, const planar_dual_arm_real *load) {
+    return all_finite(JOINTS, sample->q) && all_finite(JOINTS, sample->dq) && all_finite(JOINTS, sample->ddq) &&
+           all_finite(9, sample->rotation) && all_finite(6, sample->twist) && all_finite(6, sample->acceleration) &&
+           all_finite(PLANAR_DUAL_ARM_LOAD, load) && load[0] > 0;
+}
 
 /* Inputs of the generated functions; matrices there are column after column. */
 static void point_to(const planar_dual_arm_sample *sample, const planar_dual_arm_real *load, planar_dual_arm_real turned[9], const planar_dual_arm_real **arg) {
@@ -124,7 +137,7 @@ static planar_dual_arm_real unit_of(planar_dual_arm_real lower, planar_dual_arm_
 }
 
 /* Columns of the affine maps of `unknowns` unknowns (torques, then wrenches, then their offsets) as rows of limits, each
- * divided by its size; rows without limits are left out. Returns how many, and which. */
+ * divided by its size; rows without limits are left out. Returns how many, and which; -1 if limits are reversed. */
 static int limit_rows(const planar_dual_arm_settings *settings, int unknowns, const planar_dual_arm_real *torque_map,
                       const planar_dual_arm_real *torque_offset, const planar_dual_arm_real *wrench_map, const planar_dual_arm_real *wrench_offset,
                       planar_dual_arm_real *A, planar_dual_arm_real *lower, planar_dual_arm_real *upper, int *which) {
@@ -133,6 +146,7 @@ static int limit_rows(const planar_dual_arm_settings *settings, int unknowns, co
         const int is_torque = row < JOINTS, place = is_torque ? row : row - JOINTS;
         const int size = is_torque ? JOINTS : WRENCHES;
         const planar_dual_arm_real low = settings->lower[row], high = settings->upper[row];
+        if (!(low <= high)) return -1;
         if (low <= -MRTS_INFINITY && high >= MRTS_INFINITY) continue;
         const planar_dual_arm_real *map = (is_torque ? torque_map : wrench_map) + place;
         const planar_dual_arm_real offset = (is_torque ? torque_offset : wrench_offset)[place];
@@ -196,9 +210,12 @@ static int name_rows(const int *basis, const planar_dual_arm_real *y, int rows, 
 
 /* A kept basis that does not fit these rows starts cold. */
 static void check_basis(int *basis, int rows) {
+    if (basis[0] == 0) return;
     for (int j = 0; j < K; ++j) {
-        const int row = (basis[j] < 0 ? -basis[j] : basis[j]) - 1;
-        if (row < 0 || row >= rows + K) basis[0] = 0;
+        if (basis[j] == 0 || basis[j] > rows + K || basis[j] < -rows - K) {
+            basis[0] = 0;
+            return;
+        }
     }
 }
 
@@ -243,21 +260,25 @@ static planar_dual_arm_status range_with_load(const planar_dual_arm_sample *samp
     planar_dual_arm_real *res[4], column[K];
     planar_dual_arm_real *lower = workspace->limits, *upper = lower + ROWS + K;
     int *which = workspace->integers, *integers = which + ROWS;
-    wrench_form(sample, load, workspace, res);
-    const int rows = limit_rows(settings, K, res[0], res[1], res[2], res[3], workspace->rows, lower, upper, which);
     range->lower = range->upper = 0;
     range->lower_count = range->upper_count = 0;
+    if (!is_sound(sample, load)) return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
+    wrench_form(sample, load, workspace, res);
+    const int rows = limit_rows(settings, K, res[0], res[1], res[2], res[3], workspace->rows, lower, upper, which);
+    if (rows < 0) return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
     for (int i = 0; i < rows; ++i) {
         for (int j = 0; j < K; ++j) {
             if (!is_finite(workspace->rows[i * K + j])) return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
         }
     }
+    int moves = 0;
+    for (int i = 0; i < rows; ++i) moves |= workspace->rows[i * K + F] != 0;
     scale_columns(rows, K, K, workspace->rows, column);
     for (int j = 0; j < K; ++j) {
         lower[rows + j] = j < F ? -MRTS_INFINITY : 0;
         upper[rows + j] = j < F ? MRTS_INFINITY : UNBOUNDED_EFFECT;
     }
-    const int at_rest = 1 <= REST * column[F] || rows == 0;
+    const int at_rest = 1 <= REST * column[F] || !moves;
     for (int i = 0; at_rest && i < rows; ++i) workspace->rows[i * K + F] = 0;
     range->status = solve_end(rows, which, 1, workspace->lower_basis, column[F], workspace, integers,
                               &range->lower, &range->lower_count, range->lower_rows);
@@ -349,6 +370,9 @@ planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_s
     const planar_dual_arm_real *arg[9];
     planar_dual_arm_real *a = workspace->rows, *lower = workspace->limits, *upper = lower + ROWS + K;
     int *which = workspace->integers;
+    range->lower = range->upper = 0;
+    range->lower_count = range->upper_count = 0;
+    if (!is_sound(sample, settings->load)) return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
     for (int i = 0; i < PLANAR_DUAL_ARM_ROBOTS; ++i) shares[i] = (planar_dual_arm_real)1 / PLANAR_DUAL_ARM_ROBOTS;
     for (int i = 0; i < WRENCHES; ++i) internal[i] = 0;
     point_to(sample, settings->load, turned, arg);
@@ -360,6 +384,7 @@ planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_s
     res[3] = res[2] + WRENCHES;
     planar_dual_arm_model_fixed_distribution(arg, res);
     const int rows = limit_rows(settings, 1, res[0], res[1], res[2], res[3], a, lower, upper, which);
+    if (rows < 0) return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
     range->lower = 0;
     range->upper = MRTS_INFINITY;
     range->lower_count = 1;
@@ -399,9 +424,13 @@ planar_dual_arm_status planar_dual_arm_torques(const planar_dual_arm_sample *sam
     planar_dual_arm_real *res[4], column[K], x[K], u[K], g[K], H[K * K], at_rest[JOINTS], largest = 0;
     planar_dual_arm_real *A = workspace->rows, *lower = workspace->limits, *upper = lower + ROWS + K;
     int *which = workspace->integers, *integers = which + ROWS, active[K], count = 0, status = MRTS_OPTIMAL;
-    if (!(c2 >= 0) || !is_finite(c2)) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
+    for (int i = 0; i < JOINTS; ++i) torque[i] = 0;
+    for (int i = 0; i < WRENCHES; ++i) wrench[i] = 0;
+    if (!(c2 >= 0) || !is_finite(c2) || !is_sound(sample, settings->load)) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
     wrench_form(sample, settings->load, workspace, res);
     const int rows = limit_rows(settings, K, res[0], res[1], res[2], res[3], A, lower, upper, which);
+    if (rows < 0) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
+    for (int j = 0; j < K; ++j) x[j] = 0;
     for (int i = 0; i < rows; ++i) {
         const int row = which[i];
         const planar_dual_arm_real given = A[i * K + F] * c2, slack = settings->lower[row] < settings->upper[row] ? SLACK : 0;
@@ -430,6 +459,9 @@ planar_dual_arm_status planar_dual_arm_torques(const planar_dual_arm_sample *sam
     for (int i = 0; largest > 0 && i < F * F; ++i) H[i] /= largest;
     for (int j = 0; largest > 0 && j < F; ++j) g[j] /= largest;
     if (F > 0) status = mrts_qp(F, rows, H, A, lower, upper, g, x, active, u, &count, workspace->work, integers);
+    for (int i = 0; F == 0 && i < rows; ++i) { /* one arm: nothing to choose */
+        if (!(lower[i] <= MRTS_FEASIBLE) || !(upper[i] >= -MRTS_FEASIBLE)) status = MRTS_INFEASIBLE;
+    }
     for (int i = 0; i < JOINTS; ++i) {
         torque[i] = at_rest[i];
         for (int j = 0; j < F; ++j) torque[i] += x[j] * res[0][j * JOINTS + i];
@@ -438,5 +470,6 @@ planar_dual_arm_status planar_dual_arm_torques(const planar_dual_arm_sample *sam
         wrench[i] = res[2][F * WRENCHES + i] * c2 + res[3][i];
         for (int j = 0; j < F; ++j) wrench[i] += x[j] * column[j] * res[2][j * WRENCHES + i];
     }
+    if (!all_finite(JOINTS, torque) || !all_finite(WRENCHES, wrench)) return PLANAR_DUAL_ARM_UNDECIDED;
     return status == MRTS_OPTIMAL ? PLANAR_DUAL_ARM_OK : status == MRTS_INFEASIBLE ? PLANAR_DUAL_ARM_INFEASIBLE : PLANAR_DUAL_ARM_UNDECIDED;
 }

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: MIT
+"""The outcome of scaling as lines of text."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from mrts.result import ScalingResult
+from mrts.scaling_range import ScalingRange
+from mrts.uncertain_load import LoadStudy
+
+LOADS_SHOWN = 8
+"""Loads of a box that are printed."""
+
+
+def report_lines(result: ScalingResult) -> Iterator[str]:
+    """What the command line says of a result.
+
+    Args:
+        result: The result.
+    """
+    yield f"{result.cell.name}: {result.summary()}"
+    if result.load is not None:
+        yield from _load_lines(result.load)
+    done = result.trajectory
+    if done is None:
+        return
+    given = result.motion.object.time[-1]
+    yield f"chosen c² = {done.c2:.6g}: {given:.4g} s become {done.duration:.4g} s, energy {done.energy:.4g} J"
+    yield f"torques for a load of {result.cell.mass:.4g} kg\n" if result.load is not None else ""
+    yield f"{'joint':<28} {'least torque':>13} {'largest torque':>15} {'limits':>22}"
+    for robot in result.cell.robots:
+        torque = result.torque[robot.name]
+        for index, joint in enumerate(robot.joints):
+            limits = f"[{robot.torque_lower[index]:g}, {robot.torque_upper[index]:g}] {robot.torque_units[index]}"
+            least, largest = np.min(torque[:, index]), np.max(torque[:, index])
+            yield f"{f'{robot.name}/{joint}':<28} {least:>13.4g} {largest:>15.4g} {limits:>22}"
+    for note in result.too_fast():
+        yield f"note: {note}"
+
+
+def _load_lines(study: LoadStudy) -> Iterator[str]:
+    """Ranges by load, the worst first, and what the factors of inertia refer to."""
+
+    def end(found: ScalingRange) -> float:
+        return found.upper.c2 if found.upper else 0
+
+    ordered = sorted(zip(study.points, study.ranges, strict=True), key=lambda pair: end(pair[1]))
+    for point, found in ordered[:LOADS_SHOWN]:
+        both = f"[{found.lower.c2:.4g}, {found.upper.c2:.4g}]" if found.lower and found.upper else found.status.value
+        yield f"  {both:<20} {point}"
+    if len(ordered) > LOADS_SHOWN:
+        yield f"  … and {len(ordered) - LOADS_SHOWN} more loads (--json has all)"
+    if not study.box.axes_are_the_objects:
+        columns = zip("xyz", study.box.principal_axes.T, strict=True)
+        axes = "; ".join(f"{name} {column.round(4).tolist()}" for name, column in columns)
+        yield f"  factors of ixx, iyy, izz are about the principal axes, in the object frame: {axes}"
