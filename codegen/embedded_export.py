@@ -3,7 +3,6 @@
 
 import re
 from collections.abc import Iterable, Sequence
-from importlib.resources import files
 from pathlib import Path
 from typing import Literal
 
@@ -13,6 +12,7 @@ import numpy as np
 from mrts.atomic_file import write_text_atomically
 from mrts.embedded_vector import EmbeddedVector
 from mrts.errors import InputError
+from mrts.kernel_library import kernel_file
 from mrts.load_box import LoadBox, load_vector
 from mrts.manifest import Manifest
 from mrts.rigid_transform import Array
@@ -225,12 +225,8 @@ def _without_tests(text: str) -> str:
 
 def _kernel(name: str, precision: Precision, parts: tuple[str, ...]) -> str:
     """The kernel as one header of static functions."""
-    folder = files("mrts") / "kernel"
-    header, source = ((folder / file).read_text(encoding="utf-8") for file in ("dense_programs.h", "dense_programs.c"))
-    marker = "/* Quadratic programs */"
-    if "torques" not in parts:
-        header = header.split(marker)[0] + "#endif\n"
-        source = source.split(marker)[0]
+    wanted = ["linear_programs.c", *(["quadratic_programs.c"] if "torques" in parts else [])]
+    header, source = kernel_file("dense_programs.h"), "\n".join(kernel_file(file) for file in wanted)
     if set(parts) != set(PARTS):  # what a part does not use must not be warned of
         source = re.sub(r"^static (?=\w+ )", "static inline ", source, flags=re.MULTILINE)
         header = re.sub(r"^static int mrts_.*?;\n", "", header, flags=re.MULTILINE | re.DOTALL)

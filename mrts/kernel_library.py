@@ -16,7 +16,7 @@ from mrts.rigid_transform import Array
 
 Library = TypeVar("Library")
 
-KERNEL_FILES = ("dense_programs.h", "dense_programs.c", "batch.c")
+KERNEL_FILES = ("dense_programs.h", "linear_programs.c", "quadratic_programs.c", "batch.c")
 EXPORT = '__attribute__((visibility("default")))'
 
 OPTIMAL, INFEASIBLE, MARGINAL, STOPPED = range(4)
@@ -100,10 +100,13 @@ def kernel_library(command: tuple[str, ...]) -> KernelLibrary:
 
 
 def kernel_text(names: Sequence[str]) -> str:
-    """C text of some files of mrts/kernel, in order."""
-    folder = files("mrts") / "kernel"
-    texts = [(folder / name).read_text(encoding="utf-8") for name in names]
-    return f"#include <math.h>\n#define MRTS_EXPORT {EXPORT}\n" + "\n".join(texts)
+    """C text of some files of mrts/kernel, in order, ready to compile."""
+    return f"#include <math.h>\n#define MRTS_EXPORT {EXPORT}\n" + "\n".join(kernel_file(name) for name in names)
+
+
+def kernel_file(name: str) -> str:
+    """Text of one file of mrts/kernel."""
+    return (files("mrts") / "kernel" / name).read_text(encoding="utf-8")
 
 
 def pointer(array: NDArray[Any]) -> ctypes.c_void_p:

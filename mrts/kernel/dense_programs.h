@@ -71,8 +71,6 @@ static int mrts_lp(int k, int rows, const mrts_real *A, const mrts_real *lower, 
                    const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering, mrts_real *work,
                    int *iwork);
 
-/* Quadratic programs */
-
 /* Strictly convex quadratic program by the dual active set method.
  *
  * H:      Shape (k, k), symmetric and positive definite.

@@ -6,7 +6,8 @@
 #include <stdlib.h>
 
 #include "dense_programs.h"
-#include "dense_programs.c"
+#include "linear_programs.c"
+#include "quadratic_programs.c"
 
 enum { MOST = 8, ROWS = 20, ALL = ROWS + MOST };
 static const double VALUES[16] = {0, 0, 1, -1, 0.5, -0.25, 2, -3, 1e-3, 1e3, -1e-6, 7, 0.1, -0.7, 1e-9, -10};

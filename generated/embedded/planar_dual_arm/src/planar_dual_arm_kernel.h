@@ -73,8 +73,6 @@ static int mrts_lp(int k, int rows, const mrts_real *A, const mrts_real *lower, 
                    const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering, mrts_real *work,
                    int *iwork);
 
-/* Quadratic programs */
-
 /* Strictly convex quadratic program by the dual active set method.
  *
  * H:      Shape (k, k), symmetric and positive definite.
@@ -92,9 +90,6 @@ static int mrts_qp(int k, int rows, const mrts_real *H, const mrts_real *A, cons
  * Linear programs: the bounded dual simplex method with the bound flipping ratio test (Maros, Computational Techniques
  * of the Simplex Method, 2003, chapter 10; Koberstein, The dual simplex method, 2005), in its row form: k rows that hold
  * with equality determine x. Free unknowns start as rows without limits and leave first. Bland's rule (1977) ends cycles.
- *
- * Quadratic programs: the dual method of Goldfarb and Idnani, A numerically stable dual method for solving strictly
- * convex quadratic programs, Mathematical Programming 27, 1983; two-sided rows and a final refinement are added.
  */
 
 enum { MRTS_AT_LOWER = -1, MRTS_FREE = 0, MRTS_AT_UPPER = 1 };
@@ -453,7 +448,12 @@ done:
     return status;
 }
 
-/* Quadratic programs */
+/* SPDX-License-Identifier: MIT
+ *
+ * Quadratic programs: the dual method of Goldfarb and Idnani, A numerically stable dual method for solving strictly
+ * convex quadratic programs, Mathematical Programming 27, 1983; two-sided rows and a final refinement are added. The
+ * rows are looked through as in linear_programs.c, which comes first.
+ */
 
 /* Cholesky factor of H and the inverse of its transpose, upper triangular, by columns in J; 0 if H is not definite. */
 static int mrts_qp_factor(int k, const mrts_real *H, mrts_real *L, mrts_real *J) {
