@@ -30,7 +30,6 @@ from mrts.torque_distribution import SLACK, distribute_torques
 BLOCK = 4096
 """Samples whose rows are put together at a time where the kernel has not answered."""
 
-
 MOST_ROWS = 32_767
 """The compiled path keeps the rows of each sample's answer as 16-bit numbers."""
 
