@@ -8,6 +8,7 @@ from typing import Literal
 
 import casadi as ca
 import numpy as np
+from mrts_codegen.cell_description import IDENTIFIER
 
 from mrts.atomic_file import write_text_atomically
 from mrts.embedded_vector import EmbeddedVector
@@ -63,15 +64,7 @@ def export_library(
         InputError: If a part or the precision does not exist.
     """
     chosen = tuple(parts)
-    for part in chosen:
-        if part not in PARTS:
-            raise InputError("--functions", f"there are {', '.join(PARTS)}.", value=part)
-    if not chosen:
-        raise InputError("--functions", f"choose at least one of {', '.join(PARTS)}.")
-    if precision not in {"double", "float"}:
-        raise InputError("--precision", "must be double or float.", value=precision)
-    if manifest.name in TAKEN_NAMES:
-        raise InputError("--name", "is taken by build systems or by the kernel; give another.", value=manifest.name)
+    _check_choices(manifest.name, precision, chosen)
     words = _words(manifest, precision, len(vectors))
     texts = {}
     for target, template in FILES.items():
@@ -91,6 +84,21 @@ def export_library(
         for target in ("Makefile", "CMakeLists.txt"):
             texts[target] = _without_tests(texts[target])
     return texts
+
+
+def _check_choices(name: str, precision: str, chosen: tuple[str, ...]) -> None:
+    """Refuse a name, precision or part that does not exist or that C and build systems do not take."""
+    for part in chosen:
+        if part not in PARTS:
+            raise InputError("--functions", f"there are {', '.join(PARTS)}.", value=part)
+    if not chosen:
+        raise InputError("--functions", f"choose at least one of {', '.join(PARTS)}.")
+    if precision not in {"double", "float"}:
+        raise InputError("--precision", "must be double or float.", value=precision)
+    if not re.fullmatch(IDENTIFIER, name):
+        raise InputError("--name", "must be letters, digits and single underscores.", value=name)
+    if name in TAKEN_NAMES:
+        raise InputError("--name", "is taken by build systems or by the kernel; give another.", value=name)
 
 
 def write_library(folder: Path, texts: dict[str, str]) -> None:

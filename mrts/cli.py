@@ -7,7 +7,6 @@ Exit codes: 0 feasible, 1 a named infeasible outcome, 2 bad input.
 import argparse
 import io
 import logging
-import re
 import shutil
 import sys
 from collections.abc import Sequence
@@ -173,8 +172,6 @@ def _export(options: argparse.Namespace) -> int:
     if not parts:  # tests and example go with a library of all parts only
         motion = coordinate(cell, load_motion(options.motion)) if options.motion is not None else own_motion(cell)
         vectors, samples = make_vectors(cell, motion), motion.samples
-    if options.name is not None and not re.fullmatch(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*", options.name):
-        raise InputError("--name", "must be letters, digits and single underscores.", value=options.name)
     written = export_to(options.cell, options.output, vectors, samples, options.precision, parts, options.name)
     _say(f"{cell.name}: {options.precision} precision, {len(vectors)} test vectors, in {options.output}:")
     _say("\n".join(f"  {name}" for name in written))

@@ -114,9 +114,9 @@ class CompiledCell(KernelLibrary):
         record = self.records[name]
         given, strides = _inputs(record, samples, inputs)
         outputs = {item.name: np.zeros((samples, item.shape[1], item.shape[0])) for item in record.outputs}
-        scratch = _Scratch(self.library, record)
-        failed = self.library.mrts_map(
-            ctypes.cast(getattr(self.library, record.symbol), ctypes.c_void_p),
+        scratch = _Scratch(self.loaded, record)
+        failed = self.loaded.mrts_map(
+            ctypes.cast(getattr(self.loaded, record.symbol), ctypes.c_void_p),
             ctypes.c_longlong(samples),
             len(given),
             _pointers(given),
@@ -151,7 +151,7 @@ class CompiledCell(KernelLibrary):
 
         def run(first: int, count: int, given: list[Array], strides: Any, scratch: "_Scratch") -> None:
             work, iwork = self._workspace(len(limits.names))
-            failed = self.library.mrts_ranges(
+            failed = self.loaded.mrts_ranges(
                 ctypes.c_longlong(count),
                 _pointers(given, first, strides),
                 strides,
@@ -186,7 +186,7 @@ class CompiledCell(KernelLibrary):
 
         def run(first: int, count: int, given: list[Array], strides: Any, scratch: "_Scratch") -> None:
             work, iwork = self._workspace(len(limits.names))
-            failed = self.library.mrts_torques(
+            failed = self.loaded.mrts_torques(
                 ctypes.c_longlong(count),
                 _pointers(given, first, strides),
                 strides,
@@ -246,9 +246,9 @@ class CompiledCell(KernelLibrary):
         q, dq, ddq = (np.zeros((samples, self.joints)) for _ in range(3))
         gap, turn, jump, condition = (np.zeros((samples, robots)) for _ in range(4))
         q[0] = start
-        scratches = [_Scratch(self.library, self.records[name]) for name in ("kinematics", "bias_acceleration")]
-        self.library.mrts_track.restype = ctypes.c_longlong
-        done = self.library.mrts_track(
+        scratches = [_Scratch(self.loaded, self.records[name]) for name in ("kinematics", "bias_acceleration")]
+        self.loaded.mrts_track.restype = ctypes.c_longlong
+        done = self.loaded.mrts_track(
             ctypes.c_longlong(samples),
             ctypes.byref(task),
             *(pointer(array) for array in (*given, q, dq, ddq, gap, turn, jump, condition)),
@@ -268,7 +268,7 @@ class CompiledCell(KernelLibrary):
         threads = max(1, min(MOST_THREADS, os.cpu_count() or 1, chunks))
         bounds = [min(samples, CHUNK * (chunks * part // threads)) for part in range(threads + 1)]
         pieces = [(first, last - first) for first, last in pairwise(bounds) if last > first]
-        scratches = [_Scratch(self.library, record) for _ in pieces]
+        scratches = [_Scratch(self.loaded, record) for _ in pieces]
         failures: list[BaseException] = []
 
         def guarded(*work: Any) -> None:

@@ -152,5 +152,6 @@ def write_demo_files(folder: Path, rows: list[DemoRow], *, note: Callable[[str],
     for row in rows:
         if row.result.load is not None:
             cell, motion = row.result.cell, row.result.motion
-            answers = {name: scale(cell, motion, load=name) for name in ("possible", "nominal", "guaranteed")}
+            answers = {name: scale(cell, motion, load=name) for name in ("possible", "nominal")}
+            answers["guaranteed"] = row.result
             write_figure(load_figure(answers), folder / "uncertain_load.png")

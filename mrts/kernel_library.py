@@ -34,7 +34,7 @@ class KernelLibrary:
     """
 
     def __init__(self, library: Path) -> None:
-        self.library = ctypes.CDLL(str(library))
+        self.loaded = ctypes.CDLL(str(library))
 
     def linear_programs(self, g: Array, A: Array, lower: Array, upper: Array) -> tuple[Array, Array, NDArray[np.uint8]]:
         """Minimise gᵀx in every program of a batch; shapes as in `quadratic_programs`."""
@@ -64,7 +64,7 @@ class KernelLibrary:
         x, dual, status = np.zeros((count, k)), np.zeros((count, rows + k)), np.zeros(count, dtype=np.uint8)
         work, iwork = np.zeros(3 * k * k + 9 * k), np.zeros(rows + 7 * k + 1, dtype=np.int32)
         pointers = [pointer(array) for array in (*arrays, x, dual, status, work, iwork)]
-        getattr(self.library, name)(ctypes.c_longlong(count), k, rows, *pointers)
+        getattr(self.loaded, name)(ctypes.c_longlong(count), k, rows, *pointers)
         return x, dual, status
 
 

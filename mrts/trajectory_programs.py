@@ -12,7 +12,7 @@ from mrts.constraints import cell_rows
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.infeasibility import Conflict, find_conflicts
 from mrts.kernel_library import OPTIMAL
-from mrts.limit_rows import ActiveRow
+from mrts.limit_rows import ActiveRow, LimitRows
 from mrts.load_sharing import LoadSharing
 from mrts.range_ends import KernelRows
 from mrts.rigid_transform import Array
@@ -56,11 +56,11 @@ def motion_ranges(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    compiled = _compiled(cell, formulation, sharing, solver)
-    if compiled is None:
+    fast = _compiled(cell, formulation, sharing, solver)
+    if fast is None:
         problem = build_sample_problem(cell, motion, formulation, sharing, load)
         return sample_ranges(problem, motion.object.time, solver)
-    limits = cell_rows(cell)
+    compiled, limits = fast
     found = compiled.ranges(motion.samples, motion.inputs(cell.load if load is None else load), limits)
     at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
     low, high = found.low, np.where(at_rest, np.inf, found.high)
@@ -105,13 +105,14 @@ def motion_torques(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    compiled = _compiled(cell, formulation, sharing, solver)
-    if compiled is None:
+    fast = _compiled(cell, formulation, sharing, solver)
+    if fast is None:
         problem = build_sample_problem(cell, motion, formulation, sharing)
         x, fallbacks = distribute_torques(problem, c2, weights, solver)
         return problem.torque(x), problem.wrench(x), fallbacks
+    compiled, limits = fast
     torque, wrench, status = compiled.torques(
-        motion.samples, motion.inputs(cell.load), cell_rows(cell), np.full(motion.samples, c2), weights, SLACK
+        motion.samples, motion.inputs(cell.load), limits, np.full(motion.samples, c2), weights, SLACK
     )
     missing, fallbacks = np.flatnonzero(status != OPTIMAL), 0
     for start in range(0, len(missing), BLOCK):
@@ -125,14 +126,15 @@ def motion_torques(
 
 def _compiled(
     cell: Cell, formulation: FormulationName, sharing: LoadSharing | None, solver: str
-) -> CompiledCell | None:
-    """The cell's library where it answers: free distribution, wrench form, more than one arm."""
+) -> tuple[CompiledCell, LimitRows] | None:
+    """The cell's library and limits where it answers: free distribution, wrench form, more than one arm."""
     check_solver(solver)
     compiled = cell.functions.compiled
     applies = solver == "kernel" and formulation == "wrench" and sharing is None and len(cell.robots) > 1
-    if compiled is None or not applies or len(cell_rows(cell).names) + compiled.unknowns > MOST_ROWS:
+    if compiled is None or not applies:
         return None
-    return compiled
+    limits = cell_rows(cell)
+    return (compiled, limits) if len(limits.names) + compiled.unknowns <= MOST_ROWS else None
 
 
 def _settle(

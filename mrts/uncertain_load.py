@@ -8,6 +8,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.cell import Cell
 from mrts.closed_form_range import ends_in_closed_form, load_sensitivity, worst_parameters
@@ -203,15 +204,28 @@ def _for_every_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]
             if worst is None or conflict.widening > worst.widening:
                 conflicts[conflict.sample] = replace(conflict, load=point)
     ordered = tuple(conflicts[sample] for sample in sorted(conflicts))
-    lower, upper = np.max(low, axis=0), np.min(high, axis=0)
+    return _ends_of_loads(points, ranges, at_low, at_high, ordered)
+
+
+def _ends_of_loads(
+    points: Sequence[LoadPoint],
+    ranges: Sequence[SampleRanges],
+    at_low: NDArray[np.int_],
+    at_high: NDArray[np.int_],
+    conflicts: tuple[Conflict, ...],
+) -> SampleRanges:
+    """Ranges of which each end is that of one load: which at the lower and at the upper end, Shape (N,)."""
+    samples = np.arange(len(ranges[0].time))
+    lower = np.array([found.lower for found in ranges])[at_low, samples]
+    upper = np.array([found.upper for found in ranges])[at_high, samples]
     return SampleRanges(
         ranges[0].time,
-        statuses(lower, upper, ordered),
+        statuses(lower, upper, conflicts),
         lower,
         upper,
         SelectedRows(tuple(found.lower_rows for found in ranges), at_low),
         SelectedRows(tuple(found.upper_rows for found in ranges), at_high),
-        ordered,
+        conflicts,
         sum(found.fallbacks for found in ranges),
         tuple(points[index] for index in at_low),
         tuple(points[index] for index in at_high),
@@ -291,9 +305,8 @@ def _for_some_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges])
     """At every sample the lowest and the highest c² that one of the loads reaches."""
     low, high = np.array([found.lower for found in ranges]), np.array([found.upper for found in ranges])
     at_low, at_high = np.argmin(low, axis=0), np.argmax(high, axis=0)
-    lower, upper = np.min(low, axis=0), np.max(high, axis=0)
     conflicts = []
-    for sample in np.flatnonzero(np.isinf(lower)):
+    for sample in np.flatnonzero(np.isinf(np.min(low, axis=0))):
         of_points = [
             replace(conflict, load=point)
             for point, found in zip(points, ranges, strict=True)
@@ -301,15 +314,4 @@ def _for_some_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges])
             if conflict.sample == sample
         ]
         conflicts.append(min(of_points, key=lambda conflict: conflict.widening))
-    return SampleRanges(
-        ranges[0].time,
-        statuses(lower, upper, conflicts),
-        lower,
-        upper,
-        SelectedRows(tuple(found.lower_rows for found in ranges), at_low),
-        SelectedRows(tuple(found.upper_rows for found in ranges), at_high),
-        tuple(conflicts),
-        sum(found.fallbacks for found in ranges),
-        tuple(points[index] for index in at_low),
-        tuple(points[index] for index in at_high),
-    )
+    return _ends_of_loads(points, ranges, at_low, at_high, tuple(conflicts))

@@ -18,11 +18,6 @@ MRTS_EXPORT int mrts_map(mrts_function function, long long count, int inputs, co
     return 0;
 }
 
-static void mrts_store_duals(int k, const int *basis, const double *y, int count, double factor, double *dual) {
-    (void)k;
-    for (int j = 0; j < count; ++j) dual[(basis[j] < 0 ? -basis[j] : basis[j]) - 1] += factor * y[j];
-}
-
 /* `count` linear programs, each started from the answer of the one before. Limits of rows and, after them, of the
  * unknowns, Shape (count, rows + k). Multipliers likewise: g + A'dual_rows + dual_unknowns = 0. */
 MRTS_EXPORT void mrts_lp_batch(long long count, int k, int rows, const double *g, const double *A, const double *lower,
@@ -40,7 +35,7 @@ MRTS_EXPORT void mrts_lp_batch(long long count, int k, int rows, const double *g
             found = mrts_lp(k, rows, A + n * k * rows, lo, up, g + n * k, basis, x + n * k, y, &entering, work, iwork);
         }
         for (int i = 0; i < rows + k; ++i) d[i] = 0;
-        mrts_store_duals(k, basis, y, k, -1, d);
+        for (int j = 0; j < k; ++j) d[(basis[j] < 0 ? -basis[j] : basis[j]) - 1] = -y[j];
         if (entering) d[(entering < 0 ? -entering : entering) - 1] = entering < 0 ? -1 : 1;
         status[n] = (unsigned char)found;
         if (found != MRTS_OPTIMAL) basis[0] = 0;
