@@ -27,3 +27,9 @@ def planar_cell(private_cache):
 @pytest.fixture(scope="session")
 def lift():
     return mrts.load_motion(DATA / "lift.yaml")
+
+
+@pytest.fixture(scope="session")
+def dual_ur5(private_cache):
+    assert private_cache.is_dir()
+    return mrts.load_cell(DATA.parent / "dual_ur5" / "cell.yaml")

@@ -15,11 +15,6 @@ UR5 = DATA.parent / "dual_ur5"
 
 
 @pytest.fixture(scope="module")
-def dual_ur5():
-    return mrts.load_cell(UR5 / "cell.yaml")
-
-
-@pytest.fixture(scope="module")
 def lift_and_turn():
     return mrts.load_motion(UR5 / "lift_and_turn.yaml")
 

@@ -22,11 +22,6 @@ UR5 = DATA.parent / "dual_ur5"
 POSE = 1e-10
 
 
-@pytest.fixture(scope="module")
-def dual_ur5():
-    return mrts.load_cell(UR5 / "cell.yaml")
-
-
 def motion(xyz, rpy=(0, 0, 0), start=(0, 0.1, 0.35), **changes):
     description = {
         "duration": 0.8,

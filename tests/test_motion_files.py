@@ -19,11 +19,6 @@ WAYPOINTS = [
 ]
 
 
-@pytest.fixture(scope="module")
-def dual_ur5():
-    return mrts.load_cell(UR5 / "cell.yaml")
-
-
 def write_motion(folder, **keys):
     (folder / "motion.yaml").write_text(yaml.safe_dump(keys), encoding="utf-8")
     return folder / "motion.yaml"

@@ -26,12 +26,6 @@ QUESTIONS = ("guaranteed", "nominal", "possible")
 
 
 @pytest.fixture(scope="module")
-def dual_ur5(private_cache):
-    assert private_cache.is_dir()
-    return mrts.load_cell(UR5 / "cell.yaml")
-
-
-@pytest.fixture(scope="module")
 def lift_and_turn():
     return mrts.load_motion(UR5 / "lift_and_turn.yaml")
 

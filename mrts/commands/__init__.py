@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""The verbs of the command line, one file each: what it takes, and what it does."""

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: MIT
+"""`mrts configurations`."""
+
+import argparse
+from pathlib import Path
+
+from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.commands.options import add_cell_and_motion, sharing_option
+from mrts.commands.terminal import say
+from mrts.errors import InputError
+
+
+def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the verb to the command line."""
+    study = verbs.add_parser(
+        "configurations",
+        help="compare all inverse-kinematics branches of the arms",
+        epilog="Example: mrts configurations cell.yaml motion.yaml --show 5",
+    )
+    add_cell_and_motion(study)
+    study.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
+    study.add_argument("--cap", type=int, default=1024, help="most combinations to evaluate (default: %(default)s)")
+    study.add_argument("--show", type=int, default=10, metavar="N", help="rows to print (default: %(default)s)")
+    study.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
+    study.add_argument("--json", type=Path, metavar="FILE", help="write the whole ranking ('-' is standard output)")
+    study.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Rank the configurations."""
+    from mrts.cell import load_cell
+    from mrts.configurations import rank_configurations
+    from mrts.motion_file import load_motion
+    from mrts.object_motion import ObjectMotion
+    from mrts.solvers import DEFAULT_SOLVER
+
+    motion = load_motion(options.motion)
+    if not isinstance(motion, ObjectMotion):
+        raise InputError(options.motion, "a table of joint motion fixes the configuration; give the object's motion.")
+    study = rank_configurations(
+        load_cell(options.cell),
+        motion,
+        sharing=sharing_option(options.share),
+        cap=options.cap,
+        solver=options.solver or DEFAULT_SOLVER,
+    )
+    if str(options.json) == "-":
+        say(study.json_text())
+    else:
+        say(study.table(options.show))
+        if options.json is not None:
+            study.write_json(options.json)
+    return FEASIBLE if study.ranked and study.ranked[0].range.status.admits_motion else INFEASIBLE

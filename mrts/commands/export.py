@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: MIT
+"""`mrts export`."""
+
+import argparse
+from pathlib import Path
+
+from mrts.commands.exit_codes import FEASIBLE
+from mrts.commands.terminal import say
+from mrts.errors import InputError
+
+
+def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the verb to the command line."""
+    export = verbs.add_parser(
+        "export",
+        help="write a self-contained C library of a cell for a controller",
+        epilog="Example: mrts export cell.yaml -o embedded/my_cell --precision float",
+    )
+    export.add_argument("cell", type=Path, metavar="CELL", help="cell file")
+    export.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the library")
+    export.add_argument("--precision", choices=["double", "float"], default="double", help="(default: %(default)s)")
+    export.add_argument("--functions", default="", metavar="A,B,…",
+                        help="of terms, range, share, torques (default: all, with tests and an example)")  # fmt: skip
+    export.add_argument("--name", metavar="NAME", help="prefix of all names (default: the cell's name)")
+    export.add_argument("--motion", type=Path, metavar="MOTION",
+                        help="motion of the test vectors (default: a short lift)")  # fmt: skip
+    export.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write the library."""
+    from mrts.cell import load_cell
+    from mrts.cell_cache import export_to
+    from mrts.coordinated_motion import coordinate
+    from mrts.embedded_test_vectors import make_vectors, own_motion
+    from mrts.motion_file import load_motion
+
+    if options.cell.is_dir():
+        raise InputError(options.cell, "an export starts from the cell file, not from a generated folder.")
+    cell = load_cell(options.cell)
+    parts = tuple(part for part in options.functions.split(",") if part)
+    vectors, samples = [], 0
+    if not parts:  # tests and example go with a library of all parts only
+        motion = coordinate(cell, load_motion(options.motion)) if options.motion is not None else own_motion(cell)
+        vectors, samples = make_vectors(cell, motion), motion.samples
+    written = export_to(options.cell, options.output, vectors, samples, options.precision, parts, options.name)
+    say(f"{cell.name}: {options.precision} precision, {len(vectors)} test vectors, in {options.output}:")
+    say("\n".join(f"  {name}" for name in written))
+    return FEASIBLE

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: MIT
+"""Options that several verbs share."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mrts.errors import InputError
+
+if TYPE_CHECKING:
+    from mrts.load_sharing import LoadSharing
+
+
+def add_cell_and_motion(verb: argparse.ArgumentParser) -> None:
+    """Add the two files that nearly every verb reads."""
+    verb.add_argument("cell", type=Path, metavar="CELL", help="cell file, or a folder that `mrts generate` wrote")
+    verb.add_argument("motion", type=Path, metavar="MOTION", help="motion file")
+
+
+def sharing_option(text: str | None) -> "LoadSharing | None":
+    """The distribution that `--share` names; None for a free one."""
+    import numpy as np
+
+    from mrts.load_sharing import LoadSharing
+
+    if text is None:
+        return None
+    if text == "equal":
+        return LoadSharing()
+    try:
+        shares = [float(word) for word in text.split(",")]
+    except ValueError:
+        raise InputError("--share", "must be 'equal' or numbers such as 0.6,0.4.", value=text) from None
+    return LoadSharing(np.array(shares))
+
+
+def require(package: str, option: str, extra: str, *, wanted: bool) -> None:
+    """Fail before any work if an option's package is missing."""
+    from importlib.util import find_spec
+
+    if wanted and find_spec(package) is None:
+        raise InputError(option, f"needs {package}: pip install 'mrts[{extra}]'.")
