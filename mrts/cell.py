@@ -82,8 +82,11 @@ class Cell:
         gravity: Downward, world axes, Shape (3,) [m/s²].
         load: Load vector of the object (`mrts.manifest.LOAD_ENTRIES`), Shape (10,) [kg, kg m, kg m²].
         load_box: What is uncertain of the load, None if it is known.
+        object_velocity_limit: Of the object's frame, linear and angular, infinity where there is none, Shape (2,)
+            [m/s, rad/s].
         robots: The arms in the order of the cell file.
         functions: The generated functions.
+        enforces_velocity_limits: Whether velocity limits bound the speed, or are reported only.
     """
 
     name: str
@@ -92,8 +95,10 @@ class Cell:
     gravity: Array
     load: Array
     load_box: LoadBox | None
+    object_velocity_limit: Array
     robots: tuple[Robot, ...]
     functions: CellFunctions
+    enforces_velocity_limits: bool = True
 
     @property
     def joint_slices(self) -> dict[str, slice]:
@@ -188,6 +193,10 @@ class Cell:
             ),
         )
 
+    def without_velocity_limits(self) -> Self:
+        """The same cell with velocity limits that are reported, but bound nothing."""
+        return replace(self, enforces_velocity_limits=False)
+
     def with_postures(self, postures: dict[str, list[float]]) -> Self:
         """The same cell starting near other joint positions.
 
@@ -248,6 +257,7 @@ def _cell(manifest: Manifest, functions: CellFunctions) -> Cell:
         np.array(manifest.gravity),
         load_vector(carried.mass, np.zeros(3), inertia),
         LoadBox(carried.mass, inertia, carried.variation, carried.outer_hull) if carried.variation else None,
+        _with_infinity([carried.linear_velocity, carried.angular_velocity], np.inf),
         tuple(_robot(record) for record in manifest.robots),
         functions,
     )

@@ -3,6 +3,7 @@
 
 import ctypes
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, TypeVar
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.cell_cache import library_in_cache
+from mrts.compiler import find_compiler
 from mrts.errors import CompilerError
 from mrts.rigid_transform import Array
 
@@ -18,6 +20,9 @@ Library = TypeVar("Library")
 
 KERNEL_FILES = ("dense_programs.h", "linear_programs.c", "quadratic_programs.c", "batch.c")
 EXPORT = '__attribute__((visibility("default")))'
+
+CORNERS = 64
+"""Most corners of a projection, `MRTS_CORNERS` of projection.c."""
 
 OPTIMAL, INFEASIBLE, MARGINAL, STOPPED = range(4)
 """The kernel's statuses, see dense_programs.h."""
@@ -58,6 +63,27 @@ class KernelLibrary:
         """
         return self._batch("mrts_qp_batch", [H, g, A, lower, upper])
 
+    def projections(self, A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+        """Project every polytope of a batch onto its last two unknowns, from inside.
+
+        Args:
+            A: Shape (N, r, k).
+            lower: Of the rows and then the unknowns, Shape (N, r + k); the last two unknowns need limits.
+            upper: Likewise.
+
+        Returns:
+            Numbers of corners, Shape (N,), the corners counter-clockwise, Shape (N, 64, 2), and statuses, Shape (N,).
+        """
+        count, rows, k = A.shape
+        arrays = [np.ascontiguousarray(np.clip(array, -1e300, 1e300)) for array in (A, lower, upper)]
+        number, corners = np.zeros(count, dtype=np.int32), np.zeros((count, CORNERS, 2))
+        status = np.full(count, STOPPED, dtype=np.uint8)
+        work, iwork = np.zeros(k * k + 4 * k), np.zeros(rows + 7 * k, dtype=np.int32)
+        outputs: list[NDArray[Any]] = [number, corners, status, work, iwork]
+        pointers = [pointer(array) for array in [*arrays, *outputs]]
+        self.loaded.mrts_project_batch(ctypes.c_longlong(count), k, rows, *pointers)
+        return number, corners, status
+
     def _batch(self, name: str, arrays: list[Array]) -> tuple[Array, Array, NDArray[np.uint8]]:
         count, rows, k = arrays[-3].shape
         arrays = [np.ascontiguousarray(np.clip(array, -1e300, 1e300)) for array in arrays]
@@ -96,7 +122,23 @@ def kernel_library(command: tuple[str, ...]) -> KernelLibrary:
     Raises:
         CompilerError: If the compiler fails.
     """
-    return load_or_rebuild(command, "mrts_kernel", kernel_text(KERNEL_FILES), KernelLibrary)
+    files = (*KERNEL_FILES, "projection.c", "reachability.c")
+    return load_or_rebuild(command, "mrts_kernel", kernel_text(files), KernelLibrary)
+
+
+@lru_cache(maxsize=1)
+def default_kernel() -> KernelLibrary:
+    """The kernel by the compiler that is found.
+
+    Raises:
+        CompilerError: If there is none, or it fails.
+    """
+    command = find_compiler()
+    if command is None:
+        raise CompilerError(
+            "our kernel needs a C compiler. Install one (Debian: apt-get install gcc libc6-dev) or set CC."
+        )
+    return kernel_library(command)
 
 
 def kernel_text(names: Sequence[str]) -> str:

@@ -16,10 +16,11 @@ class RowName:
     """What a row limits.
 
     Attributes:
-        kind: "torque", "wrench", "balance" (of the object), "c2" (c² >= 0), or what a constraint of yours limits.
-        robot: Robot's name; empty for rows of the object and of c².
-        element: Joint, wrench component, or empty.
-        unit: "N m", "N", or empty.
+        kind: "torque", "wrench", "velocity", "balance" (of the object), "c2" (c² >= 0), or what a constraint of yours
+            limits.
+        robot: Robot's name; "object" for its velocity; empty for its balance and for c².
+        element: Joint, wrench component, "linear" or "angular", or empty.
+        unit: "N m", "N", "rad/s", "m/s", or empty.
     """
 
     kind: str

@@ -2,7 +2,7 @@
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
 
@@ -20,6 +20,7 @@ from mrts.sample_problem import FormulationName
 from mrts.scaled_trajectory import ScaledTrajectory
 from mrts.scaling_range import ScalingRange, ScalingStatus
 from mrts.uncertain_load import LoadStudy
+from mrts.velocity_limits import velocity_limits
 
 LIMIT_TOLERANCE = 1e-8
 """Largest overstepping of a limit, as a share of it, that counts as rounding and the programs' own slack."""
@@ -100,22 +101,21 @@ class ScalingResult:
         return {name: self.trajectory.wrench[:, part] for name, part in self.cell.wrench_slices.items()}
 
     def too_fast(self) -> list[str]:
-        """Joints that pass the velocity limit of their URDF at the chosen speed, a sentence each.
+        """Velocities that pass their limit at the chosen speed, a sentence each.
 
-        Velocity limits are reported, not enforced: c² answers for torques and wrenches.
+        There are none unless the limits are not enforced (`Cell.without_velocity_limits`).
         """
         if self.trajectory is None:
             return []
+        limits = velocity_limits(replace(self.cell, enforces_velocity_limits=True), self.motion)
+        fastest = self.trajectory.c * np.max(limits.share, axis=0)
         notes = []
-        for robot, joints in zip(self.cell.robots, self.cell.joint_slices.values(), strict=True):
-            fastest = np.max(np.abs(self.trajectory.dq[:, joints]), axis=0)
-            for index in np.flatnonzero(fastest > robot.velocity_limit):
-                unit = "m/s" if robot.joint_types[index] == "prismatic" else "rad/s"
-                c2 = self.trajectory.c2 * (robot.velocity_limit[index] / fastest[index]) ** 2
-                notes.append(
-                    f"{robot.name}/{robot.joints[index]} reaches {fastest[index]:.3g} {unit}, its limit is "
-                    f"{robot.velocity_limit[index]:.3g} {unit}: for that, c² may be at most {c2:.4g}"
-                )
+        for index in np.flatnonzero(fastest > 1 + LIMIT_TOLERANCE):
+            name, limit = limits.names[index], limits.limit[index]
+            notes.append(
+                f"{name.robot}/{name.element} reaches {fastest[index] * limit:.3g} {name.unit}, its limit is "
+                f"{limit:.3g} {name.unit}: for that, c² may be at most {self.trajectory.c2 / fastest[index] ** 2:.4g}"
+            )
         return notes
 
     def summary(self) -> str:

@@ -237,7 +237,9 @@ def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch
         monkeypatch.setattr("os.cpu_count", lambda: 8)
         result = mrts.scale(cell, motion)
         assert result.fallbacks == 0
-        ends = cell.functions.compiled.ranges(motion.samples, motion.inputs(cell.load), cell_rows(cell))
+        ends = cell.functions.compiled.ranges(
+            motion.samples, motion.inputs(cell.load), cell_rows(cell), np.full(motion.samples, np.inf)
+        )
         results.append((ends.low, ends.high, ends.basis, ends.dual, result.trajectory.torque, result.trajectory.wrench))
     for other in results[1:]:
         for one, two in zip(results[0], other, strict=True):

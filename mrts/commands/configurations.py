@@ -19,6 +19,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     )
     add_cell_and_motion(study)
     study.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
+    study.add_argument("--no-velocity-limits", action="store_true", help="let velocity limits bound nothing")
     study.add_argument("--cap", type=int, default=1024, help="most combinations to evaluate (default: %(default)s)")
     study.add_argument("--show", type=int, default=10, metavar="N", help="rows to print (default: %(default)s)")
     study.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
@@ -37,8 +38,9 @@ def run(options: argparse.Namespace) -> int:
     motion = load_motion(options.motion)
     if not isinstance(motion, ObjectMotion):
         raise InputError(options.motion, "a table of joint motion fixes the configuration; give the object's motion.")
+    cell = load_cell(options.cell)
     study = rank_configurations(
-        load_cell(options.cell),
+        cell.without_velocity_limits() if options.no_velocity_limits else cell,
         motion,
         sharing=sharing_option(options.share),
         cap=options.cap,

@@ -38,6 +38,9 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     scale.add_argument("--carry", metavar="KEY=VALUE,…",
                        help="torques for this load of the box, as mass=1.5,izz=0.8 (default: nominal)")  # fmt: skip
     scale.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
+    scale.add_argument(
+        "--no-velocity-limits", action="store_true", help="report velocity limits, but let them bound nothing"
+    )
     scale.add_argument("--formulation", choices=["wrench", "torque"], default="wrench",
                        help="unknowns of the programs (default: %(default)s)")  # fmt: skip
     scale.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
@@ -65,6 +68,8 @@ def run(options: argparse.Namespace) -> int:
     cell = load_cell(options.cell)
     if options.no_wrench_limits:
         cell = cell.without_wrench_limits()
+    if options.no_velocity_limits:
+        cell = cell.without_velocity_limits()
     select: Selection = "auto" if options.select is None else options.select
     carried = _known_load(cell, options.carry, options.load)
     try:
