@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from mrts.motion_table import JointTable
     from mrts.object_motion import ObjectMotion
     from mrts.result import ScalingResult
+    from mrts.retiming import retime
+    from mrts.retiming_result import RetimingResult, RetimingStatus
     from mrts.scaled_trajectory import ScaledTrajectory
     from mrts.scaling import SelectionError, scale
     from mrts.scaling_range import SampleStatus, ScalingRange, ScalingStatus
@@ -40,6 +42,8 @@ _HOMES = {
     "MotionError": "errors",
     "MrtsError": "errors",
     "ObjectMotion": "object_motion",
+    "RetimingResult": "retiming_result",
+    "RetimingStatus": "retiming_result",
     "Robot": "cell",
     "SampleStatus": "scaling_range",
     "ScaledTrajectory": "scaled_trajectory",
@@ -52,6 +56,7 @@ _HOMES = {
     "load_cell": "cell",
     "load_motion": "motion_file",
     "rank_configurations": "configurations",
+    "retime": "retiming",
     "sample_motion": "motion_file",
     "scale": "scaling",
     "torques_for_load": "known_load",
@@ -71,6 +76,8 @@ __all__ = [
     "MotionError",
     "MrtsError",
     "ObjectMotion",
+    "RetimingResult",
+    "RetimingStatus",
     "Robot",
     "SampleStatus",
     "ScaledTrajectory",
@@ -83,6 +90,7 @@ __all__ = [
     "load_cell",
     "load_motion",
     "rank_configurations",
+    "retime",
     "sample_motion",
     "scale",
     "torques_for_load",

@@ -147,6 +147,24 @@ def _follow_joints(cell: Cell, table: JointTable) -> CoordinatedMotion:
         for part in (table.positions, table.velocities, table.accelerations)
     )
     check_joint_limits(cell, table.time, q)
+    given = carried_by_first(cell, table.time, q, dq, ddq)
+    check_closure(cell, given, str(table.path))
+    return given
+
+
+def carried_by_first(
+    cell: Cell, time: Array, q: Array, dq: Array, ddq: Array, *, smooth: bool = True
+) -> CoordinatedMotion:
+    """The motion of the object that the first robot's tip carries.
+
+    Args:
+        cell: The cell.
+        time: Shape (N,) [s].
+        q: Joint positions, Shape (N, m) [rad or m]; likewise `dq` and `ddq`.
+        dq: Joint velocities.
+        ddq: Joint accelerations.
+        smooth: As in `ObjectMotion`.
+    """
     tip = _tip_motions(cell, q, dq, ddq)[0]
     first = cell.robots[0]
     rotation = tip.rotation @ first.T_object_tip.R.T
@@ -154,15 +172,14 @@ def _follow_joints(cell: Cell, table: JointTable) -> CoordinatedMotion:
     v, w = _in_world(cell, first, tip.velocity)
     a, dw = _in_world(cell, first, tip.acceleration)
     motion = ObjectMotion(
-        table.time,
+        time,
         tip.position - r,
         rotation,
         np.concatenate([v - np.cross(w, r), w], axis=1),
         np.concatenate([a - np.cross(dw, r) - np.cross(w, np.cross(w, r)), dw], axis=1),
+        smooth,
     )
-    given = CoordinatedMotion(motion, q, dq, ddq)
-    check_closure(cell, given, str(table.path))
-    return given
+    return CoordinatedMotion(motion, q, dq, ddq)
 
 
 @dataclass(frozen=True)

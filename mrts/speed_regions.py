@@ -27,8 +27,7 @@ class SpeedRegions:
         planes: n_u, n_x, h, Shape (E, 3).
         low: Least x, Shape (N,).
         high: Largest x: the maximum velocity curve, infinity where nothing bounds it, Shape (N,).
-        rate_unit: The u that moves some row by a whole limit, infinity where none does (the path stands still there),
-            Shape (N,).
+        rate_unit: The u that moves some row by a whole limit, Shape (N,).
         undecided: Samples whose region is empty, or was not found.
     """
 
@@ -38,11 +37,6 @@ class SpeedRegions:
     high: Array
     rate_unit: Array
     undecided: tuple[int, ...]
-
-    @property
-    def stationary(self) -> NDArray[np.bool_]:
-        """Where u has no effect: the path stands still there, Shape (N,)."""
-        return np.isinf(self.rate_unit)
 
 
 def speed_regions(problem: SampleProblem) -> SpeedRegions:
@@ -66,10 +60,9 @@ def speed_regions(problem: SampleProblem) -> SpeedRegions:
         unit = 1 / effect
     scale = np.where(np.isfinite(unit), unit, 0.0)
     A = A * scale[:, None, :]
-    cap = most / np.where(scale[:, -1] > 0, scale[:, -1], 1.0)
     if problem.unknowns == 2:  # noqa: PLR2004 (u and x: the rows are the half-planes)
         return _by_rows(A, lower, upper, unit, most)
-    return _by_projection(A, lower, upper, unit, np.minimum(cap, BOX))
+    return _by_projection(A, lower, upper, unit, most)
 
 
 def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
@@ -101,8 +94,10 @@ def _by_rows(A: Array, lower: Array, upper: Array, unit: Array, most: Array) -> 
     return SpeedRegions(start, planes, np.zeros(count), most, unit[:, 0], ())
 
 
-def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, cap: Array) -> SpeedRegions:
+def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Array) -> SpeedRegions:
     count, _, unknowns = A.shape
+    scale = np.where(np.isfinite(unit[:, -1]), unit[:, -1], 0.0)
+    cap = np.minimum(most / np.where(scale > 0, scale, 1.0), BOX)
     least, largest = np.full((count, unknowns), -np.inf), np.full((count, unknowns), np.inf)
     least[:, -2], largest[:, -2] = -BOX, BOX
     least[:, -1], largest[:, -1] = 0.0, cap
@@ -117,7 +112,7 @@ def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, cap: Array
     x = np.where(real, corners[:, :, 1], np.nan)
     found = status == OPTIMAL
     low, high = np.zeros(count), np.zeros(count)
-    low[found], high[found] = np.nanmin(x[found], axis=1), np.nanmax(x[found], axis=1)
+    low[found], high[found] = np.maximum(np.nanmin(x[found], axis=1), 0.0), np.nanmax(x[found], axis=1)
     high = np.where(high >= NEAR_BOX * BOX, np.inf, high)
 
     after = np.where(place + 1 < number[:, None], place + 1, 0)
@@ -127,7 +122,8 @@ def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, cap: Array
     with np.errstate(invalid="ignore", divide="ignore"):
         normal = np.stack([step[:, :, 1], -step[:, :, 0]], axis=2) / length[:, :, None]
     on_box = np.minimum(np.abs(corners[:, :, 0]), np.abs(ahead[:, :, 0])) >= NEAR_BOX * BOX
-    on_bound = np.all(np.stack([corners[:, :, 1], ahead[:, :, 1]]) >= NEAR_BOX * cap[:, None], axis=0)
+    both = np.stack([corners[:, :, 1], ahead[:, :, 1]])
+    on_bound = np.all(both >= NEAR_BOX * cap[:, None], axis=0) | np.all(both <= 1 / BOX**2, axis=0)
     sample, corner = np.nonzero(real & (length > 0) & (number > 1)[:, None] & ~on_box & ~on_bound)
     normals = normal[sample, corner]
     offset = np.sum(normals * corners[sample, corner], axis=1)
@@ -140,12 +136,11 @@ def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, cap: Array
     offset = np.concatenate([offset, np.nanmax(u, axis=1, initial=-np.inf), -np.nanmin(u, axis=1, initial=np.inf)])
     planes = np.column_stack([normals / unit[sample, -2:], offset])
     order = np.argsort(sample, kind="stable")
-    scale = np.where(np.isfinite(unit[:, -1]), unit[:, -1], 0.0)
     return SpeedRegions(
         _starts(np.bincount(sample, minlength=count)),
         planes[order],
         low * scale,
-        np.where(scale > 0, high * np.where(scale > 0, scale, 1.0), np.inf),
+        np.minimum(np.where(scale > 0, high * np.where(scale > 0, scale, 1.0), np.inf), most),
         unit[:, -2],
         tuple(np.flatnonzero(~found).tolist()),
     )
