@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from mrts.motion_table import JointTable
     from mrts.object_motion import ObjectMotion
     from mrts.result import ScalingResult
+    from mrts.saved_result import load_result, save_result
     from mrts.scaled_trajectory import ScaledTrajectory
     from mrts.scaling import SelectionError, scale
     from mrts.scaling_range import SampleStatus, ScalingRange, ScalingStatus
@@ -51,8 +52,10 @@ _HOMES = {
     "follow_object": "coordinated_motion",
     "load_cell": "cell",
     "load_motion": "motion_file",
+    "load_result": "saved_result",
     "rank_configurations": "configurations",
     "sample_motion": "motion_file",
+    "save_result": "saved_result",
     "scale": "scaling",
     "torques_for_load": "known_load",
 }
@@ -82,8 +85,10 @@ __all__ = [
     "follow_object",
     "load_cell",
     "load_motion",
+    "load_result",
     "rank_configurations",
     "sample_motion",
+    "save_result",
     "scale",
     "torques_for_load",
 ]

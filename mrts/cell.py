@@ -17,6 +17,7 @@ from mrts.manifest import (
     LOAD_ENTRIES,
     MANIFEST_NAME,
     WRENCH_COMPONENTS,
+    JointRecord,
     Manifest,
     PoseRecord,
     RobotRecord,
@@ -232,13 +233,19 @@ def load_cell(path: Path | str, *, backend: Backend = "auto") -> Cell:
     path = Path(path)
     if path.is_dir() or path.name == MANIFEST_NAME:
         manifest, source = read_generated(path if path.is_dir() else path.parent)
-        return _cell(manifest, bind_functions(manifest, source, backend, None))
+        return cell_from_manifest(manifest, bind_functions(manifest, source, backend, None))
     manifest, source = generated_in_cache(path)
     machine = partial(virtual_machine_functions, path)
-    return _cell(manifest, bind_functions(manifest, source, backend, machine))
+    return cell_from_manifest(manifest, bind_functions(manifest, source, backend, machine))
 
 
-def _cell(manifest: Manifest, functions: CellFunctions) -> Cell:
+def cell_from_manifest(manifest: Manifest, functions: CellFunctions) -> Cell:
+    """The cell that a manifest describes.
+
+    Args:
+        manifest: The description.
+        functions: The generated functions.
+    """
     carried = manifest.object
     inertia = np.array(carried.inertia)
     return Cell(
@@ -274,8 +281,49 @@ def _robot(record: RobotRecord) -> Robot:
     )
 
 
+def robot_record(robot: Robot, generated: RobotRecord) -> RobotRecord:
+    """A robot as it is, its limits and posture perhaps changed since it was generated, as an entry of a manifest.
+
+    Args:
+        robot: The robot.
+        generated: Its entry in the manifest of its functions; says which URDF it is from.
+    """
+    columns = zip(
+        robot.joints,
+        robot.joint_types,
+        robot.axes.tolist(),
+        robot.points.tolist(),
+        _without_infinity(robot.position_lower),
+        _without_infinity(robot.position_upper),
+        _without_infinity(robot.velocity_limit),
+        robot.torque_lower.tolist(),
+        robot.torque_upper.tolist(),
+        strict=True,
+    )
+    return generated.model_copy(
+        update={
+            "name": robot.name,
+            "joints": [JointRecord(**dict(zip(JointRecord.model_fields, row, strict=True))) for row in columns],
+            "base_tip": _pose_record(robot.T_base_tip),
+            "world_base": _pose_record(robot.T_world_base),
+            "object_tip": _pose_record(robot.T_object_tip),
+            "posture": robot.posture.tolist(),
+            "wrench_lower": _without_infinity(robot.wrench_lower),
+            "wrench_upper": _without_infinity(robot.wrench_upper),
+        }
+    )
+
+
 def _transform(record: PoseRecord) -> RigidTransform:
     return RigidTransform(np.array(record.rotation), np.array(record.position))
+
+
+def _pose_record(transform: RigidTransform) -> PoseRecord:
+    return PoseRecord(rotation=transform.R.tolist(), position=transform.p.tolist())
+
+
+def _without_infinity(values: Array) -> list[float | None]:
+    return [value if np.isfinite(value) else None for value in values.tolist()]
 
 
 def _with_infinity(values: list[float | None], unbounded: float) -> Array:
