@@ -135,15 +135,9 @@ def coordinate(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion
 
 def _follow_joints(cell: Cell, table: JointTable) -> CoordinatedMotion:
     """Let the first robot's tip carry the object, and check that all others hold their grasps on it."""
-    columns = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
-    for name in columns:
-        if name not in table.positions:
-            raise InputError(table.path, f"the column 'q.{name}' is needed for cell '{cell.name}'.")
-    for name in table.positions:
-        if name not in columns:
-            raise InputError(table.path, f"cell '{cell.name}' has no joint '{name}'; it has {', '.join(columns)}.")
+    names = _names_by_joint(cell, table)
     q, dq, ddq = (
-        np.column_stack([part[name] for name in columns])
+        np.column_stack([part[name] for name in names])
         for part in (table.positions, table.velocities, table.accelerations)
     )
     check_joint_limits(cell, table.time, q)
@@ -163,6 +157,32 @@ def _follow_joints(cell: Cell, table: JointTable) -> CoordinatedMotion:
     given = CoordinatedMotion(motion, q, dq, ddq)
     check_closure(cell, given, str(table.path))
     return given
+
+
+def _names_by_joint(cell: Cell, table: JointTable) -> list[str]:
+    """What the table calls each joint of the cell, in the cell's order."""
+    robots = {robot.name: robot.joints for robot in cell.robots}
+    joints = [f"{robot}/{joint}" for robot in robots for joint in robots[robot]]
+    found: dict[str, str] = {}
+    for name in table.positions:
+        prefix, _, joint = name.rpartition("/")
+        owners = [prefix] if prefix in robots else [robot for robot in robots if joint in robots[robot]]
+        meant = f"{owners[0]}/{joint}" if len(owners) == 1 else name
+        if meant in found:
+            raise InputError(table.path, f"'{found[meant]}' and '{name}' are the same joint of cell '{cell.name}'.")
+        found[meant] = name
+    for joint in joints:
+        if joint not in found:
+            robot = joint.partition("/")[0]
+            raise InputError(
+                table.path,
+                f"nothing is said of joint '{joint}' of cell '{cell.name}': the column 'q.{joint}' is needed, in a bag "
+                f"a trajectory under /{robot}/joint_trajectory.",
+            )
+    for joint, name in found.items():
+        if joint not in joints:
+            raise InputError(table.path, f"cell '{cell.name}' has no joint '{name}'; it has {', '.join(joints)}.")
+    return [found[joint] for joint in joints]
 
 
 @dataclass(frozen=True)
