@@ -26,7 +26,7 @@ from mrts.manifest import (
 from mrts.rigid_transform import Array, RigidTransform
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Robot:
     """One arm; n_i joints, w wrench components (3 in a planar cell, else 6).
 
@@ -66,13 +66,16 @@ class Robot:
     wrench_lower: Array
     wrench_upper: Array
 
+    def __repr__(self) -> str:
+        return f"<Robot '{self.name}': {', '.join(self.joints)}>"
+
     @property
     def torque_units(self) -> tuple[str, ...]:
         """Unit of each joint's torque: "N m" for a revolute joint, "N" for a prismatic one."""
         return tuple("N" if kind == "prismatic" else "N m" for kind in self.joint_types)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Cell:
     """n arms and the object that they hold; m joints in all.
 
@@ -95,6 +98,11 @@ class Cell:
     load_box: LoadBox | None
     robots: tuple[Robot, ...]
     functions: CellFunctions
+
+    def __repr__(self) -> str:
+        arms = ", ".join(f"{robot.name} ({len(robot.joints)} joints)" for robot in self.robots)
+        load = f"{self.mass:.4g} kg" if self.load_box is None else self.load_box.description()
+        return f"<Cell '{self.name}': {arms}; {self.plane or 'spatial'}; load {load}>"
 
     @property
     def joint_slices(self) -> dict[str, slice]:

@@ -40,7 +40,7 @@ LIMIT_TOLERANCE = 1e-9
 """How far a joint may pass its position limit [rad or m]: rounding."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CoordinatedMotion:
     """N samples of a given motion of the object and the m joints that carry it.
 
@@ -63,6 +63,9 @@ class CoordinatedMotion:
             object.__setattr__(self, name, value)
             if np.shape(value) != (len(self.object.time), joints) or not np.all(np.isfinite(value)):
                 raise InputError(name, f"must have Shape ({len(self.object.time)}, joints) and be finite.")
+
+    def __repr__(self) -> str:
+        return f"<CoordinatedMotion: {self.samples} samples in {self.object.time[-1]:.4g} s, {self.q.shape[1]} joints>"
 
     @property
     def samples(self) -> int:

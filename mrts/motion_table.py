@@ -24,7 +24,7 @@ QUATERNION_TOLERANCE = 1e-3
 """How far from 1 a quaternion's length may be: tables carry few digits."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class JointTable:
     """N samples of joint motion by column name; which joint a column is of, the cell tells.
 
@@ -42,6 +42,10 @@ class JointTable:
     positions: dict[str, Array]
     velocities: dict[str, Array]
     accelerations: dict[str, Array]
+
+    def __repr__(self) -> str:
+        joints = ", ".join(self.positions)
+        return f"<JointTable from {self.path.name}: {len(self.time)} samples in {self.time[-1]:.4g} s of {joints}>"
 
 
 def read_table(path: Path, samples: int | None) -> ObjectMotion | JointTable:

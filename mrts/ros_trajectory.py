@@ -55,6 +55,10 @@ def read_joint_trajectories(path: Path, samples: int | None) -> JointTable:
 
 def _trajectories(path: Path) -> dict[str, Any]:
     """The one trajectory of each topic, by topic."""
+    if not path.exists():
+        raise InputError(path, "there is no such bag. Check the path.")
+    if path.is_dir() and not (path / "metadata.yaml").exists():
+        raise InputError(path, "this folder holds no metadata.yaml; a ROS 2 bag does. Name the .mcap file by itself.")
     try:
         with Reader(path) as bag:
             topics = sorted(bag.topics)

@@ -31,7 +31,7 @@ class ScaledTrajectory:
     wrench: Array
 
     def __repr__(self) -> str:
-        return f"<ScaledTrajectory: c² = {self.c2:.4g}, {self.duration:.4g} s, {self.motion.samples} samples>"
+        return f"<ScaledTrajectory: {self.motion.samples} samples in {self.duration:.4g} s, c² = {self.c2:.4g}>"
 
     @property
     def c(self) -> float:

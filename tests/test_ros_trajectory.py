@@ -258,8 +258,8 @@ def test_what_is_no_bag_of_trajectories_is_refused(given, tmp_path):
         mrts.load_motion(tmp_path / "chatter")
     (tmp_path / "empty").mkdir()
     for path, words in (
-        (tmp_path / "empty", "metadata"),
-        (tmp_path / "nothing.mcap", "does not exist"),
+        (tmp_path / "empty", r"folder holds no metadata\.yaml"),
+        (tmp_path / "nothing.mcap", "there is no such bag"),
         (UR5 / "cell.yaml", "missing|unknown key"),
     ):
         with pytest.raises(mrts.InputError, match=words):

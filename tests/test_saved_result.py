@@ -168,7 +168,7 @@ def test_reading_needs_neither_compiler_nor_symbolic_layer(lifted, tmp_path):
     mrts.save_result(lifted, tmp_path / "result.npz")
     script = (
         "import sys, mrts; result = mrts.load_result(sys.argv[1]); print(result.summary()); result.to_json();"
-        "print([name for name in ('casadi', 'mrts_codegen', 'yourdfpy', 'pickle5') if name in sys.modules])"
+        "print([name for name in ('casadi', 'mrts_codegen', 'yourdfpy', 'lxml') if name in sys.modules])"
     )
     command = [sys.executable, "-c", script, tmp_path / "result.npz"]
     environment = {"PATH": "", "MRTS_CACHE_DIR": str(tmp_path / "unused"), "PYTHONPATH": ":".join(sys.path)}
