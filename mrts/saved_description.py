@@ -3,14 +3,15 @@
 
 import json
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from mrts.errors import InputError
+from mrts.input_file import broken_rule
 from mrts.limit_rows import ActiveRow, RowName
-from mrts.load_box import LoadBox
+from mrts.load_box import PARAMETERS, LoadBox
 from mrts.manifest import FORMAT, LOAD_ENTRIES, Manifest, Matrix
 from mrts.sample_problem import FormulationName
 
@@ -21,7 +22,8 @@ VERSION = 1
 
 DAMAGED = "The file is damaged: save the result again."
 
-Index = Annotated[int, Field(ge=0)]
+Index = Annotated[int, Field(ge=0, lt=2**31)]
+Parameter = Annotated[str, Field(pattern=f"^({'|'.join(PARAMETERS)})$")]
 Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
 Matrix3 = Annotated[list[Vector3], Field(min_length=3, max_length=3)]
 LoadVector = Annotated[list[float], Field(min_length=len(LOAD_ENTRIES), max_length=len(LOAD_ENTRIES))]
@@ -49,7 +51,7 @@ class RowEntry(_Record):
 class LoadEntry(_Record):
     """One load of a box, as `mrts.load_box.LoadPoint`."""
 
-    parameters: dict[str, float]
+    parameters: dict[Parameter, float]
     load: LoadVector
 
 
@@ -58,7 +60,7 @@ class BoxEntry(_Record):
 
     mass: Annotated[float, Field(gt=0)]
     inertia: Matrix3
-    ranges: dict[str, tuple[float, float]]
+    ranges: dict[Parameter, tuple[float, float]]
     outer_hull: bool
     principal_axes: Matrix3
     principal_moments: Vector3
@@ -88,10 +90,16 @@ class BoxEntry(_Record):
 class StudyEntry(_Record):
     """What was asked of an uncertain load; its points are indices of `Description.loads`."""
 
-    question: str
+    question: Annotated[str, Field(pattern=r"^(guaranteed|possible|grid(:[0-9]+)?)$")]
     box: BoxEntry
     points: list[Index]
     not_converged: list[Index]
+
+    @model_validator(mode="after")
+    def _grid_of_masses(self) -> Self:
+        if self.question.startswith("grid") and "mass" not in self.box.ranges:
+            raise broken_rule("a grid runs along the mass")
+        return self
 
 
 class ConflictEntry(_Record):
@@ -104,6 +112,12 @@ class ConflictEntry(_Record):
     widening: float
     moves: list[float]
     load: Index | None
+
+    @model_validator(mode="after")
+    def _one_of_each_a_row(self) -> Self:
+        if not len(self.rows) == len(self.multipliers) == len(self.moves):
+            raise broken_rule("rows, multipliers and moves must be of one length")
+        return self
 
 
 class SharingEntry(_Record):

@@ -62,9 +62,9 @@ def range_arrays(ranges: Sequence[SampleRanges], tables: Tables) -> Arrays:
         "binding_count": np.array([[len(at) for at in end] for end in bound]).reshape(len(ranges), 2, -1),
         "binding_row": np.array([row for end in bound for at in end for row in at], dtype=np.int64),
     }
-    loads = (ranges[0].lower_loads, ranges[0].upper_loads)
-    if None not in loads:
-        arrays["end_load"] = np.array([[tables.load(point) for point in end or ()] for end in loads])
+    lower, upper = ranges[0].lower_loads, ranges[0].upper_loads
+    if lower is not None and upper is not None:
+        arrays["end_load"] = np.array([[tables.load(point) for point in end] for end in (lower, upper)])
     return arrays
 
 
@@ -109,13 +109,16 @@ def read_ranges(path: Path, arrays: Arrays, said: Description, time: Array) -> l
     require_places(path, "status", arrays["status"], len(STATUSES))
     require_places(path, "binding_row", binding, len(rows))
     require_places(path, "end_load", chosen, len(loads))
-    conflicts = said.conflicts
-    require_places(path, "conflicts: range", [one.range for one in conflicts], count)
-    require_places(path, "conflicts: sample", [one.sample for one in conflicts], samples)
-    require_places(path, "conflicts: rows", [row for one in conflicts for row in one.rows], len(rows))
-    require_places(path, "conflicts: load", [one.load for one in conflicts if one.load is not None], len(loads))
+    entries = said.conflicts
+    require_places(path, "conflicts: range", [one.range for one in entries], count)
+    require_places(path, "conflicts: sample", [one.sample for one in entries], samples)
+    require_places(path, "conflicts: rows", [row for one in entries for row in one.rows], len(rows))
+    require_places(path, "conflicts: load", [one.load for one in entries if one.load is not None], len(loads))
     stops = np.concatenate([[0], np.cumsum(arrays["binding_count"])]).tolist()
     bound = [tuple(rows[row] for row in binding[start:stop]) for start, stop in pairwise(stops)]
+    conflicts: list[list[Conflict]] = [[] for _ in range(count)]
+    for one in entries:
+        conflicts[one.range].append(_conflict(one, rows, loads, time))
     found = []
     for number in range(count):
         at = 2 * number * samples
@@ -128,7 +131,7 @@ def read_ranges(path: Path, arrays: Arrays, said: Description, time: Array) -> l
                 arrays["c2_upper"][number],
                 tuple(bound[at : at + samples]),
                 tuple(bound[at + samples : at + 2 * samples]),
-                tuple(_conflict(one, rows, loads, time) for one in said.conflicts if one.range == number),
+                tuple(conflicts[number]),
                 said.range_fallbacks[number],
                 *(ends or (None, None)),
             )

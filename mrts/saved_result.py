@@ -235,7 +235,7 @@ def _check_arrays(path: Path, arrays: Arrays, said: Description, cell: Cell) -> 
     shapes: dict[str, tuple[int, ...]] = {"time": (N,), "position": (N, 3), "rotation": (N, 3, 3)}
     shapes |= {"twist": (N, 6), "acceleration": (N, 6), "q": (N, m), "dq": (N, m), "ddq": (N, m)}
     shapes |= {"c2_lower": (ranges, N), "c2_upper": (ranges, N), "status": (ranges, N)}
-    shapes |= {"binding_count": (ranges, 2, N), "binding_row": (int(np.sum(arrays.get("binding_count", 0))),)}
+    shapes |= {"binding_count": (ranges, 2, N), "binding_row": (np.size(arrays.get("binding_row", ())),)}
     if "end_load" in arrays:
         shapes["end_load"] = (2, N)
     if said.c2 is not None:
@@ -252,3 +252,6 @@ def _check_arrays(path: Path, arrays: Arrays, said: Description, cell: Cell) -> 
         if np.any(bad):
             raise InputError(path, f"must be finite numbers. {DAMAGED}", key=name, value=float(array[bad][0]))
     require_places(path, "binding_count", arrays["binding_count"], len(said.rows) + 1)
+    bound = int(np.sum(arrays["binding_count"]))
+    if bound != len(arrays["binding_row"]):
+        raise InputError(path, f"must have Shape ({bound},), the sum of binding_count. {DAMAGED}", key="binding_row")

@@ -276,6 +276,15 @@ MISTAKES = {
     "broken counts": (spoil_array("binding_count", lambda c: c + 0.5), "must be whole numbers"),
     "unknown status": (spoil_array("status", lambda s: s + 7), "status = .*must be from 0 to 3"),
     "negative count": (spoil_array("binding_count", moved), "binding_count = -1"),
+    "counts of nothing": (
+        spoil_array("binding_count", lambda c: c * np.nan),
+        "binding_count = .*must be whole numbers",
+    ),
+    "lost rows": (spoil_array("binding_row", lambda r: r[:-1]), r"binding_row: must have Shape \(\d+,\), the sum"),
+    "unknown parameter": (
+        spoil_word(lambda d: d.update(loads=[{"parameters": {"x": 1}, "load": [1] * 10}])),
+        "pattern",
+    ),
     "time back": (spoil_array("time", lambda t: t[::-1]), "time: must have Shape .* strictly increase"),
     "no rotation": (spoil_array("rotation", lambda R: 2 * R), "rotation: must hold rotation matrices"),
 }
@@ -300,9 +309,17 @@ def test_places_in_a_study_and_conflicts_are_checked(planar_cell, lift, tmp_path
     assert description["conflicts"]
     for key in ("range", "sample", "load", "rows"):
         one = json.loads(json.dumps(description))
-        one["conflicts"][0][key] = [9999] if key == "rows" else 9999
+        entry = one["conflicts"][0]
+        entry[key] = [9999] * len(entry["rows"]) if key == "rows" else 9999
         write(path, one, arrays)
         with pytest.raises(mrts.InputError, match=f"conflicts: {key} = 9999: must be from 0 to"):
+            mrts.load_result(path)
+    uneven, other = (json.loads(json.dumps(description)) for _ in range(2))
+    uneven["conflicts"][0]["moves"].pop()
+    other["study"]["question"] = "sometimes"
+    for one, words in ((uneven, "of one length"), (other, "should match pattern")):
+        write(path, one, arrays)
+        with pytest.raises(mrts.InputError, match=words):
             mrts.load_result(path)
     description["study"]["points"][0] = 77
     write(path, description, arrays)
