@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from mrts.result import ScalingResult
     from mrts.retiming import retime
     from mrts.retiming_result import RetimingResult, RetimingStatus
+    from mrts.saved_result import load_result, save_result
     from mrts.scaled_trajectory import ScaledTrajectory
     from mrts.scaling import SelectionError, scale
     from mrts.scaling_range import SampleStatus, ScalingRange, ScalingStatus
@@ -55,9 +56,11 @@ _HOMES = {
     "follow_object": "coordinated_motion",
     "load_cell": "cell",
     "load_motion": "motion_file",
+    "load_result": "saved_result",
     "rank_configurations": "configurations",
     "retime": "retiming",
     "sample_motion": "motion_file",
+    "save_result": "saved_result",
     "scale": "scaling",
     "torques_for_load": "known_load",
 }
@@ -89,9 +92,11 @@ __all__ = [
     "follow_object",
     "load_cell",
     "load_motion",
+    "load_result",
     "rank_configurations",
     "retime",
     "sample_motion",
+    "save_result",
     "scale",
     "torques_for_load",
 ]

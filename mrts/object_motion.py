@@ -26,7 +26,7 @@ SAME_WAYPOINT = 1e-9
 """Waypoints nearer than this [m, with turns by `ROTATION_LENGTH`] are one."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ObjectMotion:
     """N samples of the given motion of the object frame, world axes.
 
@@ -45,6 +45,9 @@ class ObjectMotion:
     twist: Array
     acceleration: Array
     smooth: InitVar[bool] = True
+
+    def __repr__(self) -> str:
+        return f"<ObjectMotion: {len(self.time)} samples in {self.time[-1]:.4g} s>"
 
     def __post_init__(self, smooth: bool) -> None:
         shapes = {"time": (), "position": (3,), "rotation": (3, 3), "twist": (6,), "acceleration": (6,)}

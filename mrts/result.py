@@ -15,6 +15,7 @@ from mrts.coordinated_motion import CoordinatedMotion
 from mrts.errors import SolverError
 from mrts.load_box import LoadPoint
 from mrts.load_sharing import LoadSharing
+from mrts.result_html import result_html
 from mrts.rigid_transform import Array
 from mrts.sample_problem import FormulationName
 from mrts.scaled_trajectory import ScaledTrajectory
@@ -59,7 +60,7 @@ class DistributionRule:
     weights: Array | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ScalingResult:
     """What `mrts.scale` found.
 
@@ -80,6 +81,14 @@ class ScalingResult:
     fallbacks: int
     load: LoadStudy | None = None
     rule: DistributionRule = DistributionRule()
+
+    def __repr__(self) -> str:
+        done = self.trajectory
+        chosen = "" if done is None else f" Chosen: c² = {done.c2:.4g}, {done.duration:.4g} s."
+        return f"<ScalingResult of cell '{self.cell.name}': {self.summary()}{chosen}>"
+
+    def _repr_html_(self) -> str:
+        return result_html(self)
 
     @property
     def status(self) -> ScalingStatus:

@@ -123,7 +123,7 @@ class RangeEnd:
         return f"at t = {self.time:.4g} s{load} by {'; '.join(str(row) for row in self.rows)}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ScalingRange:
     """The range over the whole motion.
 
@@ -138,6 +138,10 @@ class ScalingRange:
     lower: RangeEnd | None
     upper: RangeEnd | None
     samples: SampleRanges
+
+    def __repr__(self) -> str:
+        ends = f"c² from {self.lower.c2:.4g} to {self.upper.c2:.4g}, " if self.lower and self.upper else ""
+        return f"<ScalingRange {self.status.value}: {ends}{len(self.samples.time)} samples>"
 
     def to_json(self) -> dict[str, Any]:
         """Status, both ends and what sets them; None stands for an end that does not exist."""

@@ -42,7 +42,7 @@ Progress = Callable[[int, int], None]
 """Told how many of how many pieces of work are done."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LoadStudy:
     """What was asked of an uncertain load, and the answer for each load that was looked at.
 
@@ -59,6 +59,9 @@ class LoadStudy:
     points: tuple[LoadPoint, ...]
     ranges: tuple[ScalingRange, ...]
     not_converged: tuple[int, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<LoadStudy {self.sentence()}>"
 
     def sentence(self) -> str:
         """The question and the box in words."""

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 def add_cell_and_motion(verb: argparse.ArgumentParser) -> None:
     """Add the two files that nearly every verb reads."""
     verb.add_argument("cell", type=Path, metavar="CELL", help="cell file, or a folder that `mrts generate` wrote")
-    verb.add_argument("motion", type=Path, metavar="MOTION", help="motion file")
+    verb.add_argument("motion", type=Path, metavar="MOTION",
+                      help="motion file, CSV table, or ROS 2 bag with joint trajectories")  # fmt: skip
 
 
 def sharing_option(text: str | None) -> "LoadSharing | None":

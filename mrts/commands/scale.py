@@ -45,6 +45,8 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
                        help="unknowns of the programs (default: %(default)s)")  # fmt: skip
     scale.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
     scale.add_argument("--json", type=Path, metavar="FILE", help="write the whole result ('-' is standard output)")
+    scale.add_argument("--save", type=Path, metavar="FILE.npz",
+                       help="save the whole result, for mrts.load_result")  # fmt: skip
     scale.add_argument("--csv", type=Path, metavar="FILE", help="write the scaled trajectory as a table")
     scale.add_argument("--ros-bag", type=Path, metavar="DIR",
                        help="write the scaled trajectory as a ROS 2 bag (MCAP; needs the extra 'ros')")  # fmt: skip
@@ -124,6 +126,10 @@ def _write(options: argparse.Namespace, result: "ScalingResult") -> None:
             say(result.json_text())
         else:
             result.write_json(options.json)
+    if options.save is not None:
+        from mrts.saved_result import save_result
+
+        save_result(result, options.save)
     if options.csv is not None:
         from mrts.trajectory_table import write_trajectory_csv
 
