@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: MIT
+"""What a player says of its state, as HTML: outcome, speed, time, and bars against the limits."""
+
+from collections.abc import Sequence
+from html import escape
+
+import numpy as np
+
+from mrts.limit_rows import ActiveRow
+from mrts.load_box import LoadPoint
+from mrts.player_state import Bar, PlayerState
+
+WITHIN, OVER, PASSED = "#0072B2", "#D40000", "#B36B00"
+"""Colours of a value within its limit, beyond it, and beyond a limit that is only reported."""
+
+Colour = tuple[int, int, int]
+
+FULL = 1.25
+"""Share of a limit at which a bar meets the edge."""
+
+SPLIT = 1 / FULL / 2
+"""Where the limits stand, as a share of the width to either side of the middle."""
+
+
+def outcome_html(state: PlayerState) -> str:
+    """The outcome in a sentence; red where no speed is admissible."""
+    result = state.result
+    text = escape(result.summary())
+    if result.load is not None:
+        text += f" Torques are those of the nominal load of {result.cell.mass:.4g} kg."
+    colour = "inherit" if result.status.admits_motion else OVER
+    return _paragraph("outcome", f"<b>{escape(result.cell.name)}</b>: {text}", colour)
+
+
+def speed_html(state: PlayerState) -> str:
+    """The chosen speed, whether it is admissible, and what is shown if it is not."""
+    done, samples = state.trajectory, len(state.excess)
+    text = f"c = {done.c:.4g}, c² = {done.c2:.4g}, duration {done.duration:.4g} s, energy {done.energy:.4g} J. "
+    if fast := state.joints_beyond_velocity():
+        text += f"Beyond their velocity limits (reported, not kept): {escape(', '.join(fast))}. "
+    if state.admissible:
+        return _paragraph("speed", f"{text}Inside the admissible range.")
+    over = int(np.count_nonzero(state.excess))
+    text += "<b>Outside the admissible range</b>: "
+    if over == 0:
+        load = ", though the load shown keeps all limits" if state.result.load is not None else ""
+        return _paragraph("speed", f"{text}no torques are guaranteed{load}.", OVER)
+    worst = int(np.argmax(state.excess))
+    text += (
+        f"{over} of {samples} samples pass a limit, by at most {100 * state.excess[worst]:.3g} % "
+        f"(at {done.time[worst]:.4g} s). "
+    )
+    if state.result.rule.sharing is not None or len(state.result.cell.robots) == 1:
+        text += "The torques follow from the motion alone; red = over the limit."
+    else:
+        text += (
+            "Shown there are the torques that are left when all limits are stretched by the least equal share; "
+            "red = over the limit."
+        )
+    return _paragraph("speed", text, OVER)
+
+
+def moment_html(state: PlayerState) -> str:
+    """The chosen time, and which speeds its sample alone admits and why."""
+    found, sample = state.result.range.samples, state.sample
+    given = found.time[sample]
+    text = f"t = {state.time:.4g} s of {state.trajectory.duration:.4g} s (given motion: {given:.4g} s). "
+    conflict = next((conflict for conflict in found.conflicts if conflict.sample == sample), None)
+    if conflict is not None:
+        return _paragraph("moment", text + escape(f"{conflict}."), OVER)
+    low, high = found.lower[sample], found.upper[sample]
+    if np.isinf(high):
+        return _paragraph("moment", f"{text}Nothing limits the speed of this sample: c² ∈ [{low:.4g}, ∞).")
+    text += f"This sample alone admits c² ∈ [{low:.4g}, {high:.4g}]; "
+    text += f"faster is forbidden by {_rows(found.upper_rows, found.upper_loads, sample)}"
+    if low > 0:
+        text += f", slower by {_rows(found.lower_rows, found.lower_loads, sample)}"
+    return _paragraph("moment", f"{text}.")
+
+
+def arrows_html(force: Colour, newtons: float, moment: Colour, newton_meters: float) -> str:
+    """What the arrows mean: colours, 0 to 255, and what a metre of each is."""
+    text = (
+        f'<b style="color:rgb{force}">force</b>: 1 m of arrow is {newtons:.4g} N, '
+        f'<b style="color:rgb{moment}">moment</b>: 1 m of arrow is {newton_meters:.4g} N m'
+    )
+    return _paragraph("arrows", text)
+
+
+def note_html(text: str) -> str:
+    """A remark."""
+    return _paragraph("note", escape(text))
+
+
+def error_html(text: str) -> str:
+    """Why the last wish was not granted."""
+    return _paragraph("error", escape(text), OVER)
+
+
+def bars_html(groups: dict[str, list[Bar]], *, enforced: bool = True) -> str:
+    """Bars about zero, a group a robot; the thin lines are the limits.
+
+    Args:
+        groups: Bars by robot.
+        enforced: Whether the limits are kept, or only reported.
+    """
+    colour = OVER if enforced else PASSED
+    rows = []
+    for robot, bars in groups.items():
+        rows.append(f'<tr><td colspan="3" style="padding-top:2px"><b>{escape(robot)}</b></td></tr>')
+        rows += [_bar_row(f"{robot}/{bar.name}", bar, colour) for bar in bars]
+    return (
+        '<table style="width:100%;border-collapse:collapse;font-size:11px;line-height:14px;table-layout:fixed">'
+        '<colgroup><col style="width:29%"><col style="width:31%"><col style="width:40%"></colgroup>'
+        f"{''.join(rows)}</table>"
+    )
+
+
+def _rows(rows: Sequence[tuple[ActiveRow, ...]], loads: Sequence[LoadPoint] | None, sample: int) -> str:
+    load = f" with {loads[sample]}" if loads else ""
+    return escape("; ".join(str(row) for row in rows[sample]) + load)
+
+
+def _bar_row(key: str, bar: Bar, over: str) -> str:
+    colour = over if bar.over else WITHIN
+    share = 0.0 if bar.share is None else float(np.clip(bar.share, -FULL, FULL))
+    left, width = 50 + min(share, 0) * 100 * SPLIT, abs(share) * 100 * SPLIT
+    line = "position:absolute;top:0;height:100%;width:1px;background:"
+    marks = [(50.0, "#888")]
+    marks += [(50 + side * 100 * SPLIT, "#555") for side in (-1, 1)] if bar.share is not None else []
+    drawn = "".join(f'<div style="{line}{shade};left:{at:.1f}%"></div>' for at, shade in marks)
+    place = f"position:absolute;top:2px;bottom:2px;left:{left:.2f}%;width:{width:.2f}%"
+    drawn += f'<div style="{place};background:{colour}"></div>'
+    weight = f";color:{over};font-weight:bold" if bar.over else ""
+    cut = "overflow:hidden;text-overflow:ellipsis;white-space:nowrap"
+    return (
+        f'<tr data-bar="{escape(key)}" data-over="{str(bar.over).lower()}">'
+        f'<td style="{cut}" title="{escape(key)}">{escape(bar.name)}</td>'
+        f'<td><div style="position:relative;height:12px;background:#eee">{drawn}</div></td>'
+        f'<td style="{cut};text-align:right{weight}">{_value(bar)}</td></tr>'
+    )
+
+
+def _value(bar: Bar) -> str:
+    value = f"{bar.value:.3g}" if abs(bar.value) >= 1e-3 else "0"  # noqa: PLR2004 (rounding of a balance)
+    if bar.limit is None:
+        return f"{value} {bar.unit} (no limit)"
+    return f"{value} of {bar.limit:.4g} {bar.unit}"
+
+
+def _paragraph(name: str, text: str, colour: str = "inherit") -> str:
+    return f'<div data-text="{name}" style="font-size:12px;line-height:1.35;padding:0 9px;color:{colour}">{text}</div>'
