@@ -22,6 +22,10 @@ SPLIT = 1 / FULL / 2
 """Where the limits stand, as a share of the width to either side of the middle."""
 
 
+HEIGHTS = {"outcome": "max-height:80px", "moment": "height:64px"}
+"""Of texts that may be long, or change while the motion plays: what is below them must stay where it is."""
+
+
 def outcome_html(state: PlayerState) -> str:
     """The outcome in a sentence; red where no speed is admissible."""
     result = state.result
@@ -29,7 +33,7 @@ def outcome_html(state: PlayerState) -> str:
     if result.load is not None:
         text += f" Torques are those of the nominal load of {result.cell.mass:.4g} kg."
     colour = "inherit" if result.status.admits_motion else OVER
-    return _paragraph("outcome", f"<b>{escape(result.cell.name)}</b>: {text}", colour)
+    return _paragraph("outcome", text, colour)
 
 
 def speed_html(state: PlayerState) -> str:
@@ -37,7 +41,7 @@ def speed_html(state: PlayerState) -> str:
     done, samples = state.trajectory, len(state.excess)
     text = f"c = {done.c:.4g}, c² = {done.c2:.4g}, duration {done.duration:.4g} s, energy {done.energy:.4g} J. "
     if fast := state.joints_beyond_velocity():
-        text += f"Beyond their velocity limits (reported, not kept): {escape(', '.join(fast))}. "
+        text += f"{fast} of {done.q.shape[1]} joints pass their velocity limit (reported, not kept). "
     if state.admissible:
         return _paragraph("speed", f"{text}Inside the admissible range.")
     over = int(np.count_nonzero(state.excess))
@@ -111,14 +115,15 @@ def bars_html(groups: dict[str, list[Bar]], *, enforced: bool = True) -> str:
         rows += [_bar_row(f"{robot}/{bar.name}", bar, colour) for bar in bars]
     return (
         '<table style="width:100%;border-collapse:collapse;font-size:11px;line-height:14px;table-layout:fixed">'
-        '<colgroup><col style="width:29%"><col style="width:31%"><col style="width:40%"></colgroup>'
+        '<colgroup><col style="width:34%"><col style="width:29%"><col style="width:37%"></colgroup>'
         f"{''.join(rows)}</table>"
     )
 
 
 def _rows(rows: Sequence[tuple[ActiveRow, ...]], loads: Sequence[LoadPoint] | None, sample: int) -> str:
     load = f" with {loads[sample]}" if loads else ""
-    return escape("; ".join(str(row) for row in rows[sample]) + load)
+    names = (f"{row.name.robot}/{row.name.element}" if row.name.robot else str(row) for row in rows[sample])
+    return escape(", ".join(names) + load)
 
 
 def _bar_row(key: str, bar: Bar, over: str) -> str:
@@ -149,4 +154,5 @@ def _value(bar: Bar) -> str:
 
 
 def _paragraph(name: str, text: str, colour: str = "inherit") -> str:
-    return f'<div data-text="{name}" style="font-size:12px;line-height:1.35;padding:0 9px;color:{colour}">{text}</div>'
+    style = f"font-size:12px;line-height:16px;padding:0 9px;overflow-y:auto;{HEIGHTS.get(name, '')};color:{colour}"
+    return f'<div data-text="{name}" style="{style}">{text}</div>'

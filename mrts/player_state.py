@@ -254,11 +254,10 @@ class PlayerState:
             for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True)
         }
 
-    def joints_beyond_velocity(self) -> list[str]:
-        """Joints that pass their velocity limit at some time, as "robot/joint"."""
-        names = [f"{robot.name}/{joint}" for robot in self.result.cell.robots for joint in robot.joints]
+    def joints_beyond_velocity(self) -> int:
+        """How many joints pass their velocity limit at some time."""
         limits = np.concatenate([robot.velocity_limit for robot in self.result.cell.robots])
-        return [names[index] for index in np.flatnonzero(np.max(np.abs(self.trajectory.dq), axis=0) > limits)]
+        return int(np.count_nonzero(np.max(np.abs(self.trajectory.dq), axis=0) > limits))
 
     def _play(self, cell: Cell) -> None:
         try:
