@@ -75,4 +75,4 @@ def _mesh_file(urdf: Path, fname: str) -> str:
     for folder in folders:
         if (folder / inside).is_file():
             return str(folder / inside)
-    raise InputError(urdf, "this mesh file is not found.", key="<mesh filename>", value=fname)
+    raise InputError(urdf, f"its mesh '{fname}' is not found.")

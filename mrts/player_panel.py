@@ -101,18 +101,18 @@ def error_html(text: str) -> str:
     return _paragraph("error", escape(text), OVER)
 
 
-def bars_html(groups: dict[str, list[Bar]], *, enforced: bool = True) -> str:
+def bars_html(kind: str, groups: dict[str, list[Bar]]) -> str:
     """Bars about zero, a group a robot; the thin lines are the limits.
 
     Args:
+        kind: "torque", "wrench", or "velocity", whose limits are only reported.
         groups: Bars by robot.
-        enforced: Whether the limits are kept, or only reported.
     """
-    colour = OVER if enforced else PASSED
+    colour = PASSED if kind == "velocity" else OVER
     rows = []
     for robot, bars in groups.items():
         rows.append(f'<tr><td colspan="3" style="padding-top:2px"><b>{escape(robot)}</b></td></tr>')
-        rows += [_bar_row(f"{robot}/{bar.name}", bar, colour) for bar in bars]
+        rows += [_bar_row(kind, robot, bar, colour) for bar in bars]
     return (
         '<table style="width:100%;border-collapse:collapse;font-size:11px;line-height:14px;table-layout:fixed">'
         '<colgroup><col style="width:34%"><col style="width:29%"><col style="width:37%"></colgroup>'
@@ -126,7 +126,7 @@ def _rows(rows: Sequence[tuple[ActiveRow, ...]], loads: Sequence[LoadPoint] | No
     return escape(", ".join(names) + load)
 
 
-def _bar_row(key: str, bar: Bar, over: str) -> str:
+def _bar_row(kind: str, robot: str, bar: Bar, over: str) -> str:
     colour = over if bar.over else WITHIN
     share = 0.0 if bar.share is None else float(np.clip(bar.share, -FULL, FULL))
     left, width = 50 + min(share, 0) * 100 * SPLIT, abs(share) * 100 * SPLIT
@@ -139,8 +139,8 @@ def _bar_row(key: str, bar: Bar, over: str) -> str:
     weight = f";color:{over};font-weight:bold" if bar.over else ""
     cut = "overflow:hidden;text-overflow:ellipsis;white-space:nowrap"
     return (
-        f'<tr data-bar="{escape(key)}" data-over="{str(bar.over).lower()}">'
-        f'<td style="{cut}" title="{escape(key)}">{escape(bar.name)}</td>'
+        f'<tr data-bar="{kind} {escape(f"{robot}/{bar.name}")}" data-over="{str(bar.over).lower()}">'
+        f'<td style="{cut}" title="{escape(bar.name)}">{escape(bar.name)}</td>'
         f'<td><div style="position:relative;height:12px;background:#eee">{drawn}</div></td>'
         f'<td style="{cut};text-align:right{weight}">{_value(bar)}</td></tr>'
     )

@@ -305,7 +305,7 @@ def offered_speeds(found: ScalingRange) -> Speeds:
         high = FASTEST_UNBOUNDED if moves else FASTEST_INFEASIBLE
         high = max([high, *(BEYOND * c for c in of_ends)])
     low = min([start, *of_ends]) / BEYOND if least > 0 else SLOWEST * high
-    power = floor(log10(high / STEPS))
+    power = floor(log10((high - low) / STEPS))
     step = 10.0**power
     low, high = (round(count * step, -power) for count in (max(floor(low / step), 1), ceil(high / step)))
     return Speeds(ends, low, high, step, start)

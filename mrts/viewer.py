@@ -261,9 +261,9 @@ class Viewer:
         with self._server.atomic():
             self._scene.update()
         self._moment_text.content = moment_html(state)
-        self._torques.content = bars_html(state.torque_bars())
-        self._wrenches.content = bars_html(state.wrench_bars())
-        self._velocities.content = bars_html(state.velocity_bars(), enforced=False)
+        self._torques.content = bars_html("torque", state.torque_bars())
+        self._wrenches.content = bars_html("wrench", state.wrench_bars())
+        self._velocities.content = bars_html("velocity", state.velocity_bars())
 
 
 def _set_slider(slider: "viser.GuiSliderHandle[float]", ends: tuple[float, float], digits: int, value: float) -> None:
