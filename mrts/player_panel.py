@@ -51,7 +51,7 @@ def speed_html(state: PlayerState) -> str:
         return _paragraph("speed", f"{text}no torques are guaranteed{load}.", OVER)
     worst = int(np.argmax(state.excess))
     text += (
-        f"{over} of {samples} samples pass a limit, by at most {100 * state.excess[worst]:.3g} % "
+        f"{over} of {samples} samples pass a limit, by at most {_percent(state.excess[worst])} "
         f"(at {done.time[worst]:.4g} s). "
     )
     if state.result.rule.sharing is not None or len(state.result.cell.robots) == 1:
@@ -71,7 +71,7 @@ def moment_html(state: PlayerState) -> str:
     text = f"t = {state.time:.4g} s of {state.trajectory.duration:.4g} s (given motion: {given:.4g} s). "
     conflict = next((conflict for conflict in found.conflicts if conflict.sample == sample), None)
     if conflict is not None:
-        return _paragraph("moment", text + escape(f"{conflict}."), OVER)
+        return _paragraph("moment", f"{text}Infeasible: {escape(str(conflict))}.", OVER)
     low, high = found.lower[sample], found.upper[sample]
     if np.isinf(high):
         return _paragraph("moment", f"{text}Nothing limits the speed of this sample: c² ∈ [{low:.4g}, ∞).")
@@ -118,6 +118,10 @@ def bars_html(kind: str, groups: dict[str, list[Bar]]) -> str:
         '<colgroup><col style="width:34%"><col style="width:29%"><col style="width:37%"></colgroup>'
         f"{''.join(rows)}</table>"
     )
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.3g} %" if share < 10 else f"{100 * share:.0f} %"  # noqa: PLR2004 (no powers of ten)
 
 
 def _rows(rows: Sequence[tuple[ActiveRow, ...]], loads: Sequence[LoadPoint] | None, sample: int) -> str:

@@ -10,7 +10,9 @@ import io
 import socket
 import time
 from collections.abc import Callable, Mapping
+from errno import EADDRNOTAVAIL
 from math import floor, log10, sqrt
+from os import strerror
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
@@ -49,19 +51,28 @@ def open_server(host: str, port: int, label: str) -> viser.ViserServer:
     if not 0 <= port <= 65535:  # noqa: PLR2004 (what a port is)
         raise InputError("--port", "must be from 0 (any free one) to 65535.", value=port)
     try:  # viser would silently take another port, and wait for ever on an address that is not there
-        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
-        socket.create_server(address[:2], family=family).close()
+        family, _, _, _, listening = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        socket.create_server(listening[:2], family=family).close()
     except (socket.gaierror, UnicodeError):
         raise InputError("--host", "is not a name or address of this machine.", value=host) from None
     except OSError as error:
-        raise InputError("--host, --port", f"cannot be listened at: {error.strerror}. Give another port, or 0 for any "
-                         "free one.", value=f"{host}:{port}") from None  # fmt: skip
+        where, value = ("--host", host) if error.errno == EADDRNOTAVAIL else ("--port", port)
+        reason = strerror(error.errno or 0)
+        raise InputError(where, f"cannot be listened at: {reason}. Port 0 is any free one.", value=value) from None
     with contextlib.redirect_stdout(io.StringIO()):  # viser's banner
         server = viser.ViserServer(host, port, label, verbose=False)
     if port not in {0, server.get_port()}:
         close_server(server)
-        raise InputError("--port", "has just been taken. Give another, or 0 for any free one.", value=port)
+        raise InputError("--port", "has just been taken. Port 0 is any free one.", value=port)
     return server
+
+
+def address(server: viser.ViserServer) -> str:
+    """URL of a server, as a browser on this machine reaches it."""
+    host = server.get_host()
+    if host in {"0.0.0.0", "::"}:  # noqa: S104 (every address of this machine, on the user's word)
+        host = "localhost"
+    return f"http://{f'[{host}]' if ':' in host else host}:{server.get_port()}"
 
 
 def close_server(server: viser.ViserServer) -> None:

@@ -10,6 +10,7 @@ import yaml
 import yourdfpy
 from conftest import DATA, ROOT
 from random_cells import random_planar_cell, random_spatial_cell
+from scipy.spatial.transform import Rotation
 from test_real_robots import ROBOTS
 from viewer_browser import SIZE, chromium, interrupt, open_page, running_viewer
 
@@ -21,6 +22,7 @@ from mrts.cell_view import FIELD_OF_VIEW, look_at_cell
 from mrts.cli import main
 from mrts.player_state import PlayerState
 from mrts.viewer import Viewer, close_server, open_server
+from mrts.viewer_scene import ViewerScene
 
 assert chromium  # a fixture, imported for pytest
 
@@ -120,6 +122,55 @@ def test_an_arm_without_its_meshes_is_drawn_simply(spoil, tmp_path):
     assert spoil == "broken" or other in warnings[0]
 
 
+@pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
+@pytest.mark.parametrize("arms", [1, 2, 3, 4])
+def test_what_is_drawn_follows_the_time(make, arms, tmp_path):
+    """Balls at the tips, and arrows that start there, at the contacts of the moving object; sliding joints too."""
+    paths = make(np.random.default_rng([11, arms]), tmp_path, arms)
+    state = PlayerState(mrts.load_cell(paths[0], backend="vm"), mrts.load_motion(paths[1]))
+    moved = state.result.motion.object
+    server = open_server("127.0.0.1", 0, "test")
+    try:
+        scene = ViewerScene(server, state, {}, pytest.fail)
+        for sample in (0, 4, 10):
+            state.choose_time(float(state.trajectory.time[sample]))
+            scene.update()
+            arrows = server.scene.get_handle_by_name("/forces").points
+            contacts = []
+            for robot in state.result.cell.robots:
+                contacts.append(moved.position[sample] + moved.rotation[sample] @ robot.T_object_tip.p)
+                tip = server.scene.get_handle_by_name(f"/{robot.name}/point{len(robot.joints) + 1}")
+                np.testing.assert_allclose(tip.position, contacts[-1], atol=1e-7)
+            assert all(np.min(np.linalg.norm(contacts - start, axis=1)) < 1e-6 for start in arrows[:, 0])
+            box = server.scene.get_handle_by_name("/object")
+            np.testing.assert_allclose(box.position, moved.position[sample])
+            turned = Rotation.from_quat(np.roll(box.wxyz, -1)).as_matrix()
+            np.testing.assert_allclose(turned, moved.rotation[sample], atol=1e-12)
+    finally:
+        close_server(server)
+
+
+def test_arrows_have_the_length_that_the_panel_states(dual_ur5):
+    state = PlayerState(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
+    server = open_server("127.0.0.1", 0, "test")
+    try:
+        scene = ViewerScene(server, state, {}, pytest.fail)
+        state.choose_time(0.5 * state.trajectory.duration)
+        scene.update()
+        arrows = {name: server.scene.get_handle_by_name(f"/{name}").points for name in ("forces", "moments")}
+    finally:
+        close_server(server)
+    wrench = state.trajectory.wrench[state.sample].reshape(2, 6)
+    kinds = (
+        ("forces", wrench[:, :3], scene.meters_per_newton),
+        ("moments", wrench[:, 3:], scene.meters_per_newton_meter),
+    )
+    for name, values, scale in kinds:
+        lengths = np.linalg.norm(arrows[name][:, 1] - arrows[name][:, 0], axis=1)
+        np.testing.assert_allclose(lengths, np.linalg.norm(values, axis=1) * scale, rtol=1e-5)
+        assert scale == float(f"{scale:.0e}")  # one digit
+
+
 def in_picture(view, points, aspect):
     """Where points are on the picture, from -1 to 1 to either side; the camera looks along its own z."""
     forward = view.target - view.camera
@@ -159,13 +210,17 @@ def test_without_gravity_something_is_up(plane, up, planar_cell, lift):
 def test_a_port_that_is_taken_is_refused():
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        with pytest.raises(mrts.InputError, match=f"127.0.0.1:{port}.*in use.*Give another port"):
+        with pytest.raises(mrts.InputError, match=f"--port = {port}.*in use.*any free one"):
             open_server("127.0.0.1", port, "test")
 
 
 @pytest.mark.parametrize(
     ("host", "port", "match"),
-    [("no.such.host.invalid", 0, "not a name or address"), ("203.0.113.1", 0, "cannot"), ("127.0.0.1", 70000, "65535")],
+    [
+        ("no.such.host.invalid", 0, "not a name or address"),
+        ("203.0.113.1", 0, "--host = .*cannot be listened at"),
+        ("127.0.0.1", 70000, "65535"),
+    ],
 )
 def test_a_wrong_address_is_refused(host, port, match):
     with pytest.raises(mrts.InputError, match=match):

@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> int:
     from mrts.cell_cache import urdf_files
     from mrts.motion_file import load_motion
     from mrts.player_state import PlayerState
-    from mrts.viewer import Viewer, close_server, open_server
+    from mrts.viewer import Viewer, address, close_server, open_server
 
     motion = load_motion(options.motion)
     sharing = sharing_option(options.share)
@@ -46,11 +46,10 @@ def run(options: argparse.Namespace) -> int:
     urdfs = {} if options.cell.is_dir() or options.cell.suffix == ".json" else urdf_files(options.cell)
     if options.no_wrench_limits:
         cell = cell.without_wrench_limits()
-    state = PlayerState(cell, motion, sharing=sharing, progress=show_progress)
     server = open_server(options.host, options.port, f"mrts: {cell.name}")
     try:
-        viewer = Viewer(server, state, urdfs, warn)
-        url = f"http://{server.get_host()}:{server.get_port()}"
+        state = PlayerState(cell, motion, sharing=sharing, progress=show_progress)
+        viewer, url = Viewer(server, state, urdfs, warn), address(server)
         if options.host not in LOCAL:
             warn(f"everyone who reaches {options.host} can watch and steer this viewer")
         say(f"{cell.name}: {state.result.summary()}")
