@@ -6,13 +6,16 @@ from collections import deque
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mrts.errors import InputError, MrtsError
 
+if TYPE_CHECKING:
+    from trimesh import Trimesh
 
-def arm_meshes(path: Path, base_link: str | None, joints: tuple[str, ...]) -> list[tuple[int, Any]]:
-    """Body and mesh (`trimesh.Trimesh`, base axes with every joint at zero [m]) of every visual of an arm.
+
+def arm_meshes(path: Path, base_link: str | None, joints: tuple[str, ...]) -> "list[tuple[int, Trimesh]]":
+    """Body and mesh (base axes with every joint at zero [m]) of every visual of an arm.
 
     Body 0 stands with the base, body k is moved by the first k joints (`mrts.cell_shapes.body_poses`). Joints off the
     chain stay at zero; what they move and no joint of the chain carries, such as the other arm of a torso, is left out.
@@ -25,7 +28,8 @@ def arm_meshes(path: Path, base_link: str | None, joints: tuple[str, ...]) -> li
     Raises:
         InputError: If the file or one of its meshes cannot be read.
     """
-    from yourdfpy import URDF  # noqa: PLC0415 (half a second, for cells that have meshes to show)
+    from trimesh import Trimesh  # noqa: PLC0415 (half a second, for cells that have meshes to show)
+    from yourdfpy import URDF  # noqa: PLC0415
 
     try:
         model = URDF.load(str(path), filename_handler=partial(_mesh_file, path))
@@ -33,9 +37,10 @@ def arm_meshes(path: Path, base_link: str | None, joints: tuple[str, ...]) -> li
         graph, found = model.scene.graph, []
         for node in graph.nodes_geometry:
             link = graph.transforms.parents[node]
-            if link in body:
-                pose, name = graph.get(node, base_link or model.base_link)
-                found.append((body[link], model.scene.geometry[name].copy().apply_transform(pose)))
+            pose, name = graph.get(node, base_link or model.base_link)
+            shape = model.scene.geometry[name]
+            if link in body and isinstance(shape, Trimesh) and len(shape.faces):
+                found.append((body[link], shape.copy().apply_transform(pose)))
     except MrtsError:
         raise
     except Exception as error:  # noqa: BLE001 (the readers of a dozen formats raise what they like)

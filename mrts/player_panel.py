@@ -22,8 +22,8 @@ SPLIT = 1 / FULL / 2
 """Where the limits stand, as a share of the width to either side of the middle."""
 
 
-HEIGHTS = {"outcome": "max-height:80px", "moment": "height:64px"}
-"""Of texts that may be long, or change while the motion plays: what is below them must stay where it is."""
+HEIGHTS = {"outcome": "max-height:80px", "speed": "height:80px", "moment": "height:64px"}
+"""Of texts that may be long, or change as a slider moves: what is below them must stay where it is."""
 
 
 def outcome_html(state: PlayerState) -> str:
@@ -41,7 +41,7 @@ def speed_html(state: PlayerState) -> str:
     done, samples = state.trajectory, len(state.excess)
     text = f"c = {done.c:.4g}, c² = {done.c2:.4g}, duration {done.duration:.4g} s, energy {done.energy:.4g} J. "
     if fast := state.joints_beyond_velocity():
-        text += f"{fast} of {done.q.shape[1]} joints pass their velocity limit (reported, not kept). "
+        text += f"{fast} of {done.q.shape[1]} joints pass their velocity limit. "
     if state.admissible:
         return _paragraph("speed", f"{text}Inside the admissible range.")
     over = int(np.count_nonzero(state.excess))
@@ -50,17 +50,12 @@ def speed_html(state: PlayerState) -> str:
         load = ", though the load shown keeps all limits" if state.result.load is not None else ""
         return _paragraph("speed", f"{text}no torques are guaranteed{load}.", OVER)
     worst = int(np.argmax(state.excess))
-    text += (
-        f"{over} of {samples} samples pass a limit, by at most {_percent(state.excess[worst])} "
-        f"(at {done.time[worst]:.4g} s). "
-    )
+    text += f"{over} of {samples} samples pass a limit (red), by at most "
+    text += f"{_percent(state.excess[worst])} (at {done.time[worst]:.3g} s). "
     if state.result.rule.sharing is not None or len(state.result.cell.robots) == 1:
-        text += "The torques follow from the motion alone; red = over the limit."
+        text += "The torques follow from the motion alone."
     else:
-        text += (
-            "Shown there are the torques that are left when all limits are stretched by the least equal share; "
-            "red = over the limit."
-        )
+        text += "There all limits are stretched by the least equal share that leaves torques."
     return _paragraph("speed", text, OVER)
 
 
@@ -82,11 +77,11 @@ def moment_html(state: PlayerState) -> str:
     return _paragraph("moment", f"{text}.")
 
 
-def arrows_html(force: Colour, newtons: float, moment: Colour, newton_meters: float) -> str:
+def arrows_html(force: Colour, newtons: float, moment: Colour, newton_metres: float) -> str:
     """What the arrows mean: colours, 0 to 255, and what a metre of each is."""
     text = (
         f'<b style="color:rgb{force}">force</b>: 1 m of arrow is {newtons:.4g} N, '
-        f'<b style="color:rgb{moment}">moment</b>: 1 m of arrow is {newton_meters:.4g} N m'
+        f'<b style="color:rgb{moment}">moment</b>: 1 m of arrow is {newton_metres:.4g} N m'
     )
     return _paragraph("arrows", text)
 
@@ -134,12 +129,11 @@ def _bar_row(kind: str, robot: str, bar: Bar, over: str) -> str:
     colour = over if bar.over else WITHIN
     share = 0.0 if bar.share is None else float(np.clip(bar.share, -FULL, FULL))
     left, width = 50 + min(share, 0) * 100 * SPLIT, abs(share) * 100 * SPLIT
-    line = "position:absolute;top:0;height:100%;width:1px;background:"
-    marks = [(50.0, "#888")]
-    marks += [(50 + side * 100 * SPLIT, "#555") for side in (-1, 1)] if bar.share is not None else []
-    drawn = "".join(f'<div style="{line}{shade};left:{at:.1f}%"></div>' for at, shade in marks)
     place = f"position:absolute;top:2px;bottom:2px;left:{left:.2f}%;width:{width:.2f}%"
-    drawn += f'<div style="{place};background:{colour}"></div>'
+    drawn = f'<div style="{place};background:{colour}"></div>'
+    marks = [50.0] if bar.share is None else [50 - 100 * SPLIT, 50.0, 50 + 100 * SPLIT]
+    line = "position:absolute;top:0;height:100%;width:1px;background:#555"
+    drawn += "".join(f'<div style="{line};left:{at:.1f}%"></div>' for at in marks)
     weight = f";color:{over};font-weight:bold" if bar.over else ""
     cut = "overflow:hidden;text-overflow:ellipsis;white-space:nowrap"
     return (

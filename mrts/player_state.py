@@ -107,7 +107,14 @@ class Bar:
 
 
 class PlayerState:
-    """A motion at a chosen speed, at a chosen time.
+    """A motion at a chosen speed, at a chosen time: at first the fastest admissible one, or c = 1 if there is none.
+
+    Args:
+        cell: The cell.
+        motion: As given.
+        sharing: A fixed distribution of the load; None leaves it to the quadratic program.
+        solver: Name in the registry.
+        progress: Told how far the work on an uncertain load is.
 
     Attributes:
         result: The range, of the chosen configuration.
@@ -117,6 +124,9 @@ class PlayerState:
         sample: Index of the chosen time.
         study: The configurations, once they are ranked.
         configuration: Index of the chosen one in the ranking; None is the one that the cell file gives.
+
+    Raises:
+        MrtsError: As `mrts.scale`; an infeasible motion is no error.
     """
 
     result: ScalingResult
@@ -133,18 +143,6 @@ class PlayerState:
         solver: str = DEFAULT_SOLVER,
         progress: Progress = lambda _done, _total: None,
     ) -> None:
-        """Find the range and start at the fastest admissible speed, or at the given one if there is none.
-
-        Args:
-            cell: The cell.
-            motion: As given.
-            sharing: A fixed distribution of the load; None leaves it to the quadratic program.
-            solver: Name in the registry.
-            progress: Told how far the work on an uncertain load is.
-
-        Raises:
-            MrtsError: As `mrts.scale`; an infeasible motion is no error.
-        """
         self.sample = 0
         self.study: ConfigurationStudy | None = None
         self.configuration: int | None = None

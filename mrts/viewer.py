@@ -35,6 +35,7 @@ SHORT = 2.0
 
 AS_GIVEN = "as in the cell file"
 CONFIGURATIONS_SHOWN = 200
+"""A longer menu is no help; the best come first."""
 
 
 def open_server(host: str, port: int, label: str) -> viser.ViserServer:
@@ -82,7 +83,14 @@ def close_server(server: viser.ViserServer) -> None:
 
 
 class Viewer:
-    """The controls and the scene of a state."""
+    """The controls and the scene of a state.
+
+    Args:
+        server: Where.
+        state: What.
+        urdfs: URDF and base link by robot, for their meshes; empty draws simple shapes.
+        warn: Told which arm is drawn without its meshes, and why.
+    """
 
     def __init__(
         self,
@@ -91,14 +99,6 @@ class Viewer:
         urdfs: Mapping[str, tuple[Path, str | None]],
         warn: Callable[[str], None],
     ) -> None:
-        """Draw the scene and the panel.
-
-        Args:
-            server: Where.
-            state: What.
-            urdfs: URDF and base link by robot, for their meshes; empty draws simple shapes.
-            warn: Told which arm is drawn without its meshes, and why.
-        """
         self._server, self._state = server, state
         self._scene = ViewerScene(server, state, urdfs, warn)
         self._todo: SimpleQueue[Callable[[], None]] = SimpleQueue()
@@ -203,7 +203,7 @@ class Viewer:
         finally:
             self._rank.disabled, self._rank.label = False, "Rank all configurations"
 
-    def _change_configuration(self, menu: "viser.GuiDropdownHandle[str]") -> None:
+    def _change_configuration(self, menu: viser.GuiDropdownHandle[str]) -> None:
         labels = self._state.configuration_labels()
         try:
             self._state.choose_configuration(labels.index(menu.value) if menu.value != AS_GIVEN else None)
@@ -262,7 +262,7 @@ class Viewer:
         self._outcome.content = outcome_html(self._state)
         self._speed_text.content = speed_html(self._state)
         self._arrows.content = arrows_html(
-            FORCE, 1 / scene.meters_per_newton, MOMENT, 1 / scene.meters_per_newton_meter
+            FORCE, 1 / scene.metres_per_newton, MOMENT, 1 / scene.metres_per_newton_metre
         )
         self._show_moment()
 
@@ -277,11 +277,11 @@ class Viewer:
         self._velocities.content = bars_html("velocity", state.velocity_bars())
 
 
-def _set_slider(slider: "viser.GuiSliderHandle[float]", ends: tuple[float, float], digits: int, value: float) -> None:
+def _set_slider(slider: viser.GuiSliderHandle[float], ends: tuple[float, float], digits: int, value: float) -> None:
     slider.min, slider.max = ends
     slider.step, slider.precision = 10.0**-digits, digits
     _assign(slider, value)
 
 
-def _assign(handle: "viser.GuiInputHandle[Any]", value: float | str) -> None:
+def _assign(handle: viser.GuiInputHandle[Any], value: float | str) -> None:
     handle.value = value  # type: ignore[misc]  # viser defines the setter where mypy does not look

@@ -35,9 +35,15 @@ SHORTEST = 1e-3
 class ViewerScene:
     """Draws a state and follows it.
 
+    Args:
+        server: Where.
+        state: What.
+        urdfs: URDF and base link by robot, as far as there are any.
+        warn: Told which arm is drawn without its meshes, and why.
+
     Attributes:
-        meters_per_newton: Length of a force's arrow, 1, 2 or 5 times a power of ten.
-        meters_per_newton_meter: Likewise of a moment's.
+        metres_per_newton: Length of a force's arrow for 1 N, 1, 2 or 5 times a power of ten [m].
+        metres_per_newton_metre: Likewise of a moment's.
     """
 
     def __init__(
@@ -47,14 +53,6 @@ class ViewerScene:
         urdfs: Mapping[str, tuple[Path, str | None]],
         warn: Callable[[str], None],
     ) -> None:
-        """Draw the cell.
-
-        Args:
-            server: Where.
-            state: What.
-            urdfs: URDF and base link by robot, as far as there are any.
-            warn: Told which arm is drawn without its meshes, and why.
-        """
         self._scene, self._state = server.scene, state
         result = state.result
         view = look_at_cell(result.cell, result.motion)
@@ -80,7 +78,7 @@ class ViewerScene:
             )
             for name, colour in (("/forces", FORCE), ("/moments", MOMENT))
         )
-        self.meters_per_newton = self.meters_per_newton_meter = 1.0
+        self.metres_per_newton = self.metres_per_newton_metre = 1.0
         self.rescale()
 
     def rescale(self) -> None:
@@ -88,7 +86,7 @@ class ViewerScene:
         done, cell = self._state.trajectory, self._state.result.cell
         kinds = np.array([name.startswith("f") for name in cell.wrench_components] * len(cell.robots))
         largest = [float(np.max(np.abs(done.wrench[:, part]), initial=0.0)) for part in (kinds, ~kinds)]
-        self.meters_per_newton, self.meters_per_newton_meter = (
+        self.metres_per_newton, self.metres_per_newton_metre = (
             _round_down(ARROW * self._size / value) if value > 0 else 1.0 for value in largest
         )
 
@@ -107,8 +105,8 @@ class ViewerScene:
         points = np.concatenate([contact.point for contact in contacts])
         forces = np.concatenate([contact.force for contact in contacts])
         moments = np.concatenate([contact.moment for contact in contacts])
-        self._forces.points = self._arrows(points, forces * self.meters_per_newton)
-        self._moments.points = self._arrows(points, moments * self.meters_per_newton_meter)
+        self._forces.points = self._arrows(points, forces * self.metres_per_newton)
+        self._moments.points = self._arrows(points, moments * self.metres_per_newton_metre)
 
     def _arrows(self, start: Array, step: Array) -> NDArray[np.float32]:
         long = np.linalg.norm(step, axis=1) > SHORTEST * self._size

@@ -153,7 +153,7 @@ def test_a_fixed_distribution_keeps_its_shares_beyond_the_range(planar_cell, lif
     expected = result.trajectory.torque + slope * (state.trajectory.c2 - 1)
     np.testing.assert_allclose(state.trajectory.torque, expected, atol=1e-9)
     assert np.max(state.excess) > 0
-    assert "follow from the motion alone" in speed_html(state)
+    assert "The torques follow from the motion alone" in speed_html(state)
 
 
 def test_an_uncertain_load_says_which_load_is_shown(planar_cell, lift):

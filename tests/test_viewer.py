@@ -1,6 +1,8 @@
 """The viewer: arms where they are, all of them in the picture, and the real page in a real browser."""
 
 import socket
+import subprocess
+import sys
 from dataclasses import replace
 from functools import partial
 
@@ -162,8 +164,8 @@ def test_arrows_have_the_length_that_the_panel_states(dual_ur5):
         close_server(server)
     wrench = state.trajectory.wrench[state.sample].reshape(2, 6)
     kinds = (
-        ("forces", wrench[:, :3], scene.meters_per_newton),
-        ("moments", wrench[:, 3:], scene.meters_per_newton_meter),
+        ("forces", wrench[:, :3], scene.metres_per_newton),
+        ("moments", wrench[:, 3:], scene.metres_per_newton_metre),
     )
     for name, values, scale in kinds:
         lengths = np.linalg.norm(arrows[name][:, 1] - arrows[name][:, 0], axis=1)
@@ -232,6 +234,17 @@ def test_bad_input_ends_before_any_server(tmp_path, capsys):
     assert "no.yaml" in capsys.readouterr().err
 
 
+def test_a_missing_viser_is_named_before_any_work():
+    script = (
+        "import importlib.util, sys; found = importlib.util.find_spec;"
+        "importlib.util.find_spec = lambda name, *rest: None if name == 'viser' else found(name, *rest);"
+        "from mrts.cli import main; sys.exit(main(['view', 'no.yaml', 'no.yaml']))"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "pip install 'mrts[view]'" in done.stderr
+
+
 def numbers(page, kind):
     return page.locator(f'[data-text="{kind}"]').inner_text()
 
@@ -242,27 +255,26 @@ def red(page):
 
 def test_the_page_follows_the_speed_slider(chromium):
     """The planar lift binds at its first sample, so there the bars turn red as soon as c passes c⁺."""
-    with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (process, url):
-        with open_page(chromium, url) as page:
-            page.wait_for_selector("canvas")
-            assert "[0, 3.062]" in numbers(page, "outcome")
-            assert "c² = 3.062" in numbers(page, "speed")
-            assert red(page) == []
-            before = page.locator('[data-bar="torque left/shoulder"]').inner_text()
-            speed, time = page.get_by_role("slider").all()
-            speed.press("Home")
-            page.wait_for_function("document.querySelector('[data-text=speed]').innerText.includes('c = 0.0')")
-            assert page.locator('[data-bar="torque left/shoulder"]').inner_text() != before
-            assert "Inside" in numbers(page, "speed")
-            speed.press("End")
-            page.wait_for_selector('[data-over="true"]')
-            assert {"torque left/elbow", "torque right/elbow", "wrench left/fx", "wrench right/nz"} <= set(red(page))
-            assert "Outside the admissible range" in numbers(page, "speed")
-            time.press("End")
-            page.wait_for_selector('[data-over="true"]', state="detached")
-            assert "given motion: 0.5236 s" in numbers(page, "moment")
-            assert page.problems == []
-        out, err, code = interrupt(process)
+    with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (process, url), open_page(chromium, url) as page:
+        page.wait_for_selector("canvas")
+        assert "[0, 3.062]" in numbers(page, "outcome")
+        assert "c² = 3.062" in numbers(page, "speed")
+        assert red(page) == []
+        before = page.locator('[data-bar="torque left/shoulder"]').inner_text()
+        speed, time = page.get_by_role("slider").all()
+        speed.press("Home")
+        page.wait_for_function("document.querySelector('[data-text=speed]').innerText.includes('c = 0.0')")
+        assert page.locator('[data-bar="torque left/shoulder"]').inner_text() != before
+        assert "Inside" in numbers(page, "speed")
+        speed.press("End")
+        page.wait_for_selector('[data-over="true"]')
+        assert {"torque left/elbow", "torque right/elbow", "wrench left/fx", "wrench right/nz"} <= set(red(page))
+        assert "Outside the admissible range" in numbers(page, "speed")
+        time.press("End")
+        page.wait_for_selector('[data-over="true"]', state="detached")
+        assert "given motion: 0.5236 s" in numbers(page, "moment")
+        assert page.problems == []
+        out, err, code = interrupt(process)  # while the page is open
     assert code == 0
     assert err == ""
     assert len(out.splitlines()) == 2  # the outcome and the address: no banner

@@ -36,6 +36,7 @@ def run(options: argparse.Namespace) -> int:
     require("viser", "mrts view", "view", wanted=True)
     from mrts.cell import load_cell
     from mrts.cell_cache import urdf_files
+    from mrts.manifest import MANIFEST_NAME
     from mrts.motion_file import load_motion
     from mrts.player_state import PlayerState
     from mrts.viewer import Viewer, address, close_server, open_server
@@ -43,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     motion = load_motion(options.motion)
     sharing = sharing_option(options.share)
     cell = load_cell(options.cell)
-    urdfs = {} if options.cell.is_dir() or options.cell.suffix == ".json" else urdf_files(options.cell)
+    urdfs = {} if options.cell.is_dir() or options.cell.name == MANIFEST_NAME else urdf_files(options.cell)
     if options.no_wrench_limits:
         cell = cell.without_wrench_limits()
     server = open_server(options.host, options.port, f"mrts: {cell.name}")
