@@ -22,6 +22,9 @@ SPLIT = 1 / FULL / 2
 """Where the limits stand, as a share of the width to either side of the middle."""
 
 
+ROUNDING = 1e-9
+"""What is less is shown as 0: it is left over from sums of much larger terms."""
+
 HEIGHTS = {"outcome": "max-height:80px", "speed": "height:80px", "moment": "height:64px"}
 """Of texts that may be long, or change as a slider moves: what is below them must stay where it is."""
 
@@ -116,7 +119,7 @@ def bars_html(kind: str, groups: dict[str, list[Bar]]) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.3g} %" if share < 10 else f"{100 * share:.0f} %"  # noqa: PLR2004 (no powers of ten)
+    return f"{_number(100 * share)} %"
 
 
 def _rows(rows: Sequence[tuple[ActiveRow, ...]], loads: Sequence[LoadPoint] | None, sample: int) -> str:
@@ -145,10 +148,15 @@ def _bar_row(kind: str, robot: str, bar: Bar, over: str) -> str:
 
 
 def _value(bar: Bar) -> str:
-    value = f"{bar.value:.3g}" if abs(bar.value) >= 1e-3 else "0"  # noqa: PLR2004 (rounding of a balance)
     if bar.limit is None:
-        return f"{value} {bar.unit} (no limit)"
-    return f"{value} of {bar.limit:.4g} {bar.unit}"
+        return f"{_number(bar.value)} {bar.unit} (no limit)"
+    return f"{_number(bar.value)} of {_number(bar.limit)} {bar.unit}"
+
+
+def _number(value: float) -> str:
+    if abs(value) < ROUNDING:
+        return "0"
+    return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"  # noqa: PLR2004 (no powers of ten)
 
 
 def _paragraph(name: str, text: str, colour: str = "inherit") -> str:

@@ -133,10 +133,11 @@ class _MeshArm:
     def __init__(self, scene: viser.SceneApi, robot: Robot, meshes: list[tuple[int, Any]]) -> None:
         self._robot = robot
         self._frames = [
-            scene.add_frame(f"/{robot.name}/body{index}", show_axes=False) for index in range(len(robot.joints) + 1)
+            scene.add_frame(f"/arms/{robot.name}/body{index}", show_axes=False)
+            for index in range(len(robot.joints) + 1)
         ]
         for number, (body, mesh) in enumerate(meshes):
-            scene.add_mesh_trimesh(f"/{robot.name}/body{body}/mesh{number}", mesh)
+            scene.add_mesh_trimesh(f"/arms/{robot.name}/body{body}/mesh{number}", mesh)
 
     def update(self, q: Array) -> None:
         """Move to joint positions, Shape (1, n_i) [rad or m]."""
@@ -151,11 +152,12 @@ class _SimpleArm:
     def __init__(self, scene: viser.SceneApi, robot: Robot, radius: float) -> None:
         self._robot = robot
         self._balls = [
-            scene.add_icosphere(f"/{robot.name}/point{index}", 1.4 * radius, JOINT)
+            scene.add_icosphere(f"/arms/{robot.name}/point{index}", 1.4 * radius, JOINT)
             for index in range(len(robot.joints) + 2)
         ]
         self._links = [
-            scene.add_cylinder(f"/{robot.name}/link{index}", radius, 1.0, ARM) for index in range(len(robot.joints) + 1)
+            scene.add_cylinder(f"/arms/{robot.name}/link{index}", radius, 1.0, ARM)
+            for index in range(len(robot.joints) + 1)
         ]
 
     def update(self, q: Array) -> None:

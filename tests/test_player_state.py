@@ -276,6 +276,13 @@ def test_a_bar_is_the_share_of_the_limit_on_its_side(bar, share, over):
     assert ("no limit" in html) == (share is None)
 
 
+@pytest.mark.parametrize(
+    ("value", "shown"), [(1234.5, "1234 of 5000"), (-2e-14, "0 of -4000"), (0.01234, "0.0123 of 5000")]
+)
+def test_numbers_are_shown_without_powers_of_ten(value, shown):
+    assert f"{shown} N m<" in bars_html("torque", {"left": [Bar("a", value, -4000, 5000, "N m")]})
+
+
 def test_names_from_files_are_text_not_markup():
     html = bars_html("torque", {"left": [Bar('<img src=x onerror="alert(1)">', 1, -2, 2, "N m")]})
     assert "<img" not in html

@@ -115,7 +115,7 @@ def test_an_arm_without_its_meshes_is_drawn_simply(spoil, tmp_path):
     try:
         viewer = Viewer(server, state, urdf_files(path), warnings.append)
         viewer.step(0.0)
-        drawn = [server.scene.get_handle_by_name(f"/{name}/link0") for name in ("left", "right")]
+        drawn = [server.scene.get_handle_by_name(f"/arms/{name}/link0") for name in ("left", "right")]
     finally:
         close_server(server)
     assert all(handle is not None for handle in drawn)
@@ -141,7 +141,7 @@ def test_what_is_drawn_follows_the_time(make, arms, tmp_path):
             contacts = []
             for robot in state.result.cell.robots:
                 contacts.append(moved.position[sample] + moved.rotation[sample] @ robot.T_object_tip.p)
-                tip = server.scene.get_handle_by_name(f"/{robot.name}/point{len(robot.joints) + 1}")
+                tip = server.scene.get_handle_by_name(f"/arms/{robot.name}/point{len(robot.joints) + 1}")
                 np.testing.assert_allclose(tip.position, contacts[-1], atol=1e-7)
             assert all(np.min(np.linalg.norm(contacts - start, axis=1)) < 1e-6 for start in arrows[:, 0])
             box = server.scene.get_handle_by_name("/object")
