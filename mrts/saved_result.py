@@ -104,7 +104,8 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
             load_box=load_box,
             enforces_velocity_limits=said.enforces_velocity_limits,
         )
-        carried = ObjectMotion(*(arrays[name] for name in MOTION), smooth=False)  # a retimed one is not
+        time, position, rotation, twist, acceleration = (arrays[name] for name in MOTION)
+        carried = ObjectMotion(time, position, rotation, twist, acceleration, smooth=False)  # it may be a retimed one
         motion = CoordinatedMotion(carried, arrays["q"], arrays["dq"], arrays["ddq"])
         rule = _rule(said.rule)
         box = None if said.study is None else said.study.box.box()
