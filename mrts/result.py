@@ -136,17 +136,13 @@ class ScalingResult:
         found = self.range
         if found.lower is None or found.upper is None or not found.status.admits_motion:
             return f"{found.status.value}: {found.explain()}"
-        end = found.upper
-        if end.time is None:
-            return f"c² ∈ [{found.lower.c2:.4g}, ∞): {found.status.advice}"
-        text = f"c² ∈ [{found.lower.c2:.4g}, {end.c2:.4g}]: "
-        if end.c2 > 0:
-            text += f"the motion may be played {np.sqrt(end.c2):.3g} × as fast as given"
-        else:
-            text += "the cell can only hold still"
-        if found.lower.c2 > 0:
-            text += f" and no slower than {np.sqrt(found.lower.c2):.3g} × (set {found.lower.place()})"
-        return f"{text}; limited {end.place()}."
+        least, most = found.lower.c2, found.upper.c2
+        below = f"below {found.lower.place()}" if least > 0 else ""
+        if found.upper.time is None:
+            return f"c² ∈ [{least:.4g}, ∞): {found.status.advice}" + (f" Limited {below}." if below else "")
+        speed = _speed_advice(least, most, self.motion.object.time[-1])
+        limits = f"above {found.upper.place()}, {below}" if below else found.upper.place()
+        return f"c² ∈ [{least:.4g}, {most:.4g}]: {speed}; limited {limits}."
 
     def residuals(self) -> Residuals:
         """Check the trajectory against (8), (13), (20) and (24), from the terms and not from the programs.
@@ -269,6 +265,19 @@ def _overstep(cell: Cell, done: ScaledTrajectory) -> float:
         beyond = np.max(np.maximum(rows.lower - value, value - rows.upper), axis=0)
         worst = float(np.maximum(worst, np.max(beyond / rows.units())))  # not max: it would drop what is no number
     return worst
+
+
+def _speed_advice(least: float, most: float, given: float) -> str:
+    """What a range of c² means to who plays a motion that is given in so many seconds."""
+    if most <= 0:
+        return "the cell can hold the object still at every sample, but not move it along this path"
+    fast = f"{np.sqrt(most):.3g} × as fast as given"
+    if least > 0:
+        verb = "may" if least <= 1 <= most else "must"
+        times = f"{given / np.sqrt(least):.4g} to {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
+        return f"you {verb} play it {np.sqrt(least):.3g} to {fast}: {times}"
+    allowed = "may play it up to" if most >= 1 else "must play it at most"
+    return f"you {allowed} {fast}: {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
 
 
 def _finite(values: Array) -> list[float | None]:

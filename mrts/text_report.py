@@ -28,13 +28,14 @@ def report_lines(result: ScalingResult) -> Iterator[str]:
     given = result.motion.object.time[-1]
     yield f"chosen c² = {done.c2:.6g}: {given:.4g} s become {done.duration:.4g} s, energy {done.energy:.4g} J"
     yield f"torques for a load of {result.cell.mass:.4g} kg\n" if result.load is not None else ""
-    yield f"{'joint':<28} {'least torque':>13} {'largest torque':>15} {'limits':>22}"
+    yield f"{'joint':<28} {'least torque':>14} {'largest torque':>15} {'limits':>22}"
     for robot in result.cell.robots:
         torque = result.torque[robot.name]
         for index, joint in enumerate(robot.joints):
-            limits = f"[{robot.torque_lower[index]:g}, {robot.torque_upper[index]:g}] {robot.torque_units[index]}"
-            least, largest = np.min(torque[:, index]), np.max(torque[:, index])
-            yield f"{f'{robot.name}/{joint}':<28} {least:>13.4g} {largest:>15.4g} {limits:>22}"
+            unit = robot.torque_units[index]
+            limits = f"[{robot.torque_lower[index]:g}, {robot.torque_upper[index]:g}] {unit}"
+            least, largest = (f"{value:.4g} {unit}" for value in (np.min(torque[:, index]), np.max(torque[:, index])))
+            yield f"{f'{robot.name}/{joint}':<28} {least:>14} {largest:>15} {limits:>22}"
     for note in result.too_fast():
         yield f"note: {note}"
 

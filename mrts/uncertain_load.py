@@ -70,7 +70,7 @@ class LoadStudy:
             return f"for every load of the box ({what})"
         if self.question == "possible":
             missed = f"; {len(self.not_converged)} samples not converged" if self.not_converged else ""
-            return f"for some load of the box at each sample ({what}{missed})"
+            return f"at best, for some load of the box at each sample ({what}{missed})"
         low, high = (self.box.mass * factor for factor in self.box.ranges["mass"])
         return f"for {len(self.points)} masses from {low:.4g} to {high:.4g} kg, all else nominal"
 

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.options import add_cell_and_motion, require, sharing_option
-from mrts.commands.terminal import say, show_progress, warn
+from mrts.commands.options import add_cell_and_motion, cell_option, require, sharing_option
+from mrts.commands.progress import working
+from mrts.commands.terminal import put, say, warn
 from mrts.errors import InputError
 
 if TYPE_CHECKING:
@@ -16,13 +17,20 @@ if TYPE_CHECKING:
     from mrts.rigid_transform import Array
     from mrts.scaling import Selection
 
+EXAMPLES = """\
+examples:
+  mrts scale cell.yaml motion.yaml --json result.json --plot plots
+  mrts scale cell.yaml motion.yaml --c2 0.8 --share 0.6,0.4 --csv trajectory.csv
+  mrts scale cell.yaml motion.yaml --load guaranteed --carry mass=1.5,izz=0.8
+  mrts scale cell.yaml motion.yaml -q --json - | jq .c2.upper"""
+
 
 def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the verb to the command line."""
     scale = verbs.add_parser(
         "scale",
         help="find the range of c², choose c², distribute the torques",
-        epilog="Example: mrts scale cell.yaml motion.yaml --fastest --json result.json",
+        epilog=EXAMPLES,
     )
     add_cell_and_motion(scale)
     choice = scale.add_mutually_exclusive_group()
@@ -56,7 +64,6 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Scale a motion."""
-    from mrts.cell import load_cell
     from mrts.known_load import torques_for_load
     from mrts.motion_file import load_motion
     from mrts.scaling import SelectionError, scale
@@ -67,7 +74,7 @@ def run(options: argparse.Namespace) -> int:
     require("rosbags", "--ros-bag", "ros", wanted=options.ros_bag is not None)
     motion = load_motion(options.motion)
     sharing = sharing_option(options.share)
-    cell = load_cell(options.cell)
+    cell = cell_option(options.cell)
     if options.no_wrench_limits:
         cell = cell.without_wrench_limits()
     if options.no_velocity_limits:
@@ -75,16 +82,17 @@ def run(options: argparse.Namespace) -> int:
     select: Selection = "auto" if options.select is None else options.select
     carried = _known_load(cell, options.carry, options.load)
     try:
-        result = scale(
-            cell,
-            motion,
-            select,
-            sharing=sharing,
-            formulation=options.formulation,
-            solver=options.solver or DEFAULT_SOLVER,
-            load=options.load,
-            progress=show_progress,
-        )
+        with working(f"scaling {options.motion}") as progress:
+            result = scale(
+                cell,
+                motion,
+                select,
+                sharing=sharing,
+                formulation=options.formulation,
+                solver=options.solver or DEFAULT_SOLVER,
+                load=options.load,
+                progress=progress,
+            )
         if carried is not None and result.trajectory is not None:
             result = torques_for_load(result, carried, solver=options.solver or DEFAULT_SOLVER)
     except SelectionError as error:
@@ -92,11 +100,14 @@ def run(options: argparse.Namespace) -> int:
             _write(options, error.result)
         raise
     if str(options.json) != "-":
-        for line in report_lines(result):
-            say(line)
+        outcome, *details = report_lines(result)
+        say(outcome, "strong" if result.status.admits_motion else "bad")
+        for line in details:
+            say(line, "note" if line.startswith("note:") else "plain")
         if result.fallbacks:
             warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
-    _write(options, result)
+    with working("writing"):
+        _write(options, result)
     return FEASIBLE if result.status.admits_motion else INFEASIBLE
 
 
@@ -123,7 +134,7 @@ def _known_load(cell: "Cell", text: str | None, question: str) -> "Array | None"
 def _write(options: argparse.Namespace, result: "ScalingResult") -> None:
     if options.json is not None:
         if str(options.json) == "-":
-            say(result.json_text())
+            put(result.json_text())
         else:
             result.write_json(options.json)
     if options.save is not None:

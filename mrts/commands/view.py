@@ -8,8 +8,14 @@ import webbrowser
 from contextlib import suppress
 
 from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.options import add_cell_and_motion, require, sharing_option
-from mrts.commands.terminal import say, show_progress, warn
+from mrts.commands.options import add_cell_and_motion, cell_option, require, sharing_option
+from mrts.commands.progress import working
+from mrts.commands.terminal import say, warn
+
+EXAMPLES = """\
+examples:
+  mrts view cell.yaml motion.yaml
+  mrts view cell.yaml motion.yaml --port 0 --no-open"""
 
 LOCAL = ("127.0.0.1", "localhost", "::1")
 """Where nobody else can reach the viewer."""
@@ -20,7 +26,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     view = verbs.add_parser(
         "view",
         help="play a motion in the browser at any speed, with torques and wrenches against their limits",
-        epilog="Example: mrts view cell.yaml motion.yaml",
+        epilog=EXAMPLES,
     )
     add_cell_and_motion(view)
     view.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
@@ -34,7 +40,6 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
 def run(options: argparse.Namespace) -> int:
     """Show the viewer until Ctrl-C; the exit code is that of the outcome."""
     require("viser", "mrts view", "view", wanted=True)
-    from mrts.cell import load_cell
     from mrts.cell_cache import urdf_files
     from mrts.manifest import MANIFEST_NAME
     from mrts.motion_file import load_motion
@@ -43,13 +48,14 @@ def run(options: argparse.Namespace) -> int:
 
     motion = load_motion(options.motion)
     sharing = sharing_option(options.share)
-    cell = load_cell(options.cell)
+    cell = cell_option(options.cell)
     urdfs = {} if options.cell.is_dir() or options.cell.name == MANIFEST_NAME else urdf_files(options.cell)
     if options.no_wrench_limits:
         cell = cell.without_wrench_limits()
     server = open_server(options.host, options.port, f"mrts: {cell.name}")
     try:
-        state = PlayerState(cell, motion, sharing=sharing, progress=show_progress)
+        with working(f"scaling {options.motion}") as progress:
+            state = PlayerState(cell, motion, sharing=sharing, progress=progress)
         viewer, url = Viewer(server, state, urdfs, warn), address(server)
         if options.host not in LOCAL:
             warn(f"everyone who reaches {options.host} can watch and steer this viewer")
