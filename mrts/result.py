@@ -276,7 +276,7 @@ def _speed_advice(least: float, most: float, given: float) -> str:
         verb = "may" if least <= 1 <= most else "must"
         times = f"{given / np.sqrt(least):.4g} to {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
         return f"you {verb} play it {np.sqrt(least):.3g} to {fast}: {times}"
-    allowed = "may play it up to" if most >= 1 else "must play it at most"
+    allowed = "may play it up to" if most >= 1 - LIMIT_TOLERANCE else "must play it at most"
     return f"you {allowed} {fast}: {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
 
 

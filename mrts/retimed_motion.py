@@ -84,6 +84,25 @@ def _joined(parts: list[Array]) -> Array:
     return rows
 
 
+def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMotion]:
+    """The starts and the ends of all segments, each with the s̈ of its segment; their time only counts them.
+
+    Args:
+        part: A piece of n samples.
+    """
+    path, x = part.piece.path, part.profile.x
+    motions = []
+    for side in (slice(None, -1), slice(1, None)):
+        given = path.object
+        count = np.arange(len(part.piece.step), dtype=np.float64)
+        there = ObjectMotion(
+            count, given.position[side], given.rotation[side], given.twist[side], given.acceleration[side], smooth=False
+        )
+        piece = CoordinatedMotion(there, path.q[side], path.dq[side], path.ddq[side])
+        motions.append(_retimed(piece, np.sqrt(x[side]), x[side], part.rate))
+    return motions[0], motions[1]
+
+
 def between_samples(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedMotion:
     """The retimed motion inside the segments, joints on quintic polynomials through the samples.
 
@@ -115,10 +134,15 @@ def between_samples(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedM
     s = (path.object.time[:-1, None] + step[:, None] * places).ravel()
     between = carried_by_first(cell, s - s[0], q, dq, ddq, smooth=False)
     x = (part.profile.x[:-1, None] + np.diff(part.profile.x)[:, None] * places).ravel()
-    dq, ddq, twist, acceleration = _played(between, np.sqrt(x), x, np.repeat(part.rate, len(places)))
-    given = between.object
+    return _retimed(between, np.sqrt(x), x, np.repeat(part.rate, len(places)))
+
+
+def _retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> CoordinatedMotion:
+    """Samples of a path at their speeds; the time stays that of the path."""
+    dq, ddq, twist, acceleration = _played(path, speed, x, rate)
+    given = path.object
     carried = ObjectMotion(given.time, given.position, given.rotation, twist, acceleration, smooth=False)
-    return CoordinatedMotion(carried, q, dq, ddq)
+    return CoordinatedMotion(carried, path.q, dq, ddq)
 
 
 def _played(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> tuple[Array, Array, Array, Array]:

@@ -15,6 +15,7 @@ from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.dense_check import Excess, largest_excess
 from mrts.infeasibility import Conflict
+from mrts.profile_limits import profile_limits
 from mrts.result import ScalingResult
 from mrts.retimed_motion import TimedPiece
 from mrts.rigid_transform import Array
@@ -88,6 +89,11 @@ class RetimingResult:
         return self.motion.object.time[[part.piece.first for part in self.pieces[1:]]]
 
     @cached_property
+    def limits(self) -> list[tuple[str, float]]:
+        """What limits the speed, for which share of the duration, most first."""
+        return profile_limits(self.cell, self.pieces, self.constant.rule.sharing, self.loads)
+
+    @cached_property
     def excess(self) -> Excess | None:
         """How far limits are overstepped between the samples, by a dense check; None without a profile."""
         if not self.pieces:
@@ -124,6 +130,7 @@ class RetimingResult:
             return output
         whole, time = self.retimed.to_json(), self.motion.object.time
         output["excess"] = {"share": self.excess.share, "sample": self.excess.sample}
+        output["limits"] = [{"limit": name, "share_of_duration": share} for name, share in self.limits]
         output["stops"] = self.stops.tolist()
         output["profile"] = [
             {

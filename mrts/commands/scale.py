@@ -13,6 +13,9 @@ from mrts.errors import InputError
 
 if TYPE_CHECKING:
     from mrts.cell import Cell
+    from mrts.load_sharing import LoadSharing
+    from mrts.motion_table import JointTable
+    from mrts.object_motion import ObjectMotion
     from mrts.result import ScalingResult
     from mrts.rigid_transform import Array
     from mrts.scaling import Selection
@@ -20,6 +23,7 @@ if TYPE_CHECKING:
 EXAMPLES = """\
 examples:
   mrts scale cell.yaml motion.yaml --json result.json --plot plots
+  mrts scale cell.yaml motion.yaml --profile optimal --plot plots
   mrts scale cell.yaml motion.yaml --c2 0.8 --share 0.6,0.4 --csv trajectory.csv
   mrts scale cell.yaml motion.yaml --load guaranteed --carry mass=1.5,izz=0.8
   mrts scale cell.yaml motion.yaml -q --json - | jq .c2.upper"""
@@ -38,6 +42,12 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
                         help="play as fast as the limits allow (default)")  # fmt: skip
     choice.add_argument("--nominal", action="store_const", const="nominal", dest="select", help="play as given, c² = 1")
     choice.add_argument("--c2", type=float, dest="select", metavar="VALUE", help="play at this c²")
+    scale.add_argument("--profile", choices=["constant", "optimal"], default="constant",
+                       help="one factor of speed, or the fastest timing r(t) (default: %(default)s)")  # fmt: skip
+    scale.add_argument("--start-speed", type=float, metavar="R",
+                       help="of the optimal profile, as a multiple of the given speed, where the motion does not start "
+                       "from rest (default: 0)")  # fmt: skip
+    scale.add_argument("--end-speed", type=float, metavar="R", help="likewise at the end")
     scale.add_argument("--share", metavar="equal|A,B,…",
                        help="fixed distribution of the load: equal, or one share an arm")  # fmt: skip
     scale.add_argument("--load", default="auto", metavar="QUESTION",
@@ -64,11 +74,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Scale a motion."""
-    from mrts.known_load import torques_for_load
     from mrts.motion_file import load_motion
-    from mrts.scaling import SelectionError, scale
-    from mrts.solvers import DEFAULT_SOLVER
-    from mrts.text_report import report_lines
 
     require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
     require("rosbags", "--ros-bag", "ros", wanted=options.ros_bag is not None)
@@ -79,8 +85,28 @@ def run(options: argparse.Namespace) -> int:
         cell = cell.without_wrench_limits()
     if options.no_velocity_limits:
         cell = cell.without_velocity_limits()
-    select: Selection = "auto" if options.select is None else options.select
     carried = _known_load(cell, options.carry, options.load)
+    if options.profile == "optimal":
+        return _retime(options, cell, motion, sharing, carried)
+    return _scale(options, cell, motion, sharing, carried)
+
+
+def _scale(
+    options: argparse.Namespace,
+    cell: "Cell",
+    motion: "ObjectMotion | JointTable",
+    sharing: "LoadSharing | None",
+    carried: "Array | None",
+) -> int:
+    from mrts.known_load import torques_for_load
+    from mrts.scaling import SelectionError, scale
+    from mrts.solvers import DEFAULT_SOLVER
+    from mrts.text_report import report_lines
+
+    for name in ("start_speed", "end_speed"):
+        if getattr(options, name) is not None:
+            raise InputError(f"--{name.replace('_', '-')}", "goes with --profile optimal.")
+    select: Selection = "auto" if options.select is None else options.select
     try:
         with working(f"scaling {options.motion}") as progress:
             result = scale(
@@ -109,6 +135,58 @@ def run(options: argparse.Namespace) -> int:
     with working("writing"):
         _write(options, result)
     return FEASIBLE if result.status.admits_motion else INFEASIBLE
+
+
+def _retime(
+    options: argparse.Namespace,
+    cell: "Cell",
+    motion: "ObjectMotion | JointTable",
+    sharing: "LoadSharing | None",
+    carried: "Array | None",
+) -> int:
+    from dataclasses import replace
+
+    from mrts.known_load import torques_for_load
+    from mrts.retiming import retime
+    from mrts.text_report import retiming_lines
+
+    for name, given in (("--c2, --fastest, --nominal", options.select), ("--solver", options.solver)):
+        if given is not None:
+            raise InputError(name, "does not go with --profile optimal, which chooses the speed by itself.")
+    if options.formulation != "wrench":
+        raise InputError("--formulation", "the optimal profile is found in the wrench form.", value=options.formulation)
+    with working(f"timing {options.motion}") as progress:
+        found = retime(
+            cell,
+            motion,
+            sharing=sharing,
+            load=options.load,
+            start_speed=options.start_speed or 0.0,
+            end_speed=options.end_speed or 0.0,
+            progress=progress,
+        )
+        if carried is not None and found.retimed is not None:
+            found = replace(found, retimed=torques_for_load(found.retimed, carried))
+    if str(options.json) == "-":
+        put(found.json_text())
+    else:
+        outcome, *details = retiming_lines(found)
+        say(outcome, "strong" if found.status.admits_motion else "bad")
+        for line in details:
+            say(line)
+        if options.json is not None:
+            found.write_json(options.json)
+    if found.retimed is None:
+        return INFEASIBLE
+    options.json = None
+    with working("writing"):
+        _write(options, found.retimed)
+        if options.plot is not None:
+            from mrts.figures import write_figure
+            from mrts.phase_plane import phase_plane_figure
+
+            write_figure(phase_plane_figure(found), options.plot / "phase_plane.png")
+    return FEASIBLE
 
 
 def _known_load(cell: "Cell", text: str | None, question: str) -> "Array | None":
