@@ -13,16 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.kernel_library import KERNEL_FILES, STOPPED, KernelLibrary, kernel_text, pointer
+from mrts.kernel_library import CHUNK, KERNEL_FILES, MOST_THREADS, STOPPED, KernelLibrary, kernel_text, pointer
 from mrts.limit_rows import LimitRows
 from mrts.manifest import FunctionRecord, Manifest
 from mrts.rigid_transform import Array
-
-CHUNK = 256
-"""Samples between cold starts: chunks are dealt to threads whole, so their number does not change a result."""
-
-MOST_THREADS = 2
-"""More than this gains little: the work of a sample is a few microseconds."""
 
 
 class _Arm(ctypes.Structure):

@@ -2,7 +2,9 @@
 """Our kernel of small dense programs, compiled by itself: batches of any size in one foreign call."""
 
 import ctypes
+import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
@@ -23,6 +25,12 @@ EXPORT = '__attribute__((visibility("default")))'
 
 CORNERS = 64
 """Most corners of a projection, `MRTS_CORNERS` of projection.c."""
+
+CHUNK = 256
+"""Samples between cold starts: chunks are dealt to threads whole, so their number does not change a result."""
+
+MOST_THREADS = 2
+"""More than this gains little: the work of a sample is a few microseconds."""
 
 OPTIMAL, INFEASIBLE, MARGINAL, STOPPED = range(4)
 """The kernel's statuses, see dense_programs.h."""
@@ -78,10 +86,18 @@ class KernelLibrary:
         arrays = [np.ascontiguousarray(np.clip(array, -1e300, 1e300)) for array in (A, lower, upper)]
         number, corners = np.zeros(count, dtype=np.int32), np.zeros((count, CORNERS, 2))
         status = np.full(count, STOPPED, dtype=np.uint8)
-        work, iwork = np.zeros(k * k + 4 * k), np.zeros(rows + 7 * k, dtype=np.int32)
-        outputs: list[NDArray[Any]] = [number, corners, status, work, iwork]
-        pointers = [pointer(array) for array in [*arrays, *outputs]]
-        self.loaded.mrts_project_batch(ctypes.c_longlong(count), k, rows, *pointers)
+
+        def project(first: int) -> None:
+            work = np.zeros(k * k + 4 * k + (CORNERS + 1) * (2 + 2 * k))
+            iwork = np.zeros(rows + (7 + CORNERS) * k, dtype=np.int32)
+            outputs: list[NDArray[Any]] = [number, corners, status]
+            pointers = [pointer(array[first:]) for array in [*arrays, *outputs]]
+            self.loaded.mrts_project_batch(
+                ctypes.c_longlong(min(CHUNK, count - first)), k, rows, *pointers, pointer(work), pointer(iwork)
+            )
+
+        with ThreadPoolExecutor(min(MOST_THREADS, os.cpu_count() or 1)) as pool:
+            list(pool.map(project, range(0, count, CHUNK)))
         return number, corners, status
 
     def _batch(self, name: str, arrays: list[Array]) -> tuple[Array, Array, NDArray[np.uint8]]:

@@ -107,6 +107,7 @@ def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Arra
     number, corners, status = default_kernel().projections(
         A, np.concatenate([lower, least], axis=1), np.concatenate([upper, largest], axis=1)
     )
+    corners = corners[:, : max(int(np.max(number)), 1)]
     place = np.arange(corners.shape[1])
     real = place < number[:, None]
     x = np.where(real, corners[:, :, 1], np.nan)

@@ -17,11 +17,10 @@ from random_programs import cell_programs, hard_programs
 
 import mrts
 from mrts.cell_cache import library_in_cache
-from mrts.compiled_cell import CHUNK
 from mrts.compiler import find_compiler
 from mrts.constraints import cell_rows
 from mrts.convex_program import ConvexPrograms, optimality_error, solve_programs
-from mrts.kernel_library import INFEASIBLE, KERNEL_FILES, MARGINAL, OPTIMAL, kernel_library, kernel_text
+from mrts.kernel_library import CHUNK, INFEASIBLE, KERNEL_FILES, MARGINAL, OPTIMAL, kernel_library, kernel_text
 from mrts.solvers.kernel import KernelSolver
 
 LINEAR_PROGRAMS = 100_000
