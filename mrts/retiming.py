@@ -169,7 +169,7 @@ class _Search:
             if conflict is None:
                 raise SolverError(
                     f"the admissible speeds at {self._place(sample)} were not found, although its limits hold "
-                    "together. This is a defect of mrts or of extremely scaled data: please report the cell and the motion."
+                    "together. This is a defect of mrts or of extremely scaled data: please report cell and motion."
                 )
             return Failure((RetimingStatus.INFEASIBLE, f"{conflict}."), conflict)
         found = fastest_profile(self.piece.step, regions, self.ends)
