@@ -128,9 +128,6 @@ def _write(options: argparse.Namespace, result: "ScalingResult") -> None:
 
         write_ros_bag(result, options.ros_bag)
     if options.plot is not None:
-        from mrts.figures import range_figure, trajectory_figure, write_figure
+        from mrts.figures import write_result_figures
 
-        write_figure(range_figure(result), options.plot / "c2_range.png")
-        if result.trajectory is not None:
-            title = f"{result.cell.name}, c² = {result.trajectory.c2:.4g}"
-            write_figure(trajectory_figure(result, title), options.plot / "torques_and_wrenches.png")
+        write_result_figures(result, options.plot)

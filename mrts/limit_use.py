@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: MIT
+"""How much of each limit a trajectory uses."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mrts.constraints import cell_rows
+from mrts.limit_rows import RowName
+from mrts.result import ScalingResult
+
+
+@dataclass(frozen=True)
+class LimitUse:
+    """How much of its limits one row uses along a trajectory.
+
+    Attributes:
+        name: What the row limits.
+        lower: Its lower limit, minus infinity where unbounded.
+        upper: Its upper limit, infinity where unbounded.
+        least: Its least value.
+        largest: Its largest value.
+        share: The largest share of a limit that is used; 1 is at the limit. Of a limit of zero, what 100 % is says
+            `LimitRows.units`.
+        time: When that is [s].
+    """
+
+    name: RowName
+    lower: float
+    upper: float
+    least: float
+    largest: float
+    share: float
+    time: float
+
+
+def limit_uses(result: ScalingResult) -> list[LimitUse]:
+    """All rows of a cell by falling share of the limit; empty if there is no trajectory.
+
+    Args:
+        result: The result.
+    """
+    done = result.trajectory
+    if done is None:
+        return []
+    rows = cell_rows(result.cell)
+    value = done.torque @ rows.torque_matrix.T + done.wrench @ rows.wrench_matrix.T
+    used = []
+    for limit, distance in ((rows.lower, value - rows.lower), (rows.upper, rows.upper - value)):
+        size = np.where(limit == 0, rows.units(), np.abs(limit))
+        bounded = np.isfinite(limit)
+        share = np.full_like(value, -np.inf)
+        share[:, bounded] = 1 - distance[:, bounded] / size[bounded]
+        used.append(share)
+    share = np.maximum(*used)
+    at = np.argmax(share, axis=0)
+    uses = [
+        LimitUse(
+            name,
+            float(rows.lower[row]),
+            float(rows.upper[row]),
+            float(np.min(value[:, row])),
+            float(np.max(value[:, row])),
+            max(0.0, float(share[at[row], row])),
+            float(done.time[at[row]]),
+        )
+        for row, name in enumerate(rows.names)
+    ]
+    return sorted(uses, key=lambda use: -use.share)
