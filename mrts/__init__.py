@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from mrts.motion_file import MotionDescription, load_motion, sample_motion
     from mrts.motion_table import JointTable
     from mrts.object_motion import ObjectMotion
+    from mrts.report import write_report
     from mrts.result import ScalingResult
     from mrts.scaled_trajectory import ScaledTrajectory
     from mrts.scaling import SelectionError, scale
@@ -55,6 +56,7 @@ _HOMES = {
     "sample_motion": "motion_file",
     "scale": "scaling",
     "torques_for_load": "known_load",
+    "write_report": "report",
 }
 
 __all__ = [
@@ -86,6 +88,7 @@ __all__ = [
     "sample_motion",
     "scale",
     "torques_for_load",
+    "write_report",
 ]
 
 

@@ -89,23 +89,6 @@ def _lanes(kind: LaneKind, rows: Sequence[tuple[ActiveRow, ...]], first: tuple[A
     ]
 
 
-def range_facts(found: ScalingRange) -> list[str]:
-    """What sets the range over the motion, or leaves none, a sentence for each end.
-
-    Args:
-        found: The range over the motion.
-    """
-    facts = []
-    if found.samples.conflicts:
-        worst = max(found.samples.conflicts, key=lambda conflict: conflict.widening)
-        facts.append(f"worst conflict at t = {worst.time:.4g} s: {row_labels(worst.rows)}")
-    for name, end in (("c²⁺", found.upper), ("c²⁻", found.lower)):
-        if end is not None and end.time is not None and (name == "c²⁺" or end.c2 > 0):
-            load = f" with {end.load}" if end.load is not None else ""
-            facts.append(f"{name} = {end.c2:.4g} is set at t = {end.time:.4g} s{load} by {row_labels(end.rows)}")
-    return facts
-
-
 def infeasible_spans(samples: SampleRanges) -> list[tuple[float, float]]:
     """Stretches of time where no c² keeps the limits [s]."""
     return spans(samples.time, np.array([status is SampleStatus.INFEASIBLE for status in samples.status]))

@@ -11,11 +11,11 @@ import sys
 from collections.abc import Sequence
 
 from mrts import __version__
-from mrts.commands import configurations, demo, export, generate, scale
+from mrts.commands import configurations, demo, export, generate, report, scale
 from mrts.commands.exit_codes import BAD_INPUT
 from mrts.errors import MrtsError
 
-VERBS = (demo, generate, scale, configurations, export)
+VERBS = (demo, generate, scale, configurations, report, export)
 """In the order of `--help`."""
 
 PIPE_CLOSED = 141

@@ -8,17 +8,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from mrts.axis_reach import c2_reach
-from mrts.binding_rows import Lane, binding_lanes, infeasible_spans, range_facts, spans
+from mrts.binding_rows import Lane, binding_lanes, infeasible_spans, spans
 from mrts.figures.style import finish, plain, plain_text
-from mrts.plot_colours import ADMISSIBLE, CONFLICT, END_COLOURS
+from mrts.plot_style import ADMISSIBLE, CONFLICT, END_COLOURS, LANE_LETTERS
+from mrts.range_text import range_facts, range_text
 from mrts.result import ScalingResult
 from mrts.scaling_range import ScalingStatus
 
 FACT_LETTERS = 110
 """Letters of a line above the figure."""
-
-LANE_LETTERS = 32
-"""Letters of a row's name beside its lane."""
 
 LANE_INCHES = 0.21
 
@@ -45,8 +43,7 @@ def draw_range(axes: Axes, result: ScalingResult) -> None:
             axes.plot(samples.time, shown, color=END_COLOURS[kind], linestyle=dash, label=name)
     low, high = c2_reach(found)
     if found.status.admits_motion and found.lower and found.upper:
-        text = f"{found.upper.c2:.4g}]" if np.isfinite(found.upper.c2) else "∞)"
-        label = f"range [{found.lower.c2:.4g}, {text}"
+        label = f"range {range_text(found)}"
         axes.axhspan(found.lower.c2, min(found.upper.c2, high), color=ADMISSIBLE, alpha=0.15, label=label)
     for number, (start, end) in enumerate(infeasible_spans(samples)):
         label = "" if number else "no c² at all"

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from mrts.binding_rows import row_labels
 from mrts.configurations import Configuration, ConfigurationStudy
 from mrts.figures.style import plain, plain_text
-from mrts.plot_colours import CONFLICT, END_COLOURS
+from mrts.plot_style import CONFLICT, END_COLOURS
 from mrts.scaling_range import ScalingStatus
 
 MOST_BARS = 64

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
 from mrts.atomic_file import write_atomically
-from mrts.plot_colours import COLOURS
+from mrts.plot_style import COLOURS, LONGEST_LABEL, shortened
 
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (7, 3)))
 """A second difference between lines, for print without colour."""
@@ -18,9 +18,6 @@ DPI = 150
 
 LEGEND_DROP = 34.0
 """From the axes down to a legend below its tick and axis labels [pt]."""
-
-LONGEST_LABEL = 44
-"""Letters of a label."""
 
 TWO_COLUMNS = 16
 """Letters up to which labels stand in several columns."""
@@ -38,9 +35,8 @@ def plain_text(text: str) -> str:
 
 
 def plain(name: str, longest: int = LONGEST_LABEL) -> str:
-    """A name as a label: its middle left out where it is too long, and not hidden from the legend by a first _."""
-    if len(name) > longest:
-        name = f"{name[: longest // 2]}…{name[-(longest // 2 - 1) :]}"
+    """A name as a label: short enough, and not hidden from the legend by a first _."""
+    name = shortened(name, longest)
     return plain_text(f" {name}" if name.startswith("_") else name)
 
 
