@@ -23,7 +23,8 @@ def range_facts(found: ScalingRange) -> list[str]:
     facts = []
     if found.samples.conflicts:
         worst = max(found.samples.conflicts, key=lambda conflict: conflict.widening)
-        facts.append(f"worst conflict at t = {worst.time:.4g} s: {row_labels(worst.rows)}")
+        load = f" with {worst.load}" if worst.load is not None else ""
+        facts.append(f"worst conflict at t = {worst.time:.4g} s{load}: {row_labels(worst.rows)}")
     for name, end in (("c²⁺", found.upper), ("c²⁻", found.lower)):
         if end is not None and end.time is not None and (name == "c²⁺" or end.c2 > 0):
             load = f" with {end.load}" if end.load is not None else ""

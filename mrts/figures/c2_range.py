@@ -62,6 +62,8 @@ def _mark_what_sets_it(axes: Axes, result: ScalingResult) -> None:
         if end is None or end.time is None or (kind == "lower" and end.c2 <= 0):
             continue
         axes.plot(end.time, end.c2, "o", color=END_COLOURS[kind], markersize=7, clip_on=False, zorder=5)
+        if found.status is ScalingStatus.EMPTY:
+            axes.axhline(end.c2, color=END_COLOURS[kind], linestyle=":")
         right = end.time > np.mean(axes.get_xlim())
         axes.annotate(
             f"{name} = {end.c2:.4g}",

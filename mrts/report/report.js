@@ -70,7 +70,7 @@
 
   const metres = layout.scene;
   layout.scene = { ...metres, aspectratio: fit(metres) };
-  Plotly.newPlot(scene, data, layout, config("turntableRotation", "pan3d", "resetCameraDefault3d")).then(() => {
+  Plotly.newPlot(scene, data, layout, config("tableRotation", "pan3d", "resetCameraDefault3d")).then(() => {
     show(0);
     button.addEventListener("click", () => (before === null ? start() : stop()));
     slider.addEventListener("input", () => {
