@@ -78,9 +78,9 @@
       show(Number(slider.value));
     });
     // the camera belongs to the reader while a button is down
-    scene.addEventListener("pointerdown", () => (held = true));
-    window.addEventListener("pointerup", () => (held = false));
-    window.addEventListener("pointercancel", () => (held = false));
+    scene.addEventListener("pointerdown", () => (held = true), true);
+    window.addEventListener("pointerup", () => (held = false), true);
+    window.addEventListener("pointercancel", () => (held = false), true);
     window.addEventListener("resize", () => Plotly.relayout(scene, { "scene.aspectratio": fit(metres) }));
     document.body.dataset.ready = "yes";
   });
