@@ -39,7 +39,7 @@ def c2_reach(found: ScalingRange) -> tuple[float, float]:
     """
     upper, lower = (side[np.isfinite(side)] for side in (found.samples.upper, found.samples.lower))
     ends = [end.c2 for end in (found.lower, found.upper) if end is not None and np.isfinite(end.c2)]
-    wanted = max([*ends, float(np.min(upper, initial=np.inf)) if upper.size else 0.0, 0.0])
+    wanted = max([*ends, float(np.min(upper)) if upper.size else 0.0, 0.0])
     highest = max([*upper.tolist(), *lower.tolist(), 0.0])
     top = (min(highest, ABOVE_THE_RANGE * wanted) if wanted > 0 else highest) or 1.0
     return -MARGIN * top, (1 + MARGIN) * top

@@ -20,6 +20,9 @@ MOST_FRAMES = 160
 LONGEST_ARROW = 0.22
 """The largest force, as a share of the scene."""
 
+NO_FORCE = 1e-9
+"""Forces up to this are rounding [N]."""
+
 HEAD = 0.25
 """Of an arrow, as a share of its length."""
 
@@ -49,7 +52,7 @@ class Player:
         frames: Coordinates of the moving traces, by trace, axis and frame.
         time: Of the frames [s].
         speed: At which to begin.
-        largest_force: The force that the longest arrow stands for [N]; 0 where there are no forces.
+        largest_force: The force that the longest arrow stands for [N]; 0 where there are none.
     """
 
     data: list[dict[str, Any]]
@@ -86,7 +89,7 @@ def player(result: ScalingResult) -> Player:
         for index, (robot, arm) in enumerate(zip(cell.robots, arms, strict=True))
     ]
     moving += [(box, _box_trace()), (edges, _line_trace("object", "#555", 3, legend=False))]
-    if largest > 0:
+    if largest > NO_FORCE:
         moving.append((arrows, _line_trace("force on the object", "#000", 5)))
     path = _line_trace("path of the object", "#888", 2) | _coordinates(given.position[frames])
     still = [trace | {axis: values[0] for axis, values in _coordinates(points).items()} for points, trace in moving]
@@ -97,7 +100,7 @@ def player(result: ScalingResult) -> Player:
         [_coordinates(points) for points, _ in moving],
         numbers(time[frames]),
         speed,
-        largest,
+        largest if largest > NO_FORCE else 0.0,
     )
 
 
@@ -116,9 +119,10 @@ def _force_arrows(result: ScalingResult, frames: Array, longest: float) -> tuple
         for robot in cell.robots
     ]
     largest = max(float(np.max(np.linalg.norm(part.force, axis=1))) for part in forces)
-    scale = longest / largest if largest > 0 else 0.0
+    scale = longest / largest if largest > NO_FORCE else 0.0
     sideways = np.eye(3)[{"xy": 2, "xz": 1, "yz": 0}.get(cell.plane or "", 2)]
-    return np.concatenate([_arrow(part.point, scale * part.force, sideways) for part in forces], axis=1), largest
+    arrows = [_arrow(part.point, scale * part.force, sideways) for part in forces]
+    return np.concatenate(arrows, axis=1), largest
 
 
 def _arrow(start: Array, along: Array, sideways: Array) -> Array:

@@ -18,7 +18,8 @@
   const end = time[time.length - 1];
   let shown = 0;
   let clock = 0;
-  let before = null;
+  let before = 0;
+  let tick = null;
   let held = false;
 
   function show(frame) {
@@ -31,18 +32,18 @@
   }
 
   function step(stamp) {
-    if (before === null) return;
-    if (!held) clock += ((stamp - before) / 1000) * Number(rate.value);
+    if (!held) clock += (Math.max(stamp - before, 0) / 1000) * Number(rate.value);
     before = stamp;
     let frame = shown;
     while (frame + 1 < time.length && time[frame + 1] <= clock) frame += 1;
     if (!held) show(frame);
-    if (frame + 1 < time.length) requestAnimationFrame(step);
+    if (frame + 1 < time.length) tick = requestAnimationFrame(step);
     else stop();
   }
 
   function stop() {
-    before = null;
+    cancelAnimationFrame(tick);
+    tick = null;
     button.textContent = "Play";
   }
 
@@ -50,10 +51,8 @@
     if (shown + 1 >= time.length) show(0);
     clock = time[shown];
     button.textContent = "Pause";
-    requestAnimationFrame((stamp) => {
-      before = stamp;
-      step(stamp);
-    });
+    before = performance.now();
+    tick = requestAnimationFrame(step);
   }
 
   // plotly shows about two units upward, and as many more sideways as the window is wider than high
@@ -72,7 +71,7 @@
   layout.scene = { ...metres, aspectratio: fit(metres) };
   Plotly.newPlot(scene, data, layout, config("tableRotation", "pan3d", "resetCameraDefault3d")).then(() => {
     show(0);
-    button.addEventListener("click", () => (before === null ? start() : stop()));
+    button.addEventListener("click", () => (tick === null ? start() : stop()));
     slider.addEventListener("input", () => {
       stop();
       show(Number(slider.value));
