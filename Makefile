@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 WORKERS ?= auto
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test check bench instructions embedded-counts generate clean
+.PHONY: help install demo test docs check bench instructions embedded-counts generate clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -23,6 +23,9 @@ demo: install  ## generate, compile and run the paper's examples; figures in bui
 
 test: install  ## run all tests
 	$(BIN)/python -m pytest -q -n $(WORKERS)
+
+docs: install  ## build the documentation as a site in build/site
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 check: install  ## lint, format and types
 	$(BIN)/ruff check .

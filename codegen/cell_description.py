@@ -75,6 +75,18 @@ class VariationDescription(StrictModel):
         return self
 
 
+class ObjectVelocity(StrictModel):
+    """Velocity limits of the object's frame; what is absent is unbounded.
+
+    Attributes:
+        linear: [m/s].
+        angular: [rad/s].
+    """
+
+    linear: Positive | None = None
+    angular: Positive | None = None
+
+
 class ObjectDescription(StrictModel):
     """The carried object.
 
@@ -82,11 +94,13 @@ class ObjectDescription(StrictModel):
         mass: [kg].
         inertia: At the com in the object frame: principal moments, Shape (3,), or matrix, Shape (3, 3) [kg m²].
         variation: What is uncertain of it.
+        velocity: How fast it may move.
     """
 
     mass: Positive
     inertia: Annotated[list[Finite | Vector3], Field(min_length=3, max_length=3)]
     variation: VariationDescription | None = None
+    velocity: ObjectVelocity = ObjectVelocity()
 
     def inertia_matrix(self) -> Array:
         """Inertia at the com in the object frame, Shape (3, 3) [kg m²]."""

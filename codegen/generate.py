@@ -101,6 +101,8 @@ def _object_record(carried: ObjectDescription) -> ObjectRecord:
         inertia=carried.inertia_matrix().tolist(),
         variation={} if variation is None else variation.ranges(),
         outer_hull=variation is not None and variation.hull is not None,
+        linear_velocity=carried.velocity.linear,
+        angular_velocity=carried.velocity.angular,
     )
 
 

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from mrts.object_motion import ObjectMotion
     from mrts.report import write_report
     from mrts.result import ScalingResult
+    from mrts.retiming import retime
+    from mrts.retiming_result import RetimingResult, RetimingStatus
+    from mrts.saved_result import load_result, save_result
     from mrts.scaled_trajectory import ScaledTrajectory
     from mrts.scaling import SelectionError, scale
     from mrts.scaling_range import SampleStatus, ScalingRange, ScalingStatus
@@ -41,6 +44,8 @@ _HOMES = {
     "MotionError": "errors",
     "MrtsError": "errors",
     "ObjectMotion": "object_motion",
+    "RetimingResult": "retiming_result",
+    "RetimingStatus": "retiming_result",
     "Robot": "cell",
     "SampleStatus": "scaling_range",
     "ScaledTrajectory": "scaled_trajectory",
@@ -52,8 +57,11 @@ _HOMES = {
     "follow_object": "coordinated_motion",
     "load_cell": "cell",
     "load_motion": "motion_file",
+    "load_result": "saved_result",
     "rank_configurations": "configurations",
+    "retime": "retiming",
     "sample_motion": "motion_file",
+    "save_result": "saved_result",
     "scale": "scaling",
     "torques_for_load": "known_load",
     "write_report": "report",
@@ -73,6 +81,8 @@ __all__ = [
     "MotionError",
     "MrtsError",
     "ObjectMotion",
+    "RetimingResult",
+    "RetimingStatus",
     "Robot",
     "SampleStatus",
     "ScaledTrajectory",
@@ -84,8 +94,11 @@ __all__ = [
     "follow_object",
     "load_cell",
     "load_motion",
+    "load_result",
     "rank_configurations",
+    "retime",
     "sample_motion",
+    "save_result",
     "scale",
     "torques_for_load",
     "write_report",

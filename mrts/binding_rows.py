@@ -25,10 +25,8 @@ LaneKind = Literal["upper", "lower", "conflict"]
 def row_label(row: ActiveRow) -> str:
     """A row in a few letters: `left/elbow ↑` at its upper limit, ↓ at its lower one."""
     name = row.name
-    if name == STANDSTILL:
+    if name == STANDSTILL or not name.robot:
         return str(name)
-    if not name.robot:
-        return f"{name.kind} {name.element}".rstrip()
     kind = "" if name.kind in {"torque", "wrench"} else f" {name.kind}"
     return f"{name.robot}/{name.element}{kind} {'↑' if row.side == 'upper' else '↓'}"
 

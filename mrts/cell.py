@@ -17,6 +17,7 @@ from mrts.manifest import (
     LOAD_ENTRIES,
     MANIFEST_NAME,
     WRENCH_COMPONENTS,
+    JointRecord,
     Manifest,
     PoseRecord,
     RobotRecord,
@@ -25,7 +26,7 @@ from mrts.manifest import (
 from mrts.rigid_transform import Array, RigidTransform
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Robot:
     """One arm; n_i joints, w wrench components (3 in a planar cell, else 6).
 
@@ -65,13 +66,16 @@ class Robot:
     wrench_lower: Array
     wrench_upper: Array
 
+    def __repr__(self) -> str:
+        return f"<Robot '{self.name}': {', '.join(self.joints)}>"
+
     @property
     def torque_units(self) -> tuple[str, ...]:
         """Unit of each joint's torque: "N m" for a revolute joint, "N" for a prismatic one."""
         return tuple("N" if kind == "prismatic" else "N m" for kind in self.joint_types)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Cell:
     """n arms and the object that they hold; m joints in all.
 
@@ -82,8 +86,11 @@ class Cell:
         gravity: Downward, world axes, Shape (3,) [m/s²].
         load: Load vector of the object (`mrts.manifest.LOAD_ENTRIES`), Shape (10,) [kg, kg m, kg m²].
         load_box: What is uncertain of the load, None if it is known.
+        object_velocity_limit: Of the object's frame, linear and angular, infinity where there is none, Shape (2,)
+            [m/s, rad/s].
         robots: The arms in the order of the cell file.
         functions: The generated functions.
+        enforces_velocity_limits: Whether velocity limits bound the speed, or are reported only.
     """
 
     name: str
@@ -92,8 +99,15 @@ class Cell:
     gravity: Array
     load: Array
     load_box: LoadBox | None
+    object_velocity_limit: Array
     robots: tuple[Robot, ...]
     functions: CellFunctions
+    enforces_velocity_limits: bool = True
+
+    def __repr__(self) -> str:
+        arms = ", ".join(f"{robot.name} ({len(robot.joints)} joints)" for robot in self.robots)
+        load = f"{self.mass:.4g} kg" if self.load_box is None else self.load_box.description()
+        return f"<Cell '{self.name}': {arms}; {self.plane or 'spatial'}; load {load}>"
 
     @property
     def joint_slices(self) -> dict[str, slice]:
@@ -188,6 +202,10 @@ class Cell:
             ),
         )
 
+    def without_velocity_limits(self) -> Self:
+        """The same cell with velocity limits that are reported, but bound nothing."""
+        return replace(self, enforces_velocity_limits=False)
+
     def with_postures(self, postures: dict[str, list[float]]) -> Self:
         """The same cell starting near other joint positions.
 
@@ -232,13 +250,19 @@ def load_cell(path: Path | str, *, backend: Backend = "auto") -> Cell:
     path = Path(path)
     if path.is_dir() or path.name == MANIFEST_NAME:
         manifest, source = read_generated(path if path.is_dir() else path.parent)
-        return _cell(manifest, bind_functions(manifest, source, backend, None))
+        return cell_from_manifest(manifest, bind_functions(manifest, source, backend, None))
     manifest, source = generated_in_cache(path)
     machine = partial(virtual_machine_functions, path)
-    return _cell(manifest, bind_functions(manifest, source, backend, machine))
+    return cell_from_manifest(manifest, bind_functions(manifest, source, backend, machine))
 
 
-def _cell(manifest: Manifest, functions: CellFunctions) -> Cell:
+def cell_from_manifest(manifest: Manifest, functions: CellFunctions) -> Cell:
+    """The cell that a manifest describes.
+
+    Args:
+        manifest: The description.
+        functions: The generated functions.
+    """
     carried = manifest.object
     inertia = np.array(carried.inertia)
     return Cell(
@@ -248,6 +272,7 @@ def _cell(manifest: Manifest, functions: CellFunctions) -> Cell:
         np.array(manifest.gravity),
         load_vector(carried.mass, np.zeros(3), inertia),
         LoadBox(carried.mass, inertia, carried.variation, carried.outer_hull) if carried.variation else None,
+        _with_infinity([carried.linear_velocity, carried.angular_velocity], np.inf),
         tuple(_robot(record) for record in manifest.robots),
         functions,
     )
@@ -274,8 +299,50 @@ def _robot(record: RobotRecord) -> Robot:
     )
 
 
+def robot_record(robot: Robot, generated: RobotRecord) -> RobotRecord:
+    """A robot as it is, its limits and posture perhaps changed since it was generated, as an entry of a manifest.
+
+    Args:
+        robot: The robot.
+        generated: Its entry in the manifest of its functions; says which URDF it is from.
+    """
+    columns = zip(
+        robot.joints,
+        robot.joint_types,
+        robot.axes.tolist(),
+        robot.points.tolist(),
+        without_infinity(robot.position_lower),
+        without_infinity(robot.position_upper),
+        without_infinity(robot.velocity_limit),
+        robot.torque_lower.tolist(),
+        robot.torque_upper.tolist(),
+        strict=True,
+    )
+    return generated.model_copy(
+        update={
+            "name": robot.name,
+            "joints": [JointRecord(**dict(zip(JointRecord.model_fields, row, strict=True))) for row in columns],
+            "base_tip": _pose_record(robot.T_base_tip),
+            "world_base": _pose_record(robot.T_world_base),
+            "object_tip": _pose_record(robot.T_object_tip),
+            "posture": robot.posture.tolist(),
+            "wrench_lower": without_infinity(robot.wrench_lower),
+            "wrench_upper": without_infinity(robot.wrench_upper),
+        }
+    )
+
+
 def _transform(record: PoseRecord) -> RigidTransform:
     return RigidTransform(np.array(record.rotation), np.array(record.position))
+
+
+def _pose_record(transform: RigidTransform) -> PoseRecord:
+    return PoseRecord(rotation=transform.R.tolist(), position=transform.p.tolist())
+
+
+def without_infinity(values: Array) -> list[float | None]:
+    """Values as JSON has them: None stands for an infinite one."""
+    return [value if np.isfinite(value) else None for value in values.tolist()]
 
 
 def _with_infinity(values: list[float | None], unbounded: float) -> Array:

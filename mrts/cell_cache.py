@@ -114,6 +114,21 @@ def export_to(
     return sorted(texts)
 
 
+def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
+    """URDF and base link (None is its root) of every robot of a cell file, by name.
+
+    Args:
+        path: The cell file.
+
+    Raises:
+        InputError: If the cell file breaks a rule.
+    """
+    from mrts_codegen.cell_description import read_cell_description, resolve_urdf  # noqa: PLC0415 (build time, on demand)
+
+    robots = read_cell_description(path).robots
+    return {robot.name: (resolve_urdf(path, robot.urdf), robot.base_link) for robot in robots}
+
+
 def virtual_machine_functions(path: Path) -> dict[str, Any]:
     """The functions of a cell file for CasADi's virtual machine, by short name.
 

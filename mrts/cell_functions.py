@@ -11,7 +11,7 @@ import numpy as np
 
 from mrts.compiled_cell import CompiledCell, cell_source
 from mrts.compiler import find_compiler
-from mrts.errors import CompilerError
+from mrts.errors import CompilerError, InputError
 from mrts.kernel_library import load_or_rebuild
 from mrts.manifest import FunctionRecord, Manifest
 from mrts.rigid_transform import Array
@@ -24,28 +24,26 @@ class CellFunctions:
     """Callable by short name; see the manifest for inputs, outputs and shapes.
 
     Args:
-        records: The manifest's functions.
-        evaluate: Evaluates one of them: short name, number of samples, inputs by name to outputs by name.
-        compiled: The cell's library; None in the virtual machine.
+        manifest: What was generated.
+        evaluate: Evaluates one of its functions: short name, number of samples, inputs by name to outputs by name.
+        backend: What evaluates them; "none" refuses to.
+        compiled: The cell's library, if there is one.
     """
 
     def __init__(
         self,
-        records: dict[str, FunctionRecord],
+        manifest: Manifest,
         evaluate: Callable[[str, int, dict[str, Array]], dict[str, Array]],
-        compiled: CompiledCell | None,
+        backend: Literal["compiled", "vm", "none"],
+        compiled: CompiledCell | None = None,
     ) -> None:
-        self.records = records
+        self.manifest = manifest
+        self.backend = backend
         self.compiled = compiled
         self._evaluate = evaluate
 
-    @property
-    def backend(self) -> Literal["compiled", "vm"]:
-        """What evaluates the functions."""
-        return "vm" if self.compiled is None else "compiled"
-
     def __contains__(self, name: str) -> bool:
-        return name in self.records
+        return name in self.manifest.functions
 
     def __call__(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
         """Evaluate one function for all samples in one call.
@@ -81,7 +79,7 @@ def bind_functions(
     command = None if backend == "vm" else find_compiler()
     if command is not None:
         compiled = _bind(manifest, command, source)
-        return CellFunctions(manifest.functions, compiled.map, compiled)
+        return CellFunctions(manifest, compiled.map, "compiled", compiled)
     if backend == "compiled" or virtual_machine is None:
         raise CompilerError(
             f"no C compiler was found to compile {source.name}. Install one (Debian: apt-get install gcc libc6-dev), "
@@ -89,7 +87,7 @@ def bind_functions(
         )
     if backend == "auto":
         logger.warning("no C compiler found: running in CasADi's virtual machine, about 20 times slower")
-    return CellFunctions(manifest.functions, _VirtualMachine(manifest.functions, virtual_machine()), None)
+    return CellFunctions(manifest, _VirtualMachine(manifest.functions, virtual_machine()), "vm")
 
 
 class _VirtualMachine:
@@ -121,6 +119,25 @@ class _VirtualMachine:
             value = result.full().reshape(rows, samples, columns).transpose(1, 0, 2)
             outputs[argument.name] = np.ascontiguousarray(value[:, :, 0] if columns == 1 else value)
         return outputs
+
+
+def saved_functions(manifest: Manifest, path: Path) -> CellFunctions:
+    """What stands for the functions of a cell that was read from a saved result: it says what is missing.
+
+    Args:
+        manifest: Manifest of the cell.
+        path: The saved result.
+    """
+
+    def refuse(name: str, _samples: int, _inputs: dict[str, Array]) -> dict[str, Array]:
+        raise InputError(
+            path,
+            f"this takes the compiled functions of cell '{manifest.name}', which a saved result does not hold: load it "
+            "with mrts.load_result(path, cell=mrts.load_cell(CELL)).",
+            key=f"function '{name}'",
+        )
+
+    return CellFunctions(manifest, refuse, "none")
 
 
 def _bind(manifest: Manifest, command: tuple[str, ...], source: Path) -> CompiledCell:

@@ -13,6 +13,33 @@ THINNEST = 0.05
 """Least side of a drawn object, as a share of its longest: a planar object may have no thickness."""
 
 
+def body_poses(robot: Robot, q: Array) -> tuple[Array, Array]:
+    """What takes each body of the arm from where it is in base axes with every joint at zero to the world.
+
+    Body 0 is the base, body k is moved by the first k joints.
+
+    Args:
+        robot: The arm.
+        q: Joint positions, Shape (N, n_i) [rad or m].
+
+    Returns:
+        R, Shape (N, n_i + 1, 3, 3), and p, Shape (N, n_i + 1, 3) [m].
+    """
+    R = np.broadcast_to(robot.T_world_base.R, (len(q), 3, 3))
+    p = np.broadcast_to(robot.T_world_base.p, (len(q), 3))
+    rotations, positions = [R], [p]
+    for index, (kind, axis, point) in enumerate(zip(robot.joint_types, robot.axes, robot.points, strict=True)):
+        if kind == "prismatic":
+            p = p + R @ axis * q[:, index, None]
+        else:
+            center = p + R @ point
+            R = R @ Rotation.from_rotvec(q[:, index, None] * axis).as_matrix()
+            p = center - R @ point
+        rotations.append(R)
+        positions.append(p)
+    return np.stack(rotations, axis=1), np.stack(positions, axis=1)
+
+
 def joint_points(robot: Robot, q: Array) -> Array:
     """The arm as a line in the world: its base, a point on every joint's axis, its tip, Shape (N, n_i + 2, 3) [m].
 
@@ -20,20 +47,12 @@ def joint_points(robot: Robot, q: Array) -> Array:
         robot: The arm.
         q: Joint positions, Shape (N, n_i) [rad or m].
     """
-    R = np.broadcast_to(robot.T_world_base.R, (len(q), 3, 3))
-    p = np.broadcast_to(robot.T_world_base.p, (len(q), 3))
-    points = [p]
-    for index, (kind, axis, point) in enumerate(zip(robot.joint_types, robot.axes, robot.points, strict=True)):
-        if kind == "prismatic":
-            p = p + R @ axis * q[:, index, None]
-            points.append(p + R @ point)
-        else:
-            center = p + R @ point
-            R = R @ Rotation.from_rotvec(q[:, index, None] * axis).as_matrix()
-            p = center - R @ point
-            points.append(center)
-    points.append(p + R @ robot.T_base_tip.p)
-    return np.stack(points, axis=1)
+    R, p = body_poses(robot, q)
+    # a joint's point moves with the body that it carries
+    own = np.concatenate([np.zeros((1, 3)), robot.points])
+    points = p + np.einsum("nbij,bj->nbi", R, own)
+    tip = p[:, -1] + R[:, -1] @ robot.T_base_tip.p
+    return np.concatenate([points, tip[:, None]], axis=1)
 
 
 def object_box(cell: Cell) -> Array:

@@ -13,16 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.kernel_library import KERNEL_FILES, STOPPED, KernelLibrary, kernel_text, pointer
+from mrts.kernel_library import CHUNK, KERNEL_FILES, MOST_THREADS, STOPPED, KernelLibrary, kernel_text, pointer
 from mrts.limit_rows import LimitRows
 from mrts.manifest import FunctionRecord, Manifest
 from mrts.rigid_transform import Array
-
-CHUNK = 256
-"""Samples between cold starts: chunks are dealt to threads whole, so their number does not change a result."""
-
-MOST_THREADS = 2
-"""More than this gains little: the work of a sample is a few microseconds."""
 
 
 class _Arm(ctypes.Structure):
@@ -129,13 +123,14 @@ class CompiledCell(KernelLibrary):
         assert failed == 0  # noqa: S101 (generated functions of smooth expressions cannot fail)
         return {name: _by_rows(value) for name, value in outputs.items()}
 
-    def ranges(self, samples: int, inputs: dict[str, Array], limits: LimitRows) -> KernelRanges:
+    def ranges(self, samples: int, inputs: dict[str, Array], limits: LimitRows, most: Array) -> KernelRanges:
         """Least and largest c² at every sample.
 
         Args:
             samples: N.
             inputs: Of the wrench form, by name.
             limits: Rows over torques and wrenches.
+            most: Largest c² that the velocities allow, Shape (N,), infinity where they do not bound it.
         """
         k, N = self.unknowns, samples
         found = KernelRanges(
@@ -148,6 +143,7 @@ class CompiledCell(KernelLibrary):
         )
         outputs = [found.low, found.high, *found.status, found.effect, *found.basis, *found.dual]
         sparse = _SparseLimits(limits)
+        bound = np.ascontiguousarray(np.minimum(most, 1e300))
 
         def run(first: int, count: int, given: list[Array], strides: Any, scratch: "_Scratch") -> None:
             work, iwork = self._workspace(len(limits.names))
@@ -156,6 +152,7 @@ class CompiledCell(KernelLibrary):
                 _pointers(given, first, strides),
                 strides,
                 ctypes.byref(sparse.structure),
+                pointer(bound[first:]),
                 *(pointer(output[first:]) for output in outputs),
                 *scratch.pointers(),
                 pointer(work),

@@ -28,7 +28,7 @@ from mrts.rigid_transform import Array
 from mrts.scaling_range import ScalingRange, ScalingStatus, intersect
 from mrts.solvers import DEFAULT_SOLVER
 from mrts.trajectory_programs import motion_ranges
-from mrts.uncertain_load import study_load
+from mrts.uncertain_load import Progress, study_load
 
 MULTI_STARTS = 400
 """Seeded random starts for an arm without an analytic inverse: each of up to 16 branches is then found many times."""
@@ -166,6 +166,7 @@ def rank_configurations(
     sharing: LoadSharing | None = None,
     cap: int = DEFAULT_CAP,
     solver: str = DEFAULT_SOLVER,
+    progress: Progress = lambda _done, _total: None,
 ) -> ConfigurationStudy:
     """Evaluate every combination of inverse-kinematics branches.
 
@@ -181,6 +182,7 @@ def rank_configurations(
         sharing: A fixed distribution of the load; None leaves it free.
         cap: Most combinations to evaluate.
         solver: Name in the registry.
+        progress: Told how many of how many evaluations are done.
 
     Raises:
         InputError: If the cap is below 1, or an arm has too few joints.
@@ -194,16 +196,24 @@ def rank_configurations(
     good = [[branch for branch in branches[robot.name] if branch.failure is None] for robot in cell.robots]
     combinations = int(np.prod([len(of_robot) for of_robot in good]))
     chosen: Iterable[tuple[Branch, ...]] = product(*good)
-    evaluated: list[Configuration] | None = None
-    if combinations > cap:
-        fixed = sharing or LoadSharing()
-        scored = [_evaluate(cell, motion, tracks, choice, fixed, solver) for choice in chosen]
-        best = sorted(scored, key=lambda configuration: -configuration.c2_upper)[:cap]
+    scores = combinations if combinations > cap else 0
+    total = scores + (0 if scores and sharing is not None else min(combinations, cap))
+
+    def evaluate(choices: Iterable[tuple[Branch, ...]], rule: LoadSharing | None, before: int) -> list[Configuration]:
+        found = []
+        for number, choice in enumerate(choices, start=before):
+            progress(number, total)
+            found.append(_evaluate(cell, motion, tracks, choice, rule, solver))
+        return sorted(found, key=lambda configuration: -configuration.c2_upper)
+
+    ranked: list[Configuration] | None = None
+    if scores:
+        best = evaluate(chosen, sharing or LoadSharing(), 0)[:cap]
         chosen = [configuration.branches for configuration in best]
-        evaluated = best if sharing is not None else None
-    if evaluated is None:
-        evaluated = [_evaluate(cell, motion, tracks, choice, sharing, solver) for choice in chosen]
-    ranked = sorted(evaluated, key=lambda configuration: -configuration.c2_upper)
+        ranked = best if sharing is not None else None
+    if ranked is None:
+        ranked = evaluate(chosen, sharing, scores)
+    progress(total, total)
     return ConfigurationStudy(branches, tuple(ranked), combinations)
 
 

@@ -40,7 +40,7 @@ LIMIT_TOLERANCE = 1e-9
 """How far a joint may pass its position limit [rad or m]: rounding."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CoordinatedMotion:
     """N samples of a given motion of the object and the m joints that carry it.
 
@@ -63,6 +63,9 @@ class CoordinatedMotion:
             object.__setattr__(self, name, value)
             if np.shape(value) != (len(self.object.time), joints) or not np.all(np.isfinite(value)):
                 raise InputError(name, f"must have Shape ({len(self.object.time)}, joints) and be finite.")
+
+    def __repr__(self) -> str:
+        return f"<CoordinatedMotion: {self.samples} samples in {self.object.time[-1]:.4g} s, {self.q.shape[1]} joints>"
 
     @property
     def samples(self) -> int:
@@ -135,18 +138,30 @@ def coordinate(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion
 
 def _follow_joints(cell: Cell, table: JointTable) -> CoordinatedMotion:
     """Let the first robot's tip carry the object, and check that all others hold their grasps on it."""
-    columns = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
-    for name in columns:
-        if name not in table.positions:
-            raise InputError(table.path, f"the column 'q.{name}' is needed for cell '{cell.name}'.")
-    for name in table.positions:
-        if name not in columns:
-            raise InputError(table.path, f"cell '{cell.name}' has no joint '{name}'; it has {', '.join(columns)}.")
+    names = _names_by_joint(cell, table)
     q, dq, ddq = (
-        np.column_stack([part[name] for name in columns])
+        np.column_stack([part[name] for name in names])
         for part in (table.positions, table.velocities, table.accelerations)
     )
     check_joint_limits(cell, table.time, q)
+    given = carried_by_first(cell, table.time, q, dq, ddq)
+    check_closure(cell, given, str(table.path))
+    return given
+
+
+def carried_by_first(
+    cell: Cell, time: Array, q: Array, dq: Array, ddq: Array, *, smooth: bool = True
+) -> CoordinatedMotion:
+    """The motion of the object that the first robot's tip carries.
+
+    Args:
+        cell: The cell.
+        time: Shape (N,) [s].
+        q: Joint positions, Shape (N, m) [rad or m]; likewise `dq` and `ddq`.
+        dq: Joint velocities.
+        ddq: Joint accelerations.
+        smooth: As in `ObjectMotion`.
+    """
     tip = _tip_motions(cell, q, dq, ddq)[0]
     first = cell.robots[0]
     rotation = tip.rotation @ first.T_object_tip.R.T
@@ -154,15 +169,40 @@ def _follow_joints(cell: Cell, table: JointTable) -> CoordinatedMotion:
     v, w = _in_world(cell, first, tip.velocity)
     a, dw = _in_world(cell, first, tip.acceleration)
     motion = ObjectMotion(
-        table.time,
+        time,
         tip.position - r,
         rotation,
         np.concatenate([v - np.cross(w, r), w], axis=1),
         np.concatenate([a - np.cross(dw, r) - np.cross(w, np.cross(w, r)), dw], axis=1),
+        smooth,
     )
-    given = CoordinatedMotion(motion, q, dq, ddq)
-    check_closure(cell, given, str(table.path))
-    return given
+    return CoordinatedMotion(motion, q, dq, ddq)
+
+
+def _names_by_joint(cell: Cell, table: JointTable) -> list[str]:
+    """What the table calls each joint of the cell, in the cell's order."""
+    robots = {robot.name: robot.joints for robot in cell.robots}
+    joints = [f"{robot}/{joint}" for robot in robots for joint in robots[robot]]
+    found: dict[str, str] = {}
+    for name in table.positions:
+        prefix, _, joint = name.rpartition("/")
+        owners = [prefix] if prefix in robots else [robot for robot in robots if joint in robots[robot]]
+        meant = f"{owners[0]}/{joint}" if len(owners) == 1 else name
+        if meant in found:
+            raise InputError(table.path, f"'{found[meant]}' and '{name}' are the same joint of cell '{cell.name}'.")
+        found[meant] = name
+    for joint in joints:
+        if joint not in found:
+            robot = joint.partition("/")[0]
+            raise InputError(
+                table.path,
+                f"nothing is said of joint '{joint}' of cell '{cell.name}': the column 'q.{joint}' is needed, in a bag "
+                f"a trajectory under /{robot}/joint_trajectory.",
+            )
+    for joint, name in found.items():
+        if joint not in joints:
+            raise InputError(table.path, f"cell '{cell.name}' has no joint '{name}'; it has {', '.join(joints)}.")
+    return [found[joint] for joint in joints]
 
 
 @dataclass(frozen=True)

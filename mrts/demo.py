@@ -18,6 +18,7 @@ from mrts.motion_file import load_motion
 from mrts.result import ScalingResult
 from mrts.scaling import scale
 from mrts.solvers import DEFAULT_SOLVER
+from mrts.uncertain_load import Progress
 
 EXAMPLE_FILES = ("cell.yaml", "lift.yaml", "fast_lift.yaml", "planar_arm.urdf")
 NOTE = """\
@@ -67,11 +68,12 @@ class DemoRow:
         return self.c2 / self.case.paper - 1
 
 
-def run_demo(solver: str = DEFAULT_SOLVER) -> list[DemoRow]:
+def run_demo(solver: str = DEFAULT_SOLVER, progress: Progress = lambda _done, _total: None) -> list[DemoRow]:
     """Scale every example of section VI.
 
     Args:
         solver: Name in the registry.
+        progress: Told how many of how many examples are done.
 
     Raises:
         MrtsError: If the compiler or a solver fails.
@@ -79,18 +81,13 @@ def run_demo(solver: str = DEFAULT_SOLVER) -> list[DemoRow]:
     with as_file(files("mrts") / "data") as data:
         cases = read_model(data / "paper_section_6.yaml", PaperCases, "case file")
         cell = load_cell(data / cases.cell)
-        return [
-            DemoRow(
-                case,
-                scale(
-                    _variant(cell, case),
-                    load_motion(data / case.motion),
-                    sharing=LoadSharing() if case.even else None,
-                    solver=solver,
-                ),
-            )
-            for case in cases.cases
-        ]
+        rows = []
+        for number, case in enumerate(cases.cases):
+            progress(number, len(cases.cases))
+            sharing = LoadSharing() if case.even else None
+            motion = load_motion(data / case.motion)
+            rows.append(DemoRow(case, scale(_variant(cell, case), motion, sharing=sharing, solver=solver)))
+        return rows
 
 
 def _variant(cell: Cell, case: PaperCase) -> Cell:

@@ -38,6 +38,7 @@ def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
         motion: Its motion.
     """
     vectors: list[EmbeddedVector] = []
+    cell = cell.without_velocity_limits()  # which the library leaves to its caller
     for factor in MASS_FACTORS:
         heavy = cell.with_mass(cell.mass * factor)
         free = motion_ranges(heavy, motion, "wrench", None, DEFAULT_SOLVER)

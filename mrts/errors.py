@@ -7,9 +7,11 @@ and a tool that failed. Every message names the value, the rule and what to do.
 
 import reprlib
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class MrtsError(Exception):
@@ -39,7 +41,7 @@ class InputError(MrtsError):
         super().__init__(f"{subject}: {rule}")
 
 
-def as_array(name: str, value: object) -> NDArray[np.float64]:
+def as_array(name: str, value: object) -> "NDArray[np.float64]":
     """An argument of the Python API as an array of numbers.
 
     Args:
@@ -49,6 +51,8 @@ def as_array(name: str, value: object) -> NDArray[np.float64]:
     Raises:
         InputError: If it is not numbers of one shape.
     """
+    import numpy as np  # noqa: PLC0415 (so that `mrts --help` does without)
+
     try:
         return np.array(value, dtype=np.float64)
     except (TypeError, ValueError):

@@ -104,11 +104,21 @@ def read_text(path: Path, what: str) -> str:
             raise InputError(path, f"a {what} has at most {MAX_FILE_BYTES} bytes.")
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise InputError(path, f"there is no such {what}. Check the path.") from None
+        raise InputError(path, f"there is no such {what}{_neighbour(path)}") from None
     except UnicodeDecodeError:
         raise InputError(path, f"this {what} is not UTF-8 text.") from None
     except (OSError, ValueError) as error:  # ValueError: a null byte in the path
         raise InputError(path, f"this {what} cannot be read: {getattr(error, 'strerror', error)}.") from None
+
+
+def _neighbour(path: Path) -> str:
+    """End of the sentence that says that there is no such file."""
+    try:
+        names = [other.name for other in path.parent.iterdir()]
+    except OSError:
+        return f": the folder {path.parent} is missing or cannot be read."
+    close = difflib.get_close_matches(path.name, names, n=1)
+    return f"; did you mean '{path.with_name(close[0])}'?" if close else ". Check the path."
 
 
 def read_model(path: Path, model: type[Model], what: str) -> Model:

@@ -2,7 +2,10 @@
 """Our kernel of small dense programs, compiled by itself: batches of any size in one foreign call."""
 
 import ctypes
+import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, TypeVar
@@ -11,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.cell_cache import library_in_cache
+from mrts.compiler import find_compiler
 from mrts.errors import CompilerError
 from mrts.rigid_transform import Array
 
@@ -18,6 +22,15 @@ Library = TypeVar("Library")
 
 KERNEL_FILES = ("dense_programs.h", "linear_programs.c", "quadratic_programs.c", "batch.c")
 EXPORT = '__attribute__((visibility("default")))'
+
+CORNERS = 64
+"""Most corners of a projection, `MRTS_CORNERS` of projection.c."""
+
+CHUNK = 256
+"""Samples between cold starts: chunks are dealt to threads whole, so their number does not change a result."""
+
+MOST_THREADS = 2
+"""More than this gains little: the work of a sample is a few microseconds."""
 
 OPTIMAL, INFEASIBLE, MARGINAL, STOPPED = range(4)
 """The kernel's statuses, see dense_programs.h."""
@@ -58,6 +71,35 @@ class KernelLibrary:
         """
         return self._batch("mrts_qp_batch", [H, g, A, lower, upper])
 
+    def projections(self, A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+        """Project every polytope of a batch onto its last two unknowns, from inside.
+
+        Args:
+            A: Shape (N, r, k).
+            lower: Of the rows and then the unknowns, Shape (N, r + k); the last two unknowns need limits.
+            upper: Likewise.
+
+        Returns:
+            Numbers of corners, Shape (N,), the corners counter-clockwise, Shape (N, 64, 2), and statuses, Shape (N,).
+        """
+        count, rows, k = A.shape
+        arrays = [np.ascontiguousarray(np.clip(array, -1e300, 1e300)) for array in (A, lower, upper)]
+        number, corners = np.zeros(count, dtype=np.int32), np.zeros((count, CORNERS, 2))
+        status = np.full(count, STOPPED, dtype=np.uint8)
+
+        def project(first: int) -> None:
+            work = np.zeros(k * k + 4 * k + (CORNERS + 1) * (2 + 2 * k))
+            iwork = np.zeros(rows + (7 + CORNERS) * k, dtype=np.int32)
+            outputs: list[NDArray[Any]] = [number, corners, status]
+            pointers = [pointer(array[first:]) for array in [*arrays, *outputs]]
+            self.loaded.mrts_project_batch(
+                ctypes.c_longlong(min(CHUNK, count - first)), k, rows, *pointers, pointer(work), pointer(iwork)
+            )
+
+        with ThreadPoolExecutor(min(MOST_THREADS, os.cpu_count() or 1)) as pool:
+            list(pool.map(project, range(0, count, CHUNK)))
+        return number, corners, status
+
     def _batch(self, name: str, arrays: list[Array]) -> tuple[Array, Array, NDArray[np.uint8]]:
         count, rows, k = arrays[-3].shape
         arrays = [np.ascontiguousarray(np.clip(array, -1e300, 1e300)) for array in arrays]
@@ -96,7 +138,23 @@ def kernel_library(command: tuple[str, ...]) -> KernelLibrary:
     Raises:
         CompilerError: If the compiler fails.
     """
-    return load_or_rebuild(command, "mrts_kernel", kernel_text(KERNEL_FILES), KernelLibrary)
+    files = (*KERNEL_FILES, "projection.c", "reachability.c")
+    return load_or_rebuild(command, "mrts_kernel", kernel_text(files), KernelLibrary)
+
+
+@lru_cache(maxsize=1)
+def default_kernel() -> KernelLibrary:
+    """The kernel by the compiler that is found.
+
+    Raises:
+        CompilerError: If there is none, or it fails.
+    """
+    command = find_compiler()
+    if command is None:
+        raise CompilerError(
+            "our kernel needs a C compiler. Install one (Debian: apt-get install gcc libc6-dev) or set CC."
+        )
+    return kernel_library(command)
 
 
 def kernel_text(names: Sequence[str]) -> str:

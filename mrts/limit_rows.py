@@ -16,10 +16,12 @@ class RowName:
     """What a row limits.
 
     Attributes:
-        kind: "torque", "wrench", "balance" (of the object), "c2" (c² >= 0), or what a constraint of yours limits.
-        robot: Robot's name; empty for rows of the object and of c².
-        element: Joint, wrench component, or empty.
-        unit: "N m", "N", or empty.
+        kind: "torque", "wrench", "velocity", "balance" (of the object), "c2" (c² >= 0), "speed"
+            (along the path), or what a constraint of yours
+            limits.
+        robot: Robot's name; "object" for its velocity; empty for its balance and for c².
+        element: Joint, wrench component, "linear" or "angular", or empty.
+        unit: "N m", "N", "rad/s", "m/s", or empty.
     """
 
     kind: str
@@ -30,6 +32,8 @@ class RowName:
     def __str__(self) -> str:
         if self.kind == "c2":
             return "c² ≥ 0"
+        if self.kind == "speed":
+            return f"speed along the path {self.element}"
         if self.kind == "balance":
             return f"balance of the object ({self.element})"
         what = "contact wrench" if self.kind == "wrench" else self.kind
@@ -55,7 +59,7 @@ class ActiveRow:
     limit: float
 
     def __str__(self) -> str:
-        if self.name == STANDSTILL:
+        if self.name == STANDSTILL or self.name.kind == "speed":
             return str(self.name)
         return f"{self.name} ({self.side}, {self.limit:g} {self.name.unit})"
 

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: MIT
 """How much of each limit a trajectory uses."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from mrts.cell import Cell
 from mrts.constraints import cell_rows
+from mrts.coordinated_motion import CoordinatedMotion
 from mrts.limit_rows import RowName
 from mrts.result import ScalingResult
+from mrts.scaled_trajectory import ScaledTrajectory
+from mrts.velocity_limits import velocity_limits
 
 
 @dataclass(frozen=True)
@@ -35,7 +39,7 @@ class LimitUse:
 
 
 def limit_uses(result: ScalingResult) -> list[LimitUse]:
-    """All rows of a cell by falling share of the limit; empty if there is no trajectory.
+    """All rows and velocities of a cell by falling share of the limit; empty if there is no trajectory.
 
     Args:
         result: The result.
@@ -66,4 +70,17 @@ def limit_uses(result: ScalingResult) -> list[LimitUse]:
         )
         for row, name in enumerate(rows.names)
     ]
+    uses += _velocity_uses(result.cell, result.motion, done)
     return sorted(uses, key=lambda use: -use.share)
+
+
+def _velocity_uses(cell: Cell, motion: CoordinatedMotion, done: ScaledTrajectory) -> list[LimitUse]:
+    """Sizes of velocities, enforced or not."""
+    limits = velocity_limits(replace(cell, enforces_velocity_limits=True), motion)
+    share = done.c * limits.share
+    at = np.argmax(share, axis=0)
+    uses = []
+    for row, (name, limit) in enumerate(zip(limits.names, limits.limit.tolist(), strict=True)):
+        least, largest = float(np.min(share[:, row])), float(share[at[row], row])
+        uses.append(LimitUse(name, 0.0, limit, least * limit, largest * limit, largest, float(done.time[at[row]])))
+    return uses

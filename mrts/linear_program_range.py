@@ -4,7 +4,7 @@
 import numpy as np
 
 from mrts.convex_program import Answers, ConvexPrograms, solve_programs
-from mrts.range_ends import RangeEnds, active_rows
+from mrts.range_ends import BINDING_TOLERANCE, RangeEnds, active_rows
 from mrts.rigid_transform import Array
 from mrts.sample_problem import SampleProblem
 
@@ -16,33 +16,41 @@ UNBOUNDED_SLACK = 1e-9
 
 
 def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
-    """Eqs. (26), (29): least and largest c² >= 0 within all limits; c² is scaled to the size of the other unknowns."""
+    """Eqs. (26), (29): least and largest c² >= 0 within all limits; c² is scaled to the size of the other unknowns.
+
+    Velocity limits go in as a bound of c²: rows of a motion near rest would spoil its scale.
+    """
     count, _, unknowns = problem.A.shape
     effect = effect_of_speed(problem)
     unit = 1 / np.where(effect > 0, effect, 1.0)  # c² = unit · y, where y = 1 moves some row by a whole limit
-    A = problem.A.copy()
+    velocity = np.array([name.kind == "velocity" for name in problem.names])
+    share = problem.A[:, velocity, -1]
+    with np.errstate(divide="ignore"):
+        most = np.min(1 / share, axis=1, initial=np.inf)
+    A, lower, upper = problem.A[:, ~velocity], problem.lower[:, ~velocity], problem.upper[:, ~velocity]
     A[:, :, -1] *= unit[:, None]
     x_lower = np.full((count, unknowns), -np.inf)
     x_lower[:, -1] = 0.0
     x_upper = np.full((count, unknowns), np.inf)
-    x_upper[:, -1] = np.where(effect > 0, UNBOUNDED, 0.0)
+    x_upper[:, -1] = np.where(effect > 0, np.minimum(UNBOUNDED, most / unit), 0.0)
 
     def solve(direction: float) -> Answers:
         g = np.zeros((count, unknowns))
         g[:, -1] = direction
-        programs = ConvexPrograms(None, g, A, problem.lower, problem.upper, x_lower, x_upper)
+        programs = ConvexPrograms(None, g, A, lower, upper, x_lower, x_upper)
         return solve_programs(programs, solver)
 
-    least, most = solve(1.0), solve(-1.0)
-    low, high = np.maximum(least.x[:, -1], 0.0) * unit, most.x[:, -1] * unit
-    free = (most.x[:, -1] >= UNBOUNDED * (1 - UNBOUNDED_SLACK)) | (effect == 0)
+    least, largest = solve(1.0), solve(-1.0)
+    low, high = np.maximum(least.x[:, -1], 0.0) * unit, largest.x[:, -1] * unit
+    free = (largest.x[:, -1] >= UNBOUNDED * (1 - UNBOUNDED_SLACK)) | (effect == 0)
     high = np.where(free, np.inf, high)
-    low_rows = [
-        active_rows(problem, least.row_dual[sample], float(least.bound_dual[sample, -1])) for sample in range(count)
-    ]
-    high_rows = [active_rows(problem, most.row_dual[sample], 0.0) for sample in range(count)]
-    undecided = ~(least.verified & most.verified)
-    return RangeEnds(low, high, low_rows, high_rows, undecided, least.fallbacks + most.fallbacks)
+    at_most = (share >= (1 - BINDING_TOLERANCE) / most[:, None]) * np.maximum(largest.bound_dual[:, -1:], 0.0)
+    duals = [np.zeros(problem.A.shape[:2]) for _ in range(2)]
+    duals[0][:, ~velocity], duals[1][:, ~velocity], duals[1][:, velocity] = least.row_dual, largest.row_dual, at_most
+    low_rows = [active_rows(problem, duals[0][k], float(least.bound_dual[k, -1])) for k in range(count)]
+    high_rows = [active_rows(problem, dual, 0.0) for dual in duals[1]]
+    undecided = ~(least.verified & largest.verified)
+    return RangeEnds(low, high, low_rows, high_rows, undecided, least.fallbacks + largest.fallbacks)
 
 
 def effect_of_speed(problem: SampleProblem) -> Array:

@@ -12,7 +12,7 @@ from mrts.errors import InputError
 from mrts.input_file import read_text
 
 MANIFEST_NAME = "manifest.json"
-FORMAT = 2
+FORMAT = 3
 """Version of this file's layout; a change that old code cannot read raises it."""
 
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
@@ -84,12 +84,17 @@ class FunctionRecord(_Record):
 
 
 class ObjectRecord(_Record):
-    """Nominal load: kg, and kg m² at the com in the object frame; ranges of what may vary (docs/uncertain_load.md)."""
+    """Nominal load: kg, and kg m² at the com in the object frame; ranges of what may vary (docs/uncertain_load.md).
+
+    Velocity limits are in m/s and rad/s, None is unbounded.
+    """
 
     mass: float
     inertia: Matrix
     variation: dict[str, tuple[float, float]]
     outer_hull: bool
+    linear_velocity: float | None
+    angular_velocity: float | None
 
 
 class Manifest(_Record):

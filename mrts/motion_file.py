@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The motion file: a pose to a pose, waypoints, or a table of object or joint motion."""
+"""The motion file: a pose to a pose, waypoints, or a table of object or joint motion; tables and bags by themselves."""
 
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -9,7 +10,7 @@ from pydantic import Field, model_validator
 
 from mrts.errors import InputError
 from mrts.input_file import Pose, StrictModel, broken_rule, read_model
-from mrts.motion_table import JointTable, read_joint_table, read_object_table
+from mrts.motion_table import JointTable, read_joint_table, read_object_table, read_table
 from mrts.object_motion import ObjectMotion, geodesic_motion, waypoint_motion
 from mrts.rigid_transform import rotation_from_rpy
 from mrts.velocity_profile import PROFILES
@@ -43,7 +44,7 @@ class MotionDescription(StrictModel):
         end: Object frame in the world at t = t_f.
         waypoints: Object frames in the world that the path goes through.
         file: CSV table of the object's motion, relative to the motion file.
-        joints: CSV table of the joints' motion, relative to the motion file.
+        joints: CSV table or ROS 2 bag of the joints' motion, relative to the motion file.
     """
 
     duration: Duration | None = None
@@ -73,7 +74,11 @@ class MotionDescription(StrictModel):
 
 
 def load_motion(path: Path | str) -> ObjectMotion | JointTable:
-    """Read a motion file.
+    """Read a motion.
+
+    Args:
+        path: A motion file (YAML), a CSV table of the object's or the joints' motion, or a ROS 2 bag with joint
+            trajectories (a folder, or an .mcap file by itself; needs the extra 'ros').
 
     Returns:
         Samples of the object's motion, or a table of joint motion, which needs a cell to say where the object is.
@@ -82,15 +87,32 @@ def load_motion(path: Path | str) -> ObjectMotion | JointTable:
         InputError: If the file or a table that it names is missing, malformed, or breaks a rule.
     """
     path = Path(path)
+    if _is_bag(path):
+        return _read_bag(path, None)
+    if path.suffix.lower() == ".csv":
+        return read_table(path, None)
     description = read_model(path, MotionDescription, "motion file")
     if description.file is not None:
         return read_object_table(path.parent / description.file, description.samples)
     if description.joints is not None:
-        return read_joint_table(path.parent / description.joints, description.samples)
+        joints = path.parent / description.joints
+        return (_read_bag if _is_bag(joints) else read_joint_table)(joints, description.samples)
     try:
         return sample_motion(description)
     except InputError as error:
         raise InputError(path, error.rule, key=error.where) from None
+
+
+def _is_bag(path: Path) -> bool:
+    return path.is_dir() or path.suffix.lower() in {".mcap", ".db3"}
+
+
+def _read_bag(path: Path, samples: int | None) -> JointTable:
+    if find_spec("rosbags") is None:
+        raise InputError(path, "reading a ROS 2 bag needs rosbags: pip install 'mrts[ros]'.")
+    from mrts.ros_trajectory import read_joint_trajectories  # noqa: PLC0415 (needs an extra)
+
+    return read_joint_trajectories(path, samples)
 
 
 def sample_motion(description: MotionDescription) -> ObjectMotion:

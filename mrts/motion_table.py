@@ -24,14 +24,15 @@ QUATERNION_TOLERANCE = 1e-3
 """How far from 1 a quaternion's length may be: tables carry few digits."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class JointTable:
     """N samples of joint motion by column name; which joint a column is of, the cell tells.
 
     Attributes:
         path: The file, for messages.
         time: Shape (N,) [s], strictly increasing from 0.
-        positions: Column "robot/joint" to positions, each Shape (N,) [rad or m].
+        positions: Column "robot/joint" to positions, each Shape (N,) [rad or m]. A name that is no robot's may stand
+            for it where one robot alone has such a joint.
         velocities: Likewise [rad/s or m/s].
         accelerations: Likewise [rad/s² or m/s²].
     """
@@ -41,6 +42,32 @@ class JointTable:
     positions: dict[str, Array]
     velocities: dict[str, Array]
     accelerations: dict[str, Array]
+
+    def __repr__(self) -> str:
+        joints = ", ".join(self.positions)
+        return f"<JointTable from {self.path.name}: {len(self.time)} samples in {self.time[-1]:.4g} s of {joints}>"
+
+
+def read_table(path: Path, samples: int | None) -> ObjectMotion | JointTable:
+    """Read a table of either kind, told apart by its columns.
+
+    Args:
+        path: The file.
+        samples: Number of samples on the C² spline through a table without velocities; None takes its own times.
+
+    Raises:
+        InputError: As `read_object_table` and `read_joint_table`, or if it looks like neither.
+    """
+    columns = _read_columns(path)
+    if any(name.startswith("q.") for name in columns):
+        return _joint_table(path, columns, samples)
+    if any(name in columns for name in POSE_COLUMNS):
+        return _object_table(path, columns, samples)
+    raise InputError(
+        path,
+        f"is no table of motion: it has neither columns of the object ({', '.join(POSE_COLUMNS)}) nor of joints "
+        "(q.ROBOT/JOINT).",
+    )
 
 
 def read_object_table(path: Path, samples: int | None) -> ObjectMotion:
@@ -54,7 +81,10 @@ def read_object_table(path: Path, samples: int | None) -> ObjectMotion:
         InputError: If a column is missing or unknown, a value is not a finite number, the times do not increase, a
             quaternion is not of length 1, or the velocities contradict the positions.
     """
-    columns = _read_columns(path)
+    return _object_table(path, _read_columns(path), samples)
+
+
+def _object_table(path: Path, columns: dict[str, Array], samples: int | None) -> ObjectMotion:
     time = _time(path, columns)
     rates = [name for name in RATE_COLUMNS if name in columns]
     missing = [name for name in POSE_COLUMNS if name not in columns]
@@ -92,6 +122,8 @@ def read_object_table(path: Path, samples: int | None) -> ObjectMotion:
 def read_joint_table(path: Path, samples: int | None) -> JointTable:
     """Read a table with t and, for every joint, `q.ROBOT/JOINT`, and, all or none, `dq.…` and `ddq.…`.
 
+    The torques `tau.…` and wrenches `F.…` that `mrts scale --csv` writes are passed over.
+
     Args:
         path: The file.
         samples: Number of samples on the C² spline through a table without velocities; None takes its own times.
@@ -99,13 +131,16 @@ def read_joint_table(path: Path, samples: int | None) -> JointTable:
     Raises:
         InputError: If a column is malformed, a value is not a finite number, or the times do not increase.
     """
-    columns = _read_columns(path)
+    return _joint_table(path, _read_columns(path), samples)
+
+
+def _joint_table(path: Path, columns: dict[str, Array], samples: int | None) -> JointTable:
     time = _time(path, columns)
     parts: dict[str, dict[str, Array]] = {"q": {}, "dq": {}, "ddq": {}}
     for name, values in columns.items():
-        if name == "t":
-            continue
         part, _, joint = name.partition(".")
+        if name == "t" or part in {"tau", "F"}:
+            continue
         if part not in parts or not joint:
             raise InputError(path, f"unknown column '{name}'. Columns are t, q.ROBOT/JOINT, dq.…, ddq.….")
         parts[part][joint] = values
@@ -115,26 +150,49 @@ def read_joint_table(path: Path, samples: int | None) -> JointTable:
             raise InputError(path, f"give q, dq and ddq of every joint, or q alone; '{part}' is not complete.")
     if not q:
         raise InputError(path, "holds no column q.ROBOT/JOINT.")
-    if dq:
-        if samples is not None:
-            raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
-        return _checked(JointTable(path, time, q, dq, ddq))
-    at = time if samples is None else np.linspace(0.0, time[-1], samples)
-    from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for tables without rates only)
-
-    splines = {joint: CubicSpline(time, values, bc_type="natural") for joint, values in q.items()}
-    derivatives = [{joint: np.asarray(spline(at, order)) for joint, spline in splines.items()} for order in range(3)]
-    return JointTable(path, at, *derivatives)
+    return joint_motion(path, time, q, dq, ddq, samples)
 
 
-def _checked(table: JointTable) -> JointTable:
-    for joint, values in table.positions.items():
-        columns = (values, table.velocities[joint], table.accelerations[joint])
+def joint_motion(
+    path: Path,
+    time: Array,
+    positions: dict[str, Array],
+    velocities: dict[str, Array],
+    accelerations: dict[str, Array],
+    samples: int | None,
+) -> JointTable:
+    """Joint motion as given; where only positions are, on the C² spline through them.
+
+    Args:
+        path: Where it is from, for messages.
+        time: Shape (M,) [s], strictly increasing from 0.
+        positions: By joint, each Shape (M,) [rad or m].
+        velocities: Likewise [rad/s or m/s]; empty if there are positions only.
+        accelerations: Likewise [rad/s² or m/s²].
+        samples: Number of samples on the spline; None takes the given times.
+
+    Raises:
+        InputError: If the velocities contradict the positions, or come with a number of samples.
+    """
+    if not velocities:
+        at = time if samples is None else np.linspace(0.0, time[-1], samples)
+        from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for tables without rates only)
+
+        splines = [CubicSpline(time, values, bc_type="natural") for values in positions.values()]
+        q, dq, ddq = (
+            {joint: np.asarray(spline(at, order)) for joint, spline in zip(positions, splines, strict=True)}
+            for order in range(3)
+        )
+        return JointTable(path, at, q, dq, ddq)
+    if samples is not None:
+        raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
+    for joint, values in positions.items():
+        columns = (values, velocities[joint], accelerations[joint])
         try:
-            check_derivatives(joint, table.time, *(column[:, None] for column in columns))
+            check_derivatives(joint, time, *(column[:, None] for column in columns))
         except InputError as error:
-            raise InputError(table.path, error.rule, key=error.where) from None
-    return table
+            raise InputError(path, error.rule, key=error.where) from None
+    return JointTable(path, time, positions, velocities, accelerations)
 
 
 def _read_columns(path: Path) -> dict[str, Array]:

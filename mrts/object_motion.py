@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The motion of the carried object, and its samples from splines and paths."""
 
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -26,7 +26,7 @@ SAME_WAYPOINT = 1e-9
 """Waypoints nearer than this [m, with turns by `ROTATION_LENGTH`] are one."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ObjectMotion:
     """N samples of the given motion of the object frame, world axes.
 
@@ -36,6 +36,7 @@ class ObjectMotion:
         rotation: R_world_object, Shape (N, 3, 3).
         twist: [p'; φ'], Shape (N, 6) [m/s, rad/s].
         acceleration: [p''; φ''], Shape (N, 6) [m/s², rad/s²].
+        smooth: Whether the rates are to be compared with the steps between samples; not where accelerations jump.
     """
 
     time: Array
@@ -43,8 +44,12 @@ class ObjectMotion:
     rotation: Array
     twist: Array
     acceleration: Array
+    smooth: InitVar[bool] = True
 
-    def __post_init__(self) -> None:
+    def __repr__(self) -> str:
+        return f"<ObjectMotion: {len(self.time)} samples in {self.time[-1]:.4g} s>"
+
+    def __post_init__(self, smooth: bool) -> None:
         shapes = {"time": (), "position": (3,), "rotation": (3, 3), "twist": (6,), "acceleration": (6,)}
         time = as_array("time", self.time)
         if time.ndim != 1 or len(time) < 2 or time[0] != 0 or not np.all(np.diff(time) > 0):  # noqa: PLR2004 (two ends)
@@ -57,6 +62,8 @@ class ObjectMotion:
         off = np.abs(self.rotation @ self.rotation.transpose(0, 2, 1) - np.eye(3))
         if np.max(off) > ORTHOGONAL or np.min(np.linalg.det(self.rotation)) < 0:
             raise InputError("rotation", "must hold rotation matrices: R Rᵀ = I, det R = 1.")
+        if not smooth:
+            return
         steps = Rotation.from_matrix(self.rotation[1:] @ self.rotation[:-1].transpose(0, 2, 1)).as_rotvec()
         turned = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
         check_derivatives("position", time, self.position, self.twist[:, :3], self.acceleration[:, :3])

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.closed_form_range import LoadSensitivity, load_sensitivity
+from mrts.held_interrupt import held_interrupt
 from mrts.limit_rows import ActiveRow, Side
 from mrts.linear_program_range import UNBOUNDED, effect_of_speed
 from mrts.load_box import LoadBox, LoadPoint
@@ -220,7 +221,8 @@ class _Search:
         for index, sample in enumerate(samples.tolist()):
             start_y = ends[sample] / self.unit[sample] if np.isfinite(ends[sample]) else 1.0
             for start in (corners[sample], np.full(self.p, 0.5)):
-                s, value, solved = self._from(sample, sign, start_y, start)
+                with held_interrupt():
+                    s, value, solved = self._from(sample, sign, start_y, start)
                 better = sign * value < sign * c2[index]
                 if (solved and (better or not success[index])) or (not success[index] and better):
                     parameters[index], c2[index] = s, value

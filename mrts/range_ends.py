@@ -12,6 +12,7 @@ from mrts.errors import SolverError
 from mrts.limit_rows import STANDSTILL, ActiveRow, LimitRows
 from mrts.rigid_transform import Array
 from mrts.sample_problem import SampleProblem
+from mrts.velocity_limits import VelocityLimits
 
 BINDING_TOLERANCE = 1e-7
 """A row binds if its multiplier exceeds this share of the largest, or, in closed form, its c² ties this closely."""
@@ -48,13 +49,15 @@ class KernelRows(Sequence[tuple[ActiveRow, ...]]):
     """The rows that bind at one end of each of N samples, named when they are asked for.
 
     Attributes:
-        limits: The r rows; row r + k - 1 of a basis is c² >= 0.
+        limits: The r rows; row r + k - 1 of a basis is c² >= 0 at its lower side, a velocity limit at its upper one.
+        velocity: The velocity limits.
         basis: As the kernel gives them, Shape (N, k).
         dual: Their multipliers, Shape (N, k).
         settled: By sample, what was found in another way.
     """
 
     limits: LimitRows
+    velocity: VelocityLimits
     basis: NDArray[np.int16]
     dual: NDArray[np.float32]
     settled: dict[int, tuple[ActiveRow, ...]]
@@ -71,11 +74,13 @@ class KernelRows(Sequence[tuple[ActiveRow, ...]]):
         sides, size = self.basis[index], np.abs(self.dual[index])
         rows = np.abs(sides.astype(int)) - 1
         strong = size > BINDING_TOLERANCE * np.max(size)
-        standstill = strong & (rows >= len(self.limits.names))
-        named = [ActiveRow(STANDSTILL, "lower", 0.0)] if np.any(standstill & (sides < 0)) else []
+        of_c2 = rows >= len(self.limits.names)
+        named = [ActiveRow(STANDSTILL, "lower", 0.0)] if np.any(strong & of_c2 & (sides < 0)) else []
         for place in np.argsort(-size, kind="stable"):
-            if strong[place] and not standstill[place]:
-                row, upper = rows[place], bool(sides[place] > 0)
+            row, upper = rows[place], bool(sides[place] > 0)
+            if strong[place] and of_c2[place] and upper:
+                named += self.velocity.binding(index)
+            elif strong[place] and not of_c2[place]:
                 limit = self.limits.upper[row] if upper else self.limits.lower[row]
                 named.append(ActiveRow(self.limits.names[row], "upper" if upper else "lower", float(limit)))
         return tuple(named)

@@ -2,7 +2,7 @@
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
 
@@ -15,11 +15,13 @@ from mrts.coordinated_motion import CoordinatedMotion
 from mrts.errors import SolverError
 from mrts.load_box import LoadPoint
 from mrts.load_sharing import LoadSharing
+from mrts.result_html import result_html
 from mrts.rigid_transform import Array
 from mrts.sample_problem import FormulationName
 from mrts.scaled_trajectory import ScaledTrajectory
 from mrts.scaling_range import ScalingRange, ScalingStatus
 from mrts.uncertain_load import LoadStudy
+from mrts.velocity_limits import velocity_limits
 
 LIMIT_TOLERANCE = 1e-8
 """Largest overstepping of a limit, as a share of it, that counts as rounding and the programs' own slack."""
@@ -58,7 +60,7 @@ class DistributionRule:
     weights: Array | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ScalingResult:
     """What `mrts.scale` found.
 
@@ -80,6 +82,14 @@ class ScalingResult:
     load: LoadStudy | None = None
     rule: DistributionRule = DistributionRule()
 
+    def __repr__(self) -> str:
+        done = self.trajectory
+        chosen = "" if done is None else f" Chosen: c² = {done.c2:.4g}, {done.duration:.4g} s."
+        return f"<ScalingResult of cell '{self.cell.name}': {self.summary()}{chosen}>"
+
+    def _repr_html_(self) -> str:
+        return result_html(self)
+
     @property
     def status(self) -> ScalingStatus:
         """The outcome."""
@@ -100,22 +110,21 @@ class ScalingResult:
         return {name: self.trajectory.wrench[:, part] for name, part in self.cell.wrench_slices.items()}
 
     def too_fast(self) -> list[str]:
-        """Joints that pass the velocity limit of their URDF at the chosen speed, a sentence each.
+        """Velocities that pass their limit at the chosen speed, a sentence each.
 
-        Velocity limits are reported, not enforced: c² answers for torques and wrenches.
+        There are none unless the limits are not enforced (`Cell.without_velocity_limits`).
         """
         if self.trajectory is None:
             return []
+        limits = velocity_limits(replace(self.cell, enforces_velocity_limits=True), self.motion)
+        fastest = self.trajectory.c * np.max(limits.share, axis=0)
         notes = []
-        for robot, joints in zip(self.cell.robots, self.cell.joint_slices.values(), strict=True):
-            fastest = np.max(np.abs(self.trajectory.dq[:, joints]), axis=0)
-            for index in np.flatnonzero(fastest > robot.velocity_limit):
-                unit = "m/s" if robot.joint_types[index] == "prismatic" else "rad/s"
-                c2 = self.trajectory.c2 * (robot.velocity_limit[index] / fastest[index]) ** 2
-                notes.append(
-                    f"{robot.name}/{robot.joints[index]} reaches {fastest[index]:.3g} {unit}, its limit is "
-                    f"{robot.velocity_limit[index]:.3g} {unit}: for that, c² may be at most {c2:.4g}"
-                )
+        for index in np.flatnonzero(fastest > 1 + LIMIT_TOLERANCE):
+            name, limit = limits.names[index], limits.limit[index]
+            notes.append(
+                f"{name.robot}/{name.element} reaches {fastest[index] * limit:.3g} {name.unit}, its limit is "
+                f"{limit:.3g} {name.unit}: for that, c² may be at most {self.trajectory.c2 / fastest[index] ** 2:.4g}"
+            )
         return notes
 
     def summary(self) -> str:
@@ -127,17 +136,13 @@ class ScalingResult:
         found = self.range
         if found.lower is None or found.upper is None or not found.status.admits_motion:
             return f"{found.status.value}: {found.explain()}"
-        end = found.upper
-        if end.time is None:
-            return f"c² ∈ [{found.lower.c2:.4g}, ∞): {found.status.advice}"
-        text = f"c² ∈ [{found.lower.c2:.4g}, {end.c2:.4g}]: "
-        if end.c2 > 0:
-            text += f"the motion may be played {np.sqrt(end.c2):.3g} × as fast as given"
-        else:
-            text += "the cell can only hold still"
-        if found.lower.c2 > 0:
-            text += f" and no slower than {np.sqrt(found.lower.c2):.3g} × (set {found.lower.place()})"
-        return f"{text}; limited {end.place()}."
+        least, most = found.lower.c2, found.upper.c2
+        below = f"below {found.lower.place()}" if least > 0 else ""
+        if found.upper.time is None:
+            return f"c² ∈ [{least:.4g}, ∞): {found.status.advice}" + (f" Limited {below}." if below else "")
+        speed = _speed_advice(least, most, self.motion.object.time[-1])
+        limits = f"above {found.upper.place()}, {below}" if below else found.upper.place()
+        return f"c² ∈ [{least:.4g}, {most:.4g}]: {speed}; limited {limits}."
 
     def residuals(self) -> Residuals:
         """Check the trajectory against (8), (13), (20) and (24), from the terms and not from the programs.
@@ -260,6 +265,19 @@ def _overstep(cell: Cell, done: ScaledTrajectory) -> float:
         beyond = np.max(np.maximum(rows.lower - value, value - rows.upper), axis=0)
         worst = float(np.maximum(worst, np.max(beyond / rows.units())))  # not max: it would drop what is no number
     return worst
+
+
+def _speed_advice(least: float, most: float, given: float) -> str:
+    """What a range of c² means to who plays a motion that is given in so many seconds."""
+    if most <= 0:
+        return "the cell can hold the object still at every sample, but not move it along this path"
+    fast = f"{np.sqrt(most):.3g} × as fast as given"
+    if least > 0:
+        verb = "may" if least <= 1 <= most else "must"
+        times = f"{given / np.sqrt(least):.4g} to {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
+        return f"you {verb} play it {np.sqrt(least):.3g} to {fast}: {times}"
+    allowed = "may play it up to" if most >= 1 - LIMIT_TOLERANCE else "must play it at most"
+    return f"you {allowed} {fast}: {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
 
 
 def _finite(values: Array) -> list[float | None]:

@@ -14,6 +14,7 @@ from mrts.errors import InputError, MotionError
 from mrts.limit_rows import ActiveRow, RowName
 from mrts.load_sharing import LoadSharing
 from mrts.rigid_transform import Array
+from mrts.velocity_limits import VelocityLimits, velocity_limits
 
 FormulationName = Literal["wrench", "torque"]
 
@@ -152,7 +153,7 @@ def build_sample_problem(
         limit_lower = np.concatenate([limit_lower, nothing])
         limit_upper = np.concatenate([limit_upper, nothing])
         unit = np.concatenate([unit, nothing + 1])
-    return SampleProblem(
+    problem = SampleProblem(
         torque_map,
         maps["torque_offset"],
         wrench_map,
@@ -165,6 +166,29 @@ def build_sample_problem(
         upper / unit,
         limit_lower,
         limit_upper,
+    )
+    return _with_velocity_limits(problem, velocity_limits(cell, motion), samples)
+
+
+def _with_velocity_limits(
+    problem: SampleProblem, limits: VelocityLimits, samples: NDArray[np.int_] | None
+) -> SampleProblem:
+    """Add a row a velocity limit: (velocity / limit)² <= 1, linear in c²; 1 % of it are 0.5 % of the velocity."""
+    share = limits.share if samples is None else limits.share[samples]
+    shape = share.shape
+    rows = np.zeros((*shape, problem.unknowns))
+    rows[:, :, -1] = share**2
+    none = np.full(shape, -np.inf)
+    return replace(
+        problem,
+        names=(*problem.names, *limits.names),
+        unit=np.concatenate([problem.unit, limits.limit / 2]),
+        is_limit=np.concatenate([problem.is_limit, np.ones(shape[1], dtype=bool)]),
+        A=np.concatenate([problem.A, rows], axis=1),
+        lower=np.concatenate([problem.lower, none], axis=1),
+        upper=np.concatenate([problem.upper, np.ones(shape)], axis=1),
+        limit_lower=np.concatenate([problem.limit_lower, -limits.limit]),
+        limit_upper=np.concatenate([problem.limit_upper, limits.limit]),
     )
 
 

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The motion played at the chosen speed: what a controller gets."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from mrts.coordinated_motion import CoordinatedMotion
 from mrts.rigid_transform import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ScaledTrajectory:
     """Eqs. (9), (10), (19): q̃(t) = q(c t), with joint torques and contact wrenches, at N samples.
 
@@ -28,6 +29,9 @@ class ScaledTrajectory:
     c2: float
     torque: Array
     wrench: Array
+
+    def __repr__(self) -> str:
+        return f"<ScaledTrajectory: {self.motion.samples} samples in {self.duration:.4g} s, c² = {self.c2:.4g}>"
 
     @property
     def c(self) -> float:
@@ -78,3 +82,9 @@ class ScaledTrajectory:
         carried = transposed @ np.linalg.solve(B @ transposed, B @ self.wrench[:, :, None])
         internal: Array = self.wrench - carried[:, :, 0]
         return internal
+
+    def with_internal_wrench(self, internal: Array) -> Self:
+        """The same trajectory with its `internal_wrench` as found before: finding it takes the cell's functions."""
+        done = replace(self)
+        object.__setattr__(done, "internal_wrench", internal)
+        return done

@@ -22,6 +22,9 @@ from mrts.torque_distribution import torque_weights
 from mrts.trajectory_programs import motion_ranges, motion_torques
 from mrts.uncertain_load import Progress, study_load
 
+END_TOLERANCE = 1e-8
+"""Share by which a value may miss the range: a plan at its fastest, read back from a file, does by rounding."""
+
 
 class SelectionError(MrtsError):
     """The requested c² is not in the admissible range, or no single value answers the request.
@@ -75,7 +78,7 @@ def scale(
     """
     if sharing is not None and not isinstance(sharing, LoadSharing):
         raise InputError("sharing", "must be a LoadSharing: LoadSharing() is the equal one.", value=sharing)
-    question = _question(cell, load, select)
+    question = load_question(cell, load, select)
     W = torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
     motion = coordinate(cell, motion)
     study = None
@@ -97,8 +100,17 @@ def scale(
     return replace(untouched, trajectory=trajectory, fallbacks=untouched.fallbacks + fallbacks).checked()
 
 
-def _question(cell: Cell, load: str, select: Selection) -> str:
-    """The question that is asked of the load."""
+def load_question(cell: Cell, load: str, select: Selection) -> str:
+    """The question that is asked of the load.
+
+    Args:
+        cell: The cell.
+        load: As in `scale`; "auto" asks for the guaranteed range where the load varies.
+        select: As in `scale`.
+
+    Raises:
+        InputError: If it is no text, or leaves open what `select` needs.
+    """
     if not isinstance(load, str):
         raise InputError("load", "must be nominal, guaranteed, possible, or grid:N.", value=load)
     if load == "auto":
@@ -140,10 +152,10 @@ def choose_c2(found: ScalingRange, select: Selection) -> float:
     c2 = 1.0 if select == "nominal" else float(select)
     if not (np.isfinite(c2) and c2 > 0):
         raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {interval}.")
-    if not low <= c2 <= high:
+    if not low * (1 - END_TOLERANCE) <= c2 <= high * (1 + END_TOLERANCE):
         side: Literal["lower", "upper"] = "lower" if c2 < low else "upper"
         raise SelectionError(f"c² = {c2:g} is outside the admissible range {interval}. {_end_text(found, side)}")
-    return c2
+    return min(max(c2, low), high)
 
 
 def _end_text(found: ScalingRange, side: Literal["lower", "upper"]) -> str:

@@ -54,7 +54,7 @@ class ScalingStatus(Enum):
                 "Every sample, and every load, is feasible at some speed, but no constant c² suits all. Change the "
                 "velocity profile, split the motion between the two samples, or narrow the load."
             ),
-            "unbounded": "No limit depends on the speed at the samples. Any c² from the lower end on is admissible.",
+            "unbounded": "No limit depends on the speed at the samples: you may play it as fast as you like.",
         }[self.value]
 
     @property
@@ -120,10 +120,10 @@ class RangeEnd:
     def place(self) -> str:
         """When, with which load and by which rows this end is set, in words."""
         load = f" with {self.load}" if self.load is not None else ""
-        return f"at t = {self.time:.4g} s{load} by {'; '.join(str(row) for row in self.rows)}"
+        return f"at t = {self.time:.4g} s{load} by {', '.join(str(row) for row in self.rows)}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ScalingRange:
     """The range over the whole motion.
 
@@ -139,6 +139,10 @@ class ScalingRange:
     upper: RangeEnd | None
     samples: SampleRanges
 
+    def __repr__(self) -> str:
+        ends = f"c² from {self.lower.c2:.4g} to {self.upper.c2:.4g}, " if self.lower and self.upper else ""
+        return f"<ScalingRange {self.status.value}: {ends}{len(self.samples.time)} samples>"
+
     def to_json(self) -> dict[str, Any]:
         """Status, both ends and what sets them; None stands for an end that does not exist."""
         ends = {"lower": self.lower, "upper": self.upper}
@@ -153,7 +157,7 @@ class ScalingRange:
         if self.status is ScalingStatus.INFEASIBLE:
             conflicts = self.samples.conflicts
             worst = max(conflicts, key=lambda conflict: conflict.widening)
-            text = f"{len(conflicts)} of {len(self.samples.time)} samples are infeasible; worst {worst}."
+            text = f"{len(conflicts)} of {len(self.samples.time)} samples are infeasible. The worst: {worst}."
         elif self.status is ScalingStatus.EMPTY and self.lower and self.upper:
             slow, fast = self.lower, self.upper
             text = f"c² must be at least {slow.c2:.6g} {slow.place()}, but at most {fast.c2:.6g} {fast.place()}."

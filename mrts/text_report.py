@@ -6,11 +6,15 @@ from collections.abc import Iterator
 import numpy as np
 
 from mrts.result import ScalingResult
+from mrts.retiming_result import RetimingResult
 from mrts.scaling_range import ScalingRange
 from mrts.uncertain_load import LoadStudy
 
 LOADS_SHOWN = 8
 """Loads of a box that are printed."""
+
+LIMITS_SHOWN = 4
+"""Limits that are printed of a timing."""
 
 
 def report_lines(result: ScalingResult) -> Iterator[str]:
@@ -28,15 +32,38 @@ def report_lines(result: ScalingResult) -> Iterator[str]:
     given = result.motion.object.time[-1]
     yield f"chosen c² = {done.c2:.6g}: {given:.4g} s become {done.duration:.4g} s, energy {done.energy:.4g} J"
     yield f"torques for a load of {result.cell.mass:.4g} kg\n" if result.load is not None else ""
-    yield f"{'joint':<28} {'least torque':>13} {'largest torque':>15} {'limits':>22}"
+    yield from _torque_lines(result)
+    for note in result.too_fast():
+        yield f"note: {note}"
+
+
+def retiming_lines(found: RetimingResult) -> Iterator[str]:
+    """What the command line says of the fastest timing.
+
+    Args:
+        found: The outcome.
+    """
+    yield f"{found.cell.name}: {found.summary()}"
+    if found.retimed is None or found.retimed.trajectory is None or found.excess is None:
+        return
+    limits = "; ".join(f"{name} {100 * share:.0f} % of the time" for name, share in found.limits[:LIMITS_SHOWN])
+    yield f"limited by {limits}"
+    loads = f"for each of {len(found.loads)} corners of the load's box, " if len(found.loads) > 1 else ""
+    yield f"between the samples, {loads}limits are overstepped by at most {100 * found.excess.share:.2g} %"
+    yield f"energy {found.retimed.trajectory.energy:.4g} J; torques for a load of {found.cell.mass:.4g} kg\n"
+    yield from _torque_lines(found.retimed)
+
+
+def _torque_lines(result: ScalingResult) -> Iterator[str]:
+    """Least and largest torque of every joint."""
+    yield f"{'joint':<28} {'least torque':>14} {'largest torque':>15} {'limits':>22}"
     for robot in result.cell.robots:
         torque = result.torque[robot.name]
         for index, joint in enumerate(robot.joints):
-            limits = f"[{robot.torque_lower[index]:g}, {robot.torque_upper[index]:g}] {robot.torque_units[index]}"
-            least, largest = np.min(torque[:, index]), np.max(torque[:, index])
-            yield f"{f'{robot.name}/{joint}':<28} {least:>13.4g} {largest:>15.4g} {limits:>22}"
-    for note in result.too_fast():
-        yield f"note: {note}"
+            unit = robot.torque_units[index]
+            limits = f"[{robot.torque_lower[index]:g}, {robot.torque_upper[index]:g}] {unit}"
+            least, largest = (f"{value:.4g} {unit}" for value in (np.min(torque[:, index]), np.max(torque[:, index])))
+            yield f"{f'{robot.name}/{joint}':<28} {least:>14} {largest:>15} {limits:>22}"
 
 
 def _load_lines(study: LoadStudy) -> Iterator[str]:

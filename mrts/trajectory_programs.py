@@ -26,6 +26,7 @@ from mrts.scaling_range import (
 )
 from mrts.solvers import check_solver
 from mrts.torque_distribution import SLACK, distribute_torques
+from mrts.velocity_limits import velocity_limits
 
 BLOCK = 4096
 """Samples whose rows are put together at a time where the kernel has not answered."""
@@ -61,11 +62,13 @@ def motion_ranges(
         problem = build_sample_problem(cell, motion, formulation, sharing, load)
         return sample_ranges(problem, motion.object.time, solver)
     compiled, limits = fast
-    found = compiled.ranges(motion.samples, motion.inputs(cell.load if load is None else load), limits)
+    velocity = velocity_limits(cell, motion)
+    inputs = motion.inputs(cell.load if load is None else load)
+    found = compiled.ranges(motion.samples, inputs, limits, velocity.largest_c2())
     at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
     low, high = found.low, np.where(at_rest, np.inf, found.high)
     suspects = np.flatnonzero(np.any(found.status != OPTIMAL, axis=0) | (at_rest & (low > 0)))
-    rows = [KernelRows(limits, found.basis[end], found.dual[end], {}) for end in (0, 1)]
+    rows = [KernelRows(limits, velocity, found.basis[end], found.dual[end], {}) for end in (0, 1)]
     conflicts: list[Conflict] = []
     fallbacks = 0
     for start in range(0, len(suspects), BLOCK):

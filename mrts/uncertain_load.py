@@ -42,7 +42,7 @@ Progress = Callable[[int, int], None]
 """Told how many of how many pieces of work are done."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LoadStudy:
     """What was asked of an uncertain load, and the answer for each load that was looked at.
 
@@ -60,6 +60,9 @@ class LoadStudy:
     ranges: tuple[ScalingRange, ...]
     not_converged: tuple[int, ...] = ()
 
+    def __repr__(self) -> str:
+        return f"<LoadStudy {self.sentence()}>"
+
     def sentence(self) -> str:
         """The question and the box in words."""
         what = self.box.description()
@@ -67,7 +70,7 @@ class LoadStudy:
             return f"for every load of the box ({what})"
         if self.question == "possible":
             missed = f"; {len(self.not_converged)} samples not converged" if self.not_converged else ""
-            return f"for some load of the box at each sample ({what}{missed})"
+            return f"at best, for some load of the box at each sample ({what}{missed})"
         low, high = (self.box.mass * factor for factor in self.box.ranges["mass"])
         return f"for {len(self.points)} masses from {low:.4g} to {high:.4g} kg, all else nominal"
 
@@ -144,7 +147,7 @@ def study_load(
             value=question,
         )
     task = _Task(cell, motion, formulation, sharing, solver, progress)
-    varying = _effective(cell, motion, box)
+    varying = effective_parameters(cell, motion, box)
     if question == "guaranteed":
         if sharing is not None and not any(name in OFFSETS for name in varying):
             closed = _guaranteed_by_fixed_rule(task, box, varying)
@@ -160,18 +163,27 @@ def study_load(
     return found, LoadStudy(question, box, points, tuple(intersect(of_point) for of_point in ranges))
 
 
-def _effective(cell: Cell, motion: CoordinatedMotion, box: LoadBox) -> tuple[str, ...]:
-    """Parameters that change the object's wrench P c² + Q along this motion: corners that differ in others coincide."""
+def effective_parameters(
+    cell: Cell, motion: CoordinatedMotion, box: LoadBox, parts: tuple[str, ...] = ("P", "Q")
+) -> tuple[str, ...]:
+    """Parameters that change the object's wrench along this motion: corners that differ in others coincide.
 
-    def wrenches(load: Array) -> tuple[Array, Array]:
+    Args:
+        cell: The cell.
+        motion: Its motion.
+        box: The box.
+        parts: What the wrench is made of: P c² + Q, with S r̈ where the speed varies.
+    """
+
+    def wrenches(load: Array) -> list[Array]:
         terms = cell.functions("terms", motion.samples, motion.inputs(load))
-        return terms["P"], terms["Q"]  # compared each by itself: how fast the motion is given moves only P
+        return [terms[part] for part in parts]  # compared each by itself: how fast the motion is given does not move Q
 
     nominal = wrenches(box.nominal_point().load)
     found = []
     for name in box.varying:
         ends = [wrenches(box.load_at({name: end})) for end in box.ranges[name]]
-        for end, part in product(ends, range(2)):
+        for end, part in product(ends, range(len(parts))):
             change = float(np.max(np.abs(end[part] - nominal[part])))
             if change > INERT * float(np.max(np.abs(nominal[part]))):
                 found.append(name)

@@ -63,6 +63,10 @@ class Terms:
     Q: np.ndarray
 
 
+NO_VELOCITY_LIMIT = 1e3
+"""[rad/s, m/s]; the URDF parser writes a large number where there is none."""
+
+
 class ReferenceCell:
     def __init__(self, path: Path) -> None:
         self.description = yaml.safe_load(Path(path).read_text())
@@ -175,9 +179,14 @@ class ReferenceCell:
         Q = np.concatenate([-self.mass * self.gravity, np.zeros(3)])[self.rows]
         return Terms(E, G, J, B, P, Q)
 
-    def range_at(self, terms: Terms, *, even: bool):
-        """(status, lower, upper) of one sample."""
-        return highs_range(*self.program(terms, even=even))
+    def range_at(self, terms: Terms, joints, *, even: bool):
+        """(status, lower, upper) of one sample; velocities bound c² as their URDFs say."""
+        A, lower, upper, x_lower, x_upper = self.program(terms, even=even)
+        for arm, (_, dq, _) in zip(self.arms, joints, strict=True):
+            for limit, rate in zip(arm.model.velocityLimit, np.abs(dq), strict=True):
+                if 0 < limit < NO_VELOCITY_LIMIT and rate > 0:
+                    x_upper[-1] = min(x_upper[-1], (limit / rate) ** 2)
+        return highs_range(A, lower, upper, x_lower, x_upper)
 
     def program(self, terms: Terms, *, even: bool):
         """Rows over [F_1 … F_n, c²]: matrix, lower, upper, and bounds of the unknowns."""

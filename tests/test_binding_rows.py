@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import DATA
+from shown_results import still_motion
 
 import mrts
 from mrts.accumulated_energy import accumulated_energy
@@ -19,7 +20,9 @@ TOO_HARD = np.array([2.5, 0, 0, -2.5, 0, 0])
 
 @pytest.fixture(scope="module")
 def spatial(dual_ur5):
-    return mrts.scale(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml"))
+    return mrts.scale(
+        dual_ur5.without_velocity_limits(), mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
+    )
 
 
 def test_lanes_are_filled_exactly_where_their_rows_bind(spatial):
@@ -50,6 +53,15 @@ def test_conflicts_have_lanes_of_their_own(planar_cell, lift):
 
 def test_standing_still_alone_takes_no_lane(planar_cell, lift):
     assert {lane.kind for lane in binding_lanes(mrts.scale(planar_cell, lift).range)} == {"upper"}
+
+
+def test_nothing_binds_where_nothing_limits_the_speed(spatial, planar_cell, lift):
+    """With velocity limits and without any: at rest there is nothing that they bound."""
+    assert spatial.range.samples.status[0] is mrts.SampleStatus.UNBOUNDED
+    assert spatial.range.samples.upper_rows[0] == ()
+    still = mrts.scale(planar_cell, still_motion(lift))
+    assert [still.range.samples.upper_rows[sample] for sample in range(11)] == [()] * 11
+    assert binding_lanes(still.range) == []
 
 
 def test_rows_are_named_in_a_few_letters():
@@ -91,6 +103,20 @@ def test_each_side_of_unequal_limits_counts_by_itself(planar_cell, lift):
     fy = {name: wrench[:, 1] for name, wrench in result.wrench.items()}
     assert uses["left"].share == pytest.approx(max(0, np.max(-fy["left"]) / 40), rel=1e-12)
     assert uses["right"].share == pytest.approx(1 - np.min(fy["right"]) / 40, rel=1e-12)
+
+
+def test_velocities_count_whether_they_are_enforced_or_not(dual_ur5, spatial):
+    """Without enforcement the motion is too fast; with it, the fastest joint is at its limit."""
+    for result in (spatial, mrts.scale(dual_ur5, spatial.motion)):
+        uses = {(use.name.robot, use.name.element): use for use in limit_uses(result) if use.name.kind == "velocity"}
+        share = np.max(np.abs(result.trajectory.dq), axis=0) / np.concatenate(
+            [robot.velocity_limit for robot in dual_ur5.robots]
+        )
+        names = [(robot.name, joint) for robot in dual_ur5.robots for joint in robot.joints]
+        assert [uses[name].share for name in names] == pytest.approx(share.tolist(), rel=1e-12)
+        assert max(use.share for use in uses.values()) == pytest.approx(
+            1 if result.cell.enforces_velocity_limits else 2.335, rel=1e-3
+        )
 
 
 def test_an_infeasible_result_uses_no_limits(planar_cell, lift):

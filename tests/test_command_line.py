@@ -143,5 +143,5 @@ def test_help_and_version():
     assert "demo" in mrts_command("--help").stdout
     assert mrts_command("--version").stdout.strip() == f"mrts {mrts.__version__}"
     for verb in ("demo", "generate", "scale"):
-        assert "Example: mrts" in mrts_command(verb, "--help").stdout
+        assert "examples:" in mrts_command(verb, "--help").stdout
     assert mrts_command().returncode == 2

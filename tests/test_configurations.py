@@ -135,3 +135,13 @@ def test_the_command(tmp_path, capsys):
     assert len(study["ranked"]) == 64
     assert study["ranked"][0]["c2"]["upper"] > study["ranked"][-1]["c2"]["upper"]
     assert set(study["ranked"][0]["postures"]) == {"left", "right"}
+
+
+@pytest.mark.parametrize(("cap", "sharing", "total"), [(1024, None, 4), (2, None, 6), (2, mrts.LoadSharing(), 4)])
+def test_progress_counts_every_evaluation(planar_cell, lift, cap, sharing, total):
+    told = []
+    study = mrts.rank_configurations(
+        planar_cell, lift, cap=cap, sharing=sharing, progress=lambda *counts: told.append(counts)
+    )
+    assert told == [(done, total) for done in range(total + 1)]
+    assert len(study.ranked) == min(cap, 4)

@@ -37,9 +37,10 @@ def reference_range(case: PaperCase, tmp_path):
 def sample_ranges(cell: ReferenceCell, case: PaperCase):
     _, samples = cell.object_motion(DATA.parent / case.motion)
     joints = cell.joint_motion(samples)
+    at = [[arm[k] for arm in joints] for k in range(len(samples))]
     return [
-        cell.range_at(cell.terms(sample, [arm[k] for arm in joints]), even=case.even)
-        for k, sample in enumerate(samples)
+        cell.range_at(cell.terms(sample, of_sample), of_sample, even=case.even)
+        for sample, of_sample in zip(samples, at, strict=True)
     ]
 
 

@@ -42,7 +42,7 @@ def test_compiled_c_equals_the_virtual_machine(planar_cell):
     assert (planar_cell.functions.backend, machine.functions.backend) == ("compiled", "vm")
     rng = np.random.default_rng(2)
     count = 64
-    for name, record in planar_cell.functions.records.items():
+    for name, record in planar_cell.functions.manifest.functions.items():
         inputs = {a.name: rng.normal(size=(count, *a.shape)) for a in record.inputs}
         ours, theirs = (cell.functions(name, count, inputs) for cell in (planar_cell, machine))
         for output in ours:

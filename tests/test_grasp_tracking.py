@@ -193,7 +193,7 @@ def test_an_object_motion_given_by_hand_is_checked(mistake):
 def test_one_arm_equals_hollerbachs_scaling(tmp_path):
     """n = 1 without wrench limits: c² from the torque rows of inverse dynamics alone, object welded to the hand."""
     paths = random_spatial_cell(np.random.default_rng(3), tmp_path, 1)
-    cell = mrts.load_cell(paths[0], backend="vm").without_wrench_limits()
+    cell = mrts.load_cell(paths[0], backend="vm").without_wrench_limits().without_velocity_limits()
     strong = np.array([60.0, 60, 60, 60, 60, 60])
     cell = replace(cell, robots=(replace(cell.robots[0], torque_lower=-strong, torque_upper=strong),))
     given = mrts.load_motion(paths[1])
@@ -257,8 +257,14 @@ def test_torque_coefficients_equal_toppras(tmp_path):
 
 def test_the_spatial_cell_on_the_command_line(tmp_path):
     target = tmp_path / "result.json"
-    assert main(["scale", str(UR5 / "cell.yaml"), str(UR5 / "lift_and_turn.yaml"), "--json", str(target)]) == 0
+    command = ["scale", str(UR5 / "cell.yaml"), str(UR5 / "lift_and_turn.yaml"), "--json", str(target)]
+    assert main(command) == 0
     result = json.loads(target.read_text())
     assert result["status"] == "feasible"
     assert len(result["torque"]["left"][0]) == 6
-    assert any("rad/s" in note for note in result["velocity_limits_passed"])
+    assert result["binding"]["upper"]["rows"][0]["kind"] == "velocity"
+    assert result["velocity_limits_passed"] == []
+    assert main([*command, "--no-velocity-limits"]) == 0
+    faster = json.loads(target.read_text())
+    assert faster["c2"]["upper"] > result["c2"]["upper"]
+    assert any("rad/s" in note for note in faster["velocity_limits_passed"])

@@ -17,11 +17,10 @@ from random_programs import cell_programs, hard_programs
 
 import mrts
 from mrts.cell_cache import library_in_cache
-from mrts.compiled_cell import CHUNK
 from mrts.compiler import find_compiler
 from mrts.constraints import cell_rows
 from mrts.convex_program import ConvexPrograms, optimality_error, solve_programs
-from mrts.kernel_library import INFEASIBLE, KERNEL_FILES, MARGINAL, OPTIMAL, kernel_library, kernel_text
+from mrts.kernel_library import CHUNK, INFEASIBLE, KERNEL_FILES, MARGINAL, OPTIMAL, kernel_library, kernel_text
 from mrts.solvers.kernel import KernelSolver
 
 LINEAR_PROGRAMS = 100_000
@@ -237,7 +236,9 @@ def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch
         monkeypatch.setattr("os.cpu_count", lambda: 8)
         result = mrts.scale(cell, motion)
         assert result.fallbacks == 0
-        ends = cell.functions.compiled.ranges(motion.samples, motion.inputs(cell.load), cell_rows(cell))
+        ends = cell.functions.compiled.ranges(
+            motion.samples, motion.inputs(cell.load), cell_rows(cell), np.full(motion.samples, np.inf)
+        )
         results.append((ends.low, ends.high, ends.basis, ends.dual, result.trajectory.torque, result.trajectory.wrench))
     for other in results[1:]:
         for one, two in zip(results[0], other, strict=True):

@@ -28,6 +28,7 @@ def test_ranges_equal_the_reference(arms, make, tmp_path):
     assert seen["infeasible"] > 10
     assert seen["unbounded"] > 0
     assert seen["minimum speed"] > 3
+    assert 10 < seen["velocity"] < seen["feasible"] - 10
 
 
 def compare(cell_path, motion_path, label):
@@ -48,7 +49,7 @@ def compare(cell_path, motion_path, label):
         ours = result.range.samples
         for k, sample in enumerate(samples):
             terms = reference.terms(sample, [arm[k] for arm in joints])
-            status, low, high = reference.range_at(terms, even=even)
+            status, low, high = reference.range_at(terms, [arm[k] for arm in joints], even=even)
             where = f"{label}, sample {k}, even {even}"
             assert ours.status[k].value == status, where
             seen[status] += 1
@@ -57,5 +58,6 @@ def compare(cell_path, motion_path, label):
             assert ours.lower[k] == pytest.approx(low, rel=RANGE_TOLERANCE, abs=RANGE_TOLERANCE), where
             seen["minimum speed"] += low > RANGE_TOLERANCE
             if status == "feasible":
+                seen["velocity"] += any(row.name.kind == "velocity" for row in ours.upper_rows[k])
                 assert ours.upper[k] == pytest.approx(high, rel=RANGE_TOLERANCE, abs=RANGE_TOLERANCE), where
     return seen

@@ -127,7 +127,8 @@ def test_the_guaranteed_range_equals_the_reference_over_the_corners(tmp_path):
         cell = ReferenceCell(path)
         _, samples = cell.object_motion(DATA / "lift.yaml")
         joints = cell.joint_motion(samples)
-        ends += [cell.range_at(cell.terms(s, [arm[k] for arm in joints]), even=False)[2] for k, s in enumerate(samples)]
+        at = [[arm[k] for arm in joints] for k in range(len(samples))]
+        ends += [cell.range_at(cell.terms(s, j), j, even=False)[2] for s, j in zip(samples, at, strict=True)]
     ours = mrts.load_cell(DATA / "cell.yaml").with_variation(mass=(0.2, 6.0))
     found = mrts.scale(ours, mrts.load_motion(DATA / "lift.yaml")).range
     assert found.upper.c2 == pytest.approx(min(ends), rel=SEARCH_TOLERANCE)
@@ -347,7 +348,7 @@ def test_a_known_load_of_the_box_has_torques_at_the_guaranteed_c2(dual_ur5, lift
         checks = carried.residuals()
         assert checks.limits <= RANGE_TOLERANCE
         assert max(checks.arms, checks.object) <= 1e-9 * (1 + np.max(np.abs(carried.trajectory.wrench)))
-    even = mrts.scale(cell, lift_and_turn, 5.0, sharing=mrts.LoadSharing())
+    even = mrts.scale(cell.without_velocity_limits(), lift_and_turn, 5.0, sharing=mrts.LoadSharing())
     again = mrts.torques_for_load(even, cell.load)
     np.testing.assert_allclose(again.trajectory.torque, even.trajectory.torque, atol=1e-9)  # the result's own rule
     with pytest.raises(mrts.SelectionError, match="does not suit this load") as refused:

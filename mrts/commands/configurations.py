@@ -5,9 +5,15 @@ import argparse
 from pathlib import Path
 
 from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.options import add_cell_and_motion, require, sharing_option
-from mrts.commands.terminal import say
+from mrts.commands.options import add_cell_and_motion, cell_option, require, sharing_option
+from mrts.commands.progress import working
+from mrts.commands.terminal import put, say
 from mrts.errors import InputError
+
+EXAMPLES = """\
+examples:
+  mrts configurations cell.yaml motion.yaml --show 5
+  mrts configurations cell.yaml motion.yaml --share equal --cap 100 --json ranking.json"""
 
 
 def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -15,10 +21,11 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     study = verbs.add_parser(
         "configurations",
         help="compare all inverse-kinematics branches of the arms",
-        epilog="Example: mrts configurations cell.yaml motion.yaml --show 5",
+        epilog=EXAMPLES,
     )
     add_cell_and_motion(study)
     study.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
+    study.add_argument("--no-velocity-limits", action="store_true", help="let velocity limits bound nothing")
     study.add_argument("--cap", type=int, default=1024, help="most combinations to evaluate (default: %(default)s)")
     study.add_argument("--show", type=int, default=10, metavar="N", help="rows to print (default: %(default)s)")
     study.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
@@ -29,7 +36,6 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Rank the configurations."""
-    from mrts.cell import load_cell
     from mrts.configurations import rank_configurations
     from mrts.motion_file import load_motion
     from mrts.object_motion import ObjectMotion
@@ -39,22 +45,25 @@ def run(options: argparse.Namespace) -> int:
     motion = load_motion(options.motion)
     if not isinstance(motion, ObjectMotion):
         raise InputError(options.motion, "a table of joint motion fixes the configuration; give the object's motion.")
-    cell = load_cell(options.cell)
-    study = rank_configurations(
-        cell,
-        motion,
-        sharing=sharing_option(options.share),
-        cap=options.cap,
-        solver=options.solver or DEFAULT_SOLVER,
-    )
+    sharing = sharing_option(options.share)
+    cell = cell_option(options.cell)
+    if options.no_velocity_limits:
+        cell = cell.without_velocity_limits()
+    with working(f"configurations of {cell.name}") as progress:
+        study = rank_configurations(
+            cell, motion, sharing=sharing, cap=options.cap, solver=options.solver or DEFAULT_SOLVER, progress=progress
+        )
+    feasible = bool(study.ranked) and study.ranked[0].range.status.admits_motion
     if str(options.json) == "-":
-        say(study.json_text())
+        put(study.json_text())
     else:
-        say(study.table(options.show))
+        outcome, table = study.table(options.show).split("\n", 1)
+        say(outcome, "strong" if feasible else "bad")
+        say(table)
         if options.json is not None:
             study.write_json(options.json)
     if options.plot is not None:
         from mrts.figures import ranking_figure, write_figure
 
         write_figure(ranking_figure(study, f"{cell.name}: configurations"), options.plot / "configurations.png")
-    return FEASIBLE if study.ranked and study.ranked[0].range.status.admits_motion else INFEASIBLE
+    return FEASIBLE if feasible else INFEASIBLE

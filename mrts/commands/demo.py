@@ -7,12 +7,18 @@ import sys
 from pathlib import Path
 
 from mrts.commands.exit_codes import FEASIBLE
+from mrts.commands.progress import working
 from mrts.commands.terminal import say, warn
+
+EXAMPLES = """\
+examples:
+  mrts demo                  the table; figures and files in the folder mrts-demo
+  mrts demo -o somewhere"""
 
 
 def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the verb to the command line."""
-    demo = verbs.add_parser("demo", help="run the paper's examples", epilog="Example: mrts demo -o mrts-demo")
+    demo = verbs.add_parser("demo", help="run the paper's examples", epilog=EXAMPLES)
     demo.add_argument("-o", "--output", type=Path, default=Path("mrts-demo"), metavar="DIR",
                       help="folder for the figures and example files (default: %(default)s)")  # fmt: skip
     demo.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
@@ -24,11 +30,13 @@ def run(options: argparse.Namespace) -> int:
     from mrts.demo import NOTE, format_table, run_demo, write_demo_files
     from mrts.solvers import DEFAULT_SOLVER
 
-    rows = run_demo(options.solver or DEFAULT_SOLVER)
-    say("Two planar arms lift a bar (section VI of the paper): largest admissible c² in r(t) = c t\n")
+    with working("running the paper's examples") as progress:
+        rows = run_demo(options.solver or DEFAULT_SOLVER, progress)
+    say("Two planar arms lift a bar (section VI of the paper): largest admissible c² in r(t) = c t\n", "strong")
     say(format_table(rows))
     say(f"\n{NOTE}\n")
-    write_demo_files(options.output, rows, note=warn)
+    with working(f"writing {options.output}"):
+        write_demo_files(options.output, rows, note=warn)
     folder = options.output / "planar_dual_arm"
     say(f"Written to {options.output}: figures 4 to 8, the uncertain load, and the example's files. Try next:")
     say(f"  {_command()} scale {folder / 'cell.yaml'} {folder / 'lift.yaml'} --plot {options.output}")

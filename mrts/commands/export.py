@@ -5,8 +5,16 @@ import argparse
 from pathlib import Path
 
 from mrts.commands.exit_codes import FEASIBLE
+from mrts.commands.options import cell_option
+from mrts.commands.progress import working
 from mrts.commands.terminal import say
 from mrts.errors import InputError
+
+EXAMPLES = """\
+examples:
+  mrts export cell.yaml -o embedded/my_cell --precision float
+  mrts export cell.yaml -o embedded/my_cell --functions range,torques --name arms
+  make -C embedded/my_cell test example"""
 
 
 def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -14,7 +22,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     export = verbs.add_parser(
         "export",
         help="write a self-contained C library of a cell for a controller",
-        epilog="Example: mrts export cell.yaml -o embedded/my_cell --precision float",
+        epilog=EXAMPLES,
     )
     export.add_argument("cell", type=Path, metavar="CELL", help="cell file")
     export.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the library")
@@ -29,7 +37,6 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Write the library."""
-    from mrts.cell import load_cell
     from mrts.cell_cache import export_to
     from mrts.coordinated_motion import coordinate
     from mrts.embedded_test_vectors import make_vectors, own_motion
@@ -37,13 +44,14 @@ def run(options: argparse.Namespace) -> int:
 
     if options.cell.is_dir():
         raise InputError(options.cell, "an export starts from the cell file, not from a generated folder.")
-    cell = load_cell(options.cell)
+    cell = cell_option(options.cell)
     parts = tuple(part for part in options.functions.split(",") if part)
     vectors, samples = [], 0
     if not parts:  # tests and example go with a library of all parts only
         motion = coordinate(cell, load_motion(options.motion)) if options.motion is not None else own_motion(cell)
         vectors, samples = make_vectors(cell, motion), motion.samples
-    written = export_to(options.cell, options.output, vectors, samples, options.precision, parts, options.name)
+    with working(f"writing {options.output}"):
+        written = export_to(options.cell, options.output, vectors, samples, options.precision, parts, options.name)
     say(f"{cell.name}: {options.precision} precision, {len(vectors)} test vectors, in {options.output}:")
     say("\n".join(f"  {name}" for name in written))
     return FEASIBLE

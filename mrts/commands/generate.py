@@ -5,14 +5,18 @@ import argparse
 from pathlib import Path
 
 from mrts.commands.exit_codes import FEASIBLE
+from mrts.commands.progress import working
 from mrts.commands.terminal import say
+
+EXAMPLES = """\
+examples:
+  mrts generate cell.yaml -o generated/my_cell
+  mrts scale generated/my_cell motion.yaml        runs without the URDFs"""
 
 
 def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the verb to the command line."""
-    generate = verbs.add_parser(
-        "generate", help="generate the C of a cell", epilog="Example: mrts generate cell.yaml -o generated/my_cell"
-    )
+    generate = verbs.add_parser("generate", help="generate the C of a cell", epilog=EXAMPLES)
     generate.add_argument("cell", type=Path, metavar="CELL", help="cell file")
     generate.add_argument("-o", "--output", type=Path, metavar="DIR",
                           help="folder for the C file and manifest.json (default: the user's cache)")  # fmt: skip
@@ -23,7 +27,8 @@ def run(options: argparse.Namespace) -> int:
     """Generate the C of a cell."""
     from mrts.cell_cache import generate_to
 
-    manifest, source = generate_to(options.cell, options.output)
+    with working(f"generating {options.cell}"):
+        manifest, source = generate_to(options.cell, options.output)
     say(f"{manifest.name}: {len(manifest.functions)} functions in {source}")
     for function in manifest.functions.values():
         say(f"  {function.symbol:<40} {function.instructions:>6} instructions")

@@ -5,16 +5,27 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mrts.commands.progress import working
 from mrts.errors import InputError
 
 if TYPE_CHECKING:
+    from mrts.cell import Cell
     from mrts.load_sharing import LoadSharing
 
 
 def add_cell_and_motion(verb: argparse.ArgumentParser) -> None:
     """Add the two files that nearly every verb reads."""
     verb.add_argument("cell", type=Path, metavar="CELL", help="cell file, or a folder that `mrts generate` wrote")
-    verb.add_argument("motion", type=Path, metavar="MOTION", help="motion file")
+    verb.add_argument("motion", type=Path, metavar="MOTION",
+                      help="motion file, CSV table, or ROS 2 bag with joint trajectories")  # fmt: skip
+
+
+def cell_option(path: Path) -> "Cell":
+    """The cell of a file or folder; on first use generated and compiled, which a terminal sees."""
+    from mrts.cell import load_cell
+
+    with working(f"generating and compiling {path}"):
+        return load_cell(path)
 
 
 def sharing_option(text: str | None) -> "LoadSharing | None":

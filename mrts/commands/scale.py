@@ -6,15 +6,27 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.options import add_cell_and_motion, require, sharing_option
-from mrts.commands.terminal import say, show_progress, warn
+from mrts.commands.options import add_cell_and_motion, cell_option, require, sharing_option
+from mrts.commands.progress import working
+from mrts.commands.terminal import put, say, warn
 from mrts.errors import InputError
 
 if TYPE_CHECKING:
     from mrts.cell import Cell
+    from mrts.load_sharing import LoadSharing
+    from mrts.motion_table import JointTable
+    from mrts.object_motion import ObjectMotion
     from mrts.result import ScalingResult
     from mrts.rigid_transform import Array
     from mrts.scaling import Selection
+
+EXAMPLES = """\
+examples:
+  mrts scale cell.yaml motion.yaml --json result.json --plot plots
+  mrts scale cell.yaml motion.yaml --profile optimal --plot plots
+  mrts scale cell.yaml motion.yaml --c2 0.8 --share 0.6,0.4 --csv trajectory.csv
+  mrts scale cell.yaml motion.yaml --load guaranteed --carry mass=1.5,izz=0.8
+  mrts scale cell.yaml motion.yaml -q --json - | jq .c2.upper"""
 
 
 def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -22,7 +34,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     scale = verbs.add_parser(
         "scale",
         help="find the range of c², choose c², distribute the torques",
-        epilog="Example: mrts scale cell.yaml motion.yaml --fastest --json result.json",
+        epilog=EXAMPLES,
     )
     add_cell_and_motion(scale)
     choice = scale.add_mutually_exclusive_group()
@@ -30,6 +42,12 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
                         help="play as fast as the limits allow (default)")  # fmt: skip
     choice.add_argument("--nominal", action="store_const", const="nominal", dest="select", help="play as given, c² = 1")
     choice.add_argument("--c2", type=float, dest="select", metavar="VALUE", help="play at this c²")
+    scale.add_argument("--profile", choices=["constant", "optimal"], default="constant",
+                       help="one factor of speed, or the fastest timing r(t) (default: %(default)s)")  # fmt: skip
+    scale.add_argument("--start-speed", type=float, metavar="R",
+                       help="of the optimal profile, as a multiple of the given speed, where the motion does not start "
+                       "from rest (default: 0)")  # fmt: skip
+    scale.add_argument("--end-speed", type=float, metavar="R", help="likewise at the end")
     scale.add_argument("--share", metavar="equal|A,B,…",
                        help="fixed distribution of the load: equal, or one share an arm")  # fmt: skip
     scale.add_argument("--load", default="auto", metavar="QUESTION",
@@ -38,10 +56,15 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     scale.add_argument("--carry", metavar="KEY=VALUE,…",
                        help="torques for this load of the box, as mass=1.5,izz=0.8 (default: nominal)")  # fmt: skip
     scale.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
+    scale.add_argument(
+        "--no-velocity-limits", action="store_true", help="report velocity limits, but let them bound nothing"
+    )
     scale.add_argument("--formulation", choices=["wrench", "torque"], default="wrench",
                        help="unknowns of the programs (default: %(default)s)")  # fmt: skip
     scale.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
     scale.add_argument("--json", type=Path, metavar="FILE", help="write the whole result ('-' is standard output)")
+    scale.add_argument("--save", type=Path, metavar="FILE.npz",
+                       help="save the whole result, for mrts.load_result")  # fmt: skip
     scale.add_argument("--csv", type=Path, metavar="FILE", help="write the scaled trajectory as a table")
     scale.add_argument("--ros-bag", type=Path, metavar="DIR",
                        help="write the scaled trajectory as a ROS 2 bag (MCAP; needs the extra 'ros')")  # fmt: skip
@@ -53,34 +76,52 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Scale a motion."""
-    from mrts.cell import load_cell
-    from mrts.known_load import torques_for_load
     from mrts.motion_file import load_motion
-    from mrts.scaling import SelectionError, scale
-    from mrts.solvers import DEFAULT_SOLVER
-    from mrts.text_report import report_lines
 
     require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
     require("plotly", "--report", "report", wanted=options.report is not None)
     require("rosbags", "--ros-bag", "ros", wanted=options.ros_bag is not None)
     motion = load_motion(options.motion)
     sharing = sharing_option(options.share)
-    cell = load_cell(options.cell)
+    cell = cell_option(options.cell)
     if options.no_wrench_limits:
         cell = cell.without_wrench_limits()
-    select: Selection = "auto" if options.select is None else options.select
+    if options.no_velocity_limits:
+        cell = cell.without_velocity_limits()
     carried = _known_load(cell, options.carry, options.load)
+    if options.profile == "optimal":
+        return _retime(options, cell, motion, sharing, carried)
+    return _scale(options, cell, motion, sharing, carried)
+
+
+def _scale(
+    options: argparse.Namespace,
+    cell: "Cell",
+    motion: "ObjectMotion | JointTable",
+    sharing: "LoadSharing | None",
+    carried: "Array | None",
+) -> int:
+    from mrts.known_load import torques_for_load
+    from mrts.scaling import SelectionError, scale
+    from mrts.solvers import DEFAULT_SOLVER
+    from mrts.text_report import report_lines
+
+    for name in ("start_speed", "end_speed"):
+        if getattr(options, name) is not None:
+            raise InputError(f"--{name.replace('_', '-')}", "goes with --profile optimal.")
+    select: Selection = "auto" if options.select is None else options.select
     try:
-        result = scale(
-            cell,
-            motion,
-            select,
-            sharing=sharing,
-            formulation=options.formulation,
-            solver=options.solver or DEFAULT_SOLVER,
-            load=options.load,
-            progress=show_progress,
-        )
+        with working(f"scaling {options.motion}") as progress:
+            result = scale(
+                cell,
+                motion,
+                select,
+                sharing=sharing,
+                formulation=options.formulation,
+                solver=options.solver or DEFAULT_SOLVER,
+                load=options.load,
+                progress=progress,
+            )
         if carried is not None and result.trajectory is not None:
             result = torques_for_load(result, carried, solver=options.solver or DEFAULT_SOLVER)
     except SelectionError as error:
@@ -88,12 +129,67 @@ def run(options: argparse.Namespace) -> int:
             _write(options, error.result)
         raise
     if str(options.json) != "-":
-        for line in report_lines(result):
-            say(line)
+        outcome, *details = report_lines(result)
+        say(outcome, "strong" if result.status.admits_motion else "bad")
+        for line in details:
+            say(line, "note" if line.startswith("note:") else "plain")
         if result.fallbacks:
             warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
-    _write(options, result)
+    with working("writing"):
+        _write(options, result)
     return FEASIBLE if result.status.admits_motion else INFEASIBLE
+
+
+def _retime(
+    options: argparse.Namespace,
+    cell: "Cell",
+    motion: "ObjectMotion | JointTable",
+    sharing: "LoadSharing | None",
+    carried: "Array | None",
+) -> int:
+    from dataclasses import replace
+
+    from mrts.known_load import torques_for_load
+    from mrts.retiming import retime
+    from mrts.text_report import retiming_lines
+
+    for name, given in (("--c2, --fastest, --nominal", options.select), ("--solver", options.solver)):
+        if given is not None:
+            raise InputError(name, "does not go with --profile optimal, which chooses the speed by itself.")
+    if options.formulation != "wrench":
+        raise InputError("--formulation", "the optimal profile is found in the wrench form.", value=options.formulation)
+    with working(f"timing {options.motion}") as progress:
+        found = retime(
+            cell,
+            motion,
+            sharing=sharing,
+            load=options.load,
+            start_speed=options.start_speed or 0.0,
+            end_speed=options.end_speed or 0.0,
+            progress=progress,
+        )
+        if carried is not None and found.retimed is not None:
+            found = replace(found, retimed=torques_for_load(found.retimed, carried))
+    if str(options.json) == "-":
+        put(found.json_text())
+    else:
+        outcome, *details = retiming_lines(found)
+        say(outcome, "strong" if found.status.admits_motion else "bad")
+        for line in details:
+            say(line)
+        if options.json is not None:
+            found.write_json(options.json)
+    if found.retimed is None:
+        return INFEASIBLE
+    options.json = None
+    with working("writing"):
+        _write(options, found.retimed)
+        if options.plot is not None:
+            from mrts.figures import write_figure
+            from mrts.phase_plane import phase_plane_figure
+
+            write_figure(phase_plane_figure(found), options.plot / "phase_plane.png")
+    return FEASIBLE
 
 
 def _known_load(cell: "Cell", text: str | None, question: str) -> "Array | None":
@@ -119,9 +215,13 @@ def _known_load(cell: "Cell", text: str | None, question: str) -> "Array | None"
 def _write(options: argparse.Namespace, result: "ScalingResult") -> None:
     if options.json is not None:
         if str(options.json) == "-":
-            say(result.json_text())
+            put(result.json_text())
         else:
             result.write_json(options.json)
+    if options.save is not None:
+        from mrts.saved_result import save_result
+
+        save_result(result, options.save)
     if options.csv is not None:
         from mrts.trajectory_table import write_trajectory_csv
 

@@ -83,11 +83,12 @@ static void mrts_scale(int k, int rows, double *A, int stride, double *column) {
     }
 }
 
-/* Least and largest c^2 of samples 0 .. count - 1. For each sample the status of both programs, the largest effect of
- * c^2 = 1 on a row, the rows that determine each end and their multipliers (see mrts_lp); the bound c^2 >= 0 is row
- * rows + MRTS_UNKNOWNS - 1. */
+/* Least and largest c^2 <= most of samples 0 .. count - 1. For each sample the status of both programs, the largest effect of
+ * c^2 = 1 on a row, the rows that determine each end and their multipliers (see mrts_lp); the bounds of
+ * c^2 are row rows + MRTS_UNKNOWNS - 1. */
 MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long long *stride,
-                            const mrts_limits *limits, double *low, double *high, unsigned char *low_status,
+                            const mrts_limits *limits, const double *most, double *low, double *high,
+                            unsigned char *low_status,
                             unsigned char *high_status, double *effect, short *low_basis, short *high_basis,
                             float *low_dual, float *high_dual, const double **arg, double **res, long long *iw,
                             double *w, double *work, int *iwork) {
@@ -117,6 +118,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
             lower[rows + j] = j < K - 1 ? -MRTS_INFINITY : 0;
             upper[rows + j] = j < K - 1 ? MRTS_INFINITY : MRTS_UNBOUNDED;
         }
+        if (most[n] / column[K - 1] < MRTS_UNBOUNDED) upper[rows + K - 1] = most[n] / column[K - 1];
         for (int end = 0; end < 2; ++end) {
             int *basis = end ? high_rows : low_rows;
             short *kept = (end ? high_basis : low_basis) + n * K;

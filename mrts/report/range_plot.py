@@ -43,8 +43,8 @@ def range_plot(found: ScalingRange) -> Plot:
         widest = max(infeasible_spans(samples), key=lambda span: span[1] - span[0])
         shape["annotations"].append(word | {"x": sum(widest) / 2, "text": "no c² at all"})
     if found.status is ScalingStatus.EMPTY and found.lower is not None and found.upper is not None:
-        for kind, end in (("lower", found.lower), ("upper", found.upper)):
-            level = {"type": "line", "x0": 0, "x1": 1, "xref": "x domain", "y0": end.c2, "y1": end.c2}
+        for kind, c2 in (("lower", found.lower.c2), ("upper", found.upper.c2)):
+            level = {"type": "line", "x0": 0, "x1": 1, "xref": "x domain", "y0": c2, "y1": c2}
             shape["shapes"].append(level | {"line": {"color": END_COLOURS[kind], "dash": "dot", "width": 1.5}})
     if found.status is ScalingStatus.UNBOUNDED:
         shape["annotations"].append(word | {"x": 0.5, "xref": "paper", "text": "no limit depends on the speed"})

@@ -26,9 +26,15 @@ def inputs_table(result: ScalingResult) -> Html:
     cell, given = result.cell, result.motion.object
     where = f"planar in {cell.plane}" if cell.plane else "spatial"
     path = f"from {_vector(given.position[0])} m to {_vector(given.position[-1])} m"
+    fastest = (
+        f"{limit:.4g} {unit}"
+        for limit, unit in zip(cell.object_velocity_limit, ("m/s", "rad/s"), strict=True)
+        if np.isfinite(limit)
+    )
     entries = [
         ("cell", f"{cell.name}, {where}, gravity {_vector(cell.gravity)} m/s²"),
         ("object", _object_text(cell)),
+        ("speed of the object", f"at most {speed}" if (speed := ", ".join(fastest)) else "unlimited"),
         ("load", "known" if result.load is None else result.load.sentence()),
     ]
     for robot in cell.robots:
@@ -72,7 +78,8 @@ def joints_table(cell: Cell) -> Html:
             fastest = robot.velocity_limit[index]
             velocity = f"{fastest:.4g} {unit}/s" if np.isfinite(fastest) else "none given"
             rows.append((robot.name, joint, robot.joint_types[index], torque, position, velocity))
-    return table(("robot", "joint", "type", "torque", "position", "velocity (reported only)"), rows)
+    velocity = "velocity" if cell.enforces_velocity_limits else "velocity (not enforced)"
+    return table(("robot", "joint", "type", "torque", "position", velocity), rows)
 
 
 def wrench_limits_table(cell: Cell) -> Html:

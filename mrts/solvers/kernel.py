@@ -1,13 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Our own dense kernel for any batch of programs; see mrts/kernel/dense_programs.h."""
 
-from functools import lru_cache
-
 import numpy as np
 
-from mrts.compiler import find_compiler
-from mrts.errors import CompilerError
-from mrts.kernel_library import KernelLibrary, kernel_library
+from mrts.kernel_library import default_kernel
 from mrts.rigid_transform import Array
 
 
@@ -15,7 +11,7 @@ class KernelSolver:
     """Linear programs by the bounded dual simplex method, quadratic ones by a dual active set method."""
 
     def __init__(self) -> None:
-        self._library = _library()
+        self._library = default_kernel()
 
     def solve(
         self,
@@ -35,11 +31,3 @@ class KernelSolver:
         else:
             x, dual, _ = self._library.quadratic_programs(H, g, A, low, high)
         return x, dual[:, :rows], dual[:, rows:]
-
-
-@lru_cache(maxsize=1)
-def _library() -> KernelLibrary:
-    command = find_compiler()
-    if command is None:
-        raise CompilerError("no C compiler was found.")
-    return kernel_library(command)

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: MIT
+"""`mrts view`."""
+
+import argparse
+import os
+import sys
+import webbrowser
+from contextlib import suppress
+
+from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.commands.options import add_cell_and_motion, cell_option, require, sharing_option
+from mrts.commands.progress import working
+from mrts.commands.terminal import say, warn
+
+EXAMPLES = """\
+examples:
+  mrts view cell.yaml motion.yaml
+  mrts view cell.yaml motion.yaml --port 0 --no-open"""
+
+LOCAL = ("127.0.0.1", "localhost", "::1")
+"""Where nobody else can reach the viewer."""
+
+
+def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the verb to the command line."""
+    view = verbs.add_parser(
+        "view",
+        help="play a motion in the browser at any speed, with torques and wrenches against their limits",
+        epilog=EXAMPLES,
+    )
+    add_cell_and_motion(view)
+    view.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
+    view.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
+    view.add_argument("--host", default=LOCAL[0], help="address to listen at (default: %(default)s, this machine only)")
+    view.add_argument("--port", type=int, default=8080, help="port; 0 takes any free one (default: %(default)s)")
+    view.add_argument("--no-open", action="store_true", help="do not open a browser")
+    view.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Show the viewer until Ctrl-C; the exit code is that of the outcome."""
+    require("viser", "mrts view", "view", wanted=True)
+    from mrts.cell_cache import urdf_files
+    from mrts.manifest import MANIFEST_NAME
+    from mrts.motion_file import load_motion
+    from mrts.player_state import PlayerState
+    from mrts.viewer import Viewer, address, close_server, open_server
+
+    motion = load_motion(options.motion)
+    sharing = sharing_option(options.share)
+    cell = cell_option(options.cell)
+    urdfs = {} if options.cell.is_dir() or options.cell.name == MANIFEST_NAME else urdf_files(options.cell)
+    if options.no_wrench_limits:
+        cell = cell.without_wrench_limits()
+    server = open_server(options.host, options.port, f"mrts: {cell.name}")
+    try:
+        with working(f"scaling {options.motion}") as progress:
+            state = PlayerState(cell, motion, sharing=sharing, progress=progress)
+        viewer, url = Viewer(server, state, urdfs, warn), address(server)
+        if options.host not in LOCAL:
+            warn(f"everyone who reaches {options.host} can watch and steer this viewer")
+        say(f"{cell.name}: {state.result.summary()}")
+        say(f"viewer at {url} (Ctrl-C ends it)")
+        sys.stdout.flush()
+        if not options.no_open and _has_display():
+            with suppress(webbrowser.Error):
+                webbrowser.open(url)
+        viewer.run()
+    finally:
+        close_server(server)
+    return FEASIBLE if state.result.status.admits_motion else INFEASIBLE
+
+
+def _has_display() -> bool:
+    """Whether a browser would have a window: without one, a text browser would take the terminal."""
+    return sys.platform in {"darwin", "win32"} or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The fastest speed along a path by reachability analysis (Pham and Pham, A new approach to time-optimal path
+ * parameterization based on reachability analysis, IEEE T-RO 2018): x is the squared speed, u half its slope, constant
+ * on each segment: x_(i+1) = x_i + 2 step_i u. Each sample has half-planes n_u u + n_x x <= h, which hold at both ends of
+ * every segment (the interpolation scheme).
+ */
+
+/* Rounding of a speed on a limit, relative to 1 and the limit, so that a region of one point does not miss itself. */
+#define MRTS_ON_LIMIT 2e-10
+
+/* The half-planes of a segment over (u, x_i): those of its start, those of its end with x_(i+1) put in, and the interval
+ * that x_(i+1) is to reach; returns their number. */
+static int mrts_segment(double step, const double *left, int left_count, const double *right, int right_count,
+                        double low, double high, double *A, double *upper) {
+    int row = 0;
+    for (int end = 0; end < 2; ++end) {
+        const double *plane = end ? right : left;
+        const int count = end ? right_count : left_count;
+        for (int i = 0; i < count; ++i, ++row, plane += 3) {
+            A[2 * row] = plane[0] + (end ? 2 * step * plane[1] : 0);
+            A[2 * row + 1] = plane[1];
+            upper[row] = plane[2] + MRTS_ON_LIMIT * (1 + MRTS_ABS(plane[2]));
+        }
+    }
+    for (int side = 0; side < 2; ++side, ++row) {
+        A[2 * row] = side ? 2 * step : -2 * step;
+        A[2 * row + 1] = side ? 1 : -1;
+        upper[row] = side ? high : -low;
+    }
+    return row;
+}
+
+/* The interval of u at one x, and the slopes of its ends. */
+typedef struct {
+    double least, most, least_slope, most_slope;
+} mrts_rates;
+
+static mrts_rates mrts_rates_at(int rows, const double *A, const double *upper, double x) {
+    mrts_rates u = {-MRTS_INFINITY, MRTS_INFINITY, 0, 0};
+    for (int row = 0; row < rows; ++row) {
+        const double a = A[2 * row], value = (upper[row] - A[2 * row + 1] * x) / a;
+        if (a > 0 && value < u.most) {
+            u.most = value;
+            u.most_slope = -A[2 * row + 1] / a;
+        } else if (a < 0 && value > u.least) {
+            u.least = value;
+            u.least_slope = -A[2 * row + 1] / a;
+        }
+    }
+    return u;
+}
+
+/* The x nearest to `from` on the way to `to` that leaves some u: the interval's length is concave in x, so Newton's method
+ * from outside ends at the exact line after finitely many steps. Returns 0 if there is none. */
+static int mrts_nearest(int rows, const double *A, const double *upper, double from, double to, double *x) {
+    const double inward = to >= from ? 1 : -1;
+    *x = from;
+    for (int step = 0; step <= rows; ++step) {
+        const mrts_rates u = mrts_rates_at(rows, A, upper, *x);
+        const double gap = u.most - u.least, slope = (u.most_slope - u.least_slope) * inward;
+        if (gap >= 0) return 1;
+        if (slope <= 0) return 0;
+        const double next = *x - gap / slope * inward;
+        if ((next - to) * inward > 0) return 0;
+        if (next == *x) return 1; /* nothing but rounding is left */
+        *x = next;
+    }
+    return 1;
+}
+
+/* Least and largest x_i that leave some u; [*low, *high] bounds them on entry. Returns 0 if there is none. */
+static int mrts_controllable(int rows, const double *A, const double *upper, double *low, double *high) {
+    double least, most;
+    for (int row = 0; row < rows; ++row) {
+        const double a = A[2 * row + 1];
+        if (A[2 * row] != 0) continue;
+        if (a > 0 && upper[row] / a < *high) *high = upper[row] / a;
+        if (a < 0 && upper[row] / a > *low) *low = upper[row] / a;
+    }
+    if (*low > *high) return 0;
+    if (!mrts_nearest(rows, A, upper, *low, *high, &least) || !mrts_nearest(rows, A, upper, *high, *low, &most)) return 0;
+    *low = least;
+    *high = most > least ? most : least;
+    return 1;
+}
+
+/* Backward: the controllable sets [low, high] of samples 0 .. last, given as bounds of x and that of the last sample.
+ * Returns the sample that has none, -1 if all have one. start[i] .. start[i + 1] - 1 are the half-planes of sample i. */
+MRTS_EXPORT long long mrts_backward(long long last, const double *step, const long long *start, const double *planes,
+                                    double *low, double *high, double *work) {
+    for (long long i = last - 1; i >= 0; --i) {
+        const int left = (int)(start[i + 1] - start[i]), right = (int)(start[i + 2] - start[i + 1]);
+        double *A = work, *upper = A + 2 * (left + right + 2);
+        const int rows = mrts_segment(step[i], planes + 3 * start[i], left, planes + 3 * start[i + 1], right, low[i + 1],
+                                      high[i + 1], A, upper);
+        if (!mrts_controllable(rows, A, upper, low + i, high + i)) return i;
+    }
+    return -1;
+}
+
+/* Forward: from x[0] the largest controllable speed at each next sample. */
+MRTS_EXPORT void mrts_forward(long long last, const double *step, const long long *start, const double *planes,
+                              const double *low, const double *high, double *x, double *work) {
+    for (long long i = 0; i < last; ++i) {
+        const int left = (int)(start[i + 1] - start[i]), right = (int)(start[i + 2] - start[i + 1]);
+        double *A = work, *upper = A + 2 * (left + right + 2);
+        const int rows = mrts_segment(step[i], planes + 3 * start[i], left, planes + 3 * start[i + 1], right, low[i + 1],
+                                      high[i + 1], A, upper);
+        const mrts_rates u = mrts_rates_at(rows, A, upper, x[i]);
+        const double next = x[i] + 2 * step[i] * (u.most >= u.least ? u.most : (u.most + u.least) / 2);
+        x[i + 1] = next < low[i + 1] ? low[i + 1] : next > high[i + 1] ? high[i + 1] : next;
+    }
+}

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: MIT
+"""The fastest speed along a path inside its speed regions (Pham and Pham, IEEE T-RO 34(3), 2018)."""
+
+import ctypes
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.kernel_library import default_kernel, pointer
+from mrts.rigid_transform import Array
+from mrts.speed_regions import SpeedRegions
+
+FARTHEST = 1e3
+"""Speeds squared above this multiple of the maximum velocity curve, or of what the accelerations reach along the whole
+path where there is none, count as unbounded."""
+
+END_TOLERANCE = 1e-9
+"""Share by which a given end speed may miss its controllable set: rounding."""
+
+
+@dataclass(frozen=True)
+class SpeedProfile:
+    """x = ṡ² along a path, linear between its n samples: s̈ is constant on each segment.
+
+    Attributes:
+        x: The fastest, Shape (n,).
+        low: Least controllable x, Shape (n,).
+        high: Largest controllable x, Shape (n,).
+    """
+
+    x: Array
+    low: Array
+    high: Array
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """Why there is no profile.
+
+    Attributes:
+        kind: "segment" (no speed at `sample` leads on), "start" or "end" (the given speed is not admissible).
+        sample: Where on the path.
+        reach: Admissible x there; for a segment, controllable x at its end.
+        next_reach: At a start, controllable x at the next sample.
+    """
+
+    kind: Literal["segment", "start", "end"]
+    sample: int
+    reach: tuple[float, float]
+    next_reach: tuple[float, float] | None = None
+
+
+def largest_speed(step: Array, regions: SpeedRegions) -> float:
+    """A bound of x that no profile within limits reaches.
+
+    Args:
+        step: Length of each segment, Shape (n - 1,).
+        regions: Regions of the samples.
+    """
+    finite = regions.high[np.isfinite(regions.high) & (regions.high > 0)]
+    if finite.size:
+        return FARTHEST * float(np.max(finite))
+    return FARTHEST * 2 * float(np.sum(step)) * float(np.median(regions.rate_unit))
+
+
+def fastest_profile(step: Array, regions: SpeedRegions, ends: tuple[float, float]) -> SpeedProfile | Obstacle:
+    """Controllable sets backward, then the largest speeds forward.
+
+    Args:
+        step: Length of each segment, Shape (n - 1,).
+        regions: Regions of the n samples.
+        ends: x at the first and the last sample.
+    """
+    low, high = regions.low.copy(), np.minimum(regions.high, largest_speed(step, regions))
+    last = len(step)
+    if not _within(ends[1], low[last], high[last]):
+        return Obstacle("end", last, (float(low[last]), float(high[last])))
+    low[last] = high[last] = ends[1]
+    planes = np.ascontiguousarray(regions.planes)
+    steps = np.ascontiguousarray(step)
+    rows = 2 * int(np.max(np.diff(regions.start)))
+    work = np.zeros(3 * (rows + 2))
+    path: list[NDArray[np.float64] | NDArray[np.int64]] = [steps, regions.start, planes, low, high]
+    kernel = default_kernel().loaded
+    kernel.mrts_backward.restype = ctypes.c_longlong
+    pointers = [pointer(array) for array in path]
+    failed = int(kernel.mrts_backward(ctypes.c_longlong(last), *pointers, pointer(work)))
+    if failed >= 0:
+        return Obstacle("segment", failed, (float(low[failed + 1]), float(high[failed + 1])))
+    if not _within(ends[0], low[0], high[0]):
+        return Obstacle("start", 0, (float(low[0]), float(high[0])), (float(low[1]), float(high[1])))
+    x = np.zeros(last + 1)
+    x[0] = min(max(ends[0], low[0]), high[0])
+    kernel.mrts_forward(ctypes.c_longlong(last), *pointers, pointer(x), pointer(work))
+    return SpeedProfile(x, low, high)
+
+
+def _within(value: float, low: float, high: float) -> bool:
+    slack = END_TOLERANCE * max(abs(low), abs(high), abs(value))
+    return low - slack <= value <= high + slack

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: MIT
+"""The admissible pairs of u = r̈ and x = ṙ² at every sample: convex polygons, as half-planes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.kernel_library import OPTIMAL, default_kernel
+from mrts.rigid_transform import Array
+from mrts.sample_problem import SampleProblem
+from mrts.scaling_range import REST_TOLERANCE
+
+BOX = 1e5
+"""Projections end where u or x moves some row by this many limits; what reaches that far counts as unbounded."""
+
+NEAR_BOX = 1 - 1e-6
+
+
+@dataclass(frozen=True)
+class SpeedRegions:
+    """Half-planes n_u u + n_x x <= h, in units of limits, at N samples, and bounds of x.
+
+    Attributes:
+        start: The half-planes of sample i are start[i] .. start[i + 1] - 1, Shape (N + 1,).
+        planes: n_u, n_x, h, Shape (E, 3).
+        low: Least x, Shape (N,).
+        high: Largest x: the maximum velocity curve, infinity where nothing bounds it, Shape (N,).
+        rate_unit: The u that moves some row by a whole limit, Shape (N,).
+        undecided: Samples whose region is empty, or was not found.
+    """
+
+    start: NDArray[np.int64]
+    planes: Array
+    low: Array
+    high: Array
+    rate_unit: Array
+    undecided: tuple[int, ...]
+
+
+def speed_regions(problem: SampleProblem) -> SpeedRegions:
+    """Project the polytope of every sample onto (u, x).
+
+    A projection is the hull of answers of linear programs, so a mixture of its corners is feasible: the region lies
+    inside the true one, by less than 1e-9 of a limit.
+
+    Args:
+        problem: Rows of [F, u, x], from `build_path_problem`.
+    """
+    velocity = np.array([name.kind == "velocity" for name in problem.names])
+    with np.errstate(divide="ignore"):
+        most = np.min(1 / problem.A[:, velocity, -1], axis=1, initial=np.inf)
+    A, lower, upper = problem.A[:, ~velocity], problem.lower[:, ~velocity], problem.upper[:, ~velocity]
+    effect = np.max(np.abs(A), axis=1)
+    for column in (-2, -1):
+        still = effect[:, column] <= REST_TOLERANCE * np.max(effect[:, column])
+        effect[still, column] = 0.0
+    with np.errstate(divide="ignore"):
+        unit = 1 / effect
+    scale = np.where(np.isfinite(unit), unit, 0.0)
+    A = A * scale[:, None, :]
+    if problem.unknowns == 2:  # noqa: PLR2004 (u and x: the rows are the half-planes)
+        return _by_rows(A, lower, upper, unit, most)
+    return _by_projection(A, lower, upper, unit, most)
+
+
+def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
+    """What is admissible in all of several regions of the same samples."""
+    samples = np.concatenate([np.repeat(np.arange(len(part.low)), np.diff(part.start)) for part in regions])
+    order = np.argsort(samples, kind="stable")
+    return SpeedRegions(
+        _starts(np.bincount(samples, minlength=len(regions[0].low))),
+        np.concatenate([part.planes for part in regions])[order],
+        np.max([part.low for part in regions], axis=0),
+        np.min([part.high for part in regions], axis=0),
+        np.min([part.rate_unit for part in regions], axis=0),
+        tuple(sorted({sample for part in regions for sample in part.undecided})),
+    )
+
+
+def _starts(counts: NDArray[np.int64]) -> NDArray[np.int64]:
+    return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+
+
+def _by_rows(A: Array, lower: Array, upper: Array, unit: Array, most: Array) -> SpeedRegions:
+    """Every row is two half-planes."""
+    count = len(A)
+    sides = np.concatenate([A, -A], axis=1)
+    limit = np.concatenate([upper, -lower], axis=1)
+    sample, row = np.nonzero(np.isfinite(limit))
+    planes = np.column_stack([sides[sample, row] / unit[sample], limit[sample, row]])
+    start = _starts(np.bincount(sample, minlength=count))
+    return SpeedRegions(start, planes, np.zeros(count), most, unit[:, 0], ())
+
+
+def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Array) -> SpeedRegions:
+    count, _, unknowns = A.shape
+    scale = np.where(np.isfinite(unit[:, -1]), unit[:, -1], 0.0)
+    cap = np.minimum(most / np.where(scale > 0, scale, 1.0), BOX)
+    least, largest = np.full((count, unknowns), -np.inf), np.full((count, unknowns), np.inf)
+    least[:, -2], largest[:, -2] = -BOX, BOX
+    least[:, -1], largest[:, -1] = 0.0, cap
+    for column in (-2, -1):
+        still = np.isinf(unit[:, column])
+        least[still, column] = largest[still, column] = 0.0
+    number, corners, status = default_kernel().projections(
+        A, np.concatenate([lower, least], axis=1), np.concatenate([upper, largest], axis=1)
+    )
+    corners = corners[:, : max(int(np.max(number)), 1)]
+    place = np.arange(corners.shape[1])
+    real = place < number[:, None]
+    x = np.where(real, corners[:, :, 1], np.nan)
+    found = status == OPTIMAL
+    low, high = np.zeros(count), np.zeros(count)
+    low[found], high[found] = np.maximum(np.nanmin(x[found], axis=1), 0.0), np.nanmax(x[found], axis=1)
+    high = np.where(high >= NEAR_BOX * BOX, np.inf, high)
+
+    after = np.where(place + 1 < number[:, None], place + 1, 0)
+    ahead = np.take_along_axis(corners, after[:, :, None], axis=1)
+    step = ahead - corners
+    length = np.hypot(step[:, :, 0], step[:, :, 1])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        normal = np.stack([step[:, :, 1], -step[:, :, 0]], axis=2) / length[:, :, None]
+    on_box = np.minimum(np.abs(corners[:, :, 0]), np.abs(ahead[:, :, 0])) >= NEAR_BOX * BOX
+    both = np.stack([corners[:, :, 1], ahead[:, :, 1]])
+    on_bound = np.all(both >= NEAR_BOX * cap[:, None], axis=0) | np.all(both <= 1 / BOX**2, axis=0)
+    sample, corner = np.nonzero(real & (length > 0) & (number > 1)[:, None] & ~on_box & ~on_bound)
+    normals = normal[sample, corner]
+    offset = np.sum(normals * corners[sample, corner], axis=1)
+    # a point or a stretch has no edges that bound it along itself
+    thin = np.flatnonzero(found & (number <= 2) & np.isfinite(unit[:, -2]))  # noqa: PLR2004 (a stretch)
+    u = np.where(real, corners[:, :, 0], np.nan)[thin]
+    sample = np.concatenate([sample, thin, thin])
+    across = np.tile([1.0, 0.0], (len(thin), 1))
+    normals = np.concatenate([normals, across, -across])
+    offset = np.concatenate([offset, np.nanmax(u, axis=1, initial=-np.inf), -np.nanmin(u, axis=1, initial=np.inf)])
+    planes = np.column_stack([normals / unit[sample, -2:], offset])
+    order = np.argsort(sample, kind="stable")
+    return SpeedRegions(
+        _starts(np.bincount(sample, minlength=count)),
+        planes[order],
+        low * scale,
+        np.minimum(np.where(scale > 0, high * np.where(scale > 0, scale, 1.0), np.inf), most),
+        unit[:, -2],
+        tuple(np.flatnonzero(~found).tolist()),
+    )

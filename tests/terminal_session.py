@@ -1,0 +1,45 @@
+"""A command at a real terminal: a pseudo-terminal of its own, keys typed when something shows."""
+
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+
+SPAWN = (
+    "import os, pty, sys; code = os.waitstatus_to_exitcode(pty.spawn(sys.argv[1:]));"
+    "sys.exit(code if code >= 0 else 128 - code)"  # as a shell says it
+)
+
+
+@dataclass
+class Session:
+    code: int
+    shown: str
+
+
+def at_terminal(command, *, keys=(), without=(), **environment):
+    """Run a command at a terminal.
+
+    Args:
+        command: Its words.
+        keys: Pairs (text, what to type once that text has been shown), in order.
+        without: Variables that the environment lacks.
+        **environment: Further variables.
+    """
+    inherited = {name: value for name, value in os.environ.items() if name not in {"NO_COLOR", "COLUMNS", *without}}
+    with subprocess.Popen(
+        [sys.executable, "-c", SPAWN, *map(str, command)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env=inherited | {"TERM": "xterm", "PYTHONUNBUFFERED": "1"} | environment,
+    ) as process:
+        shown, searched, waiting = b"", 0, list(keys)
+        while chunk := os.read(process.stdout.fileno(), 4096):
+            shown += chunk
+            while waiting and waiting[0][0].encode() in shown[searched:]:
+                text, typed = waiting.pop(0)
+                searched = shown.index(text.encode(), searched) + len(text.encode())
+                process.stdin.write(typed.encode())
+                process.stdin.flush()
+        assert not waiting, (waiting, shown)
+    return Session(process.returncode, shown.decode())

@@ -1,0 +1,106 @@
+"""What a result says in one sentence, for every outcome: the range, what it means in seconds, and what sets it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import DATA
+
+import mrts
+
+AT_REST = {"duration": 1.0, "samples": 11, "profile": "quintic", "start": {"xyz": [1.25, 1, 0]}}
+
+
+def with_vertical_force(cell, least, largest):
+    """Strong arms whose hands must press upward by some force."""
+    robots = tuple(
+        replace(
+            robot,
+            torque_lower=robot.torque_lower * 100,
+            torque_upper=robot.torque_upper * 100,
+            wrench_lower=np.array([-np.inf, least, -np.inf]),
+            wrench_upper=np.array([np.inf, largest, np.inf]),
+        )
+        for robot in cell.robots
+    )
+    return replace(cell, robots=robots)
+
+
+@pytest.fixture(scope="module")
+def start_of_lowering():
+    """Downward, speeding up: fast it weighs little, slow it weighs its 4.9 N; 0.095 s."""
+    low = mrts.sample_motion(
+        mrts.MotionDescription.model_validate(
+            {"duration": 0.5, "profile": "sinusoid", "start": {"xyz": [1.25, 1.5, 0]}, "end": {"xyz": [1.25, 1.0, 0]}}
+        )
+    )
+    fields = (low.time, low.position, low.rotation, low.twist, low.acceleration)
+    return mrts.ObjectMotion(*(field[:20] for field in fields))
+
+
+def test_room_to_go_faster(planar_cell, lift):
+    text = mrts.scale(planar_cell, lift).summary()
+    assert text.startswith(
+        "c² ∈ [0, 3.062]: you may play it up to 1.75 × as fast as given: 0.2992 s instead of 0.5236 s; "
+        "limited at t = 0 s by "
+    )
+    assert "left/elbow torque (upper, 80 N m), " in text
+
+
+def test_too_fast_as_given(planar_cell):
+    text = mrts.scale(planar_cell, mrts.load_motion(DATA / "fast_lift.yaml")).summary()
+    assert "you must play it at most 0.525 × as fast as given: 0.2992 s instead of 0.1571 s; limited at" in text
+
+
+@pytest.mark.parametrize(
+    ("largest", "says"),
+    [
+        (2.2, "you must play it 0.35 to 0.767 × as fast as given: 0.2714 to 0.1239 s instead of 0.095 s"),
+        (2.45, "you must play it at most 0.767 × as fast as given: 0.1239 s instead of 0.095 s"),
+    ],
+)
+def test_no_slower_than_what_can_be_held(planar_cell, start_of_lowering, largest, says):
+    text = mrts.scale(with_vertical_force(planar_cell, 1.0, largest), start_of_lowering).summary()
+    assert says in text
+    assert "limited at t = 0 s by" in text or "limited above at t = 0 s by" in text
+    assert ("below at t = 0.095 s by" in text) == (largest < 2.45)
+
+
+def test_a_range_about_the_motion_as_given_needs_no_must(planar_cell, start_of_lowering):
+    slower = replace(start_of_lowering, time=start_of_lowering.time * 2, twist=start_of_lowering.twist / 2,
+                     acceleration=start_of_lowering.acceleration / 4)  # fmt: skip
+    text = mrts.scale(with_vertical_force(planar_cell, 1.0, 2.2), slower).summary()
+    assert "c² ∈ [0.49, 2.351]: you may play it 0.7 to 1.53 × as fast as given: 0.2714 to 0.1239 s" in text
+
+
+def test_only_rest(planar_cell, start_of_lowering):
+    with pytest.raises(mrts.SelectionError) as caught:
+        mrts.scale(with_vertical_force(planar_cell, 2.45, 3.0), start_of_lowering)
+    text = caught.value.result.summary()
+    assert text.startswith("c² ∈ [0, 0]: the cell can hold the object still at every sample, but not move it along")
+
+
+def test_nothing_that_limits_the_speed(planar_cell):
+    description = mrts.MotionDescription.model_validate(AT_REST | {"end": AT_REST["start"]})
+    text = mrts.scale(planar_cell, mrts.sample_motion(description)).summary()
+    assert text == "c² ∈ [0, ∞): No limit depends on the speed at the samples: you may play it as fast as you like."
+
+
+def test_no_common_speed(planar_cell, start_of_lowering):
+    cell = with_vertical_force(planar_cell, 1.0, 3.0).with_variation(mass=(0.45, 2.0))
+    text = mrts.scale(cell, start_of_lowering).summary()
+    assert text.startswith("for every load of the box (mass 0.225 … 1 kg): empty: c² must be at least 0.4655")
+    assert "but at most 0.0923" in text
+    assert "Change the velocity profile" in text
+
+
+def test_no_speed_at_all(planar_cell, lift):
+    text = mrts.scale(planar_cell.with_mass(60.0), lift).summary()
+    assert text.startswith("infeasible: 51 of 101 samples are infeasible. The worst: at t = 0 s (sample 0) no torques")
+    assert "moving all limits outward by 282 % of their size (left/elbow by 226 N m" in text
+    assert text.endswith("Move the path, raise a limit, lighten the load, or try another configuration.")
+
+
+def test_what_is_possible_is_no_promise(planar_cell, lift):
+    text = mrts.scale(planar_cell.with_variation(mass=(0.5, 2.0)), lift, load="possible").summary()
+    assert text.startswith("at best, for some load of the box at each sample (mass 0.25 … 1 kg): c² ∈ [0, ")

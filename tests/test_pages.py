@@ -1,0 +1,58 @@
+"""The documentation: pages that show how something is done are done, and the reference and the site are whole."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+from conftest import ROOT
+from page_runner import Page, matches
+
+import mrts
+from mrts.cli import VERBS
+
+DOCS = ROOT / "docs"
+
+
+@pytest.mark.parametrize(
+    ("name", "blocks"), [("tutorial", 13), ("own_cell", 4), ("own_robot", 4), ("command_line", 4), ("ros2", 2)]
+)
+def test_a_page_does_what_it_shows_and_prints_what_it_says(name, blocks, tmp_path):
+    assert Page(DOCS / f"{name}.md", tmp_path).run().ran >= blocks
+
+
+def test_a_page_that_says_something_else_is_found_out(tmp_path):
+    page = tmp_path / "page.md"
+    for code, text in (("python\nprint(3.25)", "3.24"), ("sh\necho 3.25", "3.2"), ("sh\nfalse", "")):
+        page.write_text(f"```{code}\n```\n\n```text\n{text}\n```\n")
+        with pytest.raises(AssertionError, match=r"page\.md"):
+            Page(page, tmp_path).run()
+    assert matches("c² = 3.2… s\n  a  b", "c² = 3.25 s\na b\n")
+    assert not matches("c² = 3.2", "c² = 3.25")
+
+
+def test_every_public_name_is_in_the_reference():
+    text = "".join(page.read_text(encoding="utf-8") for page in (DOCS / "reference").glob("*.md"))
+    shown = re.findall(r"^::: mrts\.(\w+)$", text, re.MULTILINE)
+    assert set(mrts.__all__) <= set(shown)
+    assert len(shown) == len(set(shown))
+
+
+def test_every_verb_is_on_the_page_of_the_command_line():
+    page = (DOCS / "command_line.md").read_text(encoding="utf-8")
+    for verb in VERBS:
+        name = re.search(r"`(mrts \w+)`", verb.__doc__).group(1)
+        assert f"| `{name}" in page, name
+
+
+def test_the_site_builds_without_a_warning(tmp_path):
+    """As `make docs` does, with the reference of every public class and function in it."""
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(tmp_path / "site")]
+    done = subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, check=False, env={"NO_MKDOCS_2_WARNING": "1"}
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    text = "".join(page.read_text(encoding="utf-8") for page in (tmp_path / "site" / "reference").glob("*.html"))
+    for name in mrts.__all__:
+        assert f'id="mrts.{name}"' in text, name
+    assert not re.findall(r'<(?:script|link|img)[^>]+(?:src|href)="https?:', text)  # nothing is fetched to read it

@@ -1,0 +1,391 @@
+"""The fastest timing, against toppra, a direct transcription, closed forms and its own constraints."""
+
+import json
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+import toppra
+import yaml
+from conftest import DATA
+from random_cells import chain_model, configuration, random_planar_cell, random_spatial_cell
+from toppra.constraint import DiscretizationType
+from transcription import transcription
+
+import mrts
+from mrts.coordinated_motion import carried_by_first
+from mrts.path_rows import build_path_problem
+from mrts.reachability import Obstacle, SpeedProfile, fastest_profile
+from mrts.speed_regions import speed_regions
+from mrts.trajectory_programs import motion_ranges
+
+UR5 = DATA.parent / "dual_ur5"
+TOPPRA_TOLERANCE = 1e-4  # seidel keeps limits to 1e-6 of their size; a thin region turns that into more of x
+DURATION_TOLERANCE = 1e-3
+TRANSCRIPTION_TOLERANCE = 1e-3
+EXCESS_GOAL = 1e-3
+
+toppra.setup_logging("ERROR")
+
+
+def one_arm(seed, folder):
+    """An arm with its load, as a cell of ours and as a model of Pinocchio with the object welded to its hand."""
+    folder.mkdir()
+    rng = np.random.default_rng([77, seed])
+    paths = random_spatial_cell(rng, folder, 1)
+    cell = mrts.load_cell(paths[0], backend="vm").without_wrench_limits()
+    robot = cell.robots[0]
+    model = chain_model(folder / "arm0.urdf")
+    model.gravity.linear = robot.T_world_base.R.T @ cell.gravity
+    frame = model.frames[model.getFrameId("tip")]
+    tip_object = pin.SE3(robot.T_object_tip.R, robot.T_object_tip.p).inverse()
+    model.appendBodyToJoint(
+        frame.parentJoint, pin.Inertia(cell.mass, np.zeros(3), cell.inertia), frame.placement * tip_object
+    )
+    strong = rng.uniform(150, 400, 6)
+    robot = replace(
+        robot,
+        torque_lower=-strong,
+        torque_upper=strong,
+        position_lower=np.full(6, -10.0),
+        position_upper=np.full(6, 10.0),
+    )
+    path = toppra.SplineInterpolator(np.linspace(0, 1, 5), robot.posture + rng.uniform(-0.8, 0.8, (5, 6)))
+    return replace(cell, robots=(robot,)), model, path
+
+
+def by_toppra(cell, model, path, grid):
+    """Speeds squared at the grid points, None if there are none."""
+    data, robot = model.createData(), cell.robots[0]
+
+    def torque(q, dq, ddq):
+        return pin.rnea(model, data, configuration(model, q), dq, ddq)
+
+    limits = np.column_stack([robot.torque_lower, robot.torque_upper])
+    speed = np.column_stack([-robot.velocity_limit, robot.velocity_limit])
+    constraints = [
+        toppra.constraint.JointTorqueConstraint(
+            torque, limits, np.zeros(6), discretization_scheme=DiscretizationType.Interpolation
+        ),
+        toppra.constraint.JointVelocityConstraint(speed),
+    ]
+    instance = toppra.algorithm.TOPPRA(constraints, path, gridpoints=grid, solver_wrapper="seidel")
+    _, speeds, *_ = instance.compute_parameterization(0, 0)
+    return None if speeds is None else np.asarray(speeds) ** 2
+
+
+def duration(step, x):
+    speed = np.sqrt(x)
+    return float(np.sum(2 * step / (speed[:-1] + speed[1:])))
+
+
+def test_one_arm_equals_toppra_pointwise(tmp_path):
+    """On the same parameter, grid and scheme."""
+    grid, compared = np.linspace(0, 1, 101), 0
+    for seed in range(50):
+        cell, model, path = one_arm(seed, tmp_path / str(seed))
+        theirs = by_toppra(cell, model, path, grid)
+        motion = carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
+        ours = fastest_profile(np.diff(grid), speed_regions(build_path_problem(cell, motion)), (0.0, 0.0))
+        assert (theirs is None) == isinstance(ours, Obstacle), seed
+        if theirs is None:
+            continue
+        assert isinstance(ours, SpeedProfile)
+        np.testing.assert_allclose(ours.x, theirs, atol=TOPPRA_TOLERANCE * np.max(theirs), err_msg=str(seed))
+        assert duration(np.diff(grid), ours.x) == pytest.approx(duration(np.diff(grid), theirs), rel=1e-5), seed
+        compared += 1
+    assert compared >= 40
+
+
+def test_one_arm_equals_toppra_as_a_user_calls_it(tmp_path):
+    """On the arc length instead of the spline's parameter: both converge to the same duration."""
+    grid, seen = np.linspace(0, 1, 2001), {True: 0, False: 0}
+    for seed in range(8):
+        cell, model, path = one_arm(seed, tmp_path / str(seed))
+        for fast in (False, True):
+            strong = cell if fast else cell.without_velocity_limits()
+            speed = cell.robots[0].velocity_limit if fast else np.full(6, 1e6)
+            limited = replace(cell, robots=(replace(cell.robots[0], velocity_limit=speed),))
+            theirs = by_toppra(limited, model, path, grid)
+            motion = carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
+            found = mrts.retime(strong, motion)
+            assert (theirs is not None) == found.status.admits_motion
+            if theirs is not None:
+                assert found.duration == pytest.approx(duration(np.diff(grid), theirs), rel=DURATION_TOLERANCE)
+                assert found.excess.share < EXCESS_GOAL
+                seen[fast] += 1
+    assert min(seen.values()) >= 5
+
+
+@pytest.mark.parametrize("name", ["planar", "spatial"])
+def test_two_arms_equal_a_direct_transcription(name, planar_cell, dual_ur5):
+    cell, file = (planar_cell, DATA / "lift.yaml") if name == "planar" else (dual_ur5, UR5 / "lift_and_turn.yaml")
+    cell = cell.without_velocity_limits()
+    motion = mrts.follow_object(cell, sampled(file, 41))
+    assert mrts.retime(cell, motion).duration == pytest.approx(transcription(cell, motion), rel=TRANSCRIPTION_TOLERANCE)
+
+
+def sampled(file, samples):
+    return mrts.sample_motion(
+        mrts.MotionDescription.model_validate(yaml.safe_load(file.read_text()) | {"samples": samples})
+    )
+
+
+GANTRY = """<robot name="gantry"><link name="base"/>
+<link name="x"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="y"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="tip"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="slide_x" type="prismatic"><parent link="base"/><child link="x"/><axis xyz="1 0 0"/>
+<limit lower="-9" upper="9" effort="20" velocity="{velocity}"/></joint>
+<joint name="slide_y" type="prismatic"><parent link="x"/><child link="y"/><axis xyz="0 1 0"/>
+<limit lower="-9" upper="9" effort="20" velocity="0"/></joint>
+<joint name="turn" type="continuous"><parent link="y"/><child link="tip"/><axis xyz="0 0 1"/>
+<limit effort="20" velocity="0"/></joint></robot>"""
+
+
+def gantries(folder, velocity=0.0, wrench=None, variation=None, object_velocity=None):
+    """Two gantries of 4 kg push an object of 3 kg along x with 20 N each; its path has length 2."""
+    (folder / "gantry.urdf").write_text(GANTRY.format(velocity=velocity))
+    limits = {} if wrench is None else {"wrench": {"lower": [-wrench, None, None], "upper": [wrench, None, None]}}
+    robots = [
+        {"name": name, "urdf": "gantry.urdf", "tip_link": "tip", "posture": [0, 0, 0], "base": {"xyz": [0, y, 0]}}
+        | {"grasp": {"xyz": [0, y, 0]}}
+        | limits
+        for name, y in (("near", -1), ("far", 1))
+    ]
+    carried = {"mass": 3, "inertia": [1, 1, 1]}
+    if variation:
+        carried["variation"] = variation
+    if object_velocity:
+        carried["velocity"] = object_velocity
+    cell = {"name": "gantries", "gravity": [0, 0, 0], "plane": "xy", "object": carried, "robots": robots}
+    (folder / "cell.yaml").write_text(yaml.safe_dump(cell))
+    return mrts.load_cell(folder / "cell.yaml")
+
+
+def along_x(samples=101, **changes):
+    description = {"duration": 1.0, "samples": samples, "profile": "cubic"}
+    description |= {"start": {"xyz": [0, 0, 0]}, "end": {"xyz": [2, 0, 0]}}
+    return mrts.sample_motion(mrts.MotionDescription.model_validate(description | changes))
+
+
+@pytest.mark.parametrize(
+    ("limits", "acceleration", "velocity"),
+    [
+        ({}, 40 / 11, np.inf),  # both motors push 2 * 4 + 3 kg
+        ({"wrench": 3.0}, 2 * 3.0 / 3, np.inf),  # each contact may push 3 N on 3 kg
+        ({"velocity": 1.5}, 40 / 11, 1.5),
+        ({"object_velocity": {"linear": 1.2}}, 40 / 11, 1.2),
+        ({"variation": {"mass": [0.5, 3.0]}}, 40 / 17, np.inf),  # 9 kg at most
+    ],
+)
+@pytest.mark.parametrize("profile", ["cubic", "quintic", "trapezoid", "sinusoid"])
+def test_bang_bang_in_closed_form(limits, acceleration, velocity, profile, tmp_path):
+    """t = 2 √(L / a), or with a velocity limit L / v + v / a, however the motion was given."""
+    cell = gantries(tmp_path, **limits)
+    found = mrts.retime(cell, along_x(profile=profile))
+    reached = min(velocity, np.sqrt(acceleration * 2))
+    # with a velocity limit the corner of the speed falls between two samples
+    tolerance = 1e-8 if np.isinf(velocity) else 1e-3
+    assert found.duration == pytest.approx(2 / reached + reached / acceleration, rel=tolerance), found.summary()
+    assert found.excess.share < EXCESS_GOAL
+    done = found.retimed.trajectory
+    speed = np.sqrt(np.sum(done.motion.object.twist[:, :3] ** 2, axis=1))
+    assert np.max(speed) == pytest.approx(reached, rel=1e-2)
+
+
+def test_limits_hold_between_samples(planar_cell, dual_ur5):
+    for cell, file in ((planar_cell, DATA / "lift.yaml"), (dual_ur5, UR5 / "lift_and_turn.yaml")):
+        for limited in (cell, cell.without_velocity_limits()):
+            found = mrts.retime(limited, sampled(file, 200))
+            assert 0 < found.excess.share < EXCESS_GOAL
+            assert 0.15 < found.saving < 0.5
+            assert found.retimed.residuals().limits <= 1e-8
+            assert "stops" not in found.summary()
+
+
+def test_it_is_never_slower_than_the_best_constant_speed(tmp_path):
+    compared = 0
+    for seed in range(30):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        paths = random_planar_cell(np.random.default_rng([31, seed]), folder, 2 + seed % 3, samples=101)
+        cell, motion = mrts.load_cell(paths[0], backend="vm"), mrts.load_motion(paths[1])
+        constant = mrts.scale(cell, motion)
+        found = mrts.retime(cell, motion)
+        if constant.trajectory is None or constant.status.value != "feasible" or constant.trajectory.c2 < 1e-9:
+            continue
+        assert found.status.admits_motion, found.summary()
+        assert found.duration <= constant.trajectory.duration * (1 + DURATION_TOLERANCE), seed
+        assert found.saving >= -DURATION_TOLERANCE
+        compared += 1
+    assert compared >= 10
+
+
+def test_every_load_of_a_box_follows_the_guaranteed_profile(planar_cell, lift):
+    box = {"mass": (0.5, 1.5), "izz": (0.5, 2.0), "mx": (-0.05, 0.05)}
+    cell = planar_cell.with_variation(**box)
+    found = mrts.retime(cell, lift)
+    assert len(found.loads) == 4  # nothing turns, so izz has no effect
+    assert found.duration > mrts.retime(planar_cell, lift).duration
+    played = found.retimed.motion
+    for point in cell.load_box.draw(np.random.default_rng(8), 1000):
+        samples = motion_ranges(cell, played, "wrench", None, "kernel", point.load)
+        assert np.max(samples.lower) <= 1 + 1e-9
+        assert np.min(samples.upper) >= 1 - 1e-9
+    ends = [
+        np.min(motion_ranges(cell, played, "wrench", None, "kernel", point.load).upper)
+        for point in cell.load_box.corners()
+    ]
+    assert min(ends) == pytest.approx(1, abs=1e-6)  # some corner leaves no room
+
+
+def test_a_fixed_distribution_is_slower_than_a_free_one(planar_cell, lift):
+    free, even = mrts.retime(planar_cell, lift), mrts.retime(planar_cell, lift, sharing=mrts.LoadSharing())
+    assert even.duration > free.duration
+    assert even.excess.share < EXCESS_GOAL
+    assert even.retimed.residuals().limits <= 1e-8
+    halves = [even.retimed.wrench[name][:, 1] for name in ("left", "right")]
+    np.testing.assert_allclose(halves[0], halves[1], atol=1e-9)
+
+
+def test_limits_that_conflict_are_named(planar_cell, lift):
+    """100 kg may only fall."""
+    found = mrts.retime(planar_cell.with_mass(100.0), lift)
+    assert found.status.value == "start speed not admissible"
+    assert found.retimed is None
+    assert found.pieces == ()
+    assert "cannot start from rest at t = 0 s (sample 0); these conflict: left/elbow" in found.explanation
+    assert found.conflict.widening > 0
+
+
+def test_every_outcome_of_random_cells_is_explained(tmp_path):
+    seen = Counter()
+    for seed in range(40):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        paths = random_planar_cell(np.random.default_rng([32, seed]), folder, 1 + seed % 3, samples=41)
+        found = mrts.retime(mrts.load_cell(paths[0], backend="vm"), mrts.load_motion(paths[1]))
+        seen[found.status.value] += 1
+        assert found.status.admits_motion == (found.explanation == "") == (found.retimed is not None)
+        if found.conflict is not None:
+            assert "conflict" in found.explanation
+        assert json.loads(found.json_text())["status"] == found.status.value
+    assert seen["optimal"] > 10
+    assert seen["infeasible"] > 2
+    assert seen["start speed not admissible"] + seen["end speed not admissible"] > 0
+
+
+def test_a_path_without_length_is_an_outcome(planar_cell):
+    still = mrts.sample_motion(
+        mrts.MotionDescription.model_validate(
+            {"duration": 1.0, "profile": "cubic", "start": {"xyz": [1.25, 1.0, 0]}, "end": {"xyz": [1.25, 1.0, 0]}}
+        )
+    )
+    found = mrts.retime(planar_cell, still)
+    assert found.status.value == "zero length"
+    assert "no length" in found.explanation
+
+
+def there_and_back(turn, samples=101, wait=0):
+    """Along x to the middle of the gantries' path and back, from rest to rest; the turning point at a share of time."""
+    time = np.linspace(0, 1, samples)
+    phase = np.clip(np.where(time < turn, time / turn, (time - turn) / (1 - turn)), 0, 1)
+    length = np.where(time < turn, turn, 1 - turn)
+    sign = np.where(time < turn, 1.0, -1.0)
+    x = np.where(time < turn, 0, 1) + sign * (1 - np.cos(np.pi * phase)) / 2
+    v = sign * np.pi / length * np.sin(np.pi * phase) / 2
+    a = sign * (np.pi / length) ** 2 * np.cos(np.pi * phase) / 2
+    v[np.isclose(time, turn)] = v[0] = v[-1] = 0.0
+    middle = int(np.argmin(np.abs(time - turn)))
+    order = np.concatenate([np.arange(middle), np.full(wait, middle), np.arange(middle, samples)]).astype(int)
+    column = np.zeros((len(order), 6))
+    twist, acceleration = column.copy(), column.copy()
+    twist[:, 0], acceleration[:, 0] = v[order], a[order]
+    position = np.zeros((len(order), 3))
+    position[:, 0] = x[order]
+    time = np.linspace(0, 1, len(order)) if wait else time
+    eye = np.broadcast_to(np.eye(3), (len(order), 3, 3))
+    return mrts.ObjectMotion(time, position, eye, twist, acceleration, smooth=False)
+
+
+def test_a_stop_on_the_way_splits_the_path(tmp_path):
+    cell = gantries(tmp_path)
+    found = mrts.retime(cell, there_and_back(0.5))
+    np.testing.assert_allclose(found.stops, [0.5])
+    assert found.duration == pytest.approx(2 * 2 * np.sqrt(11 / 40), rel=1e-6)
+    assert "stops at t = 0.5 s" in found.summary()
+    assert len(found.pieces) == 2
+    np.testing.assert_allclose(found.retimed.trajectory.motion.object.twist[50], 0, atol=1e-12)
+
+
+def test_a_turn_between_samples_and_a_wait_are_named(tmp_path):
+    cell = gantries(tmp_path)
+    found = mrts.retime(cell, there_and_back(0.505))
+    assert found.status.value == "stationary"
+    assert "turns back on itself from t = 0.5 to 0.51 s" in found.explanation
+    found = mrts.retime(cell, there_and_back(0.5, wait=3))
+    assert found.status.value == "stationary"
+    assert "a wait is no part of a path" in found.explanation
+
+
+def test_end_speeds_count_where_the_motion_does_not_rest(tmp_path):
+    cell = gantries(tmp_path)
+    time = np.linspace(0, 1, 101)
+    steady = np.zeros((101, 6))
+    steady[:, 0] = 2.0
+    position = np.zeros((101, 3))
+    position[:, 0] = 2 * time
+    motion = mrts.ObjectMotion(time, position, np.broadcast_to(np.eye(3), (101, 3, 3)), steady, np.zeros((101, 6)))
+    acceleration = 40 / 11
+    still = mrts.retime(cell, motion)
+    assert still.duration == pytest.approx(2 * np.sqrt(2 / acceleration), rel=1e-6)
+    assert still.saving is None  # at constant speed the motion starts and ends moving
+    rolling = mrts.retime(cell, motion, start_speed=0.4)  # 0.8 m/s
+    peak = np.sqrt((2 * acceleration * 2 + 0.8**2) / 2)
+    assert rolling.duration == pytest.approx((2 * peak - 0.8) / acceleration, rel=1e-3)
+    fast = mrts.retime(cell, motion, start_speed=2.5)  # 5 m/s; braking takes 3.4 m
+    assert fast.status.value == "start speed not admissible"
+    top = np.sqrt(2 * acceleration * 2) / 2
+    assert f"[0, {top:.6g}]" in fast.explanation
+    assert "2.5 is asked for" in fast.explanation
+    slow = mrts.retime(gantries(tmp_path, object_velocity={"linear": 1.0}), motion, end_speed=0.7)
+    assert slow.status.value == "end speed not admissible"
+    assert "[0, 0.5]" in slow.explanation
+
+
+def test_a_speed_that_nothing_limits_is_an_outcome(tmp_path):
+    cell = gantries(tmp_path)
+    loose = [replace(robot, torque_lower=np.full(3, -1e12), torque_upper=np.full(3, 1e12)) for robot in cell.robots]
+    found = mrts.retime(replace(cell, robots=tuple(loose)), along_x())
+    assert found.status.admits_motion  # 10¹² N are a limit, too
+    assert found.duration < 1e-4
+
+
+def test_a_path_that_cannot_be_braked_is_explained(tmp_path):
+    """Thrown up by a gravity that no motor holds: each sample is admissible, but the end is not reached at rest."""
+    cell = gantries(tmp_path)
+    falling = replace(cell, gravity=np.array([9.81, 0, 0]))
+    found = mrts.retime(load_with_gravity(tmp_path, 9.81), along_x())
+    assert falling.gravity[0] > 0
+    assert found.status.value in {"not controllable", "start speed not admissible", "end speed not admissible"}
+    assert "torque" in found.explanation or "rest" in found.explanation
+
+
+def load_with_gravity(folder, gravity):
+    text = yaml.safe_load((folder / "cell.yaml").read_text()) | {"gravity": [gravity, 0, 0]}
+    (folder / "falling.yaml").write_text(yaml.safe_dump(text))
+    return mrts.load_cell(folder / "falling.yaml")
+
+
+def test_bad_arguments_are_named(planar_cell, lift):
+    for name in ("start_speed", "end_speed"):
+        for value in (-1.0, np.nan, np.inf, True, "fast"):
+            with pytest.raises(mrts.InputError, match=name):
+                mrts.retime(planar_cell, lift, **{name: value})
+    with pytest.raises(mrts.InputError, match="must be guaranteed or nominal"):
+        mrts.retime(planar_cell.with_variation(mass=(0.5, 2)), lift, load="possible")
+    with pytest.raises(mrts.InputError, match="sharing"):
+        mrts.retime(planar_cell, lift, sharing=0.5)

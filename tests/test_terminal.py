@@ -1,0 +1,234 @@
+"""The command line at a terminal: progress, colours, Ctrl-C, --quiet, help, completion."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+from conftest import DATA, ROOT
+from terminal_session import at_terminal
+from test_command_line import mrts_command
+
+import mrts
+from mrts.cli import VERBS, main
+
+UR5 = DATA.parent / "dual_ur5"
+MRTS = (sys.executable, "-m", "mrts")
+LIFT = ("scale", DATA / "cell.yaml", DATA / "lift.yaml")
+CLEARED = "\x1b[2K"
+"""How rich takes its bar away."""
+
+WITHOUT_RICH = (
+    "import importlib.util, sys; found = importlib.util.find_spec;"
+    "importlib.util.find_spec = lambda name, *rest: None if name == 'rich' else found(name, *rest);"
+    "from mrts.cli import main; sys.exit(main(sys.argv[1:]))"
+)
+HEAVY = ("numpy", "casadi", "scipy", "pydantic", "yaml", "matplotlib", "rich", "argcomplete", "mrts_codegen")
+
+
+def varied(folder, **variation):
+    """A copy of the shipped cell file whose load varies."""
+    cell = yaml.safe_load((UR5 / "cell.yaml").read_text())
+    cell["object"]["variation"] = variation
+    for robot in cell["robots"]:
+        robot["urdf"] = str(UR5 / robot["urdf"])
+    path = folder / "cell.yaml"
+    path.write_text(yaml.safe_dump(cell))
+    return path
+
+
+@pytest.fixture(scope="module")
+def uncertain(private_cache, tmp_path_factory):
+    """A cell, generated already, whose load has 128 corners: seconds of work for every question."""
+    assert private_cache.is_dir()
+    factors = {name: [0.5, 1.5] for name in ("mass", "ixx", "iyy", "izz")}
+    moments = {name: [-0.1, 0.1] for name in ("mx", "my", "mz")}
+    path = varied(tmp_path_factory.mktemp("uncertain"), **factors, **moments)
+    mrts.load_cell(path)
+    return path
+
+
+def test_generation_shows_a_sign_of_life_that_goes_away(tmp_path):
+    done = at_terminal([*MRTS, "generate", UR5 / "cell.yaml", "-o", tmp_path / "out"], COLUMNS="200")
+    assert done.code == 0, done.shown
+    bar, answer = done.shown.rsplit(CLEARED, 1)
+    assert f"generating {UR5 / 'cell.yaml'}" in bar
+    assert "dual_ur5: " in answer
+    assert "generating" not in answer
+
+
+def test_loads_are_counted_while_they_are_scaled(uncertain):
+    done = at_terminal([*MRTS, "scale", uncertain, UR5 / "lift_and_turn.yaml", "--load", "grid:3000"])
+    assert done.code == 0, done.shown
+    assert re.search(r"\d+ of 3000", done.shown)
+    assert "of 3000" not in done.shown.rsplit(CLEARED, 1)[1]
+
+
+def test_without_rich_one_line_is_rewritten(uncertain):
+    command = [sys.executable, "-c", WITHOUT_RICH, "scale", uncertain, UR5 / "lift_and_turn.yaml", "--load"]
+    done = at_terminal([*command, "grid:3000"])
+    assert done.code == 0, done.shown
+    lines = done.shown.split("\r\x1b[K")
+    assert any(re.fullmatch(r"scaling .*… \d+ of 3000", line) for line in lines)
+    assert all(len(line) < 80 for line in lines[:-1])
+    assert "\r\n" in lines[-1]  # the answer comes after the line is gone
+    assert "\n" not in "".join(lines[:-1])
+
+
+def test_work_of_less_than_a_second_shows_nothing(planar_cell):
+    assert planar_cell.name == "planar_dual_arm"  # generated already
+    done = at_terminal([*MRTS, *LIFT])
+    assert CLEARED not in done.shown
+    assert "scaling" not in done.shown
+
+
+def test_pipes_get_neither_progress_nor_colours(uncertain):
+    done = mrts_command("scale", uncertain, UR5 / "lift_and_turn.yaml", "--load", "grid:3000")
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert "\x1b" not in done.stdout
+
+
+def test_colours_tell_the_outcome_the_failure_and_the_notes(tmp_path):
+    feasible = at_terminal([*MRTS, "scale", UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml"]).shown
+    assert "\x1b[1mdual_ur5: c² ∈ [0, 22.98]" in feasible
+    assert "\x1b[33mnote: left/elbow" in feasible
+    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
+    cell["object"]["mass"] = 60
+    for robot in cell["robots"]:
+        robot["urdf"] = str(DATA / "planar_arm.urdf")
+    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
+    infeasible = at_terminal([*MRTS, "scale", tmp_path / "cell.yaml", DATA / "lift.yaml"])
+    assert infeasible.code == 1
+    assert "\x1b[1;31mplanar_dual_arm: infeasible" in infeasible.shown
+    wrong = at_terminal([*MRTS, "scale", tmp_path / "cel.yaml", DATA / "lift.yaml"])
+    assert wrong.code == 2
+    assert f"\x1b[1;31mmrts: error: {tmp_path / 'cel.yaml'}: there is no such cell file" in wrong.shown
+
+
+@pytest.mark.parametrize("environment", [{"NO_COLOR": ""}, {"NO_COLOR": "1"}, {"TERM": "dumb"}])
+def test_colours_can_be_refused(environment):
+    assert "\x1b[1m" not in at_terminal([*MRTS, *LIFT], **environment).shown
+
+
+@pytest.mark.parametrize(
+    ("arguments", "shows"),
+    [
+        (["scale", UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml"], "generating and compiling"),
+        (["generate", UR5 / "cell.yaml", "-o", "generated"], "generating"),
+        (["export", UR5 / "cell.yaml", "-o", "embedded"], "generating and compiling"),
+        (["scale", "UNCERTAIN", UR5 / "lift_and_turn.yaml", "--load", "grid:10000"], "of 10000"),
+        (["scale", "UNCERTAIN", UR5 / "lift_and_turn.yaml", "--load", "possible"], "scaling"),
+        (["configurations", "UNCERTAIN", UR5 / "lift_and_turn.yaml"], "of 64"),
+    ],
+    ids=["scale", "generate", "export", "grid", "possible", "configurations"],
+)
+def test_control_c_ends_the_work_tidily(arguments, shows, uncertain, tmp_path, private_cache):
+    words = [uncertain if word == "UNCERTAIN" else word for word in arguments]
+    words += ["--json", tmp_path / "answer.json"] if words[0] in {"scale", "configurations"} else []
+    words = [tmp_path / word if word in {"generated", "embedded"} else word for word in words]
+    cache = private_cache if uncertain in words else tmp_path / "cache"
+    done = at_terminal([*MRTS, *words], keys=[(shows, "\x03")], MRTS_CACHE_DIR=str(cache), COLUMNS="150")
+    assert done.code == 130, done.shown
+    assert done.shown.endswith("mrts: interrupted\x1b[0m\r\n")
+    assert "Traceback" not in done.shown
+    assert "CasADi" not in done.shown
+    assert not (tmp_path / "answer.json").exists()
+    assert list(tmp_path.rglob(".*")) == []  # no file is left half written
+
+
+def test_quiet_says_nothing_but_writes_the_files(tmp_path, capsys):
+    target = tmp_path / "result.json"
+    for words in ([*LIFT, "-q", "--json", target], ["--quiet", *LIFT, "--json", target]):
+        target.unlink(missing_ok=True)
+        assert main([*map(str, words)]) == 0
+        assert capsys.readouterr() == ("", "")
+        assert json.loads(target.read_text())["status"] == "feasible"
+    assert main([*map(str, LIFT), "-q", "--json", "-"]) == 0
+    assert json.loads(capsys.readouterr().out)["status"] == "feasible"
+    assert main(["scale", "-q", str(tmp_path / "none.yaml"), str(DATA / "lift.yaml")]) == 2
+    assert "there is no such cell file" in capsys.readouterr().err
+    assert main(["demo", "-q", "-o", str(tmp_path / "demo")]) == 0
+    assert capsys.readouterr() == ("", "")
+    assert (tmp_path / "demo" / "figure_4.png").exists()
+
+
+def test_quiet_also_silences_what_the_library_remarks(tmp_path):
+    environment = os.environ | {"PATH": str(tmp_path)}  # no C compiler
+    environment.pop("CC", None)
+    assert "no C compiler" in mrts_command(*LIFT, env=environment).stderr
+    silent = mrts_command(*LIFT, "-q", env=environment)
+    assert (silent.returncode, silent.stdout, silent.stderr) == (0, "", "")
+
+
+def test_help_has_examples_and_imports_nothing_heavy():
+    names = [name for verb in VERBS for name in re.findall(r"`mrts (\w+)`", verb.__doc__)]
+    assert len(names) == len(VERBS)
+    script = (
+        "import sys\nfrom mrts.cli import main\ntry:\n    main(sys.argv[1:])\nexcept SystemExit: pass\n"
+        f"print([name for name in {HEAVY!r} if name in sys.modules])"
+    )
+    for words in (["--help"], *([name, "--help"] for name in names)):
+        done = subprocess.run([sys.executable, "-c", script, *words], capture_output=True, text=True, check=True)
+        text, heavy = done.stdout.rstrip().rsplit("\n", 1)
+        assert heavy == "[]"
+        assert re.search(r"\nexamples:\n  (mrts|make) ", text), words
+        assert "--quiet" in text
+
+
+def test_every_example_of_the_help_is_understood(tmp_path, monkeypatch):
+    """The examples run as they stand, in a folder with the files that they name."""
+    varied(tmp_path, mass=[0.5, 2], izz=[0.5, 2])
+    shutil.copy(UR5 / "lift_and_turn.yaml", tmp_path / "motion.yaml")
+    monkeypatch.chdir(tmp_path)
+    ran = 0
+    for verb in VERBS:
+        for line in verb.EXAMPLES.splitlines()[1:]:
+            command = re.split(r"\s{2,}|\s\|", line.strip())[0].split()
+            if command[0] == "mrts":
+                assert main(command[1:]) == 0, line
+                ran += 1
+    assert ran >= 2 * len(VERBS) - 1
+    assert (tmp_path / "plots" / "c2_range.png").exists()
+
+
+def test_a_misspelt_verb_or_file_gets_a_guess(tmp_path):
+    done = mrts_command("scael", "x", "y")
+    assert done.returncode == 2
+    assert "there is no verb 'scael': did you mean 'scale'?" in done.stderr
+    assert "there are demo, generate, scale" in mrts_command("zzz").stderr
+    shutil.copy(DATA / "lift.yaml", tmp_path)
+    guess = mrts_command("scale", DATA / "cell.yaml", tmp_path / "lifts.yaml")
+    assert f"there is no such motion file; did you mean '{tmp_path / 'lift.yaml'}'?" in guess.stderr
+    assert "is missing or cannot be read" in mrts_command("scale", DATA / "cell.yaml", tmp_path / "no" / "x").stderr
+
+
+@pytest.mark.parametrize(
+    ("typed", "completed"),
+    [
+        ("mrts conf", "mrts configurations "),
+        ("mrts scale --formu", "mrts scale --formulation "),
+        ("mrts scale ce", "mrts scale cell.yaml "),
+        ("mrts scale cell.yaml li", "mrts scale cell.yaml lift.yaml "),
+        ("mrts scale cell.yaml lift.yaml --plot fo", "mrts scale cell.yaml lift.yaml --plot folder/"),
+    ],
+)
+def test_bash_completes_verbs_options_and_files(tmp_path, typed, completed):
+    """An interactive bash, told as docs/command_line.md says, and the Tab key."""
+    page = (ROOT / "docs" / "command_line.md").read_text(encoding="utf-8")
+    command = 'eval "$(register-python-argcomplete mrts)"'
+    assert command in page
+    (tmp_path / "folder").mkdir()
+    for name in ("cell.yaml", "cell.urdf", "lift.yaml", "lift.csv", "fork.yaml"):
+        (tmp_path / name).write_text("")
+    rc = tmp_path / "rc"
+    rc.write_text(f"PS1='ready> '\ncd '{tmp_path}'\n{command}\n")
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    keys = [("ready> ", f"{typed}\t"), (completed, "\x15exit\r")]  # ^U takes the line back
+    done = at_terminal(["bash", "--noprofile", "--rcfile", rc, "-i"], keys=keys, PATH=path)
+    assert done.code == 0, done.shown

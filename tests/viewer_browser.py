@@ -1,0 +1,69 @@
+"""A viewer in a process of its own, seen through a headless Chromium."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from contextlib import contextmanager
+
+import pytest
+from playwright.sync_api import sync_playwright
+
+SECONDS = 60
+SIZE = {"width": 1200, "height": 700}
+
+
+@contextmanager
+def running_viewer(*arguments):
+    """`mrts view` on a free port: its process, and its URL."""
+    command = [sys.executable, "-m", "mrts", "view", *map(str, arguments), "--port", "0", "--no-open"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            said = ""
+            while not (found := re.search(r"http://\S+", said)):
+                line = process.stdout.readline()
+                assert line, f"{said}{process.stderr.read()}"
+                said += line
+            process.said = said
+            yield process, found.group()
+        finally:
+            if process.poll() is None:
+                process.kill()
+
+
+def interrupt(process):
+    """Ctrl-C; all that the viewer says, and its exit code."""
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=SECONDS)
+    return process.said + out, err, process.returncode
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    """Without it a test fails where all tools are promised, and is skipped with advice elsewhere."""
+    path = shutil.which("chromium")
+    if path is None:
+        assert "MRTS_ALL_TOOLS" not in os.environ, "apt-get install chromium"
+        pytest.skip("needs chromium: apt-get install chromium")
+    with sync_playwright() as playwright:
+        arguments = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+        browser = playwright.chromium.launch(executable_path=path, args=arguments)
+        yield browser
+        browser.close()
+
+
+@contextmanager
+def open_page(browser, url):
+    """The viewer's page once its panel is there; what went wrong in it is in `page.problems`."""
+    page = browser.new_page(viewport=SIZE)
+    page.problems = []
+    page.on("console", lambda message: page.problems.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: page.problems.append(str(error)))
+    page.goto(url)
+    page.wait_for_selector("[data-bar]", timeout=1000 * SECONDS)
+    try:
+        yield page
+    finally:
+        page.close()
