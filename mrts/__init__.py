@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from mrts.motion_file import MotionDescription, load_motion, sample_motion
     from mrts.motion_table import JointTable
     from mrts.object_motion import ObjectMotion
+    from mrts.report import write_report
     from mrts.result import ScalingResult
     from mrts.retiming import retime
     from mrts.retiming_result import RetimingResult, RetimingStatus
@@ -63,6 +64,7 @@ _HOMES = {
     "save_result": "saved_result",
     "scale": "scaling",
     "torques_for_load": "known_load",
+    "write_report": "report",
 }
 
 __all__ = [
@@ -99,6 +101,7 @@ __all__ = [
     "save_result",
     "scale",
     "torques_for_load",
+    "write_report",
 ]
 
 

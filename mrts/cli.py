@@ -13,14 +13,14 @@ import sys
 from collections.abc import Sequence
 
 from mrts import __version__
-from mrts.commands import configurations, demo, export, generate, scale, view
+from mrts.commands import configurations, demo, export, generate, report, scale, view
 from mrts.commands.completion import complete
 from mrts.commands.exit_codes import BAD_INPUT
 from mrts.commands.interrupt import persistent_interrupt
 from mrts.commands.terminal import QUIET, RemarkHandler, fail
 from mrts.errors import MrtsError
 
-VERBS = (demo, generate, scale, configurations, view, export)
+VERBS = (demo, generate, scale, configurations, view, report, export)
 """In the order of `--help`."""
 
 PIPE_CLOSED = 141

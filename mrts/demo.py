@@ -10,9 +10,9 @@ from typing import Annotated
 from pydantic import Field
 
 from mrts.atomic_file import write_text_atomically
+from mrts.binding_rows import row_labels
 from mrts.cell import Cell, load_cell
 from mrts.input_file import Finite, Positive, StrictModel, read_model
-from mrts.limit_rows import ActiveRow
 from mrts.load_sharing import LoadSharing
 from mrts.motion_file import load_motion
 from mrts.result import ScalingResult
@@ -107,7 +107,7 @@ def format_table(rows: list[DemoRow]) -> str:
         end = row.result.range.upper
         trajectory = row.result.trajectory
         time = f"{trajectory.duration:.4f} s" if trajectory else "-"
-        where = f"t = {end.time:.3g} s: {_short(end.rows)}" if end else "-"
+        where = f"t = {end.time:.3g} s: {row_labels(end.rows, len(end.rows))}" if end else "-"
         lines.append(
             f"{row.case.id:<9} {row.case.title:<24} {row.case.paper:>9.3f} {_four_digits(row.c2):>9} "
             f"{100 * row.deviation:>+8.1f}% {time:>8}  {where}"
@@ -117,10 +117,6 @@ def format_table(rows: list[DemoRow]) -> str:
 
 def _four_digits(value: float) -> str:
     return f"{value:#.4g}"
-
-
-def _short(rows: tuple[ActiveRow, ...]) -> str:
-    return ", ".join(f"{row.name.robot}/{row.name.element}{'↑' if row.side == 'upper' else '↓'}" for row in rows)
 
 
 def write_demo_files(folder: Path, rows: list[DemoRow], *, note: Callable[[str], None]) -> None:

@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mrts.figures import COLOURS
+from mrts.plot_style import COLOURS
 from mrts.retiming_result import RetimingResult
 
 HEADROOM = 1.35

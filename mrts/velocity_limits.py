@@ -38,11 +38,14 @@ class VelocityLimits:
             return np.asarray(1 / fastest**2, dtype=np.float64)
 
     def binding(self, sample: int) -> tuple[ActiveRow, ...]:
-        """Those that bound c² at a sample."""
+        """Those that bound c² at a sample; none at rest."""
         share = self.share[sample]
+        fastest = np.max(share, initial=0.0)
+        if fastest == 0:
+            return ()
         return tuple(
             ActiveRow(self.names[index], "upper", float(self.limit[index]))
-            for index in np.flatnonzero(share >= (1 - TIE) * np.max(share))
+            for index in np.flatnonzero(share >= (1 - TIE) * fastest)
         )
 
 

@@ -12,6 +12,8 @@ from conftest import DATA
 
 import mrts
 
+PICTURES = ["c2_range.png", "power_and_energy.png", "torques_and_wrenches.png"]
+
 
 def mrts_command(*arguments, **options):
     command = [sys.executable, "-m", "mrts", *map(str, arguments)]
@@ -45,7 +47,7 @@ def test_scale_reports_and_writes_the_documented_json(tmp_path, planar_cell, lif
         assert {"time", "left", "right"} <= set(result[key])
         assert len(result[key]["left"]) == len(result[key]["time"]) == 101
     assert result == mrts.scale(planar_cell, lift).to_json()
-    assert sorted(path.name for path in (tmp_path / "plots").iterdir()) == ["c2_range.png", "torques_and_wrenches.png"]
+    assert sorted(path.name for path in (tmp_path / "plots").iterdir()) == PICTURES
 
 
 def test_json_to_standard_output_is_nothing_but_json():

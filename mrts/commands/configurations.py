@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 
 from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.options import add_cell_and_motion, cell_option, sharing_option
+from mrts.commands.options import add_cell_and_motion, cell_option, require, sharing_option
 from mrts.commands.progress import working
 from mrts.commands.terminal import put, say
 from mrts.errors import InputError
@@ -30,6 +30,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     study.add_argument("--show", type=int, default=10, metavar="N", help="rows to print (default: %(default)s)")
     study.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
     study.add_argument("--json", type=Path, metavar="FILE", help="write the whole ranking ('-' is standard output)")
+    study.add_argument("--plot", type=Path, metavar="DIR", help="write a figure (needs the extra 'plot')")
     study.set_defaults(run=run)
 
 
@@ -40,6 +41,7 @@ def run(options: argparse.Namespace) -> int:
     from mrts.object_motion import ObjectMotion
     from mrts.solvers import DEFAULT_SOLVER
 
+    require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
     motion = load_motion(options.motion)
     if not isinstance(motion, ObjectMotion):
         raise InputError(options.motion, "a table of joint motion fixes the configuration; give the object's motion.")
@@ -60,4 +62,8 @@ def run(options: argparse.Namespace) -> int:
         say(table)
         if options.json is not None:
             study.write_json(options.json)
+    if options.plot is not None:
+        from mrts.figures import ranking_figure, write_figure
+
+        write_figure(ranking_figure(study, f"{cell.name}: configurations"), options.plot / "configurations.png")
     return FEASIBLE if feasible else INFEASIBLE

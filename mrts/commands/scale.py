@@ -69,6 +69,8 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     scale.add_argument("--ros-bag", type=Path, metavar="DIR",
                        help="write the scaled trajectory as a ROS 2 bag (MCAP; needs the extra 'ros')")  # fmt: skip
     scale.add_argument("--plot", type=Path, metavar="DIR", help="write figures (needs the extra 'plot')")
+    scale.add_argument("--report", type=Path, metavar="FILE",
+                       help="write an HTML page that opens offline (needs the extra 'report')")  # fmt: skip
     scale.set_defaults(run=run)
 
 
@@ -77,6 +79,7 @@ def run(options: argparse.Namespace) -> int:
     from mrts.motion_file import load_motion
 
     require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
+    require("plotly", "--report", "report", wanted=options.report is not None)
     require("rosbags", "--ros-bag", "ros", wanted=options.ros_bag is not None)
     motion = load_motion(options.motion)
     sharing = sharing_option(options.share)
@@ -228,9 +231,10 @@ def _write(options: argparse.Namespace, result: "ScalingResult") -> None:
 
         write_ros_bag(result, options.ros_bag)
     if options.plot is not None:
-        from mrts.figures import range_figure, trajectory_figure, write_figure
+        from mrts.figures import write_result_figures
 
-        write_figure(range_figure(result), options.plot / "c2_range.png")
-        if result.trajectory is not None:
-            title = f"{result.cell.name}, c² = {result.trajectory.c2:.4g}"
-            write_figure(trajectory_figure(result, title), options.plot / "torques_and_wrenches.png")
+        write_result_figures(result, options.plot)
+    if options.report is not None:
+        from mrts.report import write_report
+
+        write_report(result, options.report)

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: MIT
+"""`mrts report`."""
+
+import argparse
+from pathlib import Path
+
+from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.commands.options import require
+from mrts.commands.terminal import say
+
+
+def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the verb to the command line."""
+    report = verbs.add_parser(
+        "report",
+        help="write a saved result as an HTML page that opens offline",
+        epilog="Example: mrts report result.npz -o report.html",
+    )
+    report.add_argument("result", type=Path, metavar="RESULT", help="saved result (.npz)")
+    report.add_argument("-o", "--output", type=Path, default=Path("report.html"), metavar="FILE",
+                        help="HTML file to write (default: %(default)s)")  # fmt: skip
+    report.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write the report."""
+    require("plotly", "mrts report", "report", wanted=True)
+    from mrts.report import write_report
+    from mrts.saved_result import load_result
+
+    result = load_result(options.result)
+    write_report(result, options.output)
+    say(f"{result.cell.name}: {result.status.value}; the report is {options.output}")
+    return FEASIBLE if result.status.admits_motion else INFEASIBLE

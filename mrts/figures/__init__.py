@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: MIT
+"""Figures of a result; needs the extra 'plot' (matplotlib).
+
+A `draw_…` function draws into axes that you give; a `…_figure` function composes a whole figure.
+"""
+
+from mrts.figures.c2_range import draw_binding_rows, draw_range, range_figure
+from mrts.figures.configurations import draw_ranking, ranking_figure
+from mrts.figures.loads import draw_load_study, load_figure, study_figure
+from mrts.figures.power import draw_energy, draw_power, power_figure
+from mrts.figures.result_figures import write_result_figures
+from mrts.figures.style import write_figure
+from mrts.figures.trajectory import draw_contact_forces, draw_contact_moments, draw_torques, trajectory_figure
+
+__all__ = [
+    "draw_binding_rows",
+    "draw_contact_forces",
+    "draw_contact_moments",
+    "draw_energy",
+    "draw_load_study",
+    "draw_power",
+    "draw_range",
+    "draw_ranking",
+    "draw_torques",
+    "load_figure",
+    "power_figure",
+    "range_figure",
+    "ranking_figure",
+    "study_figure",
+    "trajectory_figure",
+    "write_figure",
+    "write_result_figures",
+]

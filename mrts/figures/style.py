@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: MIT
+"""What all figures share: colours, dashes, labels, legends outside the curves, writing."""
+
+from pathlib import Path
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.transforms import ScaledTranslation
+
+from mrts.atomic_file import write_atomically
+from mrts.plot_style import COLOURS, LONGEST_LABEL, shortened
+
+DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (7, 3)))
+"""A second difference between lines, for print without colour."""
+
+DPI = 150
+
+LEGEND_DROP = 34.0
+"""From the axes down to a legend below its tick and axis labels [pt]."""
+
+TWO_COLUMNS = 16
+"""Letters up to which labels stand in several columns."""
+
+
+def line_style(index: int) -> dict[str, Any]:
+    """Colour and dashes of the line with this number."""
+    turn = index // len(COLOURS)
+    return {"color": COLOURS[index % len(COLOURS)], "linestyle": DASHES[(index + turn) % len(DASHES)]}
+
+
+def plain_text(text: str) -> str:
+    """Text without a meaning for matplotlib, to which $ is mathematics."""
+    return text.replace("$", r"\$")
+
+
+def plain(name: str, longest: int = LONGEST_LABEL) -> str:
+    """A name as a label: short enough, and not hidden from the legend by a first _."""
+    name = shortened(name, longest)
+    return plain_text(f" {name}" if name.startswith("_") else name)
+
+
+def legend_below(axes: Axes, columns: int | None = None) -> None:
+    """A legend under the axes, where it hides no curve."""
+    handles, labels = axes.get_legend_handles_labels()
+    if not labels:
+        return
+    longest = max(len(label) for label in labels)
+    if columns is None:
+        columns = min(len(labels), 3) if longest <= TWO_COLUMNS else 1
+    figure = axes.get_figure()
+    assert figure is not None  # noqa: S101 (axes that are drawn into belong to a figure)
+    drop = ScaledTranslation(0, -LEGEND_DROP / 72, figure.dpi_scale_trans)
+    axes.legend(
+        handles,
+        labels,
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0.0),
+        bbox_transform=axes.transAxes + drop,
+        fontsize="small",
+        ncols=columns,
+        frameon=False,
+        borderaxespad=0,
+    )
+
+
+def finish(axes: Axes, xlabel: str, ylabel: str) -> None:
+    """Labels, grid, and no empty time before and after."""
+    axes.set_xlabel(xlabel)
+    axes.set_ylabel(ylabel)
+    axes.grid(visible=True, alpha=0.3)
+    axes.margins(x=0)
+
+
+def write_figure(figure: Figure, path: Path) -> None:
+    """Write a figure, whole or not at all; the file name's ending chooses the format.
+
+    Raises:
+        InputError: If it cannot be written.
+    """
+    write_atomically(path, lambda temporary: figure.savefig(temporary, dpi=DPI))

@@ -1,0 +1,6 @@
+# SPDX-License-Identifier: MIT
+"""The report of a result: one HTML file that opens offline; needs the extra 'report' (plotly)."""
+
+from mrts.report.page import report_html, write_report
+
+__all__ = ["report_html", "write_report"]

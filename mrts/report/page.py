@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: MIT
+"""The whole page: everything in one file that loads nothing."""
+
+import json
+from dataclasses import asdict
+from importlib.resources import files
+from pathlib import Path
+
+from mrts.atomic_file import write_text_atomically
+from mrts.errors import InputError
+from mrts.report.markup import Html, element, html, joined, plot_place, section
+from mrts.report.player import SPEEDS, Player, player
+from mrts.report.plots import Plot, load_plot, power_plots, torque_plots, wrench_plots
+from mrts.report.range_plot import range_plot
+from mrts.report.tables import (
+    conflicts_table,
+    inputs_table,
+    joints_table,
+    loads_table,
+    margins_table,
+    range_table,
+    wrench_limits_table,
+)
+from mrts.result import ScalingResult
+
+POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
+"""What the browser lets the page do: nothing from outside."""
+
+
+def write_report(result: ScalingResult, path: Path | str) -> None:
+    """Write the report of a result: one HTML file that opens offline.
+
+    Args:
+        result: Any result, feasible or not.
+        path: The file.
+
+    Raises:
+        InputError: If plotly is not installed or the file cannot be written.
+    """
+    write_text_atomically(Path(path), report_html(result))
+
+
+def report_html(result: ScalingResult) -> str:
+    """The report as text; the same result gives the same text.
+
+    Args:
+        result: Any result, feasible or not.
+
+    Raises:
+        InputError: If plotly is not installed.
+    """
+    try:
+        from plotly.offline import get_plotlyjs  # noqa: PLC0415 (the extra 'report')
+    except ModuleNotFoundError:
+        raise InputError("report", "needs plotly: pip install 'mrts[report]'.") from None
+    plots: list[Plot] = []
+    scene = player(result)
+    body = joined(_sections(result, scene, plots))
+    data = {
+        "plots": {plot.place: {"data": plot.data, "layout": plot.layout} for plot in plots},
+        "player": asdict(scene),
+    }
+    # "<" could end the element; JSON may write it in another way
+    text = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    name = html(result.cell.name)
+    return f"""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{POLICY}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="generator" content="mrts">
+<title>{name}: {html(result.status.value)}</title>
+<style>
+{_file("report.css")}</style>
+</head>
+<body>
+{body}
+<script>{get_plotlyjs()}</script>
+<script type="application/json" id="report-data">{text}</script>
+<script>
+{_file("report.js")}</script>
+</body>
+</html>
+"""
+
+
+def _file(name: str) -> str:
+    return (files("mrts") / "report" / name).read_text(encoding="utf-8")
+
+
+def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[Html]:
+    """All sections in order; their plots are added to `plots`."""
+
+    def place(*drawn: Plot) -> Html:
+        plots.extend(drawn)
+        return element("div", joined(plot_place(plot.place, plot.title, plot.height) for plot in drawn), class_="plots")
+
+    found, study, done = result.range, result.load, result.trajectory
+    pieces = [_head(result), *_warnings(result), _player_section(scene, given=done is None)]
+    pieces.append(section("range", "Range of c²", *range_table(found), place(range_plot(found))))
+    if found.samples.conflicts:
+        pieces.append(section("conflicts", "Limits that conflict", conflicts_table(found.samples.conflicts)))
+    if done is not None:
+        pieces += [
+            section("margins", "How far the limits are used", margins_table(result)),
+            section("torques", "Joint torques", _limit_note(), place(*torque_plots(result))),
+            section("wrenches", "Contact wrenches", _limit_note(), place(*wrench_plots(result))),
+            section("power", "Power and energy", place(*power_plots(result))),
+        ]
+    if study is not None:
+        drawn = load_plot(result)
+        shown = [] if drawn is None else [place(drawn)]
+        pieces.append(
+            section("loads", "Uncertain load", element("p", f"Asked {study.sentence()}."), *shown, loads_table(result))
+        )
+    limits = [
+        element("h3", "Joints"),
+        joints_table(result.cell),
+        element("h3", "Contact wrenches"),
+        wrench_limits_table(result.cell),
+    ]
+    pieces.append(section("inputs", "What was given", inputs_table(result), *limits))
+    return pieces
+
+
+def _head(result: ScalingResult) -> Html:
+    done = result.trajectory
+    lines = [
+        element("h1", result.cell.name),
+        element("p", result.summary(), class_=f"outcome {result.status.value}"),
+    ]
+    if done is not None:
+        given = float(result.motion.object.time[-1])
+        lines.append(
+            element(
+                "p",
+                f"The given {given:.4g} s become {done.duration:.4g} s, {given / done.duration:.3g} × as fast; "
+                f"the motors give {done.energy:.4g} J.",
+            )
+        )
+    return element("header", joined(lines))
+
+
+def _warnings(result: ScalingResult) -> list[Html]:
+    notes = result.too_fast()
+    if result.fallbacks:
+        notes.append(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
+    if result.load is not None and result.load.not_converged:
+        count = len(result.load.not_converged)
+        notes.append(f"at {count} samples the search over loads was not verified: the range of a corner stands there")
+    if not notes:
+        return []
+    return [section("warnings", "Notes", element("ul", joined(element("li", note) for note in notes)))]
+
+
+def _limit_note() -> Html:
+    return element(
+        "p", "Thin lines are limits; those far outside are not shown. A click on a name hides its lines.", class_="note"
+    )
+
+
+def _player_section(scene: Player, *, given: bool) -> Html:
+    speeds = joined(_speed(speed, chosen=speed == scene.speed) for speed in SPEEDS)
+    last = str(len(scene.time) - 1)
+    controls = [
+        element("button", "Play", id="play", type="button"),
+        element("label", "time", for_="frame"),
+        Html(f'<input id="frame" type="range" min="0" max="{last}" value="0" step="1">'),
+        element("output", "", id="now", for_="frame"),
+        element("label", "speed", for_="speed"),
+        element("select", speeds, id="speed"),
+    ]
+    what = "The given motion." if given else "The motion at the chosen speed."
+    if scene.largest_force > 0:
+        what += f" Arrows are the forces of the arms on the object; the longest is {scene.largest_force:.4g} N."
+    return section(
+        "motion",
+        "Motion",
+        element(
+            "p",
+            f"{what} Arms are lines through their joints, the object is the box with its mass and inertia.",
+            class_="note",
+        ),
+        element("div", joined(controls), class_="controls"),
+        element("div", "", id="player"),
+    )
+
+
+def _speed(speed: float, *, chosen: bool) -> Html:
+    more = {"selected": "selected"} if chosen else {}
+    return element("option", f"{speed:g} ×", value=f"{speed:g}", **more)

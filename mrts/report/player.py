@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: MIT
+"""The motion in three dimensions, frame by frame: arms, object and contact forces."""
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from mrts.cell import Cell
+from mrts.cell_shapes import contact_forces, joint_points, object_box
+from mrts.plot_style import COLOURS, shortened
+from mrts.report.markup import plot_text
+from mrts.report.plots import numbers
+from mrts.result import ScalingResult
+from mrts.rigid_transform import Array
+
+MOST_FRAMES = 160
+
+LONGEST_ARROW = 0.22
+"""The largest force, as a share of the scene."""
+
+NO_FORCE = 1e-9
+"""Forces up to this are rounding [N]."""
+
+HEAD = 0.25
+"""Of an arrow, as a share of its length."""
+
+ROOM = 0.08
+"""Around everything that moves, as a share of the scene."""
+
+SHORTEST_PLAY = 3.0
+"""Playing takes at least this long at the speed that is chosen first [s]."""
+
+SPEEDS = (1.0, 0.5, 0.25, 0.1, 0.05, 0.02, 0.01)
+
+CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
+EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if np.sum(CORNERS[a] != CORNERS[b]) == 1]
+TRIANGLES = (
+    (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+    (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Player:
+    """What the page needs to play the motion.
+
+    Attributes:
+        data: Traces; those that move come first.
+        layout: The scene.
+        frames: Coordinates of the moving traces, by trace, axis and frame.
+        time: Of the frames [s].
+        speed: At which to begin.
+        largest_force: The force that the longest arrow stands for [N]; 0 where there are none.
+    """
+
+    data: list[dict[str, Any]]
+    layout: dict[str, Any]
+    frames: list[dict[str, Any]]
+    time: list[float]
+    speed: float
+    largest_force: float
+
+
+def player(result: ScalingResult) -> Player:
+    """The trajectory with its forces; where there is none, the given motion.
+
+    Args:
+        result: Any result.
+    """
+    cell, given, done = result.cell, result.motion.object, result.trajectory
+    time = given.time if done is None else done.time
+    count = len(time)
+    frames = np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int))
+    q = (result.motion.q if done is None else done.q)[frames]
+    arms = [
+        joint_points(robot, q[:, joints]) for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True)
+    ]
+    sides = CORNERS * object_box(cell)
+    box = given.position[frames, None] + np.einsum("nij,kj->nki", given.rotation[frames], sides)
+    holds = [np.stack([given.position[frames], arm[:, -1]], axis=1) for arm in arms]
+    segments = [box[:, list(edge)] for edge in EDGES] + holds
+    edges = np.concatenate([np.insert(segment, 2, np.nan, axis=1) for segment in segments], axis=1)
+    solid = np.concatenate([*arms, box], axis=1).reshape(-1, 3)
+    arrows, largest = _force_arrows(result, frames, LONGEST_ARROW * float(np.max(np.ptp(solid, axis=0))))
+    moving = [
+        (arm, _arm_trace(robot.name, index, arm.shape[1]))
+        for index, (robot, arm) in enumerate(zip(cell.robots, arms, strict=True))
+    ]
+    moving += [(box, _box_trace()), (edges, _line_trace("object", "#555", 3, legend=False))]
+    if largest > NO_FORCE:
+        moving.append((arrows, _line_trace("force on the object", "#000", 5)))
+    path = _line_trace("path of the object", "#888", 2) | _coordinates(given.position[frames])
+    still = [trace | {axis: values[0] for axis, values in _coordinates(points).items()} for points, trace in moving]
+    speed = next((speed for speed in SPEEDS if time[-1] / speed >= SHORTEST_PLAY), SPEEDS[-1])
+    return Player(
+        [*still, path],
+        _layout(cell, np.concatenate([solid, arrows.reshape(-1, 3)])),
+        [_coordinates(points) for points, _ in moving],
+        numbers(time[frames]),
+        speed,
+        largest if largest > NO_FORCE else 0.0,
+    )
+
+
+def _coordinates(points: Array) -> dict[str, Any]:
+    """Coordinates by axis; of a moving trace, Shape (frames, P, 3), by frame then."""
+    return {axis: numbers(np.round(points[..., index], 5)) for index, axis in enumerate("xyz")}
+
+
+def _force_arrows(result: ScalingResult, frames: Array, longest: float) -> tuple[Array, float]:
+    """All forces as arrows in one line with gaps, Shape (frames, P, 3), and the largest force [N]."""
+    if result.trajectory is None:
+        return np.empty((len(frames), 0, 3)), 0.0
+    cell, given = result.cell, result.motion.object
+    forces = [
+        contact_forces(cell, robot, given.position[frames], given.rotation[frames], result.wrench[robot.name][frames])
+        for robot in cell.robots
+    ]
+    largest = max(float(np.max(np.linalg.norm(part.force, axis=1))) for part in forces)
+    scale = longest / largest if largest > NO_FORCE else 0.0
+    sideways = np.eye(3)[{"xy": 2, "xz": 1, "yz": 0}.get(cell.plane or "", 2)]
+    arrows = [_arrow(part.point, scale * part.force, sideways) for part in forces]
+    return np.concatenate(arrows, axis=1), largest
+
+
+def _arrow(start: Array, along: Array, sideways: Array) -> Array:
+    """Arrows as lines: shaft, two barbs at right angles to `sideways` and two along it, a gap, Shape (N, 9, 3)."""
+    tip = start + along
+    across = np.cross(along, sideways)
+    length = np.linalg.norm(along, axis=1, keepdims=True)
+    width = np.linalg.norm(across, axis=1, keepdims=True)
+    steep = width < 1e-6 * np.maximum(length, 1e-12)  # along `sideways`, any direction across will do
+    across = np.where(steep, np.cross(along, sideways[[1, 2, 0]]), across)
+    across *= length / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
+    other = np.cross(along, across) / np.maximum(length, 1e-12)
+    back, half = tip - HEAD * along, HEAD / 2
+    barbs = [back + half * across, back - half * across, back + half * other, back - half * other]
+    line = [start, tip, barbs[0], tip, barbs[1], tip, barbs[2], tip, barbs[3], np.full_like(tip, np.nan)]
+    return np.stack(line, axis=1)
+
+
+def _arm_trace(name: str, index: int, points: int) -> dict[str, Any]:
+    colour = COLOURS[index % (len(COLOURS) - 1)]
+    symbols = ["square", *["circle"] * (points - 2), "diamond"]
+    return {
+        "type": "scatter3d",
+        "mode": "lines+markers",
+        "name": plot_text(shortened(name)),
+        "line": {"color": colour, "width": 9},
+        "marker": {"color": colour, "size": [7, *[5] * (points - 2), 4], "symbol": symbols},
+        "hoverinfo": "name",
+    }
+
+
+def _box_trace() -> dict[str, Any]:
+    i, j, k = (list(corner) for corner in zip(*TRIANGLES, strict=True))
+    return {
+        "type": "mesh3d",
+        "name": "object",
+        "i": i,
+        "j": j,
+        "k": k,
+        "color": "#bbb",
+        "opacity": 0.6,
+        "flatshading": True,
+        "hoverinfo": "name",
+    }
+
+
+def _line_trace(name: str, colour: str, width: int, *, legend: bool = True) -> dict[str, Any]:
+    return {
+        "type": "scatter3d",
+        "mode": "lines",
+        "name": name,
+        "line": {"color": colour, "width": width},
+        "hoverinfo": "skip",
+        "showlegend": legend,
+    }
+
+
+def _layout(cell: Cell, points: Array) -> dict[str, Any]:
+    """The scene around everything that moves; the page scales it to the window."""
+    low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
+    room = ROOM * float(np.max(high - low))
+    low, high = low - room, high + room
+    axes: dict[str, Any] = {}
+    for index, axis in enumerate("xyz"):
+        axes[f"{axis}axis"] = {
+            "title": {"text": f"{axis} [m]"},
+            "range": numbers(np.array([low[index], high[index]])),
+            "tickangle": 0,
+            "visible": cell.plane is None or axis in cell.plane,
+        }
+    ratio = dict(zip("xyz", numbers(high - low), strict=True))
+    return {
+        "font": {"family": "system-ui, sans-serif", "size": 13, "color": "#1b1b1b"},
+        "margin": {"l": 0, "r": 0, "t": 0, "b": 0},
+        "paper_bgcolor": "#fff",
+        "legend": {"orientation": "h", "x": 0, "y": 1, "yanchor": "top"},
+        "scene": axes | {"aspectmode": "manual", "aspectratio": ratio, "camera": _camera(cell)},
+        "uirevision": "kept",
+    }
+
+
+def _camera(cell: Cell) -> dict[str, Any]:
+    """Square onto the plane of a planar cell; else from in front and above, against gravity."""
+    if cell.plane is not None:
+        eye, up = {"xy": ((0, 0, 2), (0, 1, 0)), "xz": ((0, -2, 0), (0, 0, 1)), "yz": ((2, 0, 0), (0, 0, 1))}[
+            cell.plane
+        ]
+        projection = "orthographic"
+    else:
+        weight = np.linalg.norm(cell.gravity)
+        upward = -cell.gravity / weight if weight > 0 else np.array([0.0, 0.0, 1.0])
+        across = np.eye(3)[1] if abs(upward[1]) < np.sqrt(0.5) else np.eye(3)[2]
+        front = across - (across @ upward) * upward
+        aside = np.cross(front, upward)
+        eye, up = tuple((0.7 * upward - 1.4 * front + 0.7 * aside).tolist()), tuple(upward.tolist())
+        projection = "perspective"
+    views = {"eye": dict(zip("xyz", eye, strict=True)), "up": dict(zip("xyz", up, strict=True))}
+    return views | {"projection": {"type": projection}}

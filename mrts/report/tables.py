@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: MIT
+"""Tables of the report: what was given, the range, limits and how far they are used, conflicts, loads."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from mrts.cell import Cell
+from mrts.infeasibility import Conflict
+from mrts.limit_rows import ActiveRow
+from mrts.limit_use import limit_uses
+from mrts.load_envelope import load_envelope
+from mrts.range_text import range_facts, range_text
+from mrts.report.markup import Html, element, html, joined, table
+from mrts.result import ScalingResult
+from mrts.rigid_transform import Array
+from mrts.scaling_range import ScalingRange
+
+MOST_CONFLICTS = 10
+MOST_LOADS = 16
+"""Rows of the tables of conflicts and loads; the rest is counted."""
+
+
+def inputs_table(result: ScalingResult) -> Html:
+    """Cell, object, motion and how the load is shared."""
+    cell, given = result.cell, result.motion.object
+    where = f"planar in {cell.plane}" if cell.plane else "spatial"
+    path = f"from {_vector(given.position[0])} m to {_vector(given.position[-1])} m"
+    fastest = (
+        f"{limit:.4g} {unit}"
+        for limit, unit in zip(cell.object_velocity_limit, ("m/s", "rad/s"), strict=True)
+        if np.isfinite(limit)
+    )
+    entries = [
+        ("cell", f"{cell.name}, {where}, gravity {_vector(cell.gravity)} m/s²"),
+        ("object", _object_text(cell)),
+        ("speed of the object", f"at most {speed}" if (speed := ", ".join(fastest)) else "unlimited"),
+        ("load", "known" if result.load is None else result.load.sentence()),
+    ]
+    for robot in cell.robots:
+        base = _vector(robot.T_world_base.p)
+        entries.append((f"robot {robot.name}", f"{len(robot.joints)} joints, base at {base} m"))
+    entries += [
+        ("given motion", f"{given.time[-1]:.4g} s in {result.motion.samples} samples, {path}"),
+        ("torques", _distribution_text(result)),
+    ]
+    return element("dl", joined(joined([element("dt", name), element("dd", text)]) for name, text in entries))
+
+
+def _object_text(cell: Cell) -> str:
+    diagonal = ", ".join(f"{value:.4g}" for value in np.diag(cell.inertia))
+    text = f"{cell.mass:.4g} kg, moments of inertia {diagonal} kg m²"
+    xy, xz, yz = cell.inertia[0, 1], cell.inertia[0, 2], cell.inertia[1, 2]
+    if xy or xz or yz:
+        text += f", products xy {xy:.4g}, xz {xz:.4g}, yz {yz:.4g} kg m²"
+    if np.any(cell.load[1:4] != 0):
+        text += f", first moments {_vector(cell.load[1:4])} kg m"
+    return text
+
+
+def _distribution_text(result: ScalingResult) -> str:
+    sharing = result.rule.sharing
+    if sharing is None:
+        return "the least weighted squares that keep all limits" if len(result.cell.robots) > 1 else "those of one arm"
+    if sharing.shares is None:
+        return "a fixed distribution, equal shares"
+    return f"a fixed distribution, shares {', '.join(f'{share:.4g}' for share in sharing.shares)}"
+
+
+def joints_table(cell: Cell) -> Html:
+    """Limits of every joint."""
+    rows = []
+    for robot in cell.robots:
+        for index, joint in enumerate(robot.joints):
+            unit = "m" if robot.joint_types[index] == "prismatic" else "rad"
+            torque = _interval(robot.torque_lower[index], robot.torque_upper[index], robot.torque_units[index])
+            position = _interval(robot.position_lower[index], robot.position_upper[index], unit)
+            fastest = robot.velocity_limit[index]
+            velocity = f"{fastest:.4g} {unit}/s" if np.isfinite(fastest) else "none given"
+            rows.append((robot.name, joint, robot.joint_types[index], torque, position, velocity))
+    velocity = "velocity" if cell.enforces_velocity_limits else "velocity (not enforced)"
+    return table(("robot", "joint", "type", "torque", "position", velocity), rows)
+
+
+def wrench_limits_table(cell: Cell) -> Html:
+    """Limits of every contact wrench."""
+    rows = [
+        (
+            robot.name,
+            *(
+                _interval(robot.wrench_lower[index], robot.wrench_upper[index], "N" if name.startswith("f") else "N m")
+                for index, name in enumerate(cell.wrench_components)
+            ),
+        )
+        for robot in cell.robots
+    ]
+    return table(("robot", *cell.wrench_components), rows)
+
+
+def range_table(found: ScalingRange) -> list[Html]:
+    """Both ends of the range and what sets them; nothing if there are none."""
+    rows = []
+    for name, end in (("c²⁻", found.lower), ("c²⁺", found.upper)):
+        if end is None:
+            continue
+        if end.time is None:
+            rows.append((name, "∞", "∞", "", "nothing limits it"))
+            continue
+        place = f"{end.time:.4g} s" + ("" if end.load is None else f", {end.load}")
+        rows.append((name, f"{end.c2:.6g}", f"{np.sqrt(max(end.c2, 0)):.4g} ×", place, _rows_list(end.rows)))
+    return [table(("end", "c²", "speed", "set at", "by"), rows)] if rows else []
+
+
+def margins_table(result: ScalingResult) -> Html:
+    """Every limit by falling share that the trajectory uses."""
+    rows = []
+    for use in limit_uses(result):
+        filled = element("div", "", class_="fill", style=f"width:{100 * min(use.share, 1):.1f}%")
+        bar = joined([element("div", filled, class_="bar"), html(f"{100 * use.share:.1f} %")])
+        limits = _interval(use.lower, use.upper, use.name.unit)
+        rows.append((str(use.name), limits, f"{use.least:.4g}", f"{use.largest:.4g}", bar, f"{use.time:.4g} s"))
+    return table(("limit", "from … to", "least", "largest", "share used", "most used at"), rows)
+
+
+def conflicts_table(conflicts: Sequence[Conflict]) -> Html:
+    """Which limits conflict and when; conflicts of the same limits share a row, which tells of their worst sample."""
+    groups: dict[str, list[Conflict]] = {}
+    for conflict in sorted(conflicts, key=lambda conflict: -conflict.widening):
+        load = "" if conflict.load is None else f" with {conflict.load}"
+        groups.setdefault(f"{sorted(map(str, conflict.rows))}{load}", []).append(conflict)
+    rows = []
+    for alike in list(groups.values())[:MOST_CONFLICTS]:
+        worst = alike[0]
+        moves = zip(worst.rows, worst.moves, strict=True)
+        named = _lines(f"{row}: by {move:.3g} {row.name.unit}".rstrip() for row, move in moves)
+        times = [conflict.time for conflict in alike]
+        when = html(f"{worst.time:.4g} s")
+        if len(alike) > 1:
+            stretch = f"{len(alike)} samples from {min(times):.4g} s to {max(times):.4g} s,"
+            when = _lines((stretch, f"worst at {worst.time:.4g} s"))
+        load = "" if worst.load is None else str(worst.load)
+        rows.append((when, f"{100 * worst.widening:.3g} %", named, load))
+    head = ("t", "all limits wider by", "these conflict, and how far each would have to move", "load")
+    with_load = any(row[-1] for row in rows)
+    whole = table(head if with_load else head[:-1], rows if with_load else [row[:-1] for row in rows])
+    return joined([whole, *_rest(len(groups) - MOST_CONFLICTS, "sets of limits that conflict")])
+
+
+def loads_table(result: ScalingResult) -> Html:
+    """Ranges by load, the worst first; nothing if no load was looked at by itself."""
+    study = result.load
+    envelope = load_envelope(study) if study is not None else None
+    if study is None or envelope is None:
+        return Html("")
+    rows = []
+    for index in envelope.order[:MOST_LOADS]:
+        found = study.ranges[index]
+        ends, by = range_text(found), _lines(range_facts(found))
+        if found.upper is not None and found.status.admits_motion:
+            by = _rows_list(found.upper.rows)
+        rows.append((str(study.points[index]), ends, by))
+    whole = table(("load", "c²", "c²⁺ is set by"), rows)
+    return joined([whole, *_rest(len(envelope.order) - MOST_LOADS, "loads")])
+
+
+def _rest(count: int, what: str) -> list[Html]:
+    return [element("p", f"… and {count} more {what}.")] if count > 0 else []
+
+
+def _rows_list(rows: Sequence[ActiveRow]) -> Html:
+    return _lines(str(row) for row in rows)
+
+
+def _lines(lines: Iterable[str]) -> Html:
+    return Html("<br>".join(html(line) for line in lines))
+
+
+def _interval(low: float, high: float, unit: str) -> str:
+    if not (np.isfinite(low) or np.isfinite(high)):
+        return "unbounded"
+    left = f"[{low:.4g}" if np.isfinite(low) else "(−∞"
+    right = f"{high:.4g}]" if np.isfinite(high) else "∞)"
+    return f"{left}, {right} {unit}"
+
+
+def _vector(values: Array) -> str:
+    return f"({', '.join(f'{value:.4g}' for value in np.round(values, 9) + 0.0)})"
