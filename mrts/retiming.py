@@ -23,7 +23,7 @@ from mrts.retiming_result import RetimingResult, RetimingStatus
 from mrts.rigid_transform import Array
 from mrts.sample_problem import SampleProblem
 from mrts.scaled_trajectory import ScaledTrajectory
-from mrts.scaling import load_question, scale
+from mrts.scaling import SelectionError, load_question, scale
 from mrts.scaling_range import intersect
 from mrts.solvers import DEFAULT_SOLVER
 from mrts.speed_conflict import sample_conflict, segment_conflict
@@ -77,14 +77,9 @@ def retime(
         CompilerError: If there is no C compiler.
         SolverError: If no solver answers.
     """
-    for name, speed in (("start_speed", start_speed), ("end_speed", end_speed)):
-        if isinstance(speed, bool) or not isinstance(speed, int | float) or not 0 <= speed < np.inf:
-            raise InputError(name, "must be a number >= 0, a multiple of the given motion's speed.", value=speed)
-    question = load_question(cell, load, "auto")
-    if question not in {"guaranteed", "nominal"}:
-        raise InputError("load", "must be guaranteed or nominal where the speed varies.", value=load)
+    question = _checked_question(cell, sharing, load, start_speed, end_speed)
     motion = coordinate(cell, motion)
-    constant = scale(cell, motion, sharing=sharing, weights=weights, load=question)
+    constant = _best_constant(cell, motion, sharing, weights, question)
     points: tuple[LoadPoint | None, ...] = (None,)
     if question == "guaranteed" and cell.load_box is not None:
         points = cell.load_box.corners(effective_parameters(cell, motion, cell.load_box, ("P", "Q", "S")))
@@ -106,11 +101,40 @@ def retime(
         search = _Search(constant, piece, points, (ends[0], ends[1]))
         progress(number, len(pieces))
         found = search.run(progress if len(pieces) == 1 else lambda _done, _total: None)
-        if isinstance(found, Failure):
+        if isinstance(found, _Failure):
             return RetimingResult(cell, motion, *found.reason, constant, loads, conflict=found.conflict)
         timed.append(found)
     whole = RetimingResult(cell, motion, RetimingStatus.OPTIMAL, "", constant, loads, tuple(timed))
     return replace(whole, retimed=_with_torques(constant, whole.pieces))
+
+
+def _checked_question(cell: Cell, sharing: LoadSharing | None, load: str, start_speed: float, end_speed: float) -> str:
+    """The question asked of the load, if all arguments keep their rules."""
+    for name, speed in (("start_speed", start_speed), ("end_speed", end_speed)):
+        if isinstance(speed, bool) or not isinstance(speed, int | float) or not 0 <= speed < np.inf:
+            raise InputError(name, "must be a number >= 0, a multiple of the given motion's speed.", value=speed)
+    if (
+        isinstance(sharing, LoadSharing)
+        and sharing.internal_wrench is not None
+        and np.ndim(sharing.internal_wrench) > 1
+    ):
+        raise InputError("sharing", "its internal wrench must be one for all samples where the speed varies.")
+    question = load_question(cell, load, "auto")
+    if question not in {"guaranteed", "nominal"}:
+        raise InputError("load", "must be guaranteed or nominal where the speed varies.", value=load)
+    return question
+
+
+def _best_constant(
+    cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, weights: Array | None, question: str
+) -> ScalingResult:
+    """The best constant factor; without a trajectory where none moves the object, which a varying speed may."""
+    try:
+        return scale(cell, motion, sharing=sharing, weights=weights, load=question)
+    except SelectionError as error:
+        if error.result is None:
+            raise
+        return error.result
 
 
 def _no_path(found: NoPath, time: Array) -> tuple[RetimingStatus, str]:
@@ -143,7 +167,7 @@ def _with_torques(constant: ScalingResult, pieces: Sequence[TimedPiece]) -> Scal
 
 
 @dataclass(frozen=True)
-class Failure:
+class _Failure:
     """Why a piece of a path has no profile: outcome and explanation, and the limits that conflict if they do."""
 
     reason: tuple[RetimingStatus, str]
@@ -159,7 +183,7 @@ class _Search:
     points: tuple[LoadPoint | None, ...]
     ends: tuple[float, float]
 
-    def run(self, progress: Progress) -> TimedPiece | Failure:
+    def run(self, progress: Progress) -> TimedPiece | _Failure:
         """The fastest profile, or why there is none."""
         parts = []
         for number, point in enumerate(self.points):
@@ -174,57 +198,57 @@ class _Search:
                     f"the admissible speeds at {self._place(sample)} were not found, although its limits hold "
                     "together. This is a defect of mrts or of extremely scaled data: please report cell and motion."
                 )
-            return Failure((RetimingStatus.INFEASIBLE, f"{conflict}."), conflict)
+            return _Failure((RetimingStatus.INFEASIBLE, f"{conflict}."), conflict)
         found = fastest_profile(self.piece.step, regions, self.ends)
         if isinstance(found, Obstacle):
             return self._explained(found)
         return self._unusual(found, regions) or TimedPiece(self.piece, regions, found)
 
-    def _unusual(self, found: SpeedProfile, regions: SpeedRegions) -> Failure | None:
+    def _unusual(self, found: SpeedProfile, regions: SpeedRegions) -> _Failure | None:
         """A profile that takes no time, or for ever."""
         fastest = int(np.argmax(found.x))
         if found.x[fastest] >= UNBOUNDED_SHARE * largest_speed(self.piece.step, regions):
             why = f"nothing limits the speed at {self._place(fastest)}. Give velocity limits."
-            return Failure((RetimingStatus.UNBOUNDED, why))
+            return _Failure((RetimingStatus.UNBOUNDED, why))
         stuck = np.maximum(found.x[:-1], found.x[1:]) <= STANDSTILL_SHARE * found.x[fastest]
         if not np.any(stuck):
             return None
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"
         upper = self.constant.range.upper
         why += "." if upper is None or upper.time is None else f"; c² is limited {upper.place()}."
-        return Failure((RetimingStatus.STANDSTILL, why))
+        return _Failure((RetimingStatus.STANDSTILL, why))
 
-    def _explained(self, obstacle: Obstacle) -> Failure:
+    def _explained(self, obstacle: Obstacle) -> _Failure:
         k, reach = obstacle.sample, obstacle.reach
         if obstacle.kind != "segment":
             return self._wrong_end(obstacle)
         for sample in (k, k + 1):
             conflict = self._conflict(sample)
             if conflict is not None:
-                return Failure((RetimingStatus.INFEASIBLE, f"{conflict}."), conflict)
+                return _Failure((RetimingStatus.INFEASIBLE, f"{conflict}."), conflict)
         conflict = self._conflict(k, reach)
         low, high = (np.sqrt(x) / self.piece.speed[k + 1] if self.piece.speed[k + 1] > 0 else 0.0 for x in reach)
         why = (
             f"no speed at {self._place(k)} leads on to where the end can still be reached, ṙ in [{low:.6g}, "
             f"{high:.6g}] at the next sample{_rows(conflict)}. Change the path or its end speeds, or raise a limit."
         )
-        return Failure((RetimingStatus.NOT_CONTROLLABLE, why), conflict)
+        return _Failure((RetimingStatus.NOT_CONTROLLABLE, why), conflict)
 
-    def _wrong_end(self, obstacle: Obstacle) -> Failure:
+    def _wrong_end(self, obstacle: Obstacle) -> _Failure:
         start = obstacle.kind == "start"
         speed, given = self.piece.speed[obstacle.sample], self.ends[0 if start else 1]
         place, status = self._place(obstacle.sample), RetimingStatus.START_SPEED if start else RetimingStatus.END_SPEED
         conflict = self._conflict(obstacle.sample, obstacle.next_reach, given)
         if given == 0:
             why = f"the motion cannot {'start from' if start else 'come to'} rest at {place}{_rows(conflict)}."
-            return Failure((status, why), conflict)
+            return _Failure((status, why), conflict)
         low, high = (np.sqrt(x) / speed for x in obstacle.reach)
         why = (
             f"at {place} the motion may {obstacle.kind} with ṙ in [{low:.6g}, {high:.6g}], but "
             f"{np.sqrt(given) / speed:.6g} is asked for{_rows(conflict)}. Give a {obstacle.kind} speed in that range, "
             "or a motion that is at rest there."
         )
-        return Failure((status, why), conflict)
+        return _Failure((status, why), conflict)
 
     def _place(self, sample: int) -> str:
         sample += self.piece.first

@@ -19,6 +19,7 @@ from mrts.profile_limits import profile_limits
 from mrts.result import ScalingResult
 from mrts.retimed_motion import TimedPiece
 from mrts.rigid_transform import Array
+from mrts.scaling_range import ScalingStatus
 
 
 class RetimingStatus(Enum):
@@ -79,7 +80,9 @@ class RetimingResult:
     def saving(self) -> float | None:
         """Share of the best constant factor's duration that is saved; None where that motion starts or ends moving."""
         best, duration = self.constant.trajectory, self.duration
-        if best is None or duration is None or not (self.pieces[0].piece.rests[0] and self.pieces[-1].piece.rests[1]):
+        if best is None or duration is None or self.constant.status is ScalingStatus.UNBOUNDED:
+            return None
+        if not (self.pieces[0].piece.rests[0] and self.pieces[-1].piece.rests[1]):
             return None
         return 1 - duration / best.duration
 

@@ -3,7 +3,11 @@
 import os
 import subprocess
 import sys
+import threading
 from dataclasses import dataclass
+
+PATIENCE = 120.0
+"""[s]"""
 
 SPAWN = (
     "import os, pty, sys; code = os.waitstatus_to_exitcode(pty.spawn(sys.argv[1:]));"
@@ -33,6 +37,8 @@ def at_terminal(command, *, keys=(), without=(), **environment):
         stdout=subprocess.PIPE,
         env=inherited | {"TERM": "xterm", "PYTHONUNBUFFERED": "1"} | environment,
     ) as process:
+        deadline = threading.Timer(PATIENCE, process.kill)  # what is waited for may never come
+        deadline.start()
         shown, searched, waiting = b"", 0, list(keys)
         while chunk := os.read(process.stdout.fileno(), 4096):
             shown += chunk
@@ -41,5 +47,6 @@ def at_terminal(command, *, keys=(), without=(), **environment):
                 searched = shown.index(text.encode(), searched) + len(text.encode())
                 process.stdin.write(typed.encode())
                 process.stdin.flush()
+        deadline.cancel()
         assert not waiting, (waiting, shown)
     return Session(process.returncode, shown.decode())

@@ -224,7 +224,7 @@ def test_bash_completes_verbs_options_and_files(tmp_path, typed, completed):
     command = 'eval "$(register-python-argcomplete mrts)"'
     assert command in page
     (tmp_path / "folder").mkdir()
-    for name in ("cell.yaml", "cell.urdf", "lift.yaml", "lift.csv", "fork.yaml"):
+    for name in ("cell.yaml", "cell.urdf", "lift.yaml", "lift.urdf", "fork.yaml"):
         (tmp_path / name).write_text("")
     rc = tmp_path / "rc"
     rc.write_text(f"PS1='ready> '\ncd '{tmp_path}'\n{command}\n")
