@@ -36,6 +36,7 @@ bench: install  ## measure speed against what a user would otherwise run
 	$(BIN)/python benchmarks/range_speed.py
 	$(BIN)/python benchmarks/fast_path.py
 	$(BIN)/python benchmarks/uncertain_load.py
+	$(BIN)/python benchmarks/retiming.py
 	$(BIN)/python benchmarks/generation_cost.py
 
 instructions: install  ## count instructions of a sample (needs gcc and valgrind)

@@ -8,7 +8,7 @@ import numpy as np
 
 from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion, coordinate
-from mrts.errors import InputError
+from mrts.errors import InputError, SolverError
 from mrts.infeasibility import Conflict
 from mrts.load_box import LoadPoint
 from mrts.load_sharing import LoadSharing
@@ -93,6 +93,10 @@ def retime(
     if isinstance(pieces, NoPath):
         status, why = _no_path(pieces, motion.object.time)
         return RetimingResult(cell, motion, status, why, constant, loads)
+    given = (("start_speed", start_speed, pieces[0].rests[0]), ("end_speed", end_speed, pieces[-1].rests[1]))
+    for name, speed, rests in given:
+        if speed > 0 and rests:
+            raise InputError(name, "the given motion is at rest there, so no other speed is possible.", value=speed)
     timed: list[TimedPiece] = []
     for number, piece in enumerate(pieces):
         ends = tuple(
@@ -162,8 +166,12 @@ class _Search:
         regions = parts[0] if len(parts) == 1 else intersect_regions(parts)
         for sample in regions.undecided:
             conflict = self._conflict(sample)
-            if conflict is not None:
-                return Failure((RetimingStatus.INFEASIBLE, f"{conflict}."), conflict)
+            if conflict is None:
+                raise SolverError(
+                    f"the admissible speeds at {self._place(sample)} were not found, although its limits hold "
+                    "together. This is a defect of mrts or of extremely scaled data: please report cell and motion."
+                )
+            return Failure((RetimingStatus.INFEASIBLE, f"{conflict}."), conflict)
         found = fastest_profile(self.piece.step, regions, self.ends)
         if isinstance(found, Obstacle):
             return self._explained(found)

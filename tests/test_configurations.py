@@ -21,7 +21,7 @@ def lift_and_turn():
 
 @pytest.fixture(scope="module")
 def study(dual_ur5, lift_and_turn):
-    return mrts.rank_configurations(dual_ur5, lift_and_turn)
+    return mrts.rank_configurations(dual_ur5.without_velocity_limits(), lift_and_turn)
 
 
 def test_an_uncertain_load_is_ranked_by_its_guaranteed_range(planar_cell, lift):

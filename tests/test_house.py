@@ -13,7 +13,8 @@ import mrts
 from mrts.manifest import read_generated
 
 SOURCES = sorted([*(ROOT / "mrts").rglob("*.py"), *(ROOT / "codegen").rglob("*.py")])
-HEAVY = ("casadi", "scipy", "pydantic", "yaml", "yourdfpy", "trimesh", "lxml", "matplotlib", "mrts_codegen")
+HEAVY = ("casadi", "scipy", "pydantic", "yaml", "yourdfpy", "trimesh", "lxml", "matplotlib", "mrts_codegen", "plotly")
+HEAVY += ("rich", "rosbags", "viser")
 LAST_EQUATION = 49
 NUMBERS = re.compile(r"\((\d+)\)")
 

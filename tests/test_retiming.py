@@ -387,5 +387,7 @@ def test_bad_arguments_are_named(planar_cell, lift):
                 mrts.retime(planar_cell, lift, **{name: value})
     with pytest.raises(mrts.InputError, match="must be guaranteed or nominal"):
         mrts.retime(planar_cell.with_variation(mass=(0.5, 2)), lift, load="possible")
+    with pytest.raises(mrts.InputError, match="at rest there"):
+        mrts.retime(planar_cell, lift, end_speed=0.5)
     with pytest.raises(mrts.InputError, match="sharing"):
         mrts.retime(planar_cell, lift, sharing=0.5)

@@ -72,7 +72,7 @@ def dense_jacobian(model, data):
 
 @pytest.fixture(scope="module")
 def run():
-    cell = mrts.load_cell(UR5 / "cell.yaml")
+    cell = mrts.load_cell(UR5 / "cell.yaml").without_velocity_limits()
     description = yaml.safe_load((UR5 / "lift_and_turn.yaml").read_text()) | {"samples": 1001}
     result = mrts.scale(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(description)))
     done, given = result.trajectory, result.motion.object

@@ -190,10 +190,10 @@ def test_every_example_of_the_help_is_understood(tmp_path, monkeypatch):
     for verb in VERBS:
         for line in verb.EXAMPLES.splitlines()[1:]:
             command = re.split(r"\s{2,}|\s\|", line.strip())[0].split()
-            if command[0] == "mrts":
+            if command[0] == "mrts" and command[1] != "view":  # which serves until Ctrl-C; see test_viewer.py
                 assert main(command[1:]) == 0, line
                 ran += 1
-    assert ran >= 2 * len(VERBS) - 1
+    assert ran >= 2 * (len(VERBS) - 1) - 1
     assert (tmp_path / "plots" / "c2_range.png").exists()
 
 

@@ -4,7 +4,7 @@
 import argparse
 import os
 
-SUFFIXES = {"cell": ("yaml", "yml"), "motion": ("yaml", "yml"), "json": ("json",), "csv": ("csv",)}
+SUFFIXES = {"cell": ("yaml", "yml"), "motion": ("yaml", "yml", "csv", "mcap"), "json": ("json",), "csv": ("csv",)}
 """Of the files that an argument takes; one that takes a folder has the metavar DIR."""
 
 
