@@ -72,6 +72,7 @@ class ScalingResult:
         fallbacks: Programs that the chosen solver did not solve and another did.
         load: What was asked of an uncertain load; None if the load is known.
         rule: How torques are distributed.
+        origin: What was done to the motion before, for people; empty if nothing.
     """
 
     cell: Cell
@@ -81,6 +82,7 @@ class ScalingResult:
     fallbacks: int
     load: LoadStudy | None = None
     rule: DistributionRule = DistributionRule()
+    origin: str = ""
 
     def __repr__(self) -> str:
         done = self.trajectory
@@ -130,7 +132,8 @@ class ScalingResult:
     def summary(self) -> str:
         """The outcome in one or two sentences."""
         text = self._outcome()
-        return text if self.load is None else f"{self.load.sentence()}: {text}"
+        text = text if self.load is None else f"{self.load.sentence()}: {text}"
+        return f"{self.origin}; as it is now, {text}" if self.origin else text
 
     def _outcome(self) -> str:
         found = self.range
@@ -142,7 +145,8 @@ class ScalingResult:
             return f"c² ∈ [{least:.4g}, ∞): {found.status.advice}" + (f" Limited {below}." if below else "")
         speed = _speed_advice(least, most, self.motion.object.time[-1])
         limits = f"above {found.upper.place()}, {below}" if below else found.upper.place()
-        return f"c² ∈ [{least:.4g}, {most:.4g}]: {speed}; limited {limits}."
+        advice = "" if self.origin else f": {speed}"  # of the fastest timing there is none to give
+        return f"c² ∈ [{least:.4g}, {most:.4g}]{advice}; limited {limits}."
 
     def residuals(self) -> Residuals:
         """Check the trajectory against (8), (13), (20) and (24), from the terms and not from the programs.

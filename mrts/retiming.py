@@ -136,7 +136,10 @@ def _with_torques(constant: ScalingResult, pieces: Sequence[TimedPiece]) -> Scal
     torque, wrench, fallbacks = motion_torques(cell, motion, "wrench", rule.sharing, DEFAULT_SOLVER, 1.0, W)
     found = intersect(motion_ranges(cell, motion, "wrench", rule.sharing, DEFAULT_SOLVER))
     trajectory = ScaledTrajectory(cell, motion, 1.0, torque, wrench)
-    return ScalingResult(cell, motion, found, trajectory, fallbacks + found.samples.fallbacks, None, rule).checked()
+    given = constant.motion.object.time[-1]
+    origin = f"fastest timing of a path that was given {given:.4g} s: {trajectory.duration:.4g} s"
+    fallbacks += found.samples.fallbacks
+    return ScalingResult(cell, motion, found, trajectory, fallbacks, None, rule, origin).checked()
 
 
 @dataclass(frozen=True)

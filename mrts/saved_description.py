@@ -150,6 +150,7 @@ class Description(_Record):
     fallbacks: Index
     range_fallbacks: Annotated[list[Index], Field(min_length=1)]
     study: StudyEntry | None
+    origin: str
     rows: list[RowEntry]
     loads: list[LoadEntry]
     conflicts: list[ConflictEntry]

@@ -122,7 +122,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
     if said.c2 is not None:
         done = ScaledTrajectory(known, motion, said.c2, arrays["torque"], arrays["wrench"])
         done = done.with_internal_wrench(arrays["internal_wrench"])
-    return ScalingResult(known, motion, first, done, said.fallbacks, study, rule)
+    return ScalingResult(known, motion, first, done, said.fallbacks, study, rule, said.origin)
 
 
 def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tables) -> Description:
@@ -157,6 +157,7 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
         fallbacks=result.fallbacks,
         range_fallbacks=[of.fallbacks for of in ranges],
         study=entry,
+        origin=result.origin,
         rows=tables.row_entries(),
         loads=tables.load_entries(),
         conflicts=conflicts,

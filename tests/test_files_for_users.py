@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import yaml
 from conftest import DATA
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
@@ -118,3 +119,17 @@ def test_a_missing_extra_is_named_before_any_work(tmp_path):
     assert done.returncode == 2
     assert "pip install 'mrts[ros]'" in done.stderr
     assert done.stdout == ""
+
+
+def test_an_infeasible_motion_is_still_an_outcome_with_files_asked_for(tmp_path, capsys):
+    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
+    cell["object"]["mass"] = 100.0
+    for robot in cell["robots"]:
+        robot["urdf"] = str(DATA / robot["urdf"])
+    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
+    for profile in ("constant", "optimal"):
+        command = ["scale", str(tmp_path / "cell.yaml"), str(DATA / "lift.yaml"), "--profile", profile]
+        assert main([*command, "--csv", str(tmp_path / "t.csv"), "--json", str(tmp_path / f"{profile}.json")]) == 1
+        assert not (tmp_path / "t.csv").exists()
+        assert (tmp_path / f"{profile}.json").exists()
+        assert "no trajectory for --csv" in capsys.readouterr().err

@@ -180,13 +180,13 @@ def _retime(
         if options.json is not None:
             found.write_json(options.json)
     if found.retimed is None:
+        _say_unwritten(options)
         return INFEASIBLE
     options.json = None
     with working("writing"):
         _write(options, found.retimed)
         if options.plot is not None:
-            from mrts.figures import write_figure
-            from mrts.phase_plane import phase_plane_figure
+            from mrts.figures import phase_plane_figure, write_figure
 
             write_figure(phase_plane_figure(found), options.plot / "phase_plane.png")
     return FEASIBLE
@@ -222,14 +222,10 @@ def _write(options: argparse.Namespace, result: "ScalingResult") -> None:
         from mrts.saved_result import save_result
 
         save_result(result, options.save)
-    if options.csv is not None:
-        from mrts.trajectory_table import write_trajectory_csv
-
-        write_trajectory_csv(result, options.csv)
-    if options.ros_bag is not None:
-        from mrts.ros_bag import write_ros_bag
-
-        write_ros_bag(result, options.ros_bag)
+    if result.trajectory is not None:
+        _write_trajectory(options, result)
+    else:
+        _say_unwritten(options)
     if options.plot is not None:
         from mrts.figures import write_result_figures
 
@@ -238,3 +234,19 @@ def _write(options: argparse.Namespace, result: "ScalingResult") -> None:
         from mrts.report import write_report
 
         write_report(result, options.report)
+
+
+def _say_unwritten(options: argparse.Namespace) -> None:
+    if not (options.csv is None and options.ros_bag is None):
+        warn("no speed is chosen, so there is no trajectory for --csv and --ros-bag")
+
+
+def _write_trajectory(options: argparse.Namespace, result: "ScalingResult") -> None:
+    if options.csv is not None:
+        from mrts.trajectory_table import write_trajectory_csv
+
+        write_trajectory_csv(result, options.csv)
+    if options.ros_bag is not None:
+        from mrts.ros_bag import write_ros_bag
+
+        write_ros_bag(result, options.ros_bag)

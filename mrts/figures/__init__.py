@@ -7,6 +7,7 @@ A `draw_…` function draws into axes that you give; a `…_figure` function com
 from mrts.figures.c2_range import draw_binding_rows, draw_range, range_figure
 from mrts.figures.configurations import draw_ranking, ranking_figure
 from mrts.figures.loads import draw_load_study, load_figure, study_figure
+from mrts.figures.phase_plane import draw_phase_plane, phase_plane_figure
 from mrts.figures.power import draw_energy, draw_power, power_figure
 from mrts.figures.result_figures import write_result_figures
 from mrts.figures.style import write_figure
@@ -18,11 +19,13 @@ __all__ = [
     "draw_contact_moments",
     "draw_energy",
     "draw_load_study",
+    "draw_phase_plane",
     "draw_power",
     "draw_range",
     "draw_ranking",
     "draw_torques",
     "load_figure",
+    "phase_plane_figure",
     "power_figure",
     "range_figure",
     "ranking_figure",

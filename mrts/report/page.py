@@ -132,13 +132,8 @@ def _head(result: ScalingResult) -> Html:
     ]
     if done is not None:
         given = float(result.motion.object.time[-1])
-        lines.append(
-            element(
-                "p",
-                f"The given {given:.4g} s become {done.duration:.4g} s, {given / done.duration:.3g} × as fast; "
-                f"the motors give {done.energy:.4g} J.",
-            )
-        )
+        speed = f"The given {given:.4g} s become {done.duration:.4g} s, {given / done.duration:.3g} × as fast. "
+        lines.append(element("p", f"{'' if result.origin else speed}The motors give {done.energy:.4g} J."))
     return element("header", joined(lines))
 
 
