@@ -58,7 +58,7 @@ def speed_html(state: PlayerState) -> str:
     if state.result.rule.sharing is not None or len(state.result.cell.robots) == 1:
         text += "The torques follow from the motion alone."
     else:
-        text += "There all limits are stretched by the least equal share that leaves torques."
+        text += "Where torques or wrenches do, all limits are stretched by the least equal share that leaves torques."
     return _paragraph("speed", text, OVER)
 
 
@@ -99,14 +99,15 @@ def error_html(text: str) -> str:
     return _paragraph("error", escape(text), OVER)
 
 
-def bars_html(kind: str, groups: dict[str, list[Bar]]) -> str:
+def bars_html(kind: str, groups: dict[str, list[Bar]], *, kept: bool = True) -> str:
     """Bars about zero, a group a robot; the thin lines are the limits.
 
     Args:
-        kind: "torque", "wrench", or "velocity", whose limits are only reported.
+        kind: "torque", "wrench", or "velocity".
         groups: Bars by robot.
+        kept: Whether the limits are kept, or reported only.
     """
-    colour = PASSED if kind == "velocity" else OVER
+    colour = OVER if kept else PASSED
     rows = []
     for robot, bars in groups.items():
         rows.append(f'<tr><td colspan="3" style="padding-top:2px"><b>{escape(robot)}</b></td></tr>')

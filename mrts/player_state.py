@@ -23,6 +23,7 @@ from mrts.stretched_limits import stretched_torques
 from mrts.torque_distribution import torque_weights
 from mrts.trajectory_programs import motion_torques
 from mrts.uncertain_load import Progress
+from mrts.velocity_limits import velocity_limits
 
 BEYOND = 1.2
 """Speeds are offered up to this factor beyond an end of the range, so that one sees what forbids them."""
@@ -163,6 +164,11 @@ class PlayerState:
         return float(self.trajectory.time[self.sample])
 
     @property
+    def keeps_velocities(self) -> bool:
+        """Whether velocity limits bound the speed, or are reported only."""
+        return self.result.cell.enforces_velocity_limits
+
+    @property
     def admissible(self) -> bool:
         """Whether the chosen speed is in the range."""
         return _admits(self.result.range, self.trajectory.c2)
@@ -239,7 +245,7 @@ class PlayerState:
         }
 
     def velocity_bars(self) -> dict[str, list[Bar]]:
-        """Joint velocities at the chosen time, by robot; their limits are reported, not kept."""
+        """Joint velocities at the chosen time, by robot."""
         speed, cell = self.trajectory.dq[self.sample], self.result.cell
         return {
             robot.name: _bars(
@@ -255,7 +261,8 @@ class PlayerState:
     def joints_beyond_velocity(self) -> int:
         """How many joints pass their velocity limit at some time."""
         limits = np.concatenate([robot.velocity_limit for robot in self.result.cell.robots])
-        return int(np.count_nonzero(np.max(np.abs(self.trajectory.dq), axis=0) > limits))
+        fastest = np.max(np.abs(self.trajectory.dq), axis=0)
+        return int(np.count_nonzero(fastest > limits * (1 + LIMIT_TOLERANCE)))
 
     def _play(self, cell: Cell) -> None:
         try:
@@ -279,7 +286,8 @@ class PlayerState:
         rows = cell_rows(cell)
         value = torque @ rows.torque_matrix.T + wrench @ rows.wrench_matrix.T
         share = np.maximum(rows.lower - value, value - rows.upper) / rows.units()
-        excess = np.max(share, axis=1, initial=0.0)
+        speed = sqrt(c2) * velocity_limits(cell, motion).share - 1
+        excess = np.max(np.concatenate([share, speed], axis=1), axis=1, initial=0.0)
         excess[excess <= LIMIT_TOLERANCE] = 0.0
         return ScaledTrajectory(cell, motion, c2, torque, wrench), excess
 

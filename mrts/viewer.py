@@ -223,7 +223,7 @@ class Viewer:
             self._torques = gui.add_html("")
         with gui.add_folder("Contact wrenches on the object, base axes"):
             self._wrenches, self._arrows = gui.add_html(""), gui.add_html("")
-        with gui.add_folder("Joint velocities (limits reported, not kept)", expand_by_default=False):
+        with gui.add_folder("Joint velocities", expand_by_default=False):
             self._velocities = gui.add_html("")
         with gui.add_folder("Playback"):
             duration = self._state.trajectory.duration
@@ -274,7 +274,7 @@ class Viewer:
         self._moment_text.content = moment_html(state)
         self._torques.content = bars_html("torque", state.torque_bars())
         self._wrenches.content = bars_html("wrench", state.wrench_bars())
-        self._velocities.content = bars_html("velocity", state.velocity_bars())
+        self._velocities.content = bars_html("velocity", state.velocity_bars(), kept=state.keeps_velocities)
 
 
 def _set_slider(slider: viser.GuiSliderHandle[float], ends: tuple[float, float], digits: int, value: float) -> None:

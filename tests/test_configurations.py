@@ -20,8 +20,20 @@ def lift_and_turn():
 
 
 @pytest.fixture(scope="module")
-def study(dual_ur5, lift_and_turn):
-    return mrts.rank_configurations(dual_ur5.without_velocity_limits(), lift_and_turn)
+def unhurried(dual_ur5):
+    """Velocity limits would make many configurations equal."""
+    return dual_ur5.without_velocity_limits()
+
+
+@pytest.fixture(scope="module")
+def study(unhurried, lift_and_turn):
+    return mrts.rank_configurations(unhurried, lift_and_turn)
+
+
+def test_velocity_limits_count_in_the_ranking(dual_ur5, lift_and_turn, study):
+    ranked = mrts.rank_configurations(dual_ur5, lift_and_turn).ranked
+    assert ranked[0].c2_upper < study.ranked[-1].c2_upper
+    assert ranked[0].range.upper.rows[0].name.kind == "velocity"
 
 
 def test_an_uncertain_load_is_ranked_by_its_guaranteed_range(planar_cell, lift):
@@ -60,28 +72,28 @@ def test_every_branch_holds_the_grasp(study, dual_ur5, lift_and_turn):
         assert min(apart) > 0.1
 
 
-def test_random_starts_find_what_the_analytic_inverse_finds(study, dual_ur5, lift_and_turn, monkeypatch):
-    assert len(analytic_branches(dual_ur5, dual_ur5.robots[0], lift_and_turn)) == 8
+def test_random_starts_find_what_the_analytic_inverse_finds(study, unhurried, lift_and_turn, monkeypatch):
+    assert len(analytic_branches(unhurried, unhurried.robots[0], lift_and_turn)) == 8
     monkeypatch.setattr(mrts.configurations, "analytic_branches", lambda *_: None)
-    again = mrts.rank_configurations(dual_ur5, lift_and_turn)
+    again = mrts.rank_configurations(unhurried, lift_and_turn)
     ours, theirs = ([c.c2_upper for c in s.ranked] for s in (study, again))
     np.testing.assert_allclose(ours, theirs, rtol=1e-9)
 
 
-def test_a_configuration_is_what_scale_finds_from_its_posture(study, dual_ur5, lift_and_turn):
+def test_a_configuration_is_what_scale_finds_from_its_posture(study, unhurried, lift_and_turn):
     for configuration in (study.ranked[0], study.ranked[31], study.ranked[-1]):
-        cell = dual_ur5.with_postures(configuration.postures())
+        cell = unhurried.with_postures(configuration.postures())
         assert mrts.scale(cell, lift_and_turn).range.upper.c2 == pytest.approx(configuration.c2_upper, rel=1e-9)
 
 
-def test_the_cap_keeps_the_best_of_the_even_distribution(study, dual_ur5, lift_and_turn):
-    few = mrts.rank_configurations(dual_ur5, lift_and_turn, cap=5)
+def test_the_cap_keeps_the_best_of_the_even_distribution(study, unhurried, lift_and_turn):
+    few = mrts.rank_configurations(unhurried, lift_and_turn, cap=5)
     assert few.combinations == 64
     assert len(few.ranked) == 5
     assert few.ranked[0].c2_upper >= study.ranked[20].c2_upper
     assert "5 evaluated" in few.table(3)
     with pytest.raises(mrts.InputError, match="cap"):
-        mrts.rank_configurations(dual_ur5, lift_and_turn, cap=0)
+        mrts.rank_configurations(unhurried, lift_and_turn, cap=0)
 
 
 def test_the_papers_configurations(planar_cell, lift):

@@ -20,8 +20,16 @@ from mrts.cell_cache import library_in_cache
 from mrts.compiler import find_compiler
 from mrts.constraints import cell_rows
 from mrts.convex_program import ConvexPrograms, optimality_error, solve_programs
-from mrts.kernel_library import CHUNK, INFEASIBLE, KERNEL_FILES, MARGINAL, OPTIMAL, kernel_library, kernel_text
-from mrts.solvers.kernel import KernelSolver
+from mrts.kernel_library import (
+    CHUNK,
+    INFEASIBLE,
+    KERNEL_FILES,
+    MARGINAL,
+    OPTIMAL,
+    default_kernel,
+    kernel_library,
+    kernel_text,
+)
 
 LINEAR_PROGRAMS = 100_000
 QUADRATIC_PROGRAMS = 10_000
@@ -333,10 +341,10 @@ def test_a_library_that_does_not_load_is_compiled_again(tmp_path, monkeypatch):
 
 def test_a_broken_compiler_does_not_stop_the_virtual_machine(monkeypatch, lift):
     monkeypatch.setenv("CC", "false")
-    KernelSolver.__init__.__globals__["_library"].cache_clear()
+    default_kernel.cache_clear()
     cell = mrts.load_cell(DATA / "cell.yaml", backend="vm")
     assert mrts.scale(cell, lift).range.upper.c2 == pytest.approx(3.0618, abs=1e-4)
-    KernelSolver.__init__.__globals__["_library"].cache_clear()
+    default_kernel.cache_clear()
 
 
 SANITIZED = """

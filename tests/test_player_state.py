@@ -36,7 +36,7 @@ def synthetic(lower, upper):
 
 
 def red_bars(state):
-    groups = (*state.torque_bars().values(), *state.wrench_bars().values())
+    groups = (*state.torque_bars().values(), *state.wrench_bars().values(), *state.velocity_bars().values())
     return [bar for bars in groups for bar in bars if bar.over]
 
 
@@ -289,8 +289,9 @@ def test_names_from_files_are_text_not_markup():
 
 
 def test_velocities_beyond_their_limit_are_counted(dual_ur5, turning):
-    state = PlayerState(dual_ur5, turning)
-    reported = mrts.scale(dual_ur5, turning).too_fast()
+    free = dual_ur5.without_velocity_limits()
+    state = PlayerState(free, turning)
+    reported = mrts.scale(free, turning).too_fast()
     assert state.joints_beyond_velocity() == len(reported) > 0
     assert f"{len(reported)} of 12 joints" in speed_html(state)
     state.choose_speed(state.speeds.low)

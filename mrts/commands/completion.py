@@ -4,7 +4,13 @@
 import argparse
 import os
 
-SUFFIXES = {"cell": ("yaml", "yml"), "motion": ("yaml", "yml", "csv", "mcap"), "json": ("json",), "csv": ("csv",)}
+SUFFIXES = {
+    "cell": ("yaml", "yml"),
+    "motion": ("yaml", "yml", "csv", "mcap"),
+    "result": ("npz",),
+    "json": ("json",),
+    "csv": ("csv",),
+}
 """Of the files that an argument takes; one that takes a folder has the metavar DIR."""
 
 

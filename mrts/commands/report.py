@@ -8,13 +8,18 @@ from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.commands.options import require
 from mrts.commands.terminal import say
 
+EXAMPLES = """\
+examples:
+  mrts report result.npz -o report.html
+  mrts scale cell.yaml motion.yaml --report report.html     without saving the result"""
+
 
 def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the verb to the command line."""
     report = verbs.add_parser(
         "report",
         help="write a saved result as an HTML page that opens offline",
-        epilog="Example: mrts report result.npz -o report.html",
+        epilog=EXAMPLES,
     )
     report.add_argument("result", type=Path, metavar="RESULT", help="saved result (.npz)")
     report.add_argument("-o", "--output", type=Path, default=Path("report.html"), metavar="FILE",

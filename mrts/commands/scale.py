@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = """\
 examples:
-  mrts scale cell.yaml motion.yaml --json result.json --plot plots
+  mrts scale cell.yaml motion.yaml --save result.npz --report report.html --plot plots
   mrts scale cell.yaml motion.yaml --profile optimal --plot plots
   mrts scale cell.yaml motion.yaml --c2 0.8 --share 0.6,0.4 --csv trajectory.csv
   mrts scale cell.yaml motion.yaml --load guaranteed --carry mass=1.5,izz=0.8

@@ -3,6 +3,7 @@
 
 import argparse
 import os
+import signal
 import sys
 import webbrowser
 from contextlib import suppress
@@ -31,6 +32,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     add_cell_and_motion(view)
     view.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
     view.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
+    view.add_argument("--no-velocity-limits", action="store_true", help="report velocity limits only")
     view.add_argument("--host", default=LOCAL[0], help="address to listen at (default: %(default)s, this machine only)")
     view.add_argument("--port", type=int, default=8080, help="port; 0 takes any free one (default: %(default)s)")
     view.add_argument("--no-open", action="store_true", help="do not open a browser")
@@ -52,6 +54,8 @@ def run(options: argparse.Namespace) -> int:
     urdfs = {} if options.cell.is_dir() or options.cell.name == MANIFEST_NAME else urdf_files(options.cell)
     if options.no_wrench_limits:
         cell = cell.without_wrench_limits()
+    if options.no_velocity_limits:
+        cell = cell.without_velocity_limits()
     server = open_server(options.host, options.port, f"mrts: {cell.name}")
     try:
         with working(f"scaling {options.motion}") as progress:
@@ -65,7 +69,9 @@ def run(options: argparse.Namespace) -> int:
         if not options.no_open and _has_display():
             with suppress(webbrowser.Error):
                 webbrowser.open(url)
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)  # here Ctrl-C is how one leaves
         viewer.run()
+        signal.signal(signal.SIGINT, before)
     finally:
         close_server(server)
     return FEASIBLE if state.result.status.admits_motion else INFEASIBLE
