@@ -49,7 +49,8 @@ def lift(points: int) -> mrts.ObjectMotion:
 
 def timed(cell: mrts.Cell, piece: PathPiece) -> Any:
     """Regions and profile, as toppra's constraint parameters and parameterization."""
-    return fastest_profile(piece.step, speed_regions(build_path_problem(cell, piece.path)), (0.0, 0.0))
+    regions = speed_regions(build_path_problem(cell, piece.path), float(np.sum(piece.step)))
+    return fastest_profile(piece.step, regions, (0.0, 0.0))
 
 
 def one_arm_by_toppra(cell: mrts.Cell, piece: PathPiece) -> Callable[[], Any]:

@@ -133,7 +133,8 @@ def optimality_error(programs: ConvexPrograms, x: Array, row_dual: Array, bound_
     if programs.H is not None:
         gradient = gradient + np.einsum("nkl,nl->nk", programs.H, x)
         terms = terms + np.einsum("nkl,nl->nk", np.abs(programs.H), np.abs(x))
-    stationary = np.max(np.abs(gradient), axis=1) / np.max(terms, axis=1)
+    largest = np.max(terms, axis=1)
+    stationary = np.max(np.abs(gradient), axis=1) / np.where(largest > 0, largest, 1.0)
     if programs.H is not None:
         stationary = stationary * (OPTIMALITY_TOLERANCE / GRADIENT_TOLERANCE)
     # a multiplier needs its limit; one that is rounding counts nothing

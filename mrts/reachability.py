@@ -13,7 +13,7 @@ from mrts.rigid_transform import Array
 from mrts.speed_regions import SpeedRegions
 
 FARTHEST = 1e3
-"""Speeds squared above this multiple of the maximum velocity curve, or of what the accelerations reach along the whole
+"""Speeds squared above this multiple of the maximum velocity curve, and of what the accelerations reach along the whole
 path where there is none, count as unbounded."""
 
 END_TOLERANCE = 1e-9
@@ -59,10 +59,12 @@ def largest_speed(step: Array, regions: SpeedRegions) -> float:
         step: Length of each segment, Shape (n - 1,).
         regions: Regions of the samples.
     """
-    finite = regions.high[np.isfinite(regions.high) & (regions.high > 0)]
-    if finite.size:
-        return FARTHEST * float(np.max(finite))
-    return FARTHEST * 2 * float(np.sum(step)) * float(np.median(regions.rate_unit))
+    finite = np.isfinite(regions.high)
+    fastest = float(np.max(regions.high[finite], initial=0.0))
+    if not np.all(finite):
+        rate = float(np.median(regions.rate_unit[np.isfinite(regions.rate_unit)]))
+        fastest = max(fastest, 2 * float(np.sum(step)) * rate)
+    return FARTHEST * fastest
 
 
 def fastest_profile(step: Array, regions: SpeedRegions, ends: tuple[float, float]) -> SpeedProfile | Obstacle:

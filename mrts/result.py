@@ -262,7 +262,8 @@ class ScalingResult:
 def _overstep(cell: Cell, done: ScaledTrajectory) -> float:
     """Largest overstepping of a limit, as a share of it."""
     rows = cell_rows(cell)
-    worst = 0.0
+    worst = done.c * float(np.max(velocity_limits(cell, done.motion).share, initial=0.0)) - 1
+    worst = max(worst, 0.0)
     for start in range(0, len(done.torque), BLOCK):
         part = slice(start, start + BLOCK)
         value = done.torque[part] @ rows.torque_matrix.T + done.wrench[part] @ rows.wrench_matrix.T

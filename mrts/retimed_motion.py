@@ -14,17 +14,8 @@ from mrts.reachability import SpeedProfile
 from mrts.rigid_transform import Array
 from mrts.speed_regions import SpeedRegions
 
-HERMITE = np.array(
-    [
-        [1, 0, 0, -10, 15, -6],
-        [0, 1, 0, -6, 8, -3],
-        [0, 0, 0.5, -1.5, 1.5, -0.5],
-        [0, 0, 0, 10, -15, 6],
-        [0, 0, 0, -4, 7, -3],
-        [0, 0, 0, 0.5, -1, 0.5],
-    ]
-)
-"""Quintic polynomials on [0, 1] by value, slope and curvature at both ends; coefficients by rising power."""
+HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
+"""Cubic polynomials on [0, 1] by value and slope at both ends; coefficients by rising power."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +95,7 @@ def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMot
 
 
 def between_samples(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedMotion:
-    """The retimed motion inside the segments, joints on quintic polynomials through the samples.
+    """The retimed motion inside the segments, dq/ds on cubic polynomials through the samples.
 
     Args:
         cell: The cell.
@@ -115,22 +106,15 @@ def between_samples(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedM
         The motion at p (n - 1) samples, segment after segment; its time is the arc length s.
     """
     path, step = part.piece.path, part.piece.step
-    powers = np.arange(6)
-    h = step[:, None, None]
-    derivatives = (path.q, path.dq, path.ddq)
-    ends = np.stack(
-        [
-            value[side][:, None] * h**order
-            for side in (slice(None, -1), slice(1, None))
-            for order, value in enumerate(derivatives)
-        ]
-    )
-    values = []
-    for order in range(3):
-        factor = np.array([np.prod(np.arange(power, power - order, -1)) for power in powers])
-        raised = np.where(powers >= order, places[:, None] ** np.maximum(powers - order, 0) * factor, 0.0)
-        values.append(np.einsum("pb,bnkm->npm", raised @ HERMITE.T, ends) / h**order)
-    q, dq, ddq = (value.reshape(-1, path.q.shape[1]) for value in values)
+    h, powers = step[:, None, None], np.arange(4)
+    slopes = np.stack([path.dq[:-1], path.ddq[:-1], path.dq[1:], path.ddq[1:]])[:, :, None]
+    slopes[[1, 3]] *= h
+    raised = places[:, None] ** powers
+    lowered = np.where(powers > 0, powers * places[:, None] ** np.maximum(powers - 1, 0), 0.0)
+    integral = raised * places[:, None] / (powers + 1)
+    way, rate, change = (np.einsum("pb,bnkm->npm", basis @ HERMITE.T, slopes) for basis in (integral, raised, lowered))
+    q = (path.q[:-1][:, None] + h * way).reshape(-1, path.q.shape[1])
+    dq, ddq = rate.reshape(q.shape), (change / h).reshape(q.shape)
     s = (path.object.time[:-1, None] + step[:, None] * places).ravel()
     between = carried_by_first(cell, s - s[0], q, dq, ddq, smooth=False)
     x = (part.profile.x[:-1, None] + np.diff(part.profile.x)[:, None] * places).ravel()

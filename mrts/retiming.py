@@ -35,8 +35,8 @@ from mrts.uncertain_load import Progress, effective_parameters
 UNBOUNDED_SHARE = 0.5
 """Speeds squared above this share of the bound of `largest_speed` are those that nothing limits."""
 
-STANDSTILL_SHARE = 1e-12
-"""A segment whose speeds squared are both below this share of the largest takes no finite time."""
+STANDSTILL = 1e6
+"""A segment that takes this many times as long as most others takes no finite time, but for rounding."""
 
 
 def retime(
@@ -188,7 +188,7 @@ class _Search:
         parts = []
         for number, point in enumerate(self.points):
             progress(number, len(self.points))
-            parts.append(speed_regions(self._problem(point)))
+            parts.append(speed_regions(self._problem(point), float(np.sum(self.piece.step))))
         progress(len(self.points), len(self.points))
         regions = parts[0] if len(parts) == 1 else intersect_regions(parts)
         for sample in regions.undecided:
@@ -210,7 +210,9 @@ class _Search:
         if found.x[fastest] >= UNBOUNDED_SHARE * largest_speed(self.piece.step, regions):
             why = f"nothing limits the speed at {self._place(fastest)}. Give velocity limits."
             return _Failure((RetimingStatus.UNBOUNDED, why))
-        stuck = np.maximum(found.x[:-1], found.x[1:]) <= STANDSTILL_SHARE * found.x[fastest]
+        with np.errstate(divide="ignore"):
+            times = TimedPiece(self.piece, regions, found).segment_times
+        stuck = ~(times <= STANDSTILL * np.median(times)) | np.isinf(times)
         if not np.any(stuck):
             return None
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"
@@ -245,7 +247,7 @@ class _Search:
         low, high = (np.sqrt(x) / speed for x in obstacle.reach)
         why = (
             f"at {place} the motion may {obstacle.kind} with ṙ in [{low:.6g}, {high:.6g}], but "
-            f"{np.sqrt(given) / speed:.6g} is asked for{_rows(conflict)}. Give a {obstacle.kind} speed in that range, "
+            f"{np.sqrt(given) / speed:.6g} is asked for{_rows(conflict)}. Give another {obstacle.kind} speed, "
             "or a motion that is at rest there."
         )
         return _Failure((status, why), conflict)

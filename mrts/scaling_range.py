@@ -119,7 +119,8 @@ class RangeEnd:
 
     def place(self) -> str:
         """When, with which load and by which rows this end is set, in words."""
-        load = f" with {self.load}" if self.load is not None else ""
+        of_load = self.load is not None and any(row.name.kind != "velocity" for row in self.rows)
+        load = f" with {self.load}" if of_load else ""
         return f"at t = {self.time:.4g} s{load} by {', '.join(str(row) for row in self.rows)}"
 
 
@@ -254,16 +255,17 @@ def _end(
 
 
 def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> SampleProblem:
-    """The same problem with exactly no effect of c² where only rounding is left of it.
+    """The same problem with exactly no effect of c² on torques and wrenches where only rounding is left of it.
 
     Args:
         problem: Rows of some samples.
         largest: Largest effect at other samples of the motion.
     """
-    effect = np.max(np.abs(problem.A[:, :, -1]), axis=1)
+    dynamic = np.array([name.kind != "velocity" for name in problem.names])
+    effect = np.max(np.abs(problem.A[:, dynamic, -1]), axis=1)
     at_rest = effect <= REST_TOLERANCE * np.max(effect, initial=largest)
     A = problem.A.copy()
-    A[at_rest, :, -1] = 0.0
+    A[:, :, -1] = np.where(at_rest[:, None] & dynamic, 0.0, A[:, :, -1])
     return replace(problem, A=A)
 
 

@@ -17,6 +17,9 @@ BOX = 1e5
 
 NEAR_BOX = 1 - 1e-6
 
+NEGLIGIBLE = 1e-11
+"""x has no effect where, grown along the whole path, it has less than this share of that of u."""
+
 
 @dataclass(frozen=True)
 class SpeedRegions:
@@ -39,7 +42,7 @@ class SpeedRegions:
     undecided: tuple[int, ...]
 
 
-def speed_regions(problem: SampleProblem) -> SpeedRegions:
+def speed_regions(problem: SampleProblem, length: float) -> SpeedRegions:
     """Project the polytope of every sample onto (u, x).
 
     A projection is the hull of answers of linear programs, so a mixture of its corners is feasible: the region lies
@@ -47,15 +50,16 @@ def speed_regions(problem: SampleProblem) -> SpeedRegions:
 
     Args:
         problem: Rows of [F, u, x], from `build_path_problem`.
+        length: Of the path: over it u changes x by 2 u times that.
     """
     velocity = np.array([name.kind == "velocity" for name in problem.names])
     with np.errstate(divide="ignore"):
         most = np.min(1 / problem.A[:, velocity, -1], axis=1, initial=np.inf)
     A, lower, upper = problem.A[:, ~velocity], problem.lower[:, ~velocity], problem.upper[:, ~velocity]
     effect = np.max(np.abs(A), axis=1)
-    for column in (-2, -1):
-        still = effect[:, column] <= REST_TOLERANCE * np.max(effect[:, column])
-        effect[still, column] = 0.0
+    effect[effect[:, -2] <= REST_TOLERANCE * np.max(effect[:, -2]), -2] = 0.0
+    # on a straight path x has no effect but rounding
+    effect[2 * length * effect[:, -1] <= NEGLIGIBLE * np.max(effect[:, -2]), -1] = 0.0
     with np.errstate(divide="ignore"):
         unit = 1 / effect
     scale = np.where(np.isfinite(unit), unit, 0.0)

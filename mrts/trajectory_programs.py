@@ -64,11 +64,14 @@ def motion_ranges(
     compiled, limits = fast
     velocity = velocity_limits(cell, motion)
     inputs = motion.inputs(cell.load if load is None else load)
-    found = compiled.ranges(motion.samples, inputs, limits, velocity.largest_c2())
+    most = velocity.largest_c2()
+    found = compiled.ranges(motion.samples, inputs, limits, most)
     at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
-    low, high = found.low, np.where(at_rest, np.inf, found.high)
+    low, high = found.low, np.where(at_rest, most, found.high)
     suspects = np.flatnonzero(np.any(found.status != OPTIMAL, axis=0) | (at_rest & (low > 0)))
     rows = [KernelRows(limits, velocity, found.basis[end], found.dual[end], {}) for end in (0, 1)]
+    for sample in np.flatnonzero(at_rest & np.isfinite(most)).tolist():
+        rows[1].settled[sample] = velocity.binding(sample)
     conflicts: list[Conflict] = []
     fallbacks = 0
     for start in range(0, len(suspects), BLOCK):

@@ -132,4 +132,4 @@ def test_an_infeasible_motion_is_still_an_outcome_with_files_asked_for(tmp_path,
         assert main([*command, "--csv", str(tmp_path / "t.csv"), "--json", str(tmp_path / f"{profile}.json")]) == 1
         assert not (tmp_path / "t.csv").exists()
         assert (tmp_path / f"{profile}.json").exists()
-        assert "no trajectory for --csv" in capsys.readouterr().err
+        assert "no trajectory for --csv: not written" in capsys.readouterr().err

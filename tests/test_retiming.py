@@ -11,11 +11,13 @@ import toppra
 import yaml
 from conftest import DATA
 from random_cells import chain_model, configuration, random_planar_cell, random_spatial_cell
+from scipy.optimize import linprog
 from toppra.constraint import DiscretizationType
 from transcription import transcription
 
 import mrts
 from mrts.coordinated_motion import carried_by_first
+from mrts.path_pieces import path_pieces
 from mrts.path_rows import build_path_problem
 from mrts.reachability import Obstacle, SpeedProfile, fastest_profile
 from mrts.speed_regions import speed_regions
@@ -88,7 +90,7 @@ def test_one_arm_equals_toppra_pointwise(tmp_path):
         cell, model, path = one_arm(seed, tmp_path / str(seed))
         theirs = by_toppra(cell, model, path, grid)
         motion = carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
-        ours = fastest_profile(np.diff(grid), speed_regions(build_path_problem(cell, motion)), (0.0, 0.0))
+        ours = fastest_profile(np.diff(grid), speed_regions(build_path_problem(cell, motion), 1.0), (0.0, 0.0))
         assert (theirs is None) == isinstance(ours, Obstacle), seed
         if theirs is None:
             continue
@@ -391,3 +393,79 @@ def test_bad_arguments_are_named(planar_cell, lift):
         mrts.retime(planar_cell, lift, end_speed=0.5)
     with pytest.raises(mrts.InputError, match="sharing"):
         mrts.retime(planar_cell, lift, sharing=0.5)
+
+
+def test_regions_reach_as_far_as_highs_finds(tmp_path):
+    """In every direction, for arms some of whose wrench components have no limits."""
+    compared = 0
+    for seed in (0, 1, 2, 186, 310, 338):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        paths = random_planar_cell(np.random.default_rng([99, seed]), folder, 3, samples=11)
+        cell = mrts.load_cell(paths[0], backend="vm").without_velocity_limits()
+        (piece,) = path_pieces(mrts.follow_object(cell, mrts.load_motion(paths[1])))
+        problem = build_path_problem(cell, piece.path)
+        regions = speed_regions(problem, float(np.sum(piece.step)))
+        unit = 1 / np.max(np.abs(problem.A), axis=1)[:, -2:]
+        for sample in set(range(0, 11, 2)) - set(regions.undecided):
+            bounds = [(None, None)] * (problem.unknowns - 1) + [(0, None)]
+            rows = np.concatenate([problem.A[sample], -problem.A[sample]])
+            limits = np.concatenate([problem.upper[sample], -problem.lower[sample]])
+            kept = np.isfinite(limits)
+            planes = regions.planes[regions.start[sample] : regions.start[sample + 1]]
+            for angle in np.linspace(0, 2 * np.pi, 12, endpoint=False):
+                cost = np.zeros(problem.unknowns)
+                cost[-2:] = -np.array([np.cos(angle), np.sin(angle)]) / unit[sample]
+                theirs = linprog(cost, rows[kept], limits[kept], bounds=bounds)
+                ours = linprog(
+                    cost[-2:],
+                    planes[:, :2],
+                    planes[:, 2],
+                    bounds=[(None, None), (regions.low[sample], regions.high[sample])],
+                )
+                assert (ours.status, theirs.status) in {(0, 0), (3, 3)}, (seed, sample, angle)
+                if ours.status == 0:
+                    assert ours.fun == pytest.approx(theirs.fun, rel=1e-5, abs=1e-5), (seed, sample, angle)
+                    compared += 1
+    assert compared > 200
+
+
+@pytest.mark.parametrize("profile", ["cubic", "quintic", "trapezoid", "sinusoid"])
+@pytest.mark.parametrize("sharing", [None, mrts.LoadSharing()])
+def test_a_constant_factor_keeps_velocities_where_nothing_else_depends_on_it(profile, sharing, tmp_path):
+    cell = gantries(tmp_path, velocity=1.5)
+    found = mrts.scale(cell, along_x(profile=profile), sharing=sharing)
+    assert np.max(np.abs(found.trajectory.dq)) == pytest.approx(1.5, rel=1e-9)
+    assert found.range.upper.rows[0].name.kind == "velocity"
+    for other in ("torque",) if sharing is None else ():
+        again = mrts.scale(cell, along_x(profile=profile), formulation=other)
+        assert again.range.upper.c2 == pytest.approx(found.range.upper.c2, rel=1e-9)
+    box = cell.with_variation(mass=(0.5, 1.0))
+    for load in ("guaranteed", "possible", "grid:3"):
+        loaded = mrts.scale(box, along_x(profile=profile), load=load, sharing=sharing)
+        assert loaded.range.upper.c2 == pytest.approx(found.range.upper.c2, rel=1e-7)
+
+
+def test_what_a_reviewer_broke(tmp_path):
+    """A straight path whose ṡ² has no effect but rounding; many samples from rest; one slow joint."""
+    cell = gantries(tmp_path)
+    pushed = [
+        replace(robot, wrench_lower=np.array([2.0, -np.inf, -np.inf]), wrench_upper=np.array([10.0, np.inf, np.inf]))
+        for robot in cell.robots
+    ]
+    time = np.linspace(0, 1, 101)
+    columns = np.zeros((3, 101, 6))
+    columns[0, :, 0], columns[1, :, 0], columns[2, :, 0] = time + time**2 / 2, 1 + time, 1.0
+    eye = np.broadcast_to(np.eye(3), (101, 3, 3))
+    motion = mrts.ObjectMotion(time, columns[0, :, :3], eye, columns[1], columns[2])
+    found = mrts.retime(replace(cell, robots=tuple(pushed)), motion, start_speed=0.1, end_speed=1.5)
+    assert found.status.admits_motion, found.summary()
+    many = mrts.retime(cell, along_x(samples=30_001, profile="quintic"))
+    assert many.duration == pytest.approx(2 * np.sqrt(2 * 11 / 40), rel=1e-6)
+    assert many.excess.share < EXCESS_GOAL
+    assert mrts.retime(replace(cell, robots=slowed(cell, 1e-4)), along_x()).status.admits_motion
+
+
+def slowed(cell, limit):
+    """The same arms with a turning joint that may hardly move."""
+    return tuple(replace(robot, velocity_limit=np.array([np.inf, np.inf, limit])) for robot in cell.robots)

@@ -237,8 +237,11 @@ def _write(options: argparse.Namespace, result: "ScalingResult") -> None:
 
 
 def _say_unwritten(options: argparse.Namespace) -> None:
-    if not (options.csv is None and options.ros_bag is None):
-        warn("no speed is chosen, so there is no trajectory for --csv and --ros-bag")
+    wanted = {"--csv": options.csv, "--ros-bag": options.ros_bag}
+    if options.profile == "optimal":
+        wanted |= {"--save": options.save, "--report": options.report, "--plot": options.plot}
+    if left_out := [name for name, path in wanted.items() if path is not None]:
+        warn(f"there is no trajectory for {', '.join(left_out)}: not written")
 
 
 def _write_trajectory(options: argparse.Namespace, result: "ScalingResult") -> None:

@@ -47,8 +47,9 @@ static int mrts_furthest(int k, int rows, const double *A, const double *lower, 
     return status;
 }
 
-/* Whether a corner is the furthest in a direction as well: its multipliers keep their signs. */
-static int mrts_is_furthest(int k, mrts_corner corner, double du, double dx) {
+/* Whether a corner is the furthest in a direction as well: its multipliers keep their signs, and those that need a limit
+ * have one (a free unknown of a basis has none). */
+static int mrts_is_furthest(int k, const double *lower, const double *upper, mrts_corner corner, double du, double dx) {
     double size = 1;
     for (int j = 0; j < k; ++j) {
         const double y = du * corner.rate[2 * j] + dx * corner.rate[2 * j + 1];
@@ -56,7 +57,11 @@ static int mrts_is_furthest(int k, mrts_corner corner, double du, double dx) {
     }
     for (int j = 0; j < k; ++j) {
         const double y = du * corner.rate[2 * j] + dx * corner.rate[2 * j + 1];
-        if (corner.basis[j] < 0 ? y < -MRTS_OUTSIDE / 10 * size : y > MRTS_OUTSIDE / 10 * size) return 0;
+        const int at_lower = corner.basis[j] < 0, row = (at_lower ? -corner.basis[j] : corner.basis[j]) - 1;
+        const int held = at_lower ? lower[row] > -MRTS_INFINITY : upper[row] < MRTS_INFINITY;
+        const double least = held && at_lower ? MRTS_INFINITY : MRTS_OUTSIDE / 10 * size;
+        const double most = held && !at_lower ? MRTS_INFINITY : MRTS_OUTSIDE / 10 * size;
+        if (y > least || y < -most) return 0;
     }
     return 1;
 }
@@ -76,7 +81,7 @@ static int mrts_project(int k, int rows, const double *A, const double *lower, c
         const mrts_corner corner = mrts_corner_at(n, k, places, bases);
         if (n > 0) {
             const mrts_corner before = mrts_corner_at(n - 1, k, places, bases);
-            if (mrts_is_furthest(k, before, first[d][0], first[d][1])) continue;
+            if (mrts_is_furthest(k, lower, upper, before, first[d][0], first[d][1])) continue;
             for (int j = 0; j < k; ++j) corner.basis[j] = before.basis[j];
         }
         const int status = mrts_furthest(k, rows, A, lower, upper, first[d][0], first[d][1], corner, work, iwork);
@@ -92,7 +97,8 @@ static int mrts_project(int k, int rows, const double *A, const double *lower, c
         if (length > 0 && n < MRTS_CORNERS) {
             du /= length;
             dx /= length;
-            if (!mrts_is_furthest(k, p, du, dx) && !mrts_is_furthest(k, q, du, dx)) {
+            if (!mrts_is_furthest(k, lower, upper, p, du, dx) &&
+                !mrts_is_furthest(k, lower, upper, q, du, dx)) {
                 const mrts_corner r = mrts_corner_at(n, k, places, bases);
                 for (int j = 0; j < k; ++j) r.basis[j] = p.basis[j];
                 const int status = mrts_furthest(k, rows, A, lower, upper, du, dx, r, work, iwork);

@@ -62,9 +62,9 @@ static int mrts_nearest(int rows, const double *A, const double *upper, double f
         if (gap >= 0) return 1;
         if (slope <= 0) return 0;
         const double next = *x - gap / slope * inward;
-        if ((next - to) * inward > 0) return 0;
         if (next == *x) return 1; /* nothing but rounding is left */
-        *x = next;
+        if (*x == to) return 0;
+        *x = (next - to) * inward > 0 ? to : next;
     }
     return 1;
 }
