@@ -41,7 +41,8 @@ def stretched_torques(
     torques, wrenches = [], []
     for start in range(0, motion.samples, BLOCK):
         block = np.arange(start, min(start + BLOCK, motion.samples))
-        problem = build_sample_problem(cell, motion, rule.formulation, rule.sharing, samples=block)
+        free = cell.without_velocity_limits()  # no torques change a velocity
+        problem = build_sample_problem(free, motion, rule.formulation, rule.sharing, samples=block)
         room = _least_stretch(problem, c2, solver)[:, None] * problem.is_limit
         problem = replace(problem, lower=problem.lower - room, upper=problem.upper + room)
         x, _ = distribute_torques(problem, c2, W, solver)

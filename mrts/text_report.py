@@ -49,7 +49,10 @@ def retiming_lines(found: RetimingResult) -> Iterator[str]:
     limits = "; ".join(f"{name} {100 * share:.0f} % of the time" for name, share in found.limits[:LIMITS_SHOWN])
     yield f"limited by {limits}"
     loads = f"for each of {len(found.loads)} corners of the load's box, " if len(found.loads) > 1 else ""
-    yield f"between the samples, {loads}limits are overstepped by at most {100 * found.excess.share:.2g} %"
+    if found.excess.share > 0:
+        yield f"between the samples, {loads}limits are overstepped by at most {100 * found.excess.share:.2g} %"
+    else:
+        yield f"between the samples, {loads}no limit is overstepped"
     yield f"energy {found.retimed.trajectory.energy:.4g} J; torques for a load of {found.cell.mass:.4g} kg\n"
     yield from _torque_lines(found.retimed)
 

@@ -11,6 +11,7 @@ import yaml
 from conftest import DATA
 
 import mrts
+from mrts.cli import main
 
 PICTURES = ["c2_range.png", "power_and_energy.png", "torques_and_wrenches.png"]
 
@@ -145,3 +146,19 @@ def test_help_and_version():
     for verb in ("demo", "generate", "scale"):
         assert "examples:" in mrts_command(verb, "--help").stdout
     assert mrts_command().returncode == 2
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--csv", "-"], "only --json takes '-'"),
+        (["--save", "r.txt"], "ends in .npz"),
+        (["--report", "r.pdf"], "ends in .html"),
+        (["--json", "same.x", "--csv", "same.x"], "names the same file as --csv"),
+    ],
+)
+def test_outputs_that_make_no_sense_are_refused_before_any_work(options, message, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), *options]) == 2
+    assert message in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []

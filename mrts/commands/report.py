@@ -7,6 +7,7 @@ from pathlib import Path
 from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.commands.options import require
 from mrts.commands.terminal import say
+from mrts.errors import InputError
 
 EXAMPLES = """\
 examples:
@@ -33,6 +34,8 @@ def run(options: argparse.Namespace) -> int:
     from mrts.report import write_report
     from mrts.saved_result import load_result
 
+    if options.output.suffix not in {".html", ".htm"}:
+        raise InputError("--output", "writes a file that ends in .html.", value=str(options.output))
     result = load_result(options.result)
     write_report(result, options.output)
     say(f"{result.cell.name}: {result.status.value}; the report is {options.output}")

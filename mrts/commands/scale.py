@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from mrts.motion_table import JointTable
     from mrts.object_motion import ObjectMotion
     from mrts.result import ScalingResult
+    from mrts.retiming_result import RetimingResult
     from mrts.rigid_transform import Array
     from mrts.scaling import Selection
 
@@ -81,6 +82,7 @@ def run(options: argparse.Namespace) -> int:
     require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
     require("plotly", "--report", "report", wanted=options.report is not None)
     require("rosbags", "--ros-bag", "ros", wanted=options.ros_bag is not None)
+    _check_outputs(options)
     motion = load_motion(options.motion)
     sharing = sharing_option(options.share)
     cell = cell_option(options.cell)
@@ -92,6 +94,23 @@ def run(options: argparse.Namespace) -> int:
     if options.profile == "optimal":
         return _retime(options, cell, motion, sharing, carried)
     return _scale(options, cell, motion, sharing, carried)
+
+
+def _check_outputs(options: argparse.Namespace) -> None:
+    """One file an option, of the kind that it writes; only JSON goes to standard output."""
+    names = ("json", "save", "csv", "ros_bag", "plot", "report")
+    given = {
+        f"--{name.replace('_', '-')}": getattr(options, name) for name in names if getattr(options, name) is not None
+    }
+    for option, path in given.items():
+        if str(path) == "-" and option != "--json":
+            raise InputError(option, "writes a file; only --json takes '-' for standard output.", value="-")
+        same = [other for other in given if other != option and given[other] == path]
+        if same:
+            raise InputError(option, f"names the same file as {same[0]}.", value=str(path))
+    for option, suffixes in (("--save", (".npz",)), ("--report", (".html", ".htm"))):
+        if option in given and given[option].suffix not in suffixes:
+            raise InputError(option, f"writes a file that ends in {suffixes[0]}.", value=str(given[option]))
 
 
 def _scale(
@@ -128,15 +147,17 @@ def _scale(
         if error.result is not None:
             _write(options, error.result)
         raise
-    if str(options.json) != "-":
-        outcome, *details = report_lines(result)
-        say(outcome, "strong" if result.status.admits_motion else "bad")
-        for line in details:
-            say(line, "note" if line.startswith("note:") else "plain")
-        if result.fallbacks:
-            warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
-    with working("writing"):
-        _write(options, result)
+    try:  # files first: whoever reads the lines may go away
+        with working("writing"):
+            _write(options, result)
+    finally:
+        if str(options.json) != "-":
+            outcome, *details = report_lines(result)
+            say(outcome, "strong" if result.status.admits_motion else "bad")
+            for line in details:
+                say(line, "note" if line.startswith("note:") else "plain")
+            if result.fallbacks:
+                warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
     return FEASIBLE if result.status.admits_motion else INFEASIBLE
 
 
@@ -170,26 +191,31 @@ def _retime(
         )
         if carried is not None and found.retimed is not None:
             found = replace(found, retimed=torques_for_load(found.retimed, carried))
-    if str(options.json) == "-":
-        put(found.json_text())
-    else:
-        outcome, *details = retiming_lines(found)
-        say(outcome, "strong" if found.status.admits_motion else "bad")
-        for line in details:
-            say(line)
-        if options.json is not None:
-            found.write_json(options.json)
+    try:  # files first: whoever reads the lines may go away
+        _write_timing(options, found)
+    finally:
+        if str(options.json) == "-":
+            put(found.json_text())
+        else:
+            outcome, *details = retiming_lines(found)
+            say(outcome, "strong" if found.status.admits_motion else "bad")
+            for line in details:
+                say(line)
+    return FEASIBLE if found.status.admits_motion else INFEASIBLE
+
+
+def _write_timing(options: argparse.Namespace, found: "RetimingResult") -> None:
+    if options.json is not None and str(options.json) != "-":
+        found.write_json(options.json)
     if found.retimed is None:
         _say_unwritten(options)
-        return INFEASIBLE
-    options.json = None
+        return
     with working("writing"):
-        _write(options, found.retimed)
+        _write(argparse.Namespace(**(vars(options) | {"json": None})), found.retimed)
         if options.plot is not None:
             from mrts.figures import phase_plane_figure, write_figure
 
             write_figure(phase_plane_figure(found), options.plot / "phase_plane.png")
-    return FEASIBLE
 
 
 def _known_load(cell: "Cell", text: str | None, question: str) -> "Array | None":

@@ -22,6 +22,7 @@ def phase_plane_figure(found: RetimingResult) -> Figure:
         ValueError: If there is none.
     """
     figure = Figure(figsize=(7.0, 4.0), layout="constrained")
+    figure.suptitle(f"{found.cell.name}: speed along the path", fontsize="medium")
     draw_phase_plane(figure.subplots(), found)
     return figure
 
@@ -46,7 +47,7 @@ def draw_phase_plane(axes: Axes, found: RetimingResult) -> None:
         most = np.sqrt(np.where(np.isfinite(part.regions.high), part.regions.high, np.nan))
         speed, controllable = np.sqrt(part.profile.x), np.sqrt(part.profile.high)
         labels = [
-            "maximum velocity curve",
+            "maximum velocity curve" if _in_view(found) else "_",
             "controllable",
             f"fastest, {found.duration:.4g} s",
             "" if best is None else f"best constant c, {best.duration:.4g} s",
@@ -65,6 +66,12 @@ def draw_phase_plane(axes: Axes, found: RetimingResult) -> None:
     axes.set_ylim(0, HEADROOM * top)
     axes.margins(x=0)
     axes.set_xlabel("path s (root mean square of the joints' way) [rad or m]")
-    axes.set_ylabel("speed ṡ [1/s]")
+    axes.set_ylabel("speed ṡ [rad/s or m/s]")
     axes.legend()
     axes.grid(visible=True, alpha=0.3)
+
+
+def _in_view(found: RetimingResult) -> bool:
+    """Whether some of the maximum velocity curve is within the picture."""
+    top = max(float(np.max(part.profile.x)) for part in found.pieces)
+    return any(bool(np.any(part.regions.high <= HEADROOM**2 * top)) for part in found.pieces)

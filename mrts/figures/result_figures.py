@@ -26,6 +26,7 @@ def write_result_figures(result: ScalingResult, folder: Path) -> None:
         write_figure(study_figure(result), folder / "load_study.png")
     done = result.trajectory
     if done is not None:
-        title = f"{result.cell.name}: {result.motion.object.time[-1]:.4g} s become {done.duration:.4g} s"
+        speed = f"{result.motion.object.time[-1]:.4g} s become {done.duration:.4g} s"
+        title = f"{result.cell.name}: {result.origin or speed}"
         write_figure(trajectory_figure(result, title), folder / "torques_and_wrenches.png")
         write_figure(power_figure(result, title), folder / "power_and_energy.png")

@@ -132,6 +132,9 @@ def _head(result: ScalingResult) -> Html:
     ]
     if done is not None:
         given = float(result.motion.object.time[-1])
+        if result.load is not None:
+            load = f"The torques below are those of a load of {result.cell.mass:.4g} kg."
+            lines.append(element("p", load))
         speed = f"The given {given:.4g} s become {done.duration:.4g} s, {given / done.duration:.3g} × as fast. "
         lines.append(element("p", f"{'' if result.origin else speed}The motors give {done.energy:.4g} J."))
     return element("header", joined(lines))
