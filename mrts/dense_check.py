@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from mrts.cell import Cell
-from mrts.convex_program import ConvexPrograms, require_verified, solve_programs
+from mrts.elastic_program import widening_at
 from mrts.load_sharing import LoadSharing
 from mrts.retimed_motion import TimedPiece, between_samples
 from mrts.rigid_transform import Array
-from mrts.sample_problem import SampleProblem, build_sample_problem
+from mrts.sample_problem import build_sample_problem
 from mrts.solvers import DEFAULT_SOLVER
 
 PLACES = np.array([0.125, 0.375, 0.5, 0.625, 0.875])
@@ -49,37 +49,9 @@ def largest_excess(
     for part in pieces:
         played = between_samples(cell, part, PLACES)
         for load in loads:
-            share = _widening(build_sample_problem(cell, played, sharing=sharing, load=load))
+            problem = build_sample_problem(cell, played, sharing=sharing, load=load)
+            share = widening_at(problem, 1.0, DEFAULT_SOLVER, "the overstepping between samples")
             place = int(np.argmax(share))
             if share[place] > worst.share:
                 worst = Excess(float(share[place]), part.piece.first + place // len(PLACES))
     return worst
-
-
-def _widening(problem: SampleProblem) -> Array:
-    """Least s by which limits must move outward, in units of limits, to admit c² = 1, Shape (N,)."""
-    count, rows, unknowns = problem.A.shape
-    by_speed = problem.A[:, :, -1]
-    lower, upper = problem.lower - by_speed, problem.upper - by_speed
-    if unknowns == 1:
-        return np.asarray(np.max(np.maximum(lower, -upper), axis=1, initial=0.0), dtype=np.float64)
-    A = np.zeros((count, 2 * rows, unknowns))
-    A[:, :rows, :-1] = A[:, rows:, :-1] = problem.A[:, :, :-1]
-    A[:, :rows, -1], A[:, rows:, -1] = -1.0, 1.0
-    g = np.zeros((count, unknowns))
-    g[:, -1] = 1.0
-    x_lower = np.full((count, unknowns), -np.inf)
-    x_lower[:, -1] = 0.0
-    unbounded = np.full((count, rows), np.inf)
-    programs = ConvexPrograms(
-        None,
-        g,
-        A,
-        np.concatenate([-unbounded, lower], axis=1),
-        np.concatenate([upper, unbounded], axis=1),
-        x_lower,
-        np.full((count, unknowns), np.inf),
-    )
-    answers = solve_programs(programs, DEFAULT_SOLVER)
-    require_verified(answers, "the overstepping between samples")
-    return np.asarray(answers.x[:, -1], dtype=np.float64)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.convex_program import ConvexPrograms, require_verified, solve_programs
+from mrts.elastic_program import least_widening
 from mrts.limit_rows import ActiveRow
 from mrts.load_box import LoadPoint
 from mrts.rigid_transform import Array
@@ -82,33 +82,13 @@ def find_conflicts(
         SolverError: If no solver answers.
     """
     part = problem.at(samples)
-    count, rows, unknowns = part.A.shape
-    limits, laws = np.flatnonzero(part.is_limit), np.flatnonzero(~part.is_limit)
-    # each limit twice, once a side, as s widens them in opposite senses; laws once, as they are
-    order = np.concatenate([limits, limits, laws])
-    widening = np.repeat([-1.0, 1.0, 0.0], [len(limits), len(limits), len(laws)])
-    A = np.concatenate([part.A[:, order], np.broadcast_to(widening[:, None], (count, len(order), 1))], axis=2)
-    g = np.zeros((count, unknowns + 1))
-    g[:, -1] = 1
-    x_lower = np.full((count, unknowns + 1), -np.inf)
-    x_lower[:, -2:] = 0
-    programs = ConvexPrograms(
-        None,
-        g,
-        A,
-        np.where(widening < 0, -np.inf, part.lower[:, order]),
-        np.where(widening > 0, np.inf, part.upper[:, order]),
-        x_lower,
-        np.full_like(x_lower, np.inf),
+    x_lower = np.append(np.full(part.unknowns - 1, -np.inf), 0.0)
+    found = least_widening(
+        part.A, part.lower, part.upper, part.is_limit, x_lower, solver, "whether the limits hold together"
     )
-    answers = solve_programs(programs, solver)
-    require_verified(answers, "whether the limits hold together")
-    y = np.zeros((count, rows))
-    for column, row in enumerate(order):
-        y[:, row] += answers.row_dual[:, column]
     conflicts: list[Conflict | None] = []
     for index, sample in enumerate(samples):
-        certified = _certified(part, index, y[index])
+        certified = _certified(part, index, found.row_dual[index])
         if certified is None:
             conflicts.append(None)
             continue
@@ -119,8 +99,8 @@ def find_conflicts(
                 float(time[sample]),
                 tuple(part.active_row(row, upper=bool(certified[row] > 0)) for row in rows_in_conflict),
                 tuple(float(certified[row] / part.unit[row]) for row in rows_in_conflict),
-                float(answers.x[index, -1]),
-                tuple(float(answers.x[index, -1] * part.unit[row]) for row in rows_in_conflict),
+                float(found.share[index]),
+                tuple(float(found.share[index] * part.unit[row]) for row in rows_in_conflict),
             )
         )
     return conflicts

@@ -9,14 +9,11 @@ from mrts.errors import InputError
 from mrts.result import ScalingResult
 from mrts.rigid_transform import Array
 from mrts.scaled_trajectory import ScaledTrajectory
-from mrts.scaling import SelectionError
+from mrts.scaling import END_TOLERANCE, SelectionError
 from mrts.scaling_range import intersect
 from mrts.solvers import DEFAULT_SOLVER
 from mrts.torque_distribution import torque_weights
 from mrts.trajectory_programs import motion_ranges, motion_torques
-
-END_TOLERANCE = 1e-8
-"""How far c² may pass the end of this load's own range, as a share of it: both ends are rounded."""
 
 
 def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAULT_SOLVER) -> ScalingResult:

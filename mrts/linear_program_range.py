@@ -23,10 +23,8 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
     count, _, unknowns = problem.A.shape
     effect = effect_of_speed(problem)
     unit = 1 / np.where(effect > 0, effect, 1.0)  # c² = unit · y, where y = 1 moves some row by a whole limit
-    velocity = np.array([name.kind == "velocity" for name in problem.names])
+    velocity, most = problem.is_velocity, problem.velocity_cap()
     share = problem.A[:, velocity, -1]
-    with np.errstate(divide="ignore"):
-        most = np.min(1 / share, axis=1, initial=np.inf)
     A, lower, upper = problem.A[:, ~velocity], problem.lower[:, ~velocity], problem.upper[:, ~velocity]
     A[:, :, -1] *= unit[:, None]
     x_lower = np.full((count, unknowns), -np.inf)

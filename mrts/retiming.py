@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mrts.cell import Cell
-from mrts.coordinated_motion import CoordinatedMotion, coordinate
+from mrts.coordinated_motion import CoordinatedMotion
 from mrts.errors import InputError, SolverError
 from mrts.infeasibility import Conflict
 from mrts.load_box import LoadPoint
@@ -78,8 +78,8 @@ def retime(
         SolverError: If no solver answers.
     """
     question = _checked_question(cell, sharing, load, start_speed, end_speed)
-    motion = coordinate(cell, motion)
     constant = _best_constant(cell, motion, sharing, weights, question)
+    motion = constant.motion
     points: tuple[LoadPoint | None, ...] = (None,)
     if question == "guaranteed" and cell.load_box is not None:
         points = cell.load_box.corners(effective_parameters(cell, motion, cell.load_box, ("P", "Q", "S")))
@@ -126,7 +126,11 @@ def _checked_question(cell: Cell, sharing: LoadSharing | None, load: str, start_
 
 
 def _best_constant(
-    cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, weights: Array | None, question: str
+    cell: Cell,
+    motion: ObjectMotion | JointTable | CoordinatedMotion,
+    sharing: LoadSharing | None,
+    weights: Array | None,
+    question: str,
 ) -> ScalingResult:
     """The best constant factor; without a trajectory where none moves the object, which a varying speed may."""
     try:

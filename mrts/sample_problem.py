@@ -67,6 +67,16 @@ class SampleProblem:
         """Number of unknowns k, c² included."""
         return int(self.A.shape[2])
 
+    @property
+    def is_velocity(self) -> NDArray[np.bool_]:
+        """Rows that bound c² (or x) alone: velocity limits, Shape (r,)."""
+        return np.array([name.kind == "velocity" for name in self.names])
+
+    def velocity_cap(self) -> Array:
+        """Largest value of the last unknown that velocities allow, infinity where they do not bound it, Shape (N,)."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.min(1 / self.A[:, self.is_velocity, -1], axis=1, initial=np.inf), dtype=np.float64)
+
     def torque(self, x: Array) -> Array:
         """Torques of unknowns x, Shape (N, k), as Shape (N, m) [N m]."""
         return apply(self.torque_map, x) + self.torque_offset

@@ -7,6 +7,7 @@ from typing import Self
 
 import numpy as np
 
+from mrts.accumulated_energy import accumulated_energy
 from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.rigid_transform import Array
@@ -71,8 +72,7 @@ class ScaledTrajectory:
     @cached_property
     def energy(self) -> float:
         """Energy that the motors give, Σ ∫ q̇ᵀ τ dt (remark after (34)), by the trapezoidal rule [J]."""
-        total = self.c * np.einsum("nm,nm->n", self.motion.dq, self.torque)
-        return float(np.sum(np.diff(self.time) * (total[1:] + total[:-1]) / 2))
+        return float(accumulated_energy(self.time, self.power)[-1])
 
     @cached_property
     def internal_wrench(self) -> Array:

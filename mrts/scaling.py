@@ -23,7 +23,7 @@ from mrts.trajectory_programs import motion_ranges, motion_torques
 from mrts.uncertain_load import Progress, study_load
 
 END_TOLERANCE = 1e-8
-"""Share by which a value may miss the range: a plan at its fastest, read back from a file, does by rounding."""
+"""Share by which c² may miss a range by rounding: a plan at its fastest read back from a file, another load's range."""
 
 
 class SelectionError(MrtsError):

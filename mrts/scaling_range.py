@@ -261,7 +261,7 @@ def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> Sampl
         problem: Rows of some samples.
         largest: Largest effect at other samples of the motion.
     """
-    dynamic = np.array([name.kind != "velocity" for name in problem.names])
+    dynamic = ~problem.is_velocity
     effect = np.max(np.abs(problem.A[:, dynamic, -1]), axis=1)
     at_rest = effect <= REST_TOLERANCE * np.max(effect, initial=largest)
     A = problem.A.copy()

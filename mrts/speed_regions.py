@@ -52,9 +52,7 @@ def speed_regions(problem: SampleProblem, length: float) -> SpeedRegions:
         problem: Rows of [F, u, x], from `build_path_problem`.
         length: Of the path: over it u changes x by 2 u times that.
     """
-    velocity = np.array([name.kind == "velocity" for name in problem.names])
-    with np.errstate(divide="ignore"):
-        most = np.min(1 / problem.A[:, velocity, -1], axis=1, initial=np.inf)
+    velocity, most = problem.is_velocity, problem.velocity_cap()
     A, lower, upper = problem.A[:, ~velocity], problem.lower[:, ~velocity], problem.upper[:, ~velocity]
     effect = np.max(np.abs(A), axis=1)
     effect[effect[:, -2] <= REST_TOLERANCE * np.max(effect[:, -2]), -2] = 0.0

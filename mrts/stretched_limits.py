@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from mrts.cell import Cell
-from mrts.convex_program import ConvexPrograms, require_verified, solve_programs
 from mrts.coordinated_motion import CoordinatedMotion
+from mrts.elastic_program import widening_at
 from mrts.result import BLOCK, DistributionRule
 from mrts.rigid_transform import Array
 from mrts.sample_problem import SampleProblem, build_sample_problem
@@ -52,30 +52,8 @@ def stretched_torques(
 
 
 def _least_stretch(problem: SampleProblem, c2: float, solver: str) -> Array:
-    """The share by which all limits of a sample must move outward, Shape (N,): min s, lower - s <= A x <= upper + s."""
-    count, _, unknowns = problem.A.shape
-    if unknowns == 1:
-        return np.zeros(count)
-    given = problem.A[:, :, -1] * c2
-    limits, laws = np.flatnonzero(problem.is_limit), np.flatnonzero(~problem.is_limit)
-    # each limit twice, once a side, as s moves them in opposite senses; laws once, as they are
-    order = np.concatenate([limits, limits, laws])
-    outward = np.repeat([1.0, -1.0, 0.0], [len(limits), len(limits), len(laws)])
-    moved = np.broadcast_to(outward[:, None], (count, len(order), 1))
-    g = np.zeros((count, unknowns))
-    g[:, -1] = 1
-    x_lower = np.full((count, unknowns), -np.inf)
-    x_lower[:, -1] = 0
-    programs = ConvexPrograms(
-        None,
-        g,
-        np.concatenate([problem.A[:, order, :-1], moved], axis=2),
-        np.where(outward < 0, -np.inf, (problem.lower - given)[:, order]),
-        np.where(outward > 0, np.inf, (problem.upper - given)[:, order]),
-        x_lower,
-        np.full_like(x_lower, np.inf),
-    )
-    answers = solve_programs(programs, solver)
-    require_verified(answers, f"how far limits are passed at c² = {c2:g}")
-    stretch = answers.x[:, -1]
+    """The share by which all limits of a sample must move outward, Shape (N,)."""
+    if problem.unknowns == 1:
+        return np.zeros(problem.samples)
+    stretch = widening_at(problem, c2, solver, f"how far limits are passed at c² = {c2:g}")
     return np.where(stretch > INTERIOR, stretch * (1 + INTERIOR), stretch)

@@ -1,7 +1,5 @@
 """The fastest timing, against toppra, a direct transcription, closed forms and its own constraints."""
 
-import json
-from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +8,7 @@ import pytest
 import toppra
 import yaml
 from conftest import DATA
+from gantries import along_x, gantries
 from random_cells import chain_model, configuration, random_planar_cell, random_spatial_cell
 from scipy.optimize import linprog
 from toppra.constraint import DiscretizationType
@@ -135,44 +134,6 @@ def sampled(file, samples):
     )
 
 
-GANTRY = """<robot name="gantry"><link name="base"/>
-<link name="x"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<link name="y"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<link name="tip"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="slide_x" type="prismatic"><parent link="base"/><child link="x"/><axis xyz="1 0 0"/>
-<limit lower="-9" upper="9" effort="20" velocity="{velocity}"/></joint>
-<joint name="slide_y" type="prismatic"><parent link="x"/><child link="y"/><axis xyz="0 1 0"/>
-<limit lower="-9" upper="9" effort="20" velocity="0"/></joint>
-<joint name="turn" type="continuous"><parent link="y"/><child link="tip"/><axis xyz="0 0 1"/>
-<limit effort="20" velocity="0"/></joint></robot>"""
-
-
-def gantries(folder, velocity=0.0, wrench=None, variation=None, object_velocity=None):
-    """Two gantries of 4 kg push an object of 3 kg along x with 20 N each; its path has length 2."""
-    (folder / "gantry.urdf").write_text(GANTRY.format(velocity=velocity))
-    limits = {} if wrench is None else {"wrench": {"lower": [-wrench, None, None], "upper": [wrench, None, None]}}
-    robots = [
-        {"name": name, "urdf": "gantry.urdf", "tip_link": "tip", "posture": [0, 0, 0], "base": {"xyz": [0, y, 0]}}
-        | {"grasp": {"xyz": [0, y, 0]}}
-        | limits
-        for name, y in (("near", -1), ("far", 1))
-    ]
-    carried = {"mass": 3, "inertia": [1, 1, 1]}
-    if variation:
-        carried["variation"] = variation
-    if object_velocity:
-        carried["velocity"] = object_velocity
-    cell = {"name": "gantries", "gravity": [0, 0, 0], "plane": "xy", "object": carried, "robots": robots}
-    (folder / "cell.yaml").write_text(yaml.safe_dump(cell))
-    return mrts.load_cell(folder / "cell.yaml")
-
-
-def along_x(samples=101, **changes):
-    description = {"duration": 1.0, "samples": samples, "profile": "cubic"}
-    description |= {"start": {"xyz": [0, 0, 0]}, "end": {"xyz": [2, 0, 0]}}
-    return mrts.sample_motion(mrts.MotionDescription.model_validate(description | changes))
-
-
 @pytest.mark.parametrize(
     ("limits", "acceleration", "velocity"),
     [
@@ -251,148 +212,6 @@ def test_a_fixed_distribution_is_slower_than_a_free_one(planar_cell, lift):
     assert even.retimed.residuals().limits <= 1e-8
     halves = [even.retimed.wrench[name][:, 1] for name in ("left", "right")]
     np.testing.assert_allclose(halves[0], halves[1], atol=1e-9)
-
-
-def test_limits_that_conflict_are_named(planar_cell, lift):
-    """100 kg may only fall."""
-    found = mrts.retime(planar_cell.with_mass(100.0), lift)
-    assert found.status.value == "start speed not admissible"
-    assert found.retimed is None
-    assert found.pieces == ()
-    assert "cannot start from rest at t = 0 s (sample 0); these conflict: left/elbow" in found.explanation
-    assert found.conflict.widening > 0
-
-
-def test_every_outcome_of_random_cells_is_explained(tmp_path):
-    seen = Counter()
-    for seed in range(40):
-        folder = tmp_path / str(seed)
-        folder.mkdir()
-        paths = random_planar_cell(np.random.default_rng([32, seed]), folder, 1 + seed % 3, samples=41)
-        found = mrts.retime(mrts.load_cell(paths[0], backend="vm"), mrts.load_motion(paths[1]))
-        seen[found.status.value] += 1
-        assert found.status.admits_motion == (found.explanation == "") == (found.retimed is not None)
-        if found.conflict is not None:
-            assert "conflict" in found.explanation
-        assert json.loads(found.json_text())["status"] == found.status.value
-    assert seen["optimal"] > 10
-    assert seen["infeasible"] > 2
-    assert seen["start speed not admissible"] + seen["end speed not admissible"] > 0
-
-
-def test_a_path_without_length_is_an_outcome(planar_cell):
-    still = mrts.sample_motion(
-        mrts.MotionDescription.model_validate(
-            {"duration": 1.0, "profile": "cubic", "start": {"xyz": [1.25, 1.0, 0]}, "end": {"xyz": [1.25, 1.0, 0]}}
-        )
-    )
-    found = mrts.retime(planar_cell, still)
-    assert found.status.value == "zero length"
-    assert "no length" in found.explanation
-
-
-def there_and_back(turn, samples=101, wait=0):
-    """Along x to the middle of the gantries' path and back, from rest to rest; the turning point at a share of time."""
-    time = np.linspace(0, 1, samples)
-    phase = np.clip(np.where(time < turn, time / turn, (time - turn) / (1 - turn)), 0, 1)
-    length = np.where(time < turn, turn, 1 - turn)
-    sign = np.where(time < turn, 1.0, -1.0)
-    x = np.where(time < turn, 0, 1) + sign * (1 - np.cos(np.pi * phase)) / 2
-    v = sign * np.pi / length * np.sin(np.pi * phase) / 2
-    a = sign * (np.pi / length) ** 2 * np.cos(np.pi * phase) / 2
-    v[np.isclose(time, turn)] = v[0] = v[-1] = 0.0
-    middle = int(np.argmin(np.abs(time - turn)))
-    order = np.concatenate([np.arange(middle), np.full(wait, middle), np.arange(middle, samples)]).astype(int)
-    column = np.zeros((len(order), 6))
-    twist, acceleration = column.copy(), column.copy()
-    twist[:, 0], acceleration[:, 0] = v[order], a[order]
-    position = np.zeros((len(order), 3))
-    position[:, 0] = x[order]
-    time = np.linspace(0, 1, len(order)) if wait else time
-    eye = np.broadcast_to(np.eye(3), (len(order), 3, 3))
-    return mrts.ObjectMotion(time, position, eye, twist, acceleration, smooth=False)
-
-
-def test_a_stop_on_the_way_splits_the_path(tmp_path):
-    cell = gantries(tmp_path)
-    found = mrts.retime(cell, there_and_back(0.5))
-    np.testing.assert_allclose(found.stops, [0.5])
-    assert found.duration == pytest.approx(2 * 2 * np.sqrt(11 / 40), rel=1e-6)
-    assert "stops at t = 0.5 s" in found.summary()
-    assert len(found.pieces) == 2
-    np.testing.assert_allclose(found.retimed.trajectory.motion.object.twist[50], 0, atol=1e-12)
-
-
-def test_a_turn_between_samples_and_a_wait_are_named(tmp_path):
-    cell = gantries(tmp_path)
-    found = mrts.retime(cell, there_and_back(0.505))
-    assert found.status.value == "stationary"
-    assert "turns back on itself from t = 0.5 to 0.51 s" in found.explanation
-    found = mrts.retime(cell, there_and_back(0.5, wait=3))
-    assert found.status.value == "stationary"
-    assert "a wait is no part of a path" in found.explanation
-
-
-def test_end_speeds_count_where_the_motion_does_not_rest(tmp_path):
-    cell = gantries(tmp_path)
-    time = np.linspace(0, 1, 101)
-    steady = np.zeros((101, 6))
-    steady[:, 0] = 2.0
-    position = np.zeros((101, 3))
-    position[:, 0] = 2 * time
-    motion = mrts.ObjectMotion(time, position, np.broadcast_to(np.eye(3), (101, 3, 3)), steady, np.zeros((101, 6)))
-    acceleration = 40 / 11
-    still = mrts.retime(cell, motion)
-    assert still.duration == pytest.approx(2 * np.sqrt(2 / acceleration), rel=1e-6)
-    assert still.saving is None  # at constant speed the motion starts and ends moving
-    rolling = mrts.retime(cell, motion, start_speed=0.4)  # 0.8 m/s
-    peak = np.sqrt((2 * acceleration * 2 + 0.8**2) / 2)
-    assert rolling.duration == pytest.approx((2 * peak - 0.8) / acceleration, rel=1e-3)
-    fast = mrts.retime(cell, motion, start_speed=2.5)  # 5 m/s; braking takes 3.4 m
-    assert fast.status.value == "start speed not admissible"
-    top = np.sqrt(2 * acceleration * 2) / 2
-    assert f"[0, {top:.6g}]" in fast.explanation
-    assert "2.5 is asked for" in fast.explanation
-    slow = mrts.retime(gantries(tmp_path, object_velocity={"linear": 1.0}), motion, end_speed=0.7)
-    assert slow.status.value == "end speed not admissible"
-    assert "[0, 0.5]" in slow.explanation
-
-
-def test_a_speed_that_nothing_limits_is_an_outcome(tmp_path):
-    cell = gantries(tmp_path)
-    loose = [replace(robot, torque_lower=np.full(3, -1e12), torque_upper=np.full(3, 1e12)) for robot in cell.robots]
-    found = mrts.retime(replace(cell, robots=tuple(loose)), along_x())
-    assert found.status.admits_motion  # 10¹² N are a limit, too
-    assert found.duration < 1e-4
-
-
-def test_a_path_that_cannot_be_braked_is_explained(tmp_path):
-    """Thrown up by a gravity that no motor holds: each sample is admissible, but the end is not reached at rest."""
-    cell = gantries(tmp_path)
-    falling = replace(cell, gravity=np.array([9.81, 0, 0]))
-    found = mrts.retime(load_with_gravity(tmp_path, 9.81), along_x())
-    assert falling.gravity[0] > 0
-    assert found.status.value in {"not controllable", "start speed not admissible", "end speed not admissible"}
-    assert "torque" in found.explanation or "rest" in found.explanation
-
-
-def load_with_gravity(folder, gravity):
-    text = yaml.safe_load((folder / "cell.yaml").read_text()) | {"gravity": [gravity, 0, 0]}
-    (folder / "falling.yaml").write_text(yaml.safe_dump(text))
-    return mrts.load_cell(folder / "falling.yaml")
-
-
-def test_bad_arguments_are_named(planar_cell, lift):
-    for name in ("start_speed", "end_speed"):
-        for value in (-1.0, np.nan, np.inf, True, "fast"):
-            with pytest.raises(mrts.InputError, match=name):
-                mrts.retime(planar_cell, lift, **{name: value})
-    with pytest.raises(mrts.InputError, match="must be guaranteed or nominal"):
-        mrts.retime(planar_cell.with_variation(mass=(0.5, 2)), lift, load="possible")
-    with pytest.raises(mrts.InputError, match="at rest there"):
-        mrts.retime(planar_cell, lift, end_speed=0.5)
-    with pytest.raises(mrts.InputError, match="sharing"):
-        mrts.retime(planar_cell, lift, sharing=0.5)
 
 
 def test_regions_reach_as_far_as_highs_finds(tmp_path):

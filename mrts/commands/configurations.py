@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 
 from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.options import add_cell_and_motion, cell_option, require, sharing_option
+from mrts.commands.options import add_cell_and_motion, limited_cell_option, require, sharing_option
 from mrts.commands.progress import working
 from mrts.commands.terminal import put, say
 from mrts.errors import InputError
@@ -46,9 +46,7 @@ def run(options: argparse.Namespace) -> int:
     if not isinstance(motion, ObjectMotion):
         raise InputError(options.motion, "a table of joint motion fixes the configuration; give the object's motion.")
     sharing = sharing_option(options.share)
-    cell = cell_option(options.cell)
-    if options.no_velocity_limits:
-        cell = cell.without_velocity_limits()
+    cell = limited_cell_option(options)
     with working(f"configurations of {cell.name}") as progress:
         study = rank_configurations(
             cell, motion, sharing=sharing, cap=options.cap, solver=options.solver or DEFAULT_SOLVER, progress=progress

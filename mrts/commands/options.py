@@ -28,6 +28,14 @@ def cell_option(path: Path) -> "Cell":
         return load_cell(path)
 
 
+def limited_cell_option(options: argparse.Namespace) -> "Cell":
+    """The cell of a verb without the limits that its options drop."""
+    cell = cell_option(options.cell)
+    if getattr(options, "no_wrench_limits", False):
+        cell = cell.without_wrench_limits()
+    return cell.without_velocity_limits() if options.no_velocity_limits else cell
+
+
 def sharing_option(text: str | None) -> "LoadSharing | None":
     """The distribution that `--share` names; None for a free one."""
     import numpy as np

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.options import add_cell_and_motion, cell_option, require, sharing_option
+from mrts.commands.options import add_cell_and_motion, limited_cell_option, require, sharing_option
 from mrts.commands.progress import working
 from mrts.commands.terminal import put, say, warn
 from mrts.errors import InputError
@@ -85,11 +85,7 @@ def run(options: argparse.Namespace) -> int:
     _check_outputs(options)
     motion = load_motion(options.motion)
     sharing = sharing_option(options.share)
-    cell = cell_option(options.cell)
-    if options.no_wrench_limits:
-        cell = cell.without_wrench_limits()
-    if options.no_velocity_limits:
-        cell = cell.without_velocity_limits()
+    cell = limited_cell_option(options)
     carried = _known_load(cell, options.carry, options.load)
     if options.profile == "optimal":
         return _retime(options, cell, motion, sharing, carried)

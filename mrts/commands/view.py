@@ -9,7 +9,7 @@ import webbrowser
 from contextlib import suppress
 
 from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.options import add_cell_and_motion, cell_option, require, sharing_option
+from mrts.commands.options import add_cell_and_motion, limited_cell_option, require, sharing_option
 from mrts.commands.progress import working
 from mrts.commands.terminal import say, warn
 
@@ -50,12 +50,8 @@ def run(options: argparse.Namespace) -> int:
 
     motion = load_motion(options.motion)
     sharing = sharing_option(options.share)
-    cell = cell_option(options.cell)
+    cell = limited_cell_option(options)
     urdfs = {} if options.cell.is_dir() or options.cell.name == MANIFEST_NAME else urdf_files(options.cell)
-    if options.no_wrench_limits:
-        cell = cell.without_wrench_limits()
-    if options.no_velocity_limits:
-        cell = cell.without_velocity_limits()
     server = open_server(options.host, options.port, f"mrts: {cell.name}")
     try:
         with working(f"scaling {options.motion}") as progress:
