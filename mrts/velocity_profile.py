@@ -12,6 +12,9 @@ Profile = Callable[[Array], tuple[Array, Array, Array]]
 RAMP = 1 / 3
 """Share of the duration that a trapezoid accelerates, and that it brakes."""
 
+CORNER_TOLERANCE = 1e-9
+"""Share of the duration by which rounding may miss a corner: far above that of any u, far below a step of any table."""
+
 
 def sinusoid(u: Array) -> tuple[Array, Array, Array]:
     """Velocity ∝ sin(π u) (the paper's section VI); s, ds/du, d²s/du², each Shape (N,)."""
@@ -24,7 +27,7 @@ def trapezoid(u: Array) -> tuple[Array, Array, Array]:
     At the two corners, where the acceleration jumps, the value of the ramp is taken.
     """
     top = 1 / (1 - RAMP)
-    rising, falling = u <= RAMP, u >= 1 - RAMP
+    rising, falling = u <= RAMP + CORNER_TOLERANCE, u >= 1 - RAMP - CORNER_TOLERANCE
     s = np.where(
         rising,
         top * u**2 / (2 * RAMP),

@@ -30,9 +30,10 @@ def profile(name, u):
     if name == "trapezoid":
         ramp = 1 / 3
         acceleration = 1 / (ramp * (1 - ramp))
-        if u <= ramp:
+        rounding = 1e-12  # a sample at a corner takes the ramp's acceleration, however its u is rounded
+        if u <= ramp + rounding:
             return acceleration * u * u / 2, acceleration * u, acceleration
-        if u >= 1 - ramp:
+        if u >= 1 - ramp - rounding:
             return 1 - acceleration * (1 - u) ** 2 / 2, acceleration * (1 - u), -acceleration
         return acceleration * ramp * (u - ramp / 2), acceleration * ramp, 0.0
     coefficients = {"cubic": [-2, 3, 0, 0], "quintic": [6, -15, 10, 0, 0, 0]}[name]
