@@ -23,6 +23,7 @@ from mrts.manifest import (
     RobotRecord,
     read_generated,
 )
+from mrts.remark import Remark
 from mrts.rigid_transform import Array, RigidTransform
 
 
@@ -91,6 +92,7 @@ class Cell:
         robots: The arms in the order of the cell file.
         functions: The generated functions.
         enforces_velocity_limits: Whether velocity limits bound the speed, or are reported only.
+        remarks: What to know of how its files were read.
     """
 
     name: str
@@ -103,6 +105,7 @@ class Cell:
     robots: tuple[Robot, ...]
     functions: CellFunctions
     enforces_velocity_limits: bool = True
+    remarks: tuple[Remark, ...] = ()
 
     def __repr__(self) -> str:
         arms = ", ".join(f"{robot.name} ({len(robot.joints)} joints)" for robot in self.robots)

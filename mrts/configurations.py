@@ -12,15 +12,10 @@ import numpy as np
 from mrts.analytic_inverse_kinematics import analytic_branches
 from mrts.atomic_file import write_text_atomically
 from mrts.cell import Cell, Robot
-from mrts.coordinated_motion import (
-    CoordinatedMotion,
-    check_motion,
-    joint_limit_failure,
-    nearest_turns,
-    within_limits,
-)
+from mrts.coordinated_motion import CoordinatedMotion, check_motion
 from mrts.errors import InputError
 from mrts.grasp_tracking import POSE_TOLERANCE, STARTING_STEPS, Tracks, solve_grasps, track_grasps
+from mrts.joint_limits import joint_limit_failure, nearest_turns, within_limits
 from mrts.load_sharing import LoadSharing
 from mrts.object_motion import ObjectMotion
 from mrts.planar_inverse_kinematics import has_closed_form, planar_branches
@@ -306,7 +301,8 @@ def _evaluate(
             for branch, joints in zip(choice, cell.joint_slices.values(), strict=True)
         ]
         parts.append(np.concatenate(columns, axis=1))
-    whole = CoordinatedMotion(motion, *parts)
+    q, dq, ddq = parts
+    whole = CoordinatedMotion(motion, q, dq, ddq)
     if cell.load_box is not None:
         guaranteed, _ = study_load(cell, whole, "guaranteed", "wrench", sharing, solver)
         return Configuration(choice, guaranteed)

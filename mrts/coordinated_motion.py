@@ -4,40 +4,26 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from mrts.cell import Cell, Robot
+from mrts.cell import Cell
 from mrts.errors import InputError, MotionError, as_array
+from mrts.grasp_closure import check_closure, in_world, tip_motions
 from mrts.grasp_tracking import (
     POSE_TOLERANCE,
     STARTING_STEPS,
     follow_grasps,
     solve_grasps,
-    tip_rates,
     unreachable,
 )
+from mrts.joint_limits import check_joint_limits, nearest_turns, within_limits
 from mrts.motion_table import JointTable
 from mrts.object_motion import ObjectMotion
 from mrts.planar_inverse_kinematics import has_closed_form, planar_branches
+from mrts.remark import Remark
 from mrts.rigid_transform import Array
 
 PLANE_TOLERANCE = 1e-9
 """Largest velocity and turning rate out of the plane of a planar cell [m/s, rad/s]: rounding of the input."""
-
-GIVEN_CLOSURE = 1e-4
-"""Largest gap between tip and grasp of joint motion that is given [m, rad]: tables carry few digits."""
-
-GIVEN_SLIP = 1e-2
-"""Largest slip of a tip on its grasp, relative to the largest velocity or acceleration: derivatives carry fewer."""
-
-REST_SLIP = 1e-9
-"""Slip of an object at rest that is rounding [m/s, rad/s and per s]."""
-
-DEGREES_SUSPECTED = 4 * np.pi
-"""A joint position beyond two turns is rather degrees than radians."""
-
-LIMIT_TOLERANCE = 1e-9
-"""How far a joint may pass its position limit [rad or m]: rounding."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -49,12 +35,14 @@ class CoordinatedMotion:
         q: Joint positions of all arms in order, Shape (N, m) [rad or m].
         dq: q', Shape (N, m) [rad/s or m/s].
         ddq: q'', Shape (N, m) [rad/s² or m/s²].
+        remarks: What to know of how it was read or found.
     """
 
     object: ObjectMotion
     q: Array
     dq: Array
     ddq: Array
+    remarks: tuple[Remark, ...] = ()
 
     def __post_init__(self) -> None:
         joints = np.shape(self.q)[-1] if np.ndim(self.q) == 2 else 0  # noqa: PLR2004 (a matrix)
@@ -132,7 +120,7 @@ def coordinate(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion
     if motion.q.shape[1] != joints:
         raise InputError("motion.q", f"has {motion.q.shape[1]} columns, cell '{cell.name}' has {joints} joints.")
     check_joint_limits(cell, motion.object.time, motion.q)
-    check_closure(cell, motion, "motion")
+    check_closure(cell, motion.object, motion.q, motion.dq, motion.ddq, "motion")
     return motion
 
 
@@ -145,7 +133,7 @@ def _follow_joints(cell: Cell, table: JointTable) -> CoordinatedMotion:
     )
     check_joint_limits(cell, table.time, q)
     given = carried_by_first(cell, table.time, q, dq, ddq)
-    check_closure(cell, given, str(table.path))
+    check_closure(cell, given.object, q, dq, ddq, str(table.path))
     return given
 
 
@@ -162,12 +150,12 @@ def carried_by_first(
         ddq: Joint accelerations.
         smooth: As in `ObjectMotion`.
     """
-    tip = _tip_motions(cell, q, dq, ddq)[0]
+    tip = tip_motions(cell, q, dq, ddq)[0]
     first = cell.robots[0]
     rotation = tip.rotation @ first.T_object_tip.R.T
     r = rotation @ first.T_object_tip.p
-    v, w = _in_world(cell, first, tip.velocity)
-    a, dw = _in_world(cell, first, tip.acceleration)
+    v, w = in_world(cell, first, tip.velocity)
+    a, dw = in_world(cell, first, tip.acceleration)
     motion = ObjectMotion(
         time,
         tip.position - r,
@@ -203,82 +191,6 @@ def _names_by_joint(cell: Cell, table: JointTable) -> list[str]:
         if joint not in joints:
             raise InputError(table.path, f"cell '{cell.name}' has no joint '{name}'; it has {', '.join(joints)}.")
     return [found[joint] for joint in joints]
-
-
-@dataclass(frozen=True)
-class _TipMotion:
-    """Pose of one tip in the world, and its velocity and acceleration in base axes and cell components."""
-
-    position: Array
-    rotation: Array
-    velocity: Array
-    acceleration: Array
-
-
-def _tip_motions(cell: Cell, q: Array, dq: Array, ddq: Array) -> list[_TipMotion]:
-    """Motion of every tip from the joints' motion, each Shape (N, m)."""
-    samples, robots = len(q), len(cell.robots)
-    poses = cell.functions("kinematics", samples, {"q": q})
-    bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
-    bias = bias.reshape(samples, len(cell.wrench_components), robots)
-    positions = poses["position"].reshape(samples, 3, robots)
-    tips = []
-    for index, joints in enumerate(cell.joint_slices.values()):
-        J = poses["jacobian"][:, :, joints]
-        tips.append(
-            _TipMotion(
-                positions[:, :, index],
-                poses["rotation"][:, :, 3 * index : 3 * index + 3],
-                np.einsum("nwj,nj->nw", J, dq[:, joints]),
-                np.einsum("nwj,nj->nw", J, ddq[:, joints]) + bias[:, :, index],
-            )
-        )
-    return tips
-
-
-def _in_world(cell: Cell, robot: Robot, rate: Array) -> tuple[Array, Array]:
-    """Linear and angular part of a tip's rate, base axes and cell components, Shape (N, w), in the world."""
-    full = np.zeros((len(rate), 6))
-    full[:, cell.wrench_rows] = rate
-    R = robot.T_world_base.R
-    return full[:, :3] @ R.T, full[:, 3:] @ R.T
-
-
-def check_closure(cell: Cell, motion: CoordinatedMotion, where: str) -> None:
-    """Check that the joints hold every grasp on the object: positions, velocities and accelerations.
-
-    Args:
-        cell: The cell.
-        motion: Motion of object and joints.
-        where: What gave it, for the message.
-
-    Raises:
-        MotionError: Names the worst robot, sample and gap.
-    """
-    given = motion.object
-    for robot, tip in zip(cell.robots, _tip_motions(cell, motion.q, motion.dq, motion.ddq), strict=True):
-        gap = np.linalg.norm(tip.position - given.position - given.rotation @ robot.T_object_tip.p, axis=1)
-        off = given.rotation @ robot.T_object_tip.R @ tip.rotation.transpose(0, 2, 1)
-        turn = np.atleast_1d(Rotation.from_matrix(off).magnitude())
-        worst = int(np.argmax(np.maximum(gap, turn)))
-        if max(gap[worst], turn[worst]) > GIVEN_CLOSURE:
-            raise MotionError(
-                f"{where}: the joints do not close the chain. The tip of '{robot.name}' is off its grasp by "
-                f"{gap[worst]:.3g} m and {turn[worst]:.3g} rad at sample {worst} (t = {given.time[worst]:.6g} s), the "
-                f"worst; {GIVEN_CLOSURE:g} is allowed. Check the joint positions, the bases and the grasps."
-            )
-        velocity, acceleration = tip_rates(cell, robot, given)
-        compared = (("velocities", tip.velocity, velocity), ("accelerations", tip.acceleration, acceleration))
-        for what, ours, expected in compared:
-            size = max(float(np.max(np.abs(expected))), float(np.max(np.abs(ours))))
-            slip = np.max(np.abs(ours - expected), axis=1)
-            worst = int(np.argmax(slip))
-            if slip[worst] > max(GIVEN_SLIP * size, REST_SLIP):
-                raise MotionError(
-                    f"{where}: the joint {what} do not fit the object's: at sample {worst} (t = "
-                    f"{given.time[worst]:.6g} s) the tip of '{robot.name}' slips on its grasp by {slip[worst]:.3g} "
-                    f"(m, rad per s or s²); the largest is {size:.3g}. Check the {what}."
-                )
 
 
 def check_motion(cell: Cell, motion: ObjectMotion) -> None:
@@ -324,68 +236,3 @@ def starting_positions(cell: Cell, motion: ObjectMotion) -> Array:
         if max(gap[0, index], turn[0, index]) > POSE_TOLERANCE:
             raise MotionError(unreachable(robot, motion, 0, gap[0, index], turn[0, index]))
     return np.asarray(found[0], dtype=np.float64)
-
-
-def nearest_turns(robot: Robot, q: Array) -> Array:
-    """The same joint positions with whole turns added to come nearest to the posture, Shape (n_i,) [rad or m]."""
-    turns = np.array([kind == "revolute" for kind in robot.joint_types])
-    away = q - robot.posture
-    return np.where(turns, robot.posture + (away + np.pi) % (2 * np.pi) - np.pi, q)
-
-
-def within_limits(robot: Robot, q: Array) -> Array:
-    """Whole turns added to or taken from a joint's path where that brings it inside its position limits.
-
-    Args:
-        robot: The arm.
-        q: Joint positions along a motion, Shape (N, n_i) [rad or m].
-    """
-    turn = np.where([kind == "revolute" for kind in robot.joint_types], 2 * np.pi, np.inf)
-    low, high = np.min(q, axis=0), np.max(q, axis=0)
-    down = np.ceil((high - robot.position_upper) / turn - LIMIT_TOLERANCE).clip(min=0)
-    up = np.ceil((robot.position_lower - low) / turn - LIMIT_TOLERANCE).clip(min=0)
-    shift = np.where(np.isfinite(turn), turn, 0.0)
-    fits_down = low - shift * down >= robot.position_lower - LIMIT_TOLERANCE
-    fits_up = high + shift * up <= robot.position_upper + LIMIT_TOLERANCE
-    moved: Array = q + shift * (np.where(fits_up, up, 0.0) - np.where(fits_down, down, 0.0))
-    return moved
-
-
-def joint_limit_failure(robot: Robot, time: Array, q: Array) -> str | None:
-    """The message for the first sample where a joint passes its position limit, None if none does.
-
-    Args:
-        robot: The arm.
-        time: Shape (N,) [s].
-        q: Joint positions of this arm, Shape (N, n_i) [rad or m].
-    """
-    beyond = np.maximum(robot.position_lower - q, q - robot.position_upper) > LIMIT_TOLERANCE
-    if not np.any(beyond):
-        return None
-    sample = int(np.argmax(np.any(beyond, axis=1)))
-    joint = int(np.argmax(beyond[sample]))
-    hint = ""
-    if robot.joint_types[joint] == "revolute" and abs(q[sample, joint]) > DEGREES_SUSPECTED:
-        hint = " If these are degrees: positions are in rad."
-    return (
-        f"robot '{robot.name}' passes a position limit at sample {sample} (t = {time[sample]:.6g} s): joint "
-        f"'{robot.joints[joint]}' would be at {q[sample, joint]:.6g}, its limits are [{robot.position_lower[joint]:g}, "
-        f"{robot.position_upper[joint]:g}].{hint} Choose another posture, path, base or grasp."
-    )
-
-
-def check_joint_limits(cell: Cell, time: Array, q: Array) -> None:
-    """Check the position limits of all joints along a motion.
-
-    Args:
-        cell: The cell.
-        time: Shape (N,) [s].
-        q: Shape (N, m) [rad or m].
-
-    Raises:
-        MotionError: Names robot, joint, the first such sample, value and limits.
-    """
-    for robot in cell.robots:
-        failure = joint_limit_failure(robot, time, q[:, cell.joint_slices[robot.name]])
-        if failure:
-            raise MotionError(failure)

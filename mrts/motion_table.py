@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from mrts.errors import InputError
 from mrts.input_file import LARGEST_NUMBER, read_text
 from mrts.object_motion import ObjectMotion, check_derivatives, spline_motion
+from mrts.remark import Remark
 from mrts.rigid_transform import Array
 
 POSE_COLUMNS = ("px", "py", "pz", "qx", "qy", "qz", "qw")
@@ -35,6 +36,7 @@ class JointTable:
             for it where one robot alone has such a joint.
         velocities: Likewise [rad/s or m/s].
         accelerations: Likewise [rad/s² or m/s²].
+        remarks: What to know of how it was read.
     """
 
     path: Path
@@ -42,6 +44,7 @@ class JointTable:
     positions: dict[str, Array]
     velocities: dict[str, Array]
     accelerations: dict[str, Array]
+    remarks: tuple[Remark, ...] = ()
 
     def __repr__(self) -> str:
         joints = ", ".join(self.positions)
