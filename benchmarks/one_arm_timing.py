@@ -11,6 +11,7 @@ folder of its include/ and lib/.
 """
 
 import os
+import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable
@@ -67,10 +68,8 @@ def path_of(cell: mrts.Cell) -> Any:
     text = (CELL / "lift_and_turn.yaml").read_text(encoding="utf-8")
     description = yaml.safe_load(text) | {"samples": WAYPOINTS}
     q = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(description))).q
-    apart = np.concatenate(
-        [[True], np.linalg.norm(np.diff(q, axis=0), axis=1) > np.max(np.ptp(q, axis=0)) / WAYPOINTS / 4]
-    )
-    kept = q[apart]
+    least = np.max(np.ptp(q, axis=0)) / WAYPOINTS / 4  # a spline wants waypoints that differ
+    kept = q[np.concatenate([[True], np.linalg.norm(np.diff(q, axis=0), axis=1) > least])]
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(kept, axis=0), axis=1))])
     return toppra.SplineInterpolator(way, kept)
 
@@ -148,7 +147,7 @@ def by_toppra_core(folder: Path, grid: Array, rows: tuple[Array, Array, Array], 
     source, program = Path(__file__).resolve().parent / "toppra_core.cpp", folder / "toppra_core"
     include, library = Path(prefix) / "include", Path(prefix) / "lib"
     subprocess.run(  # noqa: S603 (fixed words, the folder is the user's own)
-        ["c++", "-std=c++11", "-O2", f"-I{include}", "-I/usr/include/eigen3", str(source), "-o", str(program),
+        [shutil.which("c++") or "c++", "-std=c++11", "-O2", f"-I{include}", "-I/usr/include/eigen3", str(source), "-o", str(program),
          f"-L{library}", "-ltoppra", f"-Wl,-rpath,{library}"],
         check=True,
     )  # fmt: skip

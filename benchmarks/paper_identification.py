@@ -6,7 +6,7 @@ contacts above its centre of mass, and the world angle a of the last link (π - 
 is the largest relative deviation of the seven values, six of which are independent: 6.2 is 6.1 (b) on another clock.
 
 All geometries are evaluated at once: inverse kinematics in closed form, the generated terms of the shipped cell (which
-hold for any grasp), linear programs on mrts's kernel. Last, what `mrts demo` finds with the identified cell that it ships.
+hold for any grasp), linear programs on mrts's kernel. Last, what `mrts demo` finds with the identified cell.
 """
 
 import sys

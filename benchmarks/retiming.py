@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The fastest timing of two arms that carry one object, against a direct transcription; see docs/performance.md.
 
-No neighbour asks this: for one arm see one_arm_timing.py. The transcription has all wrenches, speeds and rates as unknowns
-of one program that is built outside the measured call and solved by IPOPT. Torque and wrench limits on both sides, no
-velocities. One processor, CPU time, medians of runs in turn.
+No neighbour asks this: for one arm see one_arm_timing.py. The transcription has all wrenches, speeds and rates as
+unknowns of one program that is built outside the measured call and solved by IPOPT. Torque and wrench limits on both
+sides, no velocities. One processor, CPU time, medians of runs in turn.
 """
 
 import sys
@@ -29,6 +29,7 @@ CELL = Path(str(files("mrts") / "data")) / "dual_ur5"
 POINTS = (1000, 201, 101)
 TRANSCRIBED = 201
 REPEATS = 5
+WHOLE, TRANSCRIPTION = "mrts.retime: the whole call", "direct transcription by IPOPT"
 
 
 def lift(points: int) -> mrts.ObjectMotion:
@@ -54,19 +55,17 @@ def main() -> None:
         if not isinstance(pieces, list):
             raise TypeError(pieces)
         candidates: dict[str, Callable[[], Any]] = {
-            "mrts.retime: the whole call": lambda motion=motion: mrts.retime(cell, motion).duration,  # type: ignore[misc]
+            WHOLE: lambda motion=motion: mrts.retime(cell, motion).duration,  # type: ignore[misc]
             "mrts, rows, regions and profile": lambda piece=pieces[0]: profile(cell, piece),  # type: ignore[misc]
         }
         if points <= TRANSCRIBED:
-            candidates["direct transcription by IPOPT"] = transcribed(cell, motion)
+            candidates[TRANSCRIPTION] = transcribed(cell, motion)
         times = median_times(candidates, REPEATS)
-        base = times["mrts.retime: the whole call"]
+        base = times[WHOLE]
         for label, seconds in times.items():
             print(f"  {points:>4} points  {label:<32}{1e6 * seconds / points:>10.1f} µs a point{seconds / base:>9.2f}x")
         if points <= TRANSCRIBED:
-            durations = [
-                candidates[label]() for label in ("mrts.retime: the whole call", "direct transcription by IPOPT")
-            ]
+            durations = [candidates[label]() for label in (WHOLE, TRANSCRIPTION)]
             print(f"  {points:>4} points  durations {durations[0]:.6f} and {durations[1]:.6f} s")
 
 
