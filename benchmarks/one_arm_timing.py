@@ -146,11 +146,10 @@ def by_toppra_core(folder: Path, grid: Array, rows: tuple[Array, Array, Array], 
         return float("nan"), float("nan")
     source, program = Path(__file__).resolve().parent / "toppra_core.cpp", folder / "toppra_core"
     include, library = Path(prefix) / "include", Path(prefix) / "lib"
-    subprocess.run(  # noqa: S603 (fixed words, the folder is the user's own)
-        [shutil.which("c++") or "c++", "-std=c++11", "-O2", f"-I{include}", "-I/usr/include/eigen3", str(source), "-o", str(program),
-         f"-L{library}", "-ltoppra", f"-Wl,-rpath,{library}"],
-        check=True,
-    )  # fmt: skip
+    compiler = shutil.which("c++") or "c++"
+    search = [f"-I{include}", "-I/usr/include/eigen3", f"-L{library}", f"-Wl,-rpath,{library}"]
+    command = [compiler, "-std=c++11", "-O2", str(source), "-o", str(program), *search, "-ltoppra"]
+    subprocess.run(command, check=True)  # noqa: S603 (fixed words, the folder is the user's own)
     numbers = [[len(grid), len(limits), REPEATS], grid, limits[:, 0], limits[:, 1], *(part.ravel() for part in rows)]
     given = np.concatenate(numbers).astype(np.float64).tobytes()
     done = subprocess.run([str(program)], input=given, capture_output=True, check=True)  # noqa: S603
