@@ -33,8 +33,10 @@ check: install  ## lint, format and types
 	$(BIN)/mypy -p mrts -p mrts_codegen
 
 bench: install  ## measure speed against what a user would otherwise run
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'
 	$(BIN)/python benchmarks/range_speed.py
 	$(BIN)/python benchmarks/fast_path.py
+	$(BIN)/python benchmarks/one_arm_timing.py
 	$(BIN)/python benchmarks/uncertain_load.py
 	$(BIN)/python benchmarks/retiming.py
 	$(BIN)/python benchmarks/generation_cost.py

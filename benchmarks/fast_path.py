@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The fast path against what a user would otherwise run, side by side in one process; see docs/performance.md."""
+"""The kernel against DAQP, growth with samples and arms, the whole command; see docs/performance.md."""
 
 import statistics
 import subprocess
@@ -15,8 +15,8 @@ from typing import Any
 import daqp
 import numpy as np
 import pinocchio as pin
-import toppra
 import yaml
+from interleaved import median_times
 
 import mrts
 from mrts.compiler import find_compiler
@@ -28,10 +28,6 @@ from mrts.sample_problem import build_sample_problem
 from mrts.scaling_range import intersect
 from mrts.trajectory_programs import motion_ranges
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
-from range_speed import linprog_range  # the other benchmark
-from reference import ReferenceCell, highs_range  # the independent implementation of the tests
-
 CELL = Path(str(files("mrts") / "data")) / "dual_ur5"
 SAMPLES = 1000
 REPEATS = 7
@@ -39,7 +35,7 @@ MOST_SAMPLES = 1_000_000
 
 
 def median_time(run: Callable[[], Any], repeats: int = REPEATS) -> float:
-    """Median wall time [s]."""
+    """Median wall time [s], where threads and processes are part of what is measured."""
     times = []
     for _ in range(repeats):
         start = time.perf_counter()
@@ -56,35 +52,10 @@ def motion_file(folder: Path, samples: int) -> Path:
     return path
 
 
-def against_users(cell: mrts.Cell, motion: mrts.CoordinatedMotion, path: Path) -> None:
-    """Bars 1 and 2: both ends of the range at every sample, terms included."""
-    reference = ReferenceCell(CELL / "cell.yaml")
-    _, samples = reference.object_motion(path)
-    parts = list(cell.joint_slices.values())
-    joints = [[(motion.q[k, s], motion.dq[k, s], motion.ddq[k, s]) for s in parts] for k in range(motion.samples)]
-
-    def programs() -> Any:
-        return (reference.program(reference.terms(s, j), even=False) for s, j in zip(samples, joints, strict=True))
-
-    rows: list[tuple[str, Callable[[], Any], int]] = [
-        ("mrts, kernel", lambda: motion_ranges(cell, motion, "wrench", None, "kernel"), REPEATS),
-        ("mrts, qpsol:qpoases in a map", lambda: motion_ranges(cell, motion, "wrench", None, "qpsol:qpoases"), REPEATS),
-        ("Pinocchio + highspy at every sample", lambda: min(highs_range(*program)[2] for program in programs()), 3),
-        ("Pinocchio + linprog at every sample", lambda: min(linprog_range(*program) for program in programs()), 1),
-    ]
-    print(f"both ends of the range, dual UR5-class cell, {motion.samples} samples, terms included")
-    base = 0.0
-    for name, run, repeats in rows:
-        run()
-        seconds = median_time(run, repeats)
-        base = base or seconds
-        print(f"  {name:<40}{1e6 * seconds / motion.samples:>10.2f} µs/sample{seconds / base:>9.1f}x")
-
-
 def against_daqp(cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> None:
-    """Bar 3: the kernel alone on the same programs, C time only."""
+    """The kernel alone on the same programs, C time only, along the path (warm) and in random order."""
     problem = build_sample_problem(cell, motion)
-    count, rows, k = problem.A.shape
+    count, _, k = problem.A.shape
     g = np.zeros((count, k))
     low, high = np.full((count, k), -np.inf), np.full((count, k), np.inf)
     low[:, -1], high[:, -1] = 0, UNBOUNDED
@@ -96,57 +67,52 @@ def against_daqp(cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> None:
         A = problem.A.copy()
         A[:, :, -1] /= np.where(effect > 0, effect, 1)[:, None]
         scaled, _, _ = ConvexPrograms(None, g, A, problem.lower, problem.upper, low, high).scaled()
-        ends = np.hstack([scaled.lower, scaled.x_lower]), np.hstack([scaled.upper, scaled.x_upper])
-        warm = median_time(lambda: kernel.linear_programs(scaled.g, scaled.A, *ends))  # noqa: B023 (called here)
-        order = np.random.default_rng(0).permutation(count)
-        shuffled = [np.ascontiguousarray(part[order]) for part in (scaled.g, scaled.A, *ends)]
-        cold = median_time(lambda: kernel.linear_programs(*shuffled))  # noqa: B023 (called here)
-        theirs = []
-        for n in range(count):
-            upper, lower = (np.clip(np.concatenate([e[n, rows:], e[n, :rows]]), -1e30, 1e30) for e in ends[::-1])
-            sense = np.zeros(rows + k, dtype=np.int32)
-            _, _, flag, info = daqp.solve(np.zeros((k, k)), scaled.g[n], scaled.A[n], upper, lower, sense, eps_prox=-1)
-            if flag == 1:
-                theirs.append(info["solve_time"])
-        print(
-            f"  {name:<12} kernel {1e6 * warm / count:5.2f} µs along the path, {1e6 * cold / count:5.2f} µs in random "
-            f"order; DAQP {1e6 * statistics.median(theirs):6.2f} µs ({len(theirs)} of {count} solved)"
-        )
+        lower, upper = np.hstack([scaled.lower, scaled.x_lower]), np.hstack([scaled.upper, scaled.x_upper])
+        for order_name, order in (
+            ("along the path", np.arange(count)),
+            ("in random order", np.random.default_rng(0).permutation(count)),
+        ):
+            given = [np.ascontiguousarray(part[order]) for part in (scaled.g, scaled.A, lower, upper)]
+            times = median_times({"ours": lambda given=given: kernel.linear_programs(*given)}, REPEATS)  # type: ignore[misc]
+            cold, warm = daqp_times(*given)
+            print(
+                f"  {name:<11} {order_name:<16} kernel {1e6 * times['ours'] / count:5.2f} µs; DAQP a new solve each "
+                f"{_told(cold, count)}, one model updated {_told(warm, count)}"
+            )
 
 
-def against_toppra(cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> None:
-    """Bar 4: one grid point of toppra for one arm with torque limits."""
-    arm = ReferenceCell(CELL / "cell.yaml").arms[0]
-    # toppra wants a path that does not stand still: joint positions over the way that they go
-    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(motion.q[:, :6], axis=0), axis=1))])
-    places = np.linspace(0, way[-1], 50)
-    path = toppra.SplineInterpolator(places, np.array([np.interp(places, way, q) for q in motion.q[:, :6].T]).T)
+def _told(times: list[float], count: int) -> str:
+    return f"{1e6 * statistics.median(times):5.2f} µs ({len(times)} of {count} solved)"
 
-    def inverse_dynamics(q: Array, v: Array, a: Array) -> Array:
-        return np.asarray(pin.rnea(arm.model, arm.data, q, v, a))
 
-    limit = np.column_stack([-np.array(arm.torque[1]), np.array(arm.torque[1])])
-    constraint = toppra.constraint.JointTorqueConstraint(
-        inverse_dynamics, limit, np.zeros(6), discretization_scheme=toppra.constraint.DiscretizationType.Interpolation
-    )
-    points = np.linspace(0, way[-1], motion.samples)
+def daqp_times(g: Array, A: Array, lower: Array, upper: Array) -> tuple[list[float], list[float]]:
+    """DAQP's own solve times of the programs that it solves: each by itself, and by one model that is updated [s].
 
-    def solve() -> Any:
-        planner = toppra.algorithm.TOPPRA([constraint], path, gridpoints=points, solver_wrapper="seidel")
-        found = planner.compute_parameterization(0, 0)
-        if found[1] is None:
-            raise RuntimeError("toppra found no parameterization")
-        return found
-
-    whole = median_time(solve, 3)
-    ours = median_time(lambda: motion_ranges(cell, motion, "wrench", None, "kernel"))
-    print("one sample of the dual-arm cell (terms, two programs) against one grid point of toppra for one arm")
-    sample, point = (1e6 * seconds / motion.samples for seconds in (ours, whole))
-    print(f"  mrts {sample:.2f} µs, toppra (seidel, interpolation) {point:.1f} µs: {point / sample:.1f}x")
+    Its set-up, and Python around it, are left out on purpose. Linear programs take its `eps_prox`.
+    """
+    count, rows, k = A.shape
+    H, sense = np.zeros((k, k)), np.zeros(rows + k, dtype=np.int32)
+    # simple bounds come first there
+    high, low = (np.clip(np.hstack([part[:, rows:], part[:, :rows]]), -1e30, 1e30) for part in (upper, lower))
+    cold, warm = [], []
+    model = daqp.Model()
+    for n in range(count):
+        _, _, flag, info = daqp.solve(H, g[n], A[n], high[n], low[n], sense, eps_prox=-1)
+        if flag == 1:
+            cold.append(info["solve_time"])
+        if n == 0:
+            model.setup(H, g[n], A[n], high[n], low[n], sense)
+            model.settings = {"eps_prox": -1}
+        else:
+            model.update(f=g[n], A=A[n], bupper=high[n], blower=low[n])
+        _, _, flag, info = model.solve()
+        if flag == 1:
+            warm.append(info["solve_time"])
+    return cold, warm
 
 
 def growth(folder: Path) -> None:
-    """Bar 5: with the number of samples, and of arms."""
+    """With the number of samples, and of arms."""
     cell = mrts.load_cell(CELL / "cell.yaml")
     print("growth with the number of samples")
     few = mrts.follow_object(cell, _motion(folder, 101))
@@ -231,7 +197,7 @@ print(re.search(r"VmHWM:\\s*(\\d+)", open("/proc/self/status").read()).group(1),
 
 
 def end_to_end(folder: Path) -> None:
-    """Bar 6: `mrts scale` with a warm cache, process start to exit, and its memory."""
+    """`mrts scale` with a warm cache, process start to exit, and its memory."""
     print("mrts scale, dual UR5-class cell, warm cache, process start to exit")
     peak = {}
     for samples in (SAMPLES, 20 * SAMPLES):
@@ -255,11 +221,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         cell = mrts.load_cell(CELL / "cell.yaml")
-        path = motion_file(folder, SAMPLES)
         motion = mrts.follow_object(cell, _motion(folder, SAMPLES))
-        against_users(cell, motion, path)
         against_daqp(cell, motion)
-        against_toppra(cell, motion)
         end_to_end(folder)
         growth(folder)
 

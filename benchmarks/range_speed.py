@@ -1,92 +1,71 @@
 # SPDX-License-Identifier: MIT
 """What the range of c² costs, against what a user would otherwise write: Pinocchio and a program at every sample.
 
-The same cell, motion and joint angles for all; terms and both ends of the range included; one process, medians.
+The same cell, joint angles and limits (torques and contact wrenches, no velocities) for all; terms and both ends of the
+range included; one process on one processor, CPU time, medians of runs in turn.
 """
 
-import statistics
-import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import linprog
+import yaml
+from interleaved import median_times, on_one_processor
+from pinocchio_cell import HighsRange, PinocchioCell, linprog_range
 
 import mrts
 from mrts.scaling_range import intersect
-from mrts.solvers import DEFAULT_SOLVER
 from mrts.trajectory_programs import motion_ranges
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
-from reference import ReferenceCell, highs_range  # the independent implementation of the tests
-
 DATA = Path(str(files("mrts") / "data"))
-REPEATS = 7
+SAMPLES = 1000
+REPEATS = 5
+FIRST = 100  # samples that SciPy is measured on: it is too slow for all
 
 
-def linprog_range(A: np.ndarray, lower: np.ndarray, upper: np.ndarray, low: np.ndarray, high: np.ndarray) -> float:
-    """Largest c² by two calls of `scipy.optimize.linprog` (the least is found and dropped)."""
-    equal = lower == upper
-    rows = np.concatenate([A[~equal], -A[~equal]])
-    rhs = np.concatenate([upper[~equal], -lower[~equal]])
-    bounds = np.column_stack([low, high])
-    ends = [
-        linprog(np.eye(A.shape[1])[-1] * sign, rows, rhs, A[equal], lower[equal], bounds, "highs").x for sign in (1, -1)
-    ]
-    return float("inf") if ends[1] is None else float(ends[1][-1])
-
-
-def median_time(run: Callable[[], float]) -> tuple[float, float]:
-    """Result and median wall time [s]."""
-    times = []
-    for _ in range(REPEATS):
-        start = time.perf_counter()
-        value = run()
-        times.append(time.perf_counter() - start)
-    return value, statistics.median(times)
-
-
-def compare(name: str, motion_file: str) -> None:
+def compare(name: str, motion_file: str, urdf: str, tip: str) -> None:
     """Measure one shipped cell and print its table."""
-    folder = DATA / name
-    cell = mrts.load_cell(folder / "cell.yaml")
-    given = mrts.load_motion(folder / motion_file)
-    if not isinstance(given, mrts.ObjectMotion):
-        raise TypeError(motion_file)
-    motion = mrts.follow_object(cell, given)
-    reference = ReferenceCell(folder / "cell.yaml")
-    _, samples = reference.object_motion(folder / motion_file)
-    parts = list(cell.joint_slices.values())
-    joints = [[(motion.q[k, s], motion.dq[k, s], motion.ddq[k, s]) for s in parts] for k in range(motion.samples)]
+    cell = mrts.load_cell(DATA / name / "cell.yaml").without_velocity_limits()
+    description = yaml.safe_load((DATA / name / motion_file).read_text(encoding="utf-8")) | {"samples": SAMPLES}
+    motion = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(description)))
+    few = mrts.CoordinatedMotion(
+        mrts.ObjectMotion(
+            motion.object.time[:FIRST],
+            *(getattr(motion.object, part)[:FIRST] for part in ("position", "rotation", "twist", "acceleration")),
+        ),
+        *(part[:FIRST] for part in (motion.q, motion.dq, motion.ddq)),
+    )
+    rows = PinocchioCell(cell, DATA / name / urdf, tip)
+    highs = HighsRange(rows)
 
-    def ours() -> float:
-        found = intersect(motion_ranges(cell, motion, "wrench", None, DEFAULT_SOLVER))
+    def ours(solver: str, motion: mrts.CoordinatedMotion = motion) -> float:
+        found = intersect(motion_ranges(cell, motion, "wrench", None, solver))
         return found.upper.c2 if found.upper else float("nan")
 
-    def programs() -> Iterator[tuple[np.ndarray, ...]]:
-        return (reference.program(reference.terms(s, j), even=False) for s, j in zip(samples, joints, strict=True))
-
-    rivals: dict[str, Callable[[], float]] = {
-        "mrts": ours,
-        "Pinocchio + scipy.optimize.linprog": lambda: min(linprog_range(*program) for program in programs()),
-        "Pinocchio + highspy": lambda: min(highs_range(*program)[2] for program in programs()),
+    candidates: dict[str, tuple[Callable[[], float], int]] = {
+        "mrts, kernel": (lambda: ours("kernel"), SAMPLES),
+        "mrts, qpsol:qpoases in a CasADi map": (lambda: ours("qpsol:qpoases"), SAMPLES),
+        "Pinocchio + HiGHS, one model, warm": (lambda: highs(motion), SAMPLES),
+        f"Pinocchio + scipy linprog, first {FIRST}": (lambda: linprog_range(rows, few), FIRST),
     }
-    base = 0.0
-    print(f"range of c², cell {name}, {motion.samples} samples, median of {REPEATS}")
-    print(f"{'':<36}{'c²⁺':>10}{'ms':>10}{'µs/sample':>12}{'ratio':>9}")
-    for rival, run in rivals.items():
-        value, seconds = median_time(run)
-        base = base or seconds
-        per_sample = 1e6 * seconds / motion.samples
-        print(f"{rival:<36}{value:>10.6f}{1e3 * seconds:>10.2f}{per_sample:>12.1f}{seconds / base:>8.1f}x")
+    reached = {label: run() for label, (run, _) in candidates.items()}
+    expected = [reached["mrts, kernel"]] * 3 + [ours("kernel", few)]
+    if not np.allclose(list(reached.values()), expected, rtol=1e-6):
+        raise RuntimeError(reached)
+    times = median_times({label: run for label, (run, _) in candidates.items()}, REPEATS)
+    print(f"range of c², cell {name}, {motion.samples} samples, one processor, CPU time, median of {REPEATS}")
+    base = times["mrts, kernel"] / SAMPLES
+    for label, (_, samples) in candidates.items():
+        sample = times[label] / samples
+        print(f"  {label:<40}{1e6 * sample:>10.2f} µs/sample{sample / base:>9.1f}x   c²⁺ {reached[label]:.6f}")
 
 
 def main() -> None:
     """Compare on both shipped cells."""
-    compare("planar_dual_arm", "lift.yaml")
-    compare("dual_ur5", "lift_and_turn.yaml")
+    on_one_processor()
+    compare("planar_dual_arm", "lift.yaml", "planar_arm.urdf", "contact")
+    compare("dual_ur5", "lift_and_turn.yaml", "ur5_class_arm.urdf", "tool0")
 
 
 if __name__ == "__main__":

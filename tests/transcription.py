@@ -7,7 +7,12 @@ from mrts.path_pieces import path_pieces
 
 
 def transcription(cell, motion):
-    """The same problem as one large program in speeds, rates and all wrenches, by IPOPT; its duration [s].
+    """Duration by `transcribed` [s]."""
+    return transcribed(cell, motion)()
+
+
+def transcribed(cell, motion):
+    """The same problem as one large program in speeds, rates and all wrenches; solves it by IPOPT when called.
 
     From the generated terms of the paper, with the balance of the object as equations: nothing of the projection, of
     the wrench form, or of the recursion is used.
@@ -51,15 +56,15 @@ def transcription(cell, motion):
     )
     guess = np.zeros(sum(map(len, low)))
     guess[1 : n - 1] = 1e-3
-    found = solver(
-        x0=guess,
-        lbx=np.concatenate(low),
-        ubx=np.concatenate(high),
-        lbg=np.concatenate(lower),
-        ubg=np.concatenate(upper),
-    )
-    assert solver.stats()["success"]
-    return float(found["f"])
+    bounds = {"lbx": low, "ubx": high, "lbg": lower, "ubg": upper}
+    arguments = {"x0": guess} | {name: np.concatenate(parts) for name, parts in bounds.items()}
+
+    def solve():
+        found = solver(**arguments)
+        assert solver.stats()["success"]
+        return float(found["f"])
+
+    return solve
 
 
 def robot_side(cell, side, kind):
