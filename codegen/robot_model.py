@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """One arm as a chain of moving bodies, taken from a URDF."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -103,7 +103,20 @@ def build_robot_model(
             placement = RigidTransform.identity()
     if not joints:
         raise InputError(path, f"no joint moves between '{base_link}' and '{tip_link}'.", key="tip_link")
-    return RobotModel(base_link, tip_link, tuple(joints), placement, tuple(bodies.remarks))
+    remarks = (*bodies.remarks, *_follower_remarks(path, urdf.joints, moving))
+    return RobotModel(base_link, tip_link, tuple(joints), placement, remarks)
+
+
+def _follower_remarks(path: Path, joints: list[Any], moving: list[Any]) -> Iterator[Remark]:
+    """Joints off the chain that follow one of it: the model leaves them at zero."""
+    for leader in moving:
+        followers = [f"'{joint.name}'" for joint in joints if joint.mimic and joint.mimic.joint == leader.name]
+        if followers:
+            yield Remark(
+                "follower-at-zero",
+                f"{path.name}: {', '.join(followers)} would move with joint '{leader.name}' of the chain, but what is off "
+                "the chain is taken to stay at zero.",
+            )
 
 
 def _check_kind(path: Path, joint: Any, *, moves: bool) -> None:

@@ -67,6 +67,15 @@ def test_every_published_chain_loads_or_is_refused_for_a_reason():
     assert {name for reason, name in seen if REFUSALS[reason]} == set().union(*filter(None, REFUSALS.values()))
 
 
+def test_a_follower_off_the_chain_is_told():
+    """Panda's other finger stays where it is while the chain's moves."""
+    path = ROBOTS / "panda_description/urdf/panda.urdf"
+    (remark,) = build_robot_model(path, read_urdf(path), None, "panda_leftfinger").remarks
+    assert remark.code == "follower-at-zero"
+    assert remark.text.startswith("panda.urdf: 'panda_finger_joint2' would move with joint 'panda_finger_joint1'")
+    assert not build_robot_model(path, read_urdf(path), None, "panda_hand").remarks
+
+
 def test_a_limit_beyond_any_joint_is_none():
     """Iris gives its rotors positions up to 1e16."""
     path = ROBOTS / "iris_description/robots/iris.urdf"
