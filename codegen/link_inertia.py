@@ -82,7 +82,8 @@ def link_inertia(path: Path, link: Any, remarks: list[Remark]) -> Inertia:
         return Inertia(inertial.mass, np.zeros(3), np.zeros((3, 3))).seen_from(T_link_com)
     problem = inertia_problem(inertial.inertia, triangle=TRIANGLE_MARGIN, rods=True)
     if problem:
-        raise InputError(path, problem, key=f"link '{link.name}' inertia")
+        advice = f"Correct it in the URDF; a moment {100 * TRIANGLE_MARGIN:g} % beyond the sum of the others passes."
+        raise InputError(path, f"{problem} {advice}", key=f"link '{link.name}' inertia")
     excess = triangle_excess(inertial.inertia)
     if excess > INERTIA_SLACK:
         text = (

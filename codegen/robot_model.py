@@ -114,8 +114,8 @@ def _follower_remarks(path: Path, joints: list[Any], moving: list[Any]) -> Itera
         if followers:
             yield Remark(
                 "follower-at-zero",
-                f"{path.name}: {', '.join(followers)} would move with joint '{leader.name}' of the chain, but what is off "
-                "the chain is taken to stay at zero.",
+                f"{path.name}: {', '.join(followers)} would move with joint '{leader.name}' of the chain, but what is "
+                "off the chain is taken to stay at zero.",
             )
 
 

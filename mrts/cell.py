@@ -78,6 +78,8 @@ class Cell:
             rule = "must be > 0; infinity where there is none."
             raise InputError("cell", rule, key="object_velocity_limit", value=self.object_velocity_limit.tolist())
         object.__setattr__(self, "robots", tuple(self.robots))
+        if not all(isinstance(robot, Robot) for robot in self.robots):
+            raise InputError("cell", "must be robots, as mrts.load_cell gives them.", key="robots", value=self.robots)
         self._check_generated()
         for robot in self.robots:
             if len(robot.wrench_lower) != len(self.wrench_components):

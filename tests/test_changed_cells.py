@@ -113,6 +113,7 @@ def test_a_wrong_array_of_a_robot_is_refused(name, planar_cell):
         ("load", np.zeros(10)),
         ("load", np.ones(4)),
         ("gravity", [0, 0]),
+        ("robots", ["left", "right"]),
         ("object_velocity_limit", [1.0, 0.0]),
         ("object_velocity_limit", np.nan),
     ],
