@@ -48,7 +48,8 @@ def count(name: str, motion_file: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         source, program, data = (Path(folder) / file for file in ("driver.c", "driver", "samples"))
         manifest, generated = generated_in_cache(DATA / name / "cell.yaml")
-        source.write_text(cell_source(manifest, generated) + (HERE / "instructions.c").read_text(encoding="utf-8"))
+        generated_text = generated.read_text(encoding="utf-8")
+        source.write_text(cell_source(manifest, generated_text) + (HERE / "instructions.c").read_text(encoding="utf-8"))
         flags = [flag for flag in FLAGS if flag not in {"-fPIC", "-shared"}]
         build = [compiler, *flags, "-g", "-fno-inline-functions", str(source), "-o", str(program), "-lm"]
         subprocess.run(build, check=True)  # noqa: S603 (fixed commands on files of our own, here and below)

@@ -129,6 +129,7 @@ class RobotDescription(StrictModel):
     posture: Annotated[list[Angle], Field(min_length=1)]
     torque: Annotated[list[Finite], Field(min_length=1)] | TorqueBounds | None = None
     wrench: Bounds = Bounds()
+    fixed: dict[str, Angle] = Field(default_factory=dict)
 
 
 class CellDescription(StrictModel):
@@ -160,10 +161,15 @@ def read_cell_description(path: Path) -> CellDescription:
     return read_model(path, CellDescription, "cell file")
 
 
-def inertia_problem(inertia: Array) -> str:
+def inertia_problem(inertia: Array, *, triangle: float = INERTIA_SLACK, rods: bool = False) -> str:
     """Why an inertia matrix, Shape (3, 3) [kg m²], is not that of a body; empty if it is.
 
     A body's inertia is symmetric and positive definite, and no principal moment exceeds the sum of the others.
+
+    Args:
+        inertia: At the com.
+        triangle: Share by which the largest moment may exceed that sum.
+        rods: Whether the least moment may be 0, as that of a rod without thickness.
     """
     if not np.all(np.isfinite(inertia)):
         return "holds a value that is not a finite number."
@@ -172,14 +178,21 @@ def inertia_problem(inertia: Array) -> str:
         return "is not symmetric; give ixy = iyx, ixz = izx, iyz = izy."
     moments = np.linalg.eigvalsh(inertia)
     shown = ", ".join(f"{moment:.6g}" for moment in moments)
-    if moments[0] <= 0:
+    if moments[0] < -INERTIA_SLACK * scale or (moments[0] <= 0 and not rods):
         return f"is not positive definite: its principal moments are {shown} kg m². All must be > 0."
-    if moments[2] > (moments[0] + moments[1]) * (1 + INERTIA_SLACK):
+    if triangle_excess(inertia) > triangle:
         return (
             f"breaks the triangle inequality: its principal moments are {shown} kg m², and no body has one "
             "larger than the sum of the other two."
         )
     return ""
+
+
+def triangle_excess(inertia: Array) -> float:
+    """Share by which the largest principal moment exceeds the sum of the others; negative if it does not."""
+    least, middle, largest = np.linalg.eigvalsh(inertia)
+    total = float(least + middle)
+    return float(largest) / total - 1 if total > 0 else np.inf
 
 
 def resolve_urdf(cell_path: Path, reference: str) -> Path:

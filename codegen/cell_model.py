@@ -2,17 +2,23 @@
 """The cell with its URDFs read: everything that the symbolic layer and the manifest need."""
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from mrts_codegen.cell_description import Bounds, CellDescription, RobotDescription, TorqueBounds, resolve_urdf
+from mrts_codegen.held_joints import held_positions
 from mrts_codegen.planar_cell import check_plane_kept
 from mrts_codegen.robot_model import RobotModel, build_robot_model
+from mrts_codegen.shared_joints import check_machines
 from mrts_codegen.spatial_algebra import PLANE_COMPONENTS
 from mrts_codegen.urdf_file import read_urdf
+from mrts_codegen.urdf_joint import NO_LIMIT
 
 from mrts.errors import InputError
+from mrts.remark import Remark
 from mrts.rigid_transform import Array, RigidTransform
 
 
@@ -25,6 +31,7 @@ class CellRobot:
         model: The chain.
         urdf: As the cell file gives it.
         urdf_sha256: Hash of the URDF's bytes.
+        held: Joints that are held still, and what moves with them, with their positions [rad or m].
         T_world_base: Base link in the world.
         T_object_tip: Tip link in the object frame (its grasp).
         posture: Joint positions near which the motion starts, Shape (n,) [rad or m].
@@ -38,6 +45,7 @@ class CellRobot:
     model: RobotModel
     urdf: str
     urdf_sha256: str
+    held: Mapping[str, float]
     T_world_base: RigidTransform
     T_object_tip: RigidTransform
     posture: Array
@@ -61,6 +69,11 @@ class CellModel:
     components: tuple[int, ...]
     robots: tuple[CellRobot, ...]
 
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """What to know of the URDFs, each thing once."""
+        return tuple(dict.fromkeys(remark for robot in self.robots for remark in robot.model.remarks))
+
 
 def build_cell_model(path: Path, description: CellDescription) -> CellModel:
     """Read the URDFs of a cell and check every array of the cell file against them.
@@ -73,15 +86,23 @@ def build_cell_model(path: Path, description: CellDescription) -> CellModel:
         InputError: If a URDF or an array of the cell file breaks a rule.
     """
     components = PLANE_COMPONENTS[description.plane]
-    robots = tuple(_build_robot(path, description, index, len(components)) for index in range(len(description.robots)))
+    files = [resolve_urdf(path, robot.urdf) for robot in description.robots]
+    urdfs = [read_urdf(file) for file in files]
+    robots = tuple(
+        _build_robot(path, description, index, len(components), file, urdf)
+        for index, (file, urdf) in enumerate(zip(files, urdfs, strict=True))
+    )
+    check_machines(path, robots, urdfs)
     return CellModel(description, components, robots)
 
 
-def _build_robot(path: Path, cell: CellDescription, index: int, wrench_size: int) -> CellRobot:
+def _build_robot(
+    path: Path, cell: CellDescription, index: int, wrench_size: int, urdf_path: Path, urdf: Any
+) -> CellRobot:
     robot = cell.robots[index]
     key = f"robots[{index}] ({robot.name})"
-    urdf_path = resolve_urdf(path, robot.urdf)
-    model = build_robot_model(urdf_path, read_urdf(urdf_path), robot.base_link, robot.tip_link)
+    held = held_positions(path, f"{key}.fixed", urdf_path, urdf, robot.fixed)
+    model = build_robot_model(urdf_path, urdf, robot.base_link, robot.tip_link, held)
     joints = [joint.name for joint in model.joints]
     if len(robot.posture) != len(joints):
         raise InputError(
@@ -101,6 +122,7 @@ def _build_robot(path: Path, cell: CellDescription, index: int, wrench_size: int
         model,
         robot.urdf,
         hashlib.sha256(urdf_path.read_bytes()).hexdigest(),
+        held,
         T_world_base,
         T_object_tip,
         np.array(robot.posture, dtype=float),
@@ -117,7 +139,7 @@ def _torque_limits(
     joints = [joint.name for joint in model.joints]
     if robot.torque is None:
         for joint in model.joints:
-            if joint.effort is None or joint.effort <= 0:
+            if joint.effort is None or not 0 < joint.effort < NO_LIMIT:
                 raise InputError(
                     urdf_path,
                     f"its effort limit is {'missing or 0' if joint.effort is None else joint.effort}, which says "

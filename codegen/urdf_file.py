@@ -6,6 +6,7 @@ would silently replace by a default (a missing mass, a missing inertia entry) is
 """
 
 import io
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from mrts.input_file import LARGEST_NUMBER, read_text
 _INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 XACRO_NAMESPACE = "http://www.ros.org/wiki/xacro"
+_HARMLESS = ("NS_ERR_UNDEFINED_NAMESPACE", "ERR_UNKNOWN_VERSION")
 _JOINT_CHILDREN = ("parent", "child", "origin", "axis", "limit", "mimic")
 
 
@@ -46,10 +48,10 @@ def read_urdf(path: Path) -> Any:
 
 
 def _parse(path: Path, text: str) -> Any:
-    # Undeclared prefixes (gazebo extensions) are common and harmless; anything worse than that is refused.
+    # Undeclared prefixes (gazebo extensions) and a version 0.0 are common and harmless; anything worse is refused.
     parser = etree.XMLParser(resolve_entities=False, no_network=True, recover=True)
     root = etree.fromstring(text.encode(), parser)
-    fatal = [error for error in parser.error_log if error.type_name != "NS_ERR_UNDEFINED_NAMESPACE"]
+    fatal = [error for error in parser.error_log if error.type_name not in _HARMLESS]
     if root is None or fatal:
         place = f" at line {fatal[0].line}: {fatal[0].message}" if fatal else ""
         raise InputError(path, f"is not well-formed XML{place}.")
@@ -142,8 +144,10 @@ def _check_numbers(path: Path, where: str, element: Any) -> None:
             continue
         words = text.split()
         count = _COUNTS.get(attribute, 1)
+        # a limit may be any number: what is too large for a limit means that there is none
+        largest = inf if element.tag == "limit" else LARGEST_NUMBER
         try:
-            finite = "_" not in text and all(abs(float(word)) <= LARGEST_NUMBER for word in words)
+            finite = "_" not in text and all(abs(float(word)) <= largest for word in words)
         except ValueError:
             finite = False
         if not finite or len(words) != count:

@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from mrts.cell import Cell, Robot, load_cell
+    from mrts.cell import Cell, load_cell
     from mrts.configurations import rank_configurations
     from mrts.coordinated_motion import CoordinatedMotion, follow_object
     from mrts.errors import CompilerError, InputError, MotionError, MrtsError, SolverError
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from mrts.result import ScalingResult
     from mrts.retiming import retime
     from mrts.retiming_result import RetimingResult, RetimingStatus
+    from mrts.robot import Robot
     from mrts.saved_result import load_result, save_result
     from mrts.scaled_trajectory import ScaledTrajectory
     from mrts.scaling import SelectionError, scale
@@ -46,7 +47,7 @@ _HOMES = {
     "ObjectMotion": "object_motion",
     "RetimingResult": "retiming_result",
     "RetimingStatus": "retiming_result",
-    "Robot": "cell",
+    "Robot": "robot",
     "SampleStatus": "scaling_range",
     "ScaledTrajectory": "scaled_trajectory",
     "ScalingRange": "scaling_range",

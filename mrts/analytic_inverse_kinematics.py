@@ -5,9 +5,10 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from mrts.cell import Cell, Robot
+from mrts.cell import Cell
 from mrts.object_motion import ObjectMotion
 from mrts.rigid_transform import Array
+from mrts.robot import Robot
 
 DECOMPOSABLE_JOINTS = ("revolute",) * 6
 

@@ -3,6 +3,7 @@
 
 import re
 from collections import deque
+from collections.abc import Mapping
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,16 +15,20 @@ if TYPE_CHECKING:
     from trimesh import Trimesh
 
 
-def arm_meshes(path: Path, base_link: str | None, joints: tuple[str, ...]) -> "list[tuple[int, Trimesh]]":
-    """Body and mesh (base axes with every joint at zero [m]) of every visual of an arm.
+def arm_meshes(
+    path: Path, base_link: str | None, joints: tuple[str, ...], held: Mapping[str, float] | None = None
+) -> "list[tuple[int, Trimesh]]":
+    """Body and mesh (base axes with every joint of the chain at zero [m]) of every visual of an arm.
 
-    Body 0 stands with the base, body k is moved by the first k joints (`mrts.cell_shapes.body_poses`). Joints off the
-    chain stay at zero; what they move and no joint of the chain carries, such as the other arm of a torso, is left out.
+    Body 0 stands with the base, body k is moved by the first k joints (`mrts.cell_shapes.body_poses`). Other joints
+    stand where they are held, else at zero; what they could still move and no joint of the chain carries, such as the
+    other arm of a torso, is left out.
 
     Args:
         path: The URDF.
         base_link: First link of the chain; None takes the URDF's root.
         joints: Moving joints of the chain, base to tip.
+        held: Positions of joints that are held still [rad or m].
 
     Raises:
         InputError: If the file or one of its meshes cannot be read.
@@ -33,7 +38,9 @@ def arm_meshes(path: Path, base_link: str | None, joints: tuple[str, ...]) -> "l
 
     try:
         model = URDF.load(str(path), filename_handler=partial(_mesh_file, path))
-        body = _bodies(model.robot.joints, base_link or model.base_link, joints)
+        still = {name: value for name, value in (held or {}).items() if name in model.actuated_joint_names}
+        model.update_cfg(still)  # what mimics them follows
+        body = _bodies(model.robot.joints, base_link or model.base_link, joints, held or {})
         graph, found = model.scene.graph, []
         for node in graph.nodes_geometry:
             link = graph.transforms.parents[node]
@@ -48,15 +55,16 @@ def arm_meshes(path: Path, base_link: str | None, joints: tuple[str, ...]) -> "l
     return found
 
 
-def _bodies(joints: list[Any], base_link: str, chain: tuple[str, ...]) -> dict[str, int]:
+def _bodies(joints: list[Any], base_link: str, chain: tuple[str, ...], held: Mapping[str, float]) -> dict[str, int]:
     """The body that each link belongs to, for the links that stand with the base or hang from the chain."""
     body, pending = {base_link: 0}, deque([base_link])
     while pending:
         link = pending.popleft()
         for joint in joints:
+            stands = joint.type == "fixed" or joint.name in held
             if joint.parent == link:
-                other, moved = joint.child, joint.type != "fixed"
-            elif joint.child == link and joint.type == "fixed":
+                other, moved = joint.child, not stands
+            elif joint.child == link and stands:
                 other, moved = joint.parent, False
             else:
                 continue

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """A cell ready to be asked: its data and its bound functions."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -17,63 +17,18 @@ from mrts.manifest import (
     LOAD_ENTRIES,
     MANIFEST_NAME,
     WRENCH_COMPONENTS,
-    JointRecord,
     Manifest,
-    PoseRecord,
-    RobotRecord,
     read_generated,
 )
 from mrts.remark import Remark
 from mrts.rigid_transform import Array, RigidTransform
+from mrts.robot import Robot, freeze_array, robot_from_record, with_infinity
 
+GENERATED = ("name", "joints", "joint_types", "axes", "points", "held", "T_base_tip", "T_world_base", "T_object_tip")
+"""Attributes of a robot that the generated functions hold as numbers, or that name their inputs and outputs."""
 
-@dataclass(frozen=True, repr=False)
-class Robot:
-    """One arm; n_i joints, w wrench components (3 in a planar cell, else 6).
-
-    Attributes:
-        name: Name in the cell file.
-        joints: Joint names, base to tip.
-        joint_types: "revolute" or "prismatic".
-        axes: Joint axes in the base frame with every joint at zero, Shape (n_i, 3).
-        points: A point on each axis, likewise, Shape (n_i, 3) [m].
-        T_base_tip: Tip in the base frame with every joint at zero.
-        position_lower: Joint limits, minus infinity where there is none, Shape (n_i,) [rad or m].
-        position_upper: Joint limits, infinity where there is none, Shape (n_i,) [rad or m].
-        velocity_limit: Infinity where the URDF says nothing, Shape (n_i,) [rad/s or m/s].
-        T_world_base: Base link in the world.
-        T_object_tip: Tip link in the object frame.
-        posture: Joint positions near which the motion starts, Shape (n_i,) [rad or m].
-        torque_lower: Shape (n_i,) [N m or N].
-        torque_upper: Shape (n_i,) [N m or N].
-        wrench_lower: On F_i, base axes, minus infinity where unbounded, Shape (w,) [N, N m].
-        wrench_upper: On F_i, base axes, infinity where unbounded, Shape (w,) [N, N m].
-    """
-
-    name: str
-    joints: tuple[str, ...]
-    joint_types: tuple[Literal["revolute", "prismatic"], ...]
-    axes: Array
-    points: Array
-    T_base_tip: RigidTransform
-    position_lower: Array
-    position_upper: Array
-    velocity_limit: Array
-    T_world_base: RigidTransform
-    T_object_tip: RigidTransform
-    posture: Array
-    torque_lower: Array
-    torque_upper: Array
-    wrench_lower: Array
-    wrench_upper: Array
-
-    def __repr__(self) -> str:
-        return f"<Robot '{self.name}': {', '.join(self.joints)}>"
-
-    @property
-    def torque_units(self) -> tuple[str, ...]:
-        """Unit of each joint's torque: "N m" for a revolute joint, "N" for a prismatic one."""
-        return tuple("N" if kind == "prismatic" else "N m" for kind in self.joint_types)
+SAME_NUMBER = 1e-12
+"""Largest difference of what is the same number after rounding [m, rad, m/s²]."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -93,6 +48,12 @@ class Cell:
         functions: The generated functions.
         enforces_velocity_limits: Whether velocity limits bound the speed, or are reported only.
         remarks: What to know of how its files were read.
+
+    What the generated functions hold as numbers (names, joints, poses, plane, gravity) cannot be changed in Python, by
+    `dataclasses.replace` or otherwise: that takes another cell file. Limits, postures and load can.
+
+    Raises:
+        InputError: If a value breaks a rule, or is not what the functions were generated with.
     """
 
     name: str
@@ -106,6 +67,51 @@ class Cell:
     functions: CellFunctions
     enforces_velocity_limits: bool = True
     remarks: tuple[Remark, ...] = ()
+
+    def __post_init__(self) -> None:
+        freeze_array(self, "gravity", "cell", (3,), finite=True)
+        freeze_array(self, "load", "cell", (len(LOAD_ENTRIES),), finite=True)
+        freeze_array(self, "object_velocity_limit", "cell", (2,), finite=False)
+        if not self.load[0] > 0:
+            raise InputError("cell", "its mass must be > 0.", key="load", value=self.load.tolist())
+        if np.any(self.object_velocity_limit <= 0):
+            rule = "must be > 0; infinity where there is none."
+            raise InputError("cell", rule, key="object_velocity_limit", value=self.object_velocity_limit.tolist())
+        object.__setattr__(self, "robots", tuple(self.robots))
+        if not all(isinstance(robot, Robot) for robot in self.robots):
+            raise InputError("cell", "must be robots, as mrts.load_cell gives them.", key="robots", value=self.robots)
+        self._check_generated()
+        for robot in self.robots:
+            if len(robot.wrench_lower) != len(self.wrench_components):
+                rule = f"must have Shape ({len(self.wrench_components)},): {', '.join(self.wrench_components)}."
+                raise InputError(f"robot '{robot.name}'", rule, key="wrench_lower", value=robot.wrench_lower.tolist())
+
+    def _check_generated(self) -> None:
+        """Check that what the generated functions hold as numbers is what they were generated with."""
+        made = self.functions.manifest
+        pairs: list[tuple[str, object, object]] = [
+            ("name", self.name, made.name),
+            ("plane", self.plane, made.plane),
+            ("wrench_components", list(self.wrench_components), made.wrench_components),
+            ("gravity", self.gravity, np.array(made.gravity)),
+            ("robots", [robot.name for robot in self.robots], [robot.name for robot in made.robots]),
+        ]
+        for robot, generated in zip(self.robots, self.functions.robots, strict=False):
+            if robot is not generated:
+                where = f"robot '{robot.name}' "
+                pairs += [(where + key, getattr(robot, key), getattr(generated, key)) for key in GENERATED]
+        for key, ours, theirs in pairs:
+            if not _same(ours, theirs):
+                raise InputError(
+                    "cell",
+                    "stands as numbers in the generated C, so changing it in Python would be ignored there. Change the "
+                    "cell file (gravity, plane, base, grasp, fixed, robots) or the URDF, and load it again: "
+                    "mrts.load_cell(path). What can be changed in Python are limits, postures and the load.",
+                    key=key,
+                )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Cell, tuple(getattr(self, entry.name) for entry in fields(self))  # checked again where it arrives
 
     def __repr__(self) -> str:
         arms = ", ".join(f"{robot.name} ({len(robot.joints)} joints)" for robot in self.robots)
@@ -275,81 +281,20 @@ def cell_from_manifest(manifest: Manifest, functions: CellFunctions) -> Cell:
         np.array(manifest.gravity),
         load_vector(carried.mass, np.zeros(3), inertia),
         LoadBox(carried.mass, inertia, carried.variation, carried.outer_hull) if carried.variation else None,
-        _with_infinity([carried.linear_velocity, carried.angular_velocity], np.inf),
-        tuple(_robot(record) for record in manifest.robots),
+        with_infinity([carried.linear_velocity, carried.angular_velocity], np.inf),
+        functions.robots if manifest is functions.manifest else tuple(map(robot_from_record, manifest.robots)),
         functions,
+        remarks=tuple(Remark(record.code, record.text) for record in manifest.remarks),
     )
 
 
-def _robot(record: RobotRecord) -> Robot:
-    return Robot(
-        record.name,
-        tuple(joint.name for joint in record.joints),
-        tuple(joint.type for joint in record.joints),
-        np.array([joint.axis for joint in record.joints]),
-        np.array([joint.point for joint in record.joints]),
-        _transform(record.base_tip),
-        _with_infinity([joint.lower for joint in record.joints], -np.inf),
-        _with_infinity([joint.upper for joint in record.joints], np.inf),
-        _with_infinity([joint.velocity for joint in record.joints], np.inf),
-        _transform(record.world_base),
-        _transform(record.object_tip),
-        np.array(record.posture),
-        np.array([joint.torque_lower for joint in record.joints]),
-        np.array([joint.torque_upper for joint in record.joints]),
-        _with_infinity(record.wrench_lower, -np.inf),
-        _with_infinity(record.wrench_upper, np.inf),
-    )
-
-
-def robot_record(robot: Robot, generated: RobotRecord) -> RobotRecord:
-    """A robot as it is, its limits and posture perhaps changed since it was generated, as an entry of a manifest.
-
-    Args:
-        robot: The robot.
-        generated: Its entry in the manifest of its functions; says which URDF it is from.
-    """
-    columns = zip(
-        robot.joints,
-        robot.joint_types,
-        robot.axes.tolist(),
-        robot.points.tolist(),
-        without_infinity(robot.position_lower),
-        without_infinity(robot.position_upper),
-        without_infinity(robot.velocity_limit),
-        robot.torque_lower.tolist(),
-        robot.torque_upper.tolist(),
-        strict=True,
-    )
-    return generated.model_copy(
-        update={
-            "name": robot.name,
-            "joints": [JointRecord(**dict(zip(JointRecord.model_fields, row, strict=True))) for row in columns],
-            "base_tip": _pose_record(robot.T_base_tip),
-            "world_base": _pose_record(robot.T_world_base),
-            "object_tip": _pose_record(robot.T_object_tip),
-            "posture": robot.posture.tolist(),
-            "wrench_lower": without_infinity(robot.wrench_lower),
-            "wrench_upper": without_infinity(robot.wrench_upper),
-        }
-    )
-
-
-def _transform(record: PoseRecord) -> RigidTransform:
-    return RigidTransform(np.array(record.rotation), np.array(record.position))
-
-
-def _pose_record(transform: RigidTransform) -> PoseRecord:
-    return PoseRecord(rotation=transform.R.tolist(), position=transform.p.tolist())
-
-
-def without_infinity(values: Array) -> list[float | None]:
-    """Values as JSON has them: None stands for an infinite one."""
-    return [value if np.isfinite(value) else None for value in values.tolist()]
-
-
-def _with_infinity(values: list[float | None], unbounded: float) -> Array:
-    return np.array([unbounded if value is None else value for value in values])
+def _same(ours: object, theirs: object) -> bool:
+    """Whether a value is the one that was generated."""
+    if isinstance(ours, RigidTransform) and isinstance(theirs, RigidTransform):
+        return _same(ours.R, theirs.R) and _same(ours.p, theirs.p)
+    if isinstance(ours, np.ndarray) and isinstance(theirs, np.ndarray):
+        return theirs.shape == ours.shape and bool(np.all(np.abs(ours - theirs) <= SAME_NUMBER))
+    return ours == theirs
 
 
 def _slices(sizes: dict[str, int]) -> dict[str, slice]:

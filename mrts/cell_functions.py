@@ -3,9 +3,9 @@
 
 import logging
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -13,8 +13,9 @@ from mrts.compiled_cell import CompiledCell, cell_source
 from mrts.compiler import find_compiler
 from mrts.errors import CompilerError, InputError
 from mrts.kernel_library import load_or_rebuild
-from mrts.manifest import FunctionRecord, Manifest
+from mrts.manifest import FunctionRecord, Manifest, check_source, verified_manifest
 from mrts.rigid_transform import Array
+from mrts.robot import Robot, robot_from_record
 
 Backend = Literal["auto", "compiled", "vm"]
 logger = logging.getLogger("mrts")
@@ -23,10 +24,13 @@ logger = logging.getLogger("mrts")
 class CellFunctions:
     """Callable by short name; see the manifest for inputs, outputs and shapes.
 
+    They pickle as what they are bound from, never as an address: another process binds a library of its own.
+
     Args:
         manifest: What was generated.
         evaluate: Evaluates one of its functions: short name, number of samples, inputs by name to outputs by name.
         backend: What evaluates them; "none" refuses to.
+        origin: What they are bound from: the generated C text, CasADi's functions by short name, or a saved result.
         compiled: The cell's library, if there is one.
     """
 
@@ -35,12 +39,19 @@ class CellFunctions:
         manifest: Manifest,
         evaluate: Callable[[str, int, dict[str, Array]], dict[str, Array]],
         backend: Literal["compiled", "vm", "none"],
+        origin: str | dict[str, Any] | Path,
         compiled: CompiledCell | None = None,
     ) -> None:
         self.manifest = manifest
         self.backend = backend
         self.compiled = compiled
         self._evaluate = evaluate
+        self._origin = origin
+
+    @cached_property
+    def robots(self) -> tuple[Robot, ...]:
+        """The robots that the functions were generated for."""
+        return tuple(robot_from_record(record) for record in self.manifest.robots)
 
     def __contains__(self, name: str) -> bool:
         return name in self.manifest.functions
@@ -57,6 +68,12 @@ class CellFunctions:
             By output name, Shape (N, rows, columns); (N, rows) for a column.
         """
         return self._evaluate(name, samples, inputs)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _bound_again, (self.manifest.to_json(), self.backend, self._origin)
+
+    def __deepcopy__(self, _memo: dict[int, Any]) -> Self:
+        return self  # nothing of them changes
 
 
 def bind_functions(
@@ -78,8 +95,7 @@ def bind_functions(
     """
     command = None if backend == "vm" else find_compiler()
     if command is not None:
-        compiled = _bind(manifest, command, source)
-        return CellFunctions(manifest, compiled.map, "compiled", compiled)
+        return _compiled_functions(manifest, command, source.read_text(encoding="utf-8"))
     if backend == "compiled" or virtual_machine is None:
         raise CompilerError(
             f"no C compiler was found to compile {source.name}. Install one (Debian: apt-get install gcc libc6-dev), "
@@ -87,7 +103,7 @@ def bind_functions(
         )
     if backend == "auto":
         logger.warning("no C compiler found: running in CasADi's virtual machine, about 20 times slower")
-    return CellFunctions(manifest, _VirtualMachine(manifest.functions, virtual_machine()), "vm")
+    return _machine_functions(manifest, virtual_machine())
 
 
 class _VirtualMachine:
@@ -137,8 +153,46 @@ def saved_functions(manifest: Manifest, path: Path) -> CellFunctions:
             key=f"function '{name}'",
         )
 
-    return CellFunctions(manifest, refuse, "none")
+    return CellFunctions(manifest, refuse, "none", path)
 
 
-def _bind(manifest: Manifest, command: tuple[str, ...], source: Path) -> CompiledCell:
-    return load_or_rebuild(command, manifest.name, cell_source(manifest, source), partial(CompiledCell, manifest))
+def _compiled_functions(manifest: Manifest, command: tuple[str, ...], generated: str) -> CellFunctions:
+    text = cell_source(manifest, generated)
+    compiled = load_or_rebuild(command, manifest.name, text, partial(CompiledCell, manifest))
+    return CellFunctions(manifest, compiled.map, "compiled", generated, compiled)
+
+
+def _machine_functions(manifest: Manifest, functions: dict[str, Any]) -> CellFunctions:
+    return CellFunctions(manifest, _VirtualMachine(manifest.functions, functions), "vm", functions)
+
+
+def _bound_again(manifest_text: str, backend: str, origin: Any) -> CellFunctions:
+    """The functions of a pickle: what it holds is checked as `read_generated` does, and compiled unless it is cached.
+
+    Where the C cannot be compiled, using the functions says so: what raises while a worker unpickles its task ends it.
+
+    Raises:
+        InputError: If this mrts reads another format, or manifest and C do not belong together.
+    """
+    where = "pickled cell"
+    manifest = verified_manifest(where, manifest_text)
+    if backend == "none":
+        return saved_functions(manifest, origin)
+    if backend == "vm":
+        return _machine_functions(manifest, origin)
+    check_source(where, manifest, origin)
+    command = find_compiler()
+    problem = (
+        f"the pickled cell '{manifest.name}' has to be compiled, but no C compiler was found. Install one (Debian: "
+        'apt-get install gcc libc6-dev), set CC, or pickle what mrts.load_cell(path, backend="vm") gives.'
+    )
+    try:
+        if command is not None:
+            return _compiled_functions(manifest, command, origin)
+    except CompilerError as error:
+        problem = str(error)
+
+    def refuse(_name: str, _samples: int, _inputs: dict[str, Array]) -> dict[str, Array]:
+        raise CompilerError(problem)
+
+    return CellFunctions(manifest, refuse, "compiled", origin)

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from mrts.cell import Cell, Robot
+from mrts.cell import Cell
 from mrts.rigid_transform import Array
+from mrts.robot import Robot
 
 THINNEST = 0.05
 """Least side of a drawn object, as a share of its longest: a planar object may have no thickness."""

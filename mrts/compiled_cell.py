@@ -336,8 +336,8 @@ def can_track(manifest: Manifest) -> bool:
     return all(len(robot.joints) == len(manifest.wrench_components) for robot in manifest.robots)
 
 
-def cell_source(manifest: Manifest, source: Path) -> str:
-    """The C text of a cell's library: sizes, generated functions, kernel."""
+def cell_source(manifest: Manifest, generated: str) -> str:
+    """The C text of a cell's library: generated functions, sizes, kernel."""
     symbol = {name: record.symbol for name, record in manifest.functions.items()}
     components, joints = len(manifest.wrench_components), sum(len(robot.joints) for robot in manifest.robots)
     macros = {
@@ -353,7 +353,7 @@ def cell_source(manifest: Manifest, source: Path) -> str:
     }
     kernel = [*KERNEL_FILES, "trajectory.c", *(["tracking.c"] if can_track(manifest) else [])]
     defined = "".join(f"#define {name} {value}\n" for name, value in macros.items())
-    return f"{source.read_text(encoding='utf-8')}\n{defined}{kernel_text(kernel)}"
+    return f"{generated}\n{defined}{kernel_text(kernel)}"
 
 
 def _inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]) -> tuple[list[Array], Any]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from mrts.analytic_inverse_kinematics import analytic_branches
 from mrts.atomic_file import write_text_atomically
-from mrts.cell import Cell, Robot
+from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion, check_motion
 from mrts.errors import InputError
 from mrts.grasp_tracking import POSE_TOLERANCE, STARTING_STEPS, Tracks, solve_grasps, track_grasps
@@ -20,6 +20,7 @@ from mrts.load_sharing import LoadSharing
 from mrts.object_motion import ObjectMotion
 from mrts.planar_inverse_kinematics import has_closed_form, planar_branches
 from mrts.rigid_transform import Array
+from mrts.robot import Robot
 from mrts.scaling_range import ScalingRange, ScalingStatus, intersect
 from mrts.solvers import DEFAULT_SOLVER
 from mrts.trajectory_programs import motion_ranges

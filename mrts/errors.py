@@ -6,6 +6,7 @@ and a tool that failed. Every message names the value, the rule and what to do.
 """
 
 import reprlib
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,6 +40,10 @@ class InputError(MrtsError):
         if value is not None:
             subject += f" = {reprlib.repr(value)}"
         super().__init__(f"{subject}: {rule}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # an exception pickles as its message alone, which this constructor does not take: a pool of workers would die
+        return partial(type(self), key=self.key, value=self.value), (self.where, self.rule)
 
 
 def as_array(name: str, value: object) -> "NDArray[np.float64]":

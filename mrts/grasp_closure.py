@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from mrts.cell import Cell, Robot
+from mrts.cell import Cell
 from mrts.errors import MotionError
 from mrts.grasp_tracking import tip_rates
 from mrts.object_motion import ObjectMotion
 from mrts.rigid_transform import Array
+from mrts.robot import Robot
 
 GIVEN_CLOSURE = 1e-4
 """Largest gap between tip and grasp of joint motion that is given [m, rad]: tables carry few digits."""

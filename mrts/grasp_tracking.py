@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from mrts.cell import Cell, Robot
+from mrts.cell import Cell
 from mrts.errors import MotionError
 from mrts.object_motion import ObjectMotion
 from mrts.rigid_transform import Array
+from mrts.robot import Robot
 
 POSE_TOLERANCE = 1e-10
 """Largest remaining pose error [m, rad]; Newton's quadratic convergence usually leaves 1e-15."""

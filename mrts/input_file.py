@@ -158,6 +158,7 @@ def broken_rule(rule: str) -> PydanticCustomError:
 
 
 _RULES = {
+    "dict_type": "must be a mapping of keys to values",
     "finite_number": "must be a finite number",
     "float_type": "must be a number",
     "greater_than": "must be > {gt:g}",

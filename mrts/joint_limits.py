@@ -3,9 +3,10 @@
 
 import numpy as np
 
-from mrts.cell import Cell, Robot
+from mrts.cell import Cell
 from mrts.errors import MotionError
 from mrts.rigid_transform import Array
+from mrts.robot import Robot
 
 DEGREES_SUSPECTED = 4 * np.pi
 """A joint position beyond two turns is rather degrees than radians."""

@@ -12,7 +12,7 @@ from mrts.errors import InputError
 from mrts.input_file import read_text
 
 MANIFEST_NAME = "manifest.json"
-FORMAT = 3
+FORMAT = 4
 """Version of this file's layout; a change that old code cannot read raises it."""
 
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
@@ -59,6 +59,7 @@ class RobotRecord(_Record):
     base_link: str
     tip_link: str
     joints: list[JointRecord]
+    held: dict[str, float]
     base_tip: PoseRecord
     world_base: PoseRecord
     object_tip: PoseRecord
@@ -97,6 +98,13 @@ class ObjectRecord(_Record):
     angular_velocity: float | None
 
 
+class RemarkRecord(_Record):
+    """What to know of the files that the cell was made from, as `mrts.remark.Remark`."""
+
+    code: str
+    text: str
+
+
 class Manifest(_Record):
     """The whole manifest; see docs/generated_files.md."""
 
@@ -114,6 +122,7 @@ class Manifest(_Record):
     object: ObjectRecord
     robots: Annotated[list[RobotRecord], Field(min_length=1)]
     functions: dict[str, FunctionRecord]
+    remarks: list[RemarkRecord]
 
     def to_json(self) -> str:
         """Deterministic text of manifest.json."""
@@ -142,24 +151,49 @@ def read_generated(folder: Path) -> tuple[Manifest, Path]:
         InputError: If a file is missing, of another format version, or was edited by hand.
     """
     path = folder / MANIFEST_NAME
+    manifest = verified_manifest(path, read_text(path, "manifest"))
+    source = folder / Path(manifest.source).name
+    check_source(source, manifest, read_text(source, "generated C file"))
+    return manifest, source
+
+
+def verified_manifest(where: Path | str, text: str) -> Manifest:
+    """A manifest from its text.
+
+    Args:
+        where: The file, or what else the text is from, for messages.
+        text: JSON.
+
+    Raises:
+        InputError: If it is no manifest, of another format version, or was edited by hand.
+    """
     try:
-        manifest = Manifest.model_validate_json(read_text(path, "manifest"))
+        manifest = Manifest.model_validate_json(text)
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(str(part) for part in first["loc"])
         raise InputError(
-            path, f"{first['msg']}. The file is generated: make it again with `mrts generate`.", key=key
+            where, f"{first['msg']}. The file is generated: make it again with `mrts generate`.", key=key
         ) from None
     if manifest.format != FORMAT:
         raise InputError(
-            path,
+            where,
             f"this mrts reads format {FORMAT}. Make it again with `mrts generate`.",
             key="format",
             value=manifest.format,
         )
     if manifest.content_sha256 != manifest.content_hash():
-        raise InputError(path, "was edited after it was generated. Change the cell file and run `mrts generate` again.")
-    source = folder / Path(manifest.source).name
-    if hashlib.sha256(read_text(source, "generated C file").encode()).hexdigest() != manifest.source_sha256:
-        raise InputError(source, "differs from what its manifest describes. Make both again: `mrts generate`.")
-    return manifest, source
+        raise InputError(
+            where, "was edited after it was generated. Change the cell file and run `mrts generate` again."
+        )
+    return manifest
+
+
+def check_source(where: Path | str, manifest: Manifest, text: str) -> None:
+    """Check that a C text is the one that a manifest describes.
+
+    Raises:
+        InputError: If it is not.
+    """
+    if hashlib.sha256(text.encode()).hexdigest() != manifest.source_sha256:
+        raise InputError(where, "differs from what its manifest describes. Make both again: `mrts generate`.")

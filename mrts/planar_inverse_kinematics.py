@@ -3,10 +3,11 @@
 
 import numpy as np
 
-from mrts.cell import Cell, Robot
+from mrts.cell import Cell
 from mrts.errors import MotionError
 from mrts.object_motion import ObjectMotion
 from mrts.rigid_transform import Array
+from mrts.robot import Robot
 
 REACH_TOLERANCE = 1e-12
 """Relative overshoot of |cos| of the elbow angle that is rounding and not distance."""

@@ -10,10 +10,10 @@ import numpy as np
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from mrts.cell import Robot
 from mrts.errors import InputError
 from mrts.result import ScalingResult
 from mrts.rigid_transform import Array
+from mrts.robot import Robot
 
 BAG_VERSION: Literal[9] = 9
 """Of rosbag2's metadata: what ROS 2 Iron and later write; Humble reads the MCAP file itself."""

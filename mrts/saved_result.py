@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """A result in one file: all that `mrts.scale` found, read again without a compiler; see docs/saved_results.md."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
@@ -12,7 +14,7 @@ from numpy.lib.format import read_array
 
 from mrts import __version__
 from mrts.atomic_file import write_atomically
-from mrts.cell import Cell, cell_from_manifest, robot_record, without_infinity
+from mrts.cell import Cell, cell_from_manifest
 from mrts.cell_functions import CellFunctions, saved_functions
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.errors import InputError, as_array
@@ -21,6 +23,7 @@ from mrts.load_sharing import LoadSharing
 from mrts.manifest import Manifest
 from mrts.object_motion import ObjectMotion
 from mrts.result import DistributionRule, ScalingResult
+from mrts.robot import robot_record, without_infinity
 from mrts.saved_description import (
     DAMAGED,
     FORMAT_NAME,
@@ -94,9 +97,10 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         raise InputError(path, "is no saved result of mrts: it holds no array 'description'.")
     said = read_description(path, arrays.pop("description").tobytes())
     functions = saved_functions(said.manifest, path) if cell is None else _functions_of(cell, said.manifest, path)
-    known = cell_from_manifest(said.manifest, functions)
+    with _damage(path):
+        known = cell_from_manifest(said.manifest, functions)
     _check_arrays(path, arrays, said, known)
-    try:
+    with _damage(path):
         load_box = None if said.load_box is None else said.load_box.box()
         known = replace(
             known,
@@ -109,8 +113,6 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         motion = CoordinatedMotion(carried, arrays["q"], arrays["dq"], arrays["ddq"])
         rule = _rule(said.rule)
         box = None if said.study is None else said.study.box.box()
-    except InputError as error:
-        raise InputError(path, f"{error.rule} {DAMAGED}", key=error.where) from None
     first, *others = (intersect(samples) for samples in read_ranges(path, arrays, said, motion.object.time))
     study = None
     if said.study is not None and box is not None:
@@ -123,6 +125,15 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         done = ScaledTrajectory(known, motion, said.c2, arrays["torque"], arrays["wrench"])
         done = done.with_internal_wrench(arrays["internal_wrench"])
     return ScalingResult(known, motion, first, done, said.fallbacks, study, rule, said.origin)
+
+
+@contextmanager
+def _damage(path: Path) -> Iterator[None]:
+    """What a value of the file breaks is told as damage of the file."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(path, f"{error.rule} {DAMAGED}", key=error.where) from None
 
 
 def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tables) -> Description:
@@ -213,9 +224,9 @@ def _made_from(manifest: Manifest) -> dict[str, Any]:
     """What a cell's functions depend on: not its limits, postures and load, which are their inputs."""
     made: dict[str, Any] = {name: getattr(manifest, name) for name in ("plane", "wrench_components", "gravity")}
     for number, robot in enumerate(manifest.robots):
-        for name in ("urdf_sha256", "base_link", "tip_link", "world_base", "object_tip"):
+        for name in ("urdf_sha256", "base_link", "tip_link", "held", "world_base", "object_tip", "name"):
             made[f"robots[{number}].{name}"] = getattr(robot, name)
-    return made
+    return made | {"name": manifest.name}
 
 
 def _read_arrays(path: Path) -> Arrays:

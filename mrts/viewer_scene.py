@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from mrts.arm_meshes import arm_meshes
-from mrts.cell import Robot
 from mrts.cell_shapes import body_poses, contact_forces, joint_points, object_box
 from mrts.cell_view import FIELD_OF_VIEW, CellView, look_at_cell
 from mrts.errors import InputError
 from mrts.player_state import PlayerState
 from mrts.rigid_transform import Array
+from mrts.robot import Robot
 
 ARM, JOINT, OBJECT = (150, 160, 172), (70, 80, 95), (230, 185, 90)
 FORCE, MOMENT = (190, 50, 0), (0, 110, 80)
@@ -180,7 +180,7 @@ def _meshes(
         return []
     path, base_link = urdfs[robot.name]
     try:
-        return arm_meshes(path, base_link, robot.joints)
+        return arm_meshes(path, base_link, robot.joints, robot.held)
     except InputError as error:
         warn(f"robot '{robot.name}' is drawn with simple shapes: {error}")
         return []

@@ -1,12 +1,12 @@
 """Results of every kind that people look at: outcomes, numbers of robots, kinds of joints, awkward names."""
 
-from dataclasses import replace
-
 import numpy as np
 from conftest import DATA
 from random_cells import random_planar_cell, random_spatial_cell
 
 import mrts
+from mrts.cell import cell_from_manifest
+from mrts.cell_functions import CellFunctions
 
 KINDS = (
     "planar", "spatial", "infeasible", "empty", "least speed", "unbounded", "guaranteed", "infeasible load",
@@ -24,11 +24,25 @@ def still_motion(lift):
     return mrts.sample_motion(mrts.MotionDescription.model_validate(description))
 
 
+def as_if_generated(cell, **changes):
+    """The cell with other entries in its manifest, its functions as they are."""
+    functions = cell.functions
+    manifest = functions.manifest.model_copy(update=changes).sealed()
+    return cell_from_manifest(manifest, CellFunctions(manifest, functions, functions.backend, "", functions.compiled))
+
+
+def renamed(cell, name, robots, joints):
+    """The cell as if it had been generated with other names, as no cell file could give them."""
+    records = []
+    for robot, other in zip(cell.functions.manifest.robots, robots, strict=True):
+        named = [joint.model_copy(update={"name": new}) for joint, new in zip(robot.joints, joints, strict=True)]
+        records.append(robot.model_copy(update={"name": other, "joints": named}))
+    return as_if_generated(cell, name=name, robots=records)
+
+
 def with_awkward_names(cell):
     """The cell with names that a cell file would refuse."""
-    names = (AWKWARD, "r$2$")
-    robots = [replace(robot, name=name, joints=UGLY_JOINTS) for robot, name in zip(cell.robots, names, strict=True)]
-    return replace(cell, name=AWKWARD, robots=tuple(robots))
+    return renamed(cell, AWKWARD, (AWKWARD, "r$2$"), UGLY_JOINTS)
 
 
 def random_result(make, seed, folder, arms):

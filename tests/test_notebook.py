@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from random_cells import random_spatial_cell
+from shown_results import renamed
 
 import mrts
 
@@ -75,8 +76,7 @@ def test_sliding_joints_have_forces_and_names_are_escaped(tmp_path):
     rows = table(result)[0]
     assert rows["arm0/j2"].endswith("] N")
     assert rows["arm0/j1"].endswith("] N m")
-    arm = result.cell.robots[0]
-    named = replace(arm, joints=("<script>alert('&')</script>", *arm.joints[1:]))
-    spiteful = replace(result, cell=replace(result.cell, robots=(named,)))
+    joints = ("<script>alert('&')</script>", *result.cell.robots[0].joints[1:])
+    spiteful = replace(result, cell=renamed(result.cell, "arm", ("arm0",), joints))
     assert "<script>" not in spiteful._repr_html_()
     assert "arm0/<script>alert('&')</script>" in table(spiteful)[0]

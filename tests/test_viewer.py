@@ -3,7 +3,6 @@
 import socket
 import subprocess
 import sys
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -13,6 +12,7 @@ import yourdfpy
 from conftest import DATA, ROOT
 from random_cells import random_planar_cell, random_spatial_cell
 from scipy.spatial.transform import Rotation
+from shown_results import as_if_generated
 from test_real_robots import ROBOTS
 from viewer_browser import SIZE, chromium, interrupt, open_page, running_viewer
 
@@ -97,6 +97,24 @@ def test_one_arm_of_two_does_not_draw_the_other():
     vertices = np.concatenate([mesh.vertices for _, mesh in found])
     assert np.max(vertices[:, 1]) > 0.8
     assert np.min(vertices[:, 1]) > -0.6  # the right arm would reach as far to the other side
+
+
+def test_a_joint_that_is_held_is_drawn_where_it_stands():
+    """The right arm hangs on Baxter's torso; held bent, its meshes stand with the base, not left out or at zero."""
+    path = ROBOTS / "baxter_description/urdf/baxter.urdf"
+    joints = tuple(f"left_{joint}" for joint in ("s0", "s1", "e0", "e1", "w0", "w1", "w2"))
+    held = {"left_s0": 0.7, "right_s0": 0.4, "right_s1": -0.3}
+    found = arm_meshes(path, "torso", joints[1:], held)
+    handler = partial(yourdfpy.filename_handler_magic, dir=str(path.parent))
+    model = yourdfpy.URDF.load(str(path), filename_handler=handler)
+    model.update_cfg(held)
+    theirs = []
+    for node in model.scene.graph.nodes_geometry:
+        pose, name = model.scene.graph.get(node, "torso")
+        theirs.append(model.scene.geometry[name].vertices[0] @ pose[:3, :3].T + pose[:3, 3])
+    assert min(mesh.vertices[0][1] for _, mesh in found) < -0.3  # the right upper arm
+    for _, mesh in found:
+        assert np.min(np.linalg.norm(np.array(theirs) - mesh.vertices[0], axis=1)) < SAME_PLACE
 
 
 @pytest.mark.parametrize("spoil", ["gone", "broken", "http"])
@@ -205,7 +223,7 @@ def test_the_cell_is_in_the_picture_and_upright(make, arms, tmp_path):
 
 @pytest.mark.parametrize(("plane", "up"), [("xy", [0, 1, 0]), ("xz", [0, 0, 1]), (None, [0, 0, 1])])
 def test_without_gravity_something_is_up(plane, up, planar_cell, lift):
-    cell = replace(planar_cell, gravity=np.zeros(3), plane=plane)
+    cell = as_if_generated(planar_cell, gravity=[0.0, 0.0, 0.0], plane=plane)
     np.testing.assert_array_equal(look_at_cell(cell, mrts.follow_object(planar_cell, lift)).up, up)
 
 

@@ -6,10 +6,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from mrts.axis_reach import value_reach
-from mrts.cell import Robot
 from mrts.figures.style import finish, legend_below, line_style, plain, plain_text
 from mrts.result import ScalingResult
 from mrts.rigid_transform import Array
+from mrts.robot import Robot
 
 SIDE_BY_SIDE = 2
 """More robots than this stand below each other, to fit a page."""

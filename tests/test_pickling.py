@@ -1,0 +1,154 @@
+"""Cells, motions and results pass between processes and copy: equal results, libraries of their own, no addresses."""
+
+import copy
+import os
+import pickle
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
+import numpy as np
+import pytest
+from conftest import DATA
+
+import mrts
+
+
+def through_pickle(thing):
+    return pickle.loads(pickle.dumps(thing))  # noqa: S301 (our own bytes)
+
+
+@pytest.fixture(scope="module")
+def lifted(planar_cell, lift):
+    return mrts.scale(planar_cell, lift)
+
+
+def c2_of(cell, motion):
+    """What a worker does."""
+    result = mrts.scale(cell, motion)
+    return result.json_text(), cell.functions.backend, os.environ["MRTS_CACHE_DIR"]
+
+
+def use_cache(folder):
+    os.environ["MRTS_CACHE_DIR"] = folder
+
+
+def without_compiler():
+    os.environ["CC"] = ""
+    os.environ["PATH"] = ""
+
+
+def pool(initializer, *arguments):
+    return ProcessPoolExecutor(1, get_context("spawn"), initializer, arguments)
+
+
+def test_a_worker_with_an_empty_cache_finds_the_same(planar_cell, lift, lifted, tmp_path):
+    """As on another machine: neither the cell file nor the cache is there, the C travels."""
+    heavier = planar_cell.with_mass(4.0)
+    with pool(use_cache, str(tmp_path)) as workers:
+        results = list(workers.map(c2_of, [planar_cell, heavier], [lift, lifted.motion]))
+    assert [backend for _, backend, _ in results] == ["compiled", "compiled"]
+    assert {folder for *_, folder in results} == {str(tmp_path)}
+    assert [text for text, *_ in results] == [lifted.json_text(), mrts.scale(heavier, lift).json_text()]
+    assert len(list(tmp_path.glob("lib/*/*.so"))) == 1  # compiled once, bound twice
+
+
+def test_without_a_compiler_a_worker_says_so_and_the_virtual_machine_runs(planar_cell, lift):
+    machine = mrts.load_cell(DATA / "cell.yaml", backend="vm")
+    with pool(without_compiler) as workers:
+        text, backend, _ = workers.submit(c2_of, machine, lift).result()
+        with pytest.raises(mrts.CompilerError, match=r"the pickled cell 'planar_dual_arm'.*backend=\"vm\""):
+            workers.submit(c2_of, planar_cell, lift).result()
+    assert backend == "vm"
+    assert text == mrts.scale(machine, lift, solver="qpsol:qpoases").json_text()
+
+
+def test_errors_come_back_from_workers(planar_cell, lift):
+    with pool(use_cache, os.environ["MRTS_CACHE_DIR"]) as workers:
+        with pytest.raises(mrts.InputError, match=r"mass = -1: must be a number > 0") as caught:
+            workers.submit(planar_cell.with_mass, -1).result()
+        assert (caught.value.where, caught.value.value) == ("mass", -1)
+        with pytest.raises(mrts.SelectionError) as refused:
+            workers.submit(mrts.scale, planar_cell, lift, 99.0).result()
+    assert refused.value.result.range.upper.c2 == pytest.approx(3.062, abs=1e-3)
+
+
+def things(planar_cell, lift, lifted, folder):
+    """Every kind of thing that a user holds."""
+    table = folder / "trajectory.csv"
+    names = [f"q.{robot.name}/{joint}" for robot in planar_cell.robots for joint in robot.joints]
+    rows = [",".join(["t", *names]), *(",".join(map(repr, map(float, row))) for row in
+            np.column_stack([lift.time, lifted.motion.q]))]  # fmt: skip
+    table.write_text("\n".join(rows))
+    mrts.save_result(lifted, folder / "result.npz")
+    study = mrts.scale(planar_cell.with_variation(mass=(0.2, 6.0)), lift)
+    return {
+        "cell": planar_cell,
+        "weak cell": planar_cell.with_variation(mass=(0.5, 2)).without_wrench_limits().without_velocity_limits(),
+        "object motion": lift,
+        "joint table": mrts.load_motion(table),
+        "coordinated motion": lifted.motion,
+        "result": lifted,
+        "uncertain": study,
+        "infeasible": mrts.scale(planar_cell.with_mass(24.0), lift),
+        "loaded": mrts.load_result(folder / "result.npz"),
+        "retimed": mrts.retime(planar_cell, lift),
+        "configurations": mrts.rank_configurations(planar_cell, lift),
+    }
+
+
+def same(ours, theirs, where):
+    """Whether two values agree in every field, however deep."""
+    assert type(ours) is type(theirs), where
+    if isinstance(ours, np.ndarray):
+        np.testing.assert_array_equal(ours, theirs, err_msg=where)
+    elif isinstance(ours, dict):
+        assert ours.keys() == theirs.keys(), where
+        for key, value in ours.items():
+            same(value, theirs[key], f"{where}[{key}]")
+    elif isinstance(ours, list | tuple):
+        assert len(ours) == len(theirs), where
+        for index, value in enumerate(ours):
+            same(value, theirs[index], f"{where}[{index}]")
+    elif hasattr(ours, "__dataclass_fields__"):
+        for name in ours.__dataclass_fields__:
+            if hasattr(ours, name):
+                same(getattr(ours, name), getattr(theirs, name), f"{where}.{name}")
+    elif isinstance(ours, str | int | float | bool | type(None)):
+        assert ours == theirs, where
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, through_pickle])
+def test_everything_comes_back_as_it_was(planar_cell, lift, lifted, tmp_path, again):
+    for name, thing in things(planar_cell, lift, lifted, tmp_path).items():
+        other = again(thing)
+        assert other is not thing, name
+        same(thing, other, name)
+        assert repr(other) == repr(thing), name
+        if hasattr(thing, "json_text"):
+            assert other.json_text() == thing.json_text(), name
+        if isinstance(thing, mrts.Cell):
+            assert mrts.scale(other, lift).json_text() == mrts.scale(thing, lift).json_text(), name
+            assert not other.robots[0].torque_upper.flags.writeable
+    assert again(lifted).residuals() == lifted.residuals()
+
+
+def test_a_copy_does_not_share_what_can_change(planar_cell, lifted):
+    before = lifted.json_text()
+    other = copy.deepcopy(lifted)
+    other.motion.q[:] = 0
+    other.trajectory.torque[:] = 0
+    assert lifted.json_text() == before
+    assert copy.deepcopy(planar_cell).functions is planar_cell.functions  # nothing of them can
+
+
+def test_no_address_is_pickled_and_content_is_checked(planar_cell):
+    """Protocol 0 is text: the C and the manifest can be seen, and a change of either is found."""
+    text = pickle.dumps(planar_cell, protocol=0)
+    assert b"CDLL" not in text
+    assert b"ctypes" not in text
+    whole = pickle.dumps(planar_cell)
+    with pytest.raises(mrts.InputError, match="pickled cell: differs from what its manifest describes"):
+        pickle.loads(whole.replace(b"casadi_real", b"casadi_ream"))  # noqa: S301 (our own bytes)
+    assert b'"torque_upper": 80.0' in whole
+    with pytest.raises(mrts.InputError, match="pickled cell: was edited"):
+        pickle.loads(whole.replace(b'"torque_upper": 80.0', b'"torque_upper": 90.0'))  # noqa: S301
