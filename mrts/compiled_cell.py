@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mrts.function_shapes import check_shapes, work_sizes
 from mrts.kernel_library import CHUNK, KERNEL_FILES, MOST_THREADS, STOPPED, KernelLibrary, kernel_text, pointer
 from mrts.limit_rows import LimitRows
 from mrts.manifest import FunctionRecord, Manifest
@@ -93,10 +94,15 @@ class CompiledCell(KernelLibrary):
     Args:
         manifest: Manifest of the cell.
         library: Path of the shared library.
+
+    Raises:
+        OSError: If it cannot be loaded.
+        InputError: If it is not the one that the manifest describes.
     """
 
     def __init__(self, manifest: Manifest, library: Path) -> None:
         super().__init__(library)
+        check_shapes(manifest, self.loaded)
         self.records = manifest.functions
         self.unknowns = len(manifest.wrench_components) * (len(manifest.robots) - 1) + 1
         self.joints = sum(len(robot.joints) for robot in manifest.robots)
@@ -291,10 +297,7 @@ class _Scratch:
     """The work arrays that a generated function wants."""
 
     def __init__(self, library: ctypes.CDLL, record: FunctionRecord) -> None:
-        sizes = [ctypes.c_longlong() for _ in range(4)]
-        getattr(library, f"{record.symbol}_work")(*(ctypes.byref(size) for size in sizes))
-        argument, result, integers, reals = (size.value for size in sizes)
-        self.sizes: tuple[int, ...] = (argument, result, integers, reals)
+        self.sizes = work_sizes(library, record)
         self._allocate()
 
     def _allocate(self) -> None:
