@@ -99,8 +99,13 @@ class GuardedServer(viser.ViserServer):
         host = "localhost" if host in {"0.0.0.0", "::"} else host  # noqa: S104 (every address, on the user's word)
         return f"http://{f'[{host}]' if ':' in host else host}:{self.get_port()}/{self.guard.token}/"
 
+    @property
+    def controls(self) -> dict[str, Any]:
+        """Viser's handles of all controls, by the identifier that a browser calls each by."""
+        return self.gui._gui_input_handle_from_uuid  # noqa: SLF001 (viser tells it no other way)
+
     def _control(self, uuid: str) -> object:
-        return self.gui._gui_input_handle_from_uuid.get(uuid)  # noqa: SLF001 (viser tells it no other way)
+        return self.controls.get(uuid)
 
 
 class ViewerGuard:
@@ -159,7 +164,7 @@ class ViewerGuard:
     def _problem(self, request: Request, token: str) -> str:
         """Why a request is refused; empty if it is not."""
         hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
-        if len(hosts) != 1 or not self._is_ours(hosts[0]):
+        if len(hosts) != 1 or not self.answers_to(hosts[0]):
             return "This viewer has another name: start it with --host and the name that you want to reach it by."
         if origins not in ([], [f"http://{hosts[0]}"]):
             return "This viewer answers its own page only."
@@ -167,8 +172,12 @@ class ViewerGuard:
             return "Open the whole address that `mrts view` printed."
         return ""
 
-    def _is_ours(self, host: str) -> bool:
-        """Whether a Host header names this machine: a name of somebody else's choice may lead here, a number cannot."""
+    def answers_to(self, host: str) -> bool:
+        """Whether a Host header names this machine: a name of somebody else's choice may lead here, a number cannot.
+
+        Args:
+            host: The header.
+        """
         try:
             name = (urlsplit(f"http://{host}").hostname or "").lower()
         except ValueError:
