@@ -29,12 +29,10 @@ def cache_folder(*inside: str) -> Path:
     Raises:
         InputError: If it cannot be made.
     """
-    base = _permanent_cache(inside) or _temporary_cache()
-    folder = base.joinpath(*inside)
-    try:
+    folder = _permanent_cache(inside)
+    if folder is None:
+        folder = _temporary_cache().joinpath(*inside)
         _make_private(folder)
-    except OSError as error:
-        raise InputError(folder, f"the cache folder cannot be made: {error.strerror}. {ADVICE}") from None
     return folder
 
 
@@ -52,7 +50,7 @@ def only_ours(path: Path) -> bool:
 
 
 def _permanent_cache(inside: tuple[str, ...]) -> Path | None:
-    """The cache that variables and home name; None, and a warning, where it is not private."""
+    """A folder in the cache that variables and home name; None, and a warning, where it is not private."""
     named = os.environ.get("MRTS_CACHE_DIR")
     base = Path(named) if named else _default_cache()
     if base is None:
@@ -62,14 +60,15 @@ def _permanent_cache(inside: tuple[str, ...]) -> Path | None:
         _make_private(base)
         base = base.resolve()
         problem = _problem(base, inside)
+        if not problem:
+            _make_private(base.joinpath(*inside))
+            return base.joinpath(*inside)
     except OSError as error:
         if named:
             raise InputError(base, f"the cache folder cannot be made: {error.strerror}. {ADVICE}") from None
         problem = f"{base} cannot be made: {error.strerror}"
-    if problem:
-        _warn(problem)
-        return None
-    return base
+    _warn(problem)
+    return None
 
 
 def _default_cache() -> Path | None:
@@ -127,9 +126,9 @@ def _writers_problem(found: os.stat_result, *, above: bool = False) -> str:
         above: A folder above the cache may also belong to who owns `/` (root, or who stands for it in a container), and
             may be written by others if these cannot rename what is not theirs, such as /tmp.
     """
-    if not hasattr(os, "getuid"):
+    if not hasattr(os, "geteuid"):
         return ""
-    owners = {os.getuid(), 0, Path("/").stat().st_uid} if above else {os.getuid(), 0}
+    owners = {os.geteuid(), 0, Path("/").stat().st_uid} if above else {os.geteuid(), 0}
     if found.st_uid not in owners:
         return "belongs to another user"
     if above and found.st_mode & stat.S_ISVTX:
@@ -146,7 +145,7 @@ def _is_own_group(number: int) -> bool:
     import pwd  # noqa: PLC0415
 
     try:
-        user, group = pwd.getpwuid(os.getuid()), grp.getgrgid(number)
+        user, group = pwd.getpwuid(os.geteuid()), grp.getgrgid(number)
     except KeyError:
         return False
     return number == user.pw_gid and group.gr_name == user.pw_name and {*group.gr_mem} <= {user.pw_name}
