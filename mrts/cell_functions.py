@@ -12,8 +12,9 @@ import numpy as np
 from mrts.compiled_cell import CompiledCell, cell_source
 from mrts.compiler import find_compiler
 from mrts.errors import CompilerError, InputError
+from mrts.function_shapes import check_shapes
 from mrts.kernel_library import load_or_rebuild
-from mrts.manifest import FunctionRecord, Manifest
+from mrts.manifest import MANIFEST_NAME, FunctionRecord, Manifest
 from mrts.rigid_transform import Array
 
 Backend = Literal["auto", "compiled", "vm"]
@@ -75,6 +76,7 @@ def bind_functions(
 
     Raises:
         CompilerError: If the compiler fails, or none is there and nothing else can evaluate the C.
+        InputError: If the C file is not the one that the manifest describes.
     """
     command = None if backend == "vm" else find_compiler()
     if command is not None:
@@ -141,4 +143,6 @@ def saved_functions(manifest: Manifest, path: Path) -> CellFunctions:
 
 
 def _bind(manifest: Manifest, command: tuple[str, ...], source: Path) -> CompiledCell:
-    return load_or_rebuild(command, manifest.name, cell_source(manifest, source), partial(CompiledCell, manifest))
+    compiled = load_or_rebuild(command, manifest.name, cell_source(manifest, source), partial(CompiledCell, manifest))
+    check_shapes(source.with_name(MANIFEST_NAME), manifest, compiled.loaded)
+    return compiled

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.function_shapes import check_shapes, work_sizes
+from mrts.function_shapes import work_sizes
 from mrts.kernel_library import CHUNK, KERNEL_FILES, MOST_THREADS, STOPPED, KernelLibrary, kernel_text, pointer
 from mrts.limit_rows import LimitRows
 from mrts.manifest import FunctionRecord, Manifest
@@ -94,15 +94,10 @@ class CompiledCell(KernelLibrary):
     Args:
         manifest: Manifest of the cell.
         library: Path of the shared library.
-
-    Raises:
-        OSError: If it cannot be loaded.
-        InputError: If it is not the one that the manifest describes.
     """
 
     def __init__(self, manifest: Manifest, library: Path) -> None:
         super().__init__(library)
-        check_shapes(manifest, self.loaded)
         self.records = manifest.functions
         self.unknowns = len(manifest.wrench_components) * (len(manifest.robots) - 1) + 1
         self.joints = sum(len(robot.joints) for robot in manifest.robots)

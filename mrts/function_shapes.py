@@ -2,9 +2,10 @@
 """Whether a cell's compiled functions are those that its manifest describes: C reads and writes where it is told to."""
 
 import ctypes
+from pathlib import Path
 
 from mrts.errors import InputError
-from mrts.manifest import LOAD_ENTRIES, MANIFEST_NAME, ArgumentRecord, FunctionRecord, Manifest
+from mrts.manifest import LOAD_ENTRIES, ArgumentRecord, FunctionRecord, Manifest
 
 Shapes = list[tuple[int, int]]
 
@@ -14,10 +15,11 @@ LARGEST_WORK = 10**7
 ADVICE = "Make C file and manifest again: `mrts generate`."
 
 
-def check_shapes(manifest: Manifest, library: ctypes.CDLL) -> None:
+def check_shapes(path: Path, manifest: Manifest, library: ctypes.CDLL) -> None:
     """Ask the library for the shapes of every function, and compare.
 
     Args:
+        path: Of the manifest, for messages.
         manifest: Manifest of the cell.
         library: The cell's library.
 
@@ -28,7 +30,7 @@ def check_shapes(manifest: Manifest, library: ctypes.CDLL) -> None:
         record = manifest.functions[name]
         if (_shapes(record.inputs), _shapes(record.outputs)) != (inputs, outputs):
             raise InputError(
-                MANIFEST_NAME,
+                path,
                 f"its shapes do not follow from robots, joints and wrench components. {ADVICE}",
                 key=f"functions.{name}",
             )
@@ -38,13 +40,9 @@ def check_shapes(manifest: Manifest, library: ctypes.CDLL) -> None:
             same = same and _compiled_shapes(library, record.symbol, "out") == _shapes(record.outputs)
             work = work_sizes(library, record)
         except (AttributeError, ValueError):  # ValueError: a null pointer
-            raise InputError(
-                MANIFEST_NAME, f"the C file holds no such function. {ADVICE}", key=f"functions.{name}"
-            ) from None
+            raise InputError(path, f"the C file holds no such function. {ADVICE}", key=f"functions.{name}") from None
         if not same or not all(0 <= size <= LARGEST_WORK for size in work):
-            raise InputError(
-                MANIFEST_NAME, f"the compiled function has other shapes. {ADVICE}", key=f"functions.{name}"
-            )
+            raise InputError(path, f"the compiled function has other shapes. {ADVICE}", key=f"functions.{name}")
 
 
 def work_sizes(library: ctypes.CDLL, record: FunctionRecord) -> tuple[int, ...]:

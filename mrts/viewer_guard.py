@@ -170,6 +170,9 @@ class ViewerGuard:
             return "This viewer answers its own page only."
         if not hmac.compare_digest(token.encode(errors="replace"), self.token.encode()):
             return "Open the whole address that `mrts view` printed."
+        versions = request.headers.get_all("Sec-WebSocket-Protocol")
+        if "Upgrade" in request.headers and versions != [f"viser-v{viser.__version__}"]:
+            return "This page is of another version of viser: load it again."
         return ""
 
     def answers_to(self, host: str) -> bool:

@@ -149,7 +149,9 @@ def test_a_function_that_the_c_file_lacks_is_missed(tmp_path):
     extra = {"symbol": "planar_dual_arm_extra", "instructions": 1, "inputs": [{"name": "q", "shape": [6, 1]}]}
     extra["outputs"] = extra["inputs"]
     folder = spoiled_folder(tmp_path, lambda data: data["functions"].update(extra=extra))
-    with pytest.raises(mrts.InputError, match=r"functions\.extra: the C file holds no such function"):
+    with pytest.raises(
+        mrts.InputError, match=r"cell/manifest\.json: functions\.extra: the C file holds no such function"
+    ):
         mrts.load_cell(folder)
 
 

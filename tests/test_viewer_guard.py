@@ -1,6 +1,7 @@
 """Who reaches the viewer and what they can do to it: real HTTP and raw websockets against a real server."""
 
 import http.client
+import socket
 from contextlib import closing, contextmanager
 from types import SimpleNamespace
 from urllib.parse import urlsplit
@@ -55,9 +56,9 @@ def viewer(planar_cell, lift):
 def connected(viewer, **options):
     """A raw websocket to the viewer's address, as a browser's page opens it."""
     address = viewer.url.replace("http", "ws").rstrip("/")
-    with connect(address, subprotocols=PROTOCOL, max_size=None, **options) as socket:
-        socket.send(pack(CAMERA))
-        yield socket
+    with connect(address, subprotocols=PROTOCOL, max_size=None, **options) as opened:
+        opened.send(pack(CAMERA))
+        yield opened
 
 
 def update(viewer, label, value):
@@ -154,14 +155,32 @@ def test_whom_an_open_viewer_answers(listens, host, served):
 
 def test_a_websocket_takes_the_token_and_the_own_page(viewer):
     parts = urlsplit(viewer.url)
-    with connected(viewer, origin=f"http://{parts.netloc}") as socket:
-        assert socket.recv(timeout=PATIENCE)
+    with connected(viewer, origin=f"http://{parts.netloc}") as opened:
+        assert opened.recv(timeout=PATIENCE)
     for address, origin in (
         (f"ws://{parts.netloc}", None),
         (f"ws://{parts.netloc}{parts.path}", "http://evil.example"),
     ):
         with pytest.raises(InvalidStatus, match="403"), connect(address, subprotocols=PROTOCOL, origin=origin):
             pass
+
+
+def test_another_version_of_the_page_is_refused_in_silence(viewer, capfd):
+    """Viser would print what it sends."""
+    address = viewer.url.replace("http", "ws")
+    for versions in (["viser-v0.0.1"], None):
+        with pytest.raises(InvalidStatus, match="403"), connect(address, subprotocols=versions):
+            pass
+    assert capfd.readouterr() == ("", "")
+
+
+def test_what_is_no_request_is_refused_in_silence(viewer, capfd):
+    parts = urlsplit(viewer.url)
+    for text in (b"", b"\0garbage\r\n\r\n", b"POST / HTTP/1.1\r\n\r\n", b"GET /" + b"x" * 100_000):
+        with socket.create_connection((parts.hostname, parts.port), timeout=PATIENCE) as stranger:
+            stranger.sendall(text)
+    assert answer(viewer, parts.path)[0] == 200
+    assert capfd.readouterr() == ("", "")
 
 
 def state_of(viewer):
@@ -216,15 +235,15 @@ def test_what_no_control_can_send_is_ignored(viewer):
         set_speed(viewer, other, before["speed c"])
 
 
-def set_speed(viewer, socket, value, shown=None):
+def set_speed(viewer, opened, value, shown=None):
     """Send a value of the speed slider and wait until it is there."""
     handle = viewer.controls["speed c"][1]
-    socket.send(update(viewer, "speed c", value))
+    opened.send(update(viewer, "speed c", value))
     shown = value if shown is None else shown
     for _ in range(200):
         if handle.value == shown:
             break
-        socket.ping().wait(PATIENCE)
+        opened.ping().wait(PATIENCE)
     assert handle.value == shown
     viewer.step(0.01)
 
@@ -232,21 +251,21 @@ def set_speed(viewer, socket, value, shown=None):
 def test_values_beyond_the_ends_are_the_ends(viewer):
     state, speeds = viewer.state, viewer.state.speeds
     before = viewer.controls["speed c"][1].value
-    with connected(viewer) as socket:
+    with connected(viewer) as opened:
         for value, shown in ((1e-300, speeds.low), (-5, speeds.low), (0, speeds.low), (1e300, speeds.high)):
-            set_speed(viewer, socket, value, shown)
+            set_speed(viewer, opened, value, shown)
             np.testing.assert_allclose(state.trajectory.c, shown)
-        set_speed(viewer, socket, before)
-        socket.send(update(viewer, "time [s]", 1e300))
-        assert socket.ping().wait(PATIENCE)
+        set_speed(viewer, opened, before)
+        opened.send(update(viewer, "time [s]", 1e300))
+        assert opened.ping().wait(PATIENCE)
         viewer.step(0.0)
         assert state.sample == len(state.trajectory.time) - 1
 
 
-def drain(socket):
+def drain(opened):
     """Receive until there is nothing more to come."""
     while True:
-        socket.recv(timeout=PATIENCE)
+        opened.recv(timeout=PATIENCE)
 
 
 def test_too_large_a_message_ends_its_connection_only(viewer):
