@@ -9,12 +9,20 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from mrts.errors import InputError
-from mrts.input_file import Angle, Finite, Pose, Positive, StrictModel, Vector3, broken_rule, read_model
+from mrts.input_file import (
+    IDENTIFIER,
+    Angle,
+    Finite,
+    Name,
+    Pose,
+    Positive,
+    StrictModel,
+    Vector3,
+    broken_rule,
+    read_model,
+)
 from mrts.load_box import PARAMETERS, range_problem
 from mrts.rigid_transform import Array
-
-IDENTIFIER = r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$"
-"""Letters, digits and single underscores: what C, file names and CasADi all accept."""
 
 INERTIA_SLACK = 1e-9
 """Relative slack of the triangle inequality, for inertias printed with few digits."""
@@ -120,7 +128,7 @@ class ObjectDescription(StrictModel):
 class RobotDescription(StrictModel):
     """One arm of the cell; see docs/cell_file.md for every key."""
 
-    name: Annotated[str, Field(pattern=IDENTIFIER, max_length=40)]
+    name: Name
     urdf: Annotated[str, Field(min_length=1)]
     base_link: str | None = None
     tip_link: str
@@ -135,7 +143,7 @@ class RobotDescription(StrictModel):
 class CellDescription(StrictModel):
     """A validated cell file."""
 
-    name: Annotated[str, Field(pattern=IDENTIFIER, max_length=40)]
+    name: Name
     gravity: Vector3
     plane: Literal["xy", "xz", "yz"] | None = None
     object: ObjectDescription

@@ -49,10 +49,15 @@ class GeneratedCell:
     c_source: str
     functions: dict[str, ca.Function]
 
-    def write(self, folder: Path) -> None:
-        """Write the C file and, last, the manifest into `folder`, each whole or not at all."""
-        write_text_atomically(folder / self.manifest.source, self.c_source)
-        write_text_atomically(folder / MANIFEST_NAME, self.manifest.to_json())
+    def write(self, folder: Path, *, private: bool = False) -> None:
+        """Write the C file and, last, the manifest into `folder`, each whole or not at all.
+
+        Args:
+            folder: Where.
+            private: Whether nobody else may read or write the files.
+        """
+        write_text_atomically(folder / self.manifest.source, self.c_source, private=private)
+        write_text_atomically(folder / MANIFEST_NAME, self.manifest.to_json(), private=private)
 
 
 def generate_cell(path: Path) -> GeneratedCell:

@@ -5,33 +5,15 @@ This is the only place where the run time calls the build time (`mrts_codegen`).
 """
 
 import hashlib
-import os
 from pathlib import Path
 from typing import Any, Literal
 
 from mrts.atomic_file import write_text_atomically
+from mrts.cache_folder import cache_folder, only_ours
 from mrts.compiler import FLAGS, compile_library
 from mrts.embedded_vector import EmbeddedVector
 from mrts.errors import InputError
 from mrts.manifest import MANIFEST_NAME, Manifest, read_generated
-
-
-def cache_folder() -> Path:
-    """The cache: `MRTS_CACHE_DIR`, else `XDG_CACHE_HOME`/mrts, else ~/.cache/mrts; made private if missing.
-
-    Raises:
-        InputError: If it cannot be made.
-    """
-    named = os.environ.get("MRTS_CACHE_DIR")
-    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    folder = Path(named) if named else base / "mrts"
-    try:
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            folder, f"the cache folder cannot be made: {error.strerror}. Set MRTS_CACHE_DIR to a folder of yours."
-        ) from None
-    return folder
 
 
 def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
@@ -45,15 +27,17 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     """
     from mrts_codegen.content_key import content_key  # noqa: PLC0415 (build time, on demand)
 
-    folder = cache_folder() / "cells" / content_key(path)
-    if (folder / MANIFEST_NAME).exists():
+    folder = cache_folder("cells", content_key(path))
+    if only_ours(folder / MANIFEST_NAME):
         try:
-            return read_generated(folder)
+            manifest, source = read_generated(folder)
+            if only_ours(source):
+                return manifest, source
         except InputError:
             pass  # damaged: make it again
     from mrts_codegen.generate import generate_cell  # noqa: PLC0415 (the symbolic layer, only if it is needed)
 
-    generate_cell(path).write(folder)
+    generate_cell(path).write(folder, private=True)
     return read_generated(folder)
 
 
@@ -153,18 +137,23 @@ def library_in_cache(command: tuple[str, ...], name: str, source: str, *, rebuil
         CompilerError: If the compiler fails.
     """
     text = "\0".join((source, *command, *FLAGS)).encode()
-    library = cache_folder() / "lib" / hashlib.sha256(text).hexdigest() / f"{name}.so"
+    library = cache_folder("lib", hashlib.sha256(text).hexdigest()) / f"{name}.so"
     seal = library.with_suffix(".sha256")
     if rebuild or not _is_whole(library, seal):
         file = library.with_suffix(".c")
-        write_text_atomically(file, source)
+        write_text_atomically(file, source, private=True)
         compile_library(command, file, library)
-        write_text_atomically(seal, hashlib.sha256(library.read_bytes()).hexdigest())
+        write_text_atomically(seal, hashlib.sha256(library.read_bytes()).hexdigest(), private=True)
     return library
 
 
 def _is_whole(library: Path, seal: Path) -> bool:
-    """Whether a library is the one that was compiled: a damaged one can crash the process that loads it."""
+    """Whether a library is the one that was compiled here: a damaged one can crash the process that loads it.
+
+    The seal tells damage, not malice: that nobody else could write the file does.
+    """
+    if not only_ours(library):
+        return False
     try:
         return hashlib.sha256(library.read_bytes()).hexdigest() == seal.read_text(encoding="ascii")
     except (OSError, ValueError):

@@ -12,8 +12,9 @@ import numpy as np
 from mrts.compiled_cell import CompiledCell, cell_source
 from mrts.compiler import find_compiler
 from mrts.errors import CompilerError, InputError
+from mrts.function_shapes import check_shapes
 from mrts.kernel_library import load_or_rebuild
-from mrts.manifest import FunctionRecord, Manifest, check_source, verified_manifest
+from mrts.manifest import MANIFEST_NAME, FunctionRecord, Manifest, check_source, verified_manifest
 from mrts.rigid_transform import Array
 from mrts.robot import Robot, robot_from_record
 
@@ -92,10 +93,12 @@ def bind_functions(
 
     Raises:
         CompilerError: If the compiler fails, or none is there and nothing else can evaluate the C.
+        InputError: If the C file is not the one that the manifest describes.
     """
     command = None if backend == "vm" else find_compiler()
     if command is not None:
-        return _compiled_functions(manifest, command, source.read_text(encoding="utf-8"))
+        where = source.with_name(MANIFEST_NAME)
+        return _compiled_functions(where, manifest, command, source.read_text(encoding="utf-8"))
     if backend == "compiled" or virtual_machine is None:
         raise CompilerError(
             f"no C compiler was found to compile {source.name}. Install one (Debian: apt-get install gcc libc6-dev), "
@@ -156,9 +159,12 @@ def saved_functions(manifest: Manifest, path: Path) -> CellFunctions:
     return CellFunctions(manifest, refuse, "none", path)
 
 
-def _compiled_functions(manifest: Manifest, command: tuple[str, ...], generated: str) -> CellFunctions:
+def _compiled_functions(
+    where: Path | str, manifest: Manifest, command: tuple[str, ...], generated: str
+) -> CellFunctions:
     text = cell_source(manifest, generated)
     compiled = load_or_rebuild(command, manifest.name, text, partial(CompiledCell, manifest))
+    check_shapes(where, manifest, compiled.loaded)
     return CellFunctions(manifest, compiled.map, "compiled", generated, compiled)
 
 
@@ -188,7 +194,7 @@ def _bound_again(manifest_text: str, backend: str, origin: Any) -> CellFunctions
     )
     try:
         if command is not None:
-            return _compiled_functions(manifest, command, origin)
+            return _compiled_functions(where, manifest, command, origin)
     except CompilerError as error:
         problem = str(error)
 

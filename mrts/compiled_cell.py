@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mrts.function_shapes import work_sizes
 from mrts.kernel_library import CHUNK, KERNEL_FILES, MOST_THREADS, STOPPED, KernelLibrary, kernel_text, pointer
 from mrts.limit_rows import LimitRows
 from mrts.manifest import FunctionRecord, Manifest
@@ -291,10 +292,7 @@ class _Scratch:
     """The work arrays that a generated function wants."""
 
     def __init__(self, library: ctypes.CDLL, record: FunctionRecord) -> None:
-        sizes = [ctypes.c_longlong() for _ in range(4)]
-        getattr(library, f"{record.symbol}_work")(*(ctypes.byref(size) for size in sizes))
-        argument, result, integers, reals = (size.value for size in sizes)
-        self.sizes: tuple[int, ...] = (argument, result, integers, reals)
+        self.sizes = work_sizes(library, record)
         self._allocate()
 
     def _allocate(self) -> None:

@@ -38,7 +38,7 @@ def find_compiler() -> tuple[str, ...] | None:
 
 
 def compile_library(command: tuple[str, ...], source: Path, library: Path) -> None:
-    """Compile `source` into the shared library `library`, whole or not at all.
+    """Compile `source` into the shared library `library`, which is the user's only, whole or not at all.
 
     Args:
         command: Compiler, from `find_compiler`.
@@ -60,4 +60,4 @@ def compile_library(command: tuple[str, ...], source: Path, library: Path) -> No
                 + "\nSet CC to a working C compiler."
             )
 
-    write_atomically(library, run)
+    write_atomically(library, run, private=True)

@@ -18,6 +18,13 @@ MAX_FILE_BYTES = 30_000_000
 LARGEST_NUMBER = 1e12
 """Largest magnitude of a number in an input file, in SI units: anything larger is a mistake and would overflow."""
 
+IDENTIFIER = r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$"
+"""Letters, digits and single underscores: what C, file names and CasADi all accept."""
+
+LONGEST_NAME = 40
+Name = Annotated[str, Field(pattern=IDENTIFIER, max_length=LONGEST_NAME)]
+"""Of a cell or a robot: it stands in C text and in paths."""
+
 Finite = Annotated[float, Field(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER, allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, le=LARGEST_NUMBER, allow_inf_nan=False)]
 Angle = Annotated[float, Field(ge=-1e4, le=1e4, allow_inf_nan=False)]

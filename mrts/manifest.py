@@ -3,13 +3,14 @@
 
 import hashlib
 import json
+import re
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from mrts.errors import InputError
-from mrts.input_file import read_text
+from mrts.input_file import IDENTIFIER, Name, broken_rule, read_text
 
 MANIFEST_NAME = "manifest.json"
 FORMAT = 4
@@ -22,7 +23,20 @@ LOAD_ENTRIES = ("mass", "mx", "my", "mz", "ixx", "iyy", "izz", "ixy", "ixz", "iy
 """Layout of a load vector, in the object frame: mass [kg], first moments mass × com [kg m], and the inertia about the
 frame's origin, which is the nominal com [kg m²]. The balance of the object is linear in it."""
 
+ALWAYS_GENERATED = ("kinematics", "bias_acceleration", "dynamics", "terms", "wrench_form", "fixed_distribution")
+"""Functions that every cell has."""
+
+MOST = 1000
+"""Robots of a cell, joints of a robot, arguments of a function: far above any that can be generated."""
+
+LARGEST_SIZE = 100_000
+"""Rows or columns of an argument, likewise."""
+
 Matrix = list[list[float]]
+Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
+Matrix3 = Annotated[list[Vector3], Field(min_length=3, max_length=3)]
+Identifier = Annotated[str, Field(pattern=IDENTIFIER, max_length=100)]
+Size = Annotated[int, Field(ge=1, le=LARGEST_SIZE)]
 
 
 class _Record(BaseModel):
@@ -34,8 +48,8 @@ class JointRecord(_Record):
 
     name: str
     type: Literal["revolute", "prismatic"]
-    axis: list[float]
-    point: list[float]
+    axis: Vector3
+    point: Vector3
     lower: float | None
     upper: float | None
     velocity: float | None
@@ -46,19 +60,19 @@ class JointRecord(_Record):
 class PoseRecord(_Record):
     """A rigid transform: rotation matrix and position [m]."""
 
-    rotation: Matrix
-    position: list[float]
+    rotation: Matrix3
+    position: Vector3
 
 
 class RobotRecord(_Record):
     """One arm of the cell."""
 
-    name: str
+    name: Name
     urdf: str
     urdf_sha256: str
     base_link: str
     tip_link: str
-    joints: list[JointRecord]
+    joints: Annotated[list[JointRecord], Field(min_length=1, max_length=MOST)]
     held: dict[str, float]
     base_tip: PoseRecord
     world_base: PoseRecord
@@ -67,21 +81,27 @@ class RobotRecord(_Record):
     wrench_lower: list[float | None]
     wrench_upper: list[float | None]
 
+    @model_validator(mode="after")
+    def _one_of_each_a_joint(self) -> Self:
+        if len(self.posture) != len(self.joints):
+            raise broken_rule("its posture must hold one position a joint")
+        return self
+
 
 class ArgumentRecord(_Record):
     """Name and dense shape (rows, columns) of one input or output."""
 
-    name: str
-    shape: tuple[int, int]
+    name: Identifier
+    shape: tuple[Size, Size]
 
 
 class FunctionRecord(_Record):
     """One generated function."""
 
-    symbol: str
-    instructions: int
-    inputs: list[ArgumentRecord]
-    outputs: list[ArgumentRecord]
+    symbol: Identifier
+    instructions: Annotated[int, Field(ge=0)]
+    inputs: Annotated[list[ArgumentRecord], Field(min_length=1, max_length=MOST)]
+    outputs: Annotated[list[ArgumentRecord], Field(min_length=1, max_length=MOST)]
 
 
 class ObjectRecord(_Record):
@@ -90,8 +110,8 @@ class ObjectRecord(_Record):
     Velocity limits are in m/s and rad/s, None is unbounded.
     """
 
-    mass: float
-    inertia: Matrix
+    mass: Annotated[float, Field(gt=0)]
+    inertia: Matrix3
     variation: dict[str, tuple[float, float]]
     outer_hull: bool
     linear_velocity: float | None
@@ -106,23 +126,53 @@ class RemarkRecord(_Record):
 
 
 class Manifest(_Record):
-    """The whole manifest; see docs/generated_files.md."""
+    """The whole manifest; see docs/generated_files.md.
+
+    Anyone may have written it: what of it reaches C text or a path is an identifier, and sizes agree with each other.
+    """
 
     notice: str
     content_sha256: str
     format: int
     mrts_version: str
     casadi_version: str
-    name: Annotated[str, Field(min_length=1)]
+    name: Name
     source: str
     source_sha256: str
     plane: Literal["xy", "xz", "yz"] | None
-    wrench_components: list[str]
-    gravity: list[float]
+    wrench_components: list[Literal["fx", "fy", "fz", "nx", "ny", "nz"]]
+    gravity: Vector3
     object: ObjectRecord
-    robots: Annotated[list[RobotRecord], Field(min_length=1)]
-    functions: dict[str, FunctionRecord]
-    remarks: list[RemarkRecord]
+    robots: Annotated[list[RobotRecord], Field(min_length=1, max_length=MOST)]
+    functions: dict[Identifier, FunctionRecord]
+    remarks: Annotated[list[RemarkRecord], Field(max_length=MOST)]
+
+    @model_validator(mode="after")
+    def _names_belong_together(self) -> Self:
+        stem = self.source.removesuffix(".c")
+        if self.source == stem or not re.fullmatch(IDENTIFIER, stem):
+            raise broken_rule("its source must be the name of a C file: letters, digits, single underscores, and .c")
+        for short, function in self.functions.items():
+            if function.symbol != f"{stem}_{short}":
+                raise broken_rule(f"the symbol of function '{short}' must be the name of the C file, _ and '{short}'")
+        for short in ALWAYS_GENERATED:
+            if short not in self.functions:
+                raise broken_rule(f"its functions must include '{short}'")
+        if len({robot.name for robot in self.robots}) < len(self.robots):
+            raise broken_rule("two robots have the same name")
+        return self
+
+    @model_validator(mode="after")
+    def _sizes_agree(self) -> Self:
+        size = len(self.wrench_components)
+        if size != (len(WRENCH_COMPONENTS) if self.plane is None else 3) or len({*self.wrench_components}) < size:
+            raise broken_rule("its wrench components must be three for a plane, else all six")
+        for robot in self.robots:
+            if not len(robot.wrench_lower) == len(robot.wrench_upper) == size:
+                raise broken_rule(f"the wrench limits of robot '{robot.name}' must be one a wrench component")
+            if len(robot.joints) > size and "jacobian_rate" not in self.functions:
+                raise broken_rule("its functions must include 'jacobian_rate'")
+        return self
 
     def to_json(self) -> str:
         """Deterministic text of manifest.json."""
@@ -152,7 +202,7 @@ def read_generated(folder: Path) -> tuple[Manifest, Path]:
     """
     path = folder / MANIFEST_NAME
     manifest = verified_manifest(path, read_text(path, "manifest"))
-    source = folder / Path(manifest.source).name
+    source = folder / manifest.source
     check_source(source, manifest, read_text(source, "generated C file"))
     return manifest, source
 

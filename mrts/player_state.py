@@ -184,11 +184,12 @@ class PlayerState:
             c: Factor of speed; one within half a step of an end of the range is that end.
 
         Raises:
-            InputError: Unless it is finite and > 0.
+            InputError: Unless it is finite, > 0, and at least a thousandth of the least on offer.
             SolverError: If no solver answers.
         """
-        if not (isfinite(c) and c > 0):
-            raise InputError("c", "must be finite and > 0.", value=c)
+        least = 1e-3 * self.speeds.low  # far below, c² and what is divided by it leave the range of numbers
+        if not (isfinite(c) and c >= least):
+            raise InputError("c", f"must be finite and >= {least:.3g}.", value=c)
         self.trajectory, self.excess = self._distribute(self.result, self.speeds.c2(c))
 
     def rank(self) -> None:

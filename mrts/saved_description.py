@@ -12,7 +12,7 @@ from mrts.errors import InputError
 from mrts.input_file import broken_rule
 from mrts.limit_rows import ActiveRow, RowName
 from mrts.load_box import PARAMETERS, LoadBox
-from mrts.manifest import FORMAT, LOAD_ENTRIES, Manifest, Matrix
+from mrts.manifest import FORMAT, LOAD_ENTRIES, Manifest, Matrix, Matrix3, Vector3
 from mrts.sample_problem import FormulationName
 
 FORMAT_NAME = "mrts result"
@@ -24,8 +24,6 @@ DAMAGED = "The file is damaged: save the result again."
 
 Index = Annotated[int, Field(ge=0, lt=2**31)]
 Parameter = Annotated[str, Field(pattern=f"^({'|'.join(PARAMETERS)})$")]
-Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
-Matrix3 = Annotated[list[Vector3], Field(min_length=3, max_length=3)]
 LoadVector = Annotated[list[float], Field(min_length=len(LOAD_ENTRIES), max_length=len(LOAD_ENTRIES))]
 
 

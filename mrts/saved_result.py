@@ -46,6 +46,9 @@ MOTION = ("time", "position", "rotation", "twist", "acceleration")
 TRAJECTORY = ("torque", "wrench", "internal_wrench")
 """Arrays that are there if some c² was chosen."""
 
+MOST_BYTES = 4_000_000_000
+"""Of all arrays, unpacked: some ten million samples. A few kilobytes can be made to unpack to more than any memory."""
+
 WHOLE_NUMBERS = ("status", "binding_count", "binding_row", "end_load")
 """Arrays of codes, counts and places in tables."""
 
@@ -197,10 +200,14 @@ def _manifest(cell: Cell) -> Manifest:
     carried = generated.object.model_copy(update={"linear_velocity": linear, "angular_velocity": angular})
     try:
         robots = [robot_record(robot, record) for robot, record in zip(cell.robots, generated.robots, strict=True)]
-        return generated.model_copy(update={"name": cell.name, "object": carried, "robots": robots}).sealed()
+        changed = generated.model_copy(update={"name": cell.name, "object": carried, "robots": robots})
+        return Manifest.model_validate(changed.model_dump()).sealed()
     except ValueError:
         raise InputError(
-            "cell", "its torque limits, postures and poses must be finite to be saved.", value=cell.name
+            "cell",
+            "its name and its robots' names must be letters, digits and single underscores, and its torque limits, "
+            "postures and poses finite, to be saved.",
+            value=cell.name,
         ) from None
 
 
@@ -234,16 +241,25 @@ def _read_arrays(path: Path) -> Arrays:
     try:
         with ZipFile(path) as archive:
             arrays = {}
+            _require_sane_size(path, archive)
             for name in archive.namelist():
                 content = BytesIO(archive.read(name))  # all of it, so that its checksum is compared
                 arrays[name.removesuffix(".npy")] = np.asarray(read_array(content, allow_pickle=False))
             return arrays
+    except InputError:
+        raise
     except FileNotFoundError:
         raise InputError(path, "there is no such saved result. Check the path.") from None
     except OSError as error:
         raise InputError(path, f"this saved result cannot be read: {error.strerror or error}.") from None
     except Exception as error:  # noqa: BLE001 (what zipfile, zlib and numpy raise of other files is no short list)
         raise InputError(path, f"is no saved result of mrts, or damaged ({error}). Save the result again.") from None
+
+
+def _require_sane_size(path: Path, archive: ZipFile) -> None:
+    size = sum(entry.file_size for entry in archive.infolist())
+    if size > MOST_BYTES:
+        raise InputError(path, f"would unpack to {size:.0e} bytes, at most {MOST_BYTES:.0e} can be. {DAMAGED}")
 
 
 def _check_arrays(path: Path, arrays: Arrays, said: Description, cell: Cell) -> None:

@@ -22,6 +22,7 @@ import viser
 from mrts.errors import InputError, MrtsError
 from mrts.player_panel import arrows_html, bars_html, error_html, moment_html, note_html, outcome_html, speed_html
 from mrts.player_state import PlayerState
+from mrts.viewer_guard import GuardedServer
 from mrts.viewer_scene import FORCE, MOMENT, ViewerScene
 
 FRAME = 1 / 30
@@ -38,8 +39,8 @@ CONFIGURATIONS_SHOWN = 200
 """A longer menu is no help; the best come first."""
 
 
-def open_server(host: str, port: int, label: str) -> viser.ViserServer:
-    """Start the server.
+def open_server(host: str, port: int, label: str) -> GuardedServer:
+    """Start the server, guarded against other pages and other users.
 
     Args:
         host: Name or address of this machine to listen at.
@@ -47,7 +48,7 @@ def open_server(host: str, port: int, label: str) -> viser.ViserServer:
         label: Title of the panel.
 
     Raises:
-        InputError: If the address is not one of this machine, or the port is taken.
+        InputError: If the address is not one of this machine, the port is taken, or this viser cannot be guarded.
     """
     if not 0 <= port <= 65535:  # noqa: PLR2004 (what a port is)
         raise InputError("--port", "must be from 0 (any free one) to 65535.", value=port)
@@ -61,19 +62,11 @@ def open_server(host: str, port: int, label: str) -> viser.ViserServer:
         reason = strerror(error.errno or 0)
         raise InputError(where, f"cannot be listened at: {reason}. Port 0 is any free one.", value=value) from None
     with contextlib.redirect_stdout(io.StringIO()):  # viser's banner
-        server = viser.ViserServer(host, port, label, verbose=False)
+        server = GuardedServer(host, port, label)
     if port not in {0, server.get_port()}:
         close_server(server)
         raise InputError("--port", "has just been taken. Port 0 is any free one.", value=port)
     return server
-
-
-def address(server: viser.ViserServer) -> str:
-    """URL of a server, as a browser on this machine reaches it."""
-    host = server.get_host()
-    if host in {"0.0.0.0", "::"}:  # noqa: S104 (every address of this machine, on the user's word)
-        host = "localhost"
-    return f"http://{f'[{host}]' if ':' in host else host}:{server.get_port()}"
 
 
 def close_server(server: viser.ViserServer) -> None:

@@ -1,9 +1,11 @@
 """Generated code: current, deterministic, marked, equal in C and in the virtual machine, cached, safe."""
 
+import hashlib
 import json
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from importlib.resources import files
 
 import numpy as np
@@ -12,7 +14,8 @@ from conftest import DATA, ROOT
 from mrts_codegen.generate import generate_cell
 
 import mrts
-from mrts.cell_cache import cache_folder, generated_in_cache
+from mrts.cache_folder import cache_folder
+from mrts.cell_cache import export_to, generated_in_cache
 
 COMMITTED = ROOT / "generated" / "planar_dual_arm"
 SHIPPED = ["planar_dual_arm", "dual_ur5"]
@@ -81,6 +84,93 @@ def test_an_edited_manifest_is_refused(tmp_path):
     path.write_text(path.read_text().replace('"torque_upper": 80.0', '"torque_upper": 800.0'))
     with pytest.raises(mrts.InputError, match="was edited after it was generated"):
         mrts.load_cell(tmp_path / "cell")
+
+
+def spoiled_folder(tmp_path, change):
+    """A generated folder with a changed manifest whose own hash is right."""
+    shutil.copytree(COMMITTED, tmp_path / "cell")
+    path = tmp_path / "cell" / "manifest.json"
+    data = json.loads(path.read_text())
+    change(data)
+    content = {key: value for key, value in data.items() if key != "content_sha256"}
+    data["content_sha256"] = hashlib.sha256(json.dumps(content).encode()).hexdigest()
+    path.write_text(json.dumps(data))
+    return tmp_path / "cell"
+
+
+def sized(function, side, place, shape):
+    return lambda data: data["functions"][function][side][place].update(shape=shape)
+
+
+HOSTILE = {
+    "a name that is a path": lambda data: data.update(name="../../../../x"),
+    "a name that is C": lambda data: data.update(name="x\n#include </etc/passwd>\n"),
+    "a name without end": lambda data: data.update(name="x" * 300),
+    "a robot's name that is a path": lambda data: data["robots"][0].update(name="../x"),
+    "two robots of one name": lambda data: data["robots"][0].update(name="right"),
+    "a source elsewhere": lambda data: data.update(source="../../x.c"),
+    "a source that is no C": lambda data: data.update(source="planar_dual_arm.so"),
+    "a symbol that is C": lambda data: data["functions"]["wrench_form"].update(symbol="x\n#include </etc/passwd>\n"),
+    "a symbol of the C library": lambda data: data["functions"]["wrench_form"].update(symbol="system"),
+    "no wrench form": lambda data: data["functions"].pop("wrench_form"),
+    "an argument that is C": lambda data: data["functions"]["terms"]["inputs"][0].update(name="a; b"),
+    "an argument without end": sized("terms", "outputs", 0, [10**18, 1]),
+    "a negative argument": sized("terms", "outputs", 0, [-6, 6]),
+    "an argument that is smaller than in C": sized("terms", "outputs", 0, [1, 1]),
+    "an argument that is larger than in C": sized("terms", "inputs", 0, [600, 1]),
+    "no argument": lambda data: data["functions"]["terms"].update(inputs=[]),
+    "a kernel's argument that is smaller": sized("wrench_form", "outputs", 0, [6, 3]),
+    "a joint too many": lambda data: data["robots"][0].update(
+        joints=[*data["robots"][0]["joints"], data["robots"][0]["joints"][0]], posture=[0.0] * 4
+    ),
+    "a position too many": lambda data: data["robots"][0].update(posture=[0.0] * 4),
+    "a short axis": lambda data: data["robots"][0]["joints"][0].update(axis=[1.0]),
+    "a ragged rotation": lambda data: data["robots"][0]["world_base"].update(rotation=[[1.0], [0.0, 1.0], []]),
+    "a component twice": lambda data: data.update(wrench_components=["fx", "fx", "nz"]),
+    "another component": lambda data: data.update(wrench_components=["fx", "fy", "x; y"]),
+    "too few wrench limits": lambda data: data["robots"][0].update(wrench_lower=[None]),
+    "a strange parameter": lambda data: data["object"].update(variation={"x; y": [0, 1]}),
+    "no mass": lambda data: data["object"].update(mass=0.0),
+}
+
+
+@pytest.mark.parametrize("kind", HOSTILE)
+def test_a_hostile_manifest_is_refused(kind, tmp_path):
+    """Anyone can write one whose hashes are right; nothing of it may reach C text, a path or memory unchecked."""
+    folder = spoiled_folder(tmp_path / "inner", HOSTILE[kind])
+    before = sorted(tmp_path.rglob("*"))
+    with pytest.raises(mrts.InputError) as caught:
+        mrts.load_cell(folder)
+    assert len(str(caught.value)) < 500
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_function_that_the_c_file_lacks_is_missed(tmp_path):
+    extra = {"symbol": "planar_dual_arm_extra", "instructions": 1, "inputs": [{"name": "q", "shape": [6, 1]}]}
+    extra["outputs"] = extra["inputs"]
+    folder = spoiled_folder(tmp_path, lambda data: data["functions"].update(extra=extra))
+    with pytest.raises(
+        mrts.InputError, match=r"cell/manifest\.json: functions\.extra: the C file holds no such function"
+    ):
+        mrts.load_cell(folder)
+
+
+def test_names_that_could_not_be_read_back_are_not_saved(planar_cell, lift, tmp_path):
+    result = mrts.scale(planar_cell, lift)
+    for spoiled in (
+        replace(planar_cell, name="../x"),
+        replace(planar_cell, robots=tuple(replace(robot, name="a b") for robot in planar_cell.robots)),
+    ):
+        with pytest.raises(mrts.InputError, match="letters, digits and single underscores"):
+            mrts.save_result(replace(result, cell=spoiled), tmp_path / "result.npz")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["math", "string", "stdio", "../x", "a b", "x\n", "x" * 41])
+def test_a_library_cannot_be_called_what_c_takes_otherwise(name, tmp_path):
+    with pytest.raises(mrts.InputError, match="--name"):
+        export_to(DATA / "cell.yaml", tmp_path / "out", [], 0, "double", ("terms",), name)
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("kept", [0, 4096, -5000])

@@ -258,6 +258,12 @@ MISTAKES = {
     "missing word": (spoil_word(lambda d: d.pop("fallbacks")), "fallbacks: Field required"),
     "unknown word": (spoil_word(lambda d: d.update(extra=1)), "extra: Extra inputs"),
     "edited manifest": (spoil_word(lambda d: d["manifest"].update(gravity=[0, 0, 0])), "manifest: was edited"),
+    "hostile name": (spoil_word(lambda d: d["manifest"].update(name="../../x")), r"manifest\.name: .* pattern"),
+    "hostile source": (spoil_word(lambda d: d["manifest"].update(source="../x.c")), "manifest: its source must be"),
+    "ragged pose": (
+        spoil_word(lambda d: d["manifest"]["robots"][0]["base_tip"].update(rotation=[[1], [2, 3], []])),
+        "rotation.*at least 3 items",
+    ),
     "nan word": (spoil_word(lambda d: d.update(c2=float("nan"))), "c2: .* finite number"),
     "negative c2": (spoil_word(lambda d: d.update(c2=-1)), "c2: .* greater than 0"),
     "short load": (spoil_word(lambda d: d["load"].pop()), "load: .* at least 10 items"),
@@ -377,6 +383,11 @@ def test_damaged_and_foreign_files_are_refused(lifted, tmp_path):
         path.write_bytes(foreign)
         with pytest.raises(mrts.InputError, match=r"result\.npz: is no saved result of mrts"):
             mrts.load_result(path)
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("time.npy", b"0")
+        archive.infolist()[0].file_size = 4_100_000_000  # as if it were compressed well
+    with pytest.raises(mrts.InputError, match="would unpack to 4e"):
+        mrts.load_result(path)
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("description.npy", "text")
     with pytest.raises(mrts.InputError, match="is no saved result of mrts, or damaged"):

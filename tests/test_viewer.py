@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+import viser
 import yaml
 import yourdfpy
 from conftest import DATA, ROOT
@@ -296,6 +297,29 @@ def test_the_page_follows_the_speed_slider(chromium):
     assert code == 0
     assert err == ""
     assert len(out.splitlines()) == 2  # the outcome and the address: no banner
+
+
+CONNECTS = """([url, protocol]) => new Promise(done => {
+    const socket = new WebSocket(url, [protocol]);
+    socket.onopen = () => done(true);
+    socket.onerror = () => done(false);
+})"""
+
+
+def test_the_page_can_be_loaded_again_and_no_other_page_connects(chromium):
+    with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (_, url):
+        ours = [url.replace("http", "ws"), f"viser-v{viser.__version__}"]
+        with open_page(chromium, url) as page:
+            page.reload()
+            page.wait_for_selector("[data-bar]")
+            assert page.problems == []
+            assert page.evaluate(CONNECTS, ours)
+        other = chromium.new_page()
+        other.goto("about:blank")
+        assert not other.evaluate(CONNECTS, ours)
+        without_token = other.goto(url[: url.rindex("/", 0, -1) + 1])
+        assert without_token.status == 403
+        other.close()
 
 
 def test_the_motion_plays_and_stops(chromium):

@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
     from mrts.manifest import MANIFEST_NAME
     from mrts.motion_file import load_motion
     from mrts.player_state import PlayerState
-    from mrts.viewer import Viewer, address, close_server, open_server
+    from mrts.viewer import Viewer, close_server, open_server
 
     motion = load_motion(options.motion)
     sharing = sharing_option(options.share)
@@ -56,15 +56,15 @@ def run(options: argparse.Namespace) -> int:
     try:
         with working(f"scaling {options.motion}") as progress:
             state = PlayerState(cell, motion, sharing=sharing, progress=progress)
-        viewer, url = Viewer(server, state, urdfs, warn), address(server)
+        viewer = Viewer(server, state, urdfs, warn)
         if options.host not in LOCAL:
-            warn(f"everyone who reaches {options.host} can watch and steer this viewer")
+            warn(f"everyone who reaches {options.host} and knows the address can watch and steer this viewer")
         say(f"{cell.name}: {state.result.summary()}")
-        say(f"viewer at {url} (Ctrl-C ends it)")
+        say(f"viewer at {server.url} (Ctrl-C ends it)")
         sys.stdout.flush()
         if not options.no_open and _has_display():
             with suppress(webbrowser.Error):
-                webbrowser.open(url)
+                webbrowser.open(server.url)
         before = signal.signal(signal.SIGINT, signal.default_int_handler)  # here Ctrl-C is how one leaves
         viewer.run()
         signal.signal(signal.SIGINT, before)
