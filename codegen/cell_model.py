@@ -13,6 +13,8 @@ from mrts_codegen.spatial_algebra import PLANE_COMPONENTS
 from mrts_codegen.urdf_file import read_urdf
 
 from mrts.errors import InputError
+from mrts.input_file import MAX_URDF_BYTES
+from mrts.regular_file import read_regular
 from mrts.rigid_transform import Array, RigidTransform
 
 
@@ -100,7 +102,7 @@ def _build_robot(path: Path, cell: CellDescription, index: int, wrench_size: int
         robot.name,
         model,
         robot.urdf,
-        hashlib.sha256(urdf_path.read_bytes()).hexdigest(),
+        hashlib.sha256(read_regular(urdf_path, "URDF", MAX_URDF_BYTES)).hexdigest(),
         T_world_base,
         T_object_tip,
         np.array(robot.posture, dtype=float),

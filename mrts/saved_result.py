@@ -2,15 +2,13 @@
 """A result in one file: all that `mrts.scale` found, read again without a compiler; see docs/saved_results.md."""
 
 from dataclasses import replace
-from io import BytesIO
 from pathlib import Path
 from typing import Any
-from zipfile import ZipFile
 
 import numpy as np
-from numpy.lib.format import read_array
 
 from mrts import __version__
+from mrts.array_archive import open_arrays
 from mrts.atomic_file import write_atomically
 from mrts.cell import Cell, cell_from_manifest, robot_record, without_infinity
 from mrts.cell_functions import CellFunctions, saved_functions
@@ -24,6 +22,7 @@ from mrts.result import DistributionRule, ScalingResult
 from mrts.saved_description import (
     DAMAGED,
     FORMAT_NAME,
+    MAX_DESCRIPTION_BYTES,
     VERSION,
     BoxEntry,
     Description,
@@ -42,6 +41,12 @@ MOTION = ("time", "position", "rotation", "twist", "acceleration")
 
 TRAJECTORY = ("torque", "wrench", "internal_wrench")
 """Arrays that are there if some c² was chosen."""
+
+KNOWN = frozenset(
+    {*MOTION, "q", "dq", "ddq", "status", "c2_lower", "c2_upper", "binding_count", "binding_row", "end_load"}
+    | {*TRAJECTORY}
+)
+"""All arrays that a file may hold, beside its description."""
 
 WHOLE_NUMBERS = ("status", "binding_count", "binding_row", "end_load")
 """Arrays of codes, counts and places in tables."""
@@ -89,10 +94,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         InputError: If the file is no saved result, not whole, of a newer version, or of another cell.
     """
     path = Path(path)
-    arrays = _read_arrays(path)
-    if "description" not in arrays:
-        raise InputError(path, "is no saved result of mrts: it holds no array 'description'.")
-    said = read_description(path, arrays.pop("description").tobytes())
+    said, arrays = _read(path)
     functions = saved_functions(said.manifest, path) if cell is None else _functions_of(cell, said.manifest, path)
     known = cell_from_manifest(said.manifest, functions)
     _check_arrays(path, arrays, said, known)
@@ -218,21 +220,17 @@ def _made_from(manifest: Manifest) -> dict[str, Any]:
     return made
 
 
-def _read_arrays(path: Path) -> Arrays:
-    """All arrays of an .npz file; none that would have to be unpickled."""
-    try:
-        with ZipFile(path) as archive:
-            arrays = {}
-            for name in archive.namelist():
-                content = BytesIO(archive.read(name))  # all of it, so that its checksum is compared
-                arrays[name.removesuffix(".npy")] = np.asarray(read_array(content, allow_pickle=False))
-            return arrays
-    except FileNotFoundError:
-        raise InputError(path, "there is no such saved result. Check the path.") from None
-    except OSError as error:
-        raise InputError(path, f"this saved result cannot be read: {error.strerror or error}.") from None
-    except Exception as error:  # noqa: BLE001 (what zipfile, zlib and numpy raise of other files is no short list)
-        raise InputError(path, f"is no saved result of mrts, or damaged ({error}). Save the result again.") from None
+def _read(path: Path) -> tuple[Description, Arrays]:
+    """Description and arrays of a file."""
+    with open_arrays(path, "saved result", "Save the result again.") as archive:
+        if "description" not in archive.names:
+            raise InputError(path, "is no saved result of mrts: it holds no array 'description'.")
+        said = read_description(path, archive.read("description", MAX_DESCRIPTION_BYTES).tobytes())
+        names = [name for name in archive.names if name != "description"]
+        for name in names:
+            if name not in KNOWN:
+                raise InputError(path, f"this array does not belong here. {DAMAGED}", key=name)
+        return said, {name: archive.read(name) for name in names}
 
 
 def _check_arrays(path: Path, arrays: Arrays, said: Description, cell: Cell) -> None:
