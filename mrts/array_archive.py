@@ -39,15 +39,17 @@ class ArrayArchive:
     Args:
         path: The file, for messages.
         archive: Its members.
-        most: Bytes that all arrays together may have.
+        size: Of the file in bytes.
 
     Attributes:
         names: Of its arrays.
+        size: Of the file in bytes.
     """
 
-    def __init__(self, path: Path, archive: ZipFile, most: int) -> None:
+    def __init__(self, path: Path, archive: ZipFile, size: int) -> None:
         self.names = [name.removesuffix(".npy") for name in archive.namelist()]
-        self._path, self._archive, self._left = path, archive, most
+        self.size = size
+        self._path, self._archive, self._left = path, archive, UNPACKED_BYTES + UNPACKED_RATIO * size
 
     def read(self, name: str, most: int | None = None) -> NDArray[Any]:
         """One array; none that would have to be unpickled.
@@ -90,7 +92,7 @@ def open_arrays(path: Path, what: str, advice: str) -> Iterator[ArrayArchive]:
         try:
             size = _checked_size(file)
             with ZipFile(file) as archive:
-                yield ArrayArchive(path, archive, UNPACKED_BYTES + UNPACKED_RATIO * size)
+                yield ArrayArchive(path, archive, size)
         except InputError:
             raise
         except Exception as error:  # noqa: BLE001 (what zipfile, zlib and numpy raise of other files is no short list)

@@ -20,8 +20,10 @@ FORMAT_NAME = "mrts result"
 VERSION = 1
 """Of arrays and description together; any change of either, or of the manifest's format, raises it."""
 
-MAX_DESCRIPTION_BYTES = 20_000_000
-"""Of the words of a result: some ten thousand infeasible samples."""
+DESCRIPTION_BYTES = 5_000_000
+DESCRIPTION_RATIO = 20
+"""The words of a result take at most so many bytes, or so many times its file: parsed, they are a dozen times larger.
+They shrink to about a sixth where many samples are infeasible."""
 
 DAMAGED = "The file is damaged: save the result again."
 

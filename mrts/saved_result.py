@@ -21,8 +21,9 @@ from mrts.object_motion import ObjectMotion
 from mrts.result import DistributionRule, ScalingResult
 from mrts.saved_description import (
     DAMAGED,
+    DESCRIPTION_BYTES,
+    DESCRIPTION_RATIO,
     FORMAT_NAME,
-    MAX_DESCRIPTION_BYTES,
     VERSION,
     BoxEntry,
     Description,
@@ -225,7 +226,8 @@ def _read(path: Path) -> tuple[Description, Arrays]:
     with open_arrays(path, "saved result", "Save the result again.") as archive:
         if "description" not in archive.names:
             raise InputError(path, "is no saved result of mrts: it holds no array 'description'.")
-        said = read_description(path, archive.read("description", MAX_DESCRIPTION_BYTES).tobytes())
+        most = max(DESCRIPTION_BYTES, DESCRIPTION_RATIO * archive.size)
+        said = read_description(path, archive.read("description", most).tobytes())
         names = [name for name in archive.names if name != "description"]
         for name in names:
             if name not in KNOWN:
