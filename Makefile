@@ -3,9 +3,11 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 WORKERS ?= auto
+CASES ?= 100000
+SEED ?= 0
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test docs check bench instructions embedded-counts generate clean
+.PHONY: help install demo test fuzz docs check bench instructions embedded-counts generate clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -23,6 +25,9 @@ demo: install  ## generate, compile and run the paper's examples; figures in bui
 
 test: install  ## run all tests
 	$(BIN)/python -m pytest -q -n $(WORKERS)
+
+fuzz: install  ## read CASES damaged input files, from SEED on
+	FUZZ_CASES=$(CASES) FUZZ_SEED=$(SEED) $(BIN)/python -m pytest -q -x tests/test_mutated_inputs.py
 
 docs: install  ## build the documentation as a site in build/site
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

@@ -18,6 +18,8 @@ from mrts_codegen.urdf_file import read_urdf
 from mrts_codegen.urdf_joint import NO_LIMIT
 
 from mrts.errors import InputError
+from mrts.input_file import MAX_URDF_BYTES
+from mrts.regular_file import read_regular
 from mrts.remark import Remark
 from mrts.rigid_transform import Array, RigidTransform
 
@@ -121,7 +123,7 @@ def _build_robot(
         robot.name,
         model,
         robot.urdf,
-        hashlib.sha256(urdf_path.read_bytes()).hexdigest(),
+        hashlib.sha256(read_regular(urdf_path, "URDF", MAX_URDF_BYTES)).hexdigest(),
         held,
         T_world_base,
         T_object_tip,

@@ -6,9 +6,11 @@ import json
 from importlib.metadata import version
 from pathlib import Path
 
-from mrts_codegen.cell_description import CellDescription, read_cell_description, resolve_urdf
+from mrts_codegen.cell_description import read_cell_description, resolve_urdf
 
-from mrts import __version__, input_file, load_box, manifest, rigid_transform
+from mrts import __version__, input_file, load_box, manifest, rigid_transform, strict_yaml
+from mrts.input_file import MAX_URDF_BYTES
+from mrts.regular_file import read_regular
 
 
 def content_key(path: Path) -> str:
@@ -21,19 +23,8 @@ def content_key(path: Path) -> str:
     parts = [json.dumps(description.model_dump(), sort_keys=True), version("casadi"), __version__]
     digest = hashlib.sha256("\n".join(parts).encode())
     for robot in description.robots:
-        digest.update(_file_bytes(path, description, robot.urdf))
-    shaping = (manifest, rigid_transform, input_file, load_box)
+        digest.update(read_regular(resolve_urdf(path, robot.urdf), "URDF", MAX_URDF_BYTES))
+    shaping = (manifest, rigid_transform, input_file, strict_yaml, load_box)
     for source in sorted([*Path(__file__).parent.glob("*.py"), *(Path(module.__file__ or "") for module in shaping)]):
         digest.update(source.read_bytes())
     return digest.hexdigest()
-
-
-def _file_bytes(path: Path, description: CellDescription, urdf: str) -> bytes:
-    try:
-        return resolve_urdf(path, urdf).read_bytes()
-    except (OSError, ValueError):
-        # generation itself gives the precise error; a file that cannot be read has no cache entry
-        from mrts_codegen.cell_model import build_cell_model  # noqa: PLC0415 (only for the message)
-
-        build_cell_model(path, description)
-        raise

@@ -147,9 +147,9 @@ def _chain(path: Path, links: dict[str, Any], joint_above: dict[str, Any], base_
     while link != base_link:
         if link not in joint_above:
             raise InputError(path, f"is not below base_link '{base_link}'.", key="tip_link", value=tip_link)
-        chain.insert(0, joint_above[link])
+        chain.append(joint_above[link])
         link = joint_above[link].parent
-    return chain
+    return chain[::-1]
 
 
 def _check_tree(path: Path, links: dict[str, Any], joints: list[Any]) -> None:
@@ -161,14 +161,14 @@ def _check_tree(path: Path, links: dict[str, Any], joints: list[Any]) -> None:
         if joint.child in parents:
             raise InputError(path, "hangs from two joints; a URDF must be a tree.", key=f"link '{joint.child}'")
         parents[joint.child] = joint.parent
+    first_walk: dict[str, str] = {}  # through each link, by the link where it began
     for start in links:
-        seen = {start}
         link = start
-        while link in parents:
-            link = parents[link]
-            if link in seen:
-                raise InputError(path, "the joints form a loop; a URDF must be a tree.", key=f"link '{link}'")
-            seen.add(link)
+        while link not in first_walk:
+            first_walk[link] = start
+            link = parents.get(link, link)
+        if first_walk[link] == start and link in parents:
+            raise InputError(path, "the joints form a loop; a URDF must be a tree.", key=f"link '{link}'")
     if not links:
         raise InputError(path, "has no <link>.")
 

@@ -13,7 +13,10 @@ from typing import Any
 from lxml import etree
 
 from mrts.errors import InputError
-from mrts.input_file import LARGEST_NUMBER, read_text
+from mrts.input_file import LARGEST_NUMBER, MAX_URDF_BYTES, read_text
+
+MAX_LINKS = 2000
+"""Far above any robot; reading so many takes a second."""
 
 _INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
@@ -34,7 +37,7 @@ def read_urdf(path: Path) -> Any:
     Raises:
         InputError: If it is missing, not XML, not a URDF, an unexpanded xacro, or holds a value that is no number.
     """
-    text = read_text(path, "URDF")
+    text = read_text(path, "URDF", MAX_URDF_BYTES)
     root = _parse(path, text)
     if root.tag != "robot":
         raise InputError(path, "is not a URDF: its root element must be <robot>.", value=root.tag)
@@ -50,7 +53,10 @@ def read_urdf(path: Path) -> Any:
 def _parse(path: Path, text: str) -> Any:
     # Undeclared prefixes (gazebo extensions) and a version 0.0 are common and harmless; anything worse is refused.
     parser = etree.XMLParser(resolve_entities=False, no_network=True, recover=True)
-    root = etree.fromstring(text.encode(), parser)
+    try:
+        root = etree.fromstring(text.encode(), parser)
+    except etree.XMLSyntaxError:  # nothing at all could be recovered
+        root = None
     fatal = [error for error in parser.error_log if error.type_name not in _HARMLESS]
     if root is None or fatal:
         place = f" at line {fatal[0].line}: {fatal[0].message}" if fatal else ""
@@ -100,10 +106,15 @@ def _checked_joint(path: Path, joint: Any) -> Any:
 
 def _check_names_differ(path: Path, root: Any) -> None:
     for tag in ("link", "joint"):
-        names = [element.get("name") for element in root.findall(tag)]
-        for name in names:
-            if names.count(name) > 1:
+        elements = root.findall(tag)
+        if len(elements) > MAX_LINKS:
+            raise InputError(path, f"has {len(elements)} <{tag}> elements; mrts reads at most {MAX_LINKS}.")
+        seen: set[str | None] = set()
+        for element in elements:
+            name = element.get("name")
+            if name in seen:
                 raise InputError(path, f"two {tag}s have this name.", key=f"{tag} '{name}'")
+            seen.add(name)
 
 
 def _checked_inertial(path: Path, link: str, inertial: Any) -> Any:

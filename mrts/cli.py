@@ -11,6 +11,7 @@ import io
 import logging
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 from mrts import __version__
 from mrts.commands import configurations, demo, export, generate, report, scale, view
@@ -19,6 +20,7 @@ from mrts.commands.exit_codes import BAD_INPUT
 from mrts.commands.interrupt import persistent_interrupt
 from mrts.commands.terminal import QUIET, RemarkHandler, fail
 from mrts.errors import MrtsError
+from mrts.printable import message_text
 
 VERBS = (demo, generate, scale, configurations, view, report, export)
 """In the order of `--help`."""
@@ -80,9 +82,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code
 
 
+class _Parser(argparse.ArgumentParser):
+    """Its messages quote what was typed."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print usage and message, and leave."""
+        super().error(message_text(message))
+
+
 def _parser() -> tuple[argparse.ArgumentParser, list[str]]:
     """The parser of the whole line, and the names of the verbs."""
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="mrts",
         description="How fast may several robot arms carry one object, and with which torques?",
         epilog=EPILOG,

@@ -51,9 +51,14 @@ def compile_library(command: tuple[str, ...], source: Path, library: Path) -> No
 
     def run(output: Path) -> None:
         arguments = [*command, *FLAGS, str(source), "-o", str(output), "-lm"]
-        done = subprocess.run(arguments, capture_output=True, text=True, check=False)  # noqa: S603
+        try:
+            done = subprocess.run(arguments, capture_output=True, text=True, errors="replace", check=False)  # noqa: S603
+        except OSError as error:
+            raise CompilerError(
+                f"the C compiler cannot be run: {error.strerror}: {command[0]}. Set CC to a working C compiler."
+            ) from None
         if done.returncode != 0:
-            said = (done.stderr or done.stdout).strip().splitlines()[:SHOWN_LINES]
+            said = [line for line in (done.stderr or done.stdout).splitlines() if line.strip()][:SHOWN_LINES]
             raise CompilerError(
                 f"the C compiler failed with exit code {done.returncode}: {shlex.join(arguments)}\n"
                 + "\n".join(said or ["(it printed nothing)"])

@@ -2,13 +2,16 @@
 """The exceptions of mrts.
 
 An infeasible motion is an outcome (`mrts.ScalingStatus`), never an exception. What raises is wrong input
-and a tool that failed. Every message names the value, the rule and what to do.
+and a tool that failed. Every message names the value, the rule and what to do. It is safe to print as it is: what it
+quotes is escaped, and cut where it is very long.
 """
 
 import reprlib
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar, cast
+
+from mrts.printable import message_text
 
 if TYPE_CHECKING:
     import numpy as np
@@ -16,7 +19,16 @@ if TYPE_CHECKING:
 
 
 class MrtsError(Exception):
-    """Root of every exception that mrts raises on purpose."""
+    """Root of every exception that mrts raises on purpose.
+
+    Args:
+        message: One paragraph; may quote what a user wrote.
+    """
+
+    has_lines: ClassVar[bool] = False
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message_text(message, lines=self.has_lines))
 
 
 class InputError(MrtsError):
@@ -38,12 +50,23 @@ class InputError(MrtsError):
         if key:
             subject += f": {key}"
         if value is not None:
-            subject += f" = {reprlib.repr(value)}"
+            subject += f" = {_shown(value)}"
         super().__init__(f"{subject}: {rule}")
 
     def __reduce__(self) -> tuple[object, ...]:
         # an exception pickles as its message alone, which this constructor does not take: a pool of workers would die
         return partial(type(self), key=self.key, value=self.value), (self.where, self.rule)
+
+
+def _shown(value: object) -> str:
+    """A value in one line, short."""
+    if getattr(value, "shape", None) == ():  # a number of numpy
+        value = cast("Any", value).item()
+    try:
+        shown = reprlib.repr(value)
+    except ValueError:  # Python writes no whole number of more than some thousand digits
+        return f"a {type(value).__name__} too long to show"
+    return " ".join(line.strip() for line in shown.splitlines())
 
 
 def as_array(name: str, value: object) -> "NDArray[np.float64]":
@@ -69,7 +92,12 @@ class MotionError(MrtsError):
 
 
 class CompilerError(MrtsError):
-    """The C compiler failed, or none is there and nothing else can evaluate the generated C."""
+    """The C compiler failed, or none is there and nothing else can evaluate the generated C.
+
+    Lines that the compiler printed stay lines.
+    """
+
+    has_lines = True
 
 
 class SolverError(MrtsError):

@@ -6,14 +6,18 @@ import re
 from pathlib import Path
 from typing import Annotated, Any, Self, TypeVar
 
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidatorFunctionWrapHandler, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from mrts.errors import InputError
+from mrts.regular_file import read_regular
+from mrts.strict_yaml import MAX_YAML_BYTES, parse_yaml
 
 MAX_FILE_BYTES = 30_000_000
 """Far above any cell, motion, URDF or generated C file: a larger one is a mistake."""
+
+MAX_URDF_BYTES = 3_000_000
+"""Some thousand links."""
 
 LARGEST_NUMBER = 1e12
 """Largest magnitude of a number in an input file, in SI units: anything larger is a mistake and would overflow."""
@@ -45,11 +49,8 @@ class StrictModel(BaseModel):
                 if key not in cls.model_fields:
                     close = difflib.get_close_matches(str(key), cls.model_fields, n=1)
                     hint = f"; did you mean '{close[0]}'?" if close else ""
-                    raise PydanticCustomError(
-                        "unknown_key",
-                        "unknown key '{key}'{hint} The keys here are: {known}",
-                        {"key": str(key), "hint": hint or ".", "known": ", ".join(cls.model_fields)},
-                    )
+                    known = ", ".join(cls.model_fields)
+                    raise broken_rule(f"unknown key '{key}'{hint or '.'} The keys here are: {known}")
         model: Self = handler(data)
         return model
 
@@ -66,66 +67,25 @@ class Pose(StrictModel):
     rpy: Angles3 = [0.0, 0.0, 0.0]
 
 
-class _StrictLoader(yaml.SafeLoader):
-    """SafeLoader that refuses duplicate keys and reads numbers as YAML 1.2 does: `1e-3` is one, `1:30` is none."""
-
-    yaml_implicit_resolvers = {  # noqa: RUF012 (PyYAML's own class attribute)
-        first: [(tag, pattern) for tag, pattern in resolvers if not tag.endswith((":int", ":float"))]
-        for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
-    }
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:  # noqa: FBT001, FBT002 (PyYAML's signature)
-        seen: set[str] = set()
-        for key_node, _ in node.value:
-            key = str(key_node.value)
-            if key in seen:
-                raise yaml.constructor.ConstructorError(
-                    problem=f"the key '{key}' stands twice", problem_mark=key_node.start_mark
-                )
-            seen.add(key)
-        return super().construct_mapping(node, deep)
-
-
-_StrictLoader.add_implicit_resolver("tag:yaml.org,2002:int", re.compile(r"^[-+]?[0-9]+$"), list("-+0123456789"))
-_StrictLoader.add_implicit_resolver(
-    "tag:yaml.org,2002:float",
-    re.compile(r"^([-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN))$"),
-    list("-+0123456789."),
-)
-
 Model = TypeVar("Model", bound=StrictModel)
 
 
-def read_text(path: Path, what: str) -> str:
-    """Text of an input file.
+def read_text(path: Path, what: str, most: int = MAX_FILE_BYTES) -> str:
+    """Text of an input file, with Unix line ends.
 
     Args:
         path: The file.
         what: What the file is, for the message: "cell file".
+        most: Bytes that it may have.
 
     Raises:
-        InputError: If it is missing, a folder, unreadable, too large, or not UTF-8.
+        InputError: If it is missing, no regular file, unreadable, too large, or not UTF-8.
     """
     try:
-        if path.stat().st_size > MAX_FILE_BYTES:
-            raise InputError(path, f"a {what} has at most {MAX_FILE_BYTES} bytes.")
-        return path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise InputError(path, f"there is no such {what}{_neighbour(path)}") from None
+        text = read_regular(path, what, most).decode()
     except UnicodeDecodeError:
         raise InputError(path, f"this {what} is not UTF-8 text.") from None
-    except (OSError, ValueError) as error:  # ValueError: a null byte in the path
-        raise InputError(path, f"this {what} cannot be read: {getattr(error, 'strerror', error)}.") from None
-
-
-def _neighbour(path: Path) -> str:
-    """End of the sentence that says that there is no such file."""
-    try:
-        names = [other.name for other in path.parent.iterdir()]
-    except OSError:
-        return f": the folder {path.parent} is missing or cannot be read."
-    close = difflib.get_close_matches(path.name, names, n=1)
-    return f"; did you mean '{path.with_name(close[0])}'?" if close else ". Check the path."
+    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def read_model(path: Path, model: type[Model], what: str) -> Model:
@@ -139,16 +99,11 @@ def read_model(path: Path, model: type[Model], what: str) -> Model:
     Raises:
         InputError: If the file is missing, not YAML, or breaks a rule of the format.
     """
-    text = read_text(path, what)
+    text = read_text(path, what, MAX_YAML_BYTES)
     try:
-        data = yaml.load(text, Loader=_StrictLoader)  # noqa: S506 (a SafeLoader)
-    except (yaml.YAMLError, RecursionError) as error:
-        mark = getattr(error, "problem_mark", None)
-        place = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-        problem = getattr(error, "problem", None) or "it cannot be parsed"
-        raise InputError(path, f"this {what} is not valid YAML{place}: {problem}.") from None
+        data = parse_yaml(text)
     except ValueError as error:
-        raise InputError(path, f"this {what} holds a value that YAML cannot read: {error}.") from None
+        raise InputError(path, f"this {what} {error}.") from None
     if not isinstance(data, dict):
         raise InputError(
             path, f"a {what} is a mapping of keys to values ({', '.join(model.model_fields)}).", value=data
@@ -160,7 +115,11 @@ def read_model(path: Path, model: type[Model], what: str) -> Model:
 
 
 def broken_rule(rule: str) -> PydanticCustomError:
-    """An error for a validator to raise: a rule that its sentence explains by itself, without the value."""
+    """An error for a validator to raise: a rule that its sentence explains by itself, without the value.
+
+    Args:
+        rule: May quote what a user wrote: it is the value of a field, and never read as a template.
+    """
     return PydanticCustomError("rule", "{rule}", {"rule": rule})
 
 
@@ -181,7 +140,7 @@ _RULES = {
     "too_long": "has {actual_length} values, at most {max_length} belong here",
     "too_short": "has {actual_length} values, at least {min_length} belong here",
 }
-"""Our words for pydantic's error types."""
+"""Our words for pydantic's error types; their fields are numbers and texts of the format, nothing of the file."""
 
 
 def _input_error(path: Path, details: list[ErrorDetails]) -> InputError:
@@ -197,8 +156,9 @@ def _input_error(path: Path, details: list[ErrorDetails]) -> InputError:
     key = ""
     for part in _keys(first):
         key += f"[{part}]" if isinstance(part, int) else f".{part}" if key else part
-    rule = _RULES.get(first["type"], first["msg"]).format(**first.get("ctx", {}))
-    told = first["type"] in {"missing", "unknown_key", "rule"}
+    kind = first["type"]
+    rule = _RULES[kind].format(**first.get("ctx", {})) if kind in _RULES else first["msg"]
+    told = kind in {"missing", "rule"}
     if first["input"] is None and not told:
         rule += " (it is empty)"
     return InputError(path, f"{rule.rstrip('.')}.", key=key, value=None if told else first["input"])

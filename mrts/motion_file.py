@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from mrts.errors import InputError
 from mrts.input_file import Pose, StrictModel, broken_rule, read_model
-from mrts.motion_table import JointTable, read_joint_table, read_object_table, read_table
+from mrts.motion_table import MAX_SAMPLES, JointTable, read_joint_table, read_object_table, read_table
 from mrts.object_motion import ObjectMotion, geodesic_motion, waypoint_motion
 from mrts.rigid_transform import rotation_from_rpy
 from mrts.velocity_profile import PROFILES
@@ -18,7 +18,6 @@ from mrts.velocity_profile import PROFILES
 MIN_SAMPLES = 11
 """Limits are checked at the samples only: a range from fewer says little about the motion between them."""
 
-MAX_SAMPLES = 1_000_000
 DEFAULT_SAMPLES = 101
 
 Duration = Annotated[float, Field(gt=1e-9, le=1e9, allow_inf_nan=False)]

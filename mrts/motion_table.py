@@ -2,7 +2,9 @@
 """CSV tables of motion: the object's pose, or the joints' positions, over time."""
 
 import csv
-import io
+import re
+from array import array
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +19,10 @@ from mrts.rigid_transform import Array
 
 POSE_COLUMNS = ("px", "py", "pz", "qx", "qy", "qz", "qw")
 RATE_COLUMNS = ("vx", "vy", "vz", "wx", "wy", "wz", "ax", "ay", "az", "alphax", "alphay", "alphaz")
+
+MAX_SAMPLES = 1_000_000
+MAX_COLUMNS = 1000
+"""Position, velocity, acceleration and torque of some two hundred joints."""
 
 SHORTEST_STEP = 1e-9
 """[s]; below it squares of rates overflow."""
@@ -199,47 +205,69 @@ def joint_motion(
 
 
 def _read_columns(path: Path) -> dict[str, Array]:
-    rows = _read_rows(path)
-    names = _column_names(path, rows[0])
-    values = np.empty((len(rows) - 1, len(names)))
-    for index, row in enumerate(rows[1:]):
-        if len(row) != len(names):
-            raise InputError(path, f"has {len(row)} values for {len(names)} columns.", key=f"row {index + 1}")
-        for column, text in enumerate(row):
-            try:
-                values[index, column] = float(text) if "_" not in text else np.nan
-            except ValueError:
-                values[index, column] = np.nan
-            if not abs(values[index, column]) <= LARGEST_NUMBER:
-                raise InputError(
-                    path, "must be a finite number.", key=f"row {index + 1}, column {names[column]}", value=text
-                )
-    return {name: values[:, column].copy() for column, name in enumerate(names)}
-
-
-def _read_rows(path: Path) -> list[list[str]]:
-    """The line of names and at least two of values."""
     text = read_text(path, "table").removeprefix("\ufeff")  # the mark that spreadsheets put in front of UTF-8
+    rows = _rows(path, text)
     try:
-        rows = [row for row in csv.reader(io.StringIO(text)) if row and "".join(row).strip()]
+        names = _column_names(path, next(rows, None))
+        values = array("d")
+        for number, row in enumerate(rows, start=1):
+            if len(row) != len(names):
+                raise InputError(path, f"has {len(row)} values for {len(names)} columns.", key=f"row {number}")
+            values.extend(_numbers(path, number, names, row))
     except csv.Error as error:
         raise InputError(path, f"is no CSV table: {error}.") from None
-    if not rows:
+    count = len(values) // len(names)
+    if count < 2:  # noqa: PLR2004 (both ends)
+        raise InputError(path, f"holds {count} rows of values; a motion has at least 2.")
+    columns = np.frombuffer(values).reshape(count, len(names)).T.copy()
+    return dict(zip(names, columns, strict=True))
+
+
+def _rows(path: Path, text: str) -> Iterator[list[str]]:
+    """Rows that hold something."""
+    lines = (line.group() for line in re.finditer(r"[^\n]+\n?", text))
+    for number, row in enumerate(csv.reader(lines)):
+        if number > MAX_SAMPLES:
+            raise InputError(path, f"a motion has at most {MAX_SAMPLES} samples.")
+        if "".join(row).strip():
+            yield row
+
+
+def _numbers(path: Path, row: int, names: list[str], texts: list[str]) -> list[float]:
+    """Values of a row."""
+    try:
+        values = [float(text) for text in texts]
+        if all(-LARGEST_NUMBER <= value <= LARGEST_NUMBER for value in values) and "_" not in "".join(texts):
+            return values
+    except ValueError:
+        pass
+    wrong = next(place for place, text in enumerate(texts) if not _is_number(text))
+    raise InputError(path, "must be a finite number.", key=f"row {row}, column {names[wrong]}", value=texts[wrong])
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return "_" not in text and abs(float(text)) <= LARGEST_NUMBER
+    except ValueError:
+        return False
+
+
+def _column_names(path: Path, row: list[str] | None) -> list[str]:
+    """Names from the first line, which is None in an empty file."""
+    if row is None:
         raise InputError(path, "is empty: the first line names the columns.")
-    if len(rows) < 3:  # noqa: PLR2004 (a name line and two samples)
-        raise InputError(path, f"holds {len(rows) - 1} rows of values; a motion has at least 2.")
-    return rows
-
-
-def _column_names(path: Path, row: list[str]) -> list[str]:
     names = [name.strip() for name in row]
     if len(names) == 1:
         raise InputError(path, "has one column; separate columns by commas.", value=names[0])
+    if len(names) > MAX_COLUMNS:
+        raise InputError(path, f"has {len(names)} columns; a table has at most {MAX_COLUMNS}.")
+    seen: set[str] = set()
     for name in names:
         if not name:
             raise InputError(path, "a column has no name: is there a comma too many in the first line?")
-        if names.count(name) > 1:
+        if name in seen:
             raise InputError(path, f"the column '{name}' stands twice.")
+        seen.add(name)
     return names
 
 

@@ -2,10 +2,10 @@
 """What a player says of its state, as HTML: outcome, speed, time, and bars against the limits."""
 
 from collections.abc import Sequence
-from html import escape
 
 import numpy as np
 
+from mrts.html_text import html_text
 from mrts.limit_rows import ActiveRow
 from mrts.load_box import LoadPoint
 from mrts.player_state import Bar, PlayerState
@@ -32,7 +32,7 @@ HEIGHTS = {"outcome": "max-height:80px", "speed": "height:80px", "moment": "heig
 def outcome_html(state: PlayerState) -> str:
     """The outcome in a sentence; red where no speed is admissible."""
     result = state.result
-    text = escape(result.summary())
+    text = html_text(result.summary())
     if result.load is not None:
         text += f" Torques are those of the nominal load of {result.cell.mass:.4g} kg."
     colour = "inherit" if result.status.admits_motion else OVER
@@ -69,7 +69,7 @@ def moment_html(state: PlayerState) -> str:
     text = f"t = {state.time:.4g} s of {state.trajectory.duration:.4g} s (given motion: {given:.4g} s). "
     conflict = next((conflict for conflict in found.conflicts if conflict.sample == sample), None)
     if conflict is not None:
-        return _paragraph("moment", f"{text}Infeasible: {escape(str(conflict))}.", OVER)
+        return _paragraph("moment", f"{text}Infeasible: {html_text(str(conflict))}.", OVER)
     low, high = found.lower[sample], found.upper[sample]
     if np.isinf(high):
         return _paragraph("moment", f"{text}Nothing limits the speed of this sample: c² ∈ [{low:.4g}, ∞).")
@@ -91,12 +91,12 @@ def arrows_html(force: Colour, newtons: float, moment: Colour, newton_metres: fl
 
 def note_html(text: str) -> str:
     """A remark."""
-    return _paragraph("note", escape(text))
+    return _paragraph("note", html_text(text))
 
 
 def error_html(text: str) -> str:
     """Why the last wish was not granted."""
-    return _paragraph("error", escape(text), OVER)
+    return _paragraph("error", html_text(text), OVER)
 
 
 def bars_html(kind: str, groups: dict[str, list[Bar]], *, kept: bool = True) -> str:
@@ -110,7 +110,7 @@ def bars_html(kind: str, groups: dict[str, list[Bar]], *, kept: bool = True) -> 
     colour = OVER if kept else PASSED
     rows = []
     for robot, bars in groups.items():
-        rows.append(f'<tr><td colspan="3" style="padding-top:2px"><b>{escape(robot)}</b></td></tr>')
+        rows.append(f'<tr><td colspan="3" style="padding-top:2px"><b>{html_text(robot)}</b></td></tr>')
         rows += [_bar_row(kind, robot, bar, colour) for bar in bars]
     return (
         '<table style="width:100%;border-collapse:collapse;font-size:11px;line-height:14px;table-layout:fixed">'
@@ -126,7 +126,7 @@ def _percent(share: float) -> str:
 def _rows(rows: Sequence[tuple[ActiveRow, ...]], loads: Sequence[LoadPoint] | None, sample: int) -> str:
     load = f" with {loads[sample]}" if loads else ""
     names = (f"{row.name.robot}/{row.name.element}" if row.name.robot else str(row) for row in rows[sample])
-    return escape(", ".join(names) + load)
+    return html_text(", ".join(names) + load)
 
 
 def _bar_row(kind: str, robot: str, bar: Bar, over: str) -> str:
@@ -141,8 +141,8 @@ def _bar_row(kind: str, robot: str, bar: Bar, over: str) -> str:
     weight = f";color:{over};font-weight:bold" if bar.over else ""
     cut = "overflow:hidden;text-overflow:ellipsis;white-space:nowrap"
     return (
-        f'<tr data-bar="{kind} {escape(f"{robot}/{bar.name}")}" data-over="{str(bar.over).lower()}">'
-        f'<td style="{cut}" title="{escape(bar.name)}">{escape(bar.name)}</td>'
+        f'<tr data-bar="{kind} {html_text(f"{robot}/{bar.name}")}" data-over="{str(bar.over).lower()}">'
+        f'<td style="{cut}" title="{html_text(bar.name)}">{html_text(bar.name)}</td>'
         f'<td><div style="position:relative;height:12px;background:#eee">{drawn}</div></td>'
         f'<td style="{cut};text-align:right{weight}">{_value(bar)}</td></tr>'
     )

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What figures and reports share: colours, and names that fit beside a plot."""
 
+from mrts.printable import cut, printable
+
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito (2008): distinguishable with every kind of colour vision."""
 
@@ -17,5 +19,5 @@ LANE_LETTERS = 32
 
 
 def shortened(name: str, longest: int = LONGEST_LABEL) -> str:
-    """A name whose middle is left out where it is too long."""
-    return name if len(name) <= longest else f"{name[: longest // 2]}…{name[-(longest // 2 - 1) :]}"
+    """A printable name whose middle is left out where it is too long."""
+    return cut(printable(name), longest)

@@ -2,10 +2,11 @@
 """A result as a small HTML table: what a notebook shows of it."""
 
 from collections.abc import Iterator
-from html import escape
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from mrts.html_text import html_text
 
 if TYPE_CHECKING:
     from mrts.result import ScalingResult
@@ -21,10 +22,10 @@ def result_html(result: "ScalingResult") -> str:
         result: The result.
     """
     rows = "".join(
-        f"<tr><th style='text-align:left'>{escape(name)}</th><td style='text-align:left'>{escape(text)}</td></tr>"
+        f"<tr><th style='text-align:left'>{html_text(name)}</th><td style='text-align:left'>{html_text(text)}</td></tr>"
         for name, text in _rows(result)
     )
-    summary = escape(f"{result.cell.name}: {result.summary()}")
+    summary = html_text(f"{result.cell.name}: {result.summary()}")
     return f"<p style='max-width:50em'>{summary}</p><table>{rows}</table>"
 
 

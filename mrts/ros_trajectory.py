@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Joint motion from a ROS 2 bag of trajectory_msgs/JointTrajectory; needs the extra 'ros' (rosbags)."""
 
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -9,10 +10,17 @@ from numpy.typing import NDArray
 from rosbags.rosbag2 import Reader
 
 from mrts.errors import InputError
-from mrts.input_file import LARGEST_NUMBER
+from mrts.input_file import LARGEST_NUMBER, read_text
 from mrts.motion_table import JointTable, joint_motion
+from mrts.regular_file import open_regular
 from mrts.rigid_transform import Array
 from mrts.ros_bag import NANOSECONDS, TYPES
+from mrts.strict_yaml import MAX_YAML_BYTES, parse_yaml
+
+METADATA = "metadata.yaml"
+
+MAX_BAG_BYTES = 500_000_000
+"""Of one file; a trajectory of a million points takes half of it."""
 
 KIND = "trajectory_msgs/msg/JointTrajectory"
 
@@ -55,10 +63,7 @@ def read_joint_trajectories(path: Path, samples: int | None) -> JointTable:
 
 def _trajectories(path: Path) -> dict[str, Any]:
     """The one trajectory of each topic, by topic."""
-    if not path.exists():
-        raise InputError(path, "there is no such bag. Check the path.")
-    if path.is_dir() and not (path / "metadata.yaml").exists():
-        raise InputError(path, "this folder holds no metadata.yaml; a ROS 2 bag does. Name the .mcap file by itself.")
+    _check_files(path)
     try:
         with Reader(path) as bag:
             topics = sorted(bag.topics)
@@ -70,11 +75,27 @@ def _trajectories(path: Path) -> dict[str, Any]:
     if not found:
         raise InputError(path, f"holds no message {KIND}; its topics are {', '.join(topics) or 'none'}.")
     trajectories = dict(sorted(found, key=lambda pair: pair[0]))
-    for topic in trajectories:
-        count = sum(of == topic for of, _ in found)
+    for topic, count in Counter(of for of, _ in found).items():
         if count > 1:
             raise InputError(path, f"holds {count} trajectories; a motion is one. Keep one in the bag.", key=topic)
     return trajectories
+
+
+def _check_files(path: Path) -> None:
+    """Refuse what rosbags would wait for, or take long to parse."""
+    if not path.is_dir():
+        with open_regular(path, "bag", MAX_BAG_BYTES):
+            return
+    if not (path / METADATA).exists():
+        raise InputError(path, f"this folder holds no {METADATA}; a ROS 2 bag does. Name the .mcap file by itself.")
+    try:
+        parse_yaml(read_text(path / METADATA, "description of a bag", MAX_YAML_BYTES))
+    except ValueError as error:
+        raise InputError(path / METADATA, f"this description of a bag {error}.") from None
+    for file in path.iterdir():
+        if not file.is_dir():
+            with open_regular(file, "file of a bag", MAX_BAG_BYTES):
+                pass
 
 
 def _stamps(path: Path, topic: str, message: Any) -> NDArray[np.int64]:

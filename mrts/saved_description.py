@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, FailFast, Field, ValidationError, model_validator
 
 from mrts.errors import InputError
 from mrts.input_file import broken_rule
@@ -19,6 +19,11 @@ FORMAT_NAME = "mrts result"
 
 VERSION = 2
 """Of arrays and description together; any change of either, or of the manifest's format, raises it."""
+
+DESCRIPTION_BYTES = 5_000_000
+DESCRIPTION_RATIO = 20
+"""The words of a result take at most so many bytes, or so many times its file: parsed, they are a dozen times larger.
+They shrink to about a sixth where many samples are infeasible."""
 
 DAMAGED = "The file is damaged: save the result again."
 
@@ -149,9 +154,9 @@ class Description(_Record):
     range_fallbacks: Annotated[list[Index], Field(min_length=1)]
     study: StudyEntry | None
     origin: str
-    rows: list[RowEntry]
-    loads: list[LoadEntry]
-    conflicts: list[ConflictEntry]
+    rows: Annotated[list[RowEntry], FailFast()]
+    loads: Annotated[list[LoadEntry], FailFast()]
+    conflicts: Annotated[list[ConflictEntry], FailFast()]
 
     def text(self) -> str:
         """As JSON."""

@@ -4,15 +4,13 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from io import BytesIO
 from pathlib import Path
 from typing import Any
-from zipfile import ZipFile
 
 import numpy as np
-from numpy.lib.format import read_array
 
 from mrts import __version__
+from mrts.array_archive import open_arrays
 from mrts.atomic_file import write_atomically
 from mrts.cell import Cell, cell_from_manifest
 from mrts.cell_functions import CellFunctions, saved_functions
@@ -26,6 +24,8 @@ from mrts.result import DistributionRule, ScalingResult
 from mrts.robot import robot_record, without_infinity
 from mrts.saved_description import (
     DAMAGED,
+    DESCRIPTION_BYTES,
+    DESCRIPTION_RATIO,
     FORMAT_NAME,
     VERSION,
     BoxEntry,
@@ -46,8 +46,11 @@ MOTION = ("time", "position", "rotation", "twist", "acceleration")
 TRAJECTORY = ("torque", "wrench", "internal_wrench")
 """Arrays that are there if some c² was chosen."""
 
-MOST_BYTES = 4_000_000_000
-"""Of all arrays, unpacked: some ten million samples. A few kilobytes can be made to unpack to more than any memory."""
+KNOWN = frozenset(
+    {*MOTION, "q", "dq", "ddq", "status", "c2_lower", "c2_upper", "binding_count", "binding_row", "end_load"}
+    | {*TRAJECTORY}
+)
+"""All arrays that a file may hold, beside its description."""
 
 WHOLE_NUMBERS = ("status", "binding_count", "binding_row", "end_load")
 """Arrays of codes, counts and places in tables."""
@@ -95,10 +98,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         InputError: If the file is no saved result, not whole, of a newer version, or of another cell.
     """
     path = Path(path)
-    arrays = _read_arrays(path)
-    if "description" not in arrays:
-        raise InputError(path, "is no saved result of mrts: it holds no array 'description'.")
-    said = read_description(path, arrays.pop("description").tobytes())
+    said, arrays = _read(path)
     functions = saved_functions(said.manifest, path) if cell is None else _functions_of(cell, said.manifest, path)
     with _damage(path):
         known = cell_from_manifest(said.manifest, functions)
@@ -236,30 +236,18 @@ def _made_from(manifest: Manifest) -> dict[str, Any]:
     return made | {"name": manifest.name}
 
 
-def _read_arrays(path: Path) -> Arrays:
-    """All arrays of an .npz file; none that would have to be unpickled."""
-    try:
-        with ZipFile(path) as archive:
-            arrays = {}
-            _require_sane_size(path, archive)
-            for name in archive.namelist():
-                content = BytesIO(archive.read(name))  # all of it, so that its checksum is compared
-                arrays[name.removesuffix(".npy")] = np.asarray(read_array(content, allow_pickle=False))
-            return arrays
-    except InputError:
-        raise
-    except FileNotFoundError:
-        raise InputError(path, "there is no such saved result. Check the path.") from None
-    except OSError as error:
-        raise InputError(path, f"this saved result cannot be read: {error.strerror or error}.") from None
-    except Exception as error:  # noqa: BLE001 (what zipfile, zlib and numpy raise of other files is no short list)
-        raise InputError(path, f"is no saved result of mrts, or damaged ({error}). Save the result again.") from None
-
-
-def _require_sane_size(path: Path, archive: ZipFile) -> None:
-    size = sum(entry.file_size for entry in archive.infolist())
-    if size > MOST_BYTES:
-        raise InputError(path, f"would unpack to {size:.0e} bytes, at most {MOST_BYTES:.0e} can be. {DAMAGED}")
+def _read(path: Path) -> tuple[Description, Arrays]:
+    """Description and arrays of a file."""
+    with open_arrays(path, "saved result", "Save the result again.") as archive:
+        if "description" not in archive.names:
+            raise InputError(path, "is no saved result of mrts: it holds no array 'description'.")
+        most = max(DESCRIPTION_BYTES, DESCRIPTION_RATIO * archive.size)
+        said = read_description(path, archive.read("description", most).tobytes())
+        names = [name for name in archive.names if name != "description"]
+        for name in names:
+            if name not in KNOWN:
+                raise InputError(path, f"this array does not belong here. {DAMAGED}", key=name)
+        return said, {name: archive.read(name) for name in names}
 
 
 def _check_arrays(path: Path, arrays: Arrays, said: Description, cell: Cell) -> None:

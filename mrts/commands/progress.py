@@ -10,6 +10,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Protocol
 
 from mrts.commands.terminal import CLEAR_LINE, QUIET, is_terminal
+from mrts.printable import printable
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -31,7 +32,7 @@ def working(what: str) -> Iterator[Callable[[int, int], None]]:
     if QUIET.get() or not is_terminal(sys.stderr):
         yield lambda _done, _total: None
         return
-    display: _Display = _Line(what) if find_spec("rich") is None else _Bar(what)
+    display: _Display = (_Line if find_spec("rich") is None else _Bar)(printable(what))
     timer = threading.Timer(PATIENCE, display.start)
     timer.daemon = True
     timer.start()

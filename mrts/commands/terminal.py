@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: MIT
-"""What the command line prints: answers on standard output, remarks and errors on standard error."""
+"""What the command line prints: answers on standard output, remarks and errors on standard error.
+
+Whatever a user's files hold, only printable text, line breaks and the escapes of this file reach the terminal.
+"""
 
 import logging
 import os
 import sys
 from contextvars import ContextVar
 from typing import Literal, TextIO
+
+from mrts.printable import printable
 
 Style = Literal["plain", "strong", "bad", "note"]
 
@@ -21,12 +26,12 @@ QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
 def say(text: str, style: Style = "plain") -> None:
     """Print a line of the answer for people; nothing with --quiet."""
     if not QUIET.get():
-        print(_painted(text, style, sys.stdout))
+        print(_painted(printable(text, lines=True), style, sys.stdout))
 
 
 def put(text: str) -> None:
     """Print what was asked for by `-` in place of a file, with --quiet as well."""
-    print(text)
+    print(printable(text, lines=True))
 
 
 def warn(text: str) -> None:
@@ -55,7 +60,7 @@ def is_terminal(stream: TextIO) -> bool:
 
 def _remark(text: str, style: Style) -> None:
     start = CLEAR_LINE if is_terminal(sys.stderr) else ""  # what progress or a typed ^C left there
-    print(start + _painted(text, style, sys.stderr), file=sys.stderr)
+    print(start + _painted(printable(text, lines=True), style, sys.stderr), file=sys.stderr)
 
 
 def _painted(text: str, style: Style, stream: TextIO) -> str:

@@ -10,6 +10,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from mrts.atomic_file import write_atomically
 from mrts.plot_style import COLOURS, LONGEST_LABEL, shortened
+from mrts.printable import printable
 
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (7, 3)))
 """A second difference between lines, for print without colour."""
@@ -30,8 +31,8 @@ def line_style(index: int) -> dict[str, Any]:
 
 
 def plain_text(text: str) -> str:
-    """Text without a meaning for matplotlib, to which $ is mathematics."""
-    return text.replace("$", r"\$")
+    """Printable text without a meaning for matplotlib, to which $ is mathematics."""
+    return printable(text, lines=True).replace("$", r"\$")
 
 
 def plain(name: str, longest: int = LONGEST_LABEL) -> str:

@@ -4,6 +4,9 @@
 from collections.abc import Iterable, Sequence
 from html import escape
 
+from mrts.html_text import html_text
+from mrts.printable import printable
+
 
 class Html(str):
     """Text that is HTML already."""
@@ -12,13 +15,13 @@ class Html(str):
 
 
 def html(value: str) -> Html:
-    """Text as HTML; what is HTML already stays."""
-    return value if isinstance(value, Html) else Html(escape(value))
+    """Text as HTML, printable; what is HTML already stays."""
+    return value if isinstance(value, Html) else Html(html_text(value))
 
 
 def element(tag: str, content: str, **attributes: str) -> Html:
     """An element; `class_` and `for_` stand for the attributes `class` and `for`."""
-    words = "".join(f' {name.rstrip("_")}="{escape(value)}"' for name, value in attributes.items())
+    words = "".join(f' {name.rstrip("_")}="{html_text(value)}"' for name, value in attributes.items())
     return Html(f"<{tag}{words}>{html(content)}</{tag}>")
 
 
@@ -59,4 +62,4 @@ def plot_place(name: str, title: str, height: int) -> Html:
 
 def plot_text(text: str) -> str:
     """Text for plotly, which reads some HTML in names and labels, and TeX between two $."""
-    return escape(text, quote=False).replace("$", "&#36;")
+    return escape(printable(text, lines=True), quote=False).replace("$", "&#36;")
