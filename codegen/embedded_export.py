@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 from mrts_codegen.cell_description import IDENTIFIER
 
-from mrts.atomic_file import write_text_atomically
+from mrts.atomic_file import text_writer, write_together
 from mrts.embedded_vector import EmbeddedVector
 from mrts.errors import InputError
 from mrts.kernel_library import kernel_file
@@ -102,16 +102,15 @@ def _check_choices(name: str, precision: str, chosen: tuple[str, ...]) -> None:
 
 
 def write_library(folder: Path, texts: dict[str, str]) -> None:
-    """Write all files of a library, each whole or not at all.
+    """Write all files of a library, or none.
 
     Raises:
         InputError: If the folder cannot be written.
     """
+    write_together({folder / target: text_writer(text) for target, text in texts.items()})
     for left in (*NEEDS_ALL_PARTS, *(str(path.relative_to(folder)) for path in folder.glob("tests/*_vectors.h"))):
         if left not in texts:
             (folder / left).unlink(missing_ok=True)  # of an earlier export with more parts
-    for target, text in texts.items():
-        write_text_atomically(folder / target, text)
 
 
 def _words(manifest: Manifest, precision: Precision, vectors: int) -> dict[str, str]:

@@ -13,7 +13,7 @@ from mrts_codegen.cell_functions import build_functions
 from mrts_codegen.cell_model import CellModel, CellRobot, build_cell_model
 
 from mrts import __version__
-from mrts.atomic_file import write_text_atomically
+from mrts.atomic_file import text_writer, write_together
 from mrts.manifest import (
     FORMAT,
     MANIFEST_NAME,
@@ -46,9 +46,9 @@ class GeneratedCell:
     functions: dict[str, ca.Function]
 
     def write(self, folder: Path) -> None:
-        """Write the C file and, last, the manifest into `folder`, each whole or not at all."""
-        write_text_atomically(folder / self.manifest.source, self.c_source)
-        write_text_atomically(folder / MANIFEST_NAME, self.manifest.to_json())
+        """Write the C file and, last, the manifest into `folder`, both or none."""
+        texts = {self.manifest.source: self.c_source, MANIFEST_NAME: self.manifest.to_json()}
+        write_together({folder / name: text_writer(text) for name, text in texts.items()})
 
 
 def generate_cell(path: Path) -> GeneratedCell:

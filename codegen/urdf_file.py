@@ -48,7 +48,10 @@ def read_urdf(path: Path) -> Any:
 def _parse(path: Path, text: str) -> Any:
     # Undeclared prefixes (gazebo extensions) are common and harmless; anything worse than that is refused.
     parser = etree.XMLParser(resolve_entities=False, no_network=True, recover=True)
-    root = etree.fromstring(text.encode(), parser)
+    try:
+        root = etree.fromstring(text.encode(), parser)
+    except etree.XMLSyntaxError:  # it cannot recover from a file without any element
+        root = None
     fatal = [error for error in parser.error_log if error.type_name != "NS_ERR_UNDEFINED_NAMESPACE"]
     if root is None or fatal:
         place = f" at line {fatal[0].line}: {fatal[0].message}" if fatal else ""

@@ -22,9 +22,11 @@ def cache_folder() -> Path:
     Raises:
         InputError: If it cannot be made.
     """
-    named = os.environ.get("MRTS_CACHE_DIR")
-    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    folder = Path(named) if named else base / "mrts"
+    named, shared = os.environ.get("MRTS_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")
+    try:
+        folder = Path(named) if named else Path(shared or Path.home() / ".cache") / "mrts"
+    except RuntimeError:
+        raise InputError("MRTS_CACHE_DIR", "set it to a folder of yours: this user has no home folder.") from None
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     except OSError as error:

@@ -10,6 +10,7 @@ from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.errors import InputError, SolverError
 from mrts.infeasibility import Conflict
+from mrts.input_file import LARGEST_NUMBER
 from mrts.load_box import LoadPoint
 from mrts.load_sharing import LoadSharing
 from mrts.motion_table import JointTable
@@ -111,8 +112,9 @@ def retime(
 def _checked_question(cell: Cell, sharing: LoadSharing | None, load: str, start_speed: float, end_speed: float) -> str:
     """The question asked of the load, if all arguments keep their rules."""
     for name, speed in (("start_speed", start_speed), ("end_speed", end_speed)):
-        if isinstance(speed, bool) or not isinstance(speed, int | float) or not 0 <= speed < np.inf:
-            raise InputError(name, "must be a number >= 0, a multiple of the given motion's speed.", value=speed)
+        if isinstance(speed, bool) or not isinstance(speed, int | float) or not 0 <= speed <= LARGEST_NUMBER:
+            rule = f"must be a number from 0 to {LARGEST_NUMBER:.0e}, a multiple of the given motion's speed."
+            raise InputError(name, rule, value=speed)
     if (
         isinstance(sharing, LoadSharing)
         and sharing.internal_wrench is not None

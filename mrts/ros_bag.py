@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The scaled trajectory as a ROS 2 bag in MCAP format; needs the extra 'ros' (rosbags)."""
 
-import shutil
-import tempfile
 from pathlib import Path
 from typing import Any, Literal
 
@@ -10,6 +8,7 @@ import numpy as np
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from mrts.atomic_file import make_folder_atomically
 from mrts.cell import Robot
 from mrts.errors import InputError
 from mrts.result import ScalingResult
@@ -46,14 +45,7 @@ def write_ros_bag(result: ScalingResult, folder: Path) -> None:
     stamps = np.rint(done.time * NANOSECONDS).astype(np.int64)
     if not np.all(np.diff(stamps) > 0):
         raise InputError(folder, "samples lie less than a nanosecond apart at this speed, which ROS cannot tell apart.")
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}") as temporary:
-            bag = Path(temporary) / folder.name
-            _write(result, stamps, bag)
-            shutil.move(bag, folder)
-    except OSError as error:
-        raise InputError(folder, f"cannot be written: {error.strerror}.") from None
+    make_folder_atomically(folder, lambda bag: _write(result, stamps, bag))
 
 
 def _write(result: ScalingResult, stamps: np.typing.NDArray[np.int64], bag: Path) -> None:

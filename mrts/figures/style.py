@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
-from mrts.atomic_file import write_atomically
+from mrts.atomic_file import Write, write_atomically
 from mrts.plot_style import COLOURS, LONGEST_LABEL, shortened
 
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (7, 3)))
@@ -78,4 +78,9 @@ def write_figure(figure: Figure, path: Path) -> None:
     Raises:
         InputError: If it cannot be written.
     """
-    write_atomically(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
+    write_atomically(path, figure_writer(figure))
+
+
+def figure_writer(figure: Figure) -> Write:
+    """What writes a figure; the file name's ending chooses the format."""
+    return lambda path: figure.savefig(path, dpi=DPI)
