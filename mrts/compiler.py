@@ -63,6 +63,11 @@ def compile_library(command: tuple[str, ...], source: Path, library: Path) -> No
                 + "\n".join(said.strip().splitlines()[:SHOWN_LINES] or ["(it printed nothing)"])
                 + "\nSet CC to a working C compiler."
             )
+        if not output.is_file():
+            raise CompilerError(
+                f"the C compiler succeeded, but made no library: {shlex.join(arguments)}\n"
+                "Set CC to a working C compiler."
+            )
 
     write_atomically(library, run)
 
@@ -105,6 +110,8 @@ def _stop(process: "subprocess.Popen[str]") -> None:
     """End a compiler and its children; one that tidies up has a second for it."""
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGTERM)
-        with suppress(subprocess.TimeoutExpired):
-            process.wait(timeout=1)
-        os.killpg(process.pid, signal.SIGKILL)
+        try:
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(timeout=1)
+        finally:  # Ctrl-C comes again
+            os.killpg(process.pid, signal.SIGKILL)
