@@ -78,6 +78,7 @@ def make_folder_atomically(folder: Path, make: Write) -> None:
     Raises:
         InputError: If it cannot be made; then no other folder has been made either.
     """
+    folder = _resolved(folder)
     with (
         _named(folder),
         _made(folder.parent),

@@ -8,6 +8,7 @@ import numpy as np
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from mrts.argument_types import as_path, check_type
 from mrts.atomic_file import make_folder_atomically
 from mrts.cell import Robot
 from mrts.errors import InputError
@@ -22,7 +23,7 @@ NANOSECONDS = 1_000_000_000
 TYPES = get_typestore(Stores.ROS2_HUMBLE)
 
 
-def write_ros_bag(result: ScalingResult, folder: Path) -> None:
+def write_ros_bag(result: ScalingResult, folder: Path | str) -> None:
     """Write a bag: folder/metadata.yaml and folder/NAME.mcap, whole or not at all.
 
     Topics, for each robot: /ROBOT/joint_trajectory (trajectory_msgs/JointTrajectory, one message with positions,
@@ -37,6 +38,8 @@ def write_ros_bag(result: ScalingResult, folder: Path) -> None:
     Raises:
         InputError: If there is no trajectory, or the folder exists or cannot be made.
     """
+    check_type("result", result, ScalingResult)
+    folder = as_path("folder", folder)
     done = result.trajectory
     if done is None:
         raise InputError("trajectory", "there is none to write: no c² was chosen.", value=result.status.value)

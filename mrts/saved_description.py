@@ -211,5 +211,5 @@ def _check_sizes(path: Path, data: dict[str, Any]) -> None:
             left += [(f"{key}.{name}", inner) for name, inner in value.items()]
         elif isinstance(value, list):
             left += [(f"{key}.{place}", inner) for place, inner in enumerate(value)]
-        elif isinstance(value, int | float) and not abs(value) <= LARGEST_SAVED:
+        elif isinstance(value, int | float) and abs(value) > LARGEST_SAVED:
             raise InputError(path, f"must be at most {LARGEST_SAVED:.0e} in size. {DAMAGED}", key=key, value=value)

@@ -8,7 +8,10 @@ import pytest
 from conftest import DATA
 
 import mrts
+from mrts.figures import range_figure, write_figure, write_result_figures
+from mrts.ros_bag import write_ros_bag
 from mrts.solvers import DEFAULT_SOLVER
+from mrts.trajectory_table import write_trajectory_csv
 
 ZOO = [
     None,
@@ -50,6 +53,14 @@ METHODS = {
 """Methods that take what a user gives."""
 
 FUNCTIONS = [name for name in mrts.__all__ if inspect.isfunction(getattr(mrts, name))]
+WRITERS = {
+    "write_figure": write_figure,
+    "write_result_figures": write_result_figures,
+    "write_ros_bag": write_ros_bag,
+    "write_trajectory_csv": write_trajectory_csv,
+}
+"""Public functions that are not of `mrts` itself: their packages are extras."""
+
 BUILT = ("CoordinatedMotion", "LoadBox", "ObjectMotion")
 """Classes that a user builds; the others come out of functions."""
 
@@ -81,6 +92,10 @@ def good(planar_cell):
         "scale": search | with_solver | {"select": "auto", "formulation": "wrench", "weights": None, "load": "auto"},
         "torques_for_load": {"result": result, "load": planar_cell.load} | with_solver,
         "write_report": {"result": result, "path": "report.html"},
+        "write_figure": {"figure": range_figure(result), "path": "figure.png"},
+        "write_result_figures": {"result": result, "folder": "figures"},
+        "write_ros_bag": {"result": result, "folder": "bag"},
+        "write_trajectory_csv": {"result": result, "path": "trajectory.csv"},
         "CoordinatedMotion": joints | {"remarks": ()},
         "LoadBox": {"mass": 1.0, "inertia": np.eye(3), "ranges": {"mass": (0.5, 2.0)}, "outer_hull": False},
         "ObjectMotion": objects | {"smooth": True},
@@ -113,11 +128,12 @@ def test_every_public_function_is_thrown_at(good):
 
 
 @pytest.mark.parametrize(
-    "name", [*FUNCTIONS, *BUILT, *(f"{name}.{method}" for name, methods in METHODS.items() for method in methods)]
+    "name",
+    [*FUNCTIONS, *WRITERS, *BUILT, *(f"{name}.{method}" for name, methods in METHODS.items() for method in methods)],
 )
 def test_wrong_values_are_refused_by_name(name, good):
     home, _, method = name.partition(".")
-    called = getattr(getattr(mrts, home), method) if method else getattr(mrts, home)
+    called = WRITERS.get(name) or (getattr(getattr(mrts, home), method) if method else getattr(mrts, home))
     arguments = good[name]
     called(**arguments)
     motion = good["scale"]["motion"]
@@ -149,6 +165,8 @@ def test_the_message_names_the_argument_what_it_must_be_and_what_it_is(planar_ce
         (lambda: mrts.save_result(1, 2), "result = 1: must be a result of mrts.scale; it is of type int."),
         (lambda: mrts.rank_configurations(cell, lift, cap="x"), "cap = 'x': must be a whole number; it is of"),
         (lambda: mrts.scale(cell, lift, sharing="equal"), "sharing = 'equal': must be a LoadSharing"),
+        (lambda: mrts.retime(cell, lift, start_speed=1e200), "start_speed = 1e+200: must be a number from 0 to 1e+12"),
+        (lambda: mrts.retime(cell, lift, end_speed=1e200), "end_speed = 1e+200: must be a number from 0 to 1e+12"),
         (lambda: mrts.scale(cell, lift, progress=0), "progress = 0: must be a function; it is of type int"),
     ):
         with pytest.raises(mrts.InputError) as refused:

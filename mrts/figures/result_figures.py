@@ -5,6 +5,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from mrts.argument_types import as_path, check_type
 from mrts.atomic_file import write_together
 from mrts.figures.c2_range import range_figure
 from mrts.figures.loads import study_figure
@@ -14,7 +15,7 @@ from mrts.figures.trajectory import trajectory_figure
 from mrts.result import ScalingResult
 
 
-def write_result_figures(result: ScalingResult, folder: Path, *others: tuple[str, Figure]) -> None:
+def write_result_figures(result: ScalingResult, folder: Path | str, *others: tuple[str, Figure]) -> None:
     """Write the range of c², the study of the load, and torques, wrenches, power and energy of the trajectory.
 
     Args:
@@ -25,6 +26,8 @@ def write_result_figures(result: ScalingResult, folder: Path, *others: tuple[str
     Raises:
         InputError: If a file cannot be written.
     """
+    check_type("result", result, ScalingResult)
+    folder = as_path("folder", folder)
     figures = {"c2_range.png": range_figure(result)}
     if result.load is not None and result.load.ranges:
         figures["load_study.png"] = study_figure(result)

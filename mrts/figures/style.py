@@ -8,7 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
+from mrts.argument_types import as_path, check_type
 from mrts.atomic_file import Write, write_atomically
+from mrts.errors import InputError
 from mrts.plot_style import COLOURS, LONGEST_LABEL, shortened
 
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (7, 3)))
@@ -72,12 +74,17 @@ def finish(axes: Axes, xlabel: str, ylabel: str) -> None:
     axes.margins(x=0)
 
 
-def write_figure(figure: Figure, path: Path) -> None:
+def write_figure(figure: Figure, path: Path | str) -> None:
     """Write a figure, whole or not at all; the file name's ending chooses the format.
 
     Raises:
-        InputError: If it cannot be written.
+        InputError: If it cannot be written, or there is no such format.
     """
+    check_type("figure", figure, Figure)
+    path = as_path("path", path)
+    formats = figure.canvas.get_supported_filetypes()
+    if path.suffix[1:].lower() not in formats:
+        raise InputError(path, f"the ending chooses a figure's format; there are {', '.join(sorted(formats))}.")
     write_atomically(path, figure_writer(figure))
 
 
