@@ -100,8 +100,6 @@ def check_writable(path: Path) -> None:
     """
     target = _resolved(path)
     with _named(target):
-        if target.is_dir():
-            raise InputError(target, "cannot be written: it is a folder; name a file.")
         if _is_special(target):
             return  # to open it may wait for a reader
         with suppress(_TriedError), _temporary_file(target):
@@ -166,7 +164,13 @@ def _made(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def _temporary_file(path: Path) -> Iterator[Path]:
-    """An empty file beside `path`, gone at the end unless it was renamed."""
+    """An empty file beside `path`, gone at the end unless it was renamed.
+
+    Raises:
+        InputError: If `path` is a folder.
+    """
+    if path.is_dir():
+        raise InputError(path, "cannot be written: it is a folder; name a file.")
     with _made(path.parent):
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix)
         temporary = Path(name)

@@ -13,7 +13,9 @@ import pytest
 from conftest import DATA, ROOT
 from test_command_line import mrts_command
 
+from mrts.atomic_file import text_writer, write_together
 from mrts.cli import main
+from mrts.errors import InputError
 
 FILES = (DATA / "cell.yaml", DATA / "lift.yaml")
 GENERATED = ROOT / "generated" / "planar_dual_arm"
@@ -185,6 +187,16 @@ def test_folders_are_complete_or_untouched(tmp_path):
     assert b"large.c: cannot be written: File too large." in done.stderr
     assert [path.name for path in tmp_path.rglob("*")] == ["old"]
     assert (tmp_path / "old").read_text() == "old"
+
+
+def test_files_that_belong_together_are_written_all_or_none(tmp_path):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "first").write_text("old")
+    files = {tmp_path / name: text_writer("new") for name in ("first", "new/second", "folder")}
+    with pytest.raises(InputError, match="folder: cannot be written: it is a folder; name a file"):
+        write_together(files)
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["first", "folder"]
+    assert (tmp_path / "first").read_text() == "old"
 
 
 @pytest.mark.parametrize(

@@ -62,8 +62,13 @@ class Outputs:
         except MrtsError as error:
             self.failed = True
             fail(f"error: {error}")
-        except Exception as error:  # noqa: BLE001 (raised again by `code`)
+        except Exception as error:  # noqa: BLE001 (raised again by `raise_defect`)
             self.defect = self.defect or error
+
+    def raise_defect(self) -> None:
+        """Raise what no writer should have raised, if one did."""
+        if self.defect is not None:
+            raise self.defect
 
     def code(self, outcome: int) -> int:
         """The exit code, once the answer has been printed.
@@ -71,6 +76,5 @@ class Outputs:
         Args:
             outcome: What it is if all outputs were written.
         """
-        if self.defect is not None:
-            raise self.defect
+        self.raise_defect()
         return BAD_INPUT if self.failed else outcome

@@ -141,6 +141,7 @@ def _scale(
             _write(options, error.result, outputs)
             if str(options.json) == "-":
                 put(error.result.json_text())
+            outputs.raise_defect()
         raise
     with working("writing"):  # files first: whoever reads the lines may go away
         _write(options, result, outputs)
