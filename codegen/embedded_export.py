@@ -9,7 +9,7 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 
-from mrts.atomic_file import write_text_atomically
+from mrts.atomic_file import text_writer, write_together
 from mrts.embedded_vector import EmbeddedVector
 from mrts.errors import InputError
 from mrts.input_file import IDENTIFIER, LONGEST_NAME
@@ -114,16 +114,15 @@ def _check_choices(name: str, precision: str, chosen: tuple[str, ...]) -> None:
 
 
 def write_library(folder: Path, texts: dict[str, str]) -> None:
-    """Write all files of a library, each whole or not at all.
+    """Write all files of a library, or none.
 
     Raises:
         InputError: If the folder cannot be written.
     """
+    write_together({folder / target: text_writer(text) for target, text in texts.items()})
     for left in (*NEEDS_ALL_PARTS, *(str(path.relative_to(folder)) for path in folder.glob("tests/*_vectors.h"))):
         if left not in texts:
             (folder / left).unlink(missing_ok=True)  # of an earlier export with more parts
-    for target, text in texts.items():
-        write_text_atomically(folder / target, text)
 
 
 def _words(manifest: Manifest, precision: Precision, vectors: int) -> dict[str, str]:

@@ -14,7 +14,7 @@ from mrts_codegen.cell_functions import build_functions
 from mrts_codegen.cell_model import CellModel, CellRobot, build_cell_model
 
 from mrts import __version__
-from mrts.atomic_file import write_text_atomically
+from mrts.atomic_file import text_writer, write_together
 from mrts.manifest import (
     FORMAT,
     MANIFEST_NAME,
@@ -50,14 +50,14 @@ class GeneratedCell:
     functions: dict[str, ca.Function]
 
     def write(self, folder: Path, *, private: bool = False) -> None:
-        """Write the C file and, last, the manifest into `folder`, each whole or not at all.
+        """Write the C file and, last, the manifest into `folder`, both or none.
 
         Args:
             folder: Where.
             private: Whether nobody else may read or write the files.
         """
-        write_text_atomically(folder / self.manifest.source, self.c_source, private=private)
-        write_text_atomically(folder / MANIFEST_NAME, self.manifest.to_json(), private=private)
+        texts = {self.manifest.source: self.c_source, MANIFEST_NAME: self.manifest.to_json()}
+        write_together({folder / name: text_writer(text) for name, text in texts.items()}, private=private)
 
 
 def generate_cell(path: Path) -> GeneratedCell:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A cell ready to be asked: its data and its bound functions."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
@@ -8,6 +9,7 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
+from mrts.argument_types import as_path, check_type
 from mrts.cell_cache import generated_in_cache, virtual_machine_functions
 from mrts.cell_functions import Backend, CellFunctions, bind_functions
 from mrts.errors import InputError, as_array
@@ -186,6 +188,7 @@ class Cell:
         Raises:
             InputError: If a range breaks a rule.
         """
+        check_type("outer_hull", outer_hull, bool)
         if not ranges and not outer_hull:
             return replace(self, load_box=None)
         if np.any(self.load[1:4] != 0):
@@ -224,6 +227,7 @@ class Cell:
         Raises:
             InputError: If a name is unknown or a posture has the wrong length or is not finite.
         """
+        check_type("postures", postures, Mapping)
         known = {robot.name: robot for robot in self.robots}
         for name, posture in postures.items():
             if name not in known:
@@ -254,9 +258,10 @@ def load_cell(path: Path | str, *, backend: Backend = "auto") -> Cell:
         InputError: If the cell file, a URDF or the generated folder breaks a rule.
         CompilerError: If the compiler fails.
     """
+    check_type("backend", backend, str)
     if backend not in {"auto", "compiled", "vm"}:
         raise InputError("backend", "must be 'auto', 'compiled' or 'vm'.", value=backend)
-    path = Path(path)
+    path = as_path("path", path)
     if path.is_dir() or path.name == MANIFEST_NAME:
         manifest, source = read_generated(path if path.is_dir() else path.parent)
         return cell_from_manifest(manifest, bind_functions(manifest, source, backend, None))

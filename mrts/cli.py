@@ -1,14 +1,11 @@
 # SPDX-License-Identifier: MIT
 # PYTHON_ARGCOMPLETE_OK
-"""The command line `mrts`; its verbs are in mrts/commands.
-
-Exit codes: 0 feasible, 1 a named infeasible outcome, 2 bad input.
-"""
+"""The command line `mrts`; its verbs are in mrts/commands, its exit codes in mrts/commands/exit_codes.py."""
 
 import argparse
 import difflib
-import io
 import logging
+import signal
 import sys
 from collections.abc import Sequence
 from typing import NoReturn
@@ -16,21 +13,26 @@ from typing import NoReturn
 from mrts import __version__
 from mrts.commands import configurations, demo, export, generate, report, scale, view
 from mrts.commands.completion import complete
-from mrts.commands.exit_codes import BAD_INPUT
-from mrts.commands.interrupt import persistent_interrupt
-from mrts.commands.terminal import QUIET, RemarkHandler, fail
+from mrts.commands.defect import describe_defect, trace
+from mrts.commands.exit_codes import BAD_INPUT, DEFECT, PIPE_CLOSED, SIGNALLED
+from mrts.commands.interrupt import EndedBySignal, persistent_interrupt
+from mrts.commands.terminal import (
+    QUIET,
+    RemarkHandler,
+    encode_anything,
+    fail,
+    fail_raw,
+    flush_answer,
+    open_closed_streams,
+)
 from mrts.errors import MrtsError
 from mrts.printable import message_text
 
 VERBS = (demo, generate, scale, configurations, view, report, export)
 """In the order of `--help`."""
 
-PIPE_CLOSED = 141
-"""What a shell reports of a program whose reader went away."""
-
-INTERRUPTED = 130
-"""What a shell expects of a program that Ctrl-C ended."""
-
+ENDINGS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "the terminal is gone"}
+"""What is said when a signal ends the work."""
 
 QUIET_HELP = "print nothing but errors and what an option '-' asks for; files are written all the same"
 
@@ -41,7 +43,10 @@ examples:
   mrts scale cell.yaml motion.yaml --plot plots   the same with figures
   mrts VERB --help                                options and examples of a verb
 
-exit code: 0 feasible, 1 a named infeasible outcome, 2 bad input"""
+exit code: 0 feasible, 1 a named infeasible outcome, 2 bad input or an output that cannot be written,
+  70 a defect of mrts, 130 Ctrl-C, 141 the reader of the output went away, 129 and 143 other signals"""
+
+DEBUG_HELP = "print the traceback of a defect of mrts, for a report of it"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -53,33 +58,53 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         Exit code.
     """
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # c² on a terminal without ²
+    open_closed_streams()
+    encode_anything()
+    options: argparse.Namespace | None = None
+    try:
+        try:
+            options = _options(arguments)
+        finally:
+            flush_answer()  # of --help
+        with persistent_interrupt():
+            code: int = options.run(options)
+            flush_answer()
+    except MrtsError as error:
+        fail(f"error: {error}")
+        return BAD_INPUT
+    except BrokenPipeError:
+        return PIPE_CLOSED
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        fail(f"error: {place}the system says: {error.strerror or error}.")
+        return BAD_INPUT
+    except KeyboardInterrupt as error:
+        number = error.number if isinstance(error, EndedBySignal) else signal.SIGINT
+        fail(ENDINGS[signal.Signals(number)])
+        return SIGNALLED + number
+    except (Exception, SystemExit) as error:
+        if options is None and isinstance(error, SystemExit):
+            raise  # argparse has answered
+        if options is not None and options.debug:
+            fail_raw(trace(error))
+        fail(describe_defect(error))
+        return DEFECT
+    return code
+
+
+def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
+    """What the line asks for.
+
+    Raises:
+        SystemExit: If argparse has answered by itself.
+    """
     logging.basicConfig(handlers=[RemarkHandler()], level=logging.WARNING)
     parser, verbs = _parser()
     complete(parser)
     _check_verb(parser, verbs, sys.argv[1:] if arguments is None else arguments)
     options = parser.parse_args(arguments)
     QUIET.set(options.quiet)
-    try:
-        with persistent_interrupt():
-            code: int = options.run(options)
-        sys.stdout.flush()
-    except MrtsError as error:
-        fail(f"error: {error}")
-        return BAD_INPUT
-    except BrokenPipeError:
-        sys.stderr.close()  # the reader went away; nothing more to say
-        return PIPE_CLOSED
-    except OSError as error:
-        sys.stdout = None  # its buffer cannot be written; Python would try again at exit
-        fail(f"error: cannot write: {error.strerror}")
-        return BAD_INPUT
-    except KeyboardInterrupt:
-        fail("interrupted")
-        return INTERRUPTED
-    return code
+    return options
 
 
 class _Parser(argparse.ArgumentParser):
@@ -100,12 +125,14 @@ def _parser() -> tuple[argparse.ArgumentParser, list[str]]:
     )
     parser.add_argument("--version", action="version", version=f"mrts {__version__}")
     parser.add_argument("-q", "--quiet", action="store_true", help=QUIET_HELP)
+    parser.add_argument("--debug", action="store_true", help=DEBUG_HELP)
     verbs = parser.add_subparsers(required=True, metavar="VERB")
     for verb in VERBS:
         verb.add(verbs)
     for of_verb in verbs.choices.values():
         of_verb.formatter_class = argparse.RawDescriptionHelpFormatter
         of_verb.add_argument("-q", "--quiet", action="store_true", default=argparse.SUPPRESS, help=QUIET_HELP)
+        of_verb.add_argument("--debug", action="store_true", default=argparse.SUPPRESS, help=DEBUG_HELP)
     return parser, list(verbs.choices)
 
 

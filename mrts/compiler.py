@@ -4,7 +4,9 @@
 import os
 import shlex
 import shutil
+import signal
 import subprocess  # fixed flags, no shell, the command is the user's own CC
+from contextlib import suppress
 from pathlib import Path
 
 from mrts.atomic_file import write_atomically
@@ -15,6 +17,9 @@ FLAGS = ("-std=c99", "-O2", "-fPIC", "-shared", "-ffp-contract=off")
 
 CANDIDATES = ("cc", "gcc", "clang")
 SHOWN_LINES = 6
+
+PATIENCE = 600.0
+"""The longest that a compiler may take [s]: a cell takes a few seconds, and a minute on a small board."""
 
 
 def find_compiler() -> tuple[str, ...] | None:
@@ -51,18 +56,62 @@ def compile_library(command: tuple[str, ...], source: Path, library: Path) -> No
 
     def run(output: Path) -> None:
         arguments = [*command, *FLAGS, str(source), "-o", str(output), "-lm"]
-        try:
-            done = subprocess.run(arguments, capture_output=True, text=True, errors="replace", check=False)  # noqa: S603
-        except OSError as error:
+        code, said = _run(arguments)
+        if code != 0:
             raise CompilerError(
-                f"the C compiler cannot be run: {error.strerror}: {command[0]}. Set CC to a working C compiler."
-            ) from None
-        if done.returncode != 0:
-            said = [line for line in (done.stderr or done.stdout).splitlines() if line.strip()][:SHOWN_LINES]
-            raise CompilerError(
-                f"the C compiler failed with exit code {done.returncode}: {shlex.join(arguments)}\n"
-                + "\n".join(said or ["(it printed nothing)"])
+                f"the C compiler failed with exit code {code}: {shlex.join(arguments)}\n"
+                + "\n".join(said.strip().splitlines()[:SHOWN_LINES] or ["(it printed nothing)"])
                 + "\nSet CC to a working C compiler."
+            )
+        if not output.is_file():
+            raise CompilerError(
+                f"the C compiler succeeded, but made no library: {shlex.join(arguments)}\n"
+                "Set CC to a working C compiler."
             )
 
     write_atomically(library, run, private=True)
+
+
+def _run(arguments: list[str]) -> tuple[int, str]:
+    """Exit code of a compiler, and what it printed, whatever its encoding.
+
+    Raises:
+        CompilerError: If it cannot be started, or is not done in time.
+    """
+    try:
+        process = subprocess.Popen(  # noqa: S603
+            arguments,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            encoding="utf-8",
+            errors="replace",
+            process_group=0,
+        )
+    except OSError as error:
+        raise CompilerError(
+            f"the C compiler {shlex.join(arguments[:1])} cannot be started: {error.strerror}. Set CC to a working one."
+        ) from None
+    with process:
+        try:
+            output, errors = process.communicate(timeout=PATIENCE)
+        except subprocess.TimeoutExpired:
+            raise CompilerError(
+                f"the C compiler was not done after {PATIENCE:g} s and was stopped: {shlex.join(arguments)}\n"
+                "Set CC to a working C compiler."
+            ) from None
+        finally:
+            if process.returncode is None:  # too slow, or Ctrl-C: its own children end with it
+                _stop(process)
+    return process.returncode, errors or output
+
+
+def _stop(process: "subprocess.Popen[str]") -> None:
+    """End a compiler and its children; one that tidies up has a second for it."""
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGTERM)
+        try:
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(timeout=1)
+        finally:  # Ctrl-C comes again
+            os.killpg(process.pid, signal.SIGKILL)

@@ -6,10 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from types import NoneType
 
 import numpy as np
 
 from mrts.analytic_inverse_kinematics import analytic_branches
+from mrts.argument_types import as_path, check_callable, check_type
 from mrts.atomic_file import write_text_atomically
 from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion, check_motion
@@ -22,7 +24,7 @@ from mrts.planar_inverse_kinematics import has_closed_form, planar_branches
 from mrts.rigid_transform import Array
 from mrts.robot import Robot
 from mrts.scaling_range import ScalingRange, ScalingStatus, intersect
-from mrts.solvers import DEFAULT_SOLVER
+from mrts.solvers import DEFAULT_SOLVER, check_solver
 from mrts.trajectory_programs import motion_ranges
 from mrts.uncertain_load import Progress, study_load
 
@@ -152,7 +154,7 @@ class ConfigurationStudy:
         Raises:
             InputError: If the file cannot be written.
         """
-        write_text_atomically(Path(path), self.json_text() + "\n")
+        write_text_atomically(as_path("path", path), self.json_text() + "\n")
 
 
 def rank_configurations(
@@ -184,6 +186,12 @@ def rank_configurations(
         InputError: If the cap is below 1, or an arm has too few joints.
         MotionError: If the object leaves the plane of a planar cell.
     """
+    check_type("cell", cell, Cell)
+    check_type("motion", motion, ObjectMotion)
+    check_type("cap", cap, int)
+    check_type("sharing", sharing, LoadSharing, NoneType)
+    check_callable("progress", progress)
+    check_solver(solver)
     if cap < 1:
         raise InputError("cap", "must be at least 1.", value=cap)
     check_motion(cell, motion)

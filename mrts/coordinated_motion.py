@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mrts.argument_types import check_type
 from mrts.cell import Cell
 from mrts.errors import InputError, MotionError, as_array
 from mrts.grasp_closure import check_closure, in_world, tip_motions
@@ -45,7 +46,9 @@ class CoordinatedMotion:
     remarks: tuple[Remark, ...] = ()
 
     def __post_init__(self) -> None:
-        joints = np.shape(self.q)[-1] if np.ndim(self.q) == 2 else 0  # noqa: PLR2004 (a matrix)
+        check_type("object", self.object, ObjectMotion)
+        q = as_array("q", self.q)
+        joints = q.shape[-1] if q.ndim == 2 else 0  # noqa: PLR2004 (a matrix)
         for name in ("q", "dq", "ddq"):
             value = as_array(name, getattr(self, name))
             object.__setattr__(self, name, value)
@@ -93,6 +96,8 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
         MotionError: If the object leaves the plane of a planar cell, or an arm cannot reach, is singular, loses its
             branch or passes a joint limit; names robot, joint and sample.
     """
+    check_type("cell", cell, Cell)
+    check_type("motion", motion, ObjectMotion)
     check_motion(cell, motion)
     q, dq, ddq = follow_grasps(cell, motion, starting_positions(cell, motion))
     for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
@@ -112,6 +117,8 @@ def coordinate(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion
         InputError: If a joint table does not fit the cell.
         MotionError: If the arms cannot follow the object, or a joint table does not close the chain.
     """
+    check_type("cell", cell, Cell)
+    check_type("motion", motion, ObjectMotion, JointTable, CoordinatedMotion)
     if isinstance(motion, ObjectMotion):
         return follow_object(cell, motion)
     if isinstance(motion, JointTable):
@@ -132,7 +139,10 @@ def _follow_joints(cell: Cell, table: JointTable) -> CoordinatedMotion:
         for part in (table.positions, table.velocities, table.accelerations)
     )
     check_joint_limits(cell, table.time, q)
-    given = carried_by_first(cell, table.time, q, dq, ddq)
+    try:
+        given = carried_by_first(cell, table.time, q, dq, ddq)
+    except InputError as error:
+        raise InputError(table.path, error.rule, key=f"the object's {error.where}") from None
     check_closure(cell, given.object, q, dq, ddq, str(table.path))
     return given
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`mrts demo`: the examples of the paper's section VI, beside the paper's own numbers."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.resources import as_file, files
 from pathlib import Path
@@ -9,7 +8,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from mrts.atomic_file import write_text_atomically
+from mrts.atomic_file import Write, text_writer, write_together
 from mrts.binding_rows import row_labels
 from mrts.cell import Cell, load_cell
 from mrts.input_file import Finite, Positive, StrictModel, read_model
@@ -142,32 +141,41 @@ def _four_digits(value: float) -> str:
     return f"{value:#.4g}"
 
 
-def write_demo_files(folder: Path, rows: list[DemoRow], *, note: Callable[[str], None]) -> None:
+def write_demo_files(folder: Path, rows: list[DemoRow]) -> bool:
     """Write the figures 4 to 8, the one of the uncertain load, and a copy of the example's input files to start from.
 
     Args:
-        folder: Made if missing.
+        folder: Made if missing; it gets all files or none.
         rows: The demo's results.
-        note: Told what was left out, one line.
+
+    Returns:
+        Whether there are figures: they need the extra 'plot'.
 
     Raises:
         InputError: If the folder cannot be written.
     """
-    for name in EXAMPLE_FILES:
-        text = (files("mrts") / "data" / "planar_dual_arm" / name).read_text(encoding="utf-8")
-        write_text_atomically(folder / "planar_dual_arm" / name, text)
+    texts = {name: (files("mrts") / "data" / "planar_dual_arm" / name).read_text("utf-8") for name in EXAMPLE_FILES}
+    writers = {folder / "planar_dual_arm" / name: text_writer(text) for name, text in texts.items()}
+    figures = _figure_writers(rows)
+    write_together(writers | {folder / name: write for name, write in figures.items()})
+    return bool(figures)
+
+
+def _figure_writers(rows: list[DemoRow]) -> dict[str, Write]:
+    """What writes each figure, by file name; none without matplotlib."""
     try:
-        from mrts.figures import load_figure, trajectory_figure, write_figure  # noqa: PLC0415 (the extra 'plot')
-    except ModuleNotFoundError:
-        note("the figures need matplotlib: pip install 'mrts[plot]'")
-        return
+        from mrts.figures import load_figure, trajectory_figure  # noqa: PLC0415 (the extra 'plot')
+        from mrts.figures.style import figure_writer  # noqa: PLC0415
+    except ImportError:
+        return {}
+    writers = {}
     for row in rows:
         if row.case.figure is not None:
             title = f"Figure {row.case.figure}: {row.case.id}, {row.case.title}, c² = {_four_digits(row.c2)}"
-            write_figure(trajectory_figure(row.result, title), folder / f"figure_{row.case.figure}.png")
-    for row in rows:
+            writers[f"figure_{row.case.figure}.png"] = figure_writer(trajectory_figure(row.result, title))
         if row.result.load is not None:
             cell, motion = row.result.cell, row.result.motion
             answers = {name: scale(cell, motion, load=name) for name in ("possible", "nominal")}
             answers["guaranteed"] = row.result
-            write_figure(load_figure(answers), folder / "uncertain_load.png")
+            writers["uncertain_load.png"] = figure_writer(load_figure(answers))
+    return writers

@@ -83,7 +83,7 @@ def as_array(name: str, value: object) -> "NDArray[np.float64]":
 
     try:
         return np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(name, "must be numbers of one rectangular shape.", value=value) from None
 
 

@@ -44,10 +44,13 @@ class KernelLibrary:
 
     Raises:
         OSError: If it cannot be loaded.
+        AttributeError: If it lacks a function.
     """
 
     def __init__(self, library: Path) -> None:
         self.loaded = ctypes.CDLL(str(library))
+        for name in ("mrts_lp_batch", "mrts_qp_batch"):
+            getattr(self.loaded, name)
 
     def linear_programs(self, g: Array, A: Array, lower: Array, upper: Array) -> tuple[Array, Array, NDArray[np.uint8]]:
         """Minimise gᵀx in every program of a batch; shapes as in `quadratic_programs`."""
@@ -117,19 +120,21 @@ def load_or_rebuild(command: tuple[str, ...], name: str, source: str, load: Call
         command: Compiler, from `find_compiler`.
         name: Of its files.
         source: Its C text.
-        load: Raises OSError where the file cannot be loaded.
+        load: Raises OSError where the file cannot be loaded, AttributeError where it lacks a function.
 
     Raises:
         CompilerError: If the compiler fails, or makes what cannot be loaded.
     """
     try:
         return load(library_in_cache(command, name, source))
-    except OSError:
+    except (OSError, AttributeError):
         pass
     try:
         return load(library_in_cache(command, name, source, rebuild=True))
-    except OSError as error:
-        raise CompilerError(f"the compiled library of {name} cannot be loaded: {error}") from None
+    except (OSError, AttributeError) as error:
+        raise CompilerError(
+            f"what compiler {' '.join(command)} made of {name} cannot be loaded: {error}. Set CC to a working one."
+        ) from None
 
 
 def kernel_library(command: tuple[str, ...]) -> KernelLibrary:

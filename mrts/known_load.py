@@ -5,13 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from mrts.argument_types import check_type
 from mrts.errors import InputError
 from mrts.result import ScalingResult
 from mrts.rigid_transform import Array
 from mrts.scaled_trajectory import ScaledTrajectory
 from mrts.scaling import END_TOLERANCE, SelectionError
 from mrts.scaling_range import intersect
-from mrts.solvers import DEFAULT_SOLVER
+from mrts.solvers import DEFAULT_SOLVER, check_solver
 from mrts.torque_distribution import torque_weights
 from mrts.trajectory_programs import motion_ranges, motion_torques
 
@@ -34,6 +35,8 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
         SelectionError: If this load cannot be carried at that c²; its `result` holds the range that it admits.
         SolverError: If no solver answers.
     """
+    check_type("result", result, ScalingResult)
+    check_solver(solver)
     if result.trajectory is None:
         raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
     cell, motion, c2 = result.cell.with_load(load), result.motion, result.trajectory.c2

@@ -5,10 +5,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import permutations, product
 from numbers import Real
+from types import NoneType
 from typing import Any, Self
 
 import numpy as np
 
+from mrts.argument_types import check_type
 from mrts.errors import InputError, as_array
 from mrts.manifest import LOAD_ENTRIES
 from mrts.rigid_transform import Array
@@ -31,6 +33,9 @@ EQUAL_MOMENTS = 1e-9
 
 AXES_TOLERANCE = 1e-9
 """Principal axes this close to the object's axes are the object's axes."""
+
+LARGEST_DRAW = 1_000_000
+"""Most loads that are drawn at once: more would fill the memory."""
 
 OUTER_HULL_ADVICE = (
     "a range of the centre of mass itself enters the inertia as mass × offset², so the corners of the box do not span "
@@ -91,6 +96,10 @@ class LoadBox:
     principal_moments: Array = field(init=False)
 
     def __post_init__(self) -> None:
+        if not _is_number(self.mass) or not self.mass > 0:
+            raise InputError("mass", "must be a finite number > 0, in kg.", value=self.mass)
+        check_type("ranges", self.ranges, Mapping)
+        check_type("outer_hull", self.outer_hull, bool)
         inertia = as_array("inertia", self.inertia)
         if inertia.shape != (3, 3) or not np.all(np.isfinite(inertia)):
             raise InputError("inertia", "must be finite with Shape (3, 3).", value=self.inertia)
@@ -135,6 +144,7 @@ class LoadBox:
         Raises:
             InputError: If a parameter does not vary in this box or its value is outside its range.
         """
+        check_type("parameters", parameters, Mapping)
         for name, value in parameters.items():
             if name not in self.ranges:
                 known = ", ".join(self.ranges)
@@ -159,8 +169,16 @@ class LoadBox:
 
         Args:
             varying: Parameters to vary; None varies all. Others stay nominal.
+
+        Raises:
+            InputError: If one is no parameter of this box.
         """
+        check_type("varying", varying, tuple, NoneType)
         names = self.varying if varying is None else varying
+        for name in names:
+            if name not in self.ranges:
+                known = ", ".join(self.ranges)
+                raise InputError("varying", f"is not a parameter of this box; those are {known}.", value=name)
         choices: list[list[tuple[float, float]]] = []
         for name in names:
             low, high = self.ranges[name]
@@ -180,7 +198,14 @@ class LoadBox:
         Args:
             rng: Source of randomness, as `numpy.random.default_rng(seed)`.
             count: How many.
+
+        Raises:
+            InputError: If an argument is wrong.
         """
+        check_type("rng", rng, np.random.Generator)
+        check_type("count", count, int)
+        if not 0 <= count <= LARGEST_DRAW:
+            raise InputError("count", f"must be from 0 to {LARGEST_DRAW}.", value=count)
         draws = {name: rng.uniform(*self.ranges[name], size=count) for name in self.varying}
         points = []
         for index in range(count):
@@ -255,7 +280,7 @@ def range_problem(ranges: Mapping[str, tuple[float, float]], *, outer_hull: bool
 def _one_range_problem(name: str, pair: Any) -> str:
     if name not in PARAMETERS:
         return f"unknown parameter '{name}'; there are {', '.join(PARAMETERS)}."
-    given = list(pair) if isinstance(pair, Sequence | np.ndarray) else []
+    given = list(pair) if isinstance(pair, Sequence) or np.ndim(pair) else []
     if len(given) != 2 or not all(_is_number(end) for end in given):  # noqa: PLR2004 (two ends)
         return f"{name} = {pair!r} must be two finite numbers, [least, largest]."
     low, high = map(float, given)
@@ -272,7 +297,12 @@ def _one_range_problem(name: str, pair: Any) -> str:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool) and bool(np.isfinite(float(value)))
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return False
+    try:
+        return bool(np.isfinite(float(value)))
+    except OverflowError:  # a whole number may be larger than any other
+        return False
 
 
 def principal_axes(inertia: Array) -> Array:

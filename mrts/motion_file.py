@@ -8,6 +8,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from mrts.argument_types import as_path, check_type
 from mrts.errors import InputError
 from mrts.input_file import Pose, StrictModel, broken_rule, read_model
 from mrts.motion_table import MAX_SAMPLES, JointTable, read_joint_table, read_object_table, read_table
@@ -85,7 +86,7 @@ def load_motion(path: Path | str) -> ObjectMotion | JointTable:
     Raises:
         InputError: If the file or a table that it names is missing, malformed, or breaks a rule.
     """
-    path = Path(path)
+    path = as_path("path", path)
     if _is_bag(path):
         return _read_bag(path, None)
     if path.suffix.lower() == ".csv":
@@ -120,6 +121,7 @@ def sample_motion(description: MotionDescription) -> ObjectMotion:
     Raises:
         InputError: If the motion is a table, which `load_motion` reads, or two waypoints are the same.
     """
+    check_type("description", description, MotionDescription)
     if description.profile is None or description.duration is None:
         raise InputError("description", "is that of a table; load it with load_motion.")
     poses = description.waypoints or [description.start or Pose(), description.end or Pose()]

@@ -6,6 +6,7 @@ from dataclasses import InitVar, dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from mrts.argument_types import check_type
 from mrts.errors import InputError, as_array
 from mrts.rigid_transform import Array
 from mrts.velocity_profile import Profile
@@ -50,6 +51,7 @@ class ObjectMotion:
         return f"<ObjectMotion: {len(self.time)} samples in {self.time[-1]:.4g} s>"
 
     def __post_init__(self, smooth: bool) -> None:
+        check_type("smooth", smooth, bool)
         shapes = {"time": (), "position": (3,), "rotation": (3, 3), "twist": (6,), "acceleration": (6,)}
         time = as_array("time", self.time)
         if time.ndim != 1 or len(time) < 2 or time[0] != 0 or not np.all(np.diff(time) > 0):  # noqa: PLR2004 (two ends)

@@ -8,6 +8,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from mrts.argument_types import as_path
 from mrts.atomic_file import write_text_atomically
 from mrts.cell import Cell
 from mrts.constraints import cell_rows
@@ -256,7 +257,7 @@ class ScalingResult:
         Raises:
             InputError: If the file cannot be written.
         """
-        write_text_atomically(Path(path), self.json_text() + "\n")
+        write_text_atomically(as_path("path", path), self.json_text() + "\n")
 
 
 def _overstep(cell: Cell, done: ScaledTrajectory) -> float:

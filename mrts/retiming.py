@@ -3,13 +3,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from types import NoneType
 
 import numpy as np
 
+from mrts.argument_types import check_callable, check_type
 from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.errors import InputError, SolverError
 from mrts.infeasibility import Conflict
+from mrts.input_file import LARGEST_NUMBER
 from mrts.load_box import LoadPoint
 from mrts.load_sharing import LoadSharing
 from mrts.motion_table import JointTable
@@ -77,7 +80,7 @@ def retime(
         CompilerError: If there is no C compiler.
         SolverError: If no solver answers.
     """
-    question = _checked_question(cell, sharing, load, start_speed, end_speed)
+    question = _checked_question(cell, sharing, load, start_speed, end_speed, progress)
     constant = _best_constant(cell, motion, sharing, weights, question)
     motion = constant.motion
     points: tuple[LoadPoint | None, ...] = (None,)
@@ -108,16 +111,18 @@ def retime(
     return replace(whole, retimed=_with_torques(constant, whole.pieces))
 
 
-def _checked_question(cell: Cell, sharing: LoadSharing | None, load: str, start_speed: float, end_speed: float) -> str:
+def _checked_question(
+    cell: Cell, sharing: LoadSharing | None, load: str, start_speed: float, end_speed: float, progress: Progress
+) -> str:
     """The question asked of the load, if all arguments keep their rules."""
+    check_type("cell", cell, Cell)
+    check_type("sharing", sharing, LoadSharing, NoneType)
+    check_callable("progress", progress)
     for name, speed in (("start_speed", start_speed), ("end_speed", end_speed)):
-        if isinstance(speed, bool) or not isinstance(speed, int | float) or not 0 <= speed < np.inf:
-            raise InputError(name, "must be a number >= 0, a multiple of the given motion's speed.", value=speed)
-    if (
-        isinstance(sharing, LoadSharing)
-        and sharing.internal_wrench is not None
-        and np.ndim(sharing.internal_wrench) > 1
-    ):
+        if isinstance(speed, bool) or not isinstance(speed, int | float) or not 0 <= speed <= LARGEST_NUMBER:
+            rule = f"must be a number from 0 to {LARGEST_NUMBER:.0e}, a multiple of the given motion's speed."
+            raise InputError(name, rule, value=speed)
+    if sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1:
         raise InputError("sharing", "its internal wrench must be one for all samples where the speed varies.")
     question = load_question(cell, load, "auto")
     if question not in {"guaranteed", "nominal"}:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from mrts.argument_types import as_path
 from mrts.atomic_file import write_text_atomically
 from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion
@@ -160,4 +161,4 @@ class RetimingResult:
         Raises:
             InputError: If the file cannot be written.
         """
-        write_text_atomically(Path(path), self.json_text() + "\n")
+        write_text_atomically(as_path("path", path), self.json_text() + "\n")

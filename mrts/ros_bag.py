@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The scaled trajectory as a ROS 2 bag in MCAP format; needs the extra 'ros' (rosbags)."""
 
-import shutil
-import tempfile
 from pathlib import Path
 from typing import Any, Literal
 
@@ -10,6 +8,8 @@ import numpy as np
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from mrts.argument_types import as_path, check_type
+from mrts.atomic_file import make_folder_atomically
 from mrts.errors import InputError
 from mrts.result import ScalingResult
 from mrts.rigid_transform import Array
@@ -23,7 +23,7 @@ NANOSECONDS = 1_000_000_000
 TYPES = get_typestore(Stores.ROS2_HUMBLE)
 
 
-def write_ros_bag(result: ScalingResult, folder: Path) -> None:
+def write_ros_bag(result: ScalingResult, folder: Path | str) -> None:
     """Write a bag: folder/metadata.yaml and folder/NAME.mcap, whole or not at all.
 
     Topics, for each robot: /ROBOT/joint_trajectory (trajectory_msgs/JointTrajectory, one message with positions,
@@ -38,6 +38,8 @@ def write_ros_bag(result: ScalingResult, folder: Path) -> None:
     Raises:
         InputError: If there is no trajectory, or the folder exists or cannot be made.
     """
+    check_type("result", result, ScalingResult)
+    folder = as_path("folder", folder)
     done = result.trajectory
     if done is None:
         raise InputError("trajectory", "there is none to write: no c² was chosen.", value=result.status.value)
@@ -46,14 +48,7 @@ def write_ros_bag(result: ScalingResult, folder: Path) -> None:
     stamps = np.rint(done.time * NANOSECONDS).astype(np.int64)
     if not np.all(np.diff(stamps) > 0):
         raise InputError(folder, "samples lie less than a nanosecond apart at this speed, which ROS cannot tell apart.")
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}") as temporary:
-            bag = Path(temporary) / folder.name
-            _write(result, stamps, bag)
-            shutil.move(bag, folder)
-    except OSError as error:
-        raise InputError(folder, f"cannot be written: {error.strerror}.") from None
+    make_folder_atomically(folder, lambda bag: _write(result, stamps, bag))
 
 
 def _write(result: ScalingResult, stamps: np.typing.NDArray[np.int64], bag: Path) -> None:

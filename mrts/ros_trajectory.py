@@ -71,7 +71,8 @@ def _trajectories(path: Path) -> dict[str, Any]:
             messages = bag.messages(wanted) if wanted else ()
             found = [(connection.topic, TYPES.deserialize_cdr(data, KIND)) for connection, _, data in messages]
     except Exception as error:  # noqa: BLE001 (what the reader raises of damaged bags is no short list)
-        raise InputError(path, f"cannot be read as a ROS 2 bag: {error or type(error).__name__}") from None
+        reason = " ".join(str(error).split()) or type(error).__name__  # a YAML error draws where it is
+        raise InputError(path, f"cannot be read as a ROS 2 bag: {reason}") from None
     if not found:
         raise InputError(path, f"holds no message {KIND}; its topics are {', '.join(topics) or 'none'}.")
     trajectories = dict(sorted(found, key=lambda pair: pair[0]))

@@ -27,6 +27,9 @@ They shrink to about a sixth where many samples are infeasible."""
 
 DAMAGED = "The file is damaged: save the result again."
 
+LARGEST_SAVED = 1e60
+"""Far above what follows from any input (`mrts.input_file.LARGEST_NUMBER`), and products of several stay finite."""
+
 Index = Annotated[int, Field(ge=0, lt=2**31)]
 Parameter = Annotated[str, Field(pattern=f"^({'|'.join(PARAMETERS)})$")]
 LoadVector = Annotated[list[float], Field(min_length=len(LOAD_ENTRIES), max_length=len(LOAD_ENTRIES))]
@@ -189,6 +192,7 @@ def read_description(path: Path, text: bytes) -> Description:
             key="version",
             value=version,
         )
+    _check_sizes(path, data)
     try:
         description = Description.model_validate(data)
     except ValidationError as error:
@@ -199,3 +203,16 @@ def read_description(path: Path, text: bytes) -> Description:
     if manifest.format != FORMAT or manifest.content_sha256 != manifest.content_hash():
         raise InputError(path, "was edited after it was saved. Save the result again.", key="manifest")
     return description
+
+
+def _check_sizes(path: Path, data: dict[str, Any]) -> None:
+    """Refuse numbers that no result holds: they overflow where the result is shown."""
+    left: list[tuple[str, Any]] = list(data.items())
+    while left:
+        key, value = left.pop()
+        if isinstance(value, dict):
+            left += [(f"{key}.{name}", inner) for name, inner in value.items()]
+        elif isinstance(value, list):
+            left += [(f"{key}.{place}", inner) for place, inner in enumerate(value)]
+        elif isinstance(value, int | float) and abs(value) > LARGEST_SAVED:
+            raise InputError(path, f"must be at most {LARGEST_SAVED:.0e} in size. {DAMAGED}", key=key, value=value)

@@ -5,11 +5,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
 import numpy as np
 
 from mrts import __version__
+from mrts.argument_types import as_path, check_type
 from mrts.array_archive import open_arrays
 from mrts.atomic_file import write_atomically
 from mrts.cell import Cell, cell_from_manifest
@@ -27,6 +29,7 @@ from mrts.saved_description import (
     DESCRIPTION_BYTES,
     DESCRIPTION_RATIO,
     FORMAT_NAME,
+    LARGEST_SAVED,
     VERSION,
     BoxEntry,
     Description,
@@ -66,6 +69,8 @@ def save_result(result: ScalingResult, path: Path | str) -> None:
     Raises:
         InputError: If the file cannot be written, or the cell was given limits that are not finite.
     """
+    check_type("result", result, ScalingResult)
+    path = as_path("path", path)
     motion, done = result.motion, result.trajectory
     ranges = [result.range.samples, *(found.samples for found in (result.load.ranges if result.load else ()))]
     tables = Tables()
@@ -80,7 +85,7 @@ def save_result(result: ScalingResult, path: Path | str) -> None:
         with temporary.open("wb") as file:
             np.savez_compressed(file, **named)
 
-    write_atomically(Path(path), write)
+    write_atomically(path, write)
 
 
 def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
@@ -97,7 +102,8 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
     Raises:
         InputError: If the file is no saved result, not whole, of a newer version, or of another cell.
     """
-    path = Path(path)
+    path = as_path("path", path)
+    check_type("cell", cell, Cell, NoneType)
     said, arrays = _read(path)
     functions = saved_functions(said.manifest, path) if cell is None else _functions_of(cell, said.manifest, path)
     with _damage(path):
@@ -213,8 +219,6 @@ def _manifest(cell: Cell) -> Manifest:
 
 def _functions_of(cell: Cell, saved: Manifest, path: Path) -> CellFunctions:
     """The functions of a cell if they are those that a result was found with."""
-    if not isinstance(cell, Cell):
-        raise InputError("cell", "must be a cell from mrts.load_cell.", value=cell)
     ours, theirs = _made_from(cell.functions.manifest), _made_from(saved)
     for key in theirs | ours:
         if ours.get(key) != theirs.get(key):
@@ -273,9 +277,11 @@ def _check_arrays(path: Path, arrays: Arrays, said: Description, cell: Cell) -> 
         if array.shape != shape or array.dtype.kind not in ("iu" if whole else "f"):
             kind = "whole numbers" if whole else "numbers"
             raise InputError(path, f"must be {kind} with Shape {shape}. {DAMAGED}", key=name, value=array.shape)
-        bad = np.isnan(array) if name.startswith("c2_") else ~np.isfinite(array)
+        unlimited = np.isinf(array) if name.startswith("c2_") else False
+        bad = ~((np.abs(array) <= LARGEST_SAVED) | unlimited)
         if np.any(bad):
-            raise InputError(path, f"must be finite numbers. {DAMAGED}", key=name, value=float(array[bad][0]))
+            rule = f"must be finite numbers, at most {LARGEST_SAVED:.0e} in size. {DAMAGED}"
+            raise InputError(path, rule, key=name, value=float(array[bad][0]))
     require_places(path, "binding_count", arrays["binding_count"], len(said.rows) + 1)
     bound = int(np.sum(arrays["binding_count"]))
     if bound != len(arrays["binding_row"]):

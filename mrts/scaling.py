@@ -2,10 +2,12 @@
 """MMTSF, the paper's algorithm, whole: range, choice of c², torques."""
 
 from dataclasses import replace
+from types import NoneType
 from typing import Literal
 
 import numpy as np
 
+from mrts.argument_types import check_callable, check_type
 from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion, coordinate
 from mrts.errors import InputError, MrtsError
@@ -17,13 +19,17 @@ from mrts.rigid_transform import Array
 from mrts.sample_problem import FormulationName
 from mrts.scaled_trajectory import ScaledTrajectory
 from mrts.scaling_range import ScalingRange, ScalingStatus, intersect
-from mrts.solvers import DEFAULT_SOLVER
+from mrts.solvers import DEFAULT_SOLVER, check_solver
 from mrts.torque_distribution import torque_weights
 from mrts.trajectory_programs import motion_ranges, motion_torques
 from mrts.uncertain_load import Progress, study_load
 
 END_TOLERANCE = 1e-8
 """Share by which c² may miss a range by rounding: a plan at its fastest read back from a file, another load's range."""
+
+
+LARGEST_C2 = 1e300
+"""What is asked for beyond it counts as it: Python's whole numbers have no end, floating point has."""
 
 
 class SelectionError(MrtsError):
@@ -76,8 +82,12 @@ def scale(
         SelectionError: If c² is not in the range; its `result` holds the range.
         SolverError: If no solver answers.
     """
-    if sharing is not None and not isinstance(sharing, LoadSharing):
-        raise InputError("sharing", "must be a LoadSharing: LoadSharing() is the equal one.", value=sharing)
+    check_type("cell", cell, Cell)
+    _check_select(select)
+    check_type("sharing", sharing, LoadSharing, NoneType)
+    check_type("formulation", formulation, str)
+    check_callable("progress", progress)
+    check_solver(solver)
     question = load_question(cell, load, select)
     W = torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
     motion = coordinate(cell, motion)
@@ -100,6 +110,12 @@ def scale(
     return replace(untouched, trajectory=trajectory, fallbacks=untouched.fallbacks + fallbacks).checked()
 
 
+def _check_select(select: object) -> None:
+    known = select in {"auto", "fastest", "nominal"} if isinstance(select, str) else isinstance(select, int | float)
+    if not known or isinstance(select, bool):
+        raise InputError("select", "must be 'auto', 'fastest', 'nominal' or a number.", value=select)
+
+
 def load_question(cell: Cell, load: str, select: Selection) -> str:
     """The question that is asked of the load.
 
@@ -111,8 +127,7 @@ def load_question(cell: Cell, load: str, select: Selection) -> str:
     Raises:
         InputError: If it is no text, or leaves open what `select` needs.
     """
-    if not isinstance(load, str):
-        raise InputError("load", "must be nominal, guaranteed, possible, or grid:N.", value=load)
+    check_type("load", load, str)
     if load == "auto":
         return "nominal" if cell.load_box is None else "guaranteed"
     if load == "possible" and select != "auto":
@@ -147,9 +162,7 @@ def choose_c2(found: ScalingRange, select: Selection) -> float:
         if high <= 0:
             raise SelectionError(f"c² ∈ {interval}: the cell can only hold still. {_end_text(found, 'upper')}")
         return high
-    if isinstance(select, bool) or not (select == "nominal" or isinstance(select, int | float)):
-        raise SelectionError(f"select = {select!r}: must be 'auto', 'fastest', 'nominal' or a number.")
-    c2 = 1.0 if select == "nominal" else float(select)
+    c2 = 1.0 if select == "nominal" else float(max(min(select, LARGEST_C2), -LARGEST_C2))
     if not (np.isfinite(c2) and c2 > 0):
         raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {interval}.")
     if not low * (1 - END_TOLERANCE) <= c2 <= high * (1 + END_TOLERANCE):

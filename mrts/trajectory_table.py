@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mrts.argument_types import as_path, check_type
 from mrts.atomic_file import write_text_atomically
 from mrts.errors import InputError
 from mrts.result import ScalingResult
@@ -21,6 +22,7 @@ def trajectory_csv(result: ScalingResult) -> str:
     Raises:
         InputError: If there is none.
     """
+    check_type("result", result, ScalingResult)
     done = result.trajectory
     if done is None:
         raise InputError("trajectory", "there is none to write: no c² was chosen.", value=result.status.value)
@@ -36,10 +38,10 @@ def trajectory_csv(result: ScalingResult) -> str:
     return text.getvalue()
 
 
-def write_trajectory_csv(result: ScalingResult, path: Path) -> None:
+def write_trajectory_csv(result: ScalingResult, path: Path | str) -> None:
     """Write `trajectory_csv` to a file, whole or not at all.
 
     Raises:
         InputError: If there is no trajectory, or the file cannot be written.
     """
-    write_text_atomically(path, trajectory_csv(result))
+    write_text_atomically(as_path("path", path), trajectory_csv(result))

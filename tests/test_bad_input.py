@@ -167,7 +167,8 @@ def test_mistakes_in_the_motion_file(mistake, files, capsys):
 
 URDF_MISTAKES = {
     "not xml": (lambda _: "robot: planar", ["not well-formed XML"]),
-    "nothing": (lambda _: "", ["not well-formed XML"]),
+    "empty": (lambda _: "", ["not well-formed XML", "Document is empty"]),
+    "only a comment": (lambda _: "<!-- later -->", ["not well-formed XML"]),
     "cut off": (lambda text: text[: len(text) // 2], ["not well-formed XML", "line"]),
     "entity bomb": (lambda _: BOMB, ["document type or an entity"]),
     "another root": (lambda _: "<sdf/>", ["root element must be <robot>", "'sdf'"]),

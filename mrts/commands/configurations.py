@@ -6,6 +6,7 @@ from pathlib import Path
 
 from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.commands.options import add_cell_and_motion, limited_cell_option, require, sharing_option
+from mrts.commands.outputs import Outputs, check_outputs
 from mrts.commands.progress import working
 from mrts.commands.terminal import put, say
 from mrts.errors import InputError
@@ -42,6 +43,9 @@ def run(options: argparse.Namespace) -> int:
     from mrts.solvers import DEFAULT_SOLVER
 
     require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
+    if options.show < 0:
+        raise InputError("--show", "must be at least 0.", value=options.show)
+    check_outputs({"--json": options.json}, {"--plot": options.plot})
     motion = load_motion(options.motion)
     if not isinstance(motion, ObjectMotion):
         raise InputError(options.motion, "a table of joint motion fixes the configuration; give the object's motion.")
@@ -52,16 +56,19 @@ def run(options: argparse.Namespace) -> int:
             cell, motion, sharing=sharing, cap=options.cap, solver=options.solver or DEFAULT_SOLVER, progress=progress
         )
     feasible = bool(study.ranked) and study.ranked[0].range.status.admits_motion
+    outputs = Outputs()
+    if options.json is not None and str(options.json) != "-":
+        with outputs.attempt():
+            study.write_json(options.json)
+    if options.plot is not None:
+        with outputs.attempt():
+            from mrts.figures import ranking_figure, write_figure
+
+            write_figure(ranking_figure(study, f"{cell.name}: configurations"), options.plot / "configurations.png")
     if str(options.json) == "-":
         put(study.json_text())
     else:
         outcome, table = study.table(options.show).split("\n", 1)
         say(outcome, "strong" if feasible else "bad")
         say(table)
-        if options.json is not None:
-            study.write_json(options.json)
-    if options.plot is not None:
-        from mrts.figures import ranking_figure, write_figure
-
-        write_figure(ranking_figure(study, f"{cell.name}: configurations"), options.plot / "configurations.png")
-    return FEASIBLE if feasible else INFEASIBLE
+    return outputs.code(FEASIBLE if feasible else INFEASIBLE)

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from mrts.commands.exit_codes import FEASIBLE
+from mrts.commands.outputs import check_outputs
 from mrts.commands.progress import working
 from mrts.commands.terminal import say, warn
 
@@ -30,16 +31,21 @@ def run(options: argparse.Namespace) -> int:
     from mrts.demo import NOTE, format_table, run_demo, write_demo_files
     from mrts.solvers import DEFAULT_SOLVER
 
+    check_outputs({}, {"--output": options.output})
     with working("running the paper's examples") as progress:
         rows = run_demo(options.solver or DEFAULT_SOLVER, progress)
     say("Two planar arms lift a bar (section VI of the paper): largest admissible c² in r(t) = c t\n", "strong")
     say(format_table(rows))
     say(f"\n{NOTE}\n")
     with working(f"writing {options.output}"):
-        write_demo_files(options.output, rows, note=warn)
+        drawn = write_demo_files(options.output, rows)
+    if not drawn:
+        warn("the figures need matplotlib: pip install 'mrts[plot]'")
     folder = options.output / "planar_dual_arm"
-    say(f"Written to {options.output}: figures 4 to 8, the uncertain load, and the example's files. Try next:")
-    say(f"  {_command()} scale {folder / 'cell.yaml'} {folder / 'lift.yaml'} --plot {options.output}")
+    figures = "figures 4 to 8, the uncertain load, and " if drawn else ""
+    say(f"Written to {options.output}: {figures}the example's files. Try next:")
+    plot = f" --plot {options.output}" if drawn else ""
+    say(f"  {_command()} scale {folder / 'cell.yaml'} {folder / 'lift.yaml'}{plot}")
     return FEASIBLE
 
 

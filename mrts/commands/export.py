@@ -6,6 +6,7 @@ from pathlib import Path
 
 from mrts.commands.exit_codes import FEASIBLE
 from mrts.commands.options import cell_option
+from mrts.commands.outputs import check_outputs
 from mrts.commands.progress import working
 from mrts.commands.terminal import say
 from mrts.errors import InputError
@@ -44,6 +45,7 @@ def run(options: argparse.Namespace) -> int:
 
     if options.cell.is_dir():
         raise InputError(options.cell, "an export starts from the cell file, not from a generated folder.")
+    check_outputs({}, {"--output": options.output})
     cell = cell_option(options.cell)
     parts = tuple(part for part in options.functions.split(",") if part)
     vectors, samples = [], 0

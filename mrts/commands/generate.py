@@ -5,6 +5,7 @@ import argparse
 from pathlib import Path
 
 from mrts.commands.exit_codes import FEASIBLE
+from mrts.commands.outputs import check_outputs
 from mrts.commands.progress import working
 from mrts.commands.terminal import say
 
@@ -27,6 +28,7 @@ def run(options: argparse.Namespace) -> int:
     """Generate the C of a cell."""
     from mrts.cell_cache import generate_to
 
+    check_outputs({}, {"--output": options.output})
     with working(f"generating {options.cell}"):
         manifest, source = generate_to(options.cell, options.output)
     say(f"{manifest.name}: {len(manifest.functions)} functions in {source}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Ctrl-C that arrives."""
+"""Ctrl-C that arrives, and the other signals that ask a program to end."""
 
 import signal
 from collections.abc import Iterator
@@ -12,22 +12,36 @@ SOON = 0.02
 AGAIN = 0.2
 """Until an interrupt that somebody swallowed is raised again [s]: longer than tidying up takes."""
 
+LIKE_INTERRUPT = (signal.SIGTERM, signal.SIGHUP)
+"""End the work as Ctrl-C does, with files tidied up; SIGHUP comes when a terminal is closed."""
+
+
+class EndedBySignal(KeyboardInterrupt):
+    """A signal ended the work.
+
+    Attributes:
+        number: Of the signal.
+    """
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.number = number
+
 
 @contextmanager
 def persistent_interrupt() -> Iterator[None]:
-    """Let Ctrl-C end the block, whatever library is at work.
+    """Let Ctrl-C end the block, whatever library is at work, and `LIKE_INTERRUPT` as well.
 
     Python's own interrupt is swallowed by every bare `except:`. CasADi's operators have them, and go on with another
     meaning of the operands, so it is not raised there; scipy has them while it is imported, so it is raised again.
 
     Raises:
-        KeyboardInterrupt: If Ctrl-C is pressed.
+        EndedBySignal: If a signal asks for the end.
     """
-    pressed = False
+    asked: list[int] = []
 
-    def interrupt(_number: int, frame: FrameType | None) -> None:
-        nonlocal pressed
-        pressed = True
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        asked.append(number)
         inside = _inside_casadi(frame)
         signal.setitimer(signal.ITIMER_REAL, SOON if inside else AGAIN)
         if not inside:
@@ -36,19 +50,25 @@ def persistent_interrupt() -> Iterator[None]:
     def press_again(_number: int, _frame: FrameType | None) -> None:
         signal.raise_signal(signal.SIGINT)  # not `interrupt` itself: whoever holds SIGINT back now is asked
 
-    before = signal.signal(signal.SIGINT, interrupt), signal.signal(signal.SIGALRM, press_again)
+    def end(number: int, _frame: FrameType | None) -> None:
+        asked.append(number)
+        signal.raise_signal(signal.SIGINT)  # likewise
+
+    handlers = {signal.SIGINT: interrupt, signal.SIGALRM: press_again}
+    handlers |= {each: end for each in LIKE_INTERRUPT if signal.getsignal(each) is not signal.SIG_IGN}  # as nohup asks
+    before = {each: signal.signal(each, handler) for each, handler in handlers.items()}
     try:
         yield
-    except Exception:
-        if pressed:  # it arrived as the cause of something else
-            raise KeyboardInterrupt from None
+    except (Exception, KeyboardInterrupt, SystemExit):
+        if asked:  # it may have arrived as the cause of something else
+            raise EndedBySignal(asked[0]) from None
         raise
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGINT, before[0])
-        signal.signal(signal.SIGALRM, before[1])
-    if pressed:
-        raise KeyboardInterrupt
+        for each, handler in before.items():
+            signal.signal(each, handler)
+    if asked:
+        raise EndedBySignal(asked[0])
 
 
 def _inside_casadi(frame: FrameType | None) -> bool:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.commands.options import require
+from mrts.commands.outputs import check_outputs
 from mrts.commands.terminal import say
 from mrts.errors import InputError
 
@@ -36,6 +37,7 @@ def run(options: argparse.Namespace) -> int:
 
     if options.output.suffix not in {".html", ".htm"}:
         raise InputError("--output", "writes a file that ends in .html.", value=str(options.output))
+    check_outputs({"--output": options.output}, {})
     result = load_result(options.result)
     write_report(result, options.output)
     say(f"{result.cell.name}: {result.status.value}; the report is {options.output}")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.commands.options import add_cell_and_motion, limited_cell_option, require, sharing_option
+from mrts.commands.outputs import Outputs, check_outputs
 from mrts.commands.progress import working
 from mrts.commands.terminal import put, say, warn
 from mrts.errors import InputError
@@ -93,20 +94,15 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _check_outputs(options: argparse.Namespace) -> None:
-    """One file an option, of the kind that it writes; only JSON goes to standard output."""
-    names = ("json", "save", "csv", "ros_bag", "plot", "report")
-    given = {
-        f"--{name.replace('_', '-')}": getattr(options, name) for name in names if getattr(options, name) is not None
-    }
-    for option, path in given.items():
-        if str(path) == "-" and option != "--json":
-            raise InputError(option, "writes a file; only --json takes '-' for standard output.", value="-")
-        same = [other for other in given if other != option and given[other] == path]
-        if same:
-            raise InputError(option, f"names the same file as {same[0]}.", value=str(path))
-    for option, suffixes in (("--save", (".npz",)), ("--report", (".html", ".htm"))):
-        if option in given and given[option].suffix not in suffixes:
-            raise InputError(option, f"writes a file that ends in {suffixes[0]}.", value=str(given[option]))
+    """One file an option, of the kind that it writes, where it can be written."""
+    for option, path, suffixes in (
+        ("--save", options.save, (".npz",)),
+        ("--report", options.report, (".html", ".htm")),
+    ):
+        if path is not None and str(path) != "-" and path.suffix not in suffixes:
+            raise InputError(option, f"writes a file that ends in {suffixes[0]}.", value=str(path))
+    files = {"--json": options.json, "--save": options.save, "--csv": options.csv, "--report": options.report}
+    check_outputs(files, {"--plot": options.plot}, {"--ros-bag": options.ros_bag})
 
 
 def _scale(
@@ -124,6 +120,7 @@ def _scale(
     for name in ("start_speed", "end_speed"):
         if getattr(options, name) is not None:
             raise InputError(f"--{name.replace('_', '-')}", "goes with --profile optimal.")
+    outputs = Outputs()
     select: Selection = "auto" if options.select is None else options.select
     try:
         with working(f"scaling {options.motion}") as progress:
@@ -141,20 +138,23 @@ def _scale(
             result = torques_for_load(result, carried, solver=options.solver or DEFAULT_SOLVER)
     except SelectionError as error:
         if error.result is not None:
-            _write(options, error.result)
+            _write(options, error.result, outputs)
+            if str(options.json) == "-":
+                put(error.result.json_text())
+            outputs.raise_defect()
         raise
-    try:  # files first: whoever reads the lines may go away
-        with working("writing"):
-            _write(options, result)
-    finally:
-        if str(options.json) != "-":
-            outcome, *details = report_lines(result)
-            say(outcome, "strong" if result.status.admits_motion else "bad")
-            for line in details:
-                say(line, "note" if line.startswith("note:") else "plain")
-            if result.fallbacks:
-                warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
-    return FEASIBLE if result.status.admits_motion else INFEASIBLE
+    with working("writing"):  # files first: whoever reads the lines may go away
+        _write(options, result, outputs)
+    if str(options.json) == "-":
+        put(result.json_text())
+    else:
+        outcome, *details = report_lines(result)
+        say(outcome, "strong" if result.status.admits_motion else "bad")
+        for line in details:
+            say(line, "note" if line.startswith("note:") else "plain")
+        if result.fallbacks:
+            warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
+    return outputs.code(FEASIBLE if result.status.admits_motion else INFEASIBLE)
 
 
 def _retime(
@@ -175,6 +175,7 @@ def _retime(
             raise InputError(name, "does not go with --profile optimal, which chooses the speed by itself.")
     if options.formulation != "wrench":
         raise InputError("--formulation", "the optimal profile is found in the wrench form.", value=options.formulation)
+    outputs = Outputs()
     with working(f"timing {options.motion}") as progress:
         found = retime(
             cell,
@@ -187,31 +188,31 @@ def _retime(
         )
         if carried is not None and found.retimed is not None:
             found = replace(found, retimed=torques_for_load(found.retimed, carried))
-    try:  # files first: whoever reads the lines may go away
-        _write_timing(options, found)
-    finally:
-        if str(options.json) == "-":
-            put(found.json_text())
-        else:
-            outcome, *details = retiming_lines(found)
-            say(outcome, "strong" if found.status.admits_motion else "bad")
-            for line in details:
-                say(line)
-    return FEASIBLE if found.status.admits_motion else INFEASIBLE
+    with working("writing"):  # files first: whoever reads the lines may go away
+        _write_timing(options, found, outputs)
+    if str(options.json) == "-":
+        put(found.json_text())
+    else:
+        outcome, *details = retiming_lines(found)
+        say(outcome, "strong" if found.status.admits_motion else "bad")
+        for line in details:
+            say(line)
+    return outputs.code(FEASIBLE if found.status.admits_motion else INFEASIBLE)
 
 
-def _write_timing(options: argparse.Namespace, found: "RetimingResult") -> None:
-    if options.json is not None and str(options.json) != "-":
-        found.write_json(options.json)
+def _write_timing(options: argparse.Namespace, found: "RetimingResult", outputs: Outputs) -> None:
+    """Write what was asked for of the fastest timing; files with one result of it get the retimed motion."""
+    _write_json(options, found, outputs)
     if found.retimed is None:
         _say_unwritten(options)
         return
-    with working("writing"):
-        _write(argparse.Namespace(**(vars(options) | {"json": None})), found.retimed)
-        if options.plot is not None:
-            from mrts.figures import phase_plane_figure, write_figure
+    _write_trajectory(options, found.retimed, outputs)
+    _write_result(options, found.retimed, outputs)
+    if options.plot is not None:
+        with outputs.attempt():
+            from mrts.figures import phase_plane_figure, write_result_figures
 
-            write_figure(phase_plane_figure(found), options.plot / "phase_plane.png")
+            write_result_figures(found.retimed, options.plot, ("phase_plane.png", phase_plane_figure(found)))
 
 
 def _known_load(cell: "Cell", text: str | None, question: str) -> "Array | None":
@@ -234,28 +235,38 @@ def _known_load(cell: "Cell", text: str | None, question: str) -> "Array | None"
     return cell.load_box.load_at(parameters)
 
 
-def _write(options: argparse.Namespace, result: "ScalingResult") -> None:
-    if options.json is not None:
-        if str(options.json) == "-":
-            put(result.json_text())
-        else:
-            result.write_json(options.json)
-    if options.save is not None:
-        from mrts.saved_result import save_result
-
-        save_result(result, options.save)
+def _write(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
+    """Write what was asked for, each output whatever becomes of the others; what `-` asks for comes after them."""
+    _write_json(options, result, outputs)
     if result.trajectory is not None:
-        _write_trajectory(options, result)
+        _write_trajectory(options, result, outputs)
     else:
         _say_unwritten(options)
+    _write_result(options, result, outputs)
     if options.plot is not None:
-        from mrts.figures import write_result_figures
+        with outputs.attempt():
+            from mrts.figures import write_result_figures
 
-        write_result_figures(result, options.plot)
+            write_result_figures(result, options.plot)
+
+
+def _write_json(options: argparse.Namespace, found: "ScalingResult | RetimingResult", outputs: Outputs) -> None:
+    if options.json is not None and str(options.json) != "-":
+        with outputs.attempt():
+            found.write_json(options.json)
+
+
+def _write_result(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
+    if options.save is not None:
+        with outputs.attempt():
+            from mrts.saved_result import save_result
+
+            save_result(result, options.save)
     if options.report is not None:
-        from mrts.report import write_report
+        with outputs.attempt():
+            from mrts.report import write_report
 
-        write_report(result, options.report)
+            write_report(result, options.report)
 
 
 def _say_unwritten(options: argparse.Namespace) -> None:
@@ -266,12 +277,14 @@ def _say_unwritten(options: argparse.Namespace) -> None:
         warn(f"there is no trajectory for {', '.join(left_out)}: not written")
 
 
-def _write_trajectory(options: argparse.Namespace, result: "ScalingResult") -> None:
+def _write_trajectory(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
     if options.csv is not None:
-        from mrts.trajectory_table import write_trajectory_csv
+        with outputs.attempt():
+            from mrts.trajectory_table import write_trajectory_csv
 
-        write_trajectory_csv(result, options.csv)
+            write_trajectory_csv(result, options.csv)
     if options.ros_bag is not None:
-        from mrts.ros_bag import write_ros_bag
+        with outputs.attempt():
+            from mrts.ros_bag import write_ros_bag
 
-        write_ros_bag(result, options.ros_bag)
+            write_ros_bag(result, options.ros_bag)

@@ -3,30 +3,39 @@
 
 from pathlib import Path
 
+from matplotlib.figure import Figure
+
+from mrts.argument_types import as_path, check_type
+from mrts.atomic_file import write_together
 from mrts.figures.c2_range import range_figure
 from mrts.figures.loads import study_figure
 from mrts.figures.power import power_figure
-from mrts.figures.style import write_figure
+from mrts.figures.style import figure_writer
 from mrts.figures.trajectory import trajectory_figure
 from mrts.result import ScalingResult
 
 
-def write_result_figures(result: ScalingResult, folder: Path) -> None:
+def write_result_figures(result: ScalingResult, folder: Path | str, *others: tuple[str, Figure]) -> None:
     """Write the range of c², the study of the load, and torques, wrenches, power and energy of the trajectory.
 
     Args:
         result: Any result; what it does not have is left out.
-        folder: Made if missing.
+        folder: Made if missing; it gets all figures or none.
+        *others: Further figures for the folder, each with its file name.
 
     Raises:
         InputError: If a file cannot be written.
     """
-    write_figure(range_figure(result), folder / "c2_range.png")
+    check_type("result", result, ScalingResult)
+    folder = as_path("folder", folder)
+    figures = {"c2_range.png": range_figure(result)}
     if result.load is not None and result.load.ranges:
-        write_figure(study_figure(result), folder / "load_study.png")
+        figures["load_study.png"] = study_figure(result)
     done = result.trajectory
     if done is not None:
         speed = f"{result.motion.object.time[-1]:.4g} s become {done.duration:.4g} s"
         title = f"{result.cell.name}: {result.origin or speed}"
-        write_figure(trajectory_figure(result, title), folder / "torques_and_wrenches.png")
-        write_figure(power_figure(result, title), folder / "power_and_energy.png")
+        figures["torques_and_wrenches.png"] = trajectory_figure(result, title)
+        figures["power_and_energy.png"] = power_figure(result, title)
+    figures |= dict(others)
+    write_together({folder / name: figure_writer(figure) for name, figure in figures.items()})

@@ -8,7 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
-from mrts.atomic_file import write_atomically
+from mrts.argument_types import as_path, check_type
+from mrts.atomic_file import Write, write_atomically
+from mrts.errors import InputError
 from mrts.plot_style import COLOURS, LONGEST_LABEL, shortened
 from mrts.printable import printable
 
@@ -73,10 +75,20 @@ def finish(axes: Axes, xlabel: str, ylabel: str) -> None:
     axes.margins(x=0)
 
 
-def write_figure(figure: Figure, path: Path) -> None:
+def write_figure(figure: Figure, path: Path | str) -> None:
     """Write a figure, whole or not at all; the file name's ending chooses the format.
 
     Raises:
-        InputError: If it cannot be written.
+        InputError: If it cannot be written, or there is no such format.
     """
-    write_atomically(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
+    check_type("figure", figure, Figure)
+    path = as_path("path", path)
+    formats = figure.canvas.get_supported_filetypes()
+    if path.suffix[1:].lower() not in formats:
+        raise InputError(path, f"the ending chooses a figure's format; there are {', '.join(sorted(formats))}.")
+    write_atomically(path, figure_writer(figure))
+
+
+def figure_writer(figure: Figure) -> Write:
+    """What writes a figure; the file name's ending chooses the format."""
+    return lambda path: figure.savefig(path, dpi=DPI)

@@ -6,6 +6,7 @@ from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
 
+from mrts.argument_types import as_path, check_type
 from mrts.atomic_file import write_text_atomically
 from mrts.errors import InputError
 from mrts.report.markup import Html, element, html, joined, plot_place, section
@@ -37,7 +38,8 @@ def write_report(result: ScalingResult, path: Path | str) -> None:
     Raises:
         InputError: If plotly is not installed or the file cannot be written.
     """
-    write_text_atomically(Path(path), report_html(result))
+    check_type("result", result, ScalingResult)
+    write_text_atomically(as_path("path", path), report_html(result))
 
 
 def report_html(result: ScalingResult) -> str:

@@ -4,6 +4,7 @@
 from collections.abc import Callable, Iterator
 from typing import Protocol
 
+from mrts.argument_types import check_type
 from mrts.errors import CompilerError, InputError
 from mrts.rigid_transform import Array
 
@@ -76,5 +77,6 @@ def check_solver(name: str) -> None:
     Raises:
         InputError: If there is no such solver.
     """
+    check_type("solver", name, str)
     if name not in SOLVERS:
         raise InputError("solver", f"there is no such solver; there are {', '.join(SOLVERS)}.", value=name)

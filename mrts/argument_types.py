@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: MIT
+"""What the arguments of public functions must be: a wrong one is named where it enters, not where it first hurts."""
+
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from mrts.errors import InputError
+
+WORDS = {
+    "Cell": "a cell, as from mrts.load_cell",
+    "CoordinatedMotion": "motion of the whole cell, as from mrts.follow_object",
+    "JointTable": "a table of joint motion, as from mrts.load_motion",
+    "LoadSharing": "a LoadSharing (LoadSharing() is the equal one)",
+    "Mapping": "a dictionary",
+    "MotionDescription": "a mrts.MotionDescription",
+    "NoneType": "None",
+    "ObjectMotion": "motion of the object, as from mrts.load_motion",
+    "PathLike": "a Path",
+    "ScalingResult": "a result of mrts.scale",
+    "bool": "True or False",
+    "float": "a number",
+    "int": "a whole number",
+    "str": "text",
+}
+"""What a type is called in a message."""
+
+
+def check_type(name: str, value: object, *kinds: type) -> None:
+    """Check what an argument is.
+
+    Args:
+        name: Of the argument.
+        value: What was given.
+        *kinds: Types that it may have; a truth value counts as no number.
+
+    Raises:
+        InputError: If it is something else.
+    """
+    if isinstance(value, kinds) and (bool in kinds or not isinstance(value, bool)):
+        return
+    *others, last = (WORDS.get(kind.__name__, kind.__name__) for kind in kinds)
+    allowed = f"{', '.join(others)} or {last}" if others else last
+    given = "None" if value is None else f"of type {type(value).__name__}"
+    raise InputError(name, f"must be {allowed}; it is {given}.", value=value)
+
+
+def check_callable(name: str, value: object) -> None:
+    """Check that an argument can be called.
+
+    Raises:
+        InputError: If it cannot.
+    """
+    if not callable(value):
+        raise InputError(name, f"must be a function; it is of type {type(value).__name__}.", value=value)
+
+
+def as_path(name: str, value: Any) -> Path:
+    """An argument as a path.
+
+    Args:
+        name: Of the argument.
+        value: Text or a path.
+
+    Raises:
+        InputError: If it is neither.
+    """
+    check_type(name, value, str, PathLike)
+    try:
+        return Path(value)
+    except TypeError:  # a PathLike of bytes
+        raise InputError(name, "must be a path, as text or a Path.", value=value) from None
