@@ -22,8 +22,8 @@ MAX_ARCHIVE_BYTES = 2_000_000_000
 
 UNPACKED_BYTES = 30_000_000
 UNPACKED_RATIO = 50
-"""An archive of so many bytes, or so many times its own size, may be unpacked: results shrink to about a third, and a
-hundredth is what nothing but zeros would."""
+"""An archive may unpack to so many bytes and so many times its own size: results shrink to about a third, nothing but
+zeros to a thousandth."""
 
 END_RECORD = b"PK\x05\x06"
 END_BYTES = 22
