@@ -91,14 +91,14 @@ def build_robot_model(
     chain = _chain(path, links, joint_above, base_link, tip_link)
     bodies = _Bodies(path, links, urdf.joints, held)
     moving = [joint for joint in chain if joint.type in MOVING_TYPES and joint.name not in held]
-    stops = {joint.child for joint in moving}
+    moving_names, stops = {joint.name for joint in moving}, {joint.child for joint in moving}
 
     joints = []
     placement = RigidTransform.identity()
     for urdf_joint in chain:
-        _check_kind(path, urdf_joint, moves=urdf_joint in moving)
+        _check_kind(path, urdf_joint, moves=urdf_joint.name in moving_names)
         placement = placement @ joint_pose(path, urdf_joint, held.get(urdf_joint.name, 0.0))
-        if urdf_joint in moving:
+        if urdf_joint.name in moving_names:
             joints.append(_joint(path, urdf_joint, placement, bodies.carried(urdf_joint.child, stops)))
             placement = RigidTransform.identity()
     if not joints:

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from mrts.errors import InputError, as_array
-from mrts.manifest import JointRecord, PoseRecord, RobotRecord
+from mrts.manifest import WRENCH_COMPONENTS, JointRecord, PoseRecord, RobotRecord
 from mrts.rigid_transform import Array, RigidTransform
 
 ARRAYS = (
@@ -68,7 +68,7 @@ class Robot:
         if len(self.joint_types) != n or not set(self.joint_types) <= {"revolute", "prismatic"}:
             rule = f"must be revolute or prismatic for each of its {n} joints."
             raise InputError(where, rule, key="joint_types", value=self.joint_types)
-        wrench = np.shape(self.wrench_lower)
+        wrench = (len(self.wrench_lower) if hasattr(self.wrench_lower, "__len__") else len(WRENCH_COMPONENTS),)
         shapes = {"axes": (n, 3), "points": (n, 3), "wrench_lower": wrench, "wrench_upper": wrench}
         for name in ARRAYS:
             freeze_array(self, name, where, shapes.get(name, (n,)), finite=name in {"axes", "points", "posture"})
