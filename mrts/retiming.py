@@ -74,7 +74,6 @@ def retime(
     Raises:
         InputError: If an argument breaks a rule.
         MotionError: If the arms cannot follow the object.
-        CompilerError: If there is no C compiler.
         SolverError: If no solver answers.
     """
     question = _checked_question(cell, sharing, load, start_speed, end_speed)
