@@ -7,6 +7,7 @@ from enum import Enum
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.closed_form_range import ends_in_closed_form
 from mrts.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
@@ -22,6 +23,10 @@ REST_TOLERANCE = 1e-12
 
 POINT_TOLERANCE = 1e-9
 """Relative overlap by which rounding may miss a range that is a single point."""
+
+TIE = 1e-7
+"""Relative difference of two samples' ends, or two loads', that may be rounding: the first of them counts as the one
+that sets the end, so that it does not depend on the solver."""
 
 
 class SampleStatus(Enum):
@@ -232,8 +237,8 @@ def intersect(samples: SampleRanges) -> ScalingRange:
     """
     if samples.conflicts:
         return ScalingRange(ScalingStatus.INFEASIBLE, None, None, samples)
-    at_low, at_high = int(np.argmax(samples.lower)), int(np.argmin(samples.upper))
-    low, high = float(samples.lower[at_low]), float(samples.upper[at_high])
+    at_low, at_high = (int(np.argmax(ties_for_least(ends))) for ends in (-samples.lower, samples.upper))
+    low, high = float(np.max(samples.lower)), float(np.min(samples.upper))
     if high < low <= high * (1 + POINT_TOLERANCE):
         low = high
     lower = _end(samples, at_low, low, samples.lower_rows, samples.lower_loads)
@@ -242,6 +247,16 @@ def intersect(samples: SampleRanges) -> ScalingRange:
     upper = _end(samples, at_high, high, samples.upper_rows, samples.upper_loads)
     status = ScalingStatus.FEASIBLE if low <= high else ScalingStatus.EMPTY
     return ScalingRange(status, lower, upper, samples)
+
+
+def ties_for_least(values: Array) -> NDArray[np.bool_]:
+    """Which values are the least of their column, but for rounding; of the same shape.
+
+    Args:
+        values: Any shape; compared along the first axis.
+    """
+    least = np.min(values, axis=0)
+    return np.asarray(values <= least + TIE * np.abs(np.where(np.isfinite(least), least, 0.0)))
 
 
 def _end(
