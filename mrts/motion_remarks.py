@@ -9,7 +9,7 @@ from mrts.remark import Remark
 from mrts.rigid_transform import Array
 from mrts.scaling_range import RangeEnd, ScalingRange
 
-REST = 0.02
+REST = 0.05
 """Share of a motion's largest speed up to which its ends count as at rest: splines through tables leave that much."""
 
 JUMP = 5.0
@@ -21,14 +21,20 @@ NEIGHBOURS = 4
 LEAST_STEP = 0.05
 """Share of the largest speed from which a step of velocity is one."""
 
-NOISE = 0.1
-"""Share of a joint's largest acceleration that is noise, from which noise and not the motion sets the range."""
+NOISE = 0.15
+"""Share of a joint's largest acceleration that is noise, from which it changes c²: by 1 % and more, soon by half."""
 
-SAMPLES_OF_NOISE = 21
-"""Fewest samples in which noise can be told from corners of the velocity."""
+FEWEST_SAMPLES = 21
+"""With fewer, noise and jumps cannot be told from corners of the velocity."""
+
+MOST_JUMPS = 4
+"""Samples with a jump: one row out of line makes at most three; coarse rounding makes them everywhere."""
 
 SIGNIFICANT = 0.05
-"""Share of the torque limits, of the largest such share, that the accelerations of a joint must take to count."""
+"""Share of the largest acceleration of all joints from which that of a joint counts: of one at rest all is rounding."""
+
+NORMAL_QUARTILE = 0.3186
+"""Lower quartile of the size of a normal variable of deviation 1."""
 
 FAST = 10.0
 """Factor of speed above which something is probably missing."""
@@ -45,12 +51,25 @@ def motion_remarks(cell: Cell, motion: CoordinatedMotion, found: ScalingRange) -
         motion: Its motion, as given.
         found: The range of c².
     """
-    remarks = [*cell.remarks, *motion.remarks, *_not_at_rest(cell, motion), *_jump(cell, motion)]
-    if found.status.admits_motion and found.upper is not None and found.upper.time is not None:
-        if not any(remark.code == "jump" for remark in remarks):
-            remarks += _noise(cell, motion, found.upper)
+    remarks = [*cell.remarks, *motion.remarks, *_not_at_rest(cell, motion)]
+    jumps = _jumps(motion)
+    few = 0 < np.count_nonzero(np.any(jumps > 0, axis=1)) <= MOST_JUMPS
+    noise: list[Remark] = []
+    if found.status.admits_motion and found.upper is not None:
+        noise = _noise(cell, motion, found.upper, many_jumps=bool(np.any(jumps)) and not few)
+    remarks += noise or ([_jump(cell, motion, jumps)] if few else [])
+    if found.status.admits_motion and found.upper is not None:
         remarks += _fast(found.upper)
     return tuple(remarks)
+
+
+def lasting(remarks: tuple[Remark, ...]) -> tuple[Remark, ...]:
+    """Those that hold as well where the speed varies along the path, from rest to rest and at its fastest.
+
+    Args:
+        remarks: Of the motion at a constant factor of speed.
+    """
+    return tuple(remark for remark in remarks if remark.code not in OF_CONSTANT_FACTOR)
 
 
 def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
@@ -69,64 +88,71 @@ def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
             speed = abs(float(motion.dq[sample, moving[joint]]))
             text = (
                 f"the motion does not {what} at rest: {names[moving[joint]]} moves at {speed:.3g} "
-                f"{_unit(cell, moving[joint])}/s at t = {motion.object.time[sample]:.4g} s, and at every factor of speed "
-                f"{why}. Give a motion that is at rest at both ends, or make sure that the robots move already."
+                f"{_unit(cell, moving[joint])}/s at t = {motion.object.time[sample]:.4g} s, and at every factor of "
+                f"speed {why}. Give a motion that is at rest at both ends, or make sure that the robots move already."
             )
             remarks.append(Remark("not-at-rest", text, sample))
     return remarks
 
 
-def _jump(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
-    """The largest step of velocity between two rows that is no part of a smooth motion."""
-    time = motion.object.time
-    velocity = np.diff(motion.q, axis=0) / np.diff(time)[:, None]
+def _jumps(motion: CoordinatedMotion) -> Array:
+    """Steps of velocity at inner samples that no smooth motion has, others 0, Shape (N - 2, m) [rad/s or m/s]."""
+    velocity = np.diff(motion.q, axis=0) / np.diff(motion.object.time)[:, None]
     step = np.abs(np.diff(velocity, axis=0))
-    if len(step) < 2 * NEIGHBOURS + 1:
-        return []
+    if motion.samples < FEWEST_SAMPLES:
+        return np.zeros_like(step)
     around = np.zeros_like(step)
     for distance in range(2, NEIGHBOURS + 1):
         around[distance:] = np.maximum(around[distance:], step[:-distance])
         around[:-distance] = np.maximum(around[:-distance], step[distance:])
-    size = step / np.max(np.abs(motion.dq), initial=np.finfo(float).tiny)
-    sudden = np.where((step > JUMP * around) & (size > LEAST_STEP), size, 0.0)
-    sample, joint = (int(place) for place in np.unravel_index(int(np.argmax(sudden)), step.shape))
-    if sudden[sample, joint] == 0:
-        return []
+    least = LEAST_STEP * np.max(np.abs(motion.dq), initial=0.0)
+    return np.where((step > JUMP * around) & (step > least), step, 0.0)
+
+
+def _jump(cell: Cell, motion: CoordinatedMotion, jumps: Array) -> Remark:
+    """The largest of them."""
+    place, joint = (int(index) for index in np.unravel_index(int(np.argmax(jumps)), jumps.shape))
+    sample = place + 1
     text = (
-        f"the motion jumps at t = {time[sample + 1]:.4g} s (sample {sample + 1}): the velocity of "
-        f"{_joint_names(cell)[joint]} changes there by {step[sample, joint]:.3g} {_unit(cell, joint)}/s from one sample "
-        f"to the next, more than {JUMP:g} times what it does around it. Check that row of the table and its neighbours."
+        f"the motion jumps at t = {motion.object.time[sample]:.4g} s (sample {sample}): the velocity of "
+        f"{_joint_names(cell)[joint]} changes there by {jumps[place, joint]:.3g} {_unit(cell, joint)}/s from one "
+        f"sample to the next, more than {JUMP:g} times what it does around it. Check that row of the table."
     )
-    return [Remark("jump", text, sample + 1)]
+    return Remark("jump", text, sample)
 
 
-def _noise(cell: Cell, motion: CoordinatedMotion, end: RangeEnd) -> list[Remark]:
+def _noise(cell: Cell, motion: CoordinatedMotion, end: RangeEnd, *, many_jumps: bool) -> list[Remark]:
     """Accelerations that change from sample to sample like noise, where they set the upper end."""
-    if motion.samples < SAMPLES_OF_NOISE or all(row.name.kind == "velocity" for row in end.rows):
+    if motion.samples < FEWEST_SAMPLES or end.time is None or all(row.name.kind == "velocity" for row in end.rows):
         return []
     share = noise_share(motion.ddq)
     largest = np.max(np.abs(motion.ddq), axis=0)
-    joint = int(np.argmax(np.where(largest >= SIGNIFICANT * np.max(largest), share, 0.0)))
-    if share[joint] < NOISE:
+    share[largest < SIGNIFICANT * np.max(largest)] = 0.0
+    joint = int(np.argmax(share))
+    if share[joint] < NOISE and not many_jumps:
         return []
     text = (
-        f"noise sets the range of c²: about {100 * min(share[joint], 1.0):.2g} % of the acceleration of "
-        f"{_joint_names(cell)[joint]} changes its sign from sample to sample, as rounded or measured positions do when "
-        "they are differentiated twice. Give more digits, smooth the table, or give fewer rows and 'samples'."
+        f"noise sets the range of c²: the acceleration of {_joint_names(cell)[joint]} goes up and down from sample to "
+        "sample, as that of rounded or measured positions does when they are differentiated twice. Give more digits, "
+        "smooth the table, or give fewer rows."
     )
     return [Remark("noise", text, end.sample)]
 
 
 def noise_share(values: Array) -> Array:
-    """Standard deviation of what is noise in evenly taken samples, as a share of the largest value, Shape (k,).
+    """Standard deviation of what is noise, as a share of the largest value, Shape (k,).
 
     Fourth differences leave nothing of a smooth motion, and the lower quartile of their sizes nothing of few corners.
+    They are taken of every sample, every second and so on: between the rows of a table there may be many samples.
 
     Args:
-        values: Shape (N, k).
+        values: Shape (N, k), N at least `FEWEST_SAMPLES`.
     """
-    differences = np.abs(np.diff(values, 4, axis=0)) / np.sqrt(70)  # 1² + 4² + 6² + 4² + 1²
-    deviation = np.quantile(differences, 0.25, axis=0) / 0.3186  # that quantile of a standard normal's size
+    deviation, stride = np.zeros(values.shape[1]), 1
+    while len(values) >= FEWEST_SAMPLES * stride:
+        differences = np.abs(np.diff(values[::stride], 4, axis=0)) / np.sqrt(70)  # 1² + 4² + 6² + 4² + 1²
+        quartile = np.quantile(differences, 0.25, axis=0)
+        deviation, stride = np.maximum(deviation, quartile / NORMAL_QUARTILE), 2 * stride
     largest = np.max(np.abs(values), axis=0)
     return np.asarray(deviation / np.where(largest > 0, largest, 1.0))
 

@@ -6,6 +6,7 @@ from html import escape
 
 import numpy as np
 
+from mrts.interval_text import interval_text
 from mrts.limit_rows import ActiveRow
 from mrts.load_box import LoadPoint
 from mrts.player_state import Bar, PlayerState
@@ -32,7 +33,7 @@ HEIGHTS = {"outcome": "max-height:80px", "speed": "height:80px", "moment": "heig
 def outcome_html(state: PlayerState) -> str:
     """The outcome in a sentence; red where no speed is admissible."""
     result = state.result
-    text = escape(result.summary())
+    text = escape(result.sentence())
     if result.load is not None:
         text += f" Torques are those of the nominal load of {result.cell.mass:.4g} kg."
     colour = "inherit" if result.status.admits_motion else OVER
@@ -72,8 +73,8 @@ def moment_html(state: PlayerState) -> str:
         return _paragraph("moment", f"{text}Infeasible: {escape(str(conflict))}.", OVER)
     low, high = found.lower[sample], found.upper[sample]
     if np.isinf(high):
-        return _paragraph("moment", f"{text}Nothing limits the speed of this sample: c² ∈ [{low:.4g}, ∞).")
-    text += f"This sample alone admits c² ∈ [{low:.4g}, {high:.4g}]; "
+        return _paragraph("moment", f"{text}Nothing limits the speed of this sample: c² ∈ {interval_text(low, high)}.")
+    text += f"This sample alone admits c² ∈ {interval_text(low, high)}; "
     text += f"faster is forbidden by {_rows(found.upper_rows, found.upper_loads, sample)}"
     if low > 0:
         text += f", slower by {_rows(found.lower_rows, found.lower_loads, sample)}"

@@ -12,6 +12,7 @@ from mrts.errors import InputError, SolverError
 from mrts.infeasibility import Conflict
 from mrts.load_box import LoadPoint
 from mrts.load_sharing import LoadSharing
+from mrts.motion_remarks import lasting
 from mrts.motion_table import JointTable
 from mrts.object_motion import ObjectMotion
 from mrts.path_pieces import NoPath, PathPiece, path_pieces
@@ -166,7 +167,9 @@ def _with_torques(constant: ScalingResult, pieces: Sequence[TimedPiece]) -> Scal
     given = constant.motion.object.time[-1]
     origin = f"fastest timing of a path that was given {given:.4g} s: {trajectory.duration:.4g} s"
     fallbacks += found.samples.fallbacks
-    return ScalingResult(cell, motion, found, trajectory, fallbacks, None, rule, origin).checked()
+    return ScalingResult(
+        cell, motion, found, trajectory, fallbacks, None, rule, origin, lasting(constant.warnings)
+    ).checked()
 
 
 @dataclass(frozen=True)
