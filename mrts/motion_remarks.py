@@ -159,7 +159,7 @@ def noise_share(values: Array) -> Array:
 
 def _fast(end: RangeEnd) -> list[Remark]:
     factor = float(np.sqrt(max(end.c2, 0.0)))
-    if factor <= FAST:
+    if factor <= FAST or end.time is None:  # that nothing limits the speed is said as the outcome
         return []
     text = (
         f"the motion may be played {factor:.3g} times as fast as given, more than {FAST:g} times: probably its "

@@ -74,7 +74,8 @@ def moment_html(state: PlayerState) -> str:
     low, high = found.lower[sample], found.upper[sample]
     if np.isinf(high):
         return _paragraph("moment", f"{text}Nothing limits the speed of this sample: c² ∈ {interval_text(low, high)}.")
-    text += f"This sample alone admits c² ∈ {interval_text(low, high)}; "
+    reach = f"This sample alone admits c² ∈ {interval_text(low, high)}"
+    text += f"{reach}; " if low <= high else f"No c² suits every load here: {interval_text(low, high)}; "
     text += f"faster is forbidden by {_rows(found.upper_rows, found.upper_loads, sample)}"
     if low > 0:
         text += f", slower by {_rows(found.lower_rows, found.lower_loads, sample)}"

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mrts.closed_form_range import ends_in_closed_form
 from mrts.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
+from mrts.interval_text import interval_text
 from mrts.limit_rows import ActiveRow
 from mrts.linear_program_range import ends_by_linear_programs
 from mrts.load_box import LoadPoint
@@ -146,7 +147,7 @@ class ScalingRange:
     samples: SampleRanges
 
     def __repr__(self) -> str:
-        ends = f"c² from {self.lower.c2:.4g} to {self.upper.c2:.4g}, " if self.lower and self.upper else ""
+        ends = f"c² ∈ {interval_text(self.lower.c2, self.upper.c2)}, " if self.lower and self.upper else ""
         return f"<ScalingRange {self.status.value}: {ends}{len(self.samples.time)} samples>"
 
     def to_json(self) -> dict[str, Any]:

@@ -108,7 +108,7 @@ def test_noise_is_measured():
     assert np.max(noise_share(smooth)) < 1e-3
     noisy = smooth + 0.2 * rng.normal(size=smooth.shape) * np.max(np.abs(smooth), axis=0)
     measured = noise_share(noisy) * np.max(np.abs(noisy), axis=0) / np.max(np.abs(smooth), axis=0)
-    assert measured == pytest.approx(0.2, rel=0.4)  # the largest of the strides
+    assert np.all((measured > 0.18) & (measured < 0.35))  # the largest of all strides, some of few samples
 
 
 def test_a_factor_above_ten(planar_cell):
