@@ -8,10 +8,10 @@ are those with a multiplier in some solution of the dual program.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.cell import Cell
 from mrts.convex_program import ConvexPrograms, solve_programs
@@ -21,7 +21,7 @@ from mrts.linear_program_range import effect_of_speed
 from mrts.range_ends import BINDING_TOLERANCE
 from mrts.rigid_transform import Array
 from mrts.sample_problem import SampleProblem, build_sample_problem
-from mrts.scaling_range import SampleRanges, ties_for_least
+from mrts.scaling_range import SampleRanges, first_least
 from mrts.solvers import DEFAULT_SOLVER
 
 WIDER = 3e-9
@@ -34,19 +34,17 @@ multiplier, as a share of all, that counts."""
 
 @dataclass(frozen=True)
 class EndRows(Sequence[tuple[ActiveRow, ...]]):
-    """Rows of one end of each of N samples, all that bind where the sample may set the end over the motion.
+    """Rows of one end of each of N samples, all that bind where the sample sets the end over the motion.
 
     Attributes:
         found: As the solver gives them.
-        at_end: Which samples may set it, Shape (N,).
-        side: Which end.
-        find: All rows at an end of a sample, none if they cannot be told.
+        sample: Which sets it.
+        find: All rows at its end, none if they cannot be told.
     """
 
     found: Sequence[tuple[ActiveRow, ...]]
-    at_end: NDArray[np.bool_]
-    side: Side
-    find: Callable[[int, Side], tuple[ActiveRow, ...]]
+    sample: int
+    find: Callable[[], tuple[ActiveRow, ...]]
 
     def __len__(self) -> int:
         return len(self.found)
@@ -55,7 +53,7 @@ class EndRows(Sequence[tuple[ActiveRow, ...]]):
         if isinstance(sample, slice):
             return tuple(self[index] for index in range(*sample.indices(len(self))))
         index = range(len(self))[sample]
-        return (self.find(index, self.side) if self.at_end[index] else ()) or self.found[index]
+        return (self.find() if index == self.sample else ()) or self.found[index]
 
 
 def with_end_rows(
@@ -72,16 +70,16 @@ def with_end_rows(
     if len(cell.robots) == 1:
         return samples  # nothing is free: the closed form names all
 
-    def rows(sample: int, side: Side) -> tuple[ActiveRow, ...]:
+    def rows(sample: int, side: Side, c2: float) -> tuple[ActiveRow, ...]:
         load = load_at(sample, side)
         loads = None if load is None else np.broadcast_to(load, (motion.samples, len(load)))
-        problem = build_sample_problem(cell, motion, load=loads, samples=np.array([sample]))
-        return rows_at_end(problem, float((samples.lower if side == "lower" else samples.upper)[sample]), side)
+        return rows_at_end(build_sample_problem(cell, motion, load=loads, samples=np.array([sample])), c2, side)
 
+    low, high = first_least(-samples.lower), first_least(samples.upper)
     return replace(
         samples,
-        lower_rows=EndRows(samples.lower_rows, ties_for_least(-samples.lower), "lower", rows),
-        upper_rows=EndRows(samples.upper_rows, ties_for_least(samples.upper), "upper", rows),
+        lower_rows=EndRows(samples.lower_rows, low, partial(rows, low, "lower", float(samples.lower[low]))),
+        upper_rows=EndRows(samples.upper_rows, high, partial(rows, high, "upper", float(samples.upper[high]))),
     )
 
 

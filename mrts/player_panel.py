@@ -10,6 +10,7 @@ from mrts.interval_text import interval_text
 from mrts.limit_rows import ActiveRow
 from mrts.load_box import LoadPoint
 from mrts.player_state import Bar, PlayerState
+from mrts.scaling_range import SampleStatus
 
 WITHIN, OVER, PASSED = "#0072B2", "#D40000", "#B36B00"
 """Colours of a value within its limit, beyond it, and beyond a limit that is only reported."""
@@ -75,7 +76,8 @@ def moment_html(state: PlayerState) -> str:
     if np.isinf(high):
         return _paragraph("moment", f"{text}Nothing limits the speed of this sample: c² ∈ {interval_text(low, high)}.")
     reach = f"This sample alone admits c² ∈ {interval_text(low, high)}"
-    text += f"{reach}; " if low <= high else f"No c² suits every load here: {interval_text(low, high)}; "
+    empty = found.status[sample] is SampleStatus.EMPTY
+    text += f"No c² suits every load here: {interval_text(low, high)}; " if empty else f"{reach}; "
     text += f"faster is forbidden by {_rows(found.upper_rows, found.upper_loads, sample)}"
     if low > 0:
         text += f", slower by {_rows(found.lower_rows, found.lower_loads, sample)}"

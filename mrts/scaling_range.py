@@ -7,7 +7,6 @@ from enum import Enum
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.closed_form_range import ends_in_closed_form
 from mrts.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
@@ -238,7 +237,7 @@ def intersect(samples: SampleRanges) -> ScalingRange:
     """
     if samples.conflicts:
         return ScalingRange(ScalingStatus.INFEASIBLE, None, None, samples)
-    at_low, at_high = (int(np.argmax(ties_for_least(ends))) for ends in (-samples.lower, samples.upper))
+    at_low, at_high = int(first_least(-samples.lower)), int(first_least(samples.upper))
     low, high = float(np.max(samples.lower)), float(np.min(samples.upper))
     if high < low <= high * (1 + POINT_TOLERANCE):
         low = high
@@ -250,14 +249,14 @@ def intersect(samples: SampleRanges) -> ScalingRange:
     return ScalingRange(status, lower, upper, samples)
 
 
-def ties_for_least(values: Array) -> NDArray[np.bool_]:
-    """Which values are the least of their column, but for rounding; of the same shape.
+def first_least(values: Array) -> Any:
+    """Place of the least value along the first axis, the first of those that differ by rounding only.
 
     Args:
-        values: Any shape; compared along the first axis.
+        values: Shape (N,), or any with N first: then a place for each column.
     """
     least = np.min(values, axis=0)
-    return np.asarray(values <= least + TIE * np.abs(np.where(np.isfinite(least), least, 0.0)))
+    return np.argmax(values <= least + TIE * np.abs(np.where(np.isfinite(least), least, 0.0)), axis=0)
 
 
 def _end(

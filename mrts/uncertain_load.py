@@ -25,9 +25,9 @@ from mrts.sample_problem import FormulationName, SampleProblem, build_sample_pro
 from mrts.scaling_range import (
     SampleRanges,
     ScalingRange,
+    first_least,
     intersect,
     statuses,
-    ties_for_least,
     without_speed_at_rest,
 )
 from mrts.trajectory_programs import motion_ranges
@@ -115,6 +115,13 @@ class _Task:
         self.progress(len(points), len(points))
         return found
 
+    def whole(self, samples: SampleRanges) -> ScalingRange:
+        """The range over the motion of samples each of whose ends is that of some load."""
+        if self.sharing is None and samples.lower_loads is not None and samples.upper_loads is not None:
+            loads = {"lower": samples.lower_loads, "upper": samples.upper_loads}
+            samples = with_end_rows(self.cell, self.motion, samples, lambda sample, side: loads[side][sample].load)
+        return intersect(samples)
+
 
 def study_load(
     cell: Cell,
@@ -161,7 +168,7 @@ def study_load(
     else:
         points = _mass_grid(box, question)
     ranges = task.ranges(points)
-    found = intersect(_for_every_point(points, ranges))
+    found = task.whole(_for_every_point(points, ranges))
     return found, LoadStudy(question, box, points, tuple(intersect(of_point) for of_point in ranges))
 
 
@@ -210,7 +217,7 @@ def _mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
 def _for_every_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -> SampleRanges:
     """The intersection of the ranges of all loads at every sample, with the load that sets each end."""
     low, high = np.array([found.lower for found in ranges]), np.array([found.upper for found in ranges])
-    at_low, at_high = _first_least(-low), _first_least(high)
+    at_low, at_high = first_least(-low), first_least(high)
     conflicts: dict[int, Conflict] = {}
     for point, found in zip(points, ranges, strict=True):
         for conflict in found.conflicts:
@@ -219,11 +226,6 @@ def _for_every_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]
                 conflicts[conflict.sample] = replace(conflict, load=point)
     ordered = tuple(conflicts[sample] for sample in sorted(conflicts))
     return _ends_of_loads(points, ranges, (np.max(low, axis=0), np.min(high, axis=0)), (at_low, at_high), ordered)
-
-
-def _first_least(ends: Array) -> NDArray[np.int_]:
-    """The load that has the least end at every sample, the first of several, Shape (N,)."""
-    return np.asarray(np.argmax(ties_for_least(ends), axis=0))
 
 
 def _ends_of_loads(
@@ -314,20 +316,14 @@ def _possible(task: _Task, box: LoadBox, varying: tuple[str, ...]) -> tuple[Scal
         best, not_converged = widen_by_search(
             task.problem, box, varying, best, task.motion.object.time, task.solver, task.progress
         )
-    lower, upper = best.lower_loads, best.upper_loads
-    if task.sharing is None and lower is not None and upper is not None:
-        loads = {"lower": lower, "upper": upper}
-        best = with_end_rows(
-            cell=task.cell, motion=task.motion, samples=best, load_at=lambda sample, side: loads[side][sample].load
-        )
     study = LoadStudy("possible", box, points, tuple(intersect(of_point) for of_point in ranges), not_converged)
-    return intersect(best), study
+    return task.whole(best), study
 
 
 def _for_some_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -> SampleRanges:
     """At every sample the lowest and the highest c² that one of the loads reaches."""
     low, high = np.array([found.lower for found in ranges]), np.array([found.upper for found in ranges])
-    at_low, at_high = _first_least(low), _first_least(-high)
+    at_low, at_high = first_least(low), first_least(-high)
     conflicts = []
     for sample in np.flatnonzero(np.isinf(np.min(low, axis=0))):
         of_points = [

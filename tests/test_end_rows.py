@@ -8,6 +8,7 @@ from random_programs import cell_programs
 from scipy.optimize import linprog
 
 import mrts
+from mrts import end_rows
 from mrts.end_rows import rows_at_end
 from mrts.limit_rows import STANDSTILL, RowName
 from mrts.linear_program_range import ends_by_linear_programs
@@ -150,3 +151,22 @@ def test_of_samples_that_differ_by_rounding_the_first_sets_the_end():
         found = intersect(SampleRanges(np.arange(4.0), status, lower, upper, rows, rows, (), 0))
         assert (found.lower.sample, found.upper.sample) == (1, 1)
         assert (found.lower.c2, found.upper.c2) == (np.max(lower), np.min(upper))
+
+
+@pytest.mark.parametrize("question", ["guaranteed", "possible"])
+def test_every_solver_names_the_same_rows_of_an_uncertain_load(planar_cell, lift, question):
+    cell = planar_cell.with_variation(mass=(0.5, 2.0))
+    results = [mrts.scale(cell, lift, solver=solver, load=question) for solver in ("kernel", "qpsol:qpoases")]
+    assert len({found.range.upper.rows for found in results}) == 1
+    assert len({tuple(one.upper.rows for one in found.load.ranges) for found in results}) == 1
+    assert len(results[0].range.upper.rows) > 1
+
+
+def test_all_rows_are_asked_for_only_where_they_set_the_range(planar_cell, lift, monkeypatch):
+    asked = []
+    real = end_rows.rows_at_end
+    monkeypatch.setattr(end_rows, "rows_at_end", lambda *given: asked.append(given[1:]) or real(*given))
+    samples = mrts.scale(planar_cell, lift).range.samples
+    asked.clear()
+    assert len(list(samples.lower_rows) + list(samples.upper_rows)) == 2 * lift.time.size
+    assert asked == [(0.0, "lower"), (float(np.min(samples.upper)), "upper")]
