@@ -5,6 +5,7 @@ This is the only place where the run time calls the build time (`mrts_codegen`).
 """
 
 import hashlib
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
@@ -27,7 +28,8 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     """
     from mrts_codegen.content_key import content_key  # noqa: PLC0415 (build time, on demand)
 
-    folder = cache_folder("cells", content_key(path))
+    key = content_key(path)
+    folder = cache_folder("cells", key)
     if only_ours(folder / MANIFEST_NAME):
         try:
             manifest, source = read_generated(folder)
@@ -35,9 +37,7 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
                 return manifest, source
         except InputError:
             pass  # damaged: make it again
-    from mrts_codegen.generate import generate_cell  # noqa: PLC0415 (the symbolic layer, only if it is needed)
-
-    generate_cell(path).write(folder, private=True)
+    _generated(path, key).write(folder, private=True)
     return read_generated(folder)
 
 
@@ -119,9 +119,19 @@ def virtual_machine_functions(path: Path) -> dict[str, Any]:
     Raises:
         InputError: If the cell file or a URDF breaks a rule.
     """
-    from mrts_codegen.generate import generate_cell  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.content_key import content_key  # noqa: PLC0415 (build time, on demand)
 
-    return generate_cell(path).functions
+    functions: dict[str, Any] = _generated(path, content_key(path)).functions
+    _generated.cache_clear()
+    return functions
+
+
+@lru_cache(maxsize=1)
+def _generated(path: Path, _key: str) -> Any:
+    """A cell generated from files of this content, kept until the virtual machine takes it: that takes seconds."""
+    from mrts_codegen.generate import generate_cell  # noqa: PLC0415 (the symbolic layer, only if it is needed)
+
+    return generate_cell(path)
 
 
 def library_in_cache(command: tuple[str, ...], name: str, source: str, *, rebuild: bool = False) -> Path:

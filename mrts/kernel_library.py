@@ -103,6 +103,34 @@ class KernelLibrary:
             list(pool.map(project, range(0, count, CHUNK)))
         return number, corners, status
 
+    def backward(self, step: Array, start: NDArray[np.int64], planes: Array, low: Array, high: Array) -> int:
+        """Shrink bounds of x to the controllable sets, from the last sample back to the first.
+
+        Args:
+            step: Length of each segment, Shape (n - 1,).
+            start: The half-planes of sample i are start[i] .. start[i + 1] - 1, Shape (n + 1,).
+            planes: Shape (E, 3).
+            low: Least x; changed in place, Shape (n,).
+            high: Largest x; changed in place, Shape (n,).
+
+        Returns:
+            The sample that has none, -1 if all have one.
+        """
+        run = self.loaded.mrts_backward
+        run.restype = ctypes.c_longlong
+        arrays = (step, start, planes, low, high, _segment_work(start))
+        return int(run(ctypes.c_longlong(len(step)), *(pointer(array) for array in arrays)))
+
+    def forward(
+        self, step: Array, start: NDArray[np.int64], planes: Array, low: Array, high: Array, first: float
+    ) -> Array:
+        """The largest controllable x at every sample, from `first` on, Shape (n,); arguments as in `backward`."""
+        x = np.zeros(len(step) + 1)
+        x[0] = first
+        arrays = (step, start, planes, low, high, x, _segment_work(start))
+        self.loaded.mrts_forward(ctypes.c_longlong(len(step)), *(pointer(array) for array in arrays))
+        return x
+
     def _batch(self, name: str, arrays: list[Array]) -> tuple[Array, Array, NDArray[np.uint8]]:
         count, rows, k = arrays[-3].shape
         arrays = [np.ascontiguousarray(np.clip(array, -1e300, 1e300)) for array in arrays]
@@ -111,6 +139,11 @@ class KernelLibrary:
         pointers = [pointer(array) for array in (*arrays, x, dual, status, work, iwork)]
         getattr(self.loaded, name)(ctypes.c_longlong(count), k, rows, *pointers)
         return x, dual, status
+
+
+def _segment_work(start: NDArray[np.int64]) -> Array:
+    """Room for the half-planes of a segment: those of two samples, and two for its end."""
+    return np.zeros(3 * (2 * int(np.max(np.diff(start))) + 2))
 
 
 def load_or_rebuild(command: tuple[str, ...], name: str, source: str, load: Callable[[Path], Library]) -> Library:

@@ -46,7 +46,7 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
     low, high = (end.c2 if end else np.nan for end in (own.lower, own.upper))
     if not low * (1 - END_TOLERANCE) <= c2 <= high * (1 + END_TOLERANCE):
         refused = replace(result, cell=cell, range=own, trajectory=None, load=None)
-        error = SelectionError(f"c² = {c2:g} does not suit this load: {refused.summary()}")
+        error = SelectionError(f"c² = {c2:g} does not suit this load: {refused.sentence()}")
         error.result = refused
         raise error
     torque, wrench, fallbacks = motion_torques(cell, motion, formulation, sharing, solver, c2, W)

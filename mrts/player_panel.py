@@ -6,9 +6,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from mrts.html_text import html_text
+from mrts.interval_text import interval_text
 from mrts.limit_rows import ActiveRow
 from mrts.load_box import LoadPoint
 from mrts.player_state import Bar, PlayerState
+from mrts.scaling_range import SampleStatus
 
 WITHIN, OVER, PASSED = "#0072B2", "#D40000", "#B36B00"
 """Colours of a value within its limit, beyond it, and beyond a limit that is only reported."""
@@ -32,7 +34,7 @@ HEIGHTS = {"outcome": "max-height:80px", "speed": "height:80px", "moment": "heig
 def outcome_html(state: PlayerState) -> str:
     """The outcome in a sentence; red where no speed is admissible."""
     result = state.result
-    text = html_text(result.summary())
+    text = html_text(result.sentence())
     if result.load is not None:
         text += f" Torques are those of the nominal load of {result.cell.mass:.4g} kg."
     colour = "inherit" if result.status.admits_motion else OVER
@@ -72,8 +74,10 @@ def moment_html(state: PlayerState) -> str:
         return _paragraph("moment", f"{text}Infeasible: {html_text(str(conflict))}.", OVER)
     low, high = found.lower[sample], found.upper[sample]
     if np.isinf(high):
-        return _paragraph("moment", f"{text}Nothing limits the speed of this sample: c² ∈ [{low:.4g}, ∞).")
-    text += f"This sample alone admits c² ∈ [{low:.4g}, {high:.4g}]; "
+        return _paragraph("moment", f"{text}Nothing limits the speed of this sample: c² ∈ {interval_text(low, high)}.")
+    reach = f"This sample alone admits c² ∈ {interval_text(low, high)}"
+    empty = found.status[sample] is SampleStatus.EMPTY
+    text += f"No c² suits every load here: {interval_text(low, high)}; " if empty else f"{reach}; "
     text += f"faster is forbidden by {_rows(found.upper_rows, found.upper_loads, sample)}"
     if low > 0:
         text += f", slower by {_rows(found.lower_rows, found.lower_loads, sample)}"

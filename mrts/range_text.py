@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: MIT
 """The range over the motion and what sets it, in a few words."""
 
-import numpy as np
-
 from mrts.binding_rows import row_labels
+from mrts.interval_text import interval_text
 from mrts.scaling_range import ScalingRange
 
 
 def range_text(found: ScalingRange) -> str:
-    """Both ends as an interval, or the name of the outcome where there is none."""
-    if found.lower is None or found.upper is None or not found.status.admits_motion:
+    """Both ends as an interval; where there is none, the outcome, and where the ends of an empty range are."""
+    low, high = found.lower, found.upper
+    if low is None or high is None:
         return str(found.status.value)
-    return f"[{found.lower.c2:.4g}, {f'{found.upper.c2:.4g}]' if np.isfinite(found.upper.c2) else '∞)'}"
+    if found.status.admits_motion or low.time is None or high.time is None:
+        return interval_text(low.c2, high.c2)
+    return f"empty (at least {low.c2:.4g} at t = {low.time:.4g} s, but at most {high.c2:.4g} at t = {high.time:.4g} s)"
 
 
 def range_facts(found: ScalingRange) -> list[str]:

@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: MIT
 """The fastest speed along a path inside its speed regions (Pham and Pham, IEEE T-RO 34(3), 2018)."""
 
-import ctypes
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mrts.kernel_library import default_kernel, pointer
 from mrts.rigid_transform import Array
+from mrts.speed_kernel import speed_kernel
 from mrts.speed_regions import SpeedRegions
 
 FARTHEST = 1e3
@@ -82,21 +80,14 @@ def fastest_profile(step: Array, regions: SpeedRegions, ends: tuple[float, float
     low[last] = high[last] = ends[1]
     planes = np.ascontiguousarray(regions.planes)
     steps = np.ascontiguousarray(step)
-    rows = 2 * int(np.max(np.diff(regions.start)))
-    work = np.zeros(3 * (rows + 2))
-    path: list[NDArray[np.float64] | NDArray[np.int64]] = [steps, regions.start, planes, low, high]
-    kernel = default_kernel().loaded
-    kernel.mrts_backward.restype = ctypes.c_longlong
-    pointers = [pointer(array) for array in path]
-    failed = int(kernel.mrts_backward(ctypes.c_longlong(last), *pointers, pointer(work)))
+    kernel = speed_kernel()
+    failed = kernel.backward(steps, regions.start, planes, low, high)
     if failed >= 0:
         return Obstacle("segment", failed, (float(low[failed + 1]), float(high[failed + 1])))
     if not _within(ends[0], low[0], high[0]):
         return Obstacle("start", 0, (float(low[0]), float(high[0])), (float(low[1]), float(high[1])))
-    x = np.zeros(last + 1)
-    x[0] = min(max(ends[0], low[0]), high[0])
-    kernel.mrts_forward(ctypes.c_longlong(last), *pointers, pointer(x), pointer(work))
-    return SpeedProfile(x, low, high)
+    first = min(max(ends[0], low[0]), high[0])
+    return SpeedProfile(kernel.forward(steps, regions.start, planes, low, high, first), low, high)
 
 
 def _within(value: float, low: float, high: float) -> bool:

@@ -19,6 +19,9 @@ class Remark:
     text: str
     sample: int | None = None
 
+    def __str__(self) -> str:
+        return f"warning: {self.text}"
+
     def to_json(self) -> dict[str, Any]:
         """Code, text and sample."""
         return {"code": self.code, "text": self.text, "sample": self.sample}

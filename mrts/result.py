@@ -14,8 +14,10 @@ from mrts.cell import Cell
 from mrts.constraints import cell_rows
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.errors import SolverError
+from mrts.interval_text import interval_text
 from mrts.load_box import LoadPoint
 from mrts.load_sharing import LoadSharing
+from mrts.remark import Remark
 from mrts.result_html import result_html
 from mrts.rigid_transform import Array
 from mrts.sample_problem import FormulationName
@@ -74,6 +76,7 @@ class ScalingResult:
         load: What was asked of an uncertain load; None if the load is known.
         rule: How torques are distributed.
         origin: What was done to the motion before, for people; empty if nothing.
+        warnings: What to know of the cell and the motion before trusting the answer.
     """
 
     cell: Cell
@@ -84,11 +87,12 @@ class ScalingResult:
     load: LoadStudy | None = None
     rule: DistributionRule = DistributionRule()
     origin: str = ""
+    warnings: tuple[Remark, ...] = ()
 
     def __repr__(self) -> str:
         done = self.trajectory
         chosen = "" if done is None else f" Chosen: c² = {done.c2:.4g}, {done.duration:.4g} s."
-        return f"<ScalingResult of cell '{self.cell.name}': {self.summary()}{chosen}>"
+        return f"<ScalingResult of cell '{self.cell.name}': {self.sentence()}{chosen}>"
 
     def _repr_html_(self) -> str:
         return result_html(self)
@@ -131,7 +135,11 @@ class ScalingResult:
         return notes
 
     def summary(self) -> str:
-        """The outcome in one or two sentences."""
+        """The outcome in one or two sentences, and a line for each warning."""
+        return "\n".join([self.sentence(), *(str(warning) for warning in self.warnings)])
+
+    def sentence(self) -> str:
+        """The outcome alone."""
         text = self._outcome()
         text = text if self.load is None else f"{self.load.sentence()}: {text}"
         return f"{self.origin}; as it is now, {text}" if self.origin else text
@@ -143,11 +151,11 @@ class ScalingResult:
         least, most = found.lower.c2, found.upper.c2
         below = f"below {found.lower.place()}" if least > 0 else ""
         if found.upper.time is None:
-            return f"c² ∈ [{least:.4g}, ∞): {found.status.advice}" + (f" Limited {below}." if below else "")
+            return f"c² ∈ {interval_text(least, most)}: {found.status.advice}" + (f" Limited {below}." if below else "")
         speed = _speed_advice(least, most, self.motion.object.time[-1])
         limits = f"above {found.upper.place()}, {below}" if below else found.upper.place()
         advice = "" if self.origin else f": {speed}"  # of the fastest timing there is none to give
-        return f"c² ∈ [{least:.4g}, {most:.4g}]{advice}; limited {limits}."
+        return f"c² ∈ {interval_text(least, most)}{advice}; limited {limits}."
 
     def residuals(self) -> Residuals:
         """Check the trajectory against (8), (13), (20) and (24), from the terms and not from the programs.
@@ -194,7 +202,8 @@ class ScalingResult:
         names = tuple(robot.name for robot in self.cell.robots)
         output: dict[str, Any] = {
             "cell": self.cell.name,
-            "summary": self.summary(),
+            "summary": self.sentence(),
+            "warnings": [warning.to_json() for warning in self.warnings],
             "explanation": self.range.explain() or None,
             **self.range.to_json(),
             "samples": {

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mrts.html_text import html_text
+from mrts.interval_text import interval_text
 
 if TYPE_CHECKING:
     from mrts.result import ScalingResult
@@ -25,15 +26,16 @@ def result_html(result: "ScalingResult") -> str:
         f"<tr><th style='text-align:left'>{html_text(name)}</th><td style='text-align:left'>{html_text(text)}</td></tr>"
         for name, text in _rows(result)
     )
-    summary = html_text(f"{result.cell.name}: {result.summary()}")
-    return f"<p style='max-width:50em'>{summary}</p><table>{rows}</table>"
+    lines = [f"{result.cell.name}: {result.sentence()}", *map(str, result.warnings)]
+    paragraphs = "".join(f"<p style='max-width:50em'>{html_text(line)}</p>" for line in lines)
+    return f"{paragraphs}<table>{rows}</table>"
 
 
 def _rows(result: "ScalingResult") -> Iterator[tuple[str, str]]:
     yield "outcome", result.status.value
     low, high = result.range.lower, result.range.upper
     if result.status.admits_motion and low and high:
-        yield "range of c²", f"[{low.c2:.4g}, {high.c2:.4g}]" if np.isfinite(high.c2) else f"[{low.c2:.4g}, ∞)"
+        yield "range of c²", interval_text(low.c2, high.c2)
     done = result.trajectory
     if done is None:
         return

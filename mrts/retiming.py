@@ -15,6 +15,7 @@ from mrts.infeasibility import Conflict
 from mrts.input_file import LARGEST_NUMBER
 from mrts.load_box import LoadPoint
 from mrts.load_sharing import LoadSharing
+from mrts.motion_remarks import lasting
 from mrts.motion_table import JointTable
 from mrts.object_motion import ObjectMotion
 from mrts.path_pieces import NoPath, PathPiece, path_pieces
@@ -77,7 +78,6 @@ def retime(
     Raises:
         InputError: If an argument breaks a rule.
         MotionError: If the arms cannot follow the object.
-        CompilerError: If there is no C compiler.
         SolverError: If no solver answers.
     """
     question = _checked_question(cell, sharing, load, start_speed, end_speed, progress)
@@ -172,7 +172,9 @@ def _with_torques(constant: ScalingResult, pieces: Sequence[TimedPiece]) -> Scal
     given = constant.motion.object.time[-1]
     origin = f"fastest timing of a path that was given {given:.4g} s: {trajectory.duration:.4g} s"
     fallbacks += found.samples.fallbacks
-    return ScalingResult(cell, motion, found, trajectory, fallbacks, None, rule, origin).checked()
+    return ScalingResult(
+        cell, motion, found, trajectory, fallbacks, None, rule, origin, lasting(constant.warnings)
+    ).checked()
 
 
 @dataclass(frozen=True)

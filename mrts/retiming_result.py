@@ -16,7 +16,9 @@ from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.dense_check import Excess, largest_excess
 from mrts.infeasibility import Conflict
+from mrts.motion_remarks import lasting
 from mrts.profile_limits import profile_limits
+from mrts.remark import Remark
 from mrts.result import ScalingResult
 from mrts.retimed_motion import TimedPiece
 from mrts.rigid_transform import Array
@@ -69,7 +71,7 @@ class RetimingResult:
     conflict: Conflict | None = None
 
     def __repr__(self) -> str:
-        return f"RetimingResult({self.cell.name}: {self.summary()})"
+        return f"RetimingResult({self.cell.name}: {self.sentence()})"
 
     @property
     def duration(self) -> float | None:
@@ -104,8 +106,17 @@ class RetimingResult:
             return None
         return largest_excess(self.cell, self.pieces, self.constant.rule.sharing, self.loads)
 
+    @property
+    def warnings(self) -> tuple[Remark, ...]:
+        """What to know of the cell and the motion before trusting the answer."""
+        return lasting(self.constant.warnings)
+
     def summary(self) -> str:
-        """The outcome in a sentence or two."""
+        """The outcome in a sentence or two, and a line for each warning."""
+        return "\n".join([self.sentence(), *(str(warning) for warning in self.warnings)])
+
+    def sentence(self) -> str:
+        """The outcome alone."""
         if not self.status.admits_motion:
             return f"{self.status.value}: {self.explanation}"
         given, best = float(self.motion.object.time[-1]), self.constant.trajectory
@@ -122,7 +133,8 @@ class RetimingResult:
         """The outcome as JSON values; null stands for what nothing bounds."""
         output: dict[str, Any] = {
             "cell": self.cell.name,
-            "summary": self.summary(),
+            "summary": self.sentence(),
+            "warnings": [warning.to_json() for warning in self.warnings],
             "status": self.status.value,
             "explanation": self.explanation or None,
             "duration": self.duration,

@@ -141,6 +141,14 @@ class RuleEntry(_Record):
     weights: list[float] | Matrix | None
 
 
+class WarningEntry(_Record):
+    """What to know before trusting the result, as `mrts.remark.Remark`."""
+
+    code: str
+    text: str
+    sample: Index | None
+
+
 class Description(_Record):
     """Everything of a saved result that is not a number a sample; docs/saved_results.md has the meaning of each."""
 
@@ -157,6 +165,7 @@ class Description(_Record):
     range_fallbacks: Annotated[list[Index], Field(min_length=1)]
     study: StudyEntry | None
     origin: str
+    warnings: Annotated[list[WarningEntry], FailFast()]
     rows: Annotated[list[RowEntry], FailFast()]
     loads: Annotated[list[LoadEntry], FailFast()]
     conflicts: Annotated[list[ConflictEntry], FailFast()]

@@ -22,6 +22,7 @@ from mrts.load_box import LoadPoint
 from mrts.load_sharing import LoadSharing
 from mrts.manifest import Manifest
 from mrts.object_motion import ObjectMotion
+from mrts.remark import Remark
 from mrts.result import DistributionRule, ScalingResult
 from mrts.robot import robot_record, without_infinity
 from mrts.saved_description import (
@@ -36,6 +37,7 @@ from mrts.saved_description import (
     RuleEntry,
     SharingEntry,
     StudyEntry,
+    WarningEntry,
     read_description,
 )
 from mrts.saved_ranges import Arrays, Tables, conflict_entries, range_arrays, read_ranges, require_places
@@ -133,7 +135,8 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
     if said.c2 is not None:
         done = ScaledTrajectory(known, motion, said.c2, arrays["torque"], arrays["wrench"])
         done = done.with_internal_wrench(arrays["internal_wrench"])
-    return ScalingResult(known, motion, first, done, said.fallbacks, study, rule, said.origin)
+    warnings = tuple(Remark(one.code, one.text, one.sample) for one in said.warnings)
+    return ScalingResult(known, motion, first, done, said.fallbacks, study, rule, said.origin, warnings)
 
 
 @contextmanager
@@ -178,6 +181,7 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
         range_fallbacks=[of.fallbacks for of in ranges],
         study=entry,
         origin=result.origin,
+        warnings=[WarningEntry.model_validate(warning.to_json()) for warning in result.warnings],
         rows=tables.row_entries(),
         loads=tables.load_entries(),
         conflicts=conflicts,

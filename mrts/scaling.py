@@ -11,7 +11,9 @@ from mrts.argument_types import check_callable, check_type
 from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion, coordinate
 from mrts.errors import InputError, MrtsError
+from mrts.interval_text import interval_text
 from mrts.load_sharing import LoadSharing
+from mrts.motion_remarks import motion_remarks
 from mrts.motion_table import JointTable
 from mrts.object_motion import ObjectMotion
 from mrts.result import DistributionRule, ScalingResult
@@ -97,7 +99,8 @@ def scale(
     else:
         found, study = study_load(cell, motion, question, formulation, sharing, solver, progress)
     rule = DistributionRule(sharing, formulation, weights)
-    untouched = ScalingResult(cell, motion, found, None, found.samples.fallbacks, study, rule)
+    remarks = motion_remarks(cell, motion, found)
+    untouched = ScalingResult(cell, motion, found, None, found.samples.fallbacks, study, rule, warnings=remarks)
     if not found.status.admits_motion or question == "possible":
         return untouched
     try:
@@ -152,7 +155,7 @@ def choose_c2(found: ScalingRange, select: Selection) -> float:
     """
     assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
     low, high = found.lower.c2, found.upper.c2
-    interval = f"[{low:.6g}, {high:.6g}]" if np.isfinite(high) else f"[{low:.6g}, ∞)"
+    interval = interval_text(low, high, digits=6)
     unlimited = found.status is ScalingStatus.UNBOUNDED
     if select == "auto":
         select = "nominal" if unlimited else "fastest"

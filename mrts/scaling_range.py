@@ -10,6 +10,7 @@ import numpy as np
 
 from mrts.closed_form_range import ends_in_closed_form
 from mrts.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
+from mrts.interval_text import interval_text
 from mrts.limit_rows import ActiveRow
 from mrts.linear_program_range import ends_by_linear_programs
 from mrts.load_box import LoadPoint
@@ -22,6 +23,10 @@ REST_TOLERANCE = 1e-12
 
 POINT_TOLERANCE = 1e-9
 """Relative overlap by which rounding may miss a range that is a single point."""
+
+TIE = 1e-7
+"""Relative difference of two samples' ends, or two loads', that may be rounding: the first of them counts as the one
+that sets the end, so that it does not depend on the solver."""
 
 
 class SampleStatus(Enum):
@@ -141,7 +146,7 @@ class ScalingRange:
     samples: SampleRanges
 
     def __repr__(self) -> str:
-        ends = f"c² from {self.lower.c2:.4g} to {self.upper.c2:.4g}, " if self.lower and self.upper else ""
+        ends = f"c² ∈ {interval_text(self.lower.c2, self.upper.c2)}, " if self.lower and self.upper else ""
         return f"<ScalingRange {self.status.value}: {ends}{len(self.samples.time)} samples>"
 
     def to_json(self) -> dict[str, Any]:
@@ -232,8 +237,8 @@ def intersect(samples: SampleRanges) -> ScalingRange:
     """
     if samples.conflicts:
         return ScalingRange(ScalingStatus.INFEASIBLE, None, None, samples)
-    at_low, at_high = int(np.argmax(samples.lower)), int(np.argmin(samples.upper))
-    low, high = float(samples.lower[at_low]), float(samples.upper[at_high])
+    at_low, at_high = int(first_least(-samples.lower)), int(first_least(samples.upper))
+    low, high = float(np.max(samples.lower)), float(np.min(samples.upper))
     if high < low <= high * (1 + POINT_TOLERANCE):
         low = high
     lower = _end(samples, at_low, low, samples.lower_rows, samples.lower_loads)
@@ -242,6 +247,16 @@ def intersect(samples: SampleRanges) -> ScalingRange:
     upper = _end(samples, at_high, high, samples.upper_rows, samples.upper_loads)
     status = ScalingStatus.FEASIBLE if low <= high else ScalingStatus.EMPTY
     return ScalingRange(status, lower, upper, samples)
+
+
+def first_least(values: Array) -> Any:
+    """Place of the least value along the first axis, the first of those that differ by rounding only.
+
+    Args:
+        values: Shape (N,), or any with N first: then a place for each column.
+    """
+    least = np.min(values, axis=0)
+    return np.argmax(values <= least + TIE * np.abs(np.where(np.isfinite(least), least, 0.0)), axis=0)
 
 
 def _end(

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.kernel_library import OPTIMAL, default_kernel
+from mrts.kernel_library import OPTIMAL
 from mrts.rigid_transform import Array
 from mrts.sample_problem import SampleProblem
 from mrts.scaling_range import REST_TOLERANCE
+from mrts.speed_kernel import speed_kernel
 
 BOX = 1e5
 """Projections end where u or x moves some row by this many limits; what reaches that far counts as unbounded."""
@@ -106,7 +107,7 @@ def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Arra
     for column in (-2, -1):
         still = np.isinf(unit[:, column])
         least[still, column] = largest[still, column] = 0.0
-    number, corners, status = default_kernel().projections(
+    number, corners, status = speed_kernel().projections(
         A, np.concatenate([lower, least], axis=1), np.concatenate([upper, largest], axis=1)
     )
     corners = corners[:, : max(int(np.max(number)), 1)]

@@ -5,6 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from mrts.interval_text import interval_text
+from mrts.range_text import range_text
 from mrts.result import ScalingResult
 from mrts.retiming_result import RetimingResult
 from mrts.scaling_range import ScalingRange
@@ -16,6 +18,9 @@ LOADS_SHOWN = 8
 LIMITS_SHOWN = 4
 """Limits that are printed of a timing."""
 
+LIMIT_DIGITS = 6
+"""Significant digits of a limit: as many as it is given with."""
+
 
 def report_lines(result: ScalingResult) -> Iterator[str]:
     """What the command line says of a result.
@@ -23,7 +28,8 @@ def report_lines(result: ScalingResult) -> Iterator[str]:
     Args:
         result: The result.
     """
-    yield f"{result.cell.name}: {result.summary()}"
+    yield f"{result.cell.name}: {result.sentence()}"
+    yield from map(str, result.warnings)
     if result.load is not None:
         yield from _load_lines(result.load)
     done = result.trajectory
@@ -43,7 +49,8 @@ def retiming_lines(found: RetimingResult) -> Iterator[str]:
     Args:
         found: The outcome.
     """
-    yield f"{found.cell.name}: {found.summary()}"
+    yield f"{found.cell.name}: {found.sentence()}"
+    yield from map(str, found.warnings)
     if found.retimed is None or found.retimed.trajectory is None or found.excess is None:
         return
     limits = "; ".join(f"{name} {100 * share:.0f} % of the time" for name, share in found.limits[:LIMITS_SHOWN])
@@ -64,7 +71,7 @@ def _torque_lines(result: ScalingResult) -> Iterator[str]:
         torque = result.torque[robot.name]
         for index, joint in enumerate(robot.joints):
             unit = robot.torque_units[index]
-            limits = f"[{robot.torque_lower[index]:g}, {robot.torque_upper[index]:g}] {unit}"
+            limits = interval_text(robot.torque_lower[index], robot.torque_upper[index], unit, LIMIT_DIGITS)
             least, largest = (f"{value:.4g} {unit}" for value in (np.min(torque[:, index]), np.max(torque[:, index])))
             yield f"{f'{robot.name}/{joint}':<28} {least:>14} {largest:>15} {limits:>22}"
 
@@ -77,8 +84,7 @@ def _load_lines(study: LoadStudy) -> Iterator[str]:
 
     ordered = sorted(zip(study.points, study.ranges, strict=True), key=lambda pair: end(pair[1]))
     for point, found in ordered[:LOADS_SHOWN]:
-        both = f"[{found.lower.c2:.4g}, {found.upper.c2:.4g}]" if found.lower and found.upper else found.status.value
-        yield f"  {both:<20} {point}"
+        yield f"  {range_text(found):<20} {point}"
     if len(ordered) > LOADS_SHOWN:
         yield f"  … and {len(ordered) - LOADS_SHOWN} more loads (--json has all)"
     if not study.box.axes_are_the_objects:

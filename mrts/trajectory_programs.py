@@ -10,6 +10,7 @@ from mrts.cell import Cell
 from mrts.compiled_cell import CompiledCell
 from mrts.constraints import cell_rows
 from mrts.coordinated_motion import CoordinatedMotion
+from mrts.end_rows import with_end_rows
 from mrts.infeasibility import Conflict, find_conflicts
 from mrts.kernel_library import OPTIMAL
 from mrts.limit_rows import ActiveRow, LimitRows
@@ -58,10 +59,23 @@ def motion_ranges(
         SolverError: If no solver answers.
     """
     fast = _compiled(cell, formulation, sharing, solver)
-    if fast is None:
-        problem = build_sample_problem(cell, motion, formulation, sharing, load)
-        return sample_ranges(problem, motion.object.time, solver)
-    compiled, limits = fast
+    if fast is not None:
+        found = _compiled_ranges(cell, motion, *fast, solver, load)
+    else:
+        found = sample_ranges(
+            build_sample_problem(cell, motion, formulation, sharing, load), motion.object.time, solver
+        )
+    if sharing is not None:
+        return found
+    return with_end_rows(
+        cell, motion, found, lambda sample, _side: load if load is None or load.ndim == 1 else load[sample]
+    )
+
+
+def _compiled_ranges(
+    cell: Cell, motion: CoordinatedMotion, compiled: CompiledCell, limits: LimitRows, solver: str, load: Array | None
+) -> SampleRanges:
+    """The ranges by the kernel; what it does not settle is left to the solvers."""
     velocity = velocity_limits(cell, motion)
     inputs = motion.inputs(cell.load if load is None else load)
     most = velocity.largest_c2()

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from mrts.cell import Cell
 from mrts.closed_form_range import ends_in_closed_form, load_sensitivity, worst_parameters
 from mrts.coordinated_motion import CoordinatedMotion
+from mrts.end_rows import with_end_rows
 from mrts.errors import InputError
 from mrts.infeasibility import Conflict
 from mrts.load_box import OFFSETS, LoadBox, LoadPoint
@@ -24,6 +25,7 @@ from mrts.sample_problem import FormulationName, SampleProblem, build_sample_pro
 from mrts.scaling_range import (
     SampleRanges,
     ScalingRange,
+    first_least,
     intersect,
     statuses,
     without_speed_at_rest,
@@ -113,6 +115,13 @@ class _Task:
         self.progress(len(points), len(points))
         return found
 
+    def whole(self, samples: SampleRanges) -> ScalingRange:
+        """The range over the motion of samples each of whose ends is that of some load."""
+        if self.sharing is None and samples.lower_loads is not None and samples.upper_loads is not None:
+            loads = {"lower": samples.lower_loads, "upper": samples.upper_loads}
+            samples = with_end_rows(self.cell, self.motion, samples, lambda sample, side: loads[side][sample].load)
+        return intersect(samples)
+
 
 def study_load(
     cell: Cell,
@@ -159,7 +168,7 @@ def study_load(
     else:
         points = _mass_grid(box, question)
     ranges = task.ranges(points)
-    found = intersect(_for_every_point(points, ranges))
+    found = task.whole(_for_every_point(points, ranges))
     return found, LoadStudy(question, box, points, tuple(intersect(of_point) for of_point in ranges))
 
 
@@ -208,7 +217,7 @@ def _mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
 def _for_every_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -> SampleRanges:
     """The intersection of the ranges of all loads at every sample, with the load that sets each end."""
     low, high = np.array([found.lower for found in ranges]), np.array([found.upper for found in ranges])
-    at_low, at_high = np.argmax(low, axis=0), np.argmin(high, axis=0)
+    at_low, at_high = first_least(-low), first_least(high)
     conflicts: dict[int, Conflict] = {}
     for point, found in zip(points, ranges, strict=True):
         for conflict in found.conflicts:
@@ -216,20 +225,18 @@ def _for_every_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]
             if worst is None or conflict.widening > worst.widening:
                 conflicts[conflict.sample] = replace(conflict, load=point)
     ordered = tuple(conflicts[sample] for sample in sorted(conflicts))
-    return _ends_of_loads(points, ranges, at_low, at_high, ordered)
+    return _ends_of_loads(points, ranges, (np.max(low, axis=0), np.min(high, axis=0)), (at_low, at_high), ordered)
 
 
 def _ends_of_loads(
     points: Sequence[LoadPoint],
     ranges: Sequence[SampleRanges],
-    at_low: NDArray[np.int_],
-    at_high: NDArray[np.int_],
+    ends: tuple[Array, Array],
+    places: tuple[NDArray[np.int_], NDArray[np.int_]],
     conflicts: tuple[Conflict, ...],
 ) -> SampleRanges:
-    """Ranges of which each end is that of one load: which at the lower and at the upper end, Shape (N,)."""
-    samples = np.arange(len(ranges[0].time))
-    lower = np.array([found.lower for found in ranges])[at_low, samples]
-    upper = np.array([found.upper for found in ranges])[at_high, samples]
+    """Ranges of which the lower and the upper end of each sample are those of some load, Shape (N,) each."""
+    (lower, upper), (at_low, at_high) = ends, places
     return SampleRanges(
         ranges[0].time,
         statuses(lower, upper, conflicts),
@@ -310,13 +317,13 @@ def _possible(task: _Task, box: LoadBox, varying: tuple[str, ...]) -> tuple[Scal
             task.problem, box, varying, best, task.motion.object.time, task.solver, task.progress
         )
     study = LoadStudy("possible", box, points, tuple(intersect(of_point) for of_point in ranges), not_converged)
-    return intersect(best), study
+    return task.whole(best), study
 
 
 def _for_some_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -> SampleRanges:
     """At every sample the lowest and the highest c² that one of the loads reaches."""
     low, high = np.array([found.lower for found in ranges]), np.array([found.upper for found in ranges])
-    at_low, at_high = np.argmin(low, axis=0), np.argmax(high, axis=0)
+    at_low, at_high = first_least(low), first_least(-high)
     conflicts = []
     for sample in np.flatnonzero(np.isinf(np.min(low, axis=0))):
         of_points = [
@@ -326,4 +333,6 @@ def _for_some_point(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges])
             if conflict.sample == sample
         ]
         conflicts.append(min(of_points, key=lambda conflict: conflict.widening))
-    return _ends_of_loads(points, ranges, at_low, at_high, tuple(conflicts))
+    return _ends_of_loads(
+        points, ranges, (np.min(low, axis=0), np.max(high, axis=0)), (at_low, at_high), tuple(conflicts)
+    )

@@ -36,7 +36,7 @@ def test_nothing_shows_an_array(results):
             assert "array(" not in text
             assert "nan" not in text.lower().replace("nominal", "")
             assert len(text) < LONGEST, text
-        assert result.summary() in repr(result)
+        assert result.sentence() in repr(result)
 
 
 def test_they_say_what_matters(results, planar_cell, lift):
@@ -46,10 +46,10 @@ def test_they_say_what_matters(results, planar_cell, lift):
     found = results["feasible"]
     assert repr(found).endswith("Chosen: c² = 3.062, 0.2992 s.>")
     assert repr(found.motion) == "<CoordinatedMotion: 101 samples in 0.5236 s, 6 joints>"
-    assert repr(found.range) == "<ScalingRange feasible: c² from 0 to 3.062, 101 samples>"
+    assert repr(found.range) == "<ScalingRange feasible: c² ∈ [0, 3.062], 101 samples>"
     assert repr(found.trajectory) == "<ScaledTrajectory: 101 samples in 0.2992 s, c² = 3.062>"
     assert repr(results["infeasible"].range) == "<ScalingRange infeasible: 101 samples>"
-    assert repr(results["unbounded"].range) == "<ScalingRange unbounded: c² from 0 to inf, 101 samples>"
+    assert repr(results["unbounded"].range) == "<ScalingRange unbounded: c² ∈ [0, ∞), 101 samples>"
 
 
 def table(result):

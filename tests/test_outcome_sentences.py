@@ -1,12 +1,16 @@
 """What a result says in one sentence, for every outcome: the range, what it means in seconds, and what sets it."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from conftest import DATA
+from shown_results import braking_only, result_of
 
 import mrts
+from mrts.interval_text import interval_text
+from mrts.text_report import report_lines
 
 AT_REST = {"duration": 1.0, "samples": 11, "profile": "quintic", "start": {"xyz": [1.25, 1, 0]}}
 
@@ -104,3 +108,39 @@ def test_no_speed_at_all(planar_cell, lift):
 def test_what_is_possible_is_no_promise(planar_cell, lift):
     text = mrts.scale(planar_cell.with_variation(mass=(0.5, 2.0)), lift, load="possible").summary()
     assert text.startswith("at best, for some load of the box at each sample (mass 0.25 … 1 kg): c² ∈ [0, ")
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "text"),
+    [
+        (0.0, 3.0618, "[0, 3.062] N m"),
+        (0.0, np.inf, "[0, ∞) N m"),
+        (-np.inf, 2.5, "(−∞, 2.5] N m"),
+        (-np.inf, np.inf, "unbounded"),
+        (5.0, 3.0, "empty (at least 5, but at most 3)"),
+        (2.0, 2.0, "[2, 2] N m"),
+    ],
+)
+def test_an_interval(low, high, text):
+    assert interval_text(low, high, "N m") == text
+
+
+def test_no_crossed_and_no_infinite_interval_is_shown(planar_cell, lift, tmp_path):
+    kinds = ("planar", "infeasible", "empty", "unbounded", "guaranteed", "infeasible load", "fixed rule")
+    results = {kind: result_of(kind, planar_cell, None, lift, tmp_path) for kind in kinds}
+    lines = {kind: "\n".join([*report_lines(result), repr(result.range)]) for kind, result in results.items()}
+    assert all("inf]" not in text and ", inf" not in text for text in lines.values())
+    assert "c² ∈ [0, ∞)" in lines["unbounded"]
+    for text in lines.values():
+        for low, high in re.findall(r"\[([-\d.e]+), ([-\d.e]+)\]", text):
+            assert float(low) <= float(high)
+
+
+def test_a_load_without_a_common_speed_is_said_with_both_samples(planar_cell, lift):
+    slow = braking_only(planar_cell, lift, 53)
+    result = mrts.scale(slow.cell.with_variation(mass=(0.9, 1.1)), slow.motion)
+    lines = list(report_lines(result))
+    empty = [line for line in lines if line.startswith("  empty (at least")]
+    assert len(empty) > 0
+    found = result.load.ranges[0]
+    assert any(f"{found.lower.c2:.4g} at t = {found.lower.time:.4g} s, but at most" in line for line in empty)

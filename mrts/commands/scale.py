@@ -151,7 +151,7 @@ def _scale(
         outcome, *details = report_lines(result)
         say(outcome, "strong" if result.status.admits_motion else "bad")
         for line in details:
-            say(line, "note" if line.startswith("note:") else "plain")
+            say(line, "note" if line.startswith(("note:", "warning:")) else "plain")
         if result.fallbacks:
             warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
     return outputs.code(FEASIBLE if result.status.admits_motion else INFEASIBLE)
@@ -196,7 +196,7 @@ def _retime(
         outcome, *details = retiming_lines(found)
         say(outcome, "strong" if found.status.admits_motion else "bad")
         for line in details:
-            say(line)
+            say(line, "note" if line.startswith("warning:") else "plain")
     return outputs.code(FEASIBLE if found.status.admits_motion else INFEASIBLE)
 
 

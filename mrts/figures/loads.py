@@ -81,7 +81,8 @@ def _draw_upper(axes: Axes, found: ScalingRange, label: str, index: int, linewid
     samples, end = found.samples, found.upper
     style = line_style(index)
     upper: Array = np.where(np.isfinite(samples.upper), samples.upper, np.nan)
-    reach = f"c²⁺ = {end.c2:.4g}" if end is not None and np.isfinite(end.c2) else found.status.value
+    known = end is not None and np.isfinite(end.c2) and found.status.admits_motion
+    reach = f"c²⁺ = {end.c2:.4g}" if end is not None and known else found.status.value
     axes.plot(samples.time, upper, label=plain_text(f"{label} ({reach})"), linewidth=linewidth, **style)
     if end is not None and end.time is not None:
         axes.plot(end.time, end.c2, "o", color=style["color"], clip_on=False)

@@ -130,7 +130,7 @@ def _head(result: ScalingResult) -> Html:
     done = result.trajectory
     lines = [
         element("h1", result.cell.name),
-        element("p", result.summary(), class_=f"outcome {result.status.value}"),
+        element("p", result.sentence(), class_=f"outcome {result.status.value}"),
     ]
     if done is not None:
         given = float(result.motion.object.time[-1])
@@ -143,7 +143,7 @@ def _head(result: ScalingResult) -> Html:
 
 
 def _warnings(result: ScalingResult) -> list[Html]:
-    notes = result.too_fast()
+    notes = [warning.text for warning in result.warnings] + result.too_fast()
     if result.fallbacks:
         notes.append(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
     if result.load is not None and result.load.not_converged:
@@ -151,7 +151,7 @@ def _warnings(result: ScalingResult) -> list[Html]:
         notes.append(f"at {count} samples the search over loads was not verified: the range of a corner stands there")
     if not notes:
         return []
-    return [section("warnings", "Notes", element("ul", joined(element("li", note) for note in notes)))]
+    return [section("warnings", "Warnings", element("ul", joined(element("li", note) for note in notes)))]
 
 
 def _limit_note() -> Html:

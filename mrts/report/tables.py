@@ -7,6 +7,7 @@ import numpy as np
 
 from mrts.cell import Cell
 from mrts.infeasibility import Conflict
+from mrts.interval_text import interval_text
 from mrts.limit_rows import ActiveRow
 from mrts.limit_use import limit_uses
 from mrts.load_envelope import load_envelope
@@ -73,8 +74,8 @@ def joints_table(cell: Cell) -> Html:
     for robot in cell.robots:
         for index, joint in enumerate(robot.joints):
             unit = "m" if robot.joint_types[index] == "prismatic" else "rad"
-            torque = _interval(robot.torque_lower[index], robot.torque_upper[index], robot.torque_units[index])
-            position = _interval(robot.position_lower[index], robot.position_upper[index], unit)
+            torque = interval_text(robot.torque_lower[index], robot.torque_upper[index], robot.torque_units[index])
+            position = interval_text(robot.position_lower[index], robot.position_upper[index], unit)
             fastest = robot.velocity_limit[index]
             velocity = f"{fastest:.4g} {unit}/s" if np.isfinite(fastest) else "none given"
             rows.append((robot.name, joint, robot.joint_types[index], torque, position, velocity))
@@ -88,7 +89,9 @@ def wrench_limits_table(cell: Cell) -> Html:
         (
             robot.name,
             *(
-                _interval(robot.wrench_lower[index], robot.wrench_upper[index], "N" if name.startswith("f") else "N m")
+                interval_text(
+                    robot.wrench_lower[index], robot.wrench_upper[index], "N" if name.startswith("f") else "N m"
+                )
                 for index, name in enumerate(cell.wrench_components)
             ),
         )
@@ -117,7 +120,7 @@ def margins_table(result: ScalingResult) -> Html:
     for use in limit_uses(result):
         filled = element("div", "", class_="fill", style=f"width:{100 * min(use.share, 1):.1f}%")
         bar = joined([element("div", filled, class_="bar"), html(f"{100 * use.share:.1f} %")])
-        limits = _interval(use.lower, use.upper, use.name.unit)
+        limits = interval_text(use.lower, use.upper, use.name.unit)
         rows.append((str(use.name), limits, f"{use.least:.4g}", f"{use.largest:.4g}", bar, f"{use.time:.4g} s"))
     return table(("limit", "from … to", "least", "largest", "share used", "most used at"), rows)
 
@@ -173,14 +176,6 @@ def _rows_list(rows: Sequence[ActiveRow]) -> Html:
 
 def _lines(lines: Iterable[str]) -> Html:
     return Html("<br>".join(html(line) for line in lines))
-
-
-def _interval(low: float, high: float, unit: str) -> str:
-    if not (np.isfinite(low) or np.isfinite(high)):
-        return "unbounded"
-    left = f"[{low:.4g}" if np.isfinite(low) else "(−∞"
-    right = f"{high:.4g}]" if np.isfinite(high) else "∞)"
-    return f"{left}, {right} {unit}"
 
 
 def _vector(values: Array) -> str:
