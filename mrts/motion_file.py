@@ -10,7 +10,8 @@ from pydantic import Field, model_validator
 
 from mrts.errors import InputError
 from mrts.input_file import Pose, StrictModel, broken_rule, read_model
-from mrts.motion_table import JointTable, read_joint_table, read_object_table, read_table
+from mrts.joint_table import JointTable
+from mrts.motion_table import read_joint_table, read_object_table, read_table
 from mrts.object_motion import ObjectMotion, geodesic_motion, waypoint_motion
 from mrts.rigid_transform import rotation_from_rpy
 from mrts.velocity_profile import PROFILES

@@ -3,7 +3,6 @@
 
 import csv
 import io
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from mrts.errors import InputError
 from mrts.input_file import LARGEST_NUMBER, read_text
-from mrts.object_motion import ObjectMotion, check_derivatives, spline_motion
-from mrts.remark import Remark
+from mrts.joint_table import JointTable, joint_motion
+from mrts.object_motion import ObjectMotion, spline_motion
 from mrts.rigid_transform import Array
 
 POSE_COLUMNS = ("px", "py", "pz", "qx", "qy", "qz", "qw")
@@ -23,32 +22,6 @@ SHORTEST_STEP = 1e-9
 
 QUATERNION_TOLERANCE = 1e-3
 """How far from 1 a quaternion's length may be: tables carry few digits."""
-
-
-@dataclass(frozen=True, repr=False)
-class JointTable:
-    """N samples of joint motion by column name; which joint a column is of, the cell tells.
-
-    Attributes:
-        path: The file, for messages.
-        time: Shape (N,) [s], strictly increasing from 0.
-        positions: Column "robot/joint" to positions, each Shape (N,) [rad or m]. A name that is no robot's may stand
-            for it where one robot alone has such a joint.
-        velocities: Likewise [rad/s or m/s].
-        accelerations: Likewise [rad/s² or m/s²].
-        remarks: What to know of how it was read.
-    """
-
-    path: Path
-    time: Array
-    positions: dict[str, Array]
-    velocities: dict[str, Array]
-    accelerations: dict[str, Array]
-    remarks: tuple[Remark, ...] = ()
-
-    def __repr__(self) -> str:
-        joints = ", ".join(self.positions)
-        return f"<JointTable from {self.path.name}: {len(self.time)} samples in {self.time[-1]:.4g} s of {joints}>"
 
 
 def read_table(path: Path, samples: int | None) -> ObjectMotion | JointTable:
@@ -109,12 +82,12 @@ def _object_table(path: Path, columns: dict[str, Array], samples: int | None) ->
             path, f"must have length 1, it has {lengths[row]:.6g}. The order is x, y, z, w.",
             key=f"row {row + 1}, quaternion", value=pose[row, 3:].tolist(),
         )  # fmt: skip
-    rotation = np.asarray(Rotation.from_quat(pose[:, 3:]).as_matrix(), dtype=np.float64)
     if not rates:
         at = time if samples is None else np.linspace(0.0, time[-1], samples)
-        return spline_motion(time, pose[:, :3], rotation, at)
+        return spline_motion(time, pose[:, :3], pose[:, 3:], at)
     if samples is not None:
         raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
+    rotation = np.asarray(Rotation.from_quat(pose[:, 3:]).as_matrix(), dtype=np.float64)
     given = np.column_stack([columns[name] for name in RATE_COLUMNS])
     try:
         return ObjectMotion(time, pose[:, :3], rotation, given[:, :6], given[:, 6:])
@@ -123,7 +96,7 @@ def _object_table(path: Path, columns: dict[str, Array], samples: int | None) ->
 
 
 def read_joint_table(path: Path, samples: int | None) -> JointTable:
-    """Read a table with t and, for every joint, `q.ROBOT/JOINT`, and, all or none, `dq.…` and `ddq.…`.
+    """Read a table with t and, for every joint, `q.ROBOT/JOINT`, and, for all of a robot or none, `dq.…` and `ddq.…`.
 
     The torques `tau.…` and wrenches `F.…` that `mrts scale --csv` writes are passed over.
 
@@ -147,55 +120,13 @@ def _joint_table(path: Path, columns: dict[str, Array], samples: int | None) -> 
         if part not in parts or not joint:
             raise InputError(path, f"unknown column '{name}'. Columns are t, q.ROBOT/JOINT, dq.…, ddq.….")
         parts[part][joint] = values
-    q, dq, ddq = parts.values()
-    for part in ("dq", "ddq"):
-        if (dq or ddq) and set(parts[part]) != set(q):
-            raise InputError(path, f"give q, dq and ddq of every joint, or q alone; '{part}' is not complete.")
-    if not q:
+    if not parts["q"]:
         raise InputError(path, "holds no column q.ROBOT/JOINT.")
-    return joint_motion(path, time, q, dq, ddq, samples)
-
-
-def joint_motion(
-    path: Path,
-    time: Array,
-    positions: dict[str, Array],
-    velocities: dict[str, Array],
-    accelerations: dict[str, Array],
-    samples: int | None,
-) -> JointTable:
-    """Joint motion as given; where only positions are, on the C² spline through them.
-
-    Args:
-        path: Where it is from, for messages.
-        time: Shape (M,) [s], strictly increasing from 0.
-        positions: By joint, each Shape (M,) [rad or m].
-        velocities: Likewise [rad/s or m/s]; empty if there are positions only.
-        accelerations: Likewise [rad/s² or m/s²].
-        samples: Number of samples on the spline; None takes the given times.
-
-    Raises:
-        InputError: If the velocities contradict the positions, or come with a number of samples.
-    """
-    if not velocities:
-        at = time if samples is None else np.linspace(0.0, time[-1], samples)
-        from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for tables without rates only)
-
-        splines = [CubicSpline(time, values, bc_type="natural") for values in positions.values()]
-        q, dq, ddq = (
-            {joint: np.asarray(spline(at, order)) for joint, spline in zip(positions, splines, strict=True)}
-            for order in range(3)
-        )
-        return JointTable(path, at, q, dq, ddq)
-    if samples is not None:
-        raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
-    for joint, values in positions.items():
-        columns = (values, velocities[joint], accelerations[joint])
-        try:
-            check_derivatives(joint, time, *(column[:, None] for column in columns))
-        except InputError as error:
-            raise InputError(path, error.rule, key=error.where) from None
-    return JointTable(path, time, positions, velocities, accelerations)
+    for below, part in (("q", "dq"), ("dq", "ddq")):
+        for joint in parts[part]:
+            if joint not in parts[below]:
+                raise InputError(path, f"the column '{part}.{joint}' needs a column '{below}.{joint}'.")
+    return joint_motion(path, time, parts["q"], parts["dq"], parts["ddq"], samples)
 
 
 def _read_columns(path: Path) -> dict[str, Array]:

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: MIT
+"""Splines of samples with few digits: smooth within the rounding where it would set the accelerations."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.rigid_transform import Array
+
+Spline = Callable[..., NDArray[np.floating[Any]]]
+"""f(at) and f(at, order), for times of Shape (N,)."""
+
+FEWEST_DIGITS, MOST_DIGITS = 3, 8
+"""Decimals or significant digits that are looked for: fewer are rather round numbers, more are as good as exact."""
+
+WHOLE = 1e-6
+"""How far from a whole number a value in units of its last digit may be: rounding of doubles, at most 1e-8."""
+
+SECOND_DERIVATIVE = 4.0
+"""Noise of the second derivative of an interpolating spline, in units of the samples' noise by the step squared."""
+
+NOISE_SHARE = 1e-2
+"""Share of the largest acceleration in a table that rounding may set before the digits are smoothed."""
+
+FIT_RESIDUAL = 1.2
+"""Residual of a fit in units of the rounding's own: 1.05 happens by chance in a hundred samples, more in a few."""
+
+LAST_RESIDUAL = 2.0
+"""The same for the fit of most pieces, which a corner of the path may keep from the samples."""
+
+PIECE = 3
+"""Samples that a piece of a fit has at least: fewer would follow the rounding."""
+
+DEGREE = 5
+
+
+def splines_through(time: Array, columns: Array) -> tuple[list[Spline], Array]:
+    """The C² spline of each column of samples.
+
+    It is the natural cubic spline through them. Where they carry so few digits that its second derivative were noise,
+    it is the quintic spline of the fewest pieces that misses them by no more than their rounding; where none does, for
+    a corner, the cubic spline through them with free ends, as those of the others are.
+
+    Args:
+        time: Shape (N,) [s], strictly increasing.
+        columns: Shape (N, k).
+
+    Returns:
+        One spline a column, and its largest distance from a sample, Shape (k,), 0 where it passes through all.
+    """
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for tables without rates only)
+
+    splines: list[Spline] = [CubicSpline(time, values, bc_type="natural") for values in columns.T]
+    noise = np.array([rounding(values) if np.ptp(values) > 0 else 0.0 for values in columns.T])
+    moved = np.zeros(len(splines))
+    if not np.any(noise):
+        return splines, moved
+    fits = [_fit(time, values, size) if size else None for values, size in zip(columns.T, noise, strict=True)]
+    smooth = [fit or spline for fit, spline in zip(fits, splines, strict=True)]
+    largest = max(float(np.max(np.abs(spline(time, 2)))) for spline in smooth)
+    spurious = SECOND_DERIVATIVE * noise / np.median(np.diff(time)) ** 2
+    for index in np.flatnonzero(spurious > NOISE_SHARE * largest):
+        fit, values = fits[index], columns[:, index]
+        splines[index] = fit or CubicSpline(time, values)
+        moved[index] = 0.0 if fit is None else np.max(np.abs(fit(time) - values))
+    return splines, moved
+
+
+def rounding(values: Array) -> float:
+    """Root mean square of what printing has cut off, 0 if the values carry more than `MOST_DIGITS`.
+
+    Args:
+        values: Shape (N,), of one kind: all printed with as many decimals, or with as many significant digits.
+    """
+    exponent = np.floor(np.log10(np.where(values == 0, 1.0, np.abs(values))))
+    digits = range(FEWEST_DIGITS, MOST_DIGITS + 1)
+    fixed = next((d for d in digits if _whole(values * 10.0**d)), None)
+    significant = next((d for d in digits if _whole(values * 10.0 ** (d - 1 - exponent))), None)
+    if fixed is None and significant is None:
+        return 0.0
+    unit = np.zeros(len(values)) if fixed is None else np.full(len(values), 10.0**-fixed)
+    if significant is not None:
+        unit = np.maximum(unit, np.where(values == 0, 0.0, 10.0 ** (exponent + 1 - significant)))
+    return float(np.sqrt(np.mean(unit**2) / 12))
+
+
+def _whole(scaled: Array) -> bool:
+    return bool(np.all(np.abs(scaled - np.rint(scaled)) <= WHOLE))
+
+
+def _fit(time: Array, values: Array, noise: float) -> Spline | None:
+    """The least-squares spline of the fewest pieces whose residual is that of rounding; None if there is none."""
+    from scipy.interpolate import make_lsq_spline  # noqa: PLC0415
+
+    count = len(time)
+    pieces, residual = 1, np.inf
+    fit: Spline | None = None
+    while residual > FIT_RESIDUAL * noise and pieces * PIECE + DEGREE <= count:
+        inner = np.interp(np.linspace(0, count - 1, pieces + 1)[1:-1], np.arange(count), time)
+        knots = np.concatenate([np.full(DEGREE + 1, time[0]), inner, np.full(DEGREE + 1, time[-1])])
+        found: Spline = make_lsq_spline(time, values, knots, k=DEGREE)
+        fit, residual = found, float(np.sqrt(np.mean((found(time) - values) ** 2)))
+        pieces += max(1, pieces // 3)
+    return fit if residual <= LAST_RESIDUAL * noise else None
