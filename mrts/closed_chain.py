@@ -32,7 +32,7 @@ from mrts.grasp_tracking import (
     tip_rates,
     unreachable,
 )
-from mrts.joint_limits import check_joint_limits
+from mrts.joint_limits import PRINTED_TOLERANCE, check_joint_limits
 from mrts.joint_table import Source
 from mrts.object_motion import ObjectMotion
 from mrts.remark import Remark
@@ -81,7 +81,7 @@ def close_chain(
     else:
         target = given.object
     q = _on_grasps(cell, target, given.q)
-    check_joint_limits(cell, target.time, q)
+    check_joint_limits(cell, target.time, q, PRINTED_TOLERANCE)
     dq, ddq = _rates_on_grasps(cell, target, q, given)
     moved = float(np.max(np.abs(q - given.q)))
     return CoordinatedMotion(target, q, dq, ddq, remarks + _correction(cell, gaps, bound, moved))

@@ -10,7 +10,7 @@ from mrts.closed_chain import close_chain
 from mrts.coordinated_motion import CoordinatedMotion, carried_by_first, follow_object
 from mrts.errors import InputError
 from mrts.grasp_closure import ClosureBound
-from mrts.joint_limits import check_joint_limits
+from mrts.joint_limits import PRINTED_TOLERANCE, check_joint_limits
 from mrts.joint_table import JointTable
 from mrts.object_motion import ObjectMotion
 from mrts.remark import Remark
@@ -53,7 +53,7 @@ def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> Coordi
         np.column_stack([part[name] for name in names])
         for part in (known.positions, known.velocities, known.accelerations)
     )
-    check_joint_limits(cell, known.time, q)
+    check_joint_limits(cell, known.time, q, PRINTED_TOLERANCE)
     carried = carried_by_first(cell, known.time, q, dq, ddq, smooth=False)
     given = CoordinatedMotion(carried.object, q, dq, ddq, (*known.remarks, *remarks))
     return close_chain(cell, given, bound, str(table.path), carried=True, source=known.differentiated.get(names[0]))

@@ -194,7 +194,7 @@ def waypoint_motion(
 
 
 def spline_motion(time: Array, positions: Array, quaternions: Array, at: Array) -> ObjectMotion:
-    """Through poses at given times on a C² spline; smooth within their rounding where they carry few digits.
+    """Through poses at given times on the splines of `splines_through`, of position and quaternion.
 
     Args:
         time: Shape (M,) [s], strictly increasing from 0.
@@ -204,9 +204,6 @@ def spline_motion(time: Array, positions: Array, quaternions: Array, at: Array) 
     """
     turns = quaternions * np.cumprod(np.where(_flips(quaternions), -1.0, 1.0))[:, None]
     splines, moved = splines_through(time, np.concatenate([positions, turns], axis=1))
-    if not np.any(moved):
-        path = _spline(time, positions, Rotation.from_quat(quaternions).as_matrix(), at)
-        return ObjectMotion(at, path.position, path.rotation, path.twist, path.acceleration)
     position, turn = (
         [np.column_stack([spline(at, order) for spline in part]).astype(np.float64) for order in range(3)]
         for part in (splines[:3], splines[3:])
@@ -218,7 +215,7 @@ def spline_motion(time: Array, positions: Array, quaternions: Array, at: Array) 
         rotation,
         np.concatenate([position[1], rate], axis=1),
         np.concatenate([position[2], change], axis=1),
-        remarks=(smoothing_remark("the object's poses", float(np.max(moved))),),
+        remarks=(smoothing_remark("the object's poses", float(np.max(moved))),) if np.any(moved) else (),
     )
 
 

@@ -39,9 +39,10 @@ DEGREE = 5
 def splines_through(time: Array, columns: Array) -> tuple[list[Spline], Array]:
     """The C² spline of each column of samples.
 
-    It is the natural cubic spline through them. Where they carry so few digits that its second derivative were noise,
-    it is the quintic spline of the fewest pieces that misses them by no more than their rounding; where none does, for
-    a corner, the cubic spline through them with free ends, as those of the others are.
+    It is the cubic spline through them whose ends are free (not-a-knot: a motion may start with an acceleration, which
+    natural ends would take for none). Where the samples carry so few digits that its second derivative were noise, it
+    is the quintic spline of the fewest pieces that misses them by no more than their rounding, unless a corner keeps
+    all of these from that.
 
     Args:
         time: Shape (N,) [s], strictly increasing.
@@ -52,7 +53,7 @@ def splines_through(time: Array, columns: Array) -> tuple[list[Spline], Array]:
     """
     from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for tables without rates only)
 
-    splines: list[Spline] = [CubicSpline(time, values, bc_type="natural") for values in columns.T]
+    splines: list[Spline] = [CubicSpline(time, values) for values in columns.T]
     noise = np.array([rounding(values) if np.ptp(values) > 0 else 0.0 for values in columns.T])
     moved = np.zeros(len(splines))
     if not np.any(noise):
@@ -62,9 +63,10 @@ def splines_through(time: Array, columns: Array) -> tuple[list[Spline], Array]:
     largest = max(float(np.max(np.abs(spline(time, 2)))) for spline in smooth)
     spurious = SECOND_DERIVATIVE * noise / np.median(np.diff(time)) ** 2
     for index in np.flatnonzero(spurious > NOISE_SHARE * largest):
-        fit, values = fits[index], columns[:, index]
-        splines[index] = fit or CubicSpline(time, values)
-        moved[index] = 0.0 if fit is None else np.max(np.abs(fit(time) - values))
+        fit = fits[index]
+        if fit is not None:
+            splines[index] = fit
+            moved[index] = np.max(np.abs(fit(time) - columns[:, index]))
     return splines, moved
 
 
