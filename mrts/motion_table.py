@@ -13,9 +13,11 @@ from mrts.input_file import LARGEST_NUMBER, read_text
 from mrts.joint_table import JointTable, joint_motion
 from mrts.object_motion import ObjectMotion, spline_motion
 from mrts.rigid_transform import Array
+from mrts.rounded_samples import derivative
 
 POSE_COLUMNS = ("px", "py", "pz", "qx", "qy", "qz", "qw")
-RATE_COLUMNS = ("vx", "vy", "vz", "wx", "wy", "wz", "ax", "ay", "az", "alphax", "alphay", "alphaz")
+VELOCITY_COLUMNS = ("vx", "vy", "vz", "wx", "wy", "wz")
+RATE_COLUMNS = (*VELOCITY_COLUMNS, "ax", "ay", "az", "alphax", "alphay", "alphaz")
 
 SHORTEST_STEP = 1e-9
 """[s]; below it squares of rates overflow."""
@@ -47,7 +49,7 @@ def read_table(path: Path, samples: int | None) -> ObjectMotion | JointTable:
 
 
 def read_object_table(path: Path, samples: int | None) -> ObjectMotion:
-    """Read a table with t, px, py, pz, qx, qy, qz, qw and, all or none, velocities and accelerations in world axes.
+    """Read a table with t, px, py, pz, qx, qy, qz, qw and maybe velocities, maybe accelerations too, in world axes.
 
     Args:
         path: The file.
@@ -62,13 +64,15 @@ def read_object_table(path: Path, samples: int | None) -> ObjectMotion:
 
 def _object_table(path: Path, columns: dict[str, Array], samples: int | None) -> ObjectMotion:
     time = _time(path, columns)
-    rates = [name for name in RATE_COLUMNS if name in columns]
+    rates = tuple(name for name in RATE_COLUMNS if name in columns)
     missing = [name for name in POSE_COLUMNS if name not in columns]
     if missing:
         raise InputError(path, f"these columns are needed too: {', '.join(missing)}.")
-    if rates and len(rates) < len(RATE_COLUMNS):
+    if rates and rates not in (VELOCITY_COLUMNS, RATE_COLUMNS):
         lacking = ", ".join(name for name in RATE_COLUMNS if name not in columns)
-        raise InputError(path, f"give all velocities and accelerations or none; these are missing: {lacking}.")
+        raise InputError(
+            path, f"give all velocities and accelerations, all velocities, or none; these are missing: {lacking}."
+        )
     unknown = set(columns) - {"t", *POSE_COLUMNS, *RATE_COLUMNS}
     if unknown:
         raise InputError(
@@ -88,15 +92,18 @@ def _object_table(path: Path, columns: dict[str, Array], samples: int | None) ->
     if samples is not None:
         raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
     rotation = np.asarray(Rotation.from_quat(pose[:, 3:]).as_matrix(), dtype=np.float64)
-    given = np.column_stack([columns[name] for name in RATE_COLUMNS])
+    given = np.column_stack([columns[name] for name in rates])
+    twist, acceleration = given[:, :6], given[:, 6:]
+    if rates == VELOCITY_COLUMNS:
+        acceleration = derivative(time, twist)
     try:
-        return ObjectMotion(time, pose[:, :3], rotation, given[:, :6], given[:, 6:])
+        return ObjectMotion(time, pose[:, :3], rotation, twist, acceleration)
     except InputError as error:
         raise InputError(path, error.rule, key=error.where) from None
 
 
 def read_joint_table(path: Path, samples: int | None) -> JointTable:
-    """Read a table with t and, for every joint, `q.ROBOT/JOINT`, and, for all of a robot or none, `dq.…` and `ddq.…`.
+    """Read a table with t and, for every joint, `q.ROBOT/JOINT`, and maybe `dq.…`, and with these maybe `ddq.…`.
 
     The torques `tau.…` and wrenches `F.…` that `mrts scale --csv` writes are passed over.
 

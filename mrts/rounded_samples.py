@@ -70,6 +70,18 @@ def splines_through(time: Array, columns: Array) -> tuple[list[Spline], Array]:
     return splines, moved
 
 
+def derivative(time: Array, columns: Array) -> Array:
+    """Derivatives at the samples of the cubic splines through them, Shape (N, k); rounding is divided by a step only.
+
+    Args:
+        time: Shape (N,) [s], strictly increasing.
+        columns: Shape (N, k).
+    """
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415
+
+    return np.asarray(CubicSpline(time, columns)(time, 1), dtype=np.float64)
+
+
 def rounding(values: Array) -> float:
     """Root mean square of what printing has cut off, 0 if the values carry more than `MOST_DIGITS`.
 

@@ -123,6 +123,17 @@ def test_positions_alone_tell_accelerations_at_the_ends_too(tmp_path, dual_ur5, 
         assert found.range.upper.c2 == pytest.approx(c2, rel=tolerance)
 
 
+@pytest.mark.parametrize(("form", "tolerance"), [(".12g", 1e-6), (".5f", 1e-3)])
+def test_object_tables_without_accelerations(tmp_path, dual_ur5, exact, form, tolerance):
+    followed, c2 = exact["turn", 101]
+    columns = object_columns(followed.object, rates=True)
+    known = {name: values for name, values in columns.items() if name not in RATE_NAMES[6:]}
+    found = read(dual_ur5, write_table(tmp_path / "object.csv", known, form))
+    assert found.range.upper.c2 == pytest.approx(c2, rel=tolerance)
+    with pytest.raises(mrts.InputError, match="rates do not lead"):
+        mrts.load_motion(write_table(tmp_path / "object.csv", scaled(known, "w", 180 / np.pi), form))
+
+
 def test_the_signs_of_quaternions_mean_nothing(tmp_path):
     columns = object_columns(moved(TURNED), rates=False)
     path = tmp_path / "object.csv"
