@@ -68,7 +68,8 @@ def close_chain(
     if exact and slip(cell, given.object, tips, (GIVEN_SLIP, GIVEN_SLIP), REST_SLIP) is None:
         return given
     remarks = given.remarks
-    wider = max(1.0, bound.position / ClosureBound().position)
+    usual = ClosureBound()
+    wider = max(1.0, bound.position / usual.position, bound.rotation / usual.rotation)
     shares = (GIVEN_SLIP, GIVEN_SLIP) if exact and source is None else tuple(wider * share for share in COARSE_SLIPS)
     if source == "positions":
         shares = shares[:1]

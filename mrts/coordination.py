@@ -15,6 +15,9 @@ from mrts.joint_table import JointTable
 from mrts.object_motion import ObjectMotion
 from mrts.remark import Remark
 
+MOST_NAMED = 12
+"""Joints named in a remark; a humanoid has more."""
+
 
 def coordinate(
     cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion, closure: ClosureBound | None = None
@@ -96,7 +99,6 @@ def _missing(cell: Cell, joint: str, extra: list[str]) -> str:
 
 
 def _passed_over(cell: Cell, extra: list[str]) -> Remark:
-    return Remark(
-        "extra-joints",
-        f"joints that no arm of cell '{cell.name}' has were passed over: {', '.join(sorted(extra))}.",
-    )
+    named = ", ".join(sorted(extra)[:MOST_NAMED])
+    more = f" and {len(extra) - MOST_NAMED} more" if len(extra) > MOST_NAMED else ""
+    return Remark("extra-joints", f"joints that no arm of cell '{cell.name}' has were passed over: {named}{more}.")

@@ -88,7 +88,10 @@ def _object_table(path: Path, columns: dict[str, Array], samples: int | None) ->
         )  # fmt: skip
     if not rates:
         at = time if samples is None else np.linspace(0.0, time[-1], samples)
-        return spline_motion(time, pose[:, :3], pose[:, 3:], at)
+        try:
+            return spline_motion(time, pose[:, :3], pose[:, 3:], at)
+        except InputError as error:
+            raise InputError(path, error.rule, key=error.where) from None
     if samples is not None:
         raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
     rotation = np.asarray(Rotation.from_quat(pose[:, 3:]).as_matrix(), dtype=np.float64)

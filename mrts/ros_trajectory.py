@@ -35,13 +35,15 @@ def read_joint_trajectories(path: Path, samples: int | None) -> JointTable:
     """
     usable: dict[str, tuple[Any, NDArray[np.int64]]] = {}
     unusable: dict[str, InputError] = {}
+    failure: InputError | None = None
     for topic, messages in _trajectories(path).items():
         try:
             usable[topic] = messages[0], _stamps(path, topic, messages)
         except InputError as error:
             unusable |= dict.fromkeys(_names(topic, messages[0]), error)
-    if not usable:
-        raise next(iter(unusable.values()))
+            failure = failure or error
+    if failure is not None and not usable:
+        raise failure
     first = max(usable, key=lambda topic: _joints_at(usable, usable[topic][1]))
     stamps = usable[first][1]
     parts: dict[str, dict[str, Array]] = {"positions": {}, "velocities": {}, "accelerations": {}}

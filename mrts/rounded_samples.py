@@ -58,7 +58,7 @@ def splines_through(time: Array, columns: Array) -> tuple[list[Spline], Array]:
     moved = np.zeros(len(splines))
     if not np.any(noise):
         return splines, moved
-    fits = [_fit(time, values, size) if size else None for values, size in zip(columns.T, noise, strict=True)]
+    fits = _fits(time, columns, noise)
     smooth = [fit or spline for fit, spline in zip(fits, splines, strict=True)]
     largest = max(float(np.max(np.abs(spline(time, 2)))) for spline in smooth)
     spurious = SECOND_DERIVATIVE * noise / np.median(np.diff(time)) ** 2
@@ -104,17 +104,26 @@ def _whole(scaled: Array) -> bool:
     return bool(np.all(np.abs(scaled - np.rint(scaled)) <= WHOLE))
 
 
-def _fit(time: Array, values: Array, noise: float) -> Spline | None:
-    """The least-squares spline of the fewest pieces whose residual is that of rounding; None if there is none."""
-    from scipy.interpolate import make_lsq_spline  # noqa: PLC0415
+def _fits(time: Array, columns: Array, noise: Array) -> list[Spline | None]:
+    """For each column the least-squares spline of the fewest pieces whose residual is that of rounding, if one has it.
+
+    Columns without noise have none.
+    """
+    from scipy.interpolate import BSpline, make_lsq_spline  # noqa: PLC0415
 
     count = len(time)
-    pieces, residual = 1, np.inf
-    fit: Spline | None = None
-    while residual > FIT_RESIDUAL * noise and pieces * PIECE + DEGREE <= count:
+    fits: list[Spline | None] = [None] * len(noise)
+    residual = np.where(noise > 0, np.inf, 0.0)
+    pieces = 1
+    while pieces * PIECE + DEGREE <= count and np.any(residual > FIT_RESIDUAL * noise):
         inner = np.interp(np.linspace(0, count - 1, pieces + 1)[1:-1], np.arange(count), time)
         knots = np.concatenate([np.full(DEGREE + 1, time[0]), inner, np.full(DEGREE + 1, time[-1])])
-        found: Spline = make_lsq_spline(time, values, knots, k=DEGREE)
-        fit, residual = found, float(np.sqrt(np.mean((found(time) - values) ** 2)))
-        pieces += max(1, pieces // 3)
-    return fit if residual <= LAST_RESIDUAL * noise else None
+        rough = np.flatnonzero(residual > FIT_RESIDUAL * noise)
+        found = make_lsq_spline(time, columns[:, rough], knots, k=DEGREE)
+        residual[rough] = np.sqrt(np.mean((found(time) - columns[:, rough]) ** 2, axis=0))
+        for place, index in enumerate(rough):
+            fits[index] = BSpline(knots, found.c[:, place], DEGREE)
+        pieces += max(1, pieces // 2)
+    return [
+        fit if left <= LAST_RESIDUAL * size else None for fit, left, size in zip(fits, residual, noise, strict=True)
+    ]
