@@ -12,11 +12,12 @@ if TYPE_CHECKING:
     from mrts.configurations import rank_configurations
     from mrts.coordinated_motion import CoordinatedMotion, follow_object
     from mrts.errors import CompilerError, InputError, MotionError, MrtsError, SolverError
+    from mrts.grasp_closure import ClosureBound
+    from mrts.joint_table import JointTable
     from mrts.known_load import torques_for_load
     from mrts.load_box import LoadBox, LoadPoint
     from mrts.load_sharing import LoadSharing
     from mrts.motion_file import MotionDescription, load_motion, sample_motion
-    from mrts.motion_table import JointTable
     from mrts.object_motion import ObjectMotion
     from mrts.report import write_report
     from mrts.result import ScalingResult
@@ -33,10 +34,11 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "Cell": "cell",
+    "ClosureBound": "grasp_closure",
     "CompilerError": "errors",
     "CoordinatedMotion": "coordinated_motion",
     "InputError": "errors",
-    "JointTable": "motion_table",
+    "JointTable": "joint_table",
     "LoadBox": "load_box",
     "LoadPoint": "load_box",
     "LoadSharing": "load_sharing",
@@ -70,6 +72,7 @@ _HOMES = {
 
 __all__ = [
     "Cell",
+    "ClosureBound",
     "CompilerError",
     "CoordinatedMotion",
     "InputError",

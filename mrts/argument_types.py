@@ -9,6 +9,7 @@ from mrts.errors import InputError
 
 WORDS = {
     "Cell": "a cell, as from mrts.load_cell",
+    "ClosureBound": "a ClosureBound, such as mrts.ClosureBound(2e-3, 5e-3)",
     "CoordinatedMotion": "motion of the whole cell, as from mrts.follow_object",
     "JointTable": "a table of joint motion, as from mrts.load_motion",
     "LoadSharing": "a LoadSharing (LoadSharing() is the equal one)",

@@ -8,7 +8,7 @@ import numpy as np
 from mrts.argument_types import check_type
 from mrts.cell import Cell
 from mrts.errors import InputError, MotionError, as_array
-from mrts.grasp_closure import check_closure, in_world, tip_motions
+from mrts.grasp_closure import TipMotion, in_world, tip_motions
 from mrts.grasp_tracking import (
     POSE_TOLERANCE,
     STARTING_STEPS,
@@ -17,7 +17,6 @@ from mrts.grasp_tracking import (
     unreachable,
 )
 from mrts.joint_limits import check_joint_limits, nearest_turns, within_limits
-from mrts.motion_table import JointTable
 from mrts.object_motion import ObjectMotion
 from mrts.planar_inverse_kinematics import has_closed_form, planar_branches
 from mrts.remark import Remark
@@ -103,48 +102,7 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
         q[:, joints] = within_limits(robot, q[:, joints])
     check_joint_limits(cell, motion.time, q)
-    return CoordinatedMotion(motion, q, dq, ddq)
-
-
-def coordinate(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion) -> CoordinatedMotion:
-    """Motion of the whole cell from whatever is known of it.
-
-    Args:
-        cell: The cell.
-        motion: Of the object (the joints follow it), of the joints (the object follows the first robot), or of both.
-
-    Raises:
-        InputError: If a joint table does not fit the cell.
-        MotionError: If the arms cannot follow the object, or a joint table does not close the chain.
-    """
-    check_type("cell", cell, Cell)
-    check_type("motion", motion, ObjectMotion, JointTable, CoordinatedMotion)
-    if isinstance(motion, ObjectMotion):
-        return follow_object(cell, motion)
-    if isinstance(motion, JointTable):
-        return _follow_joints(cell, motion)
-    joints = sum(len(robot.joints) for robot in cell.robots)
-    if motion.q.shape[1] != joints:
-        raise InputError("motion.q", f"has {motion.q.shape[1]} columns, cell '{cell.name}' has {joints} joints.")
-    check_joint_limits(cell, motion.object.time, motion.q)
-    check_closure(cell, motion.object, motion.q, motion.dq, motion.ddq, "motion")
-    return motion
-
-
-def _follow_joints(cell: Cell, table: JointTable) -> CoordinatedMotion:
-    """Let the first robot's tip carry the object, and check that all others hold their grasps on it."""
-    names = _names_by_joint(cell, table)
-    q, dq, ddq = (
-        np.column_stack([part[name] for name in names])
-        for part in (table.positions, table.velocities, table.accelerations)
-    )
-    check_joint_limits(cell, table.time, q)
-    try:
-        given = carried_by_first(cell, table.time, q, dq, ddq)
-    except InputError as error:
-        raise InputError(table.path, error.rule, key=f"the object's {error.where}") from None
-    check_closure(cell, given.object, q, dq, ddq, str(table.path))
-    return given
+    return CoordinatedMotion(motion, q, dq, ddq, motion.remarks)
 
 
 def carried_by_first(
@@ -160,13 +118,26 @@ def carried_by_first(
         ddq: Joint accelerations.
         smooth: As in `ObjectMotion`.
     """
-    tip = tip_motions(cell, q, dq, ddq)[0]
-    first = cell.robots[0]
-    rotation = tip.rotation @ first.T_object_tip.R.T
-    r = rotation @ first.T_object_tip.p
-    v, w = in_world(cell, first, tip.velocity)
-    a, dw = in_world(cell, first, tip.acceleration)
-    motion = ObjectMotion(
+    motion = carried_object(cell, 0, time, tip_motions(cell, q, dq, ddq)[0], smooth=smooth)
+    return CoordinatedMotion(motion, q, dq, ddq)
+
+
+def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion, *, smooth: bool = True) -> ObjectMotion:
+    """The motion of the object that one tip carries.
+
+    Args:
+        cell: The cell.
+        index: Of the robot.
+        time: Shape (N,) [s].
+        tip: Motion of its tip.
+        smooth: As in `ObjectMotion`.
+    """
+    robot = cell.robots[index]
+    rotation = tip.rotation @ robot.T_object_tip.R.T
+    r = rotation @ robot.T_object_tip.p
+    v, w = in_world(cell, robot, tip.velocity)
+    a, dw = in_world(cell, robot, tip.acceleration)
+    return ObjectMotion(
         time,
         tip.position - r,
         rotation,
@@ -174,33 +145,6 @@ def carried_by_first(
         np.concatenate([a - np.cross(dw, r) - np.cross(w, np.cross(w, r)), dw], axis=1),
         smooth,
     )
-    return CoordinatedMotion(motion, q, dq, ddq)
-
-
-def _names_by_joint(cell: Cell, table: JointTable) -> list[str]:
-    """What the table calls each joint of the cell, in the cell's order."""
-    robots = {robot.name: robot.joints for robot in cell.robots}
-    joints = [f"{robot}/{joint}" for robot in robots for joint in robots[robot]]
-    found: dict[str, str] = {}
-    for name in table.positions:
-        prefix, _, joint = name.rpartition("/")
-        owners = [prefix] if prefix in robots else [robot for robot in robots if joint in robots[robot]]
-        meant = f"{owners[0]}/{joint}" if len(owners) == 1 else name
-        if meant in found:
-            raise InputError(table.path, f"'{found[meant]}' and '{name}' are the same joint of cell '{cell.name}'.")
-        found[meant] = name
-    for joint in joints:
-        if joint not in found:
-            robot = joint.partition("/")[0]
-            raise InputError(
-                table.path,
-                f"nothing is said of joint '{joint}' of cell '{cell.name}': the column 'q.{joint}' is needed, in a bag "
-                f"a trajectory under /{robot}/joint_trajectory.",
-            )
-    for joint, name in found.items():
-        if joint not in joints:
-            raise InputError(table.path, f"cell '{cell.name}' has no joint '{name}'; it has {', '.join(joints)}.")
-    return [found[joint] for joint in joints]
 
 
 def check_motion(cell: Cell, motion: ObjectMotion) -> None:

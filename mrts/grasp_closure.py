@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whether given joints hold every grasp on the object: positions, velocities and accelerations."""
+"""How well given joints hold every grasp on the object: positions, velocities and accelerations."""
 
 from dataclasses import dataclass
 
@@ -7,20 +7,62 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mrts.cell import Cell
-from mrts.errors import MotionError
+from mrts.errors import InputError, MotionError
 from mrts.grasp_tracking import tip_rates
 from mrts.object_motion import ObjectMotion
 from mrts.rigid_transform import Array
 from mrts.robot import Robot
 
+LARGEST_CLOSURE = 0.1
+"""[m, rad]; hands that far from their grasps hold another object."""
+
+RAD_PER_M = 2.5
+"""The bound on rotations where only that on positions is given: 5 mrad for 2 mm, as planners' tolerances come."""
+
 GIVEN_CLOSURE = 1e-4
-"""Largest gap between tip and grasp of joint motion that is given [m, rad]: tables carry few digits."""
+"""Gap between tip and grasp that changes nothing [m, rad]: given joints are taken as they are."""
 
 GIVEN_SLIP = 1e-2
-"""Largest slip of a tip on its grasp, relative to the largest velocity or acceleration: derivatives carry fewer."""
+"""Slip of a tip on its grasp that changes nothing, relative to the largest velocity or acceleration."""
+
+COARSE_SLIPS = (0.1, 0.5)
+"""Slips in velocity and in acceleration that gaps or splines may explain; in proportion more for a wider bound."""
+
+ROUGH = 1.0
+"""Typical slip of accelerations from positions, relative to the typical acceleration: from here on they are noise."""
+
+ROUGHENED = 0.1
+"""The same from where on it should be known: the range may then depend on the noise."""
 
 REST_SLIP = 1e-9
 """Slip of an object at rest that is rounding [m/s, rad/s and per s]."""
+
+ROUNDED_SLIP = 1e-3
+"""The same where rates carry few digits."""
+
+
+@dataclass(frozen=True)
+class ClosureBound:
+    """How far hands may be off their grasps in joint motion that is given; they are then moved onto them.
+
+    Attributes:
+        position: Largest distance between a tip and its grasp [m].
+        rotation: Largest angle between them [rad]; 2.5 rad per m of `position` if left out.
+    """
+
+    position: float = 2e-3
+    rotation: float = -1.0
+
+    def __post_init__(self) -> None:
+        if self.rotation == -1:
+            object.__setattr__(self, "rotation", RAD_PER_M * self.position)
+        for name in ("position", "rotation"):
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value <= LARGEST_CLOSURE:
+                raise InputError("closure", f"must be > 0 and at most {LARGEST_CLOSURE:g}.", key=name, value=value)
+
+    def __str__(self) -> str:
+        return f"{self.position:g} m and {self.rotation:g} rad"
 
 
 @dataclass(frozen=True)
@@ -62,40 +104,109 @@ def in_world(cell: Cell, robot: Robot, rate: Array) -> tuple[Array, Array]:
     return full[:, :3] @ R.T, full[:, 3:] @ R.T
 
 
-def check_closure(cell: Cell, given: ObjectMotion, q: Array, dq: Array, ddq: Array, where: str) -> None:
-    """Check that the joints hold every grasp on the object: positions, velocities and accelerations.
+@dataclass(frozen=True)
+class GraspGaps:
+    """How far the tips are off their grasps.
+
+    Attributes:
+        distance: Shape (robots, N) [m].
+        angle: Shape (robots, N) [rad].
+    """
+
+    distance: Array
+    angle: Array
+
+    @property
+    def largest(self) -> float:
+        """Of both [m, rad]."""
+        return float(max(np.max(self.distance), np.max(self.angle)))
+
+    def worst(self, bound: ClosureBound) -> tuple[int, int, float]:
+        """Robot and sample of the largest gap in units of the bound, and that gap."""
+        share = np.maximum(self.distance / bound.position, self.angle / bound.rotation)
+        robot, sample = np.unravel_index(int(np.argmax(share)), share.shape)
+        return int(robot), int(sample), float(share[robot, sample])
+
+    def at(self, robot: int, sample: int) -> str:
+        """One gap as text."""
+        return f"{self.distance[robot, sample]:.3g} m and {self.angle[robot, sample]:.3g} rad"
+
+
+def grasp_gaps(cell: Cell, given: ObjectMotion, tips: list[TipMotion]) -> GraspGaps:
+    """Gaps between the tips and their grasps on an object.
 
     Args:
         cell: The cell.
         given: Motion of the object.
-        q: Joint positions, Shape (N, m) [rad or m].
-        dq: Joint velocities, likewise.
-        ddq: Joint accelerations, likewise.
-        where: What gave it, for the message.
+        tips: Motion of every tip.
+    """
+    distances, angles = [], []
+    for robot, tip in zip(cell.robots, tips, strict=True):
+        distances.append(np.linalg.norm(tip.position - given.position - given.rotation @ robot.T_object_tip.p, axis=1))
+        off = given.rotation @ robot.T_object_tip.R @ tip.rotation.transpose(0, 2, 1)
+        angles.append(np.atleast_1d(Rotation.from_matrix(off).magnitude()))
+    return GraspGaps(np.array(distances), np.array(angles))
+
+
+def check_gaps(cell: Cell, given: ObjectMotion, gaps: GraspGaps, bound: ClosureBound, where: str) -> None:
+    """Check that no tip is further off its grasp than is allowed.
+
+    Args:
+        cell: The cell.
+        given: Motion of the object.
+        gaps: Of the tips.
+        bound: What is allowed.
+        where: What gave the joints, for the message.
 
     Raises:
         MotionError: Names the worst robot, sample and gap.
     """
-    for robot, tip in zip(cell.robots, tip_motions(cell, q, dq, ddq), strict=True):
-        gap = np.linalg.norm(tip.position - given.position - given.rotation @ robot.T_object_tip.p, axis=1)
-        off = given.rotation @ robot.T_object_tip.R @ tip.rotation.transpose(0, 2, 1)
-        turn = np.atleast_1d(Rotation.from_matrix(off).magnitude())
-        worst = int(np.argmax(np.maximum(gap, turn)))
-        if max(gap[worst], turn[worst]) > GIVEN_CLOSURE:
-            raise MotionError(
-                f"{where}: the joints do not close the chain. The tip of '{robot.name}' is off its grasp by "
-                f"{gap[worst]:.3g} m and {turn[worst]:.3g} rad at sample {worst} (t = {given.time[worst]:.6g} s), the "
-                f"worst; {GIVEN_CLOSURE:g} is allowed. Check the joint positions, the bases and the grasps."
-            )
-        velocity, acceleration = tip_rates(cell, robot, given)
-        compared = (("velocities", tip.velocity, velocity), ("accelerations", tip.acceleration, acceleration))
-        for what, ours, expected in compared:
+    robot, sample, share = gaps.worst(bound)
+    if share > 1:
+        raise MotionError(
+            f"{where}: the joints do not close the chain. The tip of '{cell.robots[robot].name}' is off its grasp by "
+            f"{gaps.at(robot, sample)} at sample {sample} (t = {given.time[sample]:.6g} s), the worst; {bound} are "
+            "allowed. Check the joint positions, the bases and the grasps; if they are right, allow more with "
+            "--closure (argument closure)."
+        )
+
+
+def slip(cell: Cell, given: ObjectMotion, tips: list[TipMotion], shares: tuple[float, ...], rest: float) -> str | None:
+    """Where the tips' velocities or accelerations do not fit the object's, as a sentence; None if they fit.
+
+    Args:
+        cell: The cell.
+        given: Motion of the object.
+        tips: Motion of every tip.
+        shares: Allowed of the largest velocity, and of the largest acceleration; accelerations are left out if it is.
+        rest: Allowed besides [m, rad per s or s²].
+    """
+    for robot, tip in zip(cell.robots, tips, strict=True):
+        rates = zip(tip_rates(cell, robot, given), (tip.velocity, tip.acceleration), strict=True)
+        for what, share, (expected, ours) in zip(("velocities", "accelerations"), shares, rates, strict=False):
             size = max(float(np.max(np.abs(expected))), float(np.max(np.abs(ours))))
-            slip = np.max(np.abs(ours - expected), axis=1)
-            worst = int(np.argmax(slip))
-            if slip[worst] > max(GIVEN_SLIP * size, REST_SLIP):
-                raise MotionError(
-                    f"{where}: the joint {what} do not fit the object's: at sample {worst} (t = "
-                    f"{given.time[worst]:.6g} s) the tip of '{robot.name}' slips on its grasp by {slip[worst]:.3g} "
-                    f"(m, rad per s or s²); the largest is {size:.3g}. Check the {what}."
+            off = np.max(np.abs(ours - expected), axis=1)
+            worst = int(np.argmax(off))
+            if off[worst] > max(share * size, rest):
+                return (
+                    f"the joint {what} do not fit the object's: at sample {worst} (t = {given.time[worst]:.6g} s) the "
+                    f"tip of '{robot.name}' slips on its grasp by {off[worst]:.3g} (m, rad per s or s²); the largest "
+                    f"is {size:.3g}. Check the {what}."
                 )
+    return None
+
+
+def roughness(cell: Cell, given: ObjectMotion, tips: list[TipMotion]) -> float:
+    """How much of the accelerations is noise: root mean squares of a tip's slip by the accelerations', the worst tip's.
+
+    Args:
+        cell: The cell.
+        given: Motion of the object.
+        tips: Motion of every tip.
+    """
+    worst = 0.0
+    for robot, tip in zip(cell.robots, tips, strict=True):
+        expected = tip_rates(cell, robot, given)[1]
+        size = max(float(np.mean(expected**2)), float(np.mean(tip.acceleration**2)), ROUNDED_SLIP**2)
+        worst = max(worst, float(np.sqrt(np.mean((tip.acceleration - expected) ** 2) / size)))
+    return worst

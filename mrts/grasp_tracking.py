@@ -83,14 +83,19 @@ def tip_rates(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Ar
 
 
 def solve_grasps(
-    cell: Cell, motion: ObjectMotion, sample: int, start: Array, steps: int, pull: Array | None = None
+    cell: Cell,
+    motion: ObjectMotion,
+    sample: int | NDArray[np.intp],
+    start: Array,
+    steps: int,
+    pull: Array | None = None,
 ) -> tuple[Array, Array, Array]:
     """Joint positions that hold the grasps at one sample, by damped Newton steps (Sugihara 2011).
 
     Args:
         cell: The cell.
         motion: Motion of the object.
-        sample: Which sample.
+        sample: Which sample; or one for each set of positions, Shape (T,).
         start: Positions to start from, Shape (T, m) [rad or m].
         steps: Most steps to take.
         pull: Posture that redundant arms move towards in their null space, Shape (T, m); None moves no further than
@@ -257,7 +262,12 @@ def unreachable(robot: Robot, motion: ObjectMotion, sample: int, gap: float, tur
 
 
 def _pose_error(
-    cell: Cell, robot: Robot, index: int, motion: ObjectMotion, sample: int, poses: dict[str, Array]
+    cell: Cell,
+    robot: Robot,
+    index: int,
+    motion: ObjectMotion,
+    sample: int | NDArray[np.intp],
+    poses: dict[str, Array],
 ) -> tuple[Array, Array]:
     """Error in base axes and cell components, Shape (T, w), and its sizes [m, rad], Shape (T, 2)."""
     R_world_tip = motion.rotation[sample] @ robot.T_object_tip.R

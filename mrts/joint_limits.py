@@ -14,6 +14,9 @@ DEGREES_SUSPECTED = 4 * np.pi
 LIMIT_TOLERANCE = 1e-9
 """How far a joint may pass its position limit [rad or m]: rounding."""
 
+PRINTED_TOLERANCE = 1e-4
+"""The same for positions that are given, which may carry few digits."""
+
 
 def nearest_turns(robot: Robot, q: Array) -> Array:
     """The same joint positions with whole turns added to come nearest to the posture, Shape (n_i,) [rad or m]."""
@@ -40,15 +43,16 @@ def within_limits(robot: Robot, q: Array) -> Array:
     return moved
 
 
-def joint_limit_failure(robot: Robot, time: Array, q: Array) -> str | None:
+def joint_limit_failure(robot: Robot, time: Array, q: Array, tolerance: float = LIMIT_TOLERANCE) -> str | None:
     """The message for the first sample where a joint passes its position limit, None if none does.
 
     Args:
         robot: The arm.
         time: Shape (N,) [s].
         q: Joint positions of this arm, Shape (N, n_i) [rad or m].
+        tolerance: How far it may [rad or m].
     """
-    beyond = np.maximum(robot.position_lower - q, q - robot.position_upper) > LIMIT_TOLERANCE
+    beyond = np.maximum(robot.position_lower - q, q - robot.position_upper) > tolerance
     if not np.any(beyond):
         return None
     sample = int(np.argmax(np.any(beyond, axis=1)))
@@ -63,18 +67,19 @@ def joint_limit_failure(robot: Robot, time: Array, q: Array) -> str | None:
     )
 
 
-def check_joint_limits(cell: Cell, time: Array, q: Array) -> None:
+def check_joint_limits(cell: Cell, time: Array, q: Array, tolerance: float = LIMIT_TOLERANCE) -> None:
     """Check the position limits of all joints along a motion.
 
     Args:
         cell: The cell.
         time: Shape (N,) [s].
         q: Shape (N, m) [rad or m].
+        tolerance: How far a joint may pass [rad or m].
 
     Raises:
         MotionError: Names robot, joint, the first such sample, value and limits.
     """
     for robot in cell.robots:
-        failure = joint_limit_failure(robot, time, q[:, cell.joint_slices[robot.name]])
+        failure = joint_limit_failure(robot, time, q[:, cell.joint_slices[robot.name]], tolerance)
         if failure:
             raise MotionError(failure)

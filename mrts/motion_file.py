@@ -11,7 +11,8 @@ from pydantic import Field, model_validator
 from mrts.argument_types import as_path, check_type
 from mrts.errors import InputError
 from mrts.input_file import Pose, StrictModel, broken_rule, read_model
-from mrts.motion_table import MAX_SAMPLES, JointTable, read_joint_table, read_object_table, read_table
+from mrts.joint_table import JointTable
+from mrts.motion_table import MAX_SAMPLES, read_joint_table, read_object_table, read_table
 from mrts.object_motion import ObjectMotion, geodesic_motion, waypoint_motion
 from mrts.rigid_transform import rotation_from_rpy
 from mrts.velocity_profile import PROFILES

@@ -5,7 +5,6 @@ import csv
 import re
 from array import array
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +12,14 @@ from scipy.spatial.transform import Rotation
 
 from mrts.errors import InputError
 from mrts.input_file import LARGEST_NUMBER, read_text
-from mrts.object_motion import ObjectMotion, check_derivatives, spline_motion
-from mrts.remark import Remark
+from mrts.joint_table import JointTable, joint_motion
+from mrts.object_motion import ObjectMotion, spline_motion
 from mrts.rigid_transform import Array
+from mrts.rounded_samples import derivative
 
 POSE_COLUMNS = ("px", "py", "pz", "qx", "qy", "qz", "qw")
-RATE_COLUMNS = ("vx", "vy", "vz", "wx", "wy", "wz", "ax", "ay", "az", "alphax", "alphay", "alphaz")
+VELOCITY_COLUMNS = ("vx", "vy", "vz", "wx", "wy", "wz")
+RATE_COLUMNS = (*VELOCITY_COLUMNS, "ax", "ay", "az", "alphax", "alphay", "alphaz")
 
 MAX_SAMPLES = 1_000_000
 MAX_COLUMNS = 1000
@@ -29,32 +30,6 @@ SHORTEST_STEP = 1e-9
 
 QUATERNION_TOLERANCE = 1e-3
 """How far from 1 a quaternion's length may be: tables carry few digits."""
-
-
-@dataclass(frozen=True, repr=False)
-class JointTable:
-    """N samples of joint motion by column name; which joint a column is of, the cell tells.
-
-    Attributes:
-        path: The file, for messages.
-        time: Shape (N,) [s], strictly increasing from 0.
-        positions: Column "robot/joint" to positions, each Shape (N,) [rad or m]. A name that is no robot's may stand
-            for it where one robot alone has such a joint.
-        velocities: Likewise [rad/s or m/s].
-        accelerations: Likewise [rad/s² or m/s²].
-        remarks: What to know of how it was read.
-    """
-
-    path: Path
-    time: Array
-    positions: dict[str, Array]
-    velocities: dict[str, Array]
-    accelerations: dict[str, Array]
-    remarks: tuple[Remark, ...] = ()
-
-    def __repr__(self) -> str:
-        joints = ", ".join(self.positions)
-        return f"<JointTable from {self.path.name}: {len(self.time)} samples in {self.time[-1]:.4g} s of {joints}>"
 
 
 def read_table(path: Path, samples: int | None) -> ObjectMotion | JointTable:
@@ -80,7 +55,7 @@ def read_table(path: Path, samples: int | None) -> ObjectMotion | JointTable:
 
 
 def read_object_table(path: Path, samples: int | None) -> ObjectMotion:
-    """Read a table with t, px, py, pz, qx, qy, qz, qw and, all or none, velocities and accelerations in world axes.
+    """Read a table with t, px, py, pz, qx, qy, qz, qw and maybe velocities, maybe accelerations too, in world axes.
 
     Args:
         path: The file.
@@ -95,13 +70,15 @@ def read_object_table(path: Path, samples: int | None) -> ObjectMotion:
 
 def _object_table(path: Path, columns: dict[str, Array], samples: int | None) -> ObjectMotion:
     time = _time(path, columns)
-    rates = [name for name in RATE_COLUMNS if name in columns]
+    rates = tuple(name for name in RATE_COLUMNS if name in columns)
     missing = [name for name in POSE_COLUMNS if name not in columns]
     if missing:
         raise InputError(path, f"these columns are needed too: {', '.join(missing)}.")
-    if rates and len(rates) < len(RATE_COLUMNS):
+    if rates and rates not in (VELOCITY_COLUMNS, RATE_COLUMNS):
         lacking = ", ".join(name for name in RATE_COLUMNS if name not in columns)
-        raise InputError(path, f"give all velocities and accelerations or none; these are missing: {lacking}.")
+        raise InputError(
+            path, f"give all velocities and accelerations, all velocities, or none; these are missing: {lacking}."
+        )
     unknown = set(columns) - {"t", *POSE_COLUMNS, *RATE_COLUMNS}
     if unknown:
         raise InputError(
@@ -115,24 +92,27 @@ def _object_table(path: Path, columns: dict[str, Array], samples: int | None) ->
             path, f"must have length 1, it has {lengths[row]:.6g}. The order is x, y, z, w.",
             key=f"row {row + 1}, quaternion", value=pose[row, 3:].tolist(),
         )  # fmt: skip
-    rotation = np.asarray(Rotation.from_quat(pose[:, 3:]).as_matrix(), dtype=np.float64)
     if not rates:
         at = time if samples is None else np.linspace(0.0, time[-1], samples)
         try:
-            return spline_motion(time, pose[:, :3], rotation, at)
+            return spline_motion(time, pose[:, :3], pose[:, 3:], at)
         except InputError as error:
             raise InputError(path, error.rule, key=error.where) from None
     if samples is not None:
         raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
-    given = np.column_stack([columns[name] for name in RATE_COLUMNS])
+    rotation = np.asarray(Rotation.from_quat(pose[:, 3:]).as_matrix(), dtype=np.float64)
+    given = np.column_stack([columns[name] for name in rates])
+    twist, acceleration = given[:, :6], given[:, 6:]
+    if rates == VELOCITY_COLUMNS:
+        acceleration = derivative(time, twist)
     try:
-        return ObjectMotion(time, pose[:, :3], rotation, given[:, :6], given[:, 6:])
+        return ObjectMotion(time, pose[:, :3], rotation, twist, acceleration)
     except InputError as error:
         raise InputError(path, error.rule, key=error.where) from None
 
 
 def read_joint_table(path: Path, samples: int | None) -> JointTable:
-    """Read a table with t and, for every joint, `q.ROBOT/JOINT`, and, all or none, `dq.…` and `ddq.…`.
+    """Read a table with t and, for every joint, `q.ROBOT/JOINT`, and maybe `dq.…`, and with these maybe `ddq.…`.
 
     The torques `tau.…` and wrenches `F.…` that `mrts scale --csv` writes are passed over.
 
@@ -156,55 +136,13 @@ def _joint_table(path: Path, columns: dict[str, Array], samples: int | None) -> 
         if part not in parts or not joint:
             raise InputError(path, f"unknown column '{name}'. Columns are t, q.ROBOT/JOINT, dq.…, ddq.….")
         parts[part][joint] = values
-    q, dq, ddq = parts.values()
-    for part in ("dq", "ddq"):
-        if (dq or ddq) and set(parts[part]) != set(q):
-            raise InputError(path, f"give q, dq and ddq of every joint, or q alone; '{part}' is not complete.")
-    if not q:
+    if not parts["q"]:
         raise InputError(path, "holds no column q.ROBOT/JOINT.")
-    return joint_motion(path, time, q, dq, ddq, samples)
-
-
-def joint_motion(
-    path: Path,
-    time: Array,
-    positions: dict[str, Array],
-    velocities: dict[str, Array],
-    accelerations: dict[str, Array],
-    samples: int | None,
-) -> JointTable:
-    """Joint motion as given; where only positions are, on the C² spline through them.
-
-    Args:
-        path: Where it is from, for messages.
-        time: Shape (M,) [s], strictly increasing from 0.
-        positions: By joint, each Shape (M,) [rad or m].
-        velocities: Likewise [rad/s or m/s]; empty if there are positions only.
-        accelerations: Likewise [rad/s² or m/s²].
-        samples: Number of samples on the spline; None takes the given times.
-
-    Raises:
-        InputError: If the velocities contradict the positions, or come with a number of samples.
-    """
-    if not velocities:
-        at = time if samples is None else np.linspace(0.0, time[-1], samples)
-        from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for tables without rates only)
-
-        splines = [CubicSpline(time, values, bc_type="natural") for values in positions.values()]
-        q, dq, ddq = (
-            {joint: np.asarray(spline(at, order)) for joint, spline in zip(positions, splines, strict=True)}
-            for order in range(3)
-        )
-        return JointTable(path, at, q, dq, ddq)
-    if samples is not None:
-        raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
-    for joint, values in positions.items():
-        columns = (values, velocities[joint], accelerations[joint])
-        try:
-            check_derivatives(joint, time, *(column[:, None] for column in columns))
-        except InputError as error:
-            raise InputError(path, error.rule, key=error.where) from None
-    return JointTable(path, time, positions, velocities, accelerations)
+    for below, part in (("q", "dq"), ("dq", "ddq")):
+        for joint in parts[part]:
+            if joint not in parts[below]:
+                raise InputError(path, f"the column '{part}.{joint}' needs a column '{below}.{joint}'.")
+    return joint_motion(path, time, parts["q"], parts["dq"], parts["ddq"], samples)
 
 
 def _read_columns(path: Path) -> dict[str, Array]:

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: MIT
 """The motion of the carried object, and its samples from splines and paths."""
 
-from dataclasses import InitVar, dataclass
+from dataclasses import InitVar, dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from mrts.argument_types import check_type
 from mrts.errors import InputError, as_array
+from mrts.remark import Remark
 from mrts.rigid_transform import Array
+from mrts.rounded_samples import splines_through
 from mrts.velocity_profile import Profile
 
 ROTATION_LENGTH = 0.25
@@ -20,8 +23,11 @@ ORTHOGONAL = 1e-6
 RATE_TOLERANCE = 0.1
 """Largest part of a step that velocities may miss: a trapezoid in eleven samples misses 0.03."""
 
-ACCELERATION_TOLERANCE = 0.51
-"""The same for accelerations, which may jump at a sample: a trapezoid's corner misses a half, and rounding."""
+ACCELERATION_TOLERANCE = 0.5
+"""The same for accelerations, which may jump inside a step; from the start to any sample the jumps cancel out."""
+
+NOISE = 2e-4
+"""Steps of positions and of rates that rounding may leave out [m, rad and per s]: tables may carry four decimals."""
 
 SAME_WAYPOINT = 1e-9
 """Waypoints nearer than this [m, with turns by `ROTATION_LENGTH`] are one."""
@@ -37,6 +43,7 @@ class ObjectMotion:
         rotation: R_world_object, Shape (N, 3, 3).
         twist: [p'; φ'], Shape (N, 6) [m/s, rad/s].
         acceleration: [p''; φ''], Shape (N, 6) [m/s², rad/s²].
+        remarks: What to know of how it was read.
         smooth: Whether the rates are to be compared with the steps between samples; not where accelerations jump.
     """
 
@@ -46,6 +53,7 @@ class ObjectMotion:
     twist: Array
     acceleration: Array
     smooth: InitVar[bool] = True
+    remarks: tuple[Remark, ...] = field(default=(), kw_only=True)
 
     def __repr__(self) -> str:
         return f"<ObjectMotion: {len(self.time)} samples in {self.time[-1]:.4g} s>"
@@ -73,9 +81,10 @@ class ObjectMotion:
 
 
 def check_derivatives(name: str, time: Array, value: Array, rate: Array, change: Array) -> None:
-    """Check rates against the steps between samples: catches wrong units, axes and signs, and too few samples.
+    """Check rates against the way between samples: catches wrong units, axes and signs, and too few samples.
 
-    The rule that the steps are compared with is of fourth order, so a reasonable table passes by far.
+    From each sample to the next, and from the first to all others, where what cancels out within a few steps does not
+    count. The rule that the way is compared with is of fourth order, so a reasonable table passes by far.
 
     Args:
         name: What is checked, for the message.
@@ -89,21 +98,38 @@ def check_derivatives(name: str, time: Array, value: Array, rate: Array, change:
     """
     h = np.diff(time)[:, None]
     for what, values, first, second in (("rates", value, rate, change), ("accelerations", rate, change, None)):
-        steps = np.diff(values, axis=0)
         expected = h / 2 * (first[:-1] + first[1:])
         if second is not None:
             expected = expected + h**2 / 12 * (second[:-1] - second[1:])
-        off = np.linalg.norm(steps - expected, axis=1)
-        size = max(float(np.max(np.linalg.norm(steps, axis=1))), float(np.max(np.linalg.norm(expected, axis=1))))
-        worst = int(np.argmax(off))
         tolerance = RATE_TOLERANCE if second is not None else ACCELERATION_TOLERANCE
-        if off[worst] > tolerance * size and size > SAME_WAYPOINT:
-            raise InputError(
-                name,
-                f"its {what} do not lead from sample {worst} to {worst + 1} (t = {time[worst]:.6g} s): they are off by "
-                f"{100 * off[worst] / size:.3g} % of the largest step. Check units, world axes and signs; if those are "
-                "right, the samples are too few.",
-            )
+        steps = np.diff(values, axis=0)
+        off = _lengths(steps - expected)
+        size = max(float(np.max(_lengths(steps))), float(np.max(_lengths(expected))))
+        _check_way(name, what, time, (np.arange(len(off)), off), size, tolerance * size)
+        way, led = values[1:] - values[0], np.cumsum(expected, axis=0)
+        size = max(float(np.max(_lengths(way))), float(np.max(_lengths(led))))
+        allowed = RATE_TOLERANCE * size + (0.0 if second is not None else 2 * float(np.max(off)))
+        _check_way(name, what, time, (np.zeros(len(off), np.intp), _lengths(way - led)), size, allowed)
+
+
+def _lengths(steps: Array) -> Array:
+    return np.asarray(np.linalg.norm(steps, axis=1), dtype=np.float64)
+
+
+def _check_way(
+    name: str, what: str, time: Array, missed: tuple[NDArray[np.intp], Array], size: float, allowed: float
+) -> None:
+    """Check how far the ways that start at given samples and end at 1 to N - 1 are missed, each Shape (N - 1,)."""
+    start, off = missed
+    worst = int(np.argmax(off))
+    if off[worst] <= allowed + NOISE:
+        return
+    raise InputError(
+        name,
+        f"its {what} do not lead from sample {start[worst]} to {worst + 1} (t = {time[start[worst]]:.6g} to "
+        f"{time[worst + 1]:.6g} s): they are off by {100 * off[worst] / size:.3g} % of the largest such step. Check "
+        "units, world axes and signs; if those are right, the samples are too few.",
+    )
 
 
 def geodesic_motion(
@@ -169,17 +195,60 @@ def waypoint_motion(
     )
 
 
-def spline_motion(time: Array, positions: Array, rotations: Array, at: Array) -> ObjectMotion:
-    """Through poses at given times on a C² spline.
+def spline_motion(time: Array, positions: Array, quaternions: Array, at: Array) -> ObjectMotion:
+    """Through poses at given times on the splines of `splines_through`, of position and quaternion.
 
     Args:
         time: Shape (M,) [s], strictly increasing from 0.
         positions: Shape (M, 3) [m].
-        rotations: Shape (M, 3, 3).
+        quaternions: x, y, z, w, of length 1 but for rounding, Shape (M, 4).
         at: Times of the samples, Shape (N,) [s], from 0 to the last of `time`.
     """
-    path = _spline(time, positions, rotations, at)
-    return ObjectMotion(at, path.position, path.rotation, path.twist, path.acceleration)
+    turns = quaternions * np.cumprod(np.where(_flips(quaternions), -1.0, 1.0))[:, None]
+    splines, moved = splines_through(time, np.concatenate([positions, turns], axis=1))
+    position, turn = (
+        [np.column_stack([spline(at, order) for spline in part]).astype(np.float64) for order in range(3)]
+        for part in (splines[:3], splines[3:])
+    )
+    rotation, rate, change = _rotation_rates(*turn)
+    return ObjectMotion(
+        at,
+        position[0],
+        rotation,
+        np.concatenate([position[1], rate], axis=1),
+        np.concatenate([position[2], change], axis=1),
+        remarks=(smoothing_remark("the object's poses", float(np.max(moved))),) if np.any(moved) else (),
+    )
+
+
+def smoothing_remark(what: str, moved: float) -> Remark:
+    """That positions were smoothed within their rounding, by at most so much [m, rad, or 1]."""
+    return Remark(
+        "smoothed-digits",
+        f"the digits of {what} are too few to be differentiated twice: a smooth path within their rounding was taken, "
+        f"at most {moved:.2g} from them. Give more digits, or velocities and accelerations.",
+    )
+
+
+def _flips(quaternions: Array) -> NDArray[np.bool_]:
+    """Where a quaternion is written with the sign opposite to the row before, Shape (M,)."""
+    return np.concatenate([[False], np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0])
+
+
+def _rotation_rates(q: Array, dq: Array, ddq: Array) -> tuple[Array, Array, Array]:
+    """Rotation, angular velocity and acceleration, world axes, of quaternions of any length near 1: φ' = 2 q' q⁻¹."""
+    square = np.sum(q**2, axis=1)[:, None]
+    rate = 2 * _times_conjugate(dq, q) / square
+    stretch = 2 * np.sum(q * dq, axis=1)[:, None] / square
+    change = 2 * _times_conjugate(ddq, q) / square - stretch * rate
+    return np.asarray(Rotation.from_quat(q).as_matrix(), dtype=np.float64), rate, change
+
+
+def _times_conjugate(a: Array, b: Array) -> Array:
+    """Vector part of the quaternion product a b*, Shape (N, 3)."""
+    va, vb, wa, wb = a[:, :3], b[:, :3], a[:, 3:], b[:, 3:]
+    product: Array = wb * va - wa * vb - np.cross(va, vb)
+    return product
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,9 @@ from mrts.cell import Cell
 from mrts.configurations import ConfigurationStudy, rank_configurations
 from mrts.constraints import cell_rows
 from mrts.errors import InputError
+from mrts.grasp_closure import ClosureBound
+from mrts.joint_table import JointTable
 from mrts.load_sharing import LoadSharing
-from mrts.motion_table import JointTable
 from mrts.object_motion import ObjectMotion
 from mrts.result import LIMIT_TOLERANCE, ScalingResult
 from mrts.rigid_transform import Array
@@ -115,6 +116,7 @@ class PlayerState:
         motion: As given.
         sharing: A fixed distribution of the load; None leaves it to the quadratic program.
         solver: Name in the registry.
+        closure: As in `mrts.scale`.
         progress: Told how far the work on an uncertain load is.
 
     Attributes:
@@ -141,6 +143,7 @@ class PlayerState:
         motion: ObjectMotion | JointTable,
         *,
         sharing: LoadSharing | None = None,
+        closure: ClosureBound | None = None,
         solver: str = DEFAULT_SOLVER,
         progress: Progress = lambda _done, _total: None,
     ) -> None:
@@ -148,7 +151,7 @@ class PlayerState:
         self.study: ConfigurationStudy | None = None
         self.configuration: int | None = None
         self._cell, self._motion, self._sharing, self._solver = cell, motion, sharing, solver
-        self._progress = progress
+        self._progress, self._closure = progress, closure
         self._play(cell)
 
     @property
@@ -267,7 +270,14 @@ class PlayerState:
 
     def _play(self, cell: Cell) -> None:
         try:
-            result = scale(cell, self._motion, sharing=self._sharing, solver=self._solver, progress=self._progress)
+            result = scale(
+                cell,
+                self._motion,
+                sharing=self._sharing,
+                solver=self._solver,
+                closure=self._closure,
+                progress=self._progress,
+            )
         except SelectionError as error:  # the cell can only hold still, or c = 1 is too slow where nothing is too fast
             if error.result is None:
                 raise

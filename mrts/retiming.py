@@ -11,12 +11,13 @@ from mrts.argument_types import check_callable, check_type
 from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.errors import InputError, SolverError
+from mrts.grasp_closure import ClosureBound
 from mrts.infeasibility import Conflict
 from mrts.input_file import LARGEST_NUMBER
+from mrts.joint_table import JointTable
 from mrts.load_box import LoadPoint
 from mrts.load_sharing import LoadSharing
 from mrts.motion_remarks import lasting
-from mrts.motion_table import JointTable
 from mrts.object_motion import ObjectMotion
 from mrts.path_pieces import NoPath, PathPiece, path_pieces
 from mrts.path_rows import build_path_problem
@@ -50,6 +51,7 @@ def retime(
     sharing: LoadSharing | None = None,
     weights: Array | None = None,
     load: str = "auto",
+    closure: ClosureBound | None = None,
     start_speed: float = 0.0,
     end_speed: float = 0.0,
     progress: Progress = lambda _done, _total: None,
@@ -68,6 +70,7 @@ def retime(
         sharing: A fixed distribution of the load; None leaves it free.
         weights: W of the quadratic program, as in `mrts.scale`.
         load: "guaranteed" (for every load of the box) or "nominal"; "auto" is "guaranteed" if the cell has a load box.
+        closure: As in `mrts.scale`.
         start_speed: ṙ at the start, where the given motion does not start from rest [1].
         end_speed: ṙ at the end, likewise [1].
         progress: Told how many of how many loads are done.
@@ -81,7 +84,7 @@ def retime(
         SolverError: If no solver answers.
     """
     question = _checked_question(cell, sharing, load, start_speed, end_speed, progress)
-    constant = _best_constant(cell, motion, sharing, weights, question)
+    constant = _best_constant(cell, motion, sharing, weights, question, closure)
     motion = constant.motion
     points: tuple[LoadPoint | None, ...] = (None,)
     if question == "guaranteed" and cell.load_box is not None:
@@ -136,10 +139,11 @@ def _best_constant(
     sharing: LoadSharing | None,
     weights: Array | None,
     question: str,
+    closure: ClosureBound | None,
 ) -> ScalingResult:
     """The best constant factor; without a trajectory where none moves the object, which a varying speed may."""
     try:
-        return scale(cell, motion, sharing=sharing, weights=weights, load=question)
+        return scale(cell, motion, sharing=sharing, weights=weights, load=question, closure=closure)
     except SelectionError as error:
         if error.result is None:
             raise

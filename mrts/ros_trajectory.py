@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Joint motion from a ROS 2 bag of trajectory_msgs/JointTrajectory; needs the extra 'ros' (rosbags)."""
 
-from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ from rosbags.rosbag2 import Reader
 
 from mrts.errors import InputError
 from mrts.input_file import LARGEST_NUMBER, read_text
-from mrts.motion_table import JointTable, joint_motion
+from mrts.joint_table import JointTable, joint_motion
 from mrts.regular_file import open_regular
 from mrts.rigid_transform import Array
 from mrts.ros_bag import NANOSECONDS, TYPES
@@ -29,40 +29,63 @@ def read_joint_trajectories(path: Path, samples: int | None) -> JointTable:
     """Read the joint trajectories of a bag, one message a topic, as one motion.
 
     The first name of a topic, as in /ROBOT/joint_trajectory, is that of a robot; if the cell has none of this name, its
-    joints are found by their own names. Points with accelerations are taken as they are; others lie on the C² spline
-    through their positions. All trajectories have the same times; effort is passed over.
+    joints are found by their own names. Points with velocities and accelerations are taken as they are; without
+    accelerations they lie on the spline of their velocities, with positions only on the C² spline through these. Effort
+    is passed over. Trajectories that the cell needs have the same times; others, a gripper's for example, may not.
 
     Args:
         path: Folder of a bag, or one of its files by itself.
         samples: Number of samples on the spline; None takes the times of the points.
 
     Raises:
-        InputError: If it is no bag, holds no trajectory or several on a topic, or a trajectory breaks a rule.
+        InputError: If it is no bag, holds no trajectory that can be read, or a trajectory breaks a rule.
     """
+    usable: dict[str, tuple[Any, NDArray[np.int64]]] = {}
+    unusable: dict[str, InputError] = {}
+    failure: InputError | None = None
+    for topic, messages in _trajectories(path).items():
+        try:
+            usable[topic] = messages[0], _stamps(path, topic, messages)
+        except InputError as error:
+            unusable |= dict.fromkeys(_names(topic, messages[0]), error)
+            failure = failure or error
+    if failure is not None and not usable:
+        raise failure
+    first = max(usable, key=lambda topic: _joints_at(usable, usable[topic][1]))
+    stamps = usable[first][1]
     parts: dict[str, dict[str, Array]] = {"positions": {}, "velocities": {}, "accelerations": {}}
-    trajectories = _trajectories(path)
-    first, stamps = "", np.zeros(0, dtype=np.int64)
-    for topic, message in trajectories.items():
-        at = _stamps(path, topic, message)
-        if not first:
-            first, stamps = topic, at
-        elif not np.array_equal(at, stamps):
-            raise InputError(path, f"must have the times of {first}: the arms move together.", key=topic)
-        robot = topic.strip("/").partition("/")[0]
+    for topic, (message, at) in usable.items():
+        names = _names(topic, message)
+        if not np.array_equal(at, stamps):
+            rule = f"must have the times of {first}: the arms move together."
+            unusable |= dict.fromkeys(names, InputError(path, rule, key=topic))
+            continue
         for part, columns in parts.items():
             values = _values(path, topic, message, part)
-            for joint, column in zip(message.joint_names, values.T, strict=False):
-                if f"{robot}/{joint}" in columns:
+            for name, column in zip(names, values.T, strict=False):
+                if name in columns:
+                    robot, _, joint = name.rpartition("/")
                     raise InputError(path, f"the joint '{joint}' of '{robot}' has another trajectory.", key=topic)
-                columns[f"{robot}/{joint}"] = column
+                columns[name] = column
     q, dq, ddq = parts.values()
-    if set(ddq) != set(q) or set(dq) != set(q):
-        dq, ddq = {}, {}
-    return joint_motion(path, (stamps - stamps[0]) / NANOSECONDS, q, dq, ddq, samples)
+    ddq = {name: column for name, column in ddq.items() if name in dq}
+    table = joint_motion(path, (stamps - stamps[0]) / NANOSECONDS, q, dq, ddq, samples)
+    return replace(table, unusable=unusable)
 
 
-def _trajectories(path: Path) -> dict[str, Any]:
-    """The one trajectory of each topic, by topic."""
+def _names(topic: str, message: Any) -> list[str]:
+    """Columns of a trajectory."""
+    robot = topic.strip("/").partition("/")[0]
+    return [f"{robot}/{joint}" for joint in message.joint_names]
+
+
+def _joints_at(usable: dict[str, tuple[Any, NDArray[np.int64]]], stamps: NDArray[np.int64]) -> int:
+    """How many joints have these times."""
+    return sum(len(message.joint_names) for message, at in usable.values() if np.array_equal(at, stamps))
+
+
+def _trajectories(path: Path) -> dict[str, list[Any]]:
+    """The trajectories of each topic, by topic in the order of their names."""
     _check_files(path)
     try:
         with Reader(path) as bag:
@@ -75,11 +98,8 @@ def _trajectories(path: Path) -> dict[str, Any]:
         raise InputError(path, f"cannot be read as a ROS 2 bag: {reason}") from None
     if not found:
         raise InputError(path, f"holds no message {KIND}; its topics are {', '.join(topics) or 'none'}.")
-    trajectories = dict(sorted(found, key=lambda pair: pair[0]))
-    for topic, count in Counter(of for of, _ in found).items():
-        if count > 1:
-            raise InputError(path, f"holds {count} trajectories; a motion is one. Keep one in the bag.", key=topic)
-    return trajectories
+    topics = sorted({topic for topic, _ in found})
+    return {topic: [message for of, message in found if of == topic] for topic in topics}
 
 
 def _check_files(path: Path) -> None:
@@ -99,9 +119,11 @@ def _check_files(path: Path) -> None:
                 pass
 
 
-def _stamps(path: Path, topic: str, message: Any) -> NDArray[np.int64]:
-    """Times of the points from the start, Shape (N,) [ns]."""
-    times = [point.time_from_start for point in message.points]
+def _stamps(path: Path, topic: str, messages: list[Any]) -> NDArray[np.int64]:
+    """Times of the points of the one trajectory from the start, Shape (N,) [ns]."""
+    if len(messages) > 1:
+        raise InputError(path, f"holds {len(messages)} trajectories; a motion is one. Keep one in the bag.", key=topic)
+    times = [point.time_from_start for point in messages[0].points]
     if len(times) < 2:  # noqa: PLR2004 (both ends)
         raise InputError(path, f"has {len(times)} points; a motion has at least 2.", key=topic)
     stamps = np.array([time.sec * NANOSECONDS + time.nanosec for time in times], dtype=np.int64)

@@ -9,12 +9,14 @@ import numpy as np
 
 from mrts.argument_types import check_callable, check_type
 from mrts.cell import Cell
-from mrts.coordinated_motion import CoordinatedMotion, coordinate
+from mrts.coordinated_motion import CoordinatedMotion
+from mrts.coordination import coordinate
 from mrts.errors import InputError, MrtsError
+from mrts.grasp_closure import ClosureBound
 from mrts.interval_text import interval_text
+from mrts.joint_table import JointTable
 from mrts.load_sharing import LoadSharing
 from mrts.motion_remarks import motion_remarks
-from mrts.motion_table import JointTable
 from mrts.object_motion import ObjectMotion
 from mrts.result import DistributionRule, ScalingResult
 from mrts.rigid_transform import Array
@@ -57,6 +59,7 @@ def scale(
     weights: Array | None = None,
     solver: str = DEFAULT_SOLVER,
     load: str = "auto",
+    closure: ClosureBound | None = None,
     progress: Progress = lambda _done, _total: None,
 ) -> ScalingResult:
     """Find the admissible range of c², choose c² and distribute the torques (steps 1 to 5 of MMTSF).
@@ -73,6 +76,7 @@ def scale(
         load: Which range is asked for where the load varies: "guaranteed" (for every load), "possible" (for some
             load), "grid:N" (for N masses), or "nominal". "auto" is "guaranteed" if the cell has a load box. Torques
             are those of the nominal load; "possible" has none, as it leaves open which load it is.
+        closure: How far given joints may be off their grasps; None allows 2 mm and 5 mrad.
         progress: Told how many of how many pieces of work on an uncertain load are done.
 
     Returns:
@@ -92,7 +96,7 @@ def scale(
     check_solver(solver)
     question = load_question(cell, load, select)
     W = torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
-    motion = coordinate(cell, motion)
+    motion = coordinate(cell, motion, closure)
     study = None
     if question == "nominal":
         found = intersect(motion_ranges(cell, motion, formulation, sharing, solver))

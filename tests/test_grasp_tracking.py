@@ -16,6 +16,7 @@ from test_real_robots import CASES, ROBOTS
 
 import mrts
 from mrts.cli import main
+from mrts.coordination import coordinate
 from mrts.grasp_tracking import tip_rates
 
 UR5 = DATA.parent / "dual_ur5"
@@ -99,6 +100,25 @@ def test_redundant_arms_move_with_the_least_joint_velocity(two_pandas):
     assert result.residuals().limits < 1e-8
     with pytest.raises(mrts.MotionError, match=r"square Jacobian: robot 'left' has 7 joints and 6"):
         mrts.scale(two_pandas, followed, formulation="torque")
+
+
+def test_given_joints_of_redundant_arms_are_moved_as_little_as_needed(two_pandas):
+    """Given joints a little off the grasps, with a motion of their own in the null space: that is kept."""
+    followed = mrts.follow_object(two_pandas, motion([0.03, 0.08, 0.48], (0.1, 0.0, 0.2), start=(0, 0, 0.4)))
+    time = followed.object.time
+    rate = 2 * np.pi / time[-1]
+    angle = rate * time[:, None] + np.arange(14)
+    wave = 4e-4 * np.array([np.sin(angle), rate * np.cos(angle), -(rate**2) * np.sin(angle)])
+    parts = followed.q + wave[0], followed.dq + wave[1], followed.ddq + wave[2]
+    found = coordinate(two_pandas, mrts.CoordinatedMotion(followed.object, *parts))
+    assert [remark.code for remark in found.remarks] == ["chain-closed"]
+    assert_consistent(two_pandas, found, tolerance=1e-4)
+    J = two_pandas.functions("kinematics", found.samples, {"q": found.q})["jacobian"]
+    for joints in two_pandas.joint_slices.values():
+        null = np.eye(7) - np.linalg.pinv(J[:, :, joints]) @ J[:, :, joints]
+        for ours, given in ((found.dq, parts[1]), (found.ddq, parts[2])):
+            changed = np.einsum("nij,nj->ni", null, ours[:, joints] - given[:, joints])
+            assert np.max(np.abs(changed)) < 1e-9
 
 
 def test_a_posture_is_preferred_in_the_null_space(two_pandas):

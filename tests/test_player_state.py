@@ -10,7 +10,7 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.constraints import cell_rows
-from mrts.motion_table import JointTable
+from mrts.joint_table import JointTable
 from mrts.player_panel import bars_html, moment_html, outcome_html, speed_html
 from mrts.player_state import Bar, PlayerState, offered_speeds
 from mrts.sample_problem import build_sample_problem

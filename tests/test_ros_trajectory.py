@@ -146,14 +146,15 @@ def test_a_bag_in_sqlite_is_read(given, tmp_path):
 
 
 @pytest.mark.parametrize("kept", [("positions",), ("positions", "velocities")])
-def test_points_without_accelerations_lie_on_the_spline_of_a_table(dual_ur5, followed, kept, tmp_path):
+def test_points_without_accelerations_lie_on_the_splines_of_a_table(dual_ur5, followed, kept, tmp_path):
     parts = dual_ur5.joint_slices
+    columns = ("q", "dq") if "velocities" in kept else ("q",)
     messages = [
         (f"/{robot.name}/joint_trajectory", message(*trajectory(robot, followed, parts[robot.name], kept)))
         for robot in dual_ur5.robots
     ]
     write_bag(tmp_path / "bag", messages)
-    (tmp_path / "table.csv").write_text(joint_table(dual_ur5, followed, rates=False))
+    (tmp_path / "table.csv").write_text(joint_table(dual_ur5, followed, columns))
     for samples in (None, 51):
         read = []
         for joints in ("bag", "table.csv"):
@@ -184,10 +185,15 @@ def test_a_topic_that_names_no_robot_is_told_by_its_joints(dual_ur5, given, tmp_
     with pytest.raises(mrts.InputError, match=r"nothing is said of joint 'left/shoulder_pan' .*/left/joint_trajectory"):
         mrts.scale(dual_ur5, mrts.load_motion(tmp_path / "two"))
     names, rows = points
-    doubled = [("/arm0/joint_trajectory", message(names, rows)), ("/other/joint_trajectory", message(names, rows))]
+    doubled = [("/one/joint_trajectory", message(names, rows)), ("/other/joint_trajectory", message(names, rows))]
     write_bag(tmp_path / "doubled", doubled)
-    with pytest.raises(mrts.InputError, match="'arm0/j0' and 'other/j0' are the same joint"):
+    with pytest.raises(mrts.InputError, match="'one/j0' and 'other/j0' are the same joint"):
         mrts.scale(alone, mrts.load_motion(tmp_path / "doubled"))
+    named = [("/arm0/joint_trajectory", message(names, rows)), ("/other/joint_trajectory", message(names, rows))]
+    write_bag(tmp_path / "named", named)  # the other arm is none of the cell's
+    carried = mrts.scale(alone, mrts.load_motion(tmp_path / "named"))
+    np.testing.assert_array_equal(carried.motion.q, lift.q)
+    assert "other/j0" in carried.motion.remarks[0].text
 
 
 def spoiled(change):
@@ -287,7 +293,7 @@ def test_what_is_no_bag_of_trajectories_is_refused(given, tmp_path):
 
 def test_tables_are_recognised_by_their_columns(dual_ur5, followed, tmp_path, capsys):
     (tmp_path / "object.csv").write_text(object_table(followed.object, rates=True))
-    (tmp_path / "JOINTS.CSV").write_text(joint_table(dual_ur5, followed, rates=True))
+    (tmp_path / "JOINTS.CSV").write_text(joint_table(dual_ur5, followed))
     expected = mrts.scale(dual_ur5, followed).range.upper.c2
     for name, kind in (("object.csv", mrts.ObjectMotion), ("JOINTS.CSV", mrts.JointTable)):
         motion = mrts.load_motion(tmp_path / name)

@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 
 from mrts.commands.exit_codes import FEASIBLE
-from mrts.commands.options import cell_option
+from mrts.commands.options import add_closure, cell_option, closure_option
 from mrts.commands.outputs import check_outputs
 from mrts.commands.progress import working
 from mrts.commands.terminal import say
@@ -33,13 +33,14 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     export.add_argument("--name", metavar="NAME", help="prefix of all names (default: the cell's name)")
     export.add_argument("--motion", type=Path, metavar="MOTION",
                         help="motion of the test vectors (default: a short lift)")  # fmt: skip
+    add_closure(export)
     export.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Write the library."""
     from mrts.cell_cache import export_to
-    from mrts.coordinated_motion import coordinate
+    from mrts.coordination import coordinate
     from mrts.embedded_test_vectors import make_vectors, own_motion
     from mrts.motion_file import load_motion
 
@@ -50,7 +51,10 @@ def run(options: argparse.Namespace) -> int:
     parts = tuple(part for part in options.functions.split(",") if part)
     vectors, samples = [], 0
     if not parts:  # tests and example go with a library of all parts only
-        motion = coordinate(cell, load_motion(options.motion)) if options.motion is not None else own_motion(cell)
+        if options.motion is None:
+            motion = own_motion(cell)
+        else:
+            motion = coordinate(cell, load_motion(options.motion), closure_option(options.closure))
         vectors, samples = make_vectors(cell, motion), motion.samples
     with working(f"writing {options.output}"):
         written = export_to(options.cell, options.output, vectors, samples, options.precision, parts, options.name)

@@ -10,6 +10,7 @@ from mrts.errors import InputError
 
 if TYPE_CHECKING:
     from mrts.cell import Cell
+    from mrts.grasp_closure import ClosureBound
     from mrts.load_sharing import LoadSharing
 
 
@@ -18,6 +19,31 @@ def add_cell_and_motion(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("cell", type=Path, metavar="CELL", help="cell file, or a folder that `mrts generate` wrote")
     verb.add_argument("motion", type=Path, metavar="MOTION",
                       help="motion file, CSV table, or ROS 2 bag with joint trajectories")  # fmt: skip
+
+
+def add_closure(verb: argparse.ArgumentParser) -> None:
+    """Add the option of verbs that take motions of joints."""
+    verb.add_argument("--closure", metavar="M[,RAD]",
+                      help="of joint motion: how far hands may be off their grasps, onto which they are then moved; "
+                      "2.5 rad per m where only m is given (default: 0.002,0.005)")  # fmt: skip
+
+
+def closure_option(text: str | None) -> "ClosureBound | None":
+    """The bound that `--closure` gives; None for the default."""
+    from mrts.grasp_closure import ClosureBound
+
+    if text is None:
+        return None
+    try:
+        position, *rotation = (float(word) for word in text.split(","))
+    except ValueError:
+        raise InputError("--closure", "must be a number in m, or m and rad, such as 0.002,0.005.", value=text) from None
+    if len(rotation) > 1:
+        raise InputError("--closure", "takes at most two numbers, m and rad.", value=text)
+    try:
+        return ClosureBound(position, *rotation)
+    except InputError as error:
+        raise InputError("--closure", error.rule, key=error.key, value=error.value) from None
 
 
 def cell_option(path: Path) -> "Cell":

@@ -6,7 +6,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.options import add_cell_and_motion, limited_cell_option, require, sharing_option
+from mrts.commands.options import (
+    add_cell_and_motion,
+    add_closure,
+    closure_option,
+    limited_cell_option,
+    require,
+    sharing_option,
+)
 from mrts.commands.outputs import Outputs, check_outputs
 from mrts.commands.progress import working
 from mrts.commands.terminal import put, say, warn
@@ -14,8 +21,9 @@ from mrts.errors import InputError
 
 if TYPE_CHECKING:
     from mrts.cell import Cell
+    from mrts.grasp_closure import ClosureBound
+    from mrts.joint_table import JointTable
     from mrts.load_sharing import LoadSharing
-    from mrts.motion_table import JointTable
     from mrts.object_motion import ObjectMotion
     from mrts.result import ScalingResult
     from mrts.retiming_result import RetimingResult
@@ -57,6 +65,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
                        "object.variation), possible (for some load), grid:N (for N masses), or nominal")  # fmt: skip
     scale.add_argument("--carry", metavar="KEY=VALUE,…",
                        help="torques for this load of the box, as mass=1.5,izz=0.8 (default: nominal)")  # fmt: skip
+    add_closure(scale)
     scale.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
     scale.add_argument(
         "--no-velocity-limits", action="store_true", help="report velocity limits, but let them bound nothing"
@@ -85,12 +94,12 @@ def run(options: argparse.Namespace) -> int:
     require("rosbags", "--ros-bag", "ros", wanted=options.ros_bag is not None)
     _check_outputs(options)
     motion = load_motion(options.motion)
-    sharing = sharing_option(options.share)
+    sharing, closure = sharing_option(options.share), closure_option(options.closure)
     cell = limited_cell_option(options)
     carried = _known_load(cell, options.carry, options.load)
     if options.profile == "optimal":
-        return _retime(options, cell, motion, sharing, carried)
-    return _scale(options, cell, motion, sharing, carried)
+        return _retime(options, cell, motion, sharing, carried, closure)
+    return _scale(options, cell, motion, sharing, carried, closure)
 
 
 def _check_outputs(options: argparse.Namespace) -> None:
@@ -111,6 +120,7 @@ def _scale(
     motion: "ObjectMotion | JointTable",
     sharing: "LoadSharing | None",
     carried: "Array | None",
+    closure: "ClosureBound | None",
 ) -> int:
     from mrts.known_load import torques_for_load
     from mrts.scaling import SelectionError, scale
@@ -132,6 +142,7 @@ def _scale(
                 formulation=options.formulation,
                 solver=options.solver or DEFAULT_SOLVER,
                 load=options.load,
+                closure=closure,
                 progress=progress,
             )
         if carried is not None and result.trajectory is not None:
@@ -163,6 +174,7 @@ def _retime(
     motion: "ObjectMotion | JointTable",
     sharing: "LoadSharing | None",
     carried: "Array | None",
+    closure: "ClosureBound | None",
 ) -> int:
     from dataclasses import replace
 
@@ -182,6 +194,7 @@ def _retime(
             motion,
             sharing=sharing,
             load=options.load,
+            closure=closure,
             start_speed=options.start_speed or 0.0,
             end_speed=options.end_speed or 0.0,
             progress=progress,

@@ -9,7 +9,14 @@ import webbrowser
 from contextlib import suppress
 
 from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.options import add_cell_and_motion, limited_cell_option, require, sharing_option
+from mrts.commands.options import (
+    add_cell_and_motion,
+    add_closure,
+    closure_option,
+    limited_cell_option,
+    require,
+    sharing_option,
+)
 from mrts.commands.progress import working
 from mrts.commands.terminal import say, warn
 
@@ -30,6 +37,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
         epilog=EXAMPLES,
     )
     add_cell_and_motion(view)
+    add_closure(view)
     view.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
     view.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
     view.add_argument("--no-velocity-limits", action="store_true", help="report velocity limits only")
@@ -49,13 +57,13 @@ def run(options: argparse.Namespace) -> int:
     from mrts.viewer import Viewer, close_server, open_server
 
     motion = load_motion(options.motion)
-    sharing = sharing_option(options.share)
+    sharing, closure = sharing_option(options.share), closure_option(options.closure)
     cell = limited_cell_option(options)
     urdfs = {} if options.cell.is_dir() or options.cell.name == MANIFEST_NAME else urdf_files(options.cell)
     server = open_server(options.host, options.port, f"mrts: {cell.name}")
     try:
         with working(f"scaling {options.motion}") as progress:
-            state = PlayerState(cell, motion, sharing=sharing, progress=progress)
+            state = PlayerState(cell, motion, sharing=sharing, closure=closure, progress=progress)
         viewer = Viewer(server, state, urdfs, warn)
         if options.host not in LOCAL:
             warn(f"everyone who reaches {options.host} and knows the address can watch and steer this viewer")
