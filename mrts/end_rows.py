@@ -8,7 +8,6 @@ are those with a multiplier in some solution of the dual program.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -34,17 +33,25 @@ multiplier, as a share of all, that counts."""
 
 @dataclass(frozen=True)
 class EndRows(Sequence[tuple[ActiveRow, ...]]):
-    """Rows of one end of each of N samples, all that bind where the sample sets the end over the motion.
+    """Rows of one end of each of N samples; all of them, found when they are asked for, where it sets the range.
 
     Attributes:
         found: As the solver gives them.
-        sample: Which sets it.
-        find: All rows at its end, none if they cannot be told.
+        end: Which end.
+        sample: Where the end over the motion is.
+        c2: Its value.
+        cell: The cell.
+        motion: Its motion.
+        load: Load vector that sets it, Shape (10,); None for the cell's.
     """
 
     found: Sequence[tuple[ActiveRow, ...]]
+    end: Side
     sample: int
-    find: Callable[[], tuple[ActiveRow, ...]]
+    c2: float
+    cell: Cell
+    motion: CoordinatedMotion
+    load: Array | None
 
     def __len__(self) -> int:
         return len(self.found)
@@ -53,13 +60,20 @@ class EndRows(Sequence[tuple[ActiveRow, ...]]):
         if isinstance(sample, slice):
             return tuple(self[index] for index in range(*sample.indices(len(self))))
         index = range(len(self))[sample]
-        return (self.find() if index == self.sample else ()) or self.found[index]
+        return (self._all() if index == self.sample else ()) or self.found[index]
+
+    def _all(self) -> tuple[ActiveRow, ...]:
+        if not np.isfinite(self.c2):
+            return ()
+        loads = None if self.load is None else np.broadcast_to(self.load, (self.motion.samples, len(self.load)))
+        problem = build_sample_problem(self.cell, self.motion, load=loads, samples=np.array([self.sample]))
+        return rows_at_end(problem, self.c2, self.end)
 
 
 def with_end_rows(
     cell: Cell, motion: CoordinatedMotion, samples: SampleRanges, load_at: Callable[[int, Side], Array | None]
 ) -> SampleRanges:
-    """The same ranges, which name all rows that set the ends over the motion; found when they are asked for.
+    """The same ranges, which name all rows that set the ends over the motion.
 
     Args:
         cell: The cell; the distribution of its load is free.
@@ -69,18 +83,15 @@ def with_end_rows(
     """
     if len(cell.robots) == 1:
         return samples  # nothing is free: the closed form names all
-
-    def rows(sample: int, side: Side, c2: float) -> tuple[ActiveRow, ...]:
-        load = load_at(sample, side)
-        loads = None if load is None else np.broadcast_to(load, (motion.samples, len(load)))
-        return rows_at_end(build_sample_problem(cell, motion, load=loads, samples=np.array([sample])), c2, side)
-
-    low, high = first_least(-samples.lower), first_least(samples.upper)
-    return replace(
-        samples,
-        lower_rows=EndRows(samples.lower_rows, low, partial(rows, low, "lower", float(samples.lower[low]))),
-        upper_rows=EndRows(samples.upper_rows, high, partial(rows, high, "upper", float(samples.upper[high]))),
+    sides: tuple[tuple[Side, Array, Sequence[tuple[ActiveRow, ...]], int], ...] = (
+        ("lower", samples.lower, samples.lower_rows, int(first_least(-samples.lower))),
+        ("upper", samples.upper, samples.upper_rows, int(first_least(samples.upper))),
     )
+    lower, upper = (
+        EndRows(found, side, place, float(c2[place]), cell, motion, load_at(place, side))
+        for side, c2, found, place in sides
+    )
+    return replace(samples, lower_rows=lower, upper_rows=upper)
 
 
 def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow, ...]:
@@ -90,11 +101,9 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
 
     Args:
         problem: Rows of one sample, in which the distribution of the load is free.
-        c2: The end.
+        c2: The end, finite.
         end: Which.
     """
-    if not np.isfinite(c2):
-        return ()
     if end == "lower" and c2 * float(effect_of_speed(problem)[0]) <= WIDER:
         return (ActiveRow(STANDSTILL, "lower", 0.0),)
     moving = ~problem.is_velocity

@@ -112,7 +112,6 @@ def test_at_rest_the_end_is_standing_still():
     A, lower, upper = np.array([[[1.0, 1.0], [0.5, -1.0]]]), np.full((1, 2), -1.0), np.full((1, 2), 1.0)
     problem = problem_of(A, lower, upper)
     assert [row.name for row in rows_at_end(problem, 0.0, "lower")] == [STANDSTILL]
-    assert rows_at_end(problem, np.inf, "upper") == ()
 
 
 def test_limits_without_room_set_no_end():
