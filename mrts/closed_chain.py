@@ -69,7 +69,7 @@ def close_chain(
         return given
     remarks = given.remarks
     usual = ClosureBound()
-    wider = max(1.0, bound.position / usual.position, bound.rotation / usual.rotation)
+    wider = max(1.0, bound.position / usual.position, bound.angle / usual.angle)
     shares = (GIVEN_SLIP, GIVEN_SLIP) if exact and source is None else tuple(wider * share for share in COARSE_SLIPS)
     if source == "positions":
         shares = shares[:1]

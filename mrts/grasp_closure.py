@@ -47,22 +47,30 @@ class ClosureBound:
 
     Attributes:
         position: Largest distance between a tip and its grasp [m].
-        rotation: Largest angle between them [rad]; 2.5 rad per m of `position` if left out.
+        rotation: Largest angle between them [rad]; None is 2.5 rad per m of `position`.
+
+    Raises:
+        InputError: If one is no number above 0, or larger than any hand is off its grasp.
     """
 
     position: float = 2e-3
-    rotation: float = -1.0
+    rotation: float | None = None
 
     def __post_init__(self) -> None:
-        if self.rotation == -1:
-            object.__setattr__(self, "rotation", RAD_PER_M * self.position)
         for name in ("position", "rotation"):
             value = getattr(self, name)
+            if name == "rotation" and value is None:
+                continue
             if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value <= LARGEST_CLOSURE:
                 raise InputError("closure", f"must be > 0 and at most {LARGEST_CLOSURE:g}.", key=name, value=value)
 
+    @property
+    def angle(self) -> float:
+        """Largest angle between tip and grasp [rad]."""
+        return RAD_PER_M * self.position if self.rotation is None else self.rotation
+
     def __str__(self) -> str:
-        return f"{self.position:g} m and {self.rotation:g} rad"
+        return f"{self.position:g} m and {self.angle:g} rad"
 
 
 @dataclass(frozen=True)
@@ -123,7 +131,7 @@ class GraspGaps:
 
     def worst(self, bound: ClosureBound) -> tuple[int, int, float]:
         """Robot and sample of the largest gap in units of the bound, and that gap."""
-        share = np.maximum(self.distance / bound.position, self.angle / bound.rotation)
+        share = np.maximum(self.distance / bound.position, self.angle / bound.angle)
         robot, sample = np.unravel_index(int(np.argmax(share)), share.shape)
         return int(robot), int(sample), float(share[robot, sample])
 

@@ -271,7 +271,7 @@ def test_what_is_no_bag_of_trajectories_is_refused(given, tmp_path):
         with pytest.raises(mrts.InputError, match=words):
             mrts.load_motion(path)
     (tmp_path / "empty" / "metadata.yaml").write_text("a: [\n b: {\n")
-    with pytest.raises(mrts.InputError, match="cannot be read as a ROS 2 bag: Could not load YAML") as refused_metadata:
+    with pytest.raises(mrts.InputError, match="description of a bag is not valid YAML at line") as refused_metadata:
         mrts.load_motion(tmp_path / "empty")
     assert "\n" not in str(refused_metadata.value)
     write_bag(tmp_path / "bag", [("/left/joint_trajectory", message(*given["left"]))])

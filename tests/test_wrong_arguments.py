@@ -61,7 +61,7 @@ WRITERS = {
 }
 """Public functions that are not of `mrts` itself: their packages are extras."""
 
-BUILT = ("CoordinatedMotion", "LoadBox", "ObjectMotion")
+BUILT = ("ClosureBound", "CoordinatedMotion", "LoadBox", "ObjectMotion")
 """Classes that a user builds; the others come out of functions."""
 
 
@@ -79,7 +79,7 @@ def good(planar_cell):
     with_solver = {"solver": DEFAULT_SOLVER}
     objects = {name: getattr(motion, name) for name in ("time", "position", "rotation", "twist", "acceleration")}
     joints = {"object": motion, "q": whole.q, "dq": whole.dq, "ddq": whole.ddq}
-    retiming = {"weights": None, "load": "auto", "start_speed": 0.0, "end_speed": 0.0}
+    retiming = {"weights": None, "load": "auto", "start_speed": 0.0, "end_speed": 0.0, "closure": None}
     return {
         "follow_object": {"cell": planar_cell, "motion": motion},
         "load_cell": {"path": DATA / "cell.yaml", "backend": "auto"},
@@ -89,13 +89,16 @@ def good(planar_cell):
         "retime": search | retiming,
         "sample_motion": {"description": description},
         "save_result": {"result": result, "path": "saved.npz"},
-        "scale": search | with_solver | {"select": "auto", "formulation": "wrench", "weights": None, "load": "auto"},
+        "scale": search
+        | with_solver
+        | {"select": "auto", "formulation": "wrench", "weights": None, "load": "auto", "closure": None},
         "torques_for_load": {"result": result, "load": planar_cell.load} | with_solver,
         "write_report": {"result": result, "path": "report.html"},
         "write_figure": {"figure": range_figure(result), "path": "figure.png"},
         "write_result_figures": {"result": result, "folder": "figures"},
         "write_ros_bag": {"result": result, "folder": "bag"},
         "write_trajectory_csv": {"result": result, "path": "trajectory.csv"},
+        "ClosureBound": {"position": 1e-3, "rotation": None},
         "CoordinatedMotion": joints | {"remarks": ()},
         "LoadBox": {"mass": 1.0, "inertia": np.eye(3), "ranges": {"mass": (0.5, 2.0)}, "outer_hull": False},
         "ObjectMotion": objects | {"smooth": True},
