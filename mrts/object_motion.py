@@ -19,8 +19,8 @@ ORTHOGONAL = 1e-6
 RATE_TOLERANCE = 0.1
 """Largest part of a step that velocities may miss: a trapezoid in eleven samples misses 0.03."""
 
-ACCELERATION_TOLERANCE = 0.5
-"""The same for accelerations, which may jump inside a step."""
+ACCELERATION_TOLERANCE = 0.51
+"""The same for accelerations, which may jump at a sample: then half a step is missed, but for rounding."""
 
 SAME_WAYPOINT = 1e-9
 """Waypoints nearer than this [m, with turns by `ROTATION_LENGTH`] are one."""
