@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mrts.errors import InputError
+from mrts.holding_rows import motion_rows
 from mrts.input_file import LARGEST_NUMBER, read_text
 from mrts.object_motion import ObjectMotion, check_derivatives, spline_motion
 from mrts.remark import Remark
@@ -189,6 +190,13 @@ def joint_motion(
         return JointTable(path, at, q, dq, ddq)
     if samples is not None:
         raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
+    kept = motion_rows(
+        *(np.column_stack([part[name] for name in positions]) for part in (positions, velocities, accelerations))
+    )
+    time = time[kept] - time[kept][0]
+    positions, velocities, accelerations = (
+        {joint: values[kept] for joint, values in part.items()} for part in (positions, velocities, accelerations)
+    )
     for joint, values in positions.items():
         columns = (values, velocities[joint], accelerations[joint])
         try:

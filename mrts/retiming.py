@@ -9,6 +9,7 @@ import numpy as np
 from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.errors import InputError, SolverError
+from mrts.holding import holding_at_ends
 from mrts.infeasibility import Conflict
 from mrts.load_box import LoadPoint
 from mrts.load_sharing import LoadSharing
@@ -163,7 +164,9 @@ def _with_torques(constant: ScalingResult, pieces: Sequence[TimedPiece]) -> Scal
     W = torque_weights(rule.weights, motion.q.shape[1])
     torque, wrench, fallbacks = motion_torques(cell, motion, "wrench", rule.sharing, DEFAULT_SOLVER, 1.0, W)
     found = intersect(motion_ranges(cell, motion, "wrench", rule.sharing, DEFAULT_SOLVER))
-    trajectory = ScaledTrajectory(cell, motion, 1.0, torque, wrench)
+    holding, remarks = holding_at_ends(cell, motion, found.samples, rule.sharing, "wrench", W, DEFAULT_SOLVER)
+    motion = replace(motion, remarks=motion.remarks + remarks)
+    trajectory = ScaledTrajectory(cell, motion, 1.0, torque, wrench, holding)
     given = constant.motion.object.time[-1]
     origin = f"fastest timing of a path that was given {given:.4g} s: {trajectory.duration:.4g} s"
     fallbacks += found.samples.fallbacks

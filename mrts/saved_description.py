@@ -17,7 +17,7 @@ from mrts.sample_problem import FormulationName
 
 FORMAT_NAME = "mrts result"
 
-VERSION = 1
+VERSION = 2
 """Of arrays and description together; any change of either, or of the manifest's format, raises it."""
 
 DAMAGED = "The file is damaged: save the result again."
@@ -139,7 +139,7 @@ class Description(_Record):
     """Everything of a saved result that is not a number a sample; docs/saved_results.md has the meaning of each."""
 
     format: Literal["mrts result"]
-    version: Literal[1]
+    version: Literal[2]
     mrts_version: str
     manifest: Manifest
     load: LoadVector

@@ -9,6 +9,7 @@ import numpy as np
 from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion, coordinate
 from mrts.errors import InputError, MrtsError
+from mrts.holding import holding_at_ends
 from mrts.load_sharing import LoadSharing
 from mrts.motion_table import JointTable
 from mrts.object_motion import ObjectMotion
@@ -96,7 +97,10 @@ def scale(
         error.result = untouched
         raise
     torque, wrench, fallbacks = motion_torques(cell, motion, formulation, sharing, solver, c2, W)
-    trajectory = ScaledTrajectory(cell, motion, c2, torque, wrench)
+    holding, remarks = holding_at_ends(cell, motion, found.samples, sharing, formulation, W, solver)
+    motion = replace(motion, remarks=motion.remarks + remarks)
+    untouched = replace(untouched, motion=motion)
+    trajectory = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     return replace(untouched, trajectory=trajectory, fallbacks=untouched.fallbacks + fallbacks).checked()
 
 

@@ -251,7 +251,7 @@ def spoil_word(change):
 
 
 MISTAKES = {
-    "newer": (spoil_word(lambda d: d.update(version=2)), "version = 2: this mrts reads version 1; .* Update mrts"),
+    "newer": (spoil_word(lambda d: d.update(version=3)), "version = 3: this mrts reads version 2; .* Update mrts"),
     "older": (spoil_word(lambda d: d.update(version=0)), "version = 0: .* Save the result again"),
     "no version": (spoil_word(lambda d: d.pop("version")), "version: this mrts reads"),
     "foreign": (spoil_word(lambda d: d.update(format="other")), "is no saved result of mrts"),
