@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from mrts.errors import InputError
+from mrts.holding_rows import motion_rows
 from mrts.object_motion import check_derivatives, smoothing_remark
 from mrts.remark import Remark
 from mrts.rigid_transform import Array
@@ -116,6 +117,11 @@ def joint_motion(
     """
     if samples is not None and accelerations:
         raise InputError(path, "a table with accelerations keeps its own times: leave 'samples' out.", key="samples")
+    if accelerations:
+        given = (positions, velocities, accelerations)
+        kept = motion_rows(*(np.column_stack([part[name] for name in accelerations]) for part in given))
+        time = time[kept] - time[kept][0]
+        positions, velocities, accelerations = ({name: part[name][kept] for name in part} for part in given)
     at = time if samples is None else np.linspace(0.0, time[-1], samples)
     q, dq, ddq = dict(positions), dict(velocities), dict(accelerations)
     differentiated: dict[str, Source] = {}

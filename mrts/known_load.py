@@ -7,6 +7,7 @@ import numpy as np
 
 from mrts.argument_types import check_type
 from mrts.errors import InputError
+from mrts.holding import holding_at_ends
 from mrts.result import ScalingResult
 from mrts.rigid_transform import Array
 from mrts.scaled_trajectory import ScaledTrajectory
@@ -50,6 +51,8 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
         error.result = refused
         raise error
     torque, wrench, fallbacks = motion_torques(cell, motion, formulation, sharing, solver, c2, W)
-    trajectory = ScaledTrajectory(cell, motion, c2, torque, wrench)
+    holding, remarks = holding_at_ends(cell, motion, own.samples, sharing, formulation, W, solver)
+    motion = replace(motion, remarks=tuple(dict.fromkeys(motion.remarks + remarks)))
+    trajectory = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     fallbacks += result.fallbacks + own.samples.fallbacks
-    return replace(result, cell=cell, trajectory=trajectory, fallbacks=fallbacks).checked()
+    return replace(result, cell=cell, motion=motion, trajectory=trajectory, fallbacks=fallbacks).checked()

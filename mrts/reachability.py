@@ -10,10 +10,6 @@ from mrts.rigid_transform import Array
 from mrts.speed_kernel import speed_kernel
 from mrts.speed_regions import SpeedRegions
 
-FARTHEST = 1e3
-"""Speeds squared above this multiple of the maximum velocity curve, and of what the accelerations reach along the whole
-path where there is none, count as unbounded."""
-
 END_TOLERANCE = 1e-9
 """Share by which a given end speed may miss its controllable set: rounding."""
 
@@ -50,21 +46,6 @@ class Obstacle:
     next_reach: tuple[float, float] | None = None
 
 
-def largest_speed(step: Array, regions: SpeedRegions) -> float:
-    """A bound of x that no profile within limits reaches.
-
-    Args:
-        step: Length of each segment, Shape (n - 1,).
-        regions: Regions of the samples.
-    """
-    finite = np.isfinite(regions.high)
-    fastest = float(np.max(regions.high[finite], initial=0.0))
-    if not np.all(finite):
-        rate = float(np.median(regions.rate_unit[np.isfinite(regions.rate_unit)]))
-        fastest = max(fastest, 2 * float(np.sum(step)) * rate)
-    return FARTHEST * fastest
-
-
 def fastest_profile(step: Array, regions: SpeedRegions, ends: tuple[float, float]) -> SpeedProfile | Obstacle:
     """Controllable sets backward, then the largest speeds forward.
 
@@ -73,7 +54,7 @@ def fastest_profile(step: Array, regions: SpeedRegions, ends: tuple[float, float
         regions: Regions of the n samples.
         ends: x at the first and the last sample.
     """
-    low, high = regions.low.copy(), np.minimum(regions.high, largest_speed(step, regions))
+    low, high = regions.low.copy(), np.minimum(regions.high, regions.bound)
     last = len(step)
     if not _within(ends[1], low[last], high[last]):
         return Obstacle("end", last, (float(low[last]), float(high[last])))

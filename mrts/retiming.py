@@ -12,6 +12,7 @@ from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.errors import InputError, SolverError
 from mrts.grasp_closure import ClosureBound
+from mrts.holding import holding_at_ends
 from mrts.infeasibility import Conflict
 from mrts.input_file import LARGEST_NUMBER
 from mrts.joint_table import JointTable
@@ -21,7 +22,7 @@ from mrts.motion_remarks import lasting
 from mrts.object_motion import ObjectMotion
 from mrts.path_pieces import NoPath, PathPiece, path_pieces
 from mrts.path_rows import build_path_problem
-from mrts.reachability import Obstacle, SpeedProfile, fastest_profile, largest_speed
+from mrts.reachability import Obstacle, SpeedProfile, fastest_profile
 from mrts.result import ScalingResult
 from mrts.retimed_motion import TimedPiece, retimed_motion
 from mrts.retiming_result import RetimingResult, RetimingStatus
@@ -38,7 +39,7 @@ from mrts.trajectory_programs import motion_ranges, motion_torques
 from mrts.uncertain_load import Progress, effective_parameters
 
 UNBOUNDED_SHARE = 0.5
-"""Speeds squared above this share of the bound of `largest_speed` are those that nothing limits."""
+"""Speeds squared above this share of the bound of the regions are those that nothing limits."""
 
 STANDSTILL = 1e6
 """A segment that takes this many times as long as most others takes no finite time, but for rounding."""
@@ -172,7 +173,9 @@ def _with_torques(constant: ScalingResult, pieces: Sequence[TimedPiece]) -> Scal
     W = torque_weights(rule.weights, motion.q.shape[1])
     torque, wrench, fallbacks = motion_torques(cell, motion, "wrench", rule.sharing, DEFAULT_SOLVER, 1.0, W)
     found = intersect(motion_ranges(cell, motion, "wrench", rule.sharing, DEFAULT_SOLVER))
-    trajectory = ScaledTrajectory(cell, motion, 1.0, torque, wrench)
+    holding, remarks = holding_at_ends(cell, motion, found.samples, rule.sharing, "wrench", W, DEFAULT_SOLVER)
+    motion = replace(motion, remarks=motion.remarks + remarks)
+    trajectory = ScaledTrajectory(cell, motion, 1.0, torque, wrench, holding)
     given = constant.motion.object.time[-1]
     origin = f"fastest timing of a path that was given {given:.4g} s: {trajectory.duration:.4g} s"
     fallbacks += found.samples.fallbacks
@@ -203,7 +206,7 @@ class _Search:
         parts = []
         for number, point in enumerate(self.points):
             progress(number, len(self.points))
-            parts.append(speed_regions(self._problem(point), float(np.sum(self.piece.step))))
+            parts.append(speed_regions(self._problem(point), float(np.sum(self.piece.step)), self.ends))
         progress(len(self.points), len(self.points))
         regions = parts[0] if len(parts) == 1 else intersect_regions(parts)
         for sample in regions.undecided:
@@ -222,7 +225,7 @@ class _Search:
     def _unusual(self, found: SpeedProfile, regions: SpeedRegions) -> _Failure | None:
         """A profile that takes no time, or for ever."""
         fastest = int(np.argmax(found.x))
-        if found.x[fastest] >= UNBOUNDED_SHARE * largest_speed(self.piece.step, regions):
+        if found.x[fastest] >= UNBOUNDED_SHARE * regions.bound:
             why = f"nothing limits the speed at {self._place(fastest)}. Give velocity limits."
             return _Failure((RetimingStatus.UNBOUNDED, why))
         with np.errstate(divide="ignore"):

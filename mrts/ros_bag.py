@@ -14,6 +14,7 @@ from mrts.errors import InputError
 from mrts.result import ScalingResult
 from mrts.rigid_transform import Array
 from mrts.robot import Robot
+from mrts.trajectory_table import PlayedRows, played_rows
 
 BAG_VERSION: Literal[9] = 9
 """Of rosbag2's metadata: what ROS 2 Iron and later write; Humble reads the MCAP file itself."""
@@ -45,20 +46,18 @@ def write_ros_bag(result: ScalingResult, folder: Path | str) -> None:
         raise InputError("trajectory", "there is none to write: no c² was chosen.", value=result.status.value)
     if folder.exists():
         raise InputError(folder, "exists already: a bag is written into a new folder. Remove it, or name another.")
-    stamps = np.rint(done.time * NANOSECONDS).astype(np.int64)
+    rows = played_rows(done)
+    stamps = np.rint(rows.time * NANOSECONDS).astype(np.int64)
     if not np.all(np.diff(stamps) > 0):
         raise InputError(folder, "samples lie less than a nanosecond apart at this speed, which ROS cannot tell apart.")
-    make_folder_atomically(folder, lambda bag: _write(result, stamps, bag))
+    make_folder_atomically(folder, lambda bag: _write(result, rows, stamps, bag))
 
 
-def _write(result: ScalingResult, stamps: np.typing.NDArray[np.int64], bag: Path) -> None:
-    done = result.trajectory
-    assert done is not None  # noqa: S101 (the caller has looked)
-    q, dq, ddq = done.q, done.dq, done.ddq
+def _write(result: ScalingResult, rows: PlayedRows, stamps: np.typing.NDArray[np.int64], bag: Path) -> None:
     with Writer(bag, version=BAG_VERSION, storage_plugin=StoragePlugin.MCAP) as writer:
         for robot in result.cell.robots:
             part = result.cell.joint_slices[robot.name]
-            motion = (q[:, part], dq[:, part], ddq[:, part], done.torque[:, part])
+            motion = (rows.q[:, part], rows.dq[:, part], rows.ddq[:, part], rows.torque[:, part])
             _add(writer, f"/{robot.name}/joint_trajectory", [(0, _trajectory(robot, stamps, *motion))])
             states = [
                 (int(stamp), _joint_state(robot, int(stamp), motion[0][k], motion[1][k], motion[3][k]))
@@ -66,7 +65,7 @@ def _write(result: ScalingResult, stamps: np.typing.NDArray[np.int64], bag: Path
             ]
             _add(writer, f"/{robot.name}/joint_states", states)
             six = np.zeros((len(stamps), 6))
-            six[:, result.cell.wrench_rows] = done.wrench[:, result.cell.wrench_slices[robot.name]]
+            six[:, result.cell.wrench_rows] = rows.wrench[:, result.cell.wrench_slices[robot.name]]
             wrenches = [(int(stamp), _wrench(robot, int(stamp), six[k])) for k, stamp in enumerate(stamps)]
             _add(writer, f"/{robot.name}/contact_wrench", wrenches)
 

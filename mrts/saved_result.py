@@ -18,6 +18,7 @@ from mrts.cell import Cell, cell_from_manifest
 from mrts.cell_functions import CellFunctions, saved_functions
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.errors import InputError, as_array
+from mrts.holding import Holding
 from mrts.load_box import LoadPoint
 from mrts.load_sharing import LoadSharing
 from mrts.manifest import Manifest
@@ -53,11 +54,11 @@ TRAJECTORY = ("torque", "wrench", "internal_wrench")
 
 KNOWN = frozenset(
     {*MOTION, "q", "dq", "ddq", "status", "c2_lower", "c2_upper", "binding_count", "binding_row", "end_load"}
-    | {*TRAJECTORY}
+    | {*TRAJECTORY, "holds", "holding_torque", "holding_wrench"}
 )
 """All arrays that a file may hold, beside its description."""
 
-WHOLE_NUMBERS = ("status", "binding_count", "binding_row", "end_load")
+WHOLE_NUMBERS = ("status", "binding_count", "binding_row", "end_load", "holds")
 """Arrays of codes, counts and places in tables."""
 
 
@@ -80,6 +81,9 @@ def save_result(result: ScalingResult, path: Path | str) -> None:
     arrays |= {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq} | range_arrays(ranges, tables)
     if done is not None:
         arrays |= {name: getattr(done, name) for name in TRAJECTORY}
+        if done.holding is not None:
+            arrays |= {"holds": np.array(done.holding.ends, dtype=np.uint8)}
+            arrays |= {"holding_torque": done.holding.torque, "holding_wrench": done.holding.wrench}
     text = _description(result, ranges, tables).text()
     named: dict[str, Any] = arrays | {"description": np.frombuffer(text.encode(), dtype=np.uint8)}
 
@@ -133,7 +137,11 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         study = LoadStudy(said.study.question, box, points, tuple(others), tuple(said.study.not_converged))
     done = None
     if said.c2 is not None:
-        done = ScaledTrajectory(known, motion, said.c2, arrays["torque"], arrays["wrench"])
+        held = None
+        if "holds" in arrays:
+            start, end = (bool(value) for value in arrays["holds"])
+            held = Holding((start, end), arrays["holding_torque"], arrays["holding_wrench"])
+        done = ScaledTrajectory(known, motion, said.c2, arrays["torque"], arrays["wrench"], held)
         done = done.with_internal_wrench(arrays["internal_wrench"])
     warnings = tuple(Remark(one.code, one.text, one.sample) for one in said.warnings)
     return ScalingResult(known, motion, first, done, said.fallbacks, study, rule, said.origin, warnings)
@@ -273,6 +281,8 @@ def _check_arrays(path: Path, arrays: Arrays, said: Description, cell: Cell) -> 
         shapes["end_load"] = (2, N)
     if said.c2 is not None:
         shapes |= {"torque": (N, m), "wrench": (N, f), "internal_wrench": (N, f)}
+        if "holds" in arrays:
+            shapes |= {"holds": (2,), "holding_torque": (2, m), "holding_wrench": (2, f)}
     for name in sorted(shapes.keys() ^ arrays.keys()):
         problem = "is missing" if name in shapes else "does not belong here"
         raise InputError(path, f"this array {problem}. {DAMAGED}", key=name)

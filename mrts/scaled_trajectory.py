@@ -10,6 +10,7 @@ import numpy as np
 from mrts.accumulated_energy import accumulated_energy
 from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion
+from mrts.holding import Holding
 from mrts.rigid_transform import Array
 
 
@@ -23,6 +24,7 @@ class ScaledTrajectory:
         c2: c² > 0.
         torque: τ, Shape (N, m) [N m or N].
         wrench: F, robot after robot in base axes, Shape (N, n w) [N, N m].
+        holding: What holds the object still before and after; None if it was not asked for.
     """
 
     cell: Cell
@@ -30,6 +32,7 @@ class ScaledTrajectory:
     c2: float
     torque: Array
     wrench: Array
+    holding: Holding | None = None
 
     def __repr__(self) -> str:
         return f"<ScaledTrajectory: {self.motion.samples} samples in {self.duration:.4g} s, c² = {self.c2:.4g}>"

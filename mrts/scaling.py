@@ -13,6 +13,7 @@ from mrts.coordinated_motion import CoordinatedMotion
 from mrts.coordination import coordinate
 from mrts.errors import InputError, MrtsError
 from mrts.grasp_closure import ClosureBound
+from mrts.holding import holding_at_ends
 from mrts.interval_text import interval_text
 from mrts.joint_table import JointTable
 from mrts.load_sharing import LoadSharing
@@ -113,7 +114,10 @@ def scale(
         error.result = untouched
         raise
     torque, wrench, fallbacks = motion_torques(cell, motion, formulation, sharing, solver, c2, W)
-    trajectory = ScaledTrajectory(cell, motion, c2, torque, wrench)
+    holding, remarks = holding_at_ends(cell, motion, found.samples, sharing, formulation, W, solver)
+    motion = replace(motion, remarks=motion.remarks + remarks)
+    untouched = replace(untouched, motion=motion)
+    trajectory = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     return replace(untouched, trajectory=trajectory, fallbacks=untouched.fallbacks + fallbacks).checked()
 
 

@@ -18,8 +18,15 @@ BOX = 1e5
 
 NEAR_BOX = 1 - 1e-6
 
+FARTHEST = 1e3
+"""Speeds squared above this multiple of what the path's length and its accelerations make likely count as unbounded."""
+
 NEGLIGIBLE = 1e-11
-"""x has no effect where, grown along the whole path, it has less than this share of that of u."""
+"""x has no effect where the largest likely one moves no row by more than this share of a limit: on a straight path what
+is left of it is rounding."""
+
+PROBES = 33
+"""Samples whose accelerations are looked at, to learn how fast the path may become."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +38,7 @@ class SpeedRegions:
         planes: n_u, n_x, h, Shape (E, 3).
         low: Least x, Shape (N,).
         high: Largest x: the maximum velocity curve, infinity where nothing bounds it, Shape (N,).
-        rate_unit: The u that moves some row by a whole limit, Shape (N,).
+        bound: An x that no profile within limits reaches.
         undecided: Samples whose region is empty, or was not found.
     """
 
@@ -39,33 +46,38 @@ class SpeedRegions:
     planes: Array
     low: Array
     high: Array
-    rate_unit: Array
+    bound: float
     undecided: tuple[int, ...]
 
 
-def speed_regions(problem: SampleProblem, length: float) -> SpeedRegions:
+def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, float] = (0.0, 0.0)) -> SpeedRegions:
     """Project the polytope of every sample onto (u, x).
 
     A projection is the hull of answers of linear programs, so a mixture of its corners is feasible: the region lies
-    inside the true one, by less than 1e-9 of a limit.
+    inside the true one, by less than 1e-9 of a limit. The programs count x in units of what may be reached on this
+    path, and so are well scaled however short it is.
 
     Args:
         problem: Rows of [F, u, x], from `build_path_problem`.
         length: Of the path: over it u changes x by 2 u times that.
+        ends: x at the first and the last sample.
     """
     velocity, most = problem.is_velocity, problem.velocity_cap()
     A, lower, upper = problem.A[:, ~velocity], problem.lower[:, ~velocity], problem.upper[:, ~velocity]
-    effect = np.max(np.abs(A), axis=1)
+    effect = np.max(np.abs(A), axis=1, initial=0.0)
     effect[effect[:, -2] <= REST_TOLERANCE * np.max(effect[:, -2]), -2] = 0.0
-    # on a straight path x has no effect but rounding
-    effect[2 * length * effect[:, -1] <= NEGLIGIBLE * np.max(effect[:, -2]), -1] = 0.0
+    likely = _likely_speed(A, lower, upper, effect[:, -2], length)
+    likely = max(*ends, likely if np.isfinite(likely) else float(np.max(most[np.isfinite(most)], initial=1.0)))
+    reached = np.minimum(likely, most)
+    effect[effect[:, -1] * reached <= NEGLIGIBLE, -1] = 0.0
     with np.errstate(divide="ignore"):
         unit = 1 / effect
+    unit[:, -1] = np.where(effect[:, -1] > 0, np.minimum(unit[:, -1], reached), np.inf)
     scale = np.where(np.isfinite(unit), unit, 0.0)
     A = A * scale[:, None, :]
     if problem.unknowns == 2:  # noqa: PLR2004 (u and x: the rows are the half-planes)
-        return _by_rows(A, lower, upper, unit, most)
-    return _by_projection(A, lower, upper, unit, most)
+        return _by_rows(A, lower, upper, unit, most, FARTHEST * likely)
+    return _by_projection(A, lower, upper, unit, most, FARTHEST * likely)
 
 
 def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
@@ -77,16 +89,43 @@ def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
         np.concatenate([part.planes for part in regions])[order],
         np.max([part.low for part in regions], axis=0),
         np.min([part.high for part in regions], axis=0),
-        np.min([part.rate_unit for part in regions], axis=0),
+        min(part.bound for part in regions),
         tuple(sorted({sample for part in regions for sample in part.undecided})),
     )
+
+
+def _likely_speed(A: Array, lower: Array, upper: Array, effect: Array, length: float) -> float:
+    """The x that the accelerations of some samples at rest reach along the whole path; infinity where u has no effect.
+
+    Args:
+        A: Rows of [F, u, x], Shape (N, r, k).
+        lower: Shape (N, r).
+        upper: Shape (N, r).
+        effect: Of u on the rows, Shape (N,).
+        length: Of the path.
+    """
+    moving = np.flatnonzero(effect)
+    if not moving.size:
+        return np.inf
+    probes = moving[np.unique(np.linspace(0, len(moving) - 1, PROBES).astype(int))]
+    A = A[probes]
+    A[:, :, -2] /= effect[probes, None]
+    bounds = np.full((len(probes), A.shape[2]), np.inf)
+    bounds[:, -2:] = BOX, 0.0
+    number, corners, _ = speed_kernel().projections(
+        A, np.concatenate([lower[probes], -bounds], axis=1), np.concatenate([upper[probes], bounds], axis=1)
+    )
+    real = np.arange(corners.shape[1]) < number[:, None]
+    # at least the u of a whole limit: some samples leave none at rest
+    fastest = np.max(np.where(real, np.abs(corners[:, :, 0]), 0.0), axis=1, initial=1.0)
+    return 2 * length * float(np.median(fastest / effect[probes]))
 
 
 def _starts(counts: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
 
 
-def _by_rows(A: Array, lower: Array, upper: Array, unit: Array, most: Array) -> SpeedRegions:
+def _by_rows(A: Array, lower: Array, upper: Array, unit: Array, most: Array, bound: float) -> SpeedRegions:
     """Every row is two half-planes."""
     count = len(A)
     sides = np.concatenate([A, -A], axis=1)
@@ -94,13 +133,14 @@ def _by_rows(A: Array, lower: Array, upper: Array, unit: Array, most: Array) -> 
     sample, row = np.nonzero(np.isfinite(limit))
     planes = np.column_stack([sides[sample, row] / unit[sample], limit[sample, row]])
     start = _starts(np.bincount(sample, minlength=count))
-    return SpeedRegions(start, planes, np.zeros(count), most, unit[:, 0], ())
+    return SpeedRegions(start, planes, np.zeros(count), most, bound, ())
 
 
-def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Array) -> SpeedRegions:
+def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Array, bound: float) -> SpeedRegions:
     count, _, unknowns = A.shape
     scale = np.where(np.isfinite(unit[:, -1]), unit[:, -1], 0.0)
-    cap = np.minimum(most / np.where(scale > 0, scale, 1.0), BOX)
+    box = np.minimum(bound / np.where(scale > 0, scale, 1.0), BOX)
+    cap = np.minimum(most / np.where(scale > 0, scale, 1.0), box)
     least, largest = np.full((count, unknowns), -np.inf), np.full((count, unknowns), np.inf)
     least[:, -2], largest[:, -2] = -BOX, BOX
     least[:, -1], largest[:, -1] = 0.0, cap
@@ -117,7 +157,7 @@ def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Arra
     found = status == OPTIMAL
     low, high = np.zeros(count), np.zeros(count)
     low[found], high[found] = np.maximum(np.nanmin(x[found], axis=1), 0.0), np.nanmax(x[found], axis=1)
-    high = np.where(high >= NEAR_BOX * BOX, np.inf, high)
+    high = np.where(high >= NEAR_BOX * box, np.inf, high)
 
     after = np.where(place + 1 < number[:, None], place + 1, 0)
     ahead = np.take_along_axis(corners, after[:, :, None], axis=1)
@@ -145,6 +185,6 @@ def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Arra
         planes[order],
         low * scale,
         np.minimum(np.where(scale > 0, high * np.where(scale > 0, scale, 1.0), np.inf), most),
-        unit[:, -2],
+        bound,
         tuple(np.flatnonzero(~found).tolist()),
     )

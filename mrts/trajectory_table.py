@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""The scaled trajectory as a CSV table: one row a sample, units in docs/cell_file.md."""
+"""The scaled trajectory as a table: one row a sample, and one before and after that hold still; docs/cell_file.md."""
 
 import csv
 import io
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,54 @@ import numpy as np
 from mrts.argument_types import as_path, check_type
 from mrts.atomic_file import write_text_atomically
 from mrts.errors import InputError
+from mrts.holding_rows import holding_step
 from mrts.result import ScalingResult
+from mrts.rigid_transform import Array
+from mrts.scaled_trajectory import ScaledTrajectory
+
+
+@dataclass(frozen=True)
+class PlayedRows:
+    """What a controller plays, R rows: the samples, with a row at rest before and after where it would push else.
+
+    Attributes:
+        time: From 0, Shape (R,) [s].
+        q: Joint positions, Shape (R, m) [rad or m].
+        dq: Joint velocities, Shape (R, m).
+        ddq: Joint accelerations, Shape (R, m).
+        torque: Shape (R, m) [N m or N].
+        wrench: Shape (R, n w) [N, N m].
+    """
+
+    time: Array
+    q: Array
+    dq: Array
+    ddq: Array
+    torque: Array
+    wrench: Array
+
+
+def played_rows(done: ScaledTrajectory) -> PlayedRows:
+    """The rows of a table or a bag.
+
+    Args:
+        done: The trajectory.
+    """
+    samples = PlayedRows(done.time, done.q, done.dq, done.ddq, done.torque, done.wrench)
+    held = done.holding
+    if held is None or not any(held.ends):
+        return samples
+    before, after = (slice(int(end)) for end in held.ends)
+    step, none = holding_step(done.time), np.zeros((1, done.q.shape[1]))
+    shifted = done.time + step * held.ends[0]
+    return PlayedRows(
+        np.concatenate([np.zeros(1)[before], shifted, (shifted[-1:] + step)[after]]),
+        np.concatenate([done.q[:1][before], done.q, done.q[-1:][after]]),
+        np.concatenate([none[before], done.dq, none[after]]),
+        np.concatenate([none[before], done.ddq, none[after]]),
+        np.concatenate([held.torque[:1][before], done.torque, held.torque[1:][after]]),
+        np.concatenate([held.wrench[:1][before], done.wrench, held.wrench[1:][after]]),
+    )
 
 
 def trajectory_csv(result: ScalingResult) -> str:
@@ -30,7 +78,8 @@ def trajectory_csv(result: ScalingResult) -> str:
     wrenches = [f"{robot.name}/{part}" for robot in result.cell.robots for part in result.cell.wrench_components]
     head = ["t", *(f"{kind}.{joint}" for kind in ("q", "dq", "ddq", "tau") for joint in joints)]
     head += [f"F.{wrench}" for wrench in wrenches]
-    table = np.column_stack([done.time, done.q, done.dq, done.ddq, done.torque, done.wrench])
+    rows = played_rows(done)
+    table = np.column_stack([rows.time, rows.q, rows.dq, rows.ddq, rows.torque, rows.wrench])
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(head)

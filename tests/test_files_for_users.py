@@ -15,7 +15,7 @@ from mcap_ros2.decoder import DecoderFactory
 import mrts
 from mrts.cli import main
 from mrts.ros_bag import write_ros_bag
-from mrts.trajectory_table import trajectory_csv, write_trajectory_csv
+from mrts.trajectory_table import played_rows, trajectory_csv, write_trajectory_csv
 
 UR5 = DATA.parent / "dual_ur5"
 
@@ -73,7 +73,7 @@ def test_a_planar_wrench_stands_in_its_own_components(planar_cell, lift, tmp_pat
     for _, _, message in messages(tmp_path / "bag" / "bag.mcap", ["/left/contact_wrench"]):
         w = message.wrench
         assert (w.force.z, w.torque.x, w.torque.y) == (0, 0, 0)
-    np.testing.assert_array_equal([w.force.x, w.force.y, w.torque.z], result.wrench["left"][-1])
+    np.testing.assert_array_equal([w.force.x, w.force.y, w.torque.z], played_rows(result.trajectory).wrench[-1, :3])
 
 
 def test_a_table_gives_every_number_back(result, tmp_path):

@@ -134,6 +134,15 @@ static mrts_real mrts_lp_stationarity(int k, int rows, const mrts_real *A, const
     return size > 0 ? worst / size : worst;
 }
 
+/* Multipliers of a basis, refined once against the cost; how uneven they are left, as above */
+static mrts_real mrts_lp_refine_multipliers(int k, int rows, const mrts_real *A, const mrts_real *g, const int *row,
+                                            const mrts_real *C, mrts_real *y, mrts_real *rest) {
+    mrts_real uneven = mrts_lp_stationarity(k, rows, A, g, row, y, 0, 0, rest);
+    if (uneven <= MRTS_FEASIBLE / 100) return uneven; /* nothing to gain */
+    for (int j = 0; j < k; ++j) y[j] += mrts_dot(k, rest, C + j * k);
+    return mrts_lp_stationarity(k, rows, A, g, row, y, 0, 0, rest);
+}
+
 /* Rebuilds the inverse for the rows of a basis; rows that depend on others are replaced by unknowns. */
 static void mrts_lp_factor(int k, int rows, const mrts_real *A, int *row, int *side, mrts_real *C, mrts_real *alpha,
                            int *wanted, int *taken) {
@@ -285,7 +294,7 @@ static int mrts_lp(int k, int rows, const mrts_real *A, const mrts_real *lower, 
     mrts_real *C = work, *alpha = C + k * k;
     int *in_basis = iwork, *passed = in_basis + rows + k, *row = passed + k, *side = row + k, *wanted = side + k;
     const int bland_from = 10 + 2 * (k + rows), limit = 2 * bland_from;
-    int cold = basis[0] == 0, status = MRTS_STOPPED, updates = 0, tried_again = 0;
+    int cold = basis[0] == 0, status = MRTS_STOPPED, updates = 0, tried_again = 0, turns = 0;
 
     *entering = 0;
     for (int j = 0; j < k; ++j) {
@@ -315,21 +324,26 @@ restart:
         const int bland = iteration >= bland_from;
         const int found = mrts_lp_price(k, rows, A, lower, upper, x, in_basis, bland, &excess);
         if (found == 0) {
-            /* pivots too small to count may have left a multiplier with the wrong sign */
-            const int changed = mrts_lp_choose_sides(k, lower, upper, row, side, y, MRTS_SEPARATED);
+            const mrts_real uneven = mrts_lp_refine_multipliers(k, rows, A, g, row, C, y, alpha);
+            /* pivots too small to count may have left a multiplier with the wrong sign; it may be of either sign for ever */
+            int changed = turns < k ? mrts_lp_choose_sides(k, lower, upper, row, side, y, MRTS_SEPARATED) : 0;
             if (changed < 0) goto start_cold;
-            if (changed > 0) {
-                mrts_lp_place(k, lower, upper, row, side, C, x);
-                continue;
+            if (changed == 0) {
+                const mrts_real left = mrts_lp_refine(k, rows, A, lower, upper, row, side, C, x);
+                if (!(left <= MRTS_FEASIBLE) || !(uneven <= MRTS_FEASIBLE)) { /* try a fresh inverse */
+                    if (!updates || ++tried_again > 3) goto done;
+                    goto restart;
+                }
+                if (mrts_lp_doubt(k, rows, lower, upper, g, row, side, x, y) <= MRTS_GAP) {
+                    status = MRTS_OPTIMAL;
+                } else if (turns < k) { /* a small one of the wrong sign matters */
+                    changed = mrts_lp_choose_sides(k, lower, upper, row, side, y, MRTS_ZERO);
+                }
+                if (changed <= 0) goto done;
             }
-            const mrts_real left = mrts_lp_refine(k, rows, A, lower, upper, row, side, C, x);
-            const mrts_real uneven = mrts_lp_stationarity(k, rows, A, g, row, y, 0, 0, alpha);
-            if (!(left <= MRTS_FEASIBLE) || !(uneven <= MRTS_FEASIBLE)) { /* try a fresh inverse */
-                if (!updates || ++tried_again > 3) goto done;
-                goto restart;
-            }
-            if (mrts_lp_doubt(k, rows, lower, upper, g, row, side, x, y) <= MRTS_GAP) status = MRTS_OPTIMAL;
-            goto done;
+            ++turns;
+            mrts_lp_place(k, lower, upper, row, side, C, x);
+            continue;
         }
         const int p = (found < 0 ? -found : found) - 1;
         const mrts_real sign = found > 0 ? 1 : -1;

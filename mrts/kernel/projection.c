@@ -22,6 +22,17 @@ static mrts_corner mrts_corner_at(int n, int k, double *places, int *bases) {
     return corner;
 }
 
+/* Whether z keeps all limits, but for rounding. */
+static int mrts_keeps_limits(int k, int rows, const double *A, const double *lower, const double *upper,
+                             const double *z) {
+    for (int row = 0; row < rows + k; ++row) {
+        const double value = mrts_lp_value(rows, A, k, row, z);
+        if (!(value >= lower[row] - MRTS_FEASIBLE * (1 + MRTS_ABS(lower[row])))) return 0;
+        if (!(value <= upper[row] + MRTS_FEASIBLE * (1 + MRTS_ABS(upper[row])))) return 0;
+    }
+    return 1;
+}
+
 /* The corner of { z : limits } that lies furthest in the direction (du, dx) of the last two unknowns, starting from the
  * basis that it holds (basis[0] == 0: cold). */
 static int mrts_furthest(int k, int rows, const double *A, const double *lower, const double *upper, double du,
@@ -37,6 +48,8 @@ static int mrts_furthest(int k, int rows, const double *A, const double *lower, 
         if (status == MRTS_OPTIMAL || cold) break;
         corner.basis[0] = 0;
     }
+    /* rows that are alike but for rounding leave multipliers of either sign: nearly the furthest is good enough */
+    if (status == MRTS_STOPPED && mrts_keeps_limits(k, rows, A, lower, upper, z)) status = MRTS_OPTIMAL;
     if (status != MRTS_OPTIMAL) corner.basis[0] = 0;
     corner.at[0] = z[k - 2];
     corner.at[1] = z[k - 1];

@@ -31,20 +31,22 @@ static int mrts_segment(double step, const double *left, int left_count, const d
     return row;
 }
 
-/* The interval of u at one x, and the slopes of its ends. */
+/* The interval of u at one x; its ends are on the lines start + slope x. */
 typedef struct {
-    double least, most, least_slope, most_slope;
+    double least, least_start, least_slope, most, most_start, most_slope;
 } mrts_rates;
 
 static mrts_rates mrts_rates_at(int rows, const double *A, const double *upper, double x) {
-    mrts_rates u = {-MRTS_INFINITY, MRTS_INFINITY, 0, 0};
+    mrts_rates u = {-MRTS_INFINITY, -MRTS_INFINITY, 0, MRTS_INFINITY, MRTS_INFINITY, 0};
     for (int row = 0; row < rows; ++row) {
         const double a = A[2 * row], value = (upper[row] - A[2 * row + 1] * x) / a;
         if (a > 0 && value < u.most) {
             u.most = value;
+            u.most_start = upper[row] / a;
             u.most_slope = -A[2 * row + 1] / a;
         } else if (a < 0 && value > u.least) {
             u.least = value;
+            u.least_start = upper[row] / a;
             u.least_slope = -A[2 * row + 1] / a;
         }
     }
@@ -58,10 +60,11 @@ static int mrts_nearest(int rows, const double *A, const double *upper, double f
     *x = from;
     for (int step = 0; step <= rows; ++step) {
         const mrts_rates u = mrts_rates_at(rows, A, upper, *x);
-        const double gap = u.most - u.least, slope = (u.most_slope - u.least_slope) * inward;
-        if (gap >= 0) return 1;
-        if (slope <= 0) return 0;
-        const double next = *x - gap / slope * inward;
+        const double slope = u.most_slope - u.least_slope;
+        if (u.most >= u.least) return 1;
+        if (slope * inward <= 0) return 0;
+        /* where the two lines meet, from their coefficients: `from` may be many orders of magnitude away */
+        const double next = (u.least_start - u.most_start) / slope;
         if (next == *x) return 1; /* nothing but rounding is left */
         if (*x == to) return 0;
         *x = (next - to) * inward > 0 ? to : next;
