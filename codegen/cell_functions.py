@@ -72,14 +72,35 @@ def _bias_acceleration(sample: Sample) -> tuple[Named, Named]:
     return {"q": s.q, "dq": s.dq}, {"bias_acceleration": ca.horzcat(*columns)}
 
 
-def _jacobian_rate(sample: Sample) -> tuple[Named, Named] | None:
-    """J̇ of every arm, needed where an arm has more joints than its wrench has components."""
-    s = sample.symbols
-    if all(J.size2() <= J.size1() for J in sample.terms.J):
+def _geometric_stiffness(sample: Sample) -> tuple[Named, Named] | None:
+    """∂(JᵀF)/∂q of every arm, needed where an arm has more joints than its wrench has components."""
+    load = _torques_of_wrenches(sample)
+    if load is None:
         return None
-    J = ca.horzcat(*sample.terms.J)
-    rate = ca.reshape(ca.jtimes(ca.vec(J), s.q, s.dq), J.size1(), J.size2())
-    return {"q": s.q, "dq": s.dq}, {"jacobian_rate": rate}
+    wrench, torques = load
+    joints = split_joints(sample.cell, sample.symbols.q)
+    blocks = [ca.jacobian(torque, q) for torque, q in zip(torques, joints, strict=True)]
+    return {"q": sample.symbols.q, "wrench": wrench}, {"geometric_stiffness": block_diagonal(blocks)}
+
+
+def _geometric_stiffness_rate(sample: Sample) -> tuple[Named, Named] | None:
+    """The second derivative of JᵀF along q' at constant F and q'."""
+    s, load = sample.symbols, _torques_of_wrenches(sample)
+    if load is None:
+        return None
+    wrench, torques = load
+    rate = ca.jtimes(ca.jtimes(ca.vertcat(*torques), s.q, s.dq), s.q, s.dq)
+    return {"q": s.q, "dq": s.dq, "wrench": wrench}, {"geometric_stiffness_rate": rate}
+
+
+def _torques_of_wrenches(sample: Sample) -> tuple[Any, list[Any]] | None:
+    """Symbols of the wrenches F, and JᵀF of every arm; None if no arm is redundant."""
+    J = sample.terms.J
+    if all(of_arm.size2() <= of_arm.size1() for of_arm in J):
+        return None
+    wrench = ca.SX.sym("wrench", sum(of_arm.size1() for of_arm in J))
+    parts = ca.vertsplit(wrench, J[0].size1())
+    return wrench, [of_arm.T @ part for of_arm, part in zip(J, parts, strict=True)]
 
 
 def _dynamics(sample: Sample) -> tuple[Named, Named]:
@@ -119,7 +140,8 @@ def _fixed_distribution(sample: Sample) -> tuple[Named, Named]:
 BUILDERS: dict[str, Callable[[Sample], tuple[Named, Named] | None]] = {
     "kinematics": _kinematics,
     "bias_acceleration": _bias_acceleration,
-    "jacobian_rate": _jacobian_rate,
+    "geometric_stiffness": _geometric_stiffness,
+    "geometric_stiffness_rate": _geometric_stiffness_rate,
     "dynamics": _dynamics,
     "terms": _terms,
     "wrench_form": _wrench_form,

@@ -34,6 +34,7 @@ from mrts.grasp_tracking import (
 )
 from mrts.joint_limits import PRINTED_TOLERANCE, check_joint_limits
 from mrts.joint_table import Source
+from mrts.null_space import apply
 from mrts.object_motion import ObjectMotion
 from mrts.remark import Remark
 from mrts.rigid_transform import Array
@@ -136,14 +137,14 @@ def _mean_object(cell: Cell, time: Array, tips: list[TipMotion]) -> ObjectMotion
 
 def _on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
     """Joint positions on the grasps near the given ones, Shape (N, m)."""
-    found, distance, angle = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS)
-    gaps = GraspGaps(distance.T, angle.T)
+    held = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS, None)
+    gaps = GraspGaps(held.gap.T, held.turn.T)
     if gaps.largest > POSE_TOLERANCE:
         robot, sample, _ = gaps.worst(ClosureBound(POSE_TOLERANCE, POSE_TOLERANCE))
         raise MotionError(
             unreachable(cell.robots[robot], target, sample, gaps.distance[robot, sample], gaps.angle[robot, sample])
         )
-    return found
+    return held.q
 
 
 def _rates_on_grasps(cell: Cell, target: ObjectMotion, q: Array, given: CoordinatedMotion) -> tuple[Array, Array]:
@@ -164,14 +165,10 @@ def _rates_on_grasps(cell: Cell, target: ObjectMotion, q: Array, given: Coordina
                 "full stretch, full fold and aligned axes."
             )
         inverses.append(np.asarray(np.linalg.pinv(J), dtype=np.float64))
-        dq[:, joints] += _apply(inverses[-1], velocity - _apply(J, dq[:, joints]))
+        dq[:, joints] += apply(inverses[-1], velocity - apply(J, dq[:, joints]))
     bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
     bias = bias.reshape(samples, len(cell.wrench_components), len(cell.robots))
     for index, (joints, (_, acceleration)) in enumerate(zip(cell.joint_slices.values(), rates, strict=True)):
-        missing = acceleration - bias[:, :, index] - _apply(jacobians[:, :, joints], ddq[:, joints])
-        ddq[:, joints] += _apply(inverses[index], missing)
+        missing = acceleration - bias[:, :, index] - apply(jacobians[:, :, joints], ddq[:, joints])
+        ddq[:, joints] += apply(inverses[index], missing)
     return dq, ddq
-
-
-def _apply(matrix: Array, vector: Array) -> Array:
-    return np.asarray(np.einsum("nrk,nk->nr", matrix, vector), dtype=np.float64)

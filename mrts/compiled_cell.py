@@ -6,7 +6,7 @@ import os
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,39 +18,6 @@ from mrts.kernel_library import CHUNK, KERNEL_FILES, MOST_THREADS, STOPPED, Kern
 from mrts.limit_rows import LimitRows
 from mrts.manifest import FunctionRecord, Manifest
 from mrts.rigid_transform import Array
-
-
-class _Arm(ctypes.Structure):
-    """`mrts_arm` of tracking.c."""
-
-    _fields_ = [
-        ("base_rotation", ctypes.c_double * 9),
-        ("tip_rotation", ctypes.c_double * 9),
-        ("tip_position", ctypes.c_double * 3),
-    ]
-
-
-@dataclass(frozen=True)
-class KernelTrack:
-    """Joints along a path of N samples, n robots.
-
-    Attributes:
-        done: How many samples were followed; fewer than N where an arm is singular.
-        q: Shape (N, m); likewise `dq` and `ddq`.
-        gap: Remaining error of position, Shape (N, n) [m].
-        turn: Remaining error of rotation, Shape (N, n) [rad].
-        jump: Largest correction of a predicted joint, Shape (N, n) [rad or m].
-        condition: At least the condition number of the Jacobian, Shape (N, n).
-    """
-
-    done: int
-    q: Array
-    dq: Array
-    ddq: Array
-    gap: Array
-    turn: Array
-    jump: Array
-    condition: Array
 
 
 class _Limits(ctypes.Structure):
@@ -102,14 +69,13 @@ class CompiledCell(KernelLibrary):
         self.unknowns = len(manifest.wrench_components) * (len(manifest.robots) - 1) + 1
         self.joints = sum(len(robot.joints) for robot in manifest.robots)
         self.wrenches = len(manifest.wrench_components) * len(manifest.robots)
-        self.can_track = can_track(manifest)
 
     def map(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
         """Evaluate a generated function at all samples; see `mrts.cell_functions.CellFunctions`."""
         record = self.records[name]
         given, strides = _inputs(record, samples, inputs)
         outputs = {item.name: np.zeros((samples, item.shape[1], item.shape[0])) for item in record.outputs}
-        scratch = _Scratch(self.loaded, record)
+        scratch = Scratch(self.loaded, record)
         failed = self.loaded.mrts_map(
             ctypes.cast(getattr(self.loaded, record.symbol), ctypes.c_void_p),
             ctypes.c_longlong(samples),
@@ -146,7 +112,7 @@ class CompiledCell(KernelLibrary):
         sparse = _SparseLimits(limits)
         bound = np.ascontiguousarray(np.minimum(most, 1e300))
 
-        def run(first: int, count: int, given: list[Array], strides: Any, scratch: "_Scratch") -> None:
+        def run(first: int, count: int, given: list[Array], strides: Any, scratch: "Scratch") -> None:
             work, iwork = self._workspace(len(limits.names))
             failed = self.loaded.mrts_ranges(
                 ctypes.c_longlong(count),
@@ -182,7 +148,7 @@ class CompiledCell(KernelLibrary):
         W, speed = np.ascontiguousarray(weights), np.ascontiguousarray(c2)
         sparse = _SparseLimits(limits)
 
-        def run(first: int, count: int, given: list[Array], strides: Any, scratch: "_Scratch") -> None:
+        def run(first: int, count: int, given: list[Array], strides: Any, scratch: "Scratch") -> None:
             work, iwork = self._workspace(len(limits.names))
             failed = self.loaded.mrts_torques(
                 ctypes.c_longlong(count),
@@ -205,55 +171,6 @@ class CompiledCell(KernelLibrary):
         self._over_chunks(samples, inputs, run)
         return torque, wrench, status
 
-    def track(
-        self,
-        arms: list[tuple[Array, Array, Array]],
-        components: list[int],
-        path: tuple[Array, Array, Array, Array, Array],
-        start: Array,
-        newton: tuple[int, float, float],
-    ) -> KernelTrack:
-        """Follow the grasps from joint positions that hold them; arms have as many joints as wrench components.
-
-        Args:
-            arms: R_world_base, R_object_tip and p_object_tip of each.
-            components: Rows of a six-component twist that the cell uses.
-            path: Time, Shape (N,), position, (N, 3), rotation, (N, 3, 3), twist, (N, 6), and acceleration, (N, 6).
-            start: Positions at the first sample, Shape (m,) [rad or m].
-            newton: Most steps at a sample, joint step at which they end, largest joint step.
-        """
-        robots = len(arms)
-
-        class Task(ctypes.Structure):
-            """`mrts_tracking` of tracking.c."""
-
-            _fields_ = [
-                ("steps", ctypes.c_int),
-                ("settled", ctypes.c_double),
-                ("longest", ctypes.c_double),
-                ("components", ctypes.c_int * 6),
-                ("arm", _Arm * robots),
-            ]
-
-        task = Task(*newton, (ctypes.c_int * 6)(*components))
-        for place, (base, tip, offset) in zip(task.arm, arms, strict=True):
-            place.base_rotation[:], place.tip_rotation[:] = base.ravel().tolist(), tip.ravel().tolist()
-            place.tip_position[:] = offset.tolist()
-        given = [np.ascontiguousarray(part) for part in path]
-        samples = len(given[0])
-        q, dq, ddq = (np.zeros((samples, self.joints)) for _ in range(3))
-        gap, turn, jump, condition = (np.zeros((samples, robots)) for _ in range(4))
-        q[0] = start
-        scratches = [_Scratch(self.loaded, self.records[name]) for name in ("kinematics", "bias_acceleration")]
-        self.loaded.mrts_track.restype = ctypes.c_longlong
-        done = self.loaded.mrts_track(
-            ctypes.c_longlong(samples),
-            ctypes.byref(task),
-            *(pointer(array) for array in (*given, q, dq, ddq, gap, turn, jump, condition)),
-            *scratches[0].at_least(scratches[1]).pointers(),
-        )
-        return KernelTrack(int(done), q, dq, ddq, gap, turn, jump, condition)
-
     def _workspace(self, rows: int) -> tuple[Array, NDArray[np.int32]]:
         k = self.unknowns
         return np.zeros(2 * rows * k + 2 * (rows + k) + 3 * k * k + 9 * k), np.zeros(rows + 7 * k + 1, dtype=np.int32)
@@ -266,7 +183,7 @@ class CompiledCell(KernelLibrary):
         threads = max(1, min(MOST_THREADS, os.cpu_count() or 1, chunks))
         bounds = [min(samples, CHUNK * (chunks * part // threads)) for part in range(threads + 1)]
         pieces = [(first, last - first) for first, last in pairwise(bounds) if last > first]
-        scratches = [_Scratch(self.loaded, record) for _ in pieces]
+        scratches = [Scratch(self.loaded, record) for _ in pieces]
         failures: list[BaseException] = []
 
         def guarded(*work: Any) -> None:
@@ -288,8 +205,13 @@ class CompiledCell(KernelLibrary):
             raise failures[0]
 
 
-class _Scratch:
-    """The work arrays that a generated function wants."""
+class Scratch:
+    """The work arrays that a generated function wants.
+
+    Args:
+        library: The cell's library.
+        record: The function.
+    """
 
     def __init__(self, library: ctypes.CDLL, record: FunctionRecord) -> None:
         self.sizes = work_sizes(library, record)
@@ -300,9 +222,9 @@ class _Scratch:
         self._arrays: list[NDArray[Any]] = [np.zeros(size + 1, dtype=np.int64) for size in words]
         self._arrays.append(np.zeros(reals + 1))
 
-    def at_least(self, other: "_Scratch") -> "_Scratch":
-        """The same with room for another function's work as well."""
-        self.sizes = tuple(max(pair) for pair in zip(self.sizes, other.sizes, strict=True))
+    def at_least(self, *others: "Scratch") -> "Scratch":
+        """The same with room for other functions' work as well."""
+        self.sizes = tuple(max(sizes) for sizes in zip(self.sizes, *(other.sizes for other in others), strict=True))
         self._allocate()
         return self
 
@@ -329,17 +251,15 @@ class _SparseLimits:
         self.structure = _Limits(len(limits.names), *(pointer(array) for array in self._arrays))
 
 
-def can_track(manifest: Manifest) -> bool:
-    """Whether every arm has as many joints as wrench components, as the compiled inverse kinematics wants."""
-    return all(len(robot.joints) == len(manifest.wrench_components) for robot in manifest.robots)
-
-
 def cell_source(manifest: Manifest, generated: str) -> str:
     """The C text of a cell's library: generated functions, sizes, kernel."""
     symbol = {name: record.symbol for name, record in manifest.functions.items()}
-    components, joints = len(manifest.wrench_components), sum(len(robot.joints) for robot in manifest.robots)
+    components, joints = len(manifest.wrench_components), [len(robot.joints) for robot in manifest.robots]
+    first = list(accumulate(joints, initial=0))
     macros = {
-        "MRTS_JOINTS": joints,
+        "MRTS_JOINTS": first[-1],
+        "MRTS_FIRST_JOINTS": f"{{{', '.join(map(str, first))}}}",
+        "MRTS_MOST_JOINTS": max(joints),
         "MRTS_ROBOTS": len(manifest.robots),
         "MRTS_SIZE": components,
         "MRTS_WRENCHES": components * len(manifest.robots),
@@ -349,7 +269,11 @@ def cell_source(manifest: Manifest, generated: str) -> str:
         "MRTS_KINEMATICS": symbol["kinematics"],
         "MRTS_BIAS_ACCELERATION": symbol["bias_acceleration"],
     }
-    kernel = [*KERNEL_FILES, "trajectory.c", *(["tracking.c"] if can_track(manifest) else [])]
+    if max(joints) > components:
+        macros["MRTS_REDUNDANT"] = 1
+        macros["MRTS_GEOMETRIC_STIFFNESS"] = symbol["geometric_stiffness"]
+        macros["MRTS_GEOMETRIC_STIFFNESS_RATE"] = symbol["geometric_stiffness_rate"]
+    kernel = [*KERNEL_FILES, "trajectory.c", "null_space.c", "tracking.c"]
     defined = "".join(f"#define {name} {value}\n" for name, value in macros.items())
     return f"{generated}\n{defined}{kernel_text(kernel)}"
 

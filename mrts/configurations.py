@@ -2,6 +2,7 @@
 """All inverse-kinematics branches of every arm, followed along the motion and ranked by c²⁺ (section VI, 6.3)."""
 
 import json
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import product
@@ -16,15 +17,25 @@ from mrts.atomic_file import write_text_atomically
 from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion, check_motion
 from mrts.errors import InputError
-from mrts.grasp_tracking import POSE_TOLERANCE, STARTING_STEPS, Tracks, solve_grasps, track_grasps
+from mrts.grasp_tracking import (
+    OUT_OF_REACH,
+    PAST_A_LIMIT,
+    STARTING_STEPS,
+    TrackingFailure,
+    Tracks,
+    solve_grasps,
+    track_grasps,
+)
 from mrts.joint_limits import joint_limit_failure, nearest_turns, within_limits
 from mrts.load_sharing import LoadSharing
+from mrts.null_space import is_redundant
 from mrts.object_motion import ObjectMotion
 from mrts.planar_inverse_kinematics import has_closed_form, planar_branches
 from mrts.rigid_transform import Array
 from mrts.robot import Robot
 from mrts.scaling_range import ScalingRange, ScalingStatus, intersect
 from mrts.solvers import DEFAULT_SOLVER, check_solver
+from mrts.starting_positions import starting_reference
 from mrts.trajectory_programs import motion_ranges
 from mrts.uncertain_load import Progress, study_load
 
@@ -34,9 +45,6 @@ MULTI_STARTS = 400
 SEED = 20
 SAME_BRANCH = 1e-6
 """Joint positions closer than this, whole turns aside, are one branch [rad or m]."""
-
-SAME_SETTLED = 1e-3
-"""The same for a redundant arm, whose null space settles more slowly."""
 
 DEFAULT_CAP = 1024
 
@@ -55,7 +63,7 @@ class Branch:
     robot: str
     number: int
     start: Array
-    failure: str | None
+    failure: TrackingFailure | None
 
 
 @dataclass(frozen=True)
@@ -108,7 +116,9 @@ class ConfigurationStudy:
         if rows < 0:
             raise InputError("--show", "must be at least 0.", value=rows)
         done = len(self.ranked)
-        lines = [f"{self.combinations} configurations reach the end, {done} evaluated, by falling c²⁺:"]
+        lines = [
+            f"{self.combinations} configurations reach the end, {done} evaluated, by falling c²⁺{self._left_out()}:"
+        ]
         if done < self.combinations:
             lines[0] += " (the best of a fixed distribution; raise --cap for all)"
         names = [*self.branches]
@@ -119,11 +129,21 @@ class ConfigurationStudy:
             lines.append(f"{rank:>4}  {numbers}  {c2:>9}  {outcome(configuration)}")
         lines.append("\nbranches at t = 0 (rad, m; a line is a `posture` for the cell file):")
         for branches in self.branches.values():
-            for branch in branches:
+            good = [branch for branch in branches if branch.failure is None]
+            for branch in good:
                 start = ", ".join(f"{value:.4f}" for value in branch.start)
-                end = "" if branch.failure is None else f"  {branch.failure}"
-                lines.append(f"{branch.robot:>8} {branch.number:>3}  [{start}]{end}")
+                lines.append(f"{branch.robot:>8} {branch.number:>3}  [{start}]")
+            if not good and branches[0].failure is not None:
+                lines.append(f"{branches[0].robot:>8}   -  none; the first: {branches[0].failure.message}")
         return "\n".join(lines)
+
+    def _left_out(self) -> str:
+        """How many branches fail, by kind, in a phrase."""
+        kinds = Counter(
+            b.failure.kind for of_robot in self.branches.values() for b in of_robot if b.failure is not None
+        )
+        counts = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+        return f"; branches left out: {counts}" if counts else ""
 
     def json_text(self) -> str:
         """The whole study as JSON text."""
@@ -142,7 +162,10 @@ class ConfigurationStudy:
                 }
             )
         branches = {
-            name: [{"number": b.number, "start": b.start.tolist(), "failure": b.failure} for b in of_robot]
+            name: [
+                {"number": b.number, "start": b.start.tolist(), "failure": b.failure and b.failure.message}
+                for b in of_robot
+            ]
             for name, of_robot in self.branches.items()
         }
         output = {"combinations": self.combinations, "ranked": ranked, "branches": branches}
@@ -226,7 +249,7 @@ def _branches_at_start(cell: Cell, index: int, motion: ObjectMotion) -> Array:
     robot = cell.robots[index]
     joints = cell.joint_slices[robot.name]
     posture = np.concatenate([other.posture for other in cell.robots])
-    redundant = len(robot.joints) > len(cell.wrench_components)
+    redundant = is_redundant(cell, robot)
     if has_closed_form(cell, robot):
         # standing still at the first sample: a path out of reach further on is the outcome of its branch
         still = np.zeros((2, 6))
@@ -237,18 +260,15 @@ def _branches_at_start(cell: Cell, index: int, motion: ObjectMotion) -> Array:
         guesses = found if found is not None and len(found) else _random_starts(robot)
     start = np.tile(posture, (len(guesses), 1))
     start[:, joints] = guesses
-    pull = np.tile(posture, (len(guesses), 1)) if redundant else None
-    q, gap, turn = solve_grasps(cell, motion, 0, start, STARTING_STEPS, pull)
-    reached = q[np.maximum(gap[:, index], turn[:, index]) <= POSE_TOLERANCE][:, joints]
+    held = solve_grasps(cell, motion, 0, start, STARTING_STEPS, np.tile(starting_reference(cell), (len(guesses), 1)))
     distinct: list[Array] = []
-    same = SAME_SETTLED if redundant else SAME_BRANCH
-    for candidate in reached:
+    for candidate in held.q[held.settled()[:, index]][:, joints]:
         # a redundant arm has settled where its null space points, whole turns and all
         near = candidate if redundant else nearest_turns(robot, candidate)
         near = within_limits(robot, near[None])[0]
         if joint_limit_failure(robot, motion.time, near[None]) is not None:
             continue
-        if not any(np.max(np.abs(_apart(robot, near, other))) < same for other in distinct):
+        if not any(np.max(np.abs(_apart(robot, near, other))) < SAME_BRANCH for other in distinct):
             distinct.append(near)
     return np.array(distinct).reshape(-1, len(robot.joints))
 
@@ -282,7 +302,8 @@ def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[Trac
             _branch(cell, motion, tracks, robot, number, start) for number, start in enumerate(of_robot)
         ]
         if not len(of_robot):
-            failure = f"robot '{robot.name}' cannot reach its grasp at t = 0. Move the path, the base or the grasp."
+            message = f"robot '{robot.name}' cannot reach its grasp at t = 0. Move the path, the base or the grasp."
+            failure = TrackingFailure(OUT_OF_REACH, message, 0)
             branches[robot.name] = [Branch(robot.name, 1, robot.posture, failure)]
     return tracks, branches
 
@@ -291,7 +312,10 @@ def _branch(cell: Cell, motion: ObjectMotion, tracks: Tracks, robot: Robot, numb
     joints = cell.joint_slices[robot.name]
     q = within_limits(robot, tracks.q[number][:, joints])
     tracks.q[number][:, joints] = q
-    failure = tracks.failures[number][robot.name] or joint_limit_failure(robot, motion.time, q)
+    failure = tracks.failures[number][robot.name]
+    beyond = joint_limit_failure(robot, motion.time, q)
+    if failure is None and beyond is not None:
+        failure = TrackingFailure(PAST_A_LIMIT, beyond, None)
     return Branch(robot.name, number + 1, q[0] if failure is None else start, failure)
 
 

@@ -9,18 +9,12 @@ from mrts.argument_types import check_type
 from mrts.cell import Cell
 from mrts.errors import InputError, MotionError, as_array
 from mrts.grasp_closure import TipMotion, in_world, tip_motions
-from mrts.grasp_tracking import (
-    POSE_TOLERANCE,
-    STARTING_STEPS,
-    follow_grasps,
-    solve_grasps,
-    unreachable,
-)
-from mrts.joint_limits import check_joint_limits, nearest_turns, within_limits
+from mrts.grasp_tracking import follow_grasps
+from mrts.joint_limits import check_joint_limits, within_limits
 from mrts.object_motion import ObjectMotion
-from mrts.planar_inverse_kinematics import has_closed_form, planar_branches
 from mrts.remark import Remark
 from mrts.rigid_transform import Array
+from mrts.starting_positions import starting_positions
 
 PLANE_TOLERANCE = 1e-9
 """Largest velocity and turning rate out of the plane of a planar cell [m/s, rad/s]: rounding of the input."""
@@ -83,8 +77,9 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     """Joint motion of every arm that keeps its grasp along the object's motion.
 
     At t = 0 the joints are solved near each robot's posture, which so selects the branch; a redundant arm takes the
-    positions nearest to it. From there the branch is kept by continuity. Velocities and accelerations come from the
-    generated J and J̇q̇, never from differences; a redundant arm moves with the least joint velocity.
+    positions nearest to it. From there the branch is kept by continuity; a redundant arm stays as near to its start as
+    the grasp lets it, and away from its limits (`mrts.null_space`). Velocities and accelerations come from derivatives
+    of the generated functions, never from differences.
 
     Args:
         cell: The cell.
@@ -98,11 +93,12 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     check_type("cell", cell, Cell)
     check_type("motion", motion, ObjectMotion)
     check_motion(cell, motion)
-    q, dq, ddq = follow_grasps(cell, motion, starting_positions(cell, motion))
+    start, remarks = starting_positions(cell, motion)
+    q, dq, ddq = follow_grasps(cell, motion, start)
     for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
         q[:, joints] = within_limits(robot, q[:, joints])
     check_joint_limits(cell, motion.time, q)
-    return CoordinatedMotion(motion, q, dq, ddq, motion.remarks)
+    return CoordinatedMotion(motion, q, dq, ddq, motion.remarks + remarks)
 
 
 def carried_by_first(
@@ -171,22 +167,3 @@ def check_motion(cell: Cell, motion: ObjectMotion) -> None:
             f"the object leaves the plane {cell.plane} of cell '{cell.name}': its path may move in {cell.plane} and "
             f"turn about {'xyz'[normal]} only."
         )
-
-
-def starting_positions(cell: Cell, motion: ObjectMotion) -> Array:
-    """Joint positions that hold the grasps at t = 0 near the robots' postures, Shape (m,) [rad or m].
-
-    Raises:
-        MotionError: If an arm cannot reach from its posture.
-    """
-    posture = np.concatenate([robot.posture for robot in cell.robots])
-    start = posture.copy()
-    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
-        if has_closed_form(cell, robot):
-            near = [nearest_turns(robot, branch[0]) for branch in planar_branches(cell, robot, motion)]
-            start[joints] = min(near, key=lambda q: float(np.max(np.abs(q - robot.posture))))
-    found, gap, turn = solve_grasps(cell, motion, 0, start[None], STARTING_STEPS, posture[None])
-    for index, robot in enumerate(cell.robots):
-        if max(gap[0, index], turn[0, index]) > POSE_TOLERANCE:
-            raise MotionError(unreachable(robot, motion, 0, gap[0, index], turn[0, index]))
-    return np.asarray(found[0], dtype=np.float64)

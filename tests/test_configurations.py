@@ -1,6 +1,7 @@
 """All inverse-kinematics branches, followed and ranked."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -117,9 +118,28 @@ def test_branches_that_fail_say_why(dual_ur5):
     study = mrts.rank_configurations(dual_ur5, motion)
     failures = [b.failure for branches in study.branches.values() for b in branches if b.failure]
     assert failures
-    assert all("cannot reach its grasp at sample" in failure for failure in failures)
+    assert all("cannot reach its grasp at sample" in failure.message for failure in failures)
     assert study.combinations < 64
-    assert "cannot reach" in study.table(2)
+    assert f"by falling c²⁺; branches left out: {len(failures)} out of reach:" in study.table(2).splitlines()[0]
+    assert json.loads(study.json_text())["branches"]["left"][0].keys() == {"number", "start", "failure"}
+
+
+def test_only_branches_that_hold_are_listed(dual_ur5, lift_and_turn):
+    """Of the right arm's eight, those whose shoulder would pass a limit on the way are counted, not listed."""
+    far = mrts.follow_object(dual_ur5, lift_and_turn).q[:, 6:]
+    joint = int(np.argmax(np.max(far, axis=0) - far[0]))
+    upper = np.full(6, 7.0)
+    upper[joint] = np.max(far[:, joint]) - 0.01
+    right = replace(dual_ur5.robots[1], position_upper=upper, position_lower=np.full(6, -3.2))
+    cell = replace(dual_ur5, robots=(dual_ur5.robots[0], right))
+    study = mrts.rank_configurations(cell, lift_and_turn, sharing=mrts.LoadSharing())
+    lost = [branch for branch in study.branches["right"] if branch.failure is not None]
+    assert {branch.failure.kind for branch in lost} == {"past a position limit"}
+    header, *listed = study.table(3).splitlines()
+    assert f"branches left out: {len(lost)} past a position limit" in header
+    numbers = [int(line.split()[1]) for line in listed if line.startswith("   right ") and "[" in line]
+    assert numbers == [branch.number for branch in study.branches["right"] if branch.failure is None]
+    assert len(numbers) + len(lost) == len(study.branches["right"])
 
 
 def test_infeasible_configurations_come_last_with_their_reason(dual_ur5, lift_and_turn):

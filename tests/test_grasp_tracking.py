@@ -87,21 +87,6 @@ def two_pandas(tmp_path_factory):
     return mrts.load_cell(folder / "cell.yaml")
 
 
-def test_redundant_arms_move_with_the_least_joint_velocity(two_pandas):
-    given = motion([0.03, 0.08, 0.48], (0.1, 0.0, 0.2), start=(0, 0, 0.4))
-    followed = mrts.follow_object(two_pandas, given)
-    assert_consistent(two_pandas, followed, tolerance=1e-6)
-    J = two_pandas.functions("kinematics", followed.samples, {"q": followed.q})["jacobian"]
-    for joints in two_pandas.joint_slices.values():
-        null = np.eye(7) - np.linalg.pinv(J[:, :, joints]) @ J[:, :, joints]
-        assert np.max(np.abs(np.einsum("nij,nj->ni", null, followed.dq[:, joints]))) < 1e-9
-    result = mrts.scale(two_pandas, followed)
-    assert result.status is mrts.ScalingStatus.FEASIBLE
-    assert result.residuals().limits < 1e-8
-    with pytest.raises(mrts.MotionError, match=r"square Jacobian: robot 'left' has 7 joints and 6"):
-        mrts.scale(two_pandas, followed, formulation="torque")
-
-
 def test_given_joints_of_redundant_arms_are_moved_as_little_as_needed(two_pandas):
     """Given joints a little off the grasps, with a motion of their own in the null space: that is kept."""
     followed = mrts.follow_object(two_pandas, motion([0.03, 0.08, 0.48], (0.1, 0.0, 0.2), start=(0, 0, 0.4)))
@@ -121,32 +106,47 @@ def test_given_joints_of_redundant_arms_are_moved_as_little_as_needed(two_pandas
             assert np.max(np.abs(changed)) < 1e-9
 
 
-def test_a_posture_is_preferred_in_the_null_space(two_pandas):
-    """Of all positions that hold the grasp, the start is the nearest to the posture."""
-    given = motion([0.03, 0.08, 0.48], start=(0, 0, 0.4))
-    for first in (0.0, 0.3):
-        cell = two_pandas.with_postures({"left": [first, 0.3, 0.0, -2.0, 0.0, 2.3, 0.8]})
-        start = mrts.follow_object(cell, given).q[0, :7]
-        J = cell.functions("kinematics", 1, {"q": np.concatenate([start, start])[None]})["jacobian"][0][:, :7]
-        null = np.eye(7) - np.linalg.pinv(J) @ J
-        assert np.max(np.abs(null @ (cell.robots[0].posture - start))) < 1e-8
-
-
 def test_unreachable_names_robot_sample_and_distance(dual_ur5):
     with pytest.raises(mrts.MotionError, match=r"robot 'left' cannot reach .* sample \d+ .* no nearer than .* m and"):
         mrts.follow_object(dual_ur5, motion([0.9, 0.1, 0.35]))
-    with pytest.raises(mrts.MotionError, match=r"cannot reach its grasp at sample 0 "):
+    with pytest.raises(mrts.MotionError, match=r"cannot reach its grasp at sample 0 .* 41 starts were tried"):
         mrts.follow_object(dual_ur5, motion([0.0, 0.1, 2.0], start=(0, 0.1, 1.9)))
 
 
 def test_joint_limits_are_checked(dual_ur5):
     given = motion([0.03, 0.35, 0.5])
-    highest = np.max(mrts.follow_object(dual_ur5, given).q[:, 6])
-    upper = np.append(highest - 0.01, np.full(5, 7.0))
+    q = mrts.follow_object(dual_ur5, given).q[:, 6:]
+    far = int(np.argmax(np.max(q, axis=0) - q[0]))
+    upper = np.full(6, 7.0)
+    upper[far] = np.max(q[:, far]) - 0.01
     tight = replace(dual_ur5.robots[1], position_upper=upper, position_lower=np.full(6, -3.2))
     cell = replace(dual_ur5, robots=(dual_ur5.robots[0], tight))
-    with pytest.raises(mrts.MotionError, match=r"robot 'right' passes a position limit .* 'shoulder_pan' would be at"):
+    with pytest.raises(mrts.MotionError, match=r"robot 'right' passes a position limit .* '\w+' would be at"):
         mrts.follow_object(cell, given)
+
+
+def limited(cell, index, lower, upper):
+    robots = list(cell.robots)
+    robots[index] = replace(robots[index], position_lower=lower, position_upper=upper)
+    return replace(cell, robots=tuple(robots))
+
+
+def test_further_starts_are_tried_where_the_posture_leads_past_a_limit(dual_ur5):
+    given = motion([0.03, 0.2, 0.5])
+    free = mrts.follow_object(dual_ur5, given)
+    assert free.remarks == ()
+    upper = np.full(6, 7.0)
+    upper[0] = free.q[0, 6] - 0.01
+    cell = limited(dual_ur5, 1, np.full(6, -3.2), upper)
+    moved = mrts.follow_object(cell, given)
+    assert [remark.code for remark in moved.remarks] == ["other-start"]
+    assert "'right'" in moved.remarks[0].text
+    assert np.all(moved.q[:, 6:] <= upper)
+    np.testing.assert_allclose(moved.q[:, :6], free.q[:, :6], atol=1e-9)
+    np.testing.assert_array_equal(mrts.follow_object(cell, given).q, moved.q)
+    away = limited(dual_ur5, 1, np.full(6, 2.0), np.full(6, 2.1))
+    with pytest.raises(mrts.MotionError, match=r"'right' passes a position limit at sample 0 .* 41 starts were tried"):
+        mrts.follow_object(away, given)
 
 
 def test_whole_turns_bring_a_joint_inside_its_limits(dual_ur5):

@@ -135,4 +135,4 @@ def test_two_arms_of_one_urdf_form_a_cell(tmp_path):
     loaded = mrts.load_cell(tmp_path / "cell.yaml", backend="vm")
     assert [len(robot.joints) for robot in loaded.robots] == [7, 7]
     assert "torque_form" not in loaded.functions
-    assert "jacobian_rate" in loaded.functions
+    assert "geometric_stiffness" in loaded.functions

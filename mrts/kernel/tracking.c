@@ -2,10 +2,10 @@
  *
  * Inverse kinematics along a whole path: damped Newton steps (Sugihara, Solvability-unconcerned inverse kinematics by
  * the Levenberg-Marquardt method, IEEE Transactions on Robotics 27, 2011) from positions predicted by the sample before,
- * for arms with as many joints as wrench components.
+ * for arms with as many joints as wrench components, and those that null_space.c prefers for arms with more.
  *
  * The cell's generated C and these macros come first:
- *     MRTS_JOINTS, MRTS_ROBOTS, MRTS_SIZE         joints in all, arms, wrench components (and joints of each arm)
+ *     MRTS_JOINTS, MRTS_ROBOTS, MRTS_SIZE         joints in all, arms, wrench components
  *     MRTS_KINEMATICS, MRTS_BIAS_ACCELERATION     the generated functions
  */
 
@@ -20,7 +20,9 @@ typedef struct {
     int steps;       /* most Newton steps at a sample */
     double settled;  /* joint step at which the iteration ends */
     double longest;  /* largest joint step */
+    double reached;  /* remaining error at which a grasp counts as held */
     int components[6]; /* rows of a six-component twist that this cell uses */
+    mrts_preference wish; /* of redundant arms */
     mrts_arm arm[MRTS_ROBOTS];
 } mrts_tracking;
 
@@ -133,17 +135,24 @@ static void mrts_tip_error(const mrts_arm *arm, const double *position, const do
     *turn = sqrt(turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2]);
 }
 
-/* One damped Newton step of an arm, J by columns: (J J' + |error|^2 / 2)^-1; 0 if that is singular. */
-static int mrts_newton_step(const mrts_tracking *task, const mrts_arm *arm, const double *J, const double *off,
-                            const double *turned, double *step) {
+/* Error of an arm's tip in base axes and cell components; returns the damping that it wants. */
+static double mrts_arm_error(const mrts_tracking *task, const mrts_arm *arm, const double *off, const double *turned,
+                             double *error) {
     enum { W = MRTS_SIZE };
-    double six[6], error[W], square[W * W], solved[W * W], weight[W], damping = 0, longest = 0;
+    double six[6], damping = 0;
     mrts_transposed_times(arm->base_rotation, off, six);
     mrts_transposed_times(arm->base_rotation, turned, six + 3);
     for (int i = 0; i < W; ++i) {
         error[i] = six[task->components[i]];
         damping += error[i] * error[i] / 2;
     }
+    return damping;
+}
+
+/* One damped Newton step of an arm, J by columns: (J J' + |error|^2 / 2)^-1; 0 if that is singular. */
+static int mrts_newton_step(const double *J, const double *error, double damping, double *step) {
+    enum { W = MRTS_SIZE };
+    double square[W * W], solved[W * W], weight[W];
     for (int i = 0; i < W; ++i) {
         for (int j = 0; j < W; ++j) {
             square[i * W + j] = i == j ? damping : 0;
@@ -154,38 +163,65 @@ static int mrts_newton_step(const mrts_tracking *task, const mrts_arm *arm, cons
     for (int i = 0; i < W; ++i) weight[i] = mrts_dot(W, solved + i * W, error);
     for (int l = 0; l < W; ++l) {
         step[l] = mrts_dot(W, J + l * W, weight);
-        if (fabs(step[l]) > longest) longest = fabs(step[l]);
     }
-    for (int l = 0; longest > task->longest && l < W; ++l) step[l] *= task->longest / longest;
     return 1;
 }
 
-/* Joint positions with the smallest errors met from `now` on, which is moved. 0 if an arm is singular. */
-static int mrts_hold_grasps(const mrts_tracking *task, const double *position, const double *rotation, double *now,
-                            double *best, double *gap, double *turn, const double **arg, double **res, long long *iw,
-                            double *w) {
+/* Shortens a step that is too long; returns how long it was. */
+static double mrts_shorten(const mrts_tracking *task, int joints, double *step) {
+    double longest = 0;
+    for (int l = 0; l < joints; ++l) longest = fmax(longest, fabs(step[l]));
+    for (int l = 0; longest > task->longest && l < joints; ++l) step[l] *= task->longest / longest;
+    return longest;
+}
+
+/* Joint positions with the smallest errors met from `now` on, which is moved; of those that hold a grasp with a redundant
+ * arm, those with the smallest step still to go. 0 if an arm is singular. */
+static int mrts_hold_grasps(const mrts_tracking *task, const double *position, const double *rotation,
+                            const double *reference, double *now, double *best, double *gap, double *turn, double *drift,
+                            const double **arg, double **res, long long *iw, double *w) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
-    double tips[3 * R], rotations[9 * R], J[W * M], off[3], turned[3], step[W];
-    for (int robot = 0; robot < R; ++robot) gap[robot] = turn[robot] = 1e300;
+    double tips[3 * R], rotations[9 * R], J_all[W * M], off[3], turned[3], error[W], step[M], least[R];
+    for (int robot = 0; robot < R; ++robot) gap[robot] = turn[robot] = drift[robot] = least[robot] = 1e300;
     for (int iteration = 0; iteration < task->steps; ++iteration) {
         double largest = 0;
         arg[0] = now;
         res[0] = tips;
         res[1] = rotations;
-        res[2] = J;
+        res[2] = J_all;
         if (MRTS_KINEMATICS(arg, res, iw, w, 0)) return 0;
+#ifdef MRTS_REDUNDANT
+        mrts_null_space spaces[R];
+        double F[W * R], fall[M], unused[W];
+        if (!mrts_null_spaces(&task->wish, now, reference, J_all, spaces, F, arg, res, iw, w)) return 0;
+#endif
         for (int robot = 0; robot < R; ++robot) {
             const mrts_arm *arm = task->arm + robot;
-            double gap_now, turn_now, *q = now + robot * W;
+            const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
+            const double *J = J_all + W * first;
+            double gap_now, turn_now, size, left = 0, *q = now + first;
             mrts_tip_error(arm, position, rotation, tips + 3 * robot, rotations + 9 * robot, off, turned, &gap_now,
                            &turn_now);
-            if (fmax(gap_now, turn_now) < fmax(gap[robot], turn[robot])) {
+            size = fmax(gap_now, turn_now);
+            const double damping = mrts_arm_error(task, arm, off, turned, error);
+            if (joints == W && !mrts_newton_step(J, error, damping, step)) return 0;
+#ifdef MRTS_REDUNDANT
+            if (joints > W) {
+                for (int i = 0; i < joints; ++i) fall[i] = -spaces[robot].gradient[i];
+                if (mrts_preferred(joints, J, spaces + robot, damping, error, fall, step, unused) == 0) return 0;
+            }
+#endif
+            const double longest = mrts_shorten(task, joints, step);
+            if (joints > W) left = longest;
+            if (joints > W && size <= task->reached) size = task->reached * tanh(left);
+            if (size < least[robot]) {
+                least[robot] = size;
                 gap[robot] = gap_now;
                 turn[robot] = turn_now;
-                for (int i = 0; i < W; ++i) best[robot * W + i] = q[i];
+                drift[robot] = left;
+                for (int i = 0; i < joints; ++i) best[first + i] = q[i];
             }
-            if (!mrts_newton_step(task, arm, J + robot * W * W, off, turned, step)) return 0;
-            for (int i = 0; i < W; ++i) {
+            for (int i = 0; i < joints; ++i) {
                 q[i] += step[i];
                 if (fabs(step[i]) > largest) largest = fabs(step[i]);
             }
@@ -195,46 +231,106 @@ static int mrts_hold_grasps(const mrts_tracking *task, const double *position, c
     return 1;
 }
 
-/* q' = J^-1 v and q'' = J^-1 (a - J' q') of all arms, and a bound of each condition number. 0 if an arm is singular. */
+/* What an arm's tip is to do at a sample, and the inverse that it takes: of J, of a redundant arm of J J'. */
+typedef struct {
+    double velocity[MRTS_SIZE];
+    double change[MRTS_SIZE];
+    double inverse[MRTS_SIZE * MRTS_SIZE];
+} mrts_task_rates;
+
+/* Rates of all tips, and a bound of each Jacobian's condition number. 0 if an arm is singular. */
+static int mrts_rates_of_tips(const mrts_tracking *task, const double *rotation, const double *twist,
+                              const double *acceleration, const double *J_all, mrts_task_rates *rates,
+                              double *condition) {
+    enum { R = MRTS_ROBOTS, W = MRTS_SIZE };
+    for (int robot = 0; robot < R; ++robot) {
+        mrts_task_rates *rate = rates + robot;
+        const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
+        const double *J = J_all + W * first;
+        double matrix[W * W];
+        if (joints == W) {
+            for (int i = 0; i < W; ++i) {
+                for (int j = 0; j < W; ++j) matrix[i * W + j] = J[j * W + i];
+            }
+        }
+#ifdef MRTS_REDUNDANT
+        if (joints > W) mrts_square(joints, J, matrix);
+#endif
+        if (!mrts_invert(matrix, rate->inverse)) return 0;
+        condition[robot] = sqrt(mrts_dot(W * W, matrix, matrix) * mrts_dot(W * W, rate->inverse, rate->inverse));
+        if (joints > W) condition[robot] = sqrt(condition[robot] * W);
+        mrts_tip_rates(task, task->arm + robot, rotation, twist, acceleration, rate->velocity, rate->change);
+    }
+    return 1;
+}
+
+/* q' = J^-1 v and q'' = J^-1 (a - J' q') of all arms, of redundant ones as null_space.c prefers. 0 if one is singular. */
 static int mrts_joint_rates(const mrts_tracking *task, const double *rotation, const double *twist,
-                            const double *acceleration, const double *q, double *dq, double *ddq, double *condition,
-                            const double **arg, double **res, long long *iw, double *w) {
+                            const double *acceleration, const double *reference, const double *q, double *dq, double *ddq,
+                            double *condition, double *curvature, const double **arg, double **res, long long *iw,
+                            double *w) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
-    double tips[3 * R], rotations[9 * R], J[W * M], bias[W * R], inverse[R][W * W], change[R][W];
+    double tips[3 * R], rotations[9 * R], J[W * M], bias[W * R];
+    mrts_task_rates rates[R];
     arg[0] = q;
     res[0] = tips;
     res[1] = rotations;
     res[2] = J;
     if (MRTS_KINEMATICS(arg, res, iw, w, 0)) return 0;
+    if (!mrts_rates_of_tips(task, rotation, twist, acceleration, J, rates, condition)) return 0;
+#ifdef MRTS_REDUNDANT
+    mrts_null_space spaces[R];
+    double F[W * R], dF[W * R] = {0}, change[M], nothing[M] = {0};
+    if (!mrts_null_spaces(&task->wish, q, reference, J, spaces, F, arg, res, iw, w)) return 0;
+#endif
     for (int robot = 0; robot < R; ++robot) {
-        double velocity[W], matrix[W * W];
-        for (int i = 0; i < W; ++i) {
-            for (int j = 0; j < W; ++j) matrix[i * W + j] = J[(robot * W + j) * W + i];
+        const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
+        curvature[robot] = 1;
+        for (int i = 0; joints == W && i < W; ++i) {
+            dq[first + i] = mrts_dot(W, rates[robot].inverse + i * W, rates[robot].velocity);
         }
-        if (!mrts_invert(matrix, inverse[robot])) return 0;
-        condition[robot] = sqrt(mrts_dot(W * W, matrix, matrix) * mrts_dot(W * W, inverse[robot], inverse[robot]));
-        mrts_tip_rates(task, task->arm + robot, rotation, twist, acceleration, velocity, change[robot]);
-        for (int i = 0; i < W; ++i) dq[robot * W + i] = mrts_dot(W, inverse[robot] + i * W, velocity);
+#ifdef MRTS_REDUNDANT
+        if (joints > W) {
+            const double determinant = mrts_preferred(joints, J + W * first, spaces + robot, 0, rates[robot].velocity,
+                                                      nothing, dq + first, dF + W * robot);
+            curvature[robot] = mrts_curvature(joints, J + W * first, determinant);
+        }
+#endif
     }
     arg[0] = q;
     arg[1] = dq;
     res[0] = bias;
     if (MRTS_BIAS_ACCELERATION(arg, res, iw, w, 0)) return 0;
+#ifdef MRTS_REDUNDANT
+    if (!mrts_change_along(q, dq, spaces, F, dF, change, arg, res, iw, w)) return 0;
+#endif
     for (int robot = 0; robot < R; ++robot) {
-        for (int i = 0; i < W; ++i) change[robot][i] -= bias[robot * W + i];
-        for (int i = 0; i < W; ++i) ddq[robot * W + i] = mrts_dot(W, inverse[robot] + i * W, change[robot]);
+        const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
+        double *wanted = rates[robot].change;
+        for (int i = 0; i < W; ++i) wanted[i] -= bias[robot * W + i];
+        for (int i = 0; joints == W && i < W; ++i) ddq[first + i] = mrts_dot(W, rates[robot].inverse + i * W, wanted);
+#ifdef MRTS_REDUNDANT
+        if (joints > W) {
+            double unused[W];
+            mrts_preferred(joints, J + W * first, spaces + robot, 0, wanted, change + first, ddq + first, unused);
+        }
+#endif
     }
     return 1;
 }
 
 /* Follows the grasps from q at sample 0, which holds them. For each sample and arm: remaining errors of position and
- * rotation, the largest correction of a predicted joint, and a bound of the Jacobian's condition number. Rotations of
- * the object come by rows. Ends early, with the number of samples done, where an arm is singular. */
+ * rotation, the largest correction of a predicted joint, a bound of the Jacobian's condition number, and of a redundant
+ * arm the step still to go and the curvature at the positions that it prefers. Rotations of the object come by rows.
+ * Ends early, with the number of samples done, where an arm is singular. */
 MRTS_EXPORT long long mrts_track(long long count, const mrts_tracking *task, const double *time, const double *position,
                                  const double *rotation, const double *twist, const double *acceleration, double *q,
                                  double *dq, double *ddq, double *gap, double *turn, double *jump, double *condition,
-                                 const double **arg, double **res, long long *iw, double *w) {
-    enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
+                                 double *drift, double *curvature, const double **arg, double **res, long long *iw,
+                                 double *w) {
+    enum { M = MRTS_JOINTS, R = MRTS_ROBOTS };
+    double reference[M];
+    for (int i = 0; i < M; ++i) reference[i] = q[i];
     for (long long n = 0; n < count; ++n) {
         double predicted[M], now[M], *qn = q + n * M, *dqn = dq + n * M, *ddqn = ddq + n * M;
         const double h = n > 0 ? time[n] - time[n - 1] : 0;
@@ -242,15 +338,17 @@ MRTS_EXPORT long long mrts_track(long long count, const mrts_tracking *task, con
             predicted[i] = n > 0 ? qn[i - M] + h * dqn[i - M] + h * h / 2 * ddqn[i - M] : qn[i];
             now[i] = predicted[i];
         }
-        if (!mrts_hold_grasps(task, position + 3 * n, rotation + 9 * n, now, qn, gap + n * R, turn + n * R, arg, res, iw,
-                              w) ||
-            !mrts_joint_rates(task, rotation + 9 * n, twist + 6 * n, acceleration + 6 * n, qn, dqn, ddqn,
-                              condition + n * R, arg, res, iw, w)) {
+        if (!mrts_hold_grasps(task, position + 3 * n, rotation + 9 * n, reference, now, qn, gap + n * R, turn + n * R,
+                              drift + n * R, arg, res, iw, w) ||
+            !mrts_joint_rates(task, rotation + 9 * n, twist + 6 * n, acceleration + 6 * n, reference, qn, dqn, ddqn,
+                              condition + n * R, curvature + n * R, arg, res, iw, w)) {
             return n;
         }
         for (int robot = 0; robot < R; ++robot) {
             double largest = 0;
-            for (int i = robot * W; i < robot * W + W; ++i) largest = fmax(largest, fabs(qn[i] - predicted[i]));
+            for (int i = MRTS_FIRST(robot); i < MRTS_FIRST(robot + 1); ++i) {
+                largest = fmax(largest, fabs(qn[i] - predicted[i]));
+            }
             jump[n * R + robot] = largest;
         }
     }
