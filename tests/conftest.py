@@ -12,8 +12,10 @@ DATA = Path(str(files("mrts") / "data")) / "planar_dual_arm"
 
 @pytest.fixture(scope="session", autouse=True)
 def private_cache(tmp_path_factory):
-    """Tests neither read nor fill the user's cache."""
-    folder = tmp_path_factory.mktemp("cache")
+    """Tests neither read nor fill the user's cache; workers of one run share theirs."""
+    run = tmp_path_factory.getbasetemp()
+    folder = (run.parent if "PYTEST_XDIST_WORKER" in os.environ else run) / "cache"
+    folder.mkdir(mode=0o700, exist_ok=True)
     os.environ["MRTS_CACHE_DIR"] = str(folder)
     return folder
 
