@@ -5,7 +5,7 @@ import ctypes
 from pathlib import Path
 
 from mrts.errors import InputError
-from mrts.manifest import LOAD_ENTRIES, ArgumentRecord, FunctionRecord, Manifest
+from mrts.manifest import LOAD_ENTRIES, REDUNDANT_GENERATED, ArgumentRecord, FunctionRecord, Manifest
 
 Shapes = list[tuple[int, int]]
 
@@ -62,11 +62,16 @@ def _kernel_shapes(manifest: Manifest) -> dict[str, tuple[Shapes, Shapes]]:
     m, f, k = sum(len(robot.joints) for robot in manifest.robots), n * w, (n - 1) * w + 1
     joints = (m, 1)
     sample = [joints, joints, joints, (3, 3), (6, 1), (6, 1), (len(LOAD_ENTRIES), 1)]
-    return {
+    wrench = (f, 1)
+    shapes = {
         "wrench_form": (sample, [(m, k), (m, 1), (f, k), (f, 1)]),
         "kinematics": ([joints], [(3, n), (3, 3 * n), (w, m)]),
         "bias_acceleration": ([joints, joints], [(w, n)]),
+        "geometric_stiffness": ([joints, wrench], [(m, m)]),
+        "geometric_stiffness_rate": ([joints, joints, wrench], [joints]),
     }
+    redundant = any(len(robot.joints) > w for robot in manifest.robots)
+    return {name: shape for name, shape in shapes.items() if redundant or name not in REDUNDANT_GENERATED}
 
 
 def _shapes(arguments: list[ArgumentRecord]) -> Shapes:
