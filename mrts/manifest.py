@@ -26,6 +26,9 @@ frame's origin, which is the nominal com [kg m²]. The balance of the object is 
 ALWAYS_GENERATED = ("kinematics", "bias_acceleration", "dynamics", "terms", "wrench_form", "fixed_distribution")
 """Functions that every cell has."""
 
+FOR_REDUNDANT_ARMS = ("geometric_stiffness", "geometric_stiffness_rate")
+"""Functions that a cell has besides if an arm has more joints than wrench components."""
+
 MOST = 1000
 """Robots of a cell, joints of a robot, arguments of a function: far above any that can be generated."""
 
@@ -170,8 +173,9 @@ class Manifest(_Record):
         for robot in self.robots:
             if not len(robot.wrench_lower) == len(robot.wrench_upper) == size:
                 raise broken_rule(f"the wrench limits of robot '{robot.name}' must be one a wrench component")
-            if len(robot.joints) > size and "jacobian_rate" not in self.functions:
-                raise broken_rule("its functions must include 'jacobian_rate'")
+            missing = [short for short in FOR_REDUNDANT_ARMS if short not in self.functions]
+            if len(robot.joints) > size and missing:
+                raise broken_rule(f"its functions must include '{missing[0]}'")
         return self
 
     def to_json(self) -> str:

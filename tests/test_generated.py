@@ -16,6 +16,7 @@ from mrts_codegen.generate import generate_cell
 import mrts
 from mrts.cache_folder import cache_folder
 from mrts.cell_cache import export_to, generated_in_cache
+from mrts.manifest import Manifest
 
 COMMITTED = ROOT / "generated" / "planar_dual_arm"
 SHIPPED = ["planar_dual_arm", "dual_ur5"]
@@ -145,6 +146,28 @@ def test_a_hostile_manifest_is_refused(kind, tmp_path):
     assert sorted(tmp_path.rglob("*")) == before
 
 
+@pytest.mark.parametrize("short", ["geometric_stiffness", "geometric_stiffness_rate"])
+def test_a_cell_with_a_redundant_arm_has_what_tracks_it(short, tmp_path):
+    arm = {"urdf": "arm.urdf", "tip_link": "l4", "posture": [0.1, 0.2, 0.3, 0.4], "torque": [1.0] * 4}
+    cell = {"name": "one", "gravity": [0, 0, 0], "plane": "xy", "object": {"mass": 1.0, "inertia": [1.0, 1.0, 1.0]}}
+    links = "".join(
+        f'<link name="l{k}"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+        "</inertial></link>"
+        for k in range(5)
+    )
+    joints = "".join(
+        f'<joint name="j{k}" type="continuous"><parent link="l{k}"/><child link="l{k + 1}"/><axis xyz="0 0 1"/>'
+        '<origin xyz="1 0 0"/></joint>'
+        for k in range(4)
+    )
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{links}{joints}</robot>')
+    (tmp_path / "cell.yaml").write_text(json.dumps(cell | {"robots": [arm | {"name": "arm"}]}))
+    manifest = generate_cell(tmp_path / "cell.yaml").manifest
+    without = {name: function for name, function in manifest.functions.items() if name != short}
+    with pytest.raises(ValueError, match=f"must include '{short}'"):
+        Manifest.model_validate(manifest.model_dump() | {"functions": without})
+
+
 def test_a_function_that_the_c_file_lacks_is_missed(tmp_path):
     extra = {"symbol": "planar_dual_arm_extra", "instructions": 1, "inputs": [{"name": "q", "shape": [6, 1]}]}
     extra["outputs"] = extra["inputs"]
@@ -155,15 +178,12 @@ def test_a_function_that_the_c_file_lacks_is_missed(tmp_path):
         mrts.load_cell(folder)
 
 
-def test_names_that_could_not_be_read_back_are_not_saved(planar_cell, lift, tmp_path):
-    result = mrts.scale(planar_cell, lift)
-    for spoiled in (
-        replace(planar_cell, name="../x"),
-        replace(planar_cell, robots=tuple(replace(robot, name="a b") for robot in planar_cell.robots)),
-    ):
-        with pytest.raises(mrts.InputError, match="letters, digits and single underscores"):
-            mrts.save_result(replace(result, cell=spoiled), tmp_path / "result.npz")
-    assert not list(tmp_path.iterdir())
+@pytest.mark.parametrize("changed", ["name", "robots"])
+def test_names_stay_as_generated(planar_cell, changed):
+    """So none that could not be read back is saved."""
+    robots = tuple(replace(robot, name="a b") for robot in planar_cell.robots)
+    with pytest.raises(mrts.InputError, match=f"cell: {changed}: stands as numbers in the generated C"):
+        replace(planar_cell, **{changed: {"name": "../x", "robots": robots}[changed]})
 
 
 @pytest.mark.parametrize("name", ["math", "string", "stdio", "../x", "a b", "x\n", "x" * 41])
