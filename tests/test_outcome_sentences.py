@@ -9,6 +9,7 @@ from conftest import DATA
 from shown_results import braking_only, result_of
 
 import mrts
+import mrts.text_report
 from mrts.interval_text import interval_text
 from mrts.text_report import report_lines
 
@@ -134,6 +135,13 @@ def test_no_crossed_and_no_infinite_interval_is_shown(planar_cell, lift, tmp_pat
     for text in lines.values():
         for low, high in re.findall(r"\[([-\d.e]+), ([-\d.e]+)\]", text):
             assert float(low) <= float(high)
+
+
+def test_columns_of_joint_names_that_are_longer_stay_aligned(planar_cell, lift, monkeypatch):
+    monkeypatch.setattr(mrts.text_report, "NAME_WIDTH", len("left/elbow"))
+    table = report_lines(mrts.scale(planar_cell, lift))
+    head, *rows = [line for line in table if line.startswith(("joint ", "left/", "right/"))]
+    assert {len(row) for row in rows} == {len(head)}
 
 
 def test_a_load_without_a_common_speed_is_said_with_both_samples(planar_cell, lift):
