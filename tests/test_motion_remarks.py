@@ -61,6 +61,7 @@ def test_ends_that_are_not_at_rest(planar_cell, part, samples):
     first = result.motion.dq[samples[0]]
     joint = int(np.argmax(np.abs(first)))
     assert f"moves at {abs(first[joint]):.3g} rad/s" in result.warnings[0].text
+    assert "(a table of few rows: with its velocities)" in result.warnings[0].text
 
 
 def test_a_row_out_of_line(planar_cell, tmp_path):
