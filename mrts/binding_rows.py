@@ -27,8 +27,7 @@ def row_label(row: ActiveRow) -> str:
     name = row.name
     if name == STANDSTILL or not name.robot:
         return str(name)
-    kind = "" if name.kind in {"torque", "wrench"} else f" {name.kind}"
-    return f"{name.robot}/{name.element}{kind} {'↑' if row.side == 'upper' else '↓'}"
+    return f"{name.short} {'↑' if row.side == 'upper' else '↓'}"
 
 
 def row_labels(rows: Sequence[ActiveRow], most: int = MOST_NAMES) -> str:

@@ -116,11 +116,10 @@ class ConfigurationStudy:
         if rows < 0:
             raise InputError("--show", "must be at least 0.", value=rows)
         done = len(self.ranked)
-        lines = [
-            f"{self.combinations} configurations reach the end, {done} evaluated, by falling c²⁺{self._left_out()}:"
-        ]
+        evaluated = f"{done} evaluated"
         if done < self.combinations:
-            lines[0] += " (the best of a fixed distribution; raise --cap for all)"
+            evaluated += " (the best of a fixed distribution; raise --cap for all)"
+        lines = [f"{self.combinations} configurations reach the end, {evaluated}, by falling c²⁺{self._left_out()}:"]
         names = [*self.branches]
         lines.append(f"{'rank':>4}  " + "  ".join(f"{name:>8}" for name in names) + f"  {'c²⁺':>9}  limited at")
         for rank, configuration in enumerate(self.ranked[:rows], start=1):
@@ -349,5 +348,5 @@ def outcome(configuration: Configuration) -> str:
         return f"{found.status.value}: {found.explain()}"
     if found.status is ScalingStatus.UNBOUNDED or found.upper.time is None:
         return "unbounded"
-    rows = ", ".join(f"{row.name.robot}/{row.name.element}" for row in found.upper.rows)
+    rows = ", ".join(row.name.short for row in found.upper.rows)
     return f"t = {found.upper.time:.3g} s: {rows}"

@@ -5,7 +5,7 @@ import ctypes
 from pathlib import Path
 
 from mrts.errors import InputError
-from mrts.manifest import LOAD_ENTRIES, REDUNDANT_GENERATED, ArgumentRecord, FunctionRecord, Manifest
+from mrts.manifest import LOAD_ENTRIES, ArgumentRecord, FunctionRecord, Manifest
 
 Shapes = list[tuple[int, int]]
 
@@ -57,21 +57,20 @@ def work_sizes(library: ctypes.CDLL, record: FunctionRecord) -> tuple[int, ...]:
 
 
 def _kernel_shapes(manifest: Manifest) -> dict[str, tuple[Shapes, Shapes]]:
-    """Inputs and outputs of the functions that trajectory.c and tracking.c call, as these have them."""
+    """Inputs and outputs of the functions that the kernel calls, as these have them."""
     n, w = len(manifest.robots), len(manifest.wrench_components)
     m, f, k = sum(len(robot.joints) for robot in manifest.robots), n * w, (n - 1) * w + 1
     joints = (m, 1)
     sample = [joints, joints, joints, (3, 3), (6, 1), (6, 1), (len(LOAD_ENTRIES), 1)]
-    wrench = (f, 1)
-    shapes = {
+    shapes: dict[str, tuple[Shapes, Shapes]] = {
         "wrench_form": (sample, [(m, k), (m, 1), (f, k), (f, 1)]),
         "kinematics": ([joints], [(3, n), (3, 3 * n), (w, m)]),
         "bias_acceleration": ([joints, joints], [(w, n)]),
-        "geometric_stiffness": ([joints, wrench], [(m, m)]),
-        "geometric_stiffness_rate": ([joints, joints, wrench], [joints]),
     }
-    redundant = any(len(robot.joints) > w for robot in manifest.robots)
-    return {name: shape for name, shape in shapes.items() if redundant or name not in REDUNDANT_GENERATED}
+    if any(len(robot.joints) > w for robot in manifest.robots):
+        shapes["geometric_stiffness"] = ([joints, (f, 1)], [(m, m)])
+        shapes["geometric_stiffness_rate"] = ([joints, joints, (f, 1)], [(m, 1)])
+    return shapes
 
 
 def _shapes(arguments: list[ArgumentRecord]) -> Shapes:

@@ -32,7 +32,7 @@ class JointTable:
         remarks: What to know of how it was read.
         differentiated: The columns whose velocities, or accelerations only, were not given, and what they were found
             from.
-        smoothed: The columns whose positions were smoothed within their rounding, and the largest change [rad or m].
+        smoothed: The columns whose positions were smoothed by their rounding, and the largest change [rad or m].
         unusable: Columns that could not be read together with the others, and why; a cell that needs one says so.
     """
 

@@ -8,10 +8,10 @@ import numpy as np
 from mrts.argument_types import check_type
 from mrts.errors import InputError
 from mrts.holding import holding_at_ends
-from mrts.result import ScalingResult
+from mrts.result import END_TOLERANCE, ScalingResult
 from mrts.rigid_transform import Array
 from mrts.scaled_trajectory import ScaledTrajectory
-from mrts.scaling import END_TOLERANCE, SelectionError
+from mrts.scaling import SelectionError
 from mrts.scaling_range import intersect
 from mrts.solvers import DEFAULT_SOLVER, check_solver
 from mrts.torque_distribution import torque_weights

@@ -39,6 +39,13 @@ class RowName:
         what = "contact wrench" if self.kind == "wrench" else self.kind
         return f"{self.robot}/{self.element} {what}"
 
+    @property
+    def short(self) -> str:
+        """`left/elbow` for its torque, `left/fx` for that wrench, `left/elbow velocity`; in full without a robot."""
+        if not self.robot:
+            return str(self)
+        return f"{self.robot}/{self.element}" + ("" if self.kind in {"torque", "wrench"} else f" {self.kind}")
+
 
 STANDSTILL = RowName("c2")
 """The row c² >= 0: where it binds, the cell may stand still."""

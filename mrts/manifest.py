@@ -26,8 +26,8 @@ frame's origin, which is the nominal com [kg m²]. The balance of the object is 
 ALWAYS_GENERATED = ("kinematics", "bias_acceleration", "dynamics", "terms", "wrench_form", "fixed_distribution")
 """Functions that every cell has."""
 
-REDUNDANT_GENERATED = ("geometric_stiffness", "geometric_stiffness_rate")
-"""Functions that a cell has where an arm has more joints than its wrench has components."""
+FOR_REDUNDANT_ARMS = ("geometric_stiffness", "geometric_stiffness_rate")
+"""Functions that a cell has besides if an arm has more joints than wrench components."""
 
 MOST = 1000
 """Robots of a cell, joints of a robot, arguments of a function: far above any that can be generated."""
@@ -173,9 +173,9 @@ class Manifest(_Record):
         for robot in self.robots:
             if not len(robot.wrench_lower) == len(robot.wrench_upper) == size:
                 raise broken_rule(f"the wrench limits of robot '{robot.name}' must be one a wrench component")
-            for short in REDUNDANT_GENERATED:
-                if len(robot.joints) > size and short not in self.functions:
-                    raise broken_rule(f"its functions must include '{short}'")
+            missing = [short for short in FOR_REDUNDANT_ARMS if short not in self.functions]
+            if len(robot.joints) > size and missing:
+                raise broken_rule(f"its functions must include '{missing[0]}'")
         return self
 
     def to_json(self) -> str:

@@ -89,7 +89,8 @@ def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
             text = (
                 f"the motion does not {what} at rest: {names[moving[joint]]} moves at {speed:.3g} "
                 f"{_unit(cell, moving[joint])}/s at t = {motion.object.time[sample]:.4g} s, and at every factor of "
-                f"speed {why}. Give a motion that is at rest at both ends, or make sure that the robots move already."
+                f"speed {why}. Give a motion that is at rest at both ends (a table of few rows: with its velocities), "
+                "or make sure that the robots move already."
             )
             remarks.append(Remark("not-at-rest", text, sample))
     return remarks

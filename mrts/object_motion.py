@@ -222,11 +222,11 @@ def spline_motion(time: Array, positions: Array, quaternions: Array, at: Array) 
 
 
 def smoothing_remark(what: str, moved: float) -> Remark:
-    """That positions were smoothed within their rounding, by at most so much [m, rad, or 1]."""
+    """That positions were smoothed by their rounding, by at most so much [m, rad, or 1]."""
     return Remark(
         "smoothed-digits",
-        f"the digits of {what} are too few to be differentiated twice: a smooth path within their rounding was taken, "
-        f"at most {moved:.2g} from them. Give more digits, or velocities and accelerations.",
+        f"the digits of {what} are too few to be differentiated twice: a smooth path was taken that misses them by "
+        f"their rounding on the mean, and by at most {moved:.2g}. Give more digits, or velocities and accelerations.",
     )
 
 

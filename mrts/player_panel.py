@@ -129,7 +129,7 @@ def _percent(share: float) -> str:
 
 def _rows(rows: Sequence[tuple[ActiveRow, ...]], loads: Sequence[LoadPoint] | None, sample: int) -> str:
     load = f" with {loads[sample]}" if loads else ""
-    names = (f"{row.name.robot}/{row.name.element}" if row.name.robot else str(row) for row in rows[sample])
+    names = (row.name.short for row in rows[sample])
     return html_text(", ".join(names) + load)
 
 

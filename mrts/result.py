@@ -26,6 +26,9 @@ from mrts.scaling_range import ScalingRange, ScalingStatus
 from mrts.uncertain_load import LoadStudy
 from mrts.velocity_limits import velocity_limits
 
+END_TOLERANCE = 1e-7
+"""Share by which c² may miss a range by rounding: a plan at its fastest read back from a file, another load's range."""
+
 LIMIT_TOLERANCE = 1e-8
 """Largest overstepping of a limit, as a share of it, that counts as rounding and the programs' own slack."""
 
@@ -291,7 +294,7 @@ def _speed_advice(least: float, most: float, given: float) -> str:
         verb = "may" if least <= 1 <= most else "must"
         times = f"{given / np.sqrt(least):.4g} to {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
         return f"you {verb} play it {np.sqrt(least):.3g} to {fast}: {times}"
-    allowed = "may play it up to" if most >= 1 - LIMIT_TOLERANCE else "must play it at most"
+    allowed = "may play it up to" if most >= 1 - END_TOLERANCE else "must play it at most"
     return f"you {allowed} {fast}: {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
 
 

@@ -19,7 +19,7 @@ from mrts.joint_table import JointTable
 from mrts.load_sharing import LoadSharing
 from mrts.motion_remarks import motion_remarks
 from mrts.object_motion import ObjectMotion
-from mrts.result import DistributionRule, ScalingResult
+from mrts.result import END_TOLERANCE, DistributionRule, ScalingResult
 from mrts.rigid_transform import Array
 from mrts.sample_problem import FormulationName
 from mrts.scaled_trajectory import ScaledTrajectory
@@ -28,10 +28,6 @@ from mrts.solvers import DEFAULT_SOLVER, check_solver
 from mrts.torque_distribution import torque_weights
 from mrts.trajectory_programs import motion_ranges, motion_torques
 from mrts.uncertain_load import Progress, study_load
-
-END_TOLERANCE = 1e-8
-"""Share by which c² may miss a range by rounding: a plan at its fastest read back from a file, another load's range."""
-
 
 LARGEST_C2 = 1e300
 """What is asked for beyond it counts as it: Python's whole numbers have no end, floating point has."""

@@ -18,6 +18,9 @@ LOADS_SHOWN = 8
 LIMITS_SHOWN = 4
 """Limits that are printed of a timing."""
 
+NAME_WIDTH = 28
+"""Of the column of joints, unless a name is longer [characters]."""
+
 LIMIT_DIGITS = 6
 """Significant digits of a limit: as many as it is given with."""
 
@@ -66,14 +69,16 @@ def retiming_lines(found: RetimingResult) -> Iterator[str]:
 
 def _torque_lines(result: ScalingResult) -> Iterator[str]:
     """Least and largest torque of every joint."""
-    yield f"{'joint':<28} {'least torque':>14} {'largest torque':>15} {'limits':>22}"
-    for robot in result.cell.robots:
+    robots = result.cell.robots
+    names = max(NAME_WIDTH, *(len(f"{robot.name}/{joint}") for robot in robots for joint in robot.joints))
+    yield f"{'joint':<{names}} {'least torque':>14} {'largest torque':>15} {'limits':>22}"
+    for robot in robots:
         torque = result.torque[robot.name]
         for index, joint in enumerate(robot.joints):
             unit = robot.torque_units[index]
             limits = interval_text(robot.torque_lower[index], robot.torque_upper[index], unit, LIMIT_DIGITS)
             least, largest = (f"{value:.4g} {unit}" for value in (np.min(torque[:, index]), np.max(torque[:, index])))
-            yield f"{f'{robot.name}/{joint}':<28} {least:>14} {largest:>15} {limits:>22}"
+            yield f"{f'{robot.name}/{joint}':<{names}} {least:>14} {largest:>15} {limits:>22}"
 
 
 def _load_lines(study: LoadStudy) -> Iterator[str]:

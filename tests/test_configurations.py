@@ -35,6 +35,16 @@ def test_velocity_limits_count_in_the_ranking(dual_ur5, lift_and_turn, study):
     ranked = mrts.rank_configurations(dual_ur5, lift_and_turn).ranked
     assert ranked[0].c2_upper < study.ranked[-1].c2_upper
     assert ranked[0].range.upper.rows[0].name.kind == "velocity"
+    assert mrts.configurations.outcome(ranked[0]).endswith(" velocity")
+    assert "velocity" not in mrts.configurations.outcome(study.ranked[0])
+
+
+def test_the_first_line_says_how_many_were_evaluated(planar_cell, lift):
+    header = mrts.rank_configurations(planar_cell, lift, cap=2).table(1).splitlines()[0]
+    assert header == (
+        "4 configurations reach the end, 2 evaluated (the best of a fixed distribution; raise --cap for all), "
+        "by falling c²⁺:"
+    )
 
 
 def test_an_uncertain_load_is_ranked_by_its_guaranteed_range(planar_cell, lift):

@@ -15,6 +15,7 @@ from mrts_codegen.generate import generate_cell
 import mrts
 from mrts.cache_folder import cache_folder
 from mrts.cell_cache import export_to, generated_in_cache
+from mrts.manifest import Manifest
 
 COMMITTED = ROOT / "generated" / "planar_dual_arm"
 SHIPPED = ["planar_dual_arm", "dual_ur5"]
@@ -144,6 +145,39 @@ def test_a_hostile_manifest_is_refused(kind, tmp_path):
     assert sorted(tmp_path.rglob("*")) == before
 
 
+@pytest.fixture(scope="module")
+def redundant(tmp_path_factory):
+    """Of a planar cell of one arm with four joints."""
+    folder = tmp_path_factory.mktemp("redundant")
+    inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    links = "".join(f'<link name="l{k}">{inertial}</link>' for k in range(5))
+    joints = "".join(
+        f'<joint name="j{k}" type="continuous"><parent link="l{k}"/><child link="l{k + 1}"/><axis xyz="0 0 1"/>'
+        '<origin xyz="1 0 0"/></joint>'
+        for k in range(4)
+    )
+    (folder / "arm.urdf").write_text(f'<robot name="arm">{links}{joints}</robot>')
+    arm = {"name": "arm", "urdf": "arm.urdf", "tip_link": "l4", "posture": [0.1, 0.2, 0.3, 0.4], "torque": [1.0] * 4}
+    cell = {"name": "one", "gravity": [0, 0, 0], "plane": "xy", "object": {"mass": 1.0, "inertia": [1.0, 1.0, 1.0]}}
+    (folder / "cell.yaml").write_text(json.dumps(cell | {"robots": [arm]}))
+    return generate_cell(folder / "cell.yaml")
+
+
+@pytest.mark.parametrize("short", ["geometric_stiffness", "geometric_stiffness_rate"])
+def test_a_cell_with_a_redundant_arm_has_what_tracks_it(short, redundant, tmp_path):
+    manifest = redundant.manifest
+    without = {name: function for name, function in manifest.functions.items() if name != short}
+    with pytest.raises(ValueError, match=f"must include '{short}'"):
+        Manifest.model_validate(manifest.model_dump() | {"functions": without})
+    redundant.write(tmp_path)
+    data = manifest.model_dump(mode="json")
+    data["functions"][short]["outputs"][0]["shape"] = [5, 5]
+    wrong = Manifest.model_validate(data).sealed()
+    (tmp_path / "manifest.json").write_text(wrong.to_json())
+    with pytest.raises(mrts.InputError, match=rf"functions\.{short}: its shapes do not follow from robots"):
+        mrts.load_cell(tmp_path)
+
+
 def test_a_function_that_the_c_file_lacks_is_missed(tmp_path):
     extra = {"symbol": "planar_dual_arm_extra", "instructions": 1, "inputs": [{"name": "q", "shape": [6, 1]}]}
     extra["outputs"] = extra["inputs"]
@@ -152,6 +186,14 @@ def test_a_function_that_the_c_file_lacks_is_missed(tmp_path):
         mrts.InputError, match=r"cell/manifest\.json: functions\.extra: the C file holds no such function"
     ):
         mrts.load_cell(folder)
+
+
+@pytest.mark.parametrize("changed", ["name", "robots"])
+def test_names_stay_as_generated(planar_cell, changed):
+    """So none that could not be read back is saved."""
+    robots = tuple(replace(robot, name="a b") for robot in planar_cell.robots)
+    with pytest.raises(mrts.InputError, match=f"cell: {changed}: stands as numbers in the generated C"):
+        replace(planar_cell, **{changed: {"name": "../x", "robots": robots}[changed]})
 
 
 @pytest.mark.parametrize("name", ["math", "string", "stdio", "../x", "a b", "x\n", "x" * 41])

@@ -149,6 +149,15 @@ def test_further_starts_are_tried_where_the_posture_leads_past_a_limit(dual_ur5)
         mrts.follow_object(away, given)
 
 
+def test_further_starts_of_joints_without_limits(dual_ur5):
+    upper = np.full(6, 7.0)
+    upper[0] = mrts.follow_object(dual_ur5, motion([0.03, 0.2, 0.5])).q[0, 6] - 0.01
+    lower = np.array([-3.2, -np.inf, -np.inf, -np.inf, -3.2, -3.2])
+    upper[1:4] = [np.inf, 3.2, np.inf]
+    moved = mrts.follow_object(limited(dual_ur5, 1, lower, upper), motion([0.03, 0.2, 0.5]))
+    assert [remark.code for remark in moved.remarks] == ["other-start"]
+
+
 def test_whole_turns_bring_a_joint_inside_its_limits(dual_ur5):
     given = motion([0.03, 0.2, 0.5])
     free = mrts.follow_object(dual_ur5, given)

@@ -61,6 +61,7 @@ def test_ends_that_are_not_at_rest(planar_cell, part, samples):
     first = result.motion.dq[samples[0]]
     joint = int(np.argmax(np.abs(first)))
     assert f"moves at {abs(first[joint]):.3g} rad/s" in result.warnings[0].text
+    assert "(a table of few rows: with its velocities)" in result.warnings[0].text
 
 
 def test_a_row_out_of_line(planar_cell, tmp_path):
@@ -84,21 +85,32 @@ def test_a_velocity_that_changes_between_two_rows(planar_cell):
 
 
 @pytest.mark.parametrize(
-    ("samples", "digits", "said"), [(101, 4, True), (101, 8, False), (301, 3, True), (301, 7, False)]
+    ("samples", "noise", "said"), [(101, 3e-5, True), (101, 3e-9, False), (301, 3e-6, True), (301, 3e-8, False)]
 )
 @pytest.mark.parametrize("between", [1, 10])
-def test_rounding_that_sets_the_range(planar_cell, tmp_path, samples, digits, said, between):
+def test_noise_that_sets_the_range(planar_cell, tmp_path, samples, noise, said, between):
     smooth = straight_lift(samples=samples)
-    heights = [f"{height:.{digits}f}" for height in smooth.position[:, 1]]
-    motion = table(tmp_path / "lift.csv", smooth.time, heights)
+    unturned = np.tile([0.0, 0.0, 0.0, 1.0], (samples, 1))
+    heights = smooth.position[:, 1] + noise * np.random.default_rng(5).normal(size=samples)
+    motion = table(tmp_path / "lift.csv", smooth.time, heights.tolist())
     if between > 1:
         at = np.linspace(0, motion.time[-1], between * (samples - 1) + 1)
-        motion = spline_motion(motion.time, motion.position, motion.rotation, at)
-    clean = spline_motion(smooth.time, smooth.position, smooth.rotation, motion.time)
+        motion = spline_motion(motion.time, motion.position, unturned, at)
+    clean = spline_motion(smooth.time, smooth.position, unturned, motion.time)
     result, true = mrts.scale(planar_cell, motion), mrts.scale(planar_cell, clean)
     assert codes(result) == (["noise"] if said else [])
     off = abs(result.range.upper.c2 / true.range.upper.c2 - 1)
     assert off > 0.2 if said else off < 0.02
+
+
+@pytest.mark.parametrize(("samples", "digits"), [(101, 4), (301, 3)])
+def test_few_digits_do_not_set_the_range(planar_cell, tmp_path, samples, digits):
+    smooth = straight_lift(samples=samples)
+    heights = [f"{height:.{digits}f}" for height in smooth.position[:, 1]]
+    result = mrts.scale(planar_cell, table(tmp_path / "lift.csv", smooth.time, heights))
+    assert codes(result) == ["smoothed-digits"]
+    assert "misses them by their rounding on the mean" in result.warnings[0].text
+    assert result.range.upper.c2 == pytest.approx(mrts.scale(planar_cell, smooth).range.upper.c2, rel=1e-3)
 
 
 def test_noise_is_measured():

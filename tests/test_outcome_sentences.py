@@ -9,7 +9,9 @@ from conftest import DATA
 from shown_results import braking_only, result_of
 
 import mrts
+import mrts.text_report
 from mrts.interval_text import interval_text
+from mrts.result import _speed_advice
 from mrts.text_report import report_lines
 
 AT_REST = {"duration": 1.0, "samples": 11, "profile": "quintic", "start": {"xyz": [1.25, 1, 0]}}
@@ -136,6 +138,13 @@ def test_no_crossed_and_no_infinite_interval_is_shown(planar_cell, lift, tmp_pat
             assert float(low) <= float(high)
 
 
+def test_columns_of_joint_names_that_are_longer_stay_aligned(planar_cell, lift, monkeypatch):
+    monkeypatch.setattr(mrts.text_report, "NAME_WIDTH", len("left/elbow"))
+    table = report_lines(mrts.scale(planar_cell, lift))
+    head, *rows = [line for line in table if line.startswith(("joint ", "left/", "right/"))]
+    assert {len(row) for row in rows} == {len(head)}
+
+
 def test_a_load_without_a_common_speed_is_said_with_both_samples(planar_cell, lift):
     slow = braking_only(planar_cell, lift, 53)
     result = mrts.scale(slow.cell.with_variation(mass=(0.9, 1.1)), slow.motion)
@@ -144,3 +153,12 @@ def test_a_load_without_a_common_speed_is_said_with_both_samples(planar_cell, li
     assert len(empty) > 0
     found = result.load.ranges[0]
     assert any(f"{found.lower.c2:.4g} at t = {found.lower.time:.4g} s, but at most" in line for line in empty)
+
+
+def test_a_plan_at_its_fastest_that_is_read_back_may_be_played_as_given(planar_cell, lift):
+    """Its range then ends at 1 but for rounding, to either side."""
+    motion = mrts.scale(planar_cell, lift).motion
+    end = mrts.scale(planar_cell, motion).range.upper.c2
+    chosen = mrts.scale(planar_cell, motion, end * (1 + 5e-8))
+    assert chosen.trajectory.c2 == end
+    assert _speed_advice(0.0, 1 - 5e-8, 1.0).startswith("you may play it up to 1 × as fast as given")

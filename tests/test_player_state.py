@@ -132,6 +132,12 @@ def test_an_infeasible_motion_still_plays(planar_cell, lift):
     assert 'data-over="true"' in bars_html("torque", state.torque_bars())
 
 
+def test_a_velocity_that_forbids_more_is_not_taken_for_a_torque(dual_ur5, turning):
+    state = PlayerState(dual_ur5, turning)
+    state.sample = int(np.argmin(state.result.range.samples.upper))
+    assert " velocity" in moment_html(state)
+
+
 def test_at_rest_any_speed_plays(planar_cell, lift):
     here = lift.position[0].tolist()
     description = {"duration": 1.0, "profile": "quintic", "start": {"xyz": here}, "end": {"xyz": here}}
