@@ -20,7 +20,7 @@ from mrts.load_box import LoadPoint
 from mrts.load_sharing import LoadSharing
 from mrts.motion_remarks import lasting
 from mrts.object_motion import ObjectMotion
-from mrts.path_pieces import NoPath, PathPiece, path_pieces
+from mrts.path_pieces import NoPath, PathPiece, closed_piece, path_pieces
 from mrts.path_rows import build_path_problem
 from mrts.reachability import Obstacle, SpeedProfile, fastest_profile
 from mrts.result import ScalingResult
@@ -100,7 +100,7 @@ def retime(
         if speed > 0 and rests:
             raise InputError(name, "the given motion is at rest there, so no other speed is possible.", value=speed)
     timed: list[TimedPiece] = []
-    for number, piece in enumerate(pieces):
+    for number, piece in enumerate(closed_piece(cell, part) for part in pieces):
         ends = tuple(
             0.0 if rests else (speed * float(piece.speed[place])) ** 2
             for rests, speed, place in zip(piece.rests, (start_speed, end_speed), (0, -1), strict=True)
