@@ -9,7 +9,7 @@ import numpy as np
 
 from mrts.errors import InputError
 from mrts.holding_rows import motion_rows
-from mrts.object_motion import check_derivatives, smoothing_remark
+from mrts.object_motion import check_derivatives, noise_allowed, smoothing_remark
 from mrts.remark import Remark
 from mrts.rigid_transform import Array
 from mrts.rounded_samples import splines_through
@@ -63,10 +63,13 @@ class JointTable:
             InputError: If velocities or accelerations contradict the positions, or some of a robot's are missing.
         """
         self._check_complete(joints)
+        noise = noise_allowed(
+            *(np.column_stack([part[name] for name in joints]) for part in (self.positions, self.velocities))
+        )
         for joint in joints:
             columns = (self.positions[joint], self.velocities[joint], self.accelerations[joint])
             try:
-                check_derivatives(joint, self.time, *(column[:, None] for column in columns))
+                check_derivatives(joint, self.time, *(column[:, None] for column in columns), noise)
             except InputError as error:
                 raise InputError(self.path, error.rule, key=error.where) from None
         sources = {self.differentiated.get(joint) for joint in joints}
