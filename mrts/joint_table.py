@@ -67,9 +67,9 @@ class JointTable:
             *(np.column_stack([part[name] for name in joints]) for part in (self.positions, self.velocities))
         )
         for joint in joints:
-            columns = (self.positions[joint], self.velocities[joint], self.accelerations[joint])
+            q, dq, ddq = (part[joint][:, None] for part in (self.positions, self.velocities, self.accelerations))
             try:
-                check_derivatives(joint, self.time, *(column[:, None] for column in columns), noise)
+                check_derivatives(joint, self.time, q, dq, ddq, noise)
             except InputError as error:
                 raise InputError(self.path, error.rule, key=error.where) from None
         sources = {self.differentiated.get(joint) for joint in joints}
