@@ -173,15 +173,13 @@ def _with_torques(constant: ScalingResult, pieces: Sequence[TimedPiece]) -> Scal
     W = torque_weights(rule.weights, motion.q.shape[1])
     torque, wrench, fallbacks = motion_torques(cell, motion, "wrench", rule.sharing, DEFAULT_SOLVER, 1.0, W)
     found = intersect(motion_ranges(cell, motion, "wrench", rule.sharing, DEFAULT_SOLVER))
-    holding, remarks = holding_at_ends(cell, motion, found.samples, rule.sharing, "wrench", W, DEFAULT_SOLVER)
-    motion = replace(motion, remarks=motion.remarks + remarks)
+    holding, unheld = holding_at_ends(cell, motion, found.samples, rule.sharing, "wrench", W, DEFAULT_SOLVER)
     trajectory = ScaledTrajectory(cell, motion, 1.0, torque, wrench, holding)
     given = constant.motion.object.time[-1]
     origin = f"fastest timing of a path that was given {given:.4g} s: {trajectory.duration:.4g} s"
     fallbacks += found.samples.fallbacks
-    return ScalingResult(
-        cell, motion, found, trajectory, fallbacks, None, rule, origin, lasting(constant.warnings)
-    ).checked()
+    warnings = tuple(dict.fromkeys(lasting(constant.warnings) + unheld))
+    return ScalingResult(cell, motion, found, trajectory, fallbacks, None, rule, origin, warnings).checked()
 
 
 @dataclass(frozen=True)

@@ -133,9 +133,13 @@ def test_a_cell_that_cannot_hold_still_says_so(tmp_path):
     eye = np.broadcast_to(np.eye(3), (101, 3, 3))
     motion = mrts.ObjectMotion(time, columns[0, :, :3], eye, columns[1], columns[2])
     result = mrts.scale(replace(cell, robots=pushed), motion)
-    (remark,) = result.motion.remarks
-    assert (remark.code, remark.sample) == ("no-row-at-rest", 0)
+    (remark,) = [warning for warning in result.warnings if warning.code == "no-row-at-rest"]
+    assert remark.sample == 0
     assert "do not let the cell hold still where the motion starts" in remark.text
+    assert remark.text in result.summary()
+    assert result.motion.remarks == ()
+    carried = mrts.torques_for_load(result, result.cell.load)
+    assert carried.warnings == result.warnings
     np.testing.assert_array_equal(played_rows(result.trajectory).time, result.trajectory.time)
 
 
