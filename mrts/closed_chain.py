@@ -149,14 +149,9 @@ def _on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
 
 def _rates_on_grasps(cell: Cell, target: ObjectMotion, q: Array, given: CoordinatedMotion) -> tuple[Array, Array]:
     """Velocities and accelerations that keep the tips on the grasps, nearest to the given ones, each Shape (N, m)."""
-    samples = len(q)
-    dq, ddq = given.dq.copy(), given.ddq.copy()
-    rates = [tip_rates(cell, robot, target) for robot in cell.robots]
-    jacobians = cell.functions("kinematics", samples, {"q": q})["jacobian"]
-    inverses = []
-    for robot, joints, (velocity, _) in zip(cell.robots, cell.joint_slices.values(), rates, strict=True):
-        J = jacobians[:, :, joints]
-        condition = np.linalg.cond(J)
+    jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
+    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        condition = np.linalg.cond(jacobians[:, :, joints])
         if not np.all(condition < CONDITION_LIMIT):
             sample = int(np.argmax(condition))
             raise MotionError(
@@ -164,7 +159,27 @@ def _rates_on_grasps(cell: Cell, target: ObjectMotion, q: Array, given: Coordina
                 "cannot be moved onto its grasp there. Give joints that close the chain, or keep the arm away from "
                 "full stretch, full fold and aligned axes."
             )
-        inverses.append(np.asarray(np.linalg.pinv(J), dtype=np.float64))
+    return nearest_rates(cell, target, CoordinatedMotion(target, q, given.dq, given.ddq))
+
+
+def nearest_rates(cell: Cell, target: ObjectMotion, given: CoordinatedMotion) -> tuple[Array, Array]:
+    """Velocities and accelerations nearest to the given ones that keep the tips on the grasps, each Shape (N, m).
+
+    A direction that a singular arm has lost is left as given.
+
+    Args:
+        cell: The cell.
+        target: Motion of the object.
+        given: Joint positions on the grasps, and velocities and accelerations that may be off.
+    """
+    q, dq, ddq = given.q, given.dq.copy(), given.ddq.copy()
+    samples = len(q)
+    rates = [tip_rates(cell, robot, target) for robot in cell.robots]
+    jacobians = cell.functions("kinematics", samples, {"q": q})["jacobian"]
+    inverses = []
+    for joints, (velocity, _) in zip(cell.joint_slices.values(), rates, strict=True):
+        J = jacobians[:, :, joints]
+        inverses.append(np.asarray(np.linalg.pinv(J, rcond=1 / CONDITION_LIMIT), dtype=np.float64))
         dq[:, joints] += apply(inverses[-1], velocity - apply(J, dq[:, joints]))
     bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
     bias = bias.reshape(samples, len(cell.wrench_components), len(cell.robots))

@@ -58,7 +58,7 @@ def ends_in_closed_form(problem: SampleProblem, sensitivity: LoadSensitivity | N
     upper_low, upper_high = _worst_below_zero(slope, -problem.upper, c2, offset)
     lower_low, lower_high = _worst_below_zero(-slope, problem.lower, -c2, -offset)
     least, most = np.maximum(upper_low, lower_low), np.minimum(upper_high, lower_high)
-    low, high = np.max(least, axis=1), np.min(most, axis=1)
+    low, high = np.max(least, axis=1, initial=0.0), np.min(most, axis=1, initial=np.inf)
     low_rows, high_rows = [], []
     for sample in range(problem.samples):
         by_upper = np.where(upper_low[sample] >= lower_low[sample], 1.0, -1.0)
@@ -81,6 +81,8 @@ def worst_parameters(problem: SampleProblem, sensitivity: LoadSensitivity, sampl
     """
     effect = sensitivity.c2[:, sample] * c2 + sensitivity.offset[:, sample]
     value = problem.A[sample, :, 0] * c2
+    if not value.size:
+        return np.zeros(len(effect), dtype=bool)  # no limit to come close to
     above = value + np.sum(np.maximum(effect, 0.0), axis=0) - problem.upper[sample]
     below = problem.lower[sample] - value - np.sum(np.minimum(effect, 0.0), axis=0)
     row = int(np.argmax(np.maximum(above, below)))

@@ -4,6 +4,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.argument_types import check_type
 from mrts.cell import Cell
@@ -55,6 +56,19 @@ class CoordinatedMotion:
     def samples(self) -> int:
         """Number of samples N."""
         return len(self.object.time)
+
+    def at(self, samples: NDArray[np.int_]) -> "CoordinatedMotion":
+        """Some samples, at least two, by themselves; their time only counts them."""
+        of = self.object
+        some = ObjectMotion(
+            np.arange(len(samples), dtype=np.float64),
+            of.position[samples],
+            of.rotation[samples],
+            of.twist[samples],
+            of.acceleration[samples],
+            smooth=False,
+        )
+        return CoordinatedMotion(some, self.q[samples], self.dq[samples], self.ddq[samples])
 
     def inputs(self, load: Array) -> dict[str, Array]:
         """Inputs of the generated functions of a moving sample.

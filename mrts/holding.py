@@ -9,7 +9,6 @@ from mrts.cell import Cell
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.holding_rows import pushing_ends
 from mrts.load_sharing import LoadSharing
-from mrts.object_motion import ObjectMotion
 from mrts.remark import Remark
 from mrts.rigid_transform import Array
 from mrts.sample_problem import FormulationName
@@ -82,20 +81,6 @@ def holding_at_ends(
     internal = None if sharing is None else sharing.internal_wrench
     if sharing is not None and internal is not None and np.ndim(internal) > 1:
         sharing = replace(sharing, internal_wrench=np.asarray(internal)[chosen])
-    torque, wrench, _ = motion_torques(cell, _samples(motion, chosen), formulation, sharing, solver, 0.0, weights)
+    torque, wrench, _ = motion_torques(cell, motion.at(chosen), formulation, sharing, solver, 0.0, weights)
     kept = np.array(ends)[:, None]
     return replace(none, torque=np.where(kept, torque, 0.0), wrench=np.where(kept, wrench, 0.0)), remarks
-
-
-def _samples(motion: CoordinatedMotion, chosen: "np.typing.NDArray[np.int_]") -> CoordinatedMotion:
-    """Two samples by themselves; their time only counts them."""
-    of = motion.object
-    two = ObjectMotion(
-        np.arange(2.0),
-        of.position[chosen],
-        of.rotation[chosen],
-        of.twist[chosen],
-        of.acceleration[chosen],
-        smooth=False,
-    )
-    return CoordinatedMotion(two, motion.q[chosen], motion.dq[chosen], motion.ddq[chosen])

@@ -14,6 +14,9 @@ HOLDING_STEP = 1e-3
 REST = 1e-9
 """Joint speeds below this share of the largest are rest, accelerations below this share none: rounding."""
 
+ROUNDED = 0.01
+"""Share by which the time of a row may be off: tables may carry few digits."""
+
 LEAST = 2
 """Rows of a motion: both ends."""
 
@@ -41,24 +44,35 @@ def pushing_ends(dq: "Array", ddq: "Array") -> tuple[bool, bool]:
     return bool(pushes[0]), bool(pushes[-1])
 
 
-def motion_rows(q: "Array", dq: "Array", ddq: "Array") -> slice:
+def motion_rows(time: "Array", q: "Array", dq: "Array", ddq: "Array") -> slice:
     """The rows of a table without those that hold still before and after the motion.
 
     Such a row is the first or the last, with no velocity and no acceleration, in exactly the position of the row next
-    to it, from which the motion starts, or at which it ends, with an acceleration.
+    to it, from which the motion starts, or at which it ends, with an acceleration; where no accelerations are given, at
+    rest and as far away as such a row is written.
 
     Args:
+        time: Shape (N,) [s].
         q: Joint positions, Shape (N, m).
-        dq: Joint velocities, Shape (N, m).
-        ddq: Joint accelerations, Shape (N, m).
+        dq: Joint velocities, Shape (N, m), or (N, 0) where they are not given.
+        ddq: Joint accelerations, likewise.
     """
     first, last = 0, len(q)
     before, after = (
         not np.any(dq[row]) and not np.any(ddq[row]) and np.array_equal(q[row], q[beside])
         for row, beside in ((0, 1), (-1, -2))
     )
-    if before and last - first > LEAST and pushing_ends(dq[1:], ddq[1:])[0]:
+    if before and last - first > LEAST and _leads(time[::-1], dq[::-1], ddq[::-1]):
         first += 1
-    if after and last - first > LEAST and pushing_ends(dq[:-1], ddq[:-1])[1]:
+    if after and last - first > LEAST and _leads(time, dq, ddq):
         last -= 1
     return slice(first, last)
+
+
+def _leads(time: "Array", dq: "Array", ddq: "Array") -> bool:
+    """Whether the motion leads to the last row by stopping in the row before it with an acceleration."""
+    if ddq.shape[1]:
+        return pushing_ends(dq[:-1], ddq[:-1])[1]
+    steps = np.abs(np.diff(time))
+    near = steps[-1] <= (1 + ROUNDED) * min(HOLDING_STEP, float(np.min(steps[1:-1], initial=np.inf)))
+    return bool(near and np.max(np.abs(dq[-2]), initial=0.0) <= REST * np.max(np.abs(dq), initial=0.0))

@@ -9,7 +9,7 @@ import numpy as np
 
 from mrts.errors import InputError
 from mrts.holding_rows import motion_rows
-from mrts.object_motion import check_derivatives, smoothing_remark
+from mrts.object_motion import check_derivatives, noise_allowed, smoothing_remark
 from mrts.remark import Remark
 from mrts.rigid_transform import Array
 from mrts.rounded_samples import splines_through
@@ -63,10 +63,13 @@ class JointTable:
             InputError: If velocities or accelerations contradict the positions, or some of a robot's are missing.
         """
         self._check_complete(joints)
+        noise = noise_allowed(
+            *(np.column_stack([part[name] for name in joints]) for part in (self.positions, self.velocities))
+        )
         for joint in joints:
-            columns = (self.positions[joint], self.velocities[joint], self.accelerations[joint])
+            q, dq, ddq = (part[joint][:, None] for part in (self.positions, self.velocities, self.accelerations))
             try:
-                check_derivatives(joint, self.time, *(column[:, None] for column in columns))
+                check_derivatives(joint, self.time, q, dq, ddq, noise)
             except InputError as error:
                 raise InputError(self.path, error.rule, key=error.where) from None
         sources = {self.differentiated.get(joint) for joint in joints}
@@ -117,11 +120,10 @@ def joint_motion(
     """
     if samples is not None and accelerations:
         raise InputError(path, "a table with accelerations keeps its own times: leave 'samples' out.", key="samples")
-    if accelerations:
-        given = (positions, velocities, accelerations)
-        kept = motion_rows(*(np.column_stack([part[name] for name in accelerations]) for part in given))
-        time = time[kept] - time[kept][0]
-        positions, velocities, accelerations = ({name: part[name][kept] for name in part} for part in given)
+    given = (positions, velocities, accelerations)
+    kept = motion_rows(time, *(_columns(part, given, len(time)) for part in given))
+    time = time[kept] - time[kept][0]
+    positions, velocities, accelerations = ({name: part[name][kept] for name in part} for part in given)
     at = time if samples is None else np.linspace(0.0, time[-1], samples)
     q, dq, ddq = dict(positions), dict(velocities), dict(accelerations)
     differentiated: dict[str, Source] = {}
@@ -138,6 +140,12 @@ def joint_motion(
             q[joint], dq[joint], ddq[joint] = (np.asarray(spline(at, order), dtype=np.float64) for order in range(3))
         smoothed = {joint: float(change) for joint, change in zip(still, moved, strict=True) if change > 0}
     return JointTable(path, at, q, dq, ddq, (), differentiated, smoothed)
+
+
+def _columns(part: dict[str, Array], given: tuple[dict[str, Array], ...], rows: int) -> Array:
+    """What is given of the joints of which most is, Shape (N, k), with no columns where it is not given of them."""
+    best = next(part for part in reversed(given) if part)
+    return np.column_stack([np.zeros((rows, 0)), *(part[name] for name in best if name in part)])
 
 
 def _through_rates(time: Array, q: Array, dq: Array, at: Array) -> tuple[Array, Array, Array]:

@@ -51,8 +51,8 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
         error.result = refused
         raise error
     torque, wrench, fallbacks = motion_torques(cell, motion, formulation, sharing, solver, c2, W)
-    holding, remarks = holding_at_ends(cell, motion, own.samples, sharing, formulation, W, solver)
-    motion = replace(motion, remarks=tuple(dict.fromkeys(motion.remarks + remarks)))
+    holding, unheld = holding_at_ends(cell, motion, own.samples, sharing, formulation, W, solver)
+    warnings = tuple(dict.fromkeys(result.warnings + unheld))
     trajectory = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     fallbacks += result.fallbacks + own.samples.fallbacks
-    return replace(result, cell=cell, motion=motion, trajectory=trajectory, fallbacks=fallbacks).checked()
+    return replace(result, cell=cell, trajectory=trajectory, fallbacks=fallbacks, warnings=warnings).checked()

@@ -55,11 +55,11 @@ def effect_of_speed(problem: SampleProblem) -> Array:
     """Largest effect of c² = 1 on a limit, or on a balance that other unknowns of the size of their limits keep."""
     size = np.abs(problem.A)
     limits = size[:, problem.is_limit]
-    effect: Array = np.max(limits[:, :, -1], axis=1)
+    effect: Array = np.max(limits[:, :, -1], axis=1, initial=0.0)
     laws = size[:, ~problem.is_limit]
     if laws.shape[1] == 0:
         return effect
-    reach = np.max(limits[:, :, :-1], axis=1)  # 1 / size of each unknown at its limits
+    reach = np.max(limits[:, :, :-1], axis=1, initial=0.0)  # 1 / size of each unknown at its limits
     terms = np.max(laws[:, :, :-1] / np.where(reach > 0, reach, 1.0)[:, None, :], axis=2)
     in_laws: Array = np.max(laws[:, :, -1] / np.where(terms > 0, terms, 1.0), axis=1)
     return np.maximum(effect, in_laws)

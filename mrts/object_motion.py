@@ -29,6 +29,12 @@ ACCELERATION_TOLERANCE = 0.5
 NOISE = 2e-4
 """Steps of positions and of rates that rounding may leave out [m, rad and per s]: tables may carry four decimals."""
 
+NOISE_SHARE = 0.05
+"""Share of the largest way, and of the largest rate, that it may be: else any table of a small motion passes."""
+
+STILL = 1e-9
+"""Steps that are rounding, whatever moves [m, rad and per s]."""
+
 SAME_WAYPOINT = 1e-9
 """Waypoints nearer than this [m, with turns by `ROTATION_LENGTH`] are one."""
 
@@ -76,11 +82,25 @@ class ObjectMotion:
             return
         steps = Rotation.from_matrix(self.rotation[1:] @ self.rotation[:-1].transpose(0, 2, 1)).as_rotvec()
         turned = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
-        check_derivatives("position", time, self.position, self.twist[:, :3], self.acceleration[:, :3])
-        check_derivatives("rotation", time, turned, self.twist[:, 3:], self.acceleration[:, 3:])
+        noise = noise_allowed(np.column_stack([self.position, turned]), self.twist)
+        check_derivatives("position", time, self.position, self.twist[:, :3], self.acceleration[:, :3], noise)
+        check_derivatives("rotation", time, turned, self.twist[:, 3:], self.acceleration[:, 3:], noise)
 
 
-def check_derivatives(name: str, time: Array, value: Array, rate: Array, change: Array) -> None:
+def noise_allowed(values: Array, rates: Array) -> tuple[float, float]:
+    """What rounding may leave out of steps of positions, and of rates.
+
+    Args:
+        values: All positions of a table, Shape (N, k).
+        rates: Their derivatives, Shape (N, k).
+    """
+    way, rate = float(np.max(np.ptp(values, axis=0))), float(np.max(np.abs(rates)))
+    return max(min(NOISE, NOISE_SHARE * way), STILL), max(min(NOISE, NOISE_SHARE * rate), STILL)
+
+
+def check_derivatives(
+    name: str, time: Array, value: Array, rate: Array, change: Array, noise: tuple[float, float]
+) -> None:
     """Check rates against the way between samples: catches wrong units, axes and signs, and too few samples.
 
     From each sample to the next, and from the first to all others, where what cancels out within a few steps does not
@@ -92,12 +112,14 @@ def check_derivatives(name: str, time: Array, value: Array, rate: Array, change:
         value: Shape (N, k).
         rate: Its derivative, Shape (N, k).
         change: The derivative of that, Shape (N, k).
+        noise: From `noise_allowed`, of all that the table holds.
 
     Raises:
         InputError: If the rates do not lead from sample to sample.
     """
     h = np.diff(time)[:, None]
-    for what, values, first, second in (("rates", value, rate, change), ("accelerations", rate, change, None)):
+    pairs = (("rates", value, rate, change, noise[0]), ("accelerations", rate, change, None, noise[1]))
+    for what, values, first, second, left_out in pairs:
         expected = h / 2 * (first[:-1] + first[1:])
         if second is not None:
             expected = expected + h**2 / 12 * (second[:-1] - second[1:])
@@ -105,11 +127,11 @@ def check_derivatives(name: str, time: Array, value: Array, rate: Array, change:
         steps = np.diff(values, axis=0)
         off = _lengths(steps - expected)
         size = max(float(np.max(_lengths(steps))), float(np.max(_lengths(expected))))
-        _check_way(name, what, time, (np.arange(len(off)), off), size, tolerance * size)
+        _check_way(name, what, time, (np.arange(len(off)), off), size, tolerance * size + left_out)
         way, led = values[1:] - values[0], np.cumsum(expected, axis=0)
         size = max(float(np.max(_lengths(way))), float(np.max(_lengths(led))))
         allowed = RATE_TOLERANCE * size + (0.0 if second is not None else 2 * float(np.max(off)))
-        _check_way(name, what, time, (np.zeros(len(off), np.intp), _lengths(way - led)), size, allowed)
+        _check_way(name, what, time, (np.zeros(len(off), np.intp), _lengths(way - led)), size, allowed + left_out)
 
 
 def _lengths(steps: Array) -> Array:
@@ -122,7 +144,7 @@ def _check_way(
     """Check how far the ways that start at given samples and end at 1 to N - 1 are missed, each Shape (N - 1,)."""
     start, off = missed
     worst = int(np.argmax(off))
-    if off[worst] <= allowed + NOISE:
+    if off[worst] <= allowed:
         return
     raise InputError(
         name,

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: MIT
 """The path of a motion without its timing: samples by arc length, in pieces from stop to stop."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
+from mrts.cell import Cell
+from mrts.closed_chain import nearest_rates
 from mrts.coordinated_motion import CoordinatedMotion
 from mrts.object_motion import ObjectMotion
 from mrts.rigid_transform import Array
@@ -27,12 +30,14 @@ class PathPiece:
         path: Its samples with arc length s for time: q, dq/ds, d²q/ds², and so for the object.
         speed: ds/dr at the samples, Shape (n,).
         rests: Whether the motion is at rest at its start, and at its end.
+        continued: Samples near rest, whose derivatives are continued from a faster one.
     """
 
     first: int
     path: CoordinatedMotion
     speed: Array
     rests: tuple[bool, bool]
+    continued: NDArray[np.int_]
 
     @property
     def step(self) -> Array:
@@ -103,7 +108,8 @@ def _piece(
     direction[moving] = rates[moving] / speed[moving, None]
     bend[moving] = (changes[moving] - direction[moving] * growth[moving, None]) / speed[moving, None] ** 2
     away = np.concatenate([[0.0], np.cumsum(step)])
-    for near in np.setdiff1d(np.arange(len(speed)), moving):
+    continued = np.setdiff1d(np.arange(len(speed)), moving)
+    for near in continued:
         of = moving[np.argmin(np.abs(moving - near))]
         bend[near] = bend[of]
         direction[near] = direction[of] + (away[near] - away[of]) * bend[of]
@@ -117,9 +123,25 @@ def _piece(
         s, given.position[part], given.rotation[part], direction[:, joints:], bend[:, joints:], smooth=False
     )
     rests = (bool(rest[first]), bool(rest[last]))
-    return PathPiece(
-        first, CoordinatedMotion(path, motion.q[part], direction[:, :joints], bend[:, :joints]), speed, rests
-    )
+    joined = CoordinatedMotion(path, motion.q[part], direction[:, :joints], bend[:, :joints])
+    return PathPiece(first, joined, speed, rests, continued)
+
+
+def closed_piece(cell: Cell, piece: PathPiece) -> PathPiece:
+    """The same piece; where its derivatives were continued, those of the joints keep the grasps on the object.
+
+    Continued each by themselves, the arms would carry it apart, by the square of a step.
+
+    Args:
+        cell: The cell.
+        piece: A piece of a path of it.
+    """
+    path, chosen = piece.path, np.union1d(piece.continued, [0, len(piece.speed) - 1])
+    some = path.at(chosen)
+    dq, ddq = path.dq.copy(), path.ddq.copy()
+    wrong = np.isin(chosen, piece.continued)
+    dq[piece.continued], ddq[piece.continued] = (rates[wrong] for rates in nearest_rates(cell, some.object, some))
+    return replace(piece, path=replace(path, dq=dq, ddq=ddq))
 
 
 def _arcs(q: Array, direction: Array) -> Array:

@@ -174,9 +174,9 @@ class _Search:
     def __init__(self, problem: SampleProblem, sensitivity: LoadSensitivity) -> None:
         count, rows, unknowns = problem.A.shape
         p = len(sensitivity.c2)
-        effect = np.maximum(effect_of_speed(problem), np.max(np.abs(sensitivity.c2), axis=(0, 2)))
+        effect = np.maximum(effect_of_speed(problem), np.max(np.abs(sensitivity.c2), axis=(0, 2), initial=0.0))
         self.unit = 1 / np.where(effect > 0, effect, 1.0)
-        size = np.max(np.abs(problem.A[:, :, :-1]), axis=1)
+        size = np.max(np.abs(problem.A[:, :, :-1]), axis=1, initial=0.0)
         self.column = 1 / np.where(size > 0, size, 1.0)
         self.A = problem.A[:, :, :-1] * self.column[:, None, :]
         self.a = problem.A[:, :, -1] * self.unit[:, None]

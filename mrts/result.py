@@ -281,7 +281,8 @@ def _overstep(cell: Cell, done: ScaledTrajectory) -> float:
         part = slice(start, start + BLOCK)
         value = done.torque[part] @ rows.torque_matrix.T + done.wrench[part] @ rows.wrench_matrix.T
         beyond = np.max(np.maximum(rows.lower - value, value - rows.upper), axis=0)
-        worst = float(np.maximum(worst, np.max(beyond / rows.units())))  # not max: it would drop what is no number
+        # not max: it would drop what is no number
+        worst = float(np.maximum(worst, np.max(beyond / rows.units(), initial=0.0)))
     return worst
 
 

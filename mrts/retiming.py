@@ -20,7 +20,7 @@ from mrts.load_box import LoadPoint
 from mrts.load_sharing import LoadSharing
 from mrts.motion_remarks import lasting
 from mrts.object_motion import ObjectMotion
-from mrts.path_pieces import NoPath, PathPiece, path_pieces
+from mrts.path_pieces import NoPath, PathPiece, closed_piece, path_pieces
 from mrts.path_rows import build_path_problem
 from mrts.reachability import Obstacle, SpeedProfile, fastest_profile
 from mrts.result import ScalingResult
@@ -100,7 +100,7 @@ def retime(
         if speed > 0 and rests:
             raise InputError(name, "the given motion is at rest there, so no other speed is possible.", value=speed)
     timed: list[TimedPiece] = []
-    for number, piece in enumerate(pieces):
+    for number, piece in enumerate(closed_piece(cell, part) for part in pieces):
         ends = tuple(
             0.0 if rests else (speed * float(piece.speed[place])) ** 2
             for rests, speed, place in zip(piece.rests, (start_speed, end_speed), (0, -1), strict=True)
@@ -173,15 +173,13 @@ def _with_torques(constant: ScalingResult, pieces: Sequence[TimedPiece]) -> Scal
     W = torque_weights(rule.weights, motion.q.shape[1])
     torque, wrench, fallbacks = motion_torques(cell, motion, "wrench", rule.sharing, DEFAULT_SOLVER, 1.0, W)
     found = intersect(motion_ranges(cell, motion, "wrench", rule.sharing, DEFAULT_SOLVER))
-    holding, remarks = holding_at_ends(cell, motion, found.samples, rule.sharing, "wrench", W, DEFAULT_SOLVER)
-    motion = replace(motion, remarks=motion.remarks + remarks)
+    holding, unheld = holding_at_ends(cell, motion, found.samples, rule.sharing, "wrench", W, DEFAULT_SOLVER)
     trajectory = ScaledTrajectory(cell, motion, 1.0, torque, wrench, holding)
     given = constant.motion.object.time[-1]
     origin = f"fastest timing of a path that was given {given:.4g} s: {trajectory.duration:.4g} s"
     fallbacks += found.samples.fallbacks
-    return ScalingResult(
-        cell, motion, found, trajectory, fallbacks, None, rule, origin, lasting(constant.warnings)
-    ).checked()
+    warnings = tuple(dict.fromkeys(lasting(constant.warnings) + unheld))
+    return ScalingResult(cell, motion, found, trajectory, fallbacks, None, rule, origin, warnings).checked()
 
 
 @dataclass(frozen=True)

@@ -109,7 +109,7 @@ class RetimingResult:
     @property
     def warnings(self) -> tuple[Remark, ...]:
         """What to know of the cell and the motion before trusting the answer."""
-        return lasting(self.constant.warnings)
+        return lasting(self.constant.warnings) if self.retimed is None else self.retimed.warnings
 
     def summary(self) -> str:
         """The outcome in a sentence or two, and a line for each warning."""

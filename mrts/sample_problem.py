@@ -70,7 +70,7 @@ class SampleProblem:
     @property
     def is_velocity(self) -> NDArray[np.bool_]:
         """Rows that bound c² (or x) alone: velocity limits, Shape (r,)."""
-        return np.array([name.kind == "velocity" for name in self.names])
+        return np.array([name.kind == "velocity" for name in self.names], dtype=bool)
 
     def velocity_cap(self) -> Array:
         """Largest value of the last unknown that velocities allow, infinity where they do not bound it, Shape (N,)."""
@@ -170,7 +170,7 @@ def build_sample_problem(
         maps["wrench_offset"],
         names,
         unit,
-        np.array([name.kind != "balance" for name in names]),
+        np.array([name.kind != "balance" for name in names], dtype=bool),
         A / unit[:, None],
         lower / unit,
         upper / unit,

@@ -110,9 +110,8 @@ def scale(
         error.result = untouched
         raise
     torque, wrench, fallbacks = motion_torques(cell, motion, formulation, sharing, solver, c2, W)
-    holding, remarks = holding_at_ends(cell, motion, found.samples, sharing, formulation, W, solver)
-    motion = replace(motion, remarks=motion.remarks + remarks)
-    untouched = replace(untouched, motion=motion)
+    holding, unheld = holding_at_ends(cell, motion, found.samples, sharing, formulation, W, solver)
+    untouched = replace(untouched, warnings=remarks + unheld)
     trajectory = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     return replace(untouched, trajectory=trajectory, fallbacks=untouched.fallbacks + fallbacks).checked()
 

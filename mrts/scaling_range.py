@@ -277,7 +277,7 @@ def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> Sampl
         largest: Largest effect at other samples of the motion.
     """
     dynamic = ~problem.is_velocity
-    effect = np.max(np.abs(problem.A[:, dynamic, -1]), axis=1)
+    effect = np.max(np.abs(problem.A[:, dynamic, -1]), axis=1, initial=0.0)
     at_rest = effect <= REST_TOLERANCE * np.max(effect, initial=largest)
     A = problem.A.copy()
     A[:, :, -1] = np.where(at_rest[:, None] & dynamic, 0.0, A[:, :, -1])

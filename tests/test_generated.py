@@ -5,6 +5,7 @@ import json
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from importlib.resources import files
 
 import numpy as np
@@ -15,7 +16,8 @@ from mrts_codegen.generate import generate_cell
 import mrts
 from mrts.cache_folder import cache_folder
 from mrts.cell_cache import export_to, generated_in_cache
-from mrts.manifest import Manifest
+from mrts.function_shapes import check_shapes
+from mrts.manifest import FunctionRecord, Manifest
 
 COMMITTED = ROOT / "generated" / "planar_dual_arm"
 SHIPPED = ["planar_dual_arm", "dual_ur5"]
@@ -176,6 +178,19 @@ def test_a_cell_with_a_redundant_arm_has_what_tracks_it(short, redundant, tmp_pa
     (tmp_path / "manifest.json").write_text(wrong.to_json())
     with pytest.raises(mrts.InputError, match=rf"functions\.{short}: its shapes do not follow from robots"):
         mrts.load_cell(tmp_path)
+
+
+@pytest.mark.parametrize("short", ["kinematics", "geometric_stiffness", "geometric_stiffness_rate"])
+def test_shapes_that_the_kernel_takes_for_granted_are_checked(short, planar_cell):
+    """Those of redundant arms, too: null_space.c reads and writes arrays of these sizes."""
+    manifest = generate_cell(ROOT / "mrts" / "data" / "planar_dual_arm" / "cell.yaml").manifest
+    small = {"name": "q", "shape": (1, 1)}
+    record = FunctionRecord.model_validate(
+        {"symbol": f"planar_dual_arm_{short}", "instructions": 1, "inputs": [small], "outputs": [small]}
+    )
+    altered = manifest.model_copy(update={"functions": manifest.functions | {short: record}})
+    with pytest.raises(mrts.InputError, match="do not follow from robots"):
+        check_shapes("manifest.json", altered, planar_cell.functions.compiled.loaded)
 
 
 def test_a_function_that_the_c_file_lacks_is_missed(tmp_path):

@@ -12,7 +12,7 @@ from mrts.constraints import cell_rows
 from mrts.holding_rows import HOLDING_STEP, motion_rows, pushing_ends
 from mrts.motion_table import read_table
 from mrts.ros_bag import write_ros_bag
-from mrts.trajectory_table import played_rows, write_trajectory_csv
+from mrts.trajectory_table import played_rows, trajectory_csv, write_trajectory_csv
 
 STATICS = 1e-9
 
@@ -77,17 +77,47 @@ def test_a_fastest_timing_read_again_is_the_fastest(length, samples, planar_cell
         assert mrts.retime(planar_cell, table).duration == pytest.approx(found.duration, rel=1e-3)
 
 
+@pytest.mark.parametrize("profile", ["sinusoid", "cubic"])
+@pytest.mark.parametrize("kept", [("q",), ("q", "dq")])
+def test_tables_without_accelerations_leave_them_out_too(kept, profile, planar_cell, tmp_path):
+    """A spline through a wait of a millisecond overshoots: c² would fall by up to 14 %."""
+    result = mrts.scale(planar_cell, scaled_path("planar_dual_arm", 0.3, 101, profile))
+    rows = [line.split(",") for line in trajectory_csv(result).splitlines()]
+    columns = [place for place, name in enumerate(rows[0]) if name.partition(".")[0] in {"t", *kept}]
+    table = tmp_path / "plan.csv"
+    table.write_text("\n".join(",".join(row[place] for place in columns) for row in rows))
+    again = mrts.scale(planar_cell, mrts.load_motion(table))
+    assert again.motion.samples == 101
+    assert again.range.upper.c2 == pytest.approx(1, rel=2e-3)
+
+
+@pytest.mark.parametrize("profile", ["sinusoid", "quintic"])
+@pytest.mark.parametrize("samples", [11, 31])
+@pytest.mark.parametrize("name", ["planar", "spatial"])
+def test_a_fastest_timing_is_played_as_it_was_planned(name, samples, profile, planar_cell, dual_ur5, tmp_path):
+    """Near rest the derivatives of the path are continued: those of both arms must carry the same object."""
+    cell, folder = (planar_cell, "planar_dual_arm") if name == "planar" else (dual_ur5, "dual_ur5")
+    found = mrts.retime(cell, scaled_path(folder, 0.1, samples, profile)).retimed
+    write_trajectory_csv(found, tmp_path / "plan.csv")
+    again = mrts.scale(cell, mrts.load_motion(tmp_path / "plan.csv"), "nominal")
+    assert again.range.upper.c2 == pytest.approx(found.range.upper.c2, rel=1e-9)
+    np.testing.assert_allclose(again.trajectory.torque, found.trajectory.torque, atol=1e-6)
+
+
 def test_only_rows_at_rest_beside_an_acceleration_are_left_out():
     """A wait that somebody recorded is part of his motion."""
     q, dq, ddq = np.array([[0.0], [0.0], [0.5], [1.0], [1.0]]), np.zeros((5, 1)), np.zeros((5, 1))
     dq[2], ddq[[1, 3], 0] = 1.0, (2.0, -2.0)
-    assert motion_rows(q, dq, ddq) == slice(1, 4)
+    time, none = np.array([0.0, 1e-3, 0.1, 0.2, 0.201]), np.zeros((5, 0))
+    assert motion_rows(time, q, dq, ddq) == slice(1, 4)
     assert pushing_ends(dq[1:4], ddq[1:4]) == (True, True)
-    assert motion_rows(q, dq, np.zeros((5, 1))) == slice(0, 5)
+    assert motion_rows(time, q, dq, np.zeros((5, 1))) == slice(0, 5)
+    assert motion_rows(time, q, dq, none) == motion_rows(time, q, none, none) == slice(1, 4)
+    assert motion_rows(time * 1.1, q, none, none) == slice(0, 5)
     moved = q.copy()
     moved[0] = -1e-9
-    assert motion_rows(moved, dq, ddq) == slice(0, 4)
-    assert motion_rows(q[:2], dq[:2], ddq[:2]) == slice(0, 2)
+    assert motion_rows(time, moved, dq, ddq) == slice(0, 4)
+    assert motion_rows(time[:2], q[:2], dq[:2], ddq[:2]) == slice(0, 2)
 
 
 def test_a_cell_that_cannot_hold_still_says_so(tmp_path):
@@ -103,9 +133,13 @@ def test_a_cell_that_cannot_hold_still_says_so(tmp_path):
     eye = np.broadcast_to(np.eye(3), (101, 3, 3))
     motion = mrts.ObjectMotion(time, columns[0, :, :3], eye, columns[1], columns[2])
     result = mrts.scale(replace(cell, robots=pushed), motion)
-    (remark,) = result.motion.remarks
-    assert (remark.code, remark.sample) == ("no-row-at-rest", 0)
+    (remark,) = [warning for warning in result.warnings if warning.code == "no-row-at-rest"]
+    assert remark.sample == 0
     assert "do not let the cell hold still where the motion starts" in remark.text
+    assert remark.text in result.summary()
+    assert result.motion.remarks == ()
+    carried = mrts.torques_for_load(result, result.cell.load)
+    assert carried.warnings == result.warnings
     np.testing.assert_array_equal(played_rows(result.trajectory).time, result.trajectory.time)
 
 

@@ -126,6 +126,24 @@ def test_a_speed_that_nothing_limits_is_an_outcome(tmp_path):
     assert found.duration < 1e-4
 
 
+@pytest.mark.parametrize("sharing", [None, mrts.LoadSharing()])
+def test_a_cell_without_a_single_limit_is_an_outcome(sharing, planar_cell, lift):
+    none = np.full(3, np.inf)
+    limits = {"torque_lower": -none, "torque_upper": none, "wrench_lower": -none, "wrench_upper": none}
+    free = replace(
+        planar_cell, robots=tuple(replace(robot, **limits, velocity_limit=none) for robot in planar_cell.robots)
+    )
+    for formulation in ("wrench", "torque"):
+        result = mrts.scale(free, lift, sharing=sharing, formulation=formulation)
+        assert result.status.value == "unbounded"
+        assert (result.range.lower.c2, result.trajectory.c2) == (0.0, 1.0)
+        assert result.residuals().arms < 1e-9
+    varied = free.with_variation(mass=(0.5, 1.5))
+    for load in ("guaranteed", "possible", "grid:3"):
+        assert mrts.scale(varied, lift, sharing=sharing, load=load).status.value == "unbounded"
+    assert mrts.retime(free, lift, sharing=sharing).status.value == "unbounded"
+
+
 def test_a_path_that_cannot_be_braked_is_explained(tmp_path):
     """Thrown up by a gravity that no motor holds: each sample is admissible, but the end is not reached at rest."""
     gantries(tmp_path)

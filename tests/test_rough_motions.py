@@ -17,6 +17,7 @@ from mrts.grasp_closure import grasp_gaps, tip_motions
 from mrts.grasp_tracking import tip_rates
 from mrts.player_state import PlayerState
 from mrts.rounded_samples import rounding, splines_through
+from mrts.velocity_profile import PROFILES
 
 UR5 = DATA.parent / "dual_ur5"
 START, LIFTED, TURNED = {"xyz": [0, 0.1, 0.35]}, {"xyz": [0, 0.1, 0.5]}, {"xyz": [0.03, 0.2, 0.5], "rpy": [0.2, 0, 0.3]}
@@ -481,6 +482,31 @@ def test_wrong_object_tables_are_refused(tmp_path, exact, mistake, samples, form
     columns = OBJECT_MISTAKES[mistake](object_columns(exact["turn", samples][0].object, rates=True))
     with pytest.raises(mrts.InputError, match="do not lead"):
         mrts.load_motion(write_table(tmp_path / "object.csv", columns, form))
+
+
+SMALL_MISTAKES = {
+    "millimetres for metres": (1e-3, 1e-3),
+    "sign": (-1, -1),
+    "sign of accelerations": (1, -1),
+    "accelerations twice": (1, 2),
+    "no accelerations": (1, 0),
+    "no velocities": (0, 0),
+}
+
+
+@pytest.mark.parametrize("mistake", SMALL_MISTAKES)
+@pytest.mark.parametrize(("length", "duration"), [(1e-4, 1.0), (1e-3, 60.0), (1e-5, 60.0)])
+def test_wrong_tables_of_small_or_slow_motions_are_refused(length, duration, mistake):
+    """What rounding may leave out is no more than a share of what moves."""
+    u = np.linspace(0, 1, 101)
+    s, ds, dds = PROFILES["cubic"](u)
+    position, twist, acceleration = np.zeros((101, 3)), np.zeros((101, 6)), np.zeros((101, 6))
+    position[:, 2], twist[:, 2], acceleration[:, 2] = length * s, length / duration * ds, length / duration**2 * dds
+    eye = np.broadcast_to(np.eye(3), (101, 3, 3))
+    assert mrts.ObjectMotion(u * duration, position, eye, twist, acceleration)
+    rates, changes = SMALL_MISTAKES[mistake]
+    with pytest.raises(mrts.InputError, match="do not lead"):
+        mrts.ObjectMotion(u * duration, position, eye, rates * twist, changes * acceleration)
 
 
 def test_positions_that_are_noise_twice_differentiated_are_refused(tmp_path, dual_ur5, exact):
