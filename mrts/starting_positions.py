@@ -88,7 +88,8 @@ def _further_starts(robot: Robot) -> Array:
     steps = np.linspace(0, SPREAD, FURTHER_STARTS)[:, None]
     turns = np.random.default_rng(SEED).uniform(-1, 1, (FURTHER_STARTS, len(robot.joints)))
     starts = np.clip(robot.posture + steps * turns, low, high)
-    starts[0] = np.where(np.isfinite(low) & np.isfinite(high), (low + high) / 2, starts[0])
+    bounded = np.isfinite(low) & np.isfinite(high)
+    starts[0, bounded] = (low[bounded] + high[bounded]) / 2
     return starts
 
 
