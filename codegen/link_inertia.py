@@ -16,7 +16,7 @@ from mrts.rigid_transform import Array, RigidTransform, multiply
 TRIANGLE_MARGIN = 0.2
 """Share by which a link's largest principal moment may exceed the sum of the others. Rounding of a file stays below
 2 %, but robots in wide use are farther off (the xArm 6 that pybullet ships by 15.6 %), and their users cannot mend
-them; the equations stay sound as long as the inertia is positive definite. Beyond this it is rather a slip of a digit."""
+them; the equations stay sound as long as the inertia is positive definite. Beyond this a digit is probably wrong."""
 
 POINT_RADIUS = 1e-7
 """Radius of gyration below which a body is a point mass [m]: exporters leave rounding of zero behind."""

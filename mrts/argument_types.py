@@ -10,14 +10,18 @@ from mrts.errors import InputError
 WORDS = {
     "Cell": "a cell, as from mrts.load_cell",
     "ClosureBound": "a ClosureBound, such as mrts.ClosureBound(2e-3, 5e-3)",
+    "CellFunctions": "the functions of a cell from mrts.load_cell",
     "CoordinatedMotion": "motion of the whole cell, as from mrts.follow_object",
     "JointTable": "a table of joint motion, as from mrts.load_motion",
+    "LoadBox": "a mrts.LoadBox",
     "LoadSharing": "a LoadSharing (LoadSharing() is the equal one)",
     "Mapping": "a dictionary",
     "MotionDescription": "a mrts.MotionDescription",
     "NoneType": "None",
     "ObjectMotion": "motion of the object, as from mrts.load_motion",
     "PathLike": "a Path",
+    "Remark": "a remark, as of a loaded cell",
+    "Robot": "a robot, as from mrts.load_cell",
     "ScalingResult": "a result of mrts.scale",
     "bool": "True or False",
     "float": "a number",
@@ -44,6 +48,21 @@ def check_type(name: str, value: object, *kinds: type) -> None:
     allowed = f"{', '.join(others)} or {last}" if others else last
     given = "None" if value is None else f"of type {type(value).__name__}"
     raise InputError(name, f"must be {allowed}; it is {given}.", value=value)
+
+
+def check_list(name: str, value: object, kind: type) -> None:
+    """Check that an argument is a list or tuple of values of one type.
+
+    Args:
+        name: Of the argument.
+        value: What was given.
+        kind: Type of every value in it.
+
+    Raises:
+        InputError: If it is something else.
+    """
+    if not isinstance(value, list | tuple) or not all(isinstance(each, kind) for each in value):
+        raise InputError(name, f"must be a tuple, each of it {WORDS[kind.__name__]}.", value=value)
 
 
 def check_callable(name: str, value: object) -> None:

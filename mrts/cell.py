@@ -5,11 +5,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
+from types import NoneType
 from typing import Any, Literal, Self
 
 import numpy as np
 
-from mrts.argument_types import as_path, check_type
+from mrts.argument_types import as_path, check_list, check_type
 from mrts.cell_cache import generated_in_cache, virtual_machine_functions
 from mrts.cell_functions import Backend, CellFunctions, bind_functions
 from mrts.errors import InputError, as_array
@@ -71,6 +72,12 @@ class Cell:
     remarks: tuple[Remark, ...] = ()
 
     def __post_init__(self) -> None:
+        check_type("cell: functions", self.functions, CellFunctions)
+        check_type("cell: load_box", self.load_box, LoadBox, NoneType)
+        check_type("cell: enforces_velocity_limits", self.enforces_velocity_limits, bool)
+        for key, kind in (("wrench_components", str), ("robots", Robot), ("remarks", Remark)):
+            check_list(f"cell: {key}", getattr(self, key), kind)
+            object.__setattr__(self, key, tuple(getattr(self, key)))
         freeze_array(self, "gravity", "cell", (3,), finite=True)
         freeze_array(self, "load", "cell", (len(LOAD_ENTRIES),), finite=True)
         freeze_array(self, "object_velocity_limit", "cell", (2,), finite=False)
@@ -79,9 +86,6 @@ class Cell:
         if np.any(self.object_velocity_limit <= 0):
             rule = "must be > 0; infinity where there is none."
             raise InputError("cell", rule, key="object_velocity_limit", value=self.object_velocity_limit.tolist())
-        object.__setattr__(self, "robots", tuple(self.robots))
-        if not all(isinstance(robot, Robot) for robot in self.robots):
-            raise InputError("cell", "must be robots, as mrts.load_cell gives them.", key="robots", value=self.robots)
         self._check_generated()
         for robot in self.robots:
             if len(robot.wrench_lower) != len(self.wrench_components):

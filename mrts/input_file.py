@@ -111,7 +111,9 @@ def read_model(path: Path, model: type[Model], what: str) -> Model:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise _input_error(path, error.errors(include_url=False)) from None
+        raise broken_format(path, error) from None
+    except InputError as error:  # of a format that can also be built in Python
+        raise InputError(path, error.rule, key=error.key, value=error.value) from None
 
 
 def broken_rule(rule: str) -> PydanticCustomError:
@@ -143,7 +145,14 @@ _RULES = {
 """Our words for pydantic's error types; their fields are numbers and texts of the format, nothing of the file."""
 
 
-def _input_error(path: Path, details: list[ErrorDetails]) -> InputError:
+def broken_format(where: Path | str, error: ValidationError) -> InputError:
+    """Pydantic's error in our words.
+
+    Args:
+        where: File, or the name of what is built in Python.
+        error: What its validation raised.
+    """
+    details = error.errors(include_url=False)
     # of the alternatives of a union, the one whose error lies deepest is the one that was meant
     first = max(
         details,
@@ -161,7 +170,7 @@ def _input_error(path: Path, details: list[ErrorDetails]) -> InputError:
     told = kind in {"missing", "rule"}
     if first["input"] is None and not told:
         rule += " (it is empty)"
-    return InputError(path, f"{rule.rstrip('.')}.", key=key, value=None if told else first["input"])
+    return InputError(where, f"{rule.rstrip('.')}.", key=key, value=None if told else first["input"])
 
 
 def _keys(detail: ErrorDetails) -> list[str | int]:

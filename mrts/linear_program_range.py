@@ -14,6 +14,9 @@ UNBOUNDED = 1e9
 UNBOUNDED_SLACK = 1e-9
 """Rounding of an answer at that bound."""
 
+NO_EFFECT = 1e-300
+"""What moves no row by more than this share of a limit moves none: its reciprocal is not finite. As in trajectory.c."""
+
 
 def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
     """Eqs. (26), (29): least and largest c² >= 0 within all limits; c² is scaled to the size of the other unknowns.
@@ -58,8 +61,9 @@ def effect_of_speed(problem: SampleProblem) -> Array:
     effect: Array = np.max(limits[:, :, -1], axis=1, initial=0.0)
     laws = size[:, ~problem.is_limit]
     if laws.shape[1] == 0:
-        return effect
+        return np.where(effect > NO_EFFECT, effect, 0.0)
     reach = np.max(limits[:, :, :-1], axis=1, initial=0.0)  # 1 / size of each unknown at its limits
     terms = np.max(laws[:, :, :-1] / np.where(reach > 0, reach, 1.0)[:, None, :], axis=2)
     in_laws: Array = np.max(laws[:, :, -1] / np.where(terms > 0, terms, 1.0), axis=1)
-    return np.maximum(effect, in_laws)
+    effect = np.maximum(effect, in_laws)
+    return np.where(effect > NO_EFFECT, effect, 0.0)

@@ -3,14 +3,14 @@
 
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from mrts.argument_types import as_path, check_type
 from mrts.errors import InputError
-from mrts.input_file import Pose, StrictModel, broken_rule, read_model
+from mrts.input_file import Pose, StrictModel, broken_format, broken_rule, read_model
 from mrts.joint_table import JointTable
 from mrts.motion_table import MAX_SAMPLES, read_joint_table, read_object_table, read_table
 from mrts.object_motion import ObjectMotion, geodesic_motion, waypoint_motion
@@ -46,6 +46,9 @@ class MotionDescription(StrictModel):
         waypoints: Object frames in the world that the path goes through.
         file: CSV table of the object's motion, relative to the motion file.
         joints: CSV table or ROS 2 bag of the joints' motion, relative to the motion file.
+
+    Raises:
+        InputError: If a value breaks a rule.
     """
 
     duration: Duration | None = None
@@ -56,6 +59,12 @@ class MotionDescription(StrictModel):
     waypoints: Annotated[list[Pose], Field(min_length=2)] | None = None
     file: str | None = None
     joints: str | None = None
+
+    def __init__(self, **keys: Any) -> None:
+        try:
+            super().__init__(**keys)
+        except ValidationError as error:
+            raise broken_format("motion", error) from None
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:

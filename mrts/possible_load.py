@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mrts.closed_form_range import LoadSensitivity, load_sensitivity
 from mrts.held_interrupt import held_interrupt
 from mrts.limit_rows import ActiveRow, Side
-from mrts.linear_program_range import UNBOUNDED, effect_of_speed
+from mrts.linear_program_range import NO_EFFECT, UNBOUNDED, effect_of_speed
 from mrts.load_box import LoadBox, LoadPoint
 from mrts.rigid_transform import Array
 from mrts.sample_problem import SampleProblem
@@ -175,9 +175,9 @@ class _Search:
         count, rows, unknowns = problem.A.shape
         p = len(sensitivity.c2)
         effect = np.maximum(effect_of_speed(problem), np.max(np.abs(sensitivity.c2), axis=(0, 2), initial=0.0))
-        self.unit = 1 / np.where(effect > 0, effect, 1.0)
+        self.unit = 1 / np.where(effect > NO_EFFECT, effect, 1.0)
         size = np.max(np.abs(problem.A[:, :, :-1]), axis=1, initial=0.0)
-        self.column = 1 / np.where(size > 0, size, 1.0)
+        self.column = 1 / np.where(size > NO_EFFECT, size, 1.0)
         self.A = problem.A[:, :, :-1] * self.column[:, None, :]
         self.a = problem.A[:, :, -1] * self.unit[:, None]
         self.da = sensitivity.c2 * self.unit[:, None]

@@ -4,6 +4,8 @@
 from dataclasses import dataclass
 from typing import Any
 
+from mrts.printable import printable
+
 
 @dataclass(frozen=True)
 class Remark:
@@ -20,7 +22,7 @@ class Remark:
     sample: int | None = None
 
     def __str__(self) -> str:
-        return f"warning: {self.text}"
+        return f"warning: {printable(self.text)}"
 
     def to_json(self) -> dict[str, Any]:
         """Code, text and sample."""

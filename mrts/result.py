@@ -17,6 +17,7 @@ from mrts.errors import SolverError
 from mrts.interval_text import interval_text
 from mrts.load_box import LoadPoint
 from mrts.load_sharing import LoadSharing
+from mrts.printable import printable
 from mrts.remark import Remark
 from mrts.result_html import result_html
 from mrts.rigid_transform import Array
@@ -145,7 +146,7 @@ class ScalingResult:
         """The outcome alone."""
         text = self._outcome()
         text = text if self.load is None else f"{self.load.sentence()}: {text}"
-        return f"{self.origin}; as it is now, {text}" if self.origin else text
+        return printable(f"{self.origin}; as it is now, {text}" if self.origin else text)
 
     def _outcome(self) -> str:
         found = self.range

@@ -17,6 +17,7 @@ from mrts.coordinated_motion import CoordinatedMotion
 from mrts.dense_check import Excess, largest_excess
 from mrts.infeasibility import Conflict
 from mrts.motion_remarks import lasting
+from mrts.printable import printable
 from mrts.profile_limits import profile_limits
 from mrts.remark import Remark
 from mrts.result import ScalingResult
@@ -118,7 +119,7 @@ class RetimingResult:
     def sentence(self) -> str:
         """The outcome alone."""
         if not self.status.admits_motion:
-            return f"{self.status.value}: {self.explanation}"
+            return printable(f"{self.status.value}: {self.explanation}")
         given, best = float(self.motion.object.time[-1]), self.constant.trajectory
         text = f"the fastest timing takes {self.duration:.4g} s, the given one {given:.4g} s"
         if self.saving is not None and best is not None:

@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from mrts.argument_types import check_list, check_type
 from mrts.errors import InputError, as_array
 from mrts.manifest import WRENCH_COMPONENTS, JointRecord, PoseRecord, RobotRecord
 from mrts.rigid_transform import Array, RigidTransform
@@ -64,11 +65,17 @@ class Robot:
     held: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        n, where = len(self.joints), f"robot '{self.name}'"
+        where = f"robot '{self.name}'"
+        check_type("robot: name", self.name, str)
+        for key in ("joints", "joint_types"):
+            check_list(f"{where}: {key}", getattr(self, key), str)
+            object.__setattr__(self, key, tuple(getattr(self, key)))
+        check_type(f"{where}: held", self.held, Mapping)
+        n = len(self.joints)
         if len(self.joint_types) != n or not set(self.joint_types) <= {"revolute", "prismatic"}:
             rule = f"must be revolute or prismatic for each of its {n} joints."
             raise InputError(where, rule, key="joint_types", value=self.joint_types)
-        wrench = (len(self.wrench_lower) if hasattr(self.wrench_lower, "__len__") else len(WRENCH_COMPONENTS),)
+        wrench = as_array(f"{where}: wrench_lower", self.wrench_lower).shape[:1] or (len(WRENCH_COMPONENTS),)
         shapes = {"axes": (n, 3), "points": (n, 3), "wrench_lower": wrench, "wrench_upper": wrench}
         for name in ARRAYS:
             freeze_array(self, name, where, shapes.get(name, (n,)), finite=name in {"axes", "points", "posture"})

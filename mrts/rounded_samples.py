@@ -15,6 +15,9 @@ Spline = Callable[..., NDArray[np.floating[Any]]]
 FEWEST_DIGITS, MOST_DIGITS = 3, 8
 """Decimals or significant digits that are looked for: fewer are rather round numbers, more are as good as exact."""
 
+SMALLEST_SIZE = 1e-250
+"""Smaller values count as this: powers of ten for their digits overflow."""
+
 WHOLE = 1e-6
 """How far from a whole number a value in units of its last digit may be: rounding of doubles, at most 1e-8."""
 
@@ -88,7 +91,8 @@ def rounding(values: Array) -> float:
     Args:
         values: Shape (N,), of one kind: all printed with as many decimals, or with as many significant digits.
     """
-    exponent = np.floor(np.log10(np.where(values == 0, 1.0, np.abs(values))))
+    size = np.where(values == 0, 1.0, np.maximum(np.abs(values), SMALLEST_SIZE))
+    exponent = np.floor(np.log10(size))
     digits = range(FEWEST_DIGITS, MOST_DIGITS + 1)
     fixed = next((d for d in digits if _whole(values * 10.0**d)), None)
     significant = next((d for d in digits if _whole(values * 10.0 ** (d - 1 - exponent))), None)

@@ -93,9 +93,13 @@ BROKEN = {
     "wrench_lower": (lambda _: [np.inf] * 3, r"wrench_lower = \[inf, inf, inf\]: must be at most wrench_upper"),
     "wrench_upper": (lambda _: np.zeros(6), r"wrench_upper = .*must be numbers"),
     "wrench_lower alone": (lambda _: -1.0, r"wrench_lower = -1.0: must be numbers .* Shape \(6,\)"),
+    "wrench_lower without a shape": (lambda _: np.array(-1.0), r"wrench_lower = -1.0: must be .* Shape \(6,\)"),
+    "joints": (lambda _: 3, r"joints = 3: must be a tuple, each of it text"),
+    "held": (lambda _: ["torso"], r"held = \['torso'\]: must be a dictionary"),
     "wrench_lower ragged": (lambda _: [[1], [1, 2]], r"wrench_lower = .*one rectangular shape"),
     "axes": (lambda _: np.zeros((2, 3)), r"axes = .*must be finite numbers with Shape \(3, 3\)"),
-    "joint_types": (lambda _: ("revolute",), r"joint_types = \('revolute',\): must be revolute or prismatic"),
+    "joint_types": (lambda _: None, r"joint_types: must be a tuple, each of it text"),
+    "joint_types fewer": (lambda _: ("revolute",), r"joint_types = \('revolute',\): must be revolute or prismatic"),
     "T_world_base": (lambda _: np.eye(4), r"T_world_base = .*RigidTransform"),
 }
 
@@ -122,6 +126,15 @@ def test_a_wrong_array_of_a_robot_is_refused(name, planar_cell):
 )
 def test_a_wrong_array_of_a_cell_is_refused(name, value, planar_cell):
     with pytest.raises(mrts.InputError, match=rf"^cell: {name} = "):
+        replace(planar_cell, **{name: value})
+
+
+@pytest.mark.parametrize("value", [5, "x", [1], np.array(1.0), {"a": 1}, object()])
+@pytest.mark.parametrize(
+    "name", ["wrench_components", "load_box", "robots", "functions", "enforces_velocity_limits", "remarks"]
+)
+def test_a_value_of_another_type_is_refused_where_it_enters(name, value, planar_cell):
+    with pytest.raises(mrts.InputError, match=rf"^cell: {name} = .*must be "):
         replace(planar_cell, **{name: value})
 
 

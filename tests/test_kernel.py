@@ -1,6 +1,7 @@
 """Our dense kernel against HiGHS and DAQP, its certificates by substitution, sanitizers and a fuzzer."""
 
 import hashlib
+import json
 import os
 import shutil
 import subprocess
@@ -30,6 +31,7 @@ from mrts.kernel_library import (
     kernel_library,
     kernel_text,
 )
+from mrts.trajectory_table import write_trajectory_csv
 
 LINEAR_PROGRAMS = 100_000
 QUADRATIC_PROGRAMS = 10_000
@@ -324,6 +326,50 @@ def test_what_is_no_number_gets_no_answer(kernel, planar_cell):
     assert status[0] != OPTIMAL
     with pytest.raises(mrts.InputError, match="at most 1e"):
         planar_cell.with_mass(1.7e308)
+
+
+HOSTILE = (np.nan, np.inf, -np.inf, 1e308, -1e308, 1e-300, 1e-320, 5e-324, 0.0)
+
+RUN = """
+import sys
+import numpy as np
+from mrts.kernel_library import default_kernel
+programs = [array for _, array in np.load(sys.argv[1]).items()]
+for program in range(len(programs[0])):
+    default_kernel().linear_programs(*(array[program][None] for array in programs))
+"""
+
+
+def test_programs_of_any_numbers_end(tmp_path):
+    """In a process of its own: one that does not end would not end the test either."""
+    rng = np.random.default_rng(3)
+    k, rows, count = 3, 6, 5000
+    g, A = rng.normal(size=(count, k)), rng.normal(size=(count, rows, k))
+    low, high = -np.abs(rng.normal(size=(count, rows + k))), np.abs(rng.normal(size=(count, rows + k)))
+    for array in (g, A, low, high):
+        array[rng.random(array.shape) < 0.1] = rng.choice(HOSTILE)
+    np.savez(tmp_path / "programs.npz", g=g, A=A, low=low, high=high)
+    subprocess.run([sys.executable, "-c", RUN, tmp_path / "programs.npz"], check=True, timeout=120)
+
+
+def test_a_motion_too_small_to_scale_by_is_at_rest(lift, planar_cell, tmp_path):
+    """An acceleration of 1e-320 rad/s², whose reciprocal is infinite: likewise in a process of its own."""
+    write_trajectory_csv(mrts.scale(planar_cell, lift), tmp_path / "joints.csv")
+    names, first, *rows = (tmp_path / "joints.csv").read_text().splitlines()
+    at = names.split(",").index("ddq.left/wrist")
+    small = [*first.split(",")[:at], "1e-320", *first.split(",")[at + 1 :]]
+    zero = [*first.split(",")[:at], "0", *first.split(",")[at + 1 :]]
+    answers = []
+    for name, changed in (("small", small), ("zero", zero)):
+        path = tmp_path / f"{name}.csv"
+        path.write_text("\n".join([names, ",".join(changed), *rows]))
+        words = ["scale", ROOT / "generated" / "planar_dual_arm", path, "--json", "-"]
+        done = subprocess.run(
+            [sys.executable, "-m", "mrts", *words], capture_output=True, text=True, timeout=120, check=False
+        )
+        assert done.returncode == 0, done.stderr
+        answers.append(json.loads(done.stdout)["c2"])
+    assert answers[0] == answers[1]
 
 
 def test_a_library_that_does_not_load_is_compiled_again(tmp_path, monkeypatch):

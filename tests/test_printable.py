@@ -1,16 +1,19 @@
 """What a user's files hold reaches terminals, messages and pages escaped."""
 
 import json
+from dataclasses import replace
 
 import pytest
 from conftest import DATA
 
+import mrts
 from mrts.cli import main
 from mrts.commands.terminal import put, say, warn
 from mrts.errors import CompilerError, InputError, MrtsError
 from mrts.html_text import html_text
 from mrts.plot_style import shortened
 from mrts.printable import LONGEST_MESSAGE, printable
+from mrts.remark import Remark
 
 HOSTILE = "a\x1b[31mb\r\x07\u202e\u200b\u2028\x9b\x7f\ud800"
 SHOWN = r"a\u001b[31mb\r\u0007\u202e\u200b\u2028\u009b\u007f\ud800"
@@ -83,3 +86,11 @@ def test_names_of_a_urdf_reach_the_terminal_escaped(tmp_path, capsys):
     message = capsys.readouterr().err.removesuffix("\n")
     assert message.isprintable()
     assert r"joint 'el\u202ebow\n$x{' type = 'floating'" in message
+
+
+def test_names_of_a_saved_result_are_escaped_in_python_too(planar_cell, lift):
+    hostile = Remark("\x1b[31m", "\x1b[31mall\nis well\u202e")
+    result = replace(mrts.scale(planar_cell, lift), origin="\x1b[31mevil\nname\u202e", warnings=(hostile,))
+    lines = result.summary().split("\n")
+    assert len(lines) == 2
+    assert all(line.isprintable() for line in (*lines, repr(result)))

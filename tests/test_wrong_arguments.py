@@ -61,7 +61,7 @@ WRITERS = {
 }
 """Public functions that are not of `mrts` itself: their packages are extras."""
 
-BUILT = ("ClosureBound", "CoordinatedMotion", "LoadBox", "ObjectMotion")
+BUILT = ("ClosureBound", "CoordinatedMotion", "LoadBox", "MotionDescription", "ObjectMotion")
 """Classes that a user builds; the others come out of functions."""
 
 
@@ -69,7 +69,7 @@ BUILT = ("ClosureBound", "CoordinatedMotion", "LoadBox", "ObjectMotion")
 def good(planar_cell):
     """Arguments of everything public with which it works."""
     poses = {"start": {"xyz": [1.25, 0.95, 0]}, "end": {"xyz": [1.25, 1.0, 0]}}
-    description = mrts.MotionDescription.model_validate(poses | {"duration": 1.0, "samples": 11, "profile": "cubic"})
+    description = mrts.MotionDescription(**poses, duration=1.0, samples=11, profile="cubic")
     motion = mrts.sample_motion(description)
     result = mrts.scale(planar_cell, motion)
     whole = result.motion
@@ -101,6 +101,7 @@ def good(planar_cell):
         "ClosureBound": {"position": 1e-3, "rotation": None},
         "CoordinatedMotion": joints | {"remarks": ()},
         "LoadBox": {"mass": 1.0, "inertia": np.eye(3), "ranges": {"mass": (0.5, 2.0)}, "outer_hull": False},
+        "MotionDescription": poses | {"duration": 1.0, "samples": 11, "profile": "cubic"},
         "ObjectMotion": objects | {"smooth": True},
         "Cell.with_mass": {"self": planar_cell, "mass": 1.0},
         "Cell.with_load": {"self": planar_cell, "load": planar_cell.load},
@@ -170,6 +171,10 @@ def test_the_message_names_the_argument_what_it_must_be_and_what_it_is(planar_ce
         (lambda: mrts.scale(cell, lift, sharing="equal"), "sharing = 'equal': must be a LoadSharing"),
         (lambda: mrts.retime(cell, lift, start_speed=1e200), "start_speed = 1e+200: must be a number from 0 to 1e+12"),
         (lambda: mrts.retime(cell, lift, end_speed=1e200), "end_speed = 1e+200: must be a number from 0 to 1e+12"),
+        (lambda: mrts.MotionDescription(duration="x"), "motion: duration = 'x': must be a number."),
+        (lambda: mrts.MotionDescription(start={"xyz": [0.0]}), "motion: start.xyz = [0.0]: has 1 values, at least 3"),
+        (lambda: mrts.MotionDescription(duration=1.0), "motion: a motion is given by one of: start and end, waypoi"),
+        (lambda: mrts.MotionDescription(speed=1), "motion: unknown key 'speed'. The keys here are: duration, sampl"),
         (lambda: mrts.scale(cell, lift, progress=0), "progress = 0: must be a function; it is of type int"),
     ):
         with pytest.raises(mrts.InputError) as refused:

@@ -241,6 +241,7 @@ static int mrts_lp_ratio(int k, const mrts_real *lower, const mrts_real *upper, 
                 leaving = j;
             }
         }
+        if (leaving < 0) break; /* a tie that is no number */
         const mrts_real low = lower[row[leaving]], high = upper[row[leaving]];
         if (side[leaving] == MRTS_FREE || low <= -MRTS_INFINITY || high >= MRTS_INFINITY) return leaving;
         if (bland) return leaving;
@@ -283,7 +284,7 @@ static int mrts_lp_certificate(int k, int rows, const mrts_real *A, const mrts_r
         if (y[j] != 0) gap += y[j] * limit;
         weight += MRTS_ABS(y[j]);
     }
-    if (!(gap > MRTS_SEPARATED * weight)) return MRTS_MARGINAL;
+    if (!(gap > MRTS_SEPARATED * weight)) return gap <= MRTS_SEPARATED * weight ? MRTS_MARGINAL : MRTS_STOPPED;
     return mrts_lp_stationarity(k, rows, A, 0, row, y, entering, -sign, alpha) <= MRTS_SEPARATED ? MRTS_INFEASIBLE
                                                                                                  : MRTS_STOPPED;
 }

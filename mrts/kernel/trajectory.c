@@ -70,6 +70,9 @@ static int mrts_all_finite(int count, const double *values) {
     return 1;
 }
 
+/* An unknown that moves no row by more than this share of a limit moves none: its scale would not be finite. */
+#define MRTS_NO_EFFECT 1e-300
+
 /* Scales the unknowns so that each moves some row by one limit: x = column * x_scaled. */
 static void mrts_scale(int k, int rows, double *A, int stride, double *column) {
     for (int j = 0; j < k; ++j) {
@@ -78,8 +81,9 @@ static void mrts_scale(int k, int rows, double *A, int stride, double *column) {
             const double value = MRTS_ABS(A[row * stride + j]);
             if (value > size) size = value;
         }
-        column[j] = size > 0 ? 1 / size : 1;
-        for (int row = 0; row < rows; ++row) A[row * stride + j] *= column[j];
+        const int moves = size > MRTS_NO_EFFECT;
+        column[j] = moves ? 1 / size : 1;
+        for (int row = 0; row < rows; ++row) A[row * stride + j] = moves ? A[row * stride + j] * column[j] : 0;
     }
 }
 
