@@ -136,8 +136,8 @@ def test_the_range_is_drawn_with_the_point_that_sets_it(planar_cell, lift, resul
     assert marks == [[end.time, end.c2]]
     assert "c²⁺ = 3.062" in [text.get_text() for text in above.texts]
     assert above.get_ylim()[0] < 0 < end.c2 < above.get_ylim()[1]
-    assert [label.get_text() for label in below.get_yticklabels()][:2] == ["right/elbow ↓", "left/elbow ↑"]
-    bars = below.collections[0].get_paths()[0].get_extents()  # right/elbow: from the start on
+    assert [label.get_text() for label in below.get_yticklabels()][:2] == ["left/elbow ↑", "right/elbow ↓"]
+    bars = below.collections[1].get_paths()[0].get_extents()  # right/elbow: from the start on
     assert bars.x0 == 0
     assert bars.x1 == pytest.approx(0.144, abs=0.003)
     torn = Figure().subplots()
