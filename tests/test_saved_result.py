@@ -76,7 +76,8 @@ CASES = {
 
 def until_braking(motion):
     """The first 20 samples."""
-    return mrts.ObjectMotion(*(getattr(motion, field.name)[:20] for field in fields(motion)))
+    parts = ("time", "position", "rotation", "twist", "acceleration")
+    return mrts.ObjectMotion(*(getattr(motion, part)[:20] for part in parts))
 
 
 @pytest.fixture(scope="module", params=CASES)
