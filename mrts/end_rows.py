@@ -65,6 +65,8 @@ class EndRows(Sequence[tuple[ActiveRow, ...]]):
     def _all(self) -> tuple[ActiveRow, ...]:
         if not np.isfinite(self.c2):
             return ()
+        if self.end == "lower" and self.c2 == 0:
+            return (ActiveRow(STANDSTILL, "lower", 0.0),)
         loads = None if self.load is None else np.broadcast_to(self.load, (self.motion.samples, len(self.load)))
         problem = build_sample_problem(self.cell, self.motion, load=loads, samples=np.array([self.sample]))
         return rows_at_end(problem, self.c2, self.end)
