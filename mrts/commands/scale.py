@@ -20,6 +20,8 @@ from mrts.commands.terminal import put, say, warn
 from mrts.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from mrts.cell import Cell
     from mrts.grasp_closure import ClosureBound
     from mrts.joint_table import JointTable
@@ -156,16 +158,25 @@ def _scale(
         raise
     with working("writing"):  # files first: whoever reads the lines may go away
         _write(options, result, outputs)
+    code = _answered(options, result, report_lines(result), outputs)
+    if result.fallbacks and str(options.json) != "-":
+        warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
+    return code
+
+
+def _answered(
+    options: argparse.Namespace, found: "ScalingResult | RetimingResult", lines: "Iterator[str]", outputs: Outputs
+) -> int:
+    """Print the answer in words, or its JSON text where `-` asks for that; the exit code."""
+    admits = found.status.admits_motion
     if str(options.json) == "-":
-        put(result.json_text())
+        put(found.json_text())
     else:
-        outcome, *details = report_lines(result)
-        say(outcome, "strong" if result.status.admits_motion else "bad")
+        outcome, *details = lines
+        say(outcome, "strong" if admits else "bad")
         for line in details:
             say(line, "note" if line.startswith(("note:", "warning:")) else "plain")
-        if result.fallbacks:
-            warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
-    return outputs.code(FEASIBLE if result.status.admits_motion else INFEASIBLE)
+    return outputs.code(FEASIBLE if admits else INFEASIBLE)
 
 
 def _retime(
@@ -203,14 +214,7 @@ def _retime(
             found = replace(found, retimed=torques_for_load(found.retimed, carried))
     with working("writing"):  # files first: whoever reads the lines may go away
         _write_timing(options, found, outputs)
-    if str(options.json) == "-":
-        put(found.json_text())
-    else:
-        outcome, *details = retiming_lines(found)
-        say(outcome, "strong" if found.status.admits_motion else "bad")
-        for line in details:
-            say(line, "note" if line.startswith("warning:") else "plain")
-    return outputs.code(FEASIBLE if found.status.admits_motion else INFEASIBLE)
+    return _answered(options, found, retiming_lines(found), outputs)
 
 
 def _write_timing(options: argparse.Namespace, found: "RetimingResult", outputs: Outputs) -> None:
