@@ -14,6 +14,12 @@ SPAWN = (
     "sys.exit(code if code >= 0 else 128 - code)"  # as a shell says it
 )
 
+KEEP_OUTPUT = (
+    "import os, sys, termios; modes = termios.tcgetattr(0); modes[3] |= termios.NOFLSH;"
+    "termios.tcsetattr(0, termios.TCSANOW, modes); os.execvp(sys.argv[1], sys.argv[1:])"
+)
+"""A terminal discards what is on its way when Ctrl-C is typed; on a busy machine that may be the answer to it."""
+
 
 @dataclass
 class Session:
@@ -32,7 +38,7 @@ def at_terminal(command, *, keys=(), without=(), **environment):
     """
     inherited = {name: value for name, value in os.environ.items() if name not in {"NO_COLOR", "COLUMNS", *without}}
     with subprocess.Popen(
-        [sys.executable, "-c", SPAWN, *map(str, command)],
+        [sys.executable, "-c", SPAWN, sys.executable, "-c", KEEP_OUTPUT, *map(str, command)],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         env=inherited | {"TERM": "xterm", "PYTHONUNBUFFERED": "1"} | environment,
