@@ -34,10 +34,10 @@ from mrts.grasp_tracking import (
 )
 from mrts.joint_limits import PRINTED_TOLERANCE, check_joint_limits
 from mrts.joint_table import Source
-from mrts.null_space import apply
 from mrts.object_motion import ObjectMotion
 from mrts.remark import Remark
 from mrts.rigid_transform import Array
+from mrts.sample_products import apply
 
 SILENT_GAP = 1e-6
 """Gap that is closed without a word [m, rad]: any table has it."""

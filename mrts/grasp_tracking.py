@@ -14,10 +14,11 @@ from mrts.cell import Cell
 from mrts.compiled_tracking import NewtonRule, track_compiled
 from mrts.errors import MotionError
 from mrts.joint_limits import joint_limit_failure
-from mrts.null_space import FOLD, SINGULAR, NullSpace, apply, change_along, is_redundant, null_spaces
+from mrts.null_space import FOLD, SINGULAR, NullSpace, change_along, is_redundant, null_spaces
 from mrts.object_motion import ObjectMotion
 from mrts.rigid_transform import Array
 from mrts.robot import Robot
+from mrts.sample_products import apply
 
 POSE_TOLERANCE = 1e-10
 """Largest remaining pose error [m, rad]; Newton's quadratic convergence usually leaves 1e-15."""

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from mrts.cell import Cell
 from mrts.rigid_transform import Array
 from mrts.robot import Robot
+from mrts.sample_products import apply
 
 LIMIT_ZONE = 0.5
 """Width of the zone beside each position limit, as a share of the joint's range: a narrow one brakes hard in it."""
@@ -195,8 +196,3 @@ def geometric_stiffness(cell: Cell, q: Array, wrenches: dict[str, Array]) -> Arr
 def _stacked(cell: Cell, count: int, wrenches: dict[str, Array]) -> Array:
     nothing = np.zeros((count, len(cell.wrench_components)))
     return np.concatenate([wrenches.get(robot.name, nothing) for robot in cell.robots], axis=1)
-
-
-def apply(matrix: NDArray[np.floating[Any]], vector: Array) -> Array:
-    """Matrix by vector at every one of T, Shapes (T, r, k) and (T, k)."""
-    return np.asarray(np.einsum("trk,tk->tr", matrix, vector), dtype=np.float64)

@@ -14,6 +14,7 @@ from mrts.errors import InputError, MotionError
 from mrts.limit_rows import ActiveRow, RowName
 from mrts.load_sharing import LoadSharing
 from mrts.rigid_transform import Array
+from mrts.sample_products import apply
 from mrts.velocity_limits import VelocityLimits, velocity_limits
 
 FormulationName = Literal["wrench", "torque"]
@@ -102,12 +103,6 @@ class SampleProblem:
             lower=self.lower[samples],
             upper=self.upper[samples],
         )
-
-
-def apply(matrix: Array, vector: Array) -> Array:
-    """Matrix times vector sample by sample: Shape (N, r, k) and (N, k) to (N, r)."""
-    product: Array = np.einsum("nrk,nk->nr", matrix, vector)
-    return product
 
 
 def build_sample_problem(
