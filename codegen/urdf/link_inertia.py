@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mrts_codegen.cell_description import INERTIA_SLACK, inertia_problem, triangle_excess
+from mrts_codegen.cell_file import INERTIA_SLACK, inertia_problem, triangle_excess
 from mrts_codegen.urdf.urdf_joint import matrix_pose
 
 from mrts.base.arrays import Array

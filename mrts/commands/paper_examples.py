@@ -11,7 +11,7 @@ from pydantic import Field
 from mrts.base.atomic_file import Write, text_writer, write_together
 from mrts.base.input_file import Finite, Positive, StrictModel, read_model
 from mrts.cell.cell import Cell, load_cell
-from mrts.drawing.lanes import row_labels
+from mrts.drawing.labels import row_labels
 from mrts.motion.motion_file import load_motion
 from mrts.samples.load_sharing import LoadSharing
 from mrts.scaling.range import ScalingRange

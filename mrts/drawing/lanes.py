@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.drawing.labels import row_label
 from mrts.limits.rows import STANDSTILL, ActiveRow
 from mrts.samples.sample_ranges import SampleRanges, SampleStatus
 from mrts.scaling.range import ScalingRange
@@ -17,24 +18,7 @@ from mrts.scaling.range import ScalingRange
 MOST_LANES = 14
 """Lanes of one end of the range; rows beyond share the last."""
 
-MOST_NAMES = 3
-"""Rows that a short list names."""
-
 LaneKind = Literal["upper", "lower", "conflict"]
-
-
-def row_label(row: ActiveRow) -> str:
-    """A row in a few letters: `left/elbow ↑` at its upper limit, ↓ at its lower one."""
-    name = row.name
-    if name == STANDSTILL or not name.robot:
-        return str(name)
-    return f"{name.short} {'↑' if row.side == 'upper' else '↓'}"
-
-
-def row_labels(rows: Sequence[ActiveRow], most: int = MOST_NAMES) -> str:
-    """The first rows in a few letters, and how many more there are."""
-    more = f" and {len(rows) - most} more" if len(rows) > most else ""
-    return ", ".join(row_label(row) for row in rows[:most]) + more
 
 
 @dataclass(frozen=True)

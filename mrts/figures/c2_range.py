@@ -8,9 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from mrts.drawing.axis_reach import c2_reach
+from mrts.drawing.colours import ADMISSIBLE, CONFLICT, END_COLOURS
+from mrts.drawing.labels import LANE_LETTERS
 from mrts.drawing.lanes import Lane, binding_lanes, infeasible_spans, spans
-from mrts.drawing.plot_style import ADMISSIBLE, CONFLICT, END_COLOURS, LANE_LETTERS
-from mrts.drawing.range_text import range_facts, range_text
+from mrts.drawing.range_sentences import range_facts, range_text
 from mrts.figures.style import finish, plain, plain_text
 from mrts.scaling.range import ScalingStatus
 from mrts.scaling.result import ScalingResult

@@ -12,8 +12,8 @@ from mrts.base.argument_types import as_path, check_type
 from mrts.base.errors import InputError
 from mrts.base.input_file import Pose, StrictModel, broken_format, broken_rule, read_model
 from mrts.base.rigid_transform import rotation_from_rpy
+from mrts.motion.csv_motion import MAX_SAMPLES, read_joint_table, read_object_table, read_table
 from mrts.motion.joint_table import JointTable
-from mrts.motion.motion_table import MAX_SAMPLES, read_joint_table, read_object_table, read_table
 from mrts.motion.object_motion import ObjectMotion, geodesic_motion, waypoint_motion
 from mrts.motion.velocity_profile import PROFILES
 

@@ -13,7 +13,7 @@ from mrts.base.atomic_file import make_folder_atomically
 from mrts.base.errors import InputError
 from mrts.cell.robot import Robot
 from mrts.motion.ros_messages import NANOSECONDS, TYPES
-from mrts.output.trajectory_table import PlayedRows, played_rows
+from mrts.output.trajectory_csv import PlayedRows, played_rows
 from mrts.scaling.result import ScalingResult
 
 BAG_VERSION: Literal[9] = 9

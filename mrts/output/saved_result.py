@@ -22,8 +22,8 @@ from mrts.cell.functions import CellFunctions, saved_functions
 from mrts.cell.robot import robot_record, without_infinity
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.motion.object_motion import ObjectMotion
-from mrts.output.array_archive import open_arrays
-from mrts.output.saved_description import (
+from mrts.output.npz_file import open_arrays
+from mrts.output.saved_json import (
     DAMAGED,
     DESCRIPTION_BYTES,
     DESCRIPTION_RATIO,
@@ -41,7 +41,7 @@ from mrts.output.saved_description import (
 from mrts.output.saved_ranges import Arrays, Tables, conflict_entries, range_arrays, read_ranges, require_places
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.sample_ranges import SampleRanges
-from mrts.scaling.holding import Holding
+from mrts.scaling.holding_torques import Holding
 from mrts.scaling.range import intersect
 from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory

@@ -10,7 +10,8 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.drawing.cell_shapes import contact_forces, joint_points, object_box
-from mrts.drawing.plot_style import COLOURS, shortened
+from mrts.drawing.colours import COLOURS
+from mrts.drawing.labels import shortened
 from mrts.report.markup import plot_text
 from mrts.report.plots import numbers
 from mrts.scaling.result import ScalingResult

@@ -9,7 +9,7 @@ from mrts.base.arrays import Array
 from mrts.base.interval_text import interval_text
 from mrts.cell.cell import Cell
 from mrts.drawing.load_envelope import load_envelope
-from mrts.drawing.range_text import range_facts, range_text
+from mrts.drawing.range_sentences import range_facts, range_text
 from mrts.limits.rows import ActiveRow
 from mrts.report.markup import Html, element, html, joined, table
 from mrts.samples.infeasibility import Conflict

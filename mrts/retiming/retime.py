@@ -29,7 +29,7 @@ from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.sample_problem import SampleProblem
 from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges, motion_torques
-from mrts.scaling.holding import holding_at_ends
+from mrts.scaling.holding_torques import holding_at_ends
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.range import intersect
 from mrts.scaling.result import ScalingResult

@@ -10,7 +10,7 @@ from conftest import DATA
 import mrts
 from mrts.figures import range_figure, write_figure, write_result_figures
 from mrts.output.ros_bag import write_ros_bag
-from mrts.output.trajectory_table import write_trajectory_csv
+from mrts.output.trajectory_csv import write_trajectory_csv
 from mrts.solvers import DEFAULT_SOLVER
 
 ZOO = [
