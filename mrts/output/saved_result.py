@@ -42,10 +42,10 @@ from mrts.output.saved_ranges import Arrays, Tables, conflict_entries, range_arr
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.scaling.holding_torques import Holding
+from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import intersect
 from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.scaling.uncertain_load import LoadStudy
 
 MOTION = ("time", "position", "rotation", "twist", "acceleration")
 """Arrays of the object's motion."""
@@ -238,7 +238,7 @@ def _functions_of(cell: Cell, saved: Manifest, path: Path) -> CellFunctions:
             raise InputError(
                 path,
                 f"cell '{cell.name}' is another one than the result was found with, '{saved.name}': they differ in "
-                f"{key}. Load the cell file that it was found with.",
+                f"{key}. Read the cell file that it was found with.",
                 key="cell",
             )
     return cell.functions

@@ -8,9 +8,9 @@ import numpy as np
 from mrts.base.interval_text import interval_text
 from mrts.drawing.range_sentences import range_text
 from mrts.retiming.result import RetimingResult
+from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
-from mrts.scaling.uncertain_load import LoadStudy
 
 LOADS_SHOWN = 8
 """Loads of a box that are printed."""

@@ -215,7 +215,7 @@ def test_another_cell_is_refused(lifted, dual_ur5, planar_cell, tmp_path):
     description["robots"][1]["base"]["xyz"][0] += 0.001
     (tmp_path / "moved.yaml").write_text(yaml.safe_dump(description))
     for cell, what in ((dual_ur5, "plane"), (mrts.load_cell(tmp_path / "moved.yaml", backend="vm"), "robots.1.")):
-        with pytest.raises(mrts.InputError, match=rf"cell: .*they differ in {what}.* Load the cell file"):
+        with pytest.raises(mrts.InputError, match=rf"cell: .*they differ in {what}.* Read the cell file"):
             mrts.load_result(tmp_path / "result.npz", cell=cell)
     with pytest.raises(mrts.InputError, match=r"cell.*from mrts\.load_cell"):
         mrts.load_result(tmp_path / "result.npz", cell=DATA / "cell.yaml")
