@@ -72,19 +72,19 @@ def _lanes(kind: LaneKind, rows: Sequence[tuple[ActiveRow, ...]], first: tuple[A
 
 
 def infeasible_spans(samples: SampleRanges) -> list[tuple[float, float]]:
-    """Stretches of time where no c² keeps the limits [s]."""
+    """Spans of time where no c² keeps the limits [s]."""
     return spans(samples.time, np.array([status is SampleStatus.INFEASIBLE for status in samples.status]))
 
 
 def spans(time: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
-    """Stretches of time of consecutive samples, each sample reaching half way to its neighbours.
+    """Spans of time of consecutive samples, each sample reaching half way to its neighbours.
 
     Args:
         time: Shape (N,) [s].
         where: Which samples count, Shape (N,).
 
     Returns:
-        Start and end of every stretch [s].
+        Start and end of every span [s].
     """
     edges = np.concatenate([time[:1], (time[1:] + time[:-1]) / 2, time[-1:]])
     steps = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(int)))

@@ -96,8 +96,8 @@ def _draw_lanes(axes: Axes, result: ScalingResult, lanes: list[Lane]) -> None:
     found = result.range
     time = found.samples.time
     for row, lane in enumerate(lanes):
-        stretches = [(start, end - start) for start, end in spans(time, lane.binds)]
-        axes.broken_barh(stretches, (row - 0.36, 0.72), facecolor=END_COLOURS[lane.kind], linewidth=0)
+        bars = [(start, end - start) for start, end in spans(time, lane.binds)]
+        axes.broken_barh(bars, (row - 0.36, 0.72), facecolor=END_COLOURS[lane.kind], linewidth=0)
     for end in (found.lower, found.upper):
         if end is not None and end.time is not None and end.c2 > 0:
             axes.axvline(end.time, color="black", linewidth=0.8, linestyle=":")
