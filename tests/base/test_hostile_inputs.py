@@ -1,0 +1,227 @@
+"""Small inputs that mean large work, and inputs that are no files: refused at once, in bounded time and memory."""
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import DATA, ROOT
+
+import mrts
+
+PATIENCE = 8.0
+"""Processor time for a file [s]: what takes one on an idle machine, and a bomb would take minutes or for ever."""
+
+SCRIPT = ROOT / "tests" / "helpers" / "hostile_inputs.py"
+KINDS = ("cell", "motion", "result", "urdf", "generated")
+
+
+def cost(*arguments, timeout=180):
+    """Outcome and processor time of each file, read in a process with limits."""
+    done = subprocess.run(
+        [sys.executable, SCRIPT, *arguments], capture_output=True, text=True, timeout=timeout, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    found = {name: (outcome, seconds) for name, outcome, seconds in map(json.loads, done.stdout.splitlines())}
+    assert list(found) == list(arguments)
+    for name, (outcome, seconds) in found.items():
+        assert seconds < PATIENCE, (name, seconds)
+        assert outcome.isprintable(), name
+    return {name: outcome for name, (outcome, _) in found.items()}
+
+
+def bomb(layer):
+    """Nine values, nine of those, and so on, nine times."""
+    return (
+        "a0: &a0 "
+        + layer.format("1, 1, 1")
+        + "\n"
+        + "".join(f"a{k}: &a{k} {layer.format(', '.join([f'*a{k - 1}'] * 9))}\n" for k in range(1, 10))
+    )
+
+
+YAML = {
+    "aliases": (bomb("[{}]"), "more than 20000 values"),
+    "merged keys": (
+        "a0: &a0 {k: 1}\n" + "".join(f"a{k}: &a{k} {{<<: [{', '.join([f'*a{k - 1}'] * 9)}]}}\n" for k in range(1, 10)),
+        "more than 20000 values",
+    ),
+    "a list as a key": ("? [a, b]\n: 1\n", "a key must be text"),
+    "itself": ("a: &a [*a]\n", "'*a' stands inside of what it repeats"),
+    "many keys": ("".join(f"k{k}: 1\n" for k in range(200_000)), "at most 1000000 bytes"),
+    "many numbers": ("gravity: [" + "1," * 300_000 + "]\n", "more than 20000 values"),
+    "many wrong numbers": ("waypoints: [" + "x," * 15_000 + "]\n", ""),
+    "deep": ("[" * 100_000, "more than 20 deep"),
+    "deep keys": ("? " * 100_000, "more than 20 deep"),
+    "digits": ("duration: " + "9" * 100_000, ""),
+    "a comment": ("#" * 999_999, "mapping"),
+}
+
+
+def test_yaml_costs_what_its_size_says(tmp_path):
+    arguments = []
+    for name, (text, _) in YAML.items():
+        (tmp_path / f"{name}.yaml").write_text(text, encoding="utf-8")
+        arguments += [f"{kind}:{tmp_path / name}.yaml" for kind in ("cell", "motion")]
+    found = cost(*arguments)
+    for argument, outcome in found.items():
+        expected = YAML[Path(argument).stem][1]
+        assert outcome != "read"
+        assert expected in outcome, argument
+
+
+def test_anchors_and_merged_keys_stay_usable(tmp_path):
+    path = tmp_path / "motion.yaml"
+    path.write_text(
+        "start: &pose {xyz: [0, 0, 0], rpy: [0, 0, 0]}\nend: {<<: *pose, xyz: [0, 1, 0]}\n"
+        "duration: 1\nprofile: cubic\n",
+        encoding="utf-8",
+    )
+    assert mrts.load_motion(path).position[-1].tolist() == [0, 1, 0]
+
+
+def test_what_is_no_regular_file_is_refused_without_waiting(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    with socket.socket(socket.AF_UNIX) as server:
+        server.bind(str(tmp_path / "socket"))
+    (tmp_path / "link").symlink_to(tmp_path / "pipe")
+    kinds = {"pipe": "is a pipe", "socket": "is a socket", "link": "is a pipe"}
+    places = {tmp_path / name: text for name, text in kinds.items()}
+    places |= {Path("/dev/zero"): "is a device", Path("/dev/stdin"): "regular file"}
+    places |= {Path("/proc/self/mem"): "", Path("/proc/self/pagemap"): "", Path("/proc/kcore"): ""}
+    arguments = [f"{kind}:{place}" for place in places for kind in KINDS]
+    for suffix in (".csv", ".mcap", ".db3"):
+        os.mkfifo(tmp_path / f"pipe{suffix}")
+        arguments.append(f"motion:{tmp_path}/pipe{suffix}")
+        places[tmp_path / f"pipe{suffix}"] = "is a pipe"
+    found = cost(*arguments)
+    for argument, outcome in found.items():
+        assert outcome != "read", argument
+        assert places[Path(argument.partition(":")[2])] in outcome, argument
+
+
+def test_a_pipe_where_a_file_names_another_is_refused(tmp_path):
+    os.mkfifo(tmp_path / "planar_arm.urdf")
+    (tmp_path / "cell.yaml").write_text((DATA / "cell.yaml").read_text(encoding="utf-8"), encoding="utf-8")
+    os.mkfifo(tmp_path / "table.csv")
+    (tmp_path / "motion.yaml").write_text("file: table.csv\n", encoding="utf-8")
+    os.mkfifo(tmp_path / "manifest.json")
+    (tmp_path / "bag").mkdir()
+    os.mkfifo(tmp_path / "bag" / "metadata.yaml")
+    names = ("cell:cell.yaml", "motion:motion.yaml", "generated:.", "motion:bag")
+    found = cost(*(argument.replace(":", f":{tmp_path}/") for argument in names))
+    assert all("is a pipe" in outcome for outcome in found.values()), found
+
+
+def member(name, shape, kind="<f8"):
+    """The text of a .npy file of zeros."""
+    header = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}"
+    header = header.ljust(117) + "\n"
+    return name, b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header.encode()
+
+
+@pytest.fixture(scope="module")
+def saved(planar_cell, lift, tmp_path_factory):
+    path = tmp_path_factory.mktemp("saved") / "result.npz"
+    mrts.save_result(mrts.scale(planar_cell, lift), path)
+    return path
+
+
+def test_archives_unpack_to_what_fits_their_size(saved, tmp_path):
+    expected = {}
+    with zipfile.ZipFile(saved) as archive:
+        contents = {name: archive.read(name) for name in archive.namelist()}
+    zeros = bytes(100_000_000)
+    spoiled = {
+        "huge": {"torque.npy": member("torque", (12_500_000,))[1] + zeros},
+        "huge description": {"description.npy": member("description", (100_000_000,), "|u1")[1] + zeros},
+        "huge header": {"torque.npy": member("torque", (10**15,))[1]},
+        "foreign": {"extra.npy": zeros},
+        "many": {f"{k}.npy": b"" for k in range(5000)},
+    }
+    expected = {
+        "huge": "would unpack to",
+        "huge description": "would unpack to",
+        "huge header": "cut off",
+        "foreign": "does not belong here",
+        "many": "lists too many members",
+    }
+    for name, change in spoiled.items():
+        with zipfile.ZipFile(tmp_path / f"{name}.npz", "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+            for inside, content in (contents | change).items():
+                archive.writestr(inside, content)
+    found = cost(*(f"result:{tmp_path / name}.npz" for name in spoiled))
+    for argument, outcome in found.items():
+        assert expected[Path(argument).stem] in outcome
+
+
+def test_a_description_of_many_wrong_entries_is_refused_at_the_first(saved, tmp_path):
+    with np.load(saved) as file:
+        arrays = dict(file)
+    said = json.loads(arrays.pop("description").tobytes())
+    said["rows"] = [0] * 1_000_000
+    text = np.frombuffer(json.dumps(said).encode(), dtype=np.uint8)
+    np.savez_compressed(tmp_path / "result.npz", **arrays, description=text)
+    (outcome,) = cost(f"result:{tmp_path}/result.npz").values()
+    assert "rows.0" in outcome
+
+
+INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+
+
+def urdf(links, parent):
+    """An arm with one joint that carries so many links, each fixed to another."""
+
+    def link(name):
+        return f'<link name="{name}">{INERTIAL}</link>'
+
+    def joint(name, above, below, kind="fixed"):
+        return f'<joint name="{name}" type="{kind}"><parent link="{above}"/><child link="{below}"/></joint>'
+
+    sides = "".join(link(f"s{k}") + joint(f"f{k}", parent(k), f"s{k}") for k in range(links))
+    return f'<robot name="r">{link("base")}{link("tip")}{joint("j", "base", "tip", "continuous")}{sides}</robot>'
+
+
+def test_urdfs_cost_what_their_size_says(tmp_path):
+    texts = {
+        "side": urdf(10_000, lambda _: "tip"),
+        "wide": urdf(1900, lambda _: "tip"),
+        "chain": urdf(1900, lambda k: f"s{k - 1}" if k else "tip"),
+        "loop": urdf(1900, lambda k: f"s{(k + 1) % 1900}"),
+        "elements": '<robot name="r">' + "<a/>" * 700_000 + "</robot>",
+        "depth": '<robot name="r">' + "<a>" * 700_000,
+        "size": " " * 3_000_001,
+    }
+    for name, text in texts.items():
+        (tmp_path / f"{name}.urdf").write_text(text, encoding="utf-8")
+    found = {
+        Path(argument).stem: text
+        for argument, text in cost(*(f"urdf:{tmp_path / name}.urdf" for name in texts)).items()
+    }
+    assert found["wide"] == found["chain"] == "read"
+    assert "at most 2000" in found["side"]
+    assert "the joints form a loop" in found["loop"]
+    assert "has no <link>" in found["elements"] or "no such link" in found["elements"]
+    assert "not well-formed" in found["depth"]
+    assert "at most 3000000 bytes" in found["size"]
+
+
+def test_tables_cost_what_their_size_says(tmp_path):
+    texts = {
+        "columns": (",".join(f"q.a{k}" for k in range(300_000)) + "\n", "has 300000 columns"),
+        "blank": ("\n" * 10_000_000, "is empty"),
+        "commas": ("t,q.a/b\n" + ",\n" * 1_200_000, "at most 1000000 samples"),
+        "rows": ("t,q.a/b\n" + "1,1\n" * 1_200_000, "at most 1000000 samples"),
+        "quote": ('t,"' + "x" * 10_000_000, "is no CSV table"),
+        "digits": ("t,q.a/b\n0," + "1" * 131_000 + "\n1,1\n", "must be a finite number"),
+    }
+    for name, (text, _) in texts.items():
+        (tmp_path / f"{name}.csv").write_text(text, encoding="utf-8")
+    found = cost(*(f"motion:{tmp_path / name}.csv" for name in texts))
+    for argument, outcome in found.items():
+        assert texts[Path(argument).stem][1] in outcome
