@@ -25,7 +25,7 @@ from mrts.base.input_file import (
 from mrts.base.load_box import PARAMETERS, range_problem
 
 INERTIA_TOLERANCE = 1e-9
-"""Relative tolerance of the triangle inequality, for inertias printed with few digits."""
+"""Share by which an inertia may miss symmetry, the triangle inequality, and 0: printed with few digits."""
 
 ROBOT_NAMES_TAKEN = frozenset({"time", "components"})
 """Keys that stand beside the robots' names in the JSON result."""

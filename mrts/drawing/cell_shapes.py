@@ -14,7 +14,7 @@ THINNEST = 0.05
 """Least side of a drawn object, as a share of its longest: a planar object may have no thickness."""
 
 SMALLEST = 1e-3
-"""An object whose inertia gives it no size is drawn as if it had this one [m]."""
+"""What counts as the longest side of an object whose inertia gives it none [m]."""
 
 
 def body_poses(robot: Robot, q: Array) -> tuple[Array, Array]:

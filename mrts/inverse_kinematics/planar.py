@@ -23,7 +23,7 @@ def has_closed_form(cell: Cell, robot: Robot) -> bool:
     """Whether `planar_branches` can solve an arm: three revolute joints in a planar cell."""
     if cell.plane is None or robot.joint_types != CLOSED_FORM_JOINTS:
         return False
-    # with one, the arm is singular everywhere, and found to be so
+    # with a shorter one the arm is singular everywhere, and found to be so
     return bool(np.min(np.linalg.norm(np.diff(robot.points, axis=0), axis=1)) > SHORTEST_LINK)
 
 
