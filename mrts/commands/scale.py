@@ -297,7 +297,7 @@ def _say_unwritten(options: argparse.Namespace) -> None:
 def _write_trajectory(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
     if options.csv is not None:
         with outputs.attempt():
-            from mrts.output.trajectory_csv import write_trajectory_csv
+            from mrts.output.trajectory_table import write_trajectory_csv
 
             write_trajectory_csv(result, options.csv)
     if options.ros_bag is not None:
