@@ -27,7 +27,7 @@ test: install  ## run all tests
 	$(BIN)/python -m pytest -q -n $(WORKERS)
 
 fuzz: install  ## read CASES damaged input files, from SEED on
-	FUZZ_CASES=$(CASES) FUZZ_SEED=$(SEED) $(BIN)/python -m pytest -q -x tests/test_mutated_inputs.py
+	FUZZ_CASES=$(CASES) FUZZ_SEED=$(SEED) $(BIN)/python -m pytest -q -x tests/base/test_mutated_inputs.py
 
 docs: install  ## build the documentation as a site in build/site
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

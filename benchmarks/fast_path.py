@@ -19,14 +19,14 @@ import yaml
 from interleaved import median_times
 
 import mrts
-from mrts.compiler import find_compiler
-from mrts.convex_program import ConvexPrograms
-from mrts.kernel_library import kernel_library
-from mrts.linear_program_range import UNBOUNDED
-from mrts.rigid_transform import Array
-from mrts.sample_problem import build_sample_problem
-from mrts.scaling_range import intersect
-from mrts.trajectory_programs import motion_ranges
+from mrts.base.arrays import Array
+from mrts.kernel.compiler import find_compiler
+from mrts.kernel.kernel_library import kernel_library
+from mrts.samples.linear_programs import UNBOUNDED
+from mrts.samples.sample_problem import build_sample_problem
+from mrts.samples.trajectory_programs import motion_ranges
+from mrts.scaling.range import intersect
+from mrts.solvers.convex_program import ConvexPrograms
 
 CELL = Path(str(files("mrts") / "data")) / "dual_ur5"
 SAMPLES = 1000

@@ -11,7 +11,9 @@ from pathlib import Path
 
 CELLS = ("planar_dual_arm", "dual_ur5")
 REPEATS = 5
-IMPORTS = "import time, sys, casadi, scipy.spatial.transform, pydantic, yaml, mrts, mrts.scaling, mrts.motion_file;"
+IMPORTS = (
+    "import time, sys, casadi, scipy.spatial.transform, pydantic, yaml, mrts, mrts.scaling, mrts.motion.motion_file;"
+)
 FIRST = IMPORTS + "import yourdfpy, mrts_codegen.generate;"
 LOAD = "t = time.perf_counter(); mrts.load_cell(sys.argv[1]); print(time.perf_counter() - t)"
 

@@ -13,10 +13,10 @@ import numpy as np
 import yaml
 
 import mrts
-from mrts.cell_cache import generated_in_cache
-from mrts.compiled_cell import cell_source
-from mrts.compiler import FLAGS
-from mrts.constraints import cell_rows
+from mrts.cell.generation import generated_in_cache
+from mrts.kernel.compiled_cell import cell_source
+from mrts.kernel.compiler import FLAGS
+from mrts.limits import cell_rows
 
 DATA = Path(str(files("mrts") / "data"))
 HERE = Path(__file__).resolve().parent

@@ -29,12 +29,12 @@ from toppra.constraint import DiscretizationType, LinearConstraint
 from toppra.constraint.linear_constraint import canlinear_colloc_to_interpolate
 
 import mrts
-from mrts.coordinated_motion import carried_by_first
-from mrts.path_pieces import PathPiece, path_pieces
-from mrts.path_rows import build_path_problem
-from mrts.reachability import SpeedProfile, fastest_profile
-from mrts.rigid_transform import Array
-from mrts.speed_regions import speed_regions
+from mrts.base.arrays import Array
+from mrts.coordination.coordinated_motion import carried_by_first
+from mrts.retiming.path_pieces import PathPiece, path_pieces
+from mrts.retiming.path_rows import build_path_problem
+from mrts.retiming.reachability import SpeedProfile, fastest_profile
+from mrts.retiming.speed_regions import speed_regions
 
 CELL = Path(str(files("mrts") / "data")) / "dual_ur5"
 POINTS = 1000

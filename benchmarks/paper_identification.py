@@ -18,10 +18,10 @@ from scipy.ndimage import minimum_filter
 from scipy.optimize import linprog
 
 import mrts
-from mrts.compiler import find_compiler
-from mrts.demo import run_demo
-from mrts.kernel_library import INFEASIBLE, OPTIMAL, kernel_library
-from mrts.rigid_transform import Array
+from mrts.base.arrays import Array
+from mrts.commands.paper_examples import run_demo
+from mrts.kernel.compiler import find_compiler
+from mrts.kernel.kernel_library import INFEASIBLE, OPTIMAL, kernel_library
 
 LINK, HAND = 1.0, 0.1  # m
 GRAVITY = 9.8  # m/s²

@@ -13,7 +13,7 @@ import pinocchio as pin
 from scipy.optimize import linprog
 
 import mrts
-from mrts.rigid_transform import Array
+from mrts.base.arrays import Array
 
 
 class PinocchioCell:

@@ -15,8 +15,8 @@ from interleaved import median_times, on_one_processor
 from pinocchio_cell import HighsRange, PinocchioCell, linprog_range
 
 import mrts
-from mrts.scaling_range import intersect
-from mrts.trajectory_programs import motion_ranges
+from mrts.samples.trajectory_programs import motion_ranges
+from mrts.scaling.range import intersect
 
 DATA = Path(str(files("mrts") / "data"))
 SAMPLES = 1000

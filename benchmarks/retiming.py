@@ -17,10 +17,10 @@ import yaml
 from interleaved import median_times, on_one_processor
 
 import mrts
-from mrts.path_pieces import PathPiece, path_pieces
-from mrts.path_rows import build_path_problem
-from mrts.reachability import fastest_profile
-from mrts.speed_regions import speed_regions
+from mrts.retiming.path_pieces import PathPiece, path_pieces
+from mrts.retiming.path_rows import build_path_problem
+from mrts.retiming.reachability import fastest_profile
+from mrts.retiming.speed_regions import speed_regions
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 from transcription import transcribed  # the check of the tests, built outside the measured calls

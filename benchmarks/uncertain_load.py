@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 
 import mrts
-from mrts.scaling_range import intersect
+from mrts.samples.trajectory_programs import motion_ranges
+from mrts.scaling.range import intersect
+from mrts.scaling.uncertain_load import study_load
 from mrts.solvers import DEFAULT_SOLVER
-from mrts.trajectory_programs import motion_ranges
-from mrts.uncertain_load import study_load
 
 DATA = Path(str(files("mrts") / "data"))
 REPEATS = 5

@@ -8,8 +8,9 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from mrts.errors import InputError
-from mrts.input_file import (
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.input_file import (
     IDENTIFIER,
     Angle,
     Finite,
@@ -21,8 +22,7 @@ from mrts.input_file import (
     broken_rule,
     read_model,
 )
-from mrts.load_box import PARAMETERS, range_problem
-from mrts.rigid_transform import Array
+from mrts.base.load_box import PARAMETERS, range_problem
 
 INERTIA_SLACK = 1e-9
 """Relative slack of the triangle inequality, for inertias printed with few digits."""

@@ -10,17 +10,17 @@ from typing import Any
 
 import casadi as ca
 from mrts_codegen.cell_model import CellModel
-from mrts_codegen.cooperative_terms import (
+from mrts_codegen.equations.cooperative_terms import (
     CooperativeTerms,
     SampleSymbols,
     cooperative_terms,
     sample_symbols,
     split_joints,
 )
-from mrts_codegen.formulations import fixed_distribution, torque_form, wrench_form
-from mrts_codegen.inverse_dynamics import coriolis_torque, mass_matrix
-from mrts_codegen.kinematics import bias_acceleration, forward_kinematics, frame_jacobian
-from mrts_codegen.spatial_algebra import block_diagonal
+from mrts_codegen.equations.formulations import fixed_distribution, torque_form, wrench_form
+from mrts_codegen.equations.inverse_dynamics import coriolis_torque, mass_matrix
+from mrts_codegen.equations.kinematics import bias_acceleration, forward_kinematics, frame_jacobian
+from mrts_codegen.equations.spatial_algebra import block_diagonal
 
 Named = dict[str, Any]
 

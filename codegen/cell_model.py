@@ -9,19 +9,20 @@ from typing import Any
 
 import numpy as np
 from mrts_codegen.cell_description import Bounds, CellDescription, RobotDescription, TorqueBounds, resolve_urdf
-from mrts_codegen.held_joints import held_positions
-from mrts_codegen.planar_cell import check_plane_kept
-from mrts_codegen.robot_model import RobotModel, build_robot_model
-from mrts_codegen.shared_joints import check_machines
-from mrts_codegen.spatial_algebra import PLANE_COMPONENTS
-from mrts_codegen.urdf_file import read_urdf
-from mrts_codegen.urdf_joint import NO_LIMIT
+from mrts_codegen.equations.spatial_algebra import PLANE_COMPONENTS
+from mrts_codegen.urdf.held_joints import held_positions
+from mrts_codegen.urdf.planar_cell import check_plane_kept
+from mrts_codegen.urdf.robot_model import RobotModel, build_robot_model
+from mrts_codegen.urdf.shared_joints import check_machines
+from mrts_codegen.urdf.urdf_file import read_urdf
+from mrts_codegen.urdf.urdf_joint import NO_LIMIT
 
-from mrts.errors import InputError
-from mrts.input_file import MAX_URDF_BYTES
-from mrts.regular_file import read_regular
-from mrts.remark import Remark
-from mrts.rigid_transform import Array, RigidTransform
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.input_file import MAX_URDF_BYTES
+from mrts.base.regular_file import read_regular
+from mrts.base.remark import Remark
+from mrts.base.rigid_transform import RigidTransform
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,10 @@ from pathlib import Path
 
 from mrts_codegen.cell_description import read_cell_description, resolve_urdf
 
-from mrts import __version__, input_file, load_box, manifest, rigid_transform, strict_yaml
-from mrts.input_file import MAX_URDF_BYTES
-from mrts.regular_file import read_regular
+from mrts.base import input_file, load_box, manifest, rigid_transform, strict_yaml
+from mrts.base.input_file import MAX_URDF_BYTES
+from mrts.base.regular_file import read_regular
+from mrts.base.version import __version__
 
 
 def content_key(path: Path) -> str:
@@ -25,6 +26,6 @@ def content_key(path: Path) -> str:
     for robot in description.robots:
         digest.update(read_regular(resolve_urdf(path, robot.urdf), "URDF", MAX_URDF_BYTES))
     shaping = (manifest, rigid_transform, input_file, strict_yaml, load_box)
-    for source in sorted([*Path(__file__).parent.glob("*.py"), *(Path(module.__file__ or "") for module in shaping)]):
+    for source in sorted([*Path(__file__).parent.rglob("*.py"), *(Path(module.__file__ or "") for module in shaping)]):
         digest.update(source.read_bytes())
     return digest.hexdigest()

@@ -9,14 +9,14 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 
-from mrts.atomic_file import text_writer, write_together
-from mrts.embedded_vector import EmbeddedVector
-from mrts.errors import InputError
-from mrts.input_file import IDENTIFIER, LONGEST_NAME
-from mrts.kernel_library import kernel_file
-from mrts.load_box import LoadBox, load_vector
-from mrts.manifest import Manifest
-from mrts.rigid_transform import Array
+from mrts.base.arrays import Array
+from mrts.base.atomic_file import text_writer, write_together
+from mrts.base.embedded_vector import EmbeddedVector
+from mrts.base.errors import InputError
+from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
+from mrts.base.load_box import LoadBox, load_vector
+from mrts.base.manifest import Manifest
+from mrts.kernel.kernel_library import kernel_file
 
 Precision = Literal["double", "float"]
 PARTS = ("terms", "range", "share", "torques")

@@ -13,9 +13,8 @@ from mrts_codegen.cell_description import ObjectDescription, read_cell_descripti
 from mrts_codegen.cell_functions import build_functions
 from mrts_codegen.cell_model import CellModel, CellRobot, build_cell_model
 
-from mrts import __version__
-from mrts.atomic_file import text_writer, write_together
-from mrts.manifest import (
+from mrts.base.atomic_file import text_writer, write_together
+from mrts.base.manifest import (
     FORMAT,
     MANIFEST_NAME,
     WRENCH_COMPONENTS,
@@ -28,7 +27,8 @@ from mrts.manifest import (
     RemarkRecord,
     RobotRecord,
 )
-from mrts.rigid_transform import RigidTransform, multiply
+from mrts.base.rigid_transform import RigidTransform, multiply
+from mrts.base.version import __version__
 
 logger = logging.getLogger("mrts")
 

@@ -7,73 +7,92 @@ Names are imported on first use, so that `import mrts` costs next to nothing.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:
-    from mrts.cell import Cell, load_cell
-    from mrts.configurations import rank_configurations
-    from mrts.coordinated_motion import CoordinatedMotion, follow_object
-    from mrts.errors import CompilerError, InputError, MotionError, MrtsError, SolverError
-    from mrts.grasp_closure import ClosureBound
-    from mrts.joint_table import JointTable
-    from mrts.known_load import torques_for_load
-    from mrts.load_box import LoadBox, LoadPoint
-    from mrts.load_sharing import LoadSharing
-    from mrts.motion_file import MotionDescription, load_motion, sample_motion
-    from mrts.object_motion import ObjectMotion
-    from mrts.report import write_report
-    from mrts.result import ScalingResult
-    from mrts.retiming import retime
-    from mrts.retiming_result import RetimingResult, RetimingStatus
-    from mrts.robot import Robot
-    from mrts.saved_result import load_result, save_result
-    from mrts.scaled_trajectory import ScaledTrajectory
-    from mrts.scaling import SelectionError, scale
-    from mrts.scaling_range import SampleStatus, ScalingRange, ScalingStatus
-    from mrts.uncertain_load import LoadStudy
+from mrts.base.version import __version__ as __version__
 
-__version__ = "0.1.0"
+if TYPE_CHECKING:
+    from mrts.base.errors import CompilerError, InputError, MotionError, MrtsError, SolverError
+    from mrts.base.load_box import LoadBox, LoadPoint
+    from mrts.cell.cell import Cell, load_cell
+    from mrts.cell.robot import Robot
+    from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
+    from mrts.coordination.grasp_closure import ClosureBound
+    from mrts.limits.rows import ActiveRow
+    from mrts.motion.joint_table import JointTable
+    from mrts.motion.motion_file import MotionDescription, load_motion, sample_motion
+    from mrts.motion.object_motion import ObjectMotion
+    from mrts.output.ros_bag import write_ros_bag
+    from mrts.output.saved_result import load_result, save_result
+    from mrts.output.trajectory_table import write_trajectory_csv
+    from mrts.report import write_report
+    from mrts.retiming.result import RetimingResult, RetimingStatus
+    from mrts.retiming.retime import retime
+    from mrts.samples.infeasibility import Conflict
+    from mrts.samples.load_sharing import LoadSharing
+    from mrts.samples.sample_ranges import SampleRanges, SampleStatus
+    from mrts.scaling.known_load import torques_for_load
+    from mrts.scaling.range import RangeEnd, ScalingRange, ScalingStatus
+    from mrts.scaling.result import ScalingResult
+    from mrts.scaling.scale import SelectionError, scale
+    from mrts.scaling.scaled_trajectory import ScaledTrajectory
+    from mrts.scaling.uncertain_load import LoadStudy
+    from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
 
 _HOMES = {
-    "Cell": "cell",
-    "ClosureBound": "grasp_closure",
-    "CompilerError": "errors",
-    "CoordinatedMotion": "coordinated_motion",
-    "InputError": "errors",
-    "JointTable": "joint_table",
-    "LoadBox": "load_box",
-    "LoadPoint": "load_box",
-    "LoadSharing": "load_sharing",
-    "LoadStudy": "uncertain_load",
-    "MotionDescription": "motion_file",
-    "MotionError": "errors",
-    "MrtsError": "errors",
-    "ObjectMotion": "object_motion",
-    "RetimingResult": "retiming_result",
-    "RetimingStatus": "retiming_result",
-    "Robot": "robot",
-    "SampleStatus": "scaling_range",
-    "ScaledTrajectory": "scaled_trajectory",
-    "ScalingRange": "scaling_range",
-    "ScalingResult": "result",
-    "ScalingStatus": "scaling_range",
-    "SelectionError": "scaling",
-    "SolverError": "errors",
-    "follow_object": "coordinated_motion",
-    "load_cell": "cell",
-    "load_motion": "motion_file",
-    "load_result": "saved_result",
-    "rank_configurations": "configurations",
-    "retime": "retiming",
-    "sample_motion": "motion_file",
-    "save_result": "saved_result",
-    "scale": "scaling",
-    "torques_for_load": "known_load",
+    "ActiveRow": "limits.rows",
+    "Branch": "studies.configurations",
+    "Cell": "cell.cell",
+    "ClosureBound": "coordination.grasp_closure",
+    "CompilerError": "base.errors",
+    "Configuration": "studies.configurations",
+    "ConfigurationStudy": "studies.configurations",
+    "Conflict": "samples.infeasibility",
+    "CoordinatedMotion": "coordination.coordinated_motion",
+    "InputError": "base.errors",
+    "JointTable": "motion.joint_table",
+    "LoadBox": "base.load_box",
+    "LoadPoint": "base.load_box",
+    "LoadSharing": "samples.load_sharing",
+    "LoadStudy": "scaling.uncertain_load",
+    "MotionDescription": "motion.motion_file",
+    "MotionError": "base.errors",
+    "MrtsError": "base.errors",
+    "ObjectMotion": "motion.object_motion",
+    "RangeEnd": "scaling.range",
+    "RetimingResult": "retiming.result",
+    "RetimingStatus": "retiming.result",
+    "Robot": "cell.robot",
+    "SampleRanges": "samples.sample_ranges",
+    "SampleStatus": "samples.sample_ranges",
+    "ScaledTrajectory": "scaling.scaled_trajectory",
+    "ScalingRange": "scaling.range",
+    "ScalingResult": "scaling.result",
+    "ScalingStatus": "scaling.range",
+    "SelectionError": "scaling.scale",
+    "SolverError": "base.errors",
+    "follow_object": "coordination.coordinated_motion",
+    "load_cell": "cell.cell",
+    "load_motion": "motion.motion_file",
+    "load_result": "output.saved_result",
+    "rank_configurations": "studies.configurations",
+    "retime": "retiming.retime",
+    "sample_motion": "motion.motion_file",
+    "save_result": "output.saved_result",
+    "scale": "scaling.scale",
+    "torques_for_load": "scaling.known_load",
     "write_report": "report",
+    "write_ros_bag": "output.ros_bag",
+    "write_trajectory_csv": "output.trajectory_table",
 }
 
 __all__ = [
+    "ActiveRow",
+    "Branch",
     "Cell",
     "ClosureBound",
     "CompilerError",
+    "Configuration",
+    "ConfigurationStudy",
+    "Conflict",
     "CoordinatedMotion",
     "InputError",
     "JointTable",
@@ -85,9 +104,11 @@ __all__ = [
     "MotionError",
     "MrtsError",
     "ObjectMotion",
+    "RangeEnd",
     "RetimingResult",
     "RetimingStatus",
     "Robot",
+    "SampleRanges",
     "SampleStatus",
     "ScaledTrajectory",
     "ScalingRange",
@@ -106,6 +127,8 @@ __all__ = [
     "scale",
     "torques_for_load",
     "write_report",
+    "write_ros_bag",
+    "write_trajectory_csv",
 ]
 
 

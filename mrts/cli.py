@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # PYTHON_ARGCOMPLETE_OK
-"""The command line `mrts`; its verbs are in mrts/commands, its exit codes in mrts/commands/exit_codes.py."""
+"""The command line `mrts`; its verbs are in mrts/commands, its exit codes in mrts/console/exit_codes.py."""
 
 import argparse
 import difflib
@@ -10,13 +10,15 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from mrts import __version__
+from mrts.base.errors import MrtsError
+from mrts.base.printable import message_text
+from mrts.base.version import __version__
 from mrts.commands import configurations, demo, export, generate, report, scale, view
 from mrts.commands.completion import complete
-from mrts.commands.defect import describe_defect, trace
-from mrts.commands.exit_codes import BAD_INPUT, DEFECT, PIPE_CLOSED, SIGNALLED
-from mrts.commands.interrupt import EndedBySignal, persistent_interrupt
-from mrts.commands.terminal import (
+from mrts.console.defect import describe_defect, trace
+from mrts.console.exit_codes import BAD_INPUT, DEFECT, PIPE_CLOSED, SIGNALLED
+from mrts.console.interrupt import EndedBySignal, persistent_interrupt
+from mrts.console.terminal import (
     QUIET,
     RemarkHandler,
     encode_anything,
@@ -25,8 +27,6 @@ from mrts.commands.terminal import (
     flush_answer,
     open_closed_streams,
 )
-from mrts.errors import MrtsError
-from mrts.printable import message_text
 
 VERBS = (demo, generate, scale, configurations, view, report, export)
 """In the order of `--help`."""

@@ -4,12 +4,12 @@
 import argparse
 from pathlib import Path
 
-from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.base.errors import InputError
 from mrts.commands.options import add_cell_and_motion, limited_cell_option, require, sharing_option
-from mrts.commands.outputs import Outputs, check_outputs
-from mrts.commands.progress import working
-from mrts.commands.terminal import put, say
-from mrts.errors import InputError
+from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.console.outputs import Outputs, check_outputs
+from mrts.console.progress import working
+from mrts.console.terminal import put, say
 
 EXAMPLES = """\
 examples:
@@ -37,10 +37,10 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Rank the configurations."""
-    from mrts.configurations import rank_configurations
-    from mrts.motion_file import load_motion
-    from mrts.object_motion import ObjectMotion
+    from mrts.motion.motion_file import load_motion
+    from mrts.motion.object_motion import ObjectMotion
     from mrts.solvers import DEFAULT_SOLVER
+    from mrts.studies.configurations import rank_configurations
 
     require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
     if options.show < 0:

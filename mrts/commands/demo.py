@@ -6,10 +6,10 @@ import shutil
 import sys
 from pathlib import Path
 
-from mrts.commands.exit_codes import FEASIBLE
-from mrts.commands.outputs import check_outputs
-from mrts.commands.progress import working
-from mrts.commands.terminal import say, warn
+from mrts.console.exit_codes import FEASIBLE
+from mrts.console.outputs import check_outputs
+from mrts.console.progress import working
+from mrts.console.terminal import say, warn
 
 EXAMPLES = """\
 examples:
@@ -28,7 +28,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the paper's examples."""
-    from mrts.demo import NOTE, format_table, run_demo, write_demo_files
+    from mrts.commands.paper_examples import NOTE, format_table, run_demo, write_demo_files
     from mrts.solvers import DEFAULT_SOLVER
 
     check_outputs({}, {"--output": options.output})

@@ -4,12 +4,12 @@
 import argparse
 from pathlib import Path
 
-from mrts.commands.exit_codes import FEASIBLE
+from mrts.base.errors import InputError
 from mrts.commands.options import add_closure, cell_option, closure_option
-from mrts.commands.outputs import check_outputs
-from mrts.commands.progress import working
-from mrts.commands.terminal import say
-from mrts.errors import InputError
+from mrts.console.exit_codes import FEASIBLE
+from mrts.console.outputs import check_outputs
+from mrts.console.progress import working
+from mrts.console.terminal import say
 
 EXAMPLES = """\
 examples:
@@ -39,10 +39,10 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Write the library."""
-    from mrts.cell_cache import export_to
-    from mrts.coordination import coordinate
-    from mrts.embedded_test_vectors import make_vectors, own_motion
-    from mrts.motion_file import load_motion
+    from mrts.cell.generation import export_to
+    from mrts.coordination.coordinate import coordinate
+    from mrts.motion.motion_file import load_motion
+    from mrts.output.embedded_test_vectors import make_vectors, own_motion
 
     if options.cell.is_dir():
         raise InputError(options.cell, "an export starts from the cell file, not from a generated folder.")

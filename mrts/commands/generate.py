@@ -4,10 +4,10 @@
 import argparse
 from pathlib import Path
 
-from mrts.commands.exit_codes import FEASIBLE
-from mrts.commands.outputs import check_outputs
-from mrts.commands.progress import working
-from mrts.commands.terminal import say
+from mrts.console.exit_codes import FEASIBLE
+from mrts.console.outputs import check_outputs
+from mrts.console.progress import working
+from mrts.console.terminal import say
 
 EXAMPLES = """\
 examples:
@@ -26,7 +26,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Generate the C of a cell."""
-    from mrts.cell_cache import generate_to
+    from mrts.cell.generation import generate_to
 
     check_outputs({}, {"--output": options.output})
     with working(f"generating {options.cell}"):

@@ -5,13 +5,13 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mrts.commands.progress import working
-from mrts.errors import InputError
+from mrts.base.errors import InputError
+from mrts.console.progress import working
 
 if TYPE_CHECKING:
-    from mrts.cell import Cell
-    from mrts.grasp_closure import ClosureBound
-    from mrts.load_sharing import LoadSharing
+    from mrts.cell.cell import Cell
+    from mrts.coordination.grasp_closure import ClosureBound
+    from mrts.samples.load_sharing import LoadSharing
 
 
 def add_cell_and_motion(verb: argparse.ArgumentParser) -> None:
@@ -30,7 +30,7 @@ def add_closure(verb: argparse.ArgumentParser) -> None:
 
 def closure_option(text: str | None) -> "ClosureBound | None":
     """The bound that `--closure` gives; None for the default."""
-    from mrts.grasp_closure import ClosureBound
+    from mrts.coordination.grasp_closure import ClosureBound
 
     if text is None:
         return None
@@ -48,7 +48,7 @@ def closure_option(text: str | None) -> "ClosureBound | None":
 
 def cell_option(path: Path) -> "Cell":
     """The cell of a file or folder; on first use generated and compiled, which a terminal sees."""
-    from mrts.cell import load_cell
+    from mrts.cell.cell import load_cell
 
     with working(f"generating and compiling {path}"):
         return load_cell(path)
@@ -66,7 +66,7 @@ def sharing_option(text: str | None) -> "LoadSharing | None":
     """The distribution that `--share` names; None for a free one."""
     import numpy as np
 
-    from mrts.load_sharing import LoadSharing
+    from mrts.samples.load_sharing import LoadSharing
 
     if text is None:
         return None

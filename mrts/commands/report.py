@@ -4,11 +4,11 @@
 import argparse
 from pathlib import Path
 
-from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.base.errors import InputError
 from mrts.commands.options import require
-from mrts.commands.outputs import check_outputs
-from mrts.commands.terminal import say
-from mrts.errors import InputError
+from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.console.outputs import check_outputs
+from mrts.console.terminal import say
 
 EXAMPLES = """\
 examples:
@@ -32,8 +32,8 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
 def run(options: argparse.Namespace) -> int:
     """Write the report."""
     require("plotly", "mrts report", "report", wanted=True)
+    from mrts.output.saved_result import load_result
     from mrts.report import write_report
-    from mrts.saved_result import load_result
 
     if options.output.suffix not in {".html", ".htm"}:
         raise InputError("--output", "writes a file that ends in .html.", value=str(options.output))

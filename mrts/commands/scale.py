@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.base.errors import InputError
 from mrts.commands.options import (
     add_cell_and_motion,
     add_closure,
@@ -14,23 +14,23 @@ from mrts.commands.options import (
     require,
     sharing_option,
 )
-from mrts.commands.outputs import Outputs, check_outputs
-from mrts.commands.progress import working
-from mrts.commands.terminal import put, say, warn
-from mrts.errors import InputError
+from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.console.outputs import Outputs, check_outputs
+from mrts.console.progress import working
+from mrts.console.terminal import put, say, warn
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mrts.cell import Cell
-    from mrts.grasp_closure import ClosureBound
-    from mrts.joint_table import JointTable
-    from mrts.load_sharing import LoadSharing
-    from mrts.object_motion import ObjectMotion
-    from mrts.result import ScalingResult
-    from mrts.retiming_result import RetimingResult
-    from mrts.rigid_transform import Array
-    from mrts.scaling import Selection
+    from mrts.base.arrays import Array
+    from mrts.cell.cell import Cell
+    from mrts.coordination.grasp_closure import ClosureBound
+    from mrts.motion.joint_table import JointTable
+    from mrts.motion.object_motion import ObjectMotion
+    from mrts.retiming.result import RetimingResult
+    from mrts.samples.load_sharing import LoadSharing
+    from mrts.scaling.result import ScalingResult
+    from mrts.scaling.scale import Selection
 
 EXAMPLES = """\
 examples:
@@ -89,7 +89,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Scale a motion."""
-    from mrts.motion_file import load_motion
+    from mrts.motion.motion_file import load_motion
 
     require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
     require("plotly", "--report", "report", wanted=options.report is not None)
@@ -124,10 +124,10 @@ def _scale(
     carried: "Array | None",
     closure: "ClosureBound | None",
 ) -> int:
-    from mrts.known_load import torques_for_load
-    from mrts.scaling import SelectionError, scale
+    from mrts.output.text_report import report_lines
+    from mrts.scaling.known_load import torques_for_load
+    from mrts.scaling.scale import SelectionError, scale
     from mrts.solvers import DEFAULT_SOLVER
-    from mrts.text_report import report_lines
 
     for name in ("start_speed", "end_speed"):
         if getattr(options, name) is not None:
@@ -189,9 +189,9 @@ def _retime(
 ) -> int:
     from dataclasses import replace
 
-    from mrts.known_load import torques_for_load
-    from mrts.retiming import retime
-    from mrts.text_report import retiming_lines
+    from mrts.output.text_report import retiming_lines
+    from mrts.retiming.retime import retime
+    from mrts.scaling.known_load import torques_for_load
 
     for name, given in (("--c2, --fastest, --nominal", options.select), ("--solver", options.solver)):
         if given is not None:
@@ -276,7 +276,7 @@ def _write_json(options: argparse.Namespace, found: "ScalingResult | RetimingRes
 def _write_result(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
     if options.save is not None:
         with outputs.attempt():
-            from mrts.saved_result import save_result
+            from mrts.output.saved_result import save_result
 
             save_result(result, options.save)
     if options.report is not None:
@@ -297,11 +297,11 @@ def _say_unwritten(options: argparse.Namespace) -> None:
 def _write_trajectory(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
     if options.csv is not None:
         with outputs.attempt():
-            from mrts.trajectory_table import write_trajectory_csv
+            from mrts.output.trajectory_table import write_trajectory_csv
 
             write_trajectory_csv(result, options.csv)
     if options.ros_bag is not None:
         with outputs.attempt():
-            from mrts.ros_bag import write_ros_bag
+            from mrts.output.ros_bag import write_ros_bag
 
             write_ros_bag(result, options.ros_bag)

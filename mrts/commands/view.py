@@ -8,7 +8,6 @@ import sys
 import webbrowser
 from contextlib import suppress
 
-from mrts.commands.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.commands.options import (
     add_cell_and_motion,
     add_closure,
@@ -17,8 +16,9 @@ from mrts.commands.options import (
     require,
     sharing_option,
 )
-from mrts.commands.progress import working
-from mrts.commands.terminal import say, warn
+from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.console.progress import working
+from mrts.console.terminal import say, warn
 
 EXAMPLES = """\
 examples:
@@ -50,11 +50,11 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
 def run(options: argparse.Namespace) -> int:
     """Show the viewer until Ctrl-C; the exit code is that of the outcome."""
     require("viser", "mrts view", "view", wanted=True)
-    from mrts.cell_cache import urdf_files
-    from mrts.manifest import MANIFEST_NAME
-    from mrts.motion_file import load_motion
-    from mrts.player_state import PlayerState
-    from mrts.viewer import Viewer, close_server, open_server
+    from mrts.base.manifest import MANIFEST_NAME
+    from mrts.cell.generation import urdf_files
+    from mrts.motion.motion_file import load_motion
+    from mrts.viewer.player_state import PlayerState
+    from mrts.viewer.server import Viewer, close_server, open_server
 
     motion = load_motion(options.motion)
     sharing, closure = sharing_option(options.share), closure_option(options.closure)

@@ -7,13 +7,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mrts.axis_reach import c2_reach
-from mrts.binding_rows import Lane, binding_lanes, infeasible_spans, spans
+from mrts.drawing.axis_reach import c2_reach
+from mrts.drawing.lanes import Lane, binding_lanes, infeasible_spans, spans
+from mrts.drawing.plot_style import ADMISSIBLE, CONFLICT, END_COLOURS, LANE_LETTERS
+from mrts.drawing.range_text import range_facts, range_text
 from mrts.figures.style import finish, plain, plain_text
-from mrts.plot_style import ADMISSIBLE, CONFLICT, END_COLOURS, LANE_LETTERS
-from mrts.range_text import range_facts, range_text
-from mrts.result import ScalingResult
-from mrts.scaling_range import ScalingStatus
+from mrts.scaling.range import ScalingStatus
+from mrts.scaling.result import ScalingResult
 
 FACT_LETTERS = 110
 """Letters of a line above the figure."""

@@ -5,11 +5,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mrts.binding_rows import row_labels
-from mrts.configurations import Configuration, ConfigurationStudy
+from mrts.drawing.lanes import row_labels
+from mrts.drawing.plot_style import CONFLICT, END_COLOURS
 from mrts.figures.style import plain, plain_text
-from mrts.plot_style import CONFLICT, END_COLOURS
-from mrts.scaling_range import ScalingStatus
+from mrts.scaling.range import ScalingStatus
+from mrts.studies.configurations import Configuration, ConfigurationStudy
 
 MOST_BARS = 64
 """Configurations that are drawn, the best first."""

@@ -7,12 +7,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mrts.axis_reach import c2_reach
+from mrts.base.arrays import Array
+from mrts.drawing.axis_reach import c2_reach
+from mrts.drawing.load_envelope import load_envelope
 from mrts.figures.style import finish, legend_below, line_style, plain_text
-from mrts.load_envelope import load_envelope
-from mrts.result import ScalingResult
-from mrts.rigid_transform import Array
-from mrts.scaling_range import ScalingRange
+from mrts.scaling.range import ScalingRange
+from mrts.scaling.result import ScalingResult
 
 LOAD_AXIS = "largest c² at the sample [1]"
 

@@ -5,8 +5,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mrts.plot_style import COLOURS
-from mrts.retiming_result import RetimingResult
+from mrts.drawing.plot_style import COLOURS
+from mrts.retiming.result import RetimingResult
 
 HEADROOM = 1.35
 """The maximum velocity curve goes out of the picture above this multiple of the profile."""

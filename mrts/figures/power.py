@@ -4,10 +4,10 @@
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mrts.accumulated_energy import accumulated_energy
 from mrts.figures.style import finish, legend_below, line_style, plain, plain_text
 from mrts.figures.trajectory import SIDE_BY_SIDE
-from mrts.result import ScalingResult
+from mrts.scaling.accumulated_energy import accumulated_energy
+from mrts.scaling.result import ScalingResult
 
 
 def draw_power(axes: Axes, result: ScalingResult, robot: str) -> None:

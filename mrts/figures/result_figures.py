@@ -5,14 +5,14 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from mrts.argument_types import as_path, check_type
-from mrts.atomic_file import write_together
+from mrts.base.argument_types import as_path, check_type
+from mrts.base.atomic_file import write_together
 from mrts.figures.c2_range import range_figure
 from mrts.figures.loads import study_figure
 from mrts.figures.power import power_figure
 from mrts.figures.style import figure_writer
 from mrts.figures.trajectory import trajectory_figure
-from mrts.result import ScalingResult
+from mrts.scaling.result import ScalingResult
 
 
 def write_result_figures(result: ScalingResult, folder: Path | str, *others: tuple[str, Figure]) -> None:

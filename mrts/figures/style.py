@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
-from mrts.argument_types import as_path, check_type
-from mrts.atomic_file import Write, write_atomically
-from mrts.errors import InputError
-from mrts.plot_style import COLOURS, LONGEST_LABEL, shortened
-from mrts.printable import printable
+from mrts.base.argument_types import as_path, check_type
+from mrts.base.atomic_file import Write, write_atomically
+from mrts.base.errors import InputError
+from mrts.base.printable import printable
+from mrts.drawing.plot_style import COLOURS, LONGEST_LABEL, shortened
 
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (7, 3)))
 """A second difference between lines, for print without colour."""

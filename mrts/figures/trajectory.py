@@ -5,11 +5,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mrts.axis_reach import value_reach
+from mrts.base.arrays import Array
+from mrts.cell.robot import Robot
+from mrts.drawing.axis_reach import value_reach
 from mrts.figures.style import finish, legend_below, line_style, plain, plain_text
-from mrts.result import ScalingResult
-from mrts.rigid_transform import Array
-from mrts.robot import Robot
+from mrts.scaling.result import ScalingResult
 
 SIDE_BY_SIDE = 2
 """More robots than this stand below each other, to fit a page."""

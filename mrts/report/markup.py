@@ -4,8 +4,7 @@
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from mrts.html_text import html_text
-from mrts.printable import printable
+from mrts.base.printable import html_text, printable
 
 
 class Html(str):

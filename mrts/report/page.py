@@ -6,9 +6,9 @@ from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
 
-from mrts.argument_types import as_path, check_type
-from mrts.atomic_file import write_text_atomically
-from mrts.errors import InputError
+from mrts.base.argument_types import as_path, check_type
+from mrts.base.atomic_file import write_text_atomically
+from mrts.base.errors import InputError
 from mrts.report.markup import Html, element, html, joined, plot_place, section
 from mrts.report.player import SPEEDS, Player, player
 from mrts.report.plots import Plot, load_plot, power_plots, torque_plots, wrench_plots
@@ -22,7 +22,7 @@ from mrts.report.tables import (
     range_table,
     wrench_limits_table,
 )
-from mrts.result import ScalingResult
+from mrts.scaling.result import ScalingResult
 
 POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 """What the browser lets the page do: nothing from outside."""

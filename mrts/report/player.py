@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from mrts.cell import Cell
-from mrts.cell_shapes import contact_forces, joint_points, object_box
-from mrts.plot_style import COLOURS, shortened
+from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
+from mrts.drawing.cell_shapes import contact_forces, joint_points, object_box
+from mrts.drawing.plot_style import COLOURS, shortened
 from mrts.report.markup import plot_text
 from mrts.report.plots import numbers
-from mrts.result import ScalingResult
-from mrts.rigid_transform import Array
+from mrts.scaling.result import ScalingResult
 
 MOST_FRAMES = 160
 

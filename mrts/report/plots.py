@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.accumulated_energy import accumulated_energy
-from mrts.axis_reach import c2_reach, value_reach
-from mrts.load_envelope import load_envelope
-from mrts.plot_style import COLOURS, shortened
+from mrts.base.arrays import Array
+from mrts.drawing.axis_reach import c2_reach, value_reach
+from mrts.drawing.load_envelope import load_envelope
+from mrts.drawing.plot_style import COLOURS, shortened
 from mrts.report.markup import plot_text
-from mrts.result import ScalingResult
-from mrts.rigid_transform import Array
+from mrts.scaling.accumulated_energy import accumulated_energy
+from mrts.scaling.result import ScalingResult
 
 DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot", "2px,6px")
 """A second difference between lines, for print without colour."""

@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.axis_reach import c2_reach
-from mrts.binding_rows import Lane, binding_lanes, infeasible_spans, row_label, spans
-from mrts.limit_rows import ActiveRow
-from mrts.plot_style import ADMISSIBLE, END_COLOURS, LANE_LETTERS, shortened
-from mrts.range_text import range_text
+from mrts.base.arrays import Array
+from mrts.drawing.axis_reach import c2_reach
+from mrts.drawing.lanes import Lane, binding_lanes, infeasible_spans, row_label, spans
+from mrts.drawing.plot_style import ADMISSIBLE, END_COLOURS, LANE_LETTERS, shortened
+from mrts.drawing.range_text import range_text
+from mrts.limits.rows import ActiveRow
 from mrts.report.markup import plot_text
 from mrts.report.plots import Plot, layout, line, numbers, shown_samples
-from mrts.rigid_transform import Array
-from mrts.scaling_range import ScalingRange, ScalingStatus
+from mrts.scaling.range import ScalingRange, ScalingStatus
 
 CURVES_HEIGHT = 380
 LANE_HEIGHT = 22

@@ -5,17 +5,17 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from mrts.cell import Cell
-from mrts.infeasibility import Conflict
-from mrts.interval_text import interval_text
-from mrts.limit_rows import ActiveRow
-from mrts.limit_use import limit_uses
-from mrts.load_envelope import load_envelope
-from mrts.range_text import range_facts, range_text
+from mrts.base.arrays import Array
+from mrts.base.interval_text import interval_text
+from mrts.cell.cell import Cell
+from mrts.drawing.load_envelope import load_envelope
+from mrts.drawing.range_text import range_facts, range_text
+from mrts.limits.rows import ActiveRow
 from mrts.report.markup import Html, element, html, joined, table
-from mrts.result import ScalingResult
-from mrts.rigid_transform import Array
-from mrts.scaling_range import ScalingRange
+from mrts.samples.infeasibility import Conflict
+from mrts.scaling.limit_use import limit_uses
+from mrts.scaling.range import ScalingRange
+from mrts.scaling.result import ScalingResult
 
 MOST_CONFLICTS = 10
 MOST_LOADS = 16

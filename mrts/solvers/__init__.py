@@ -4,15 +4,15 @@
 from collections.abc import Callable, Iterator
 from typing import Protocol
 
-from mrts.argument_types import check_type
-from mrts.errors import CompilerError, InputError
-from mrts.rigid_transform import Array
+from mrts.base.argument_types import check_type
+from mrts.base.arrays import Array
+from mrts.base.errors import CompilerError, InputError
 
 DEFAULT_SOLVER = "kernel"
 
 
 class BatchSolver(Protocol):
-    """Solves a batch of programs of equal size; see `mrts.convex_program.ConvexPrograms` for the shapes."""
+    """Solves a batch of programs of equal size; see `mrts.solvers.convex_program.ConvexPrograms` for the shapes."""
 
     def solve(
         self,

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Our own dense kernel for any batch of programs; see mrts/kernel/dense_programs.h."""
+"""Our own dense kernel for any batch of programs; see mrts/kernel/c/dense_programs.h."""
 
 import numpy as np
 
-from mrts.kernel_library import default_kernel
-from mrts.rigid_transform import Array
+from mrts.base.arrays import Array
+from mrts.kernel.kernel_library import default_kernel
 
 
 class KernelSolver:
@@ -23,7 +23,7 @@ class KernelSolver:
         x_lower: Array,
         x_upper: Array,
     ) -> tuple[Array, Array, Array]:
-        """Solve a batch; see `mrts.convex_program.ConvexPrograms` for the shapes."""
+        """Solve a batch; see `mrts.solvers.convex_program.ConvexPrograms` for the shapes."""
         rows = A.shape[1]
         low, high = np.concatenate([lower, x_lower], axis=1), np.concatenate([upper, x_upper], axis=1)
         if H is None:

@@ -9,8 +9,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from mrts.errors import InputError
-from mrts.rigid_transform import Array
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
 
 OPTIONS: dict[str, dict[str, Any]] = {
     "qpoases": {"printLevel": "none", "error_on_fail": False},
@@ -58,7 +58,7 @@ class QpsolSolver:
         x_lower: Array,
         x_upper: Array,
     ) -> tuple[Array, Array, Array]:
-        """Solve a batch; see `mrts.convex_program.ConvexPrograms` for the shapes."""
+        """Solve a batch; see `mrts.solvers.convex_program.ConvexPrograms` for the shapes."""
         count, rows, unknowns = A.shape
         arguments: dict[str, Array] = {
             "g": g.T,

@@ -4,7 +4,7 @@
 import numpy as np
 from scipy.optimize import linprog
 
-from mrts.rigid_transform import Array
+from mrts.base.arrays import Array
 
 FEASIBILITY_TOLERANCE = 1e-10
 """HiGHS's own default of 1e-7 is coarser than what an answer must pass."""
@@ -23,7 +23,7 @@ class ScipyHighsSolver:
         x_lower: Array,
         x_upper: Array,
     ) -> tuple[Array, Array, Array]:
-        """Solve a batch; see `mrts.convex_program.ConvexPrograms` for the shapes."""
+        """Solve a batch; see `mrts.solvers.convex_program.ConvexPrograms` for the shapes."""
         x, row_dual, bound_dual = np.zeros_like(g), np.zeros_like(lower), np.zeros_like(g)
         if H is not None:
             return x, row_dual, bound_dual

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""The equations of the closed chain: pure functions of symbols."""

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: MIT
+"""The three ways to write torques and wrenches as affine functions of few unknowns.
+
+Every formulation gives, for its unknowns x (c² last),
+
+    τ = torque_map x + torque_offset        F = wrench_map x + wrench_offset        equality_map x = equality_rhs
+
+so that each limit on a torque or a wrench is one two-sided linear row, whatever the formulation.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+from mrts_codegen.cell_model import CellModel
+from mrts_codegen.equations.cooperative_terms import CooperativeTerms, inverse_jacobian_transpose, load_map
+from mrts_codegen.equations.spatial_algebra import block_diagonal, cross
+
+
+@dataclass(frozen=True)
+class Formulation:
+    """Affine maps from the unknowns x (k of them, c² last) to torques, wrenches and balance.
+
+    Attributes:
+        torque_map: Shape (m, k).
+        torque_offset: Shape (m,) [N m].
+        wrench_map: Shape (n w, k).
+        wrench_offset: Shape (n w,) [N, N m].
+        equality_map: Shape (e, k), e may be 0.
+        equality_rhs: Shape (e,).
+    """
+
+    torque_map: Any
+    torque_offset: Any
+    wrench_map: Any
+    wrench_offset: Any
+    equality_map: Any
+    equality_rhs: Any
+
+    def outputs(self) -> dict[str, Any]:
+        """Named dense outputs of the generated function."""
+        return {name: ca.densify(value) for name, value in vars(self).items() if value.numel() > 0}
+
+
+def wrench_form(terms: CooperativeTerms) -> Formulation:
+    """Eq. (20): unknowns [F_1 … F_{n-1}, c²]; F_n = B_n⁻¹ (Q + c² P - Σ B_i F_i) leaves no equality.
+
+    No inverse of a Jacobian, so it holds for redundant arms and at singularities.
+    """
+    w = terms.B[0].size1()
+    free = len(terms.B) - 1
+    last = terms.B_last_inverse @ ca.horzcat(*(-B for B in terms.B[:-1]), terms.P)
+    wrench_map = ca.vertcat(ca.horzcat(ca.SX.eye(w * free), ca.SX.zeros(w * free, 1)), last)
+    wrench_offset = ca.vertcat(ca.SX.zeros(w * free), terms.B_last_inverse @ terms.Q)
+    J_T = block_diagonal([J.T for J in terms.J])
+    torque_map = J_T @ wrench_map
+    torque_map[:, -1] += terms.E
+    return Formulation(
+        torque_map,
+        J_T @ wrench_offset + terms.G,
+        wrench_map,
+        wrench_offset,
+        ca.SX.zeros(0, w * free + 1),
+        ca.SX.zeros(0),
+    )
+
+
+def torque_form(terms: CooperativeTerms) -> Formulation:
+    """Eqs. (21), (22), (23), (27): unknowns [τ, c²] on A_1 x = b_1, A_1 = [L, -P - L E], b_1 = L G + Q.
+
+    Every Jacobian must be square and well-conditioned.
+    """
+    J_D = inverse_jacobian_transpose(terms)
+    L = load_map(terms, J_D)
+    joints = terms.E.numel()
+    wrench_map, wrench_offset = wrench_of_torque(terms, J_D)
+    return Formulation(
+        ca.horzcat(ca.SX.eye(joints), ca.SX.zeros(joints, 1)),
+        ca.SX.zeros(joints),
+        wrench_map,
+        wrench_offset,
+        ca.horzcat(L, -terms.P - L @ terms.E),
+        L @ terms.G + terms.Q,
+    )
+
+
+def wrench_of_torque(terms: CooperativeTerms, J_D: Any) -> tuple[Any, Any]:
+    """Eqs. (14), (25), (28): F = J_D (τ - E c² - G) as A_2 = [J_D, -J_D E] and the offset -J_D G."""
+    return ca.horzcat(J_D, -J_D @ terms.E), -J_D @ terms.G
+
+
+def fixed_distribution(cell: CellModel, terms: CooperativeTerms, shares: Any, internal_wrench: Any) -> Formulation:
+    """Eqs. (36), (37): the only unknown is c²; every torque is a_i c² + b_i, every wrench likewise.
+
+    Args:
+        cell: The cell.
+        terms: Terms of the sample.
+        shares: α_i, Shape (n,); the caller keeps Σ α_i = 1.
+        internal_wrench: Prescribed internal wrenches in base axes, Shape (n w,), with Σ B_i F_i = 0.
+    """
+    wrench_map = _shared_wrench(cell, terms, shares, terms.P)
+    wrench_offset = _shared_wrench(cell, terms, shares, terms.Q) + internal_wrench
+    J_T = block_diagonal([J.T for J in terms.J])
+    return Formulation(
+        J_T @ wrench_map + terms.E,
+        J_T @ wrench_offset + terms.G,
+        wrench_map,
+        wrench_offset,
+        ca.SX.zeros(0, 1),
+        ca.SX.zeros(0),
+    )
+
+
+def _shared_wrench(cell: CellModel, terms: CooperativeTerms, shares: Any, total: Any) -> Any:
+    """Eq. (35): arm i gives force α_i f and moment α_i (M - Σ_j r_j × α_j f), extended to any grasp.
+
+    With α_i = 1/n and Σ r_j = 0 this is (35) as printed. `total` is [f; M] in world axes, Shape (w,).
+    """
+    rows = list(cell.components)
+    full = ca.SX.zeros(6)
+    full[rows] = total
+    f, M = full[:3], full[3:]
+    for index, offset in enumerate(terms.offsets):
+        M = M - cross(offset, shares[index] * f)
+    wrenches = []
+    for index, robot in enumerate(cell.robots):
+        R_base_world = ca.SX(robot.T_world_base.R.T)
+        wrench = ca.vertcat(R_base_world @ f, R_base_world @ M) * shares[index]
+        wrenches.append(wrench[rows])
+    return ca.vertcat(*wrenches)

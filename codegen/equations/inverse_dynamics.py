@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: MIT
+"""Recursive Newton-Euler inverse dynamics of one arm and the terms of its time-scaled motion."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from mrts_codegen.equations.kinematics import chain_motion
+from mrts_codegen.equations.spatial_algebra import cross
+from mrts_codegen.urdf.robot_model import RobotModel
+
+from mrts.base.arrays import Array
+
+
+@dataclass(frozen=True)
+class ScaledArmTerms:
+    """Torque of one arm under r(t), without its contact wrench: E ṙ² + A r̈ + G.
+
+    Attributes:
+        E: Inertial torque of the given motion, Shape (n,) [N m].
+        A: Torque per time-warp acceleration, Shape (n,) [N m s²].
+        G: Gravity torque, Shape (n,) [N m].
+    """
+
+    E: Any
+    A: Any
+    G: Any
+
+
+def inverse_dynamics(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Any) -> Any:
+    """Eq. (1): joint torques of the free arm (F = 0), Shape (n,) [N m or N].
+
+    Luh, Walker and Paul (1980); Featherstone (2008), ch. 5.3.
+
+    Args:
+        robot: The arm.
+        q: Joint positions, Shape (n,) [rad or m].
+        dq: Joint velocities, Shape (n,) [rad/s or m/s].
+        ddq: Joint accelerations, Shape (n,) [rad/s² or m/s²].
+        gravity: Downward gravity in base axes, Shape (3,) [m/s²].
+    """
+    motion = chain_motion(robot, q, dq, ddq, -ca.SX(gravity))
+    torques: list[Any] = []
+    f, n = ca.SX.zeros(3), ca.SX.zeros(3)
+    for index in reversed(range(len(robot.joints))):
+        joint = robot.joints[index]
+        w, dw = motion.w[index], motion.dw[index]
+        com, inertia = ca.SX(joint.body.com), ca.SX(joint.body.at_com)
+        own_f = joint.body.mass * (motion.a[index] + cross(dw, com) + cross(w, cross(w, com)))
+        own_n = inertia @ dw + cross(w, inertia @ w) + cross(com, own_f)
+        f, n = f + own_f, n + own_n
+        axis = ca.SX(joint.axis)
+        torques.insert(0, ca.dot(axis, n if joint.kind == "revolute" else f))
+        R, p = motion.R[index], motion.p[index]
+        f = R @ f
+        n = R @ n + cross(p, f)
+    return ca.vertcat(*torques)
+
+
+def scaled_arm_terms(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Array) -> ScaledArmTerms:
+    """Eqs. (11), (12), (13): with q̇ = q' ṙ and q̈ = q'' ṙ² + q' r̈ the torque is E ṙ² + A r̈ + G (+ JᵀF).
+
+    E = D q'' + q' C q', A = D q', G the gravity torque.
+
+    Args:
+        robot: The arm.
+        q: Joint positions, Shape (n,) [rad or m].
+        dq: q', velocities of the given motion, Shape (n,) [rad/s or m/s].
+        ddq: q'', accelerations of the given motion, Shape (n,) [rad/s² or m/s²].
+        gravity: Downward gravity in base axes, Shape (3,) [m/s²].
+    """
+    rest, weightless = ca.SX.zeros(len(robot.joints)), np.zeros(3)
+    return ScaledArmTerms(
+        E=inverse_dynamics(robot, q, dq, ddq, weightless),
+        A=inverse_dynamics(robot, q, rest, dq, weightless),
+        G=inverse_dynamics(robot, q, rest, rest, gravity),
+    )
+
+
+def mass_matrix(robot: RobotModel, q: Any) -> Any:
+    """Mass matrix D(q), Shape (n, n) [kg m² for revolute pairs], one inverse dynamics a column."""
+    count = len(robot.joints)
+    rest, unit = ca.SX.zeros(count), ca.SX.eye(count)
+    columns = [inverse_dynamics(robot, q, rest, unit[:, column], np.zeros(3)) for column in range(count)]
+    return ca.densify(ca.horzcat(*columns))
+
+
+def coriolis_torque(robot: RobotModel, q: Any, dq: Any) -> Any:
+    """Coriolis and centrifugal torque q̇ C(q) q̇, Shape (n,) [N m or N]."""
+    return inverse_dynamics(robot, q, dq, ca.SX.zeros(len(robot.joints)), np.zeros(3))

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: MIT
+"""The wrench that the carried object needs: P ṙ² + S r̈ + Q."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+from mrts_codegen.equations.spatial_algebra import cross
+
+from mrts.base.arrays import Array
+from mrts.base.manifest import LOAD_ENTRIES
+
+
+@dataclass(frozen=True)
+class ObjectTerms:
+    """Balance of the object, forces on top of moments about the object frame's origin (nominally the com), world axes.
+
+    Attributes:
+        P: Inertial wrench of the given motion, Shape (w,) [N, N m].
+        S: Wrench per time-warp acceleration, Shape (w,) [N s², N m s²].
+        Q: Wrench that carries the weight, Shape (w,) [N, N m].
+    """
+
+    P: Any
+    S: Any
+    Q: Any
+
+
+def load_inertia(load: Any) -> Any:
+    """Inertia about the object frame's origin in its axes from a load vector, Shape (3, 3) [kg m²]."""
+    ixx, iyy, izz, ixy, ixz, iyz = (load[LOAD_ENTRIES.index(name)] for name in LOAD_ENTRIES[4:])
+    return ca.vertcat(ca.horzcat(ixx, ixy, ixz), ca.horzcat(ixy, iyy, iyz), ca.horzcat(ixz, iyz, izz))
+
+
+def linear_balance(mass: Any, h: Any, acceleration: Any, w: Any, dw: Any) -> Any:
+    """Eq. (3): inertial force m p̈ + ω̇ × h + ω × (ω × h), Shape (3,) [N]; h = 0 where the com is the origin.
+
+    Args:
+        mass: [kg].
+        h: First moment m (com - origin) in world axes, Shape (3,) [kg m].
+        acceleration: p'' of the origin in world axes, Shape (3,) [m/s²].
+        w: Angular velocity in world axes, Shape (3,) [rad/s].
+        dw: Angular acceleration in world axes, Shape (3,) [rad/s²].
+    """
+    return mass * acceleration + cross(dw, h) + cross(w, cross(w, h))
+
+
+def angular_balance(inertia: Any, h: Any, acceleration: Any, w: Any, dw: Any) -> Any:
+    """Eq. (4): moment about the origin, I_w ω̇ + ω × I_w ω + h × p̈, Shape (3,) [N m]; h = 0 in the paper.
+
+    Args:
+        inertia: Inertia about the origin in world axes, Shape (3, 3) [kg m²].
+        h: First moment m (com - origin) in world axes, Shape (3,) [kg m].
+        acceleration: p'' of the origin in world axes, Shape (3,) [m/s²].
+        w: Angular velocity in world axes, Shape (3,) [rad/s].
+        dw: Angular acceleration in world axes, Shape (3,) [rad/s²].
+    """
+    return inertia @ dw + cross(w, inertia @ w) + cross(h, acceleration)
+
+
+def object_terms(
+    load: Any, R_world_object: Any, twist: Any, acceleration: Any, gravity: Array, components: tuple[int, ...]
+) -> ObjectTerms:
+    """Eqs. (5), (15), (16), (17), (18): both balances stacked, split by powers of ṙ and r̈; linear in the load.
+
+    Args:
+        load: Load vector, `LOAD_ENTRIES`.
+        R_world_object: Rotation of the object, Shape (3, 3).
+        twist: p' and φ' of the given motion in world axes, Shape (6,) [m/s, rad/s].
+        acceleration: p'' and φ'' in world axes, Shape (6,) [m/s², rad/s²].
+        gravity: Downward gravity in world axes, Shape (3,) [m/s²].
+        components: Rows of the six-component wrench in use.
+    """
+    I_w = R_world_object @ load_inertia(load) @ R_world_object.T
+    m, h = load[0], R_world_object @ load[1:4]
+    v, w = twist[:3], twist[3:]
+    a, dw = acceleration[:3], acceleration[3:]
+    upward = -ca.SX(gravity)  # the weight acts like an acceleration upward
+    P = ca.vertcat(linear_balance(m, h, a, w, dw), angular_balance(I_w, h, a, w, dw))
+    S = ca.vertcat(m * v + cross(w, h), I_w @ w + cross(h, v))
+    Q = ca.vertcat(m * upward, cross(h, upward))
+    rows = list(components)
+    return ObjectTerms(ca.densify(P[rows]), ca.densify(S[rows]), ca.densify(Q[rows]))

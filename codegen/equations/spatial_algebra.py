@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: MIT
+"""Symbolic rotations and cross products of three-vectors.
+
+SX folds constant zeros and ones away, so exact constants here are what keeps the generated C short.
+"""
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from mrts.base.arrays import Array
+
+PLANE_COMPONENTS = {None: (0, 1, 2, 3, 4, 5), "xy": (0, 1, 5), "xz": (0, 2, 4), "yz": (1, 2, 3)}
+"""Which rows of a wrench or twist [x, y, z, about x, about y, about z] a cell uses, by its `plane`."""
+
+
+def skew(v: Any) -> Any:
+    """Eq. (7): matrix S(v) with S(v) u = v × u, Shape (3, 3)."""
+    zero = ca.SX(0)
+    return ca.vertcat(ca.horzcat(zero, -v[2], v[1]), ca.horzcat(v[2], zero, -v[0]), ca.horzcat(-v[1], v[0], zero))
+
+
+def axis_rotation(axis: Array, angle: Any) -> Any:
+    """Rotation by `angle` [rad] about a constant unit `axis`, Shape (3, 3) (Rodrigues' formula)."""
+    c, s = ca.cos(angle), ca.sin(angle)
+    cross = skew(ca.SX(np.asarray(axis)))
+    R = s * cross
+    for row in range(3):
+        for column in range(3):
+            outer = float(axis[row] * axis[column])
+            if row != column:
+                R[row, column] += outer * (1 - c)
+            elif outer == 1.0:
+                R[row, column] = 1
+            else:
+                R[row, column] += c + outer * (1 - c)
+    return R
+
+
+def block_diagonal(blocks: list[Any]) -> Any:
+    """Dense block-diagonal matrix of rectangular blocks."""
+    return ca.densify(ca.diagcat(*blocks))
+
+
+def cross(a: Any, b: Any) -> Any:
+    """Vector product a × b, Shape (3,)."""
+    return ca.vertcat(
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )

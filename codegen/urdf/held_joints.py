@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: MIT
+"""Joints that a cell holds still (`fixed` in the cell file): that they can be, and where they stand."""
+
+import difflib
+from pathlib import Path
+from typing import Any
+
+from mrts_codegen.urdf.urdf_joint import MOVING_TYPES, position_limits
+
+from mrts.base.errors import InputError
+
+
+def held_positions(path: Path, key: str, urdf_path: Path, urdf: Any, fixed: dict[str, float]) -> dict[str, float]:
+    """Positions of the joints that stand still: those of `fixed`, and what moves with them (mimic) [rad or m].
+
+    Args:
+        path: The cell file, for messages.
+        key: Of the joints in it, likewise.
+        urdf_path: The URDF, likewise.
+        urdf: What `read_urdf` returned.
+        fixed: Position by joint, as the cell file gives it.
+
+    Raises:
+        InputError: If there is no such joint, it cannot move or follows another, or stands outside its limits.
+    """
+    joints = {joint.name: joint for joint in urdf.joints}
+    for name, position in fixed.items():
+        _check_joint(path, f"{key}.{name}", urdf_path, joints, name, position)
+    held = {name: float(position) for name, position in fixed.items()}
+    for _ in joints:  # a follower of a follower takes another round
+        followers = {
+            joint.name: float(
+                held[joint.mimic.joint] * _given(joint.mimic.multiplier, 1) + _given(joint.mimic.offset, 0)
+            )
+            for joint in urdf.joints
+            if joint.mimic is not None and joint.mimic.joint in held and joint.type in MOVING_TYPES
+        }
+        if followers.items() <= held.items():
+            break
+        held |= followers
+    return held
+
+
+def _given(value: float | None, default: float) -> float:
+    return default if value is None else value
+
+
+def _check_joint(path: Path, key: str, urdf_path: Path, joints: dict[str, Any], name: str, position: float) -> None:
+    if name not in joints:
+        movable = [joint.name for joint in joints.values() if joint.type in MOVING_TYPES]
+        close = difflib.get_close_matches(name, movable, n=1)
+        hint = f"did you mean '{close[0]}'?" if close else f"those that move are {', '.join(movable) or 'none'}."
+        raise InputError(path, f"{urdf_path.name} has no such joint; {hint}", key=key)
+    joint = joints[name]
+    if joint.type not in MOVING_TYPES:
+        still = "does not move anyway: leave it out" if joint.type == "fixed" else "has no single position"
+        raise InputError(path, f"this joint is of type '{joint.type}' and {still}.", key=key)
+    if joint.mimic is not None:
+        raise InputError(path, f"it moves with '{joint.mimic.joint}'; hold that joint, and it follows.", key=key)
+    lower, upper = position_limits(urdf_path, joint)
+    if not lower <= position <= upper:
+        unit = "m" if joint.type == "prismatic" else "rad"
+        raise InputError(
+            path, f"must be within the joint's limits, [{lower:g}, {upper:g}] {unit}.", key=key, value=position
+        )

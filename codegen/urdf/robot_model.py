@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: MIT
+"""One arm as a chain of moving bodies, taken from a URDF."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from mrts_codegen.urdf.link_inertia import Inertia, link_inertia
+from mrts_codegen.urdf.urdf_joint import MOVING_TYPES, joint_pose, position_limits, unit_axis, velocity_limit
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.remark import Remark
+from mrts.base.rigid_transform import RigidTransform
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A moving joint and the body behind it.
+
+    Attributes:
+        name: Name in the URDF.
+        kind: Turns or slides.
+        axis: Unit vector in the joint's own frame, Shape (3,).
+        placement: Joint frame at position 0 in the frame of the joint before (the base for the first).
+        body: All links that this joint carries up to the next chain joint, joint frame.
+        lower: Position limit, minus infinity if none [rad or m].
+        upper: Position limit, infinity if none [rad or m].
+        effort: Largest torque or force as the URDF gives it, None if it says nothing or 0 [N m or N].
+        velocity: Largest velocity from the URDF, None if it says nothing [rad/s or m/s].
+    """
+
+    name: str
+    kind: Literal["revolute", "prismatic"]
+    axis: Array
+    placement: RigidTransform
+    body: Inertia
+    lower: float
+    upper: float
+    effort: float | None
+    velocity: float | None
+
+
+@dataclass(frozen=True)
+class RobotModel:
+    """A chain from base link to tip link.
+
+    Attributes:
+        base_link: Name in the URDF.
+        tip_link: Name in the URDF.
+        joints: Moving joints from base to tip.
+        tip: Tip frame in the last joint's frame (the base frame if nothing moves).
+        remarks: What to know of the links that it carries.
+    """
+
+    base_link: str
+    tip_link: str
+    joints: tuple[Joint, ...]
+    tip: RigidTransform
+    remarks: tuple[Remark, ...] = ()
+
+    def zero_frames(self) -> list[RigidTransform]:
+        """Joint frames, then the tip, in the base frame with every joint at zero."""
+        frames = [RigidTransform.identity()]
+        for step in (*(joint.placement for joint in self.joints), self.tip):
+            frames.append(frames[-1] @ step)
+        return frames[1:]
+
+
+def build_robot_model(
+    path: Path, urdf: Any, base_link: str | None, tip_link: str, held: Mapping[str, float] | None = None
+) -> RobotModel:
+    """Take the chain from `base_link` to `tip_link` out of a URDF; joints off the chain that are not held stay at zero.
+
+    Args:
+        path: The URDF file, for messages.
+        urdf: What `read_urdf` returned.
+        base_link: First link; None takes the URDF's root.
+        tip_link: Last link.
+        held: Joints that stand still, with their positions, as from `held_positions`.
+
+    Raises:
+        InputError: If a link is unknown, the tip is not below the base, a joint type cannot be modelled, or a
+            body is not physical.
+    """
+    held = held or {}
+    links = {link.name: link for link in urdf.links}
+    joint_above = {joint.child: joint for joint in urdf.joints}
+    _check_tree(path, links, urdf.joints)
+    base_link = base_link or next(name for name in links if name not in joint_above)
+    chain = _chain(path, links, joint_above, base_link, tip_link)
+    bodies = _Bodies(path, links, urdf.joints, held)
+    moving = [joint for joint in chain if joint.type in MOVING_TYPES and joint.name not in held]
+    moving_names, stops = {joint.name for joint in moving}, {joint.child for joint in moving}
+
+    joints = []
+    placement = RigidTransform.identity()
+    for urdf_joint in chain:
+        _check_kind(path, urdf_joint, moves=urdf_joint.name in moving_names)
+        placement = placement @ joint_pose(path, urdf_joint, held.get(urdf_joint.name, 0.0))
+        if urdf_joint.name in moving_names:
+            joints.append(_joint(path, urdf_joint, placement, bodies.carried(urdf_joint.child, stops)))
+            placement = RigidTransform.identity()
+    if not joints:
+        raise InputError(path, f"no joint moves between '{base_link}' and '{tip_link}'.", key="tip_link")
+    remarks = (*bodies.remarks, *_follower_remarks(path, urdf.joints, moving))
+    return RobotModel(base_link, tip_link, tuple(joints), placement, remarks)
+
+
+def _follower_remarks(path: Path, joints: list[Any], moving: list[Any]) -> Iterator[Remark]:
+    """Joints off the chain that follow one of it: the model leaves them at zero."""
+    for leader in moving:
+        followers = [f"'{joint.name}'" for joint in joints if joint.mimic and joint.mimic.joint == leader.name]
+        if followers:
+            yield Remark(
+                "follower-at-zero",
+                f"{path.name}: {', '.join(followers)} would move with joint '{leader.name}' of the chain, but what is "
+                "off the chain is taken to stay at zero.",
+            )
+
+
+def _check_kind(path: Path, joint: Any, *, moves: bool) -> None:
+    """Refuse a joint on the chain that cannot be modelled."""
+    if joint.type not in {*MOVING_TYPES, "fixed"}:
+        raise InputError(
+            path,
+            f"a joint on the chain must be one of {', '.join(MOVING_TYPES)}, fixed.",
+            key=f"joint '{joint.name}' type",
+            value=joint.type,
+        )
+    if moves and joint.mimic is not None:
+        raise InputError(
+            path,
+            f"it moves with '{joint.mimic.joint}', but each joint on the chain must have a motor of its own. Choose a "
+            f"tip before it, or hold '{joint.mimic.joint}' still: 'fixed' in the cell file.",
+            key=f"joint '{joint.name}' mimic",
+        )
+
+
+def _chain(path: Path, links: dict[str, Any], joint_above: dict[str, Any], base_link: str, tip_link: str) -> list[Any]:
+    """The URDF's joints from base link to tip link."""
+    for key, name in (("base_link", base_link), ("tip_link", tip_link)):
+        if name not in links:
+            raise InputError(path, f"there is no such link. Its links are: {', '.join(links)}.", key=key, value=name)
+    chain: list[Any] = []
+    link = tip_link
+    while link != base_link:
+        if link not in joint_above:
+            raise InputError(path, f"is not below base_link '{base_link}'.", key="tip_link", value=tip_link)
+        chain.append(joint_above[link])
+        link = joint_above[link].parent
+    return chain[::-1]
+
+
+def _check_tree(path: Path, links: dict[str, Any], joints: list[Any]) -> None:
+    parents: dict[str, str] = {}
+    for joint in joints:
+        for end in (joint.parent, joint.child):
+            if end not in links:
+                raise InputError(path, f"names a link '{end}' that is not there.", key=f"joint '{joint.name}'")
+        if joint.child in parents:
+            raise InputError(path, "hangs from two joints; a URDF must be a tree.", key=f"link '{joint.child}'")
+        parents[joint.child] = joint.parent
+    first_walk: dict[str, str] = {}  # through each link, by the link where it began
+    for start in links:
+        link = start
+        while link not in first_walk:
+            first_walk[link] = start
+            link = parents.get(link, link)
+        if first_walk[link] == start and link in parents:
+            raise InputError(path, "the joints form a loop; a URDF must be a tree.", key=f"link '{link}'")
+    if not links:
+        raise InputError(path, "has no <link>.")
+
+
+def _joint(path: Path, joint: Any, placement: RigidTransform, body: Inertia) -> Joint:
+    lower, upper = position_limits(path, joint)
+    return Joint(
+        joint.name,
+        "prismatic" if joint.type == "prismatic" else "revolute",
+        unit_axis(path, joint),
+        placement,
+        body,
+        lower,
+        upper,
+        joint.limit.effort if joint.limit is not None and joint.limit.effort else None,
+        velocity_limit(path, joint),
+    )
+
+
+class _Bodies:
+    """What hangs together where nothing moves.
+
+    Args:
+        path: The URDF, for messages.
+        links: By name.
+        joints: All of the URDF.
+        held: Positions of those that do not stand at zero.
+    """
+
+    def __init__(self, path: Path, links: dict[str, Any], joints: list[Any], held: Mapping[str, float]) -> None:
+        self._path, self._links, self._held = path, links, held
+        self._below: dict[str, list[Any]] = {}
+        for joint in joints:
+            self._below.setdefault(joint.parent, []).append(joint)
+        self.remarks: list[Remark] = []
+
+    def carried(self, first: str, stops: set[str]) -> Inertia:
+        """Everything that a chain joint carries up to the next, in the frame of its first link."""
+        total = Inertia.zero()
+        pending = [(first, RigidTransform.identity())]
+        while pending:
+            link, T_body_link = pending.pop()
+            total = total + link_inertia(self._path, self._links[link], self.remarks).seen_from(T_body_link)
+            pending += [
+                (joint.child, T_body_link @ joint_pose(self._path, joint, self._held.get(joint.name, 0.0)))
+                for joint in self._below.get(link, [])
+                if joint.child not in stops
+            ]
+        return total

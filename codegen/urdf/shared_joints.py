@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: MIT
+"""Robots that are arms of one machine: none may move a joint that another moves as well, or takes to stand still."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations, permutations
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from mrts_codegen.urdf.urdf_joint import MOVING_TYPES, joint_pose
+
+from mrts.base.errors import InputError
+from mrts.base.rigid_transform import RigidTransform, multiply
+
+if TYPE_CHECKING:
+    from mrts_codegen.cell_model import CellRobot
+
+SAME_PLACE = 1e-9
+"""Two copies of a machine are one if no entry of their poses differs by more [m, 1]: rounding of angles in a file."""
+
+
+def check_machines(path: Path, robots: Sequence["CellRobot"], urdfs: Sequence[Any]) -> None:
+    """Check that arms of one machine, one URDF in one place, agree on what moves.
+
+    Each arm has joints of its own in the dynamics. A torso that two arms share would be there twice, each copy free to
+    move without the other.
+
+    Args:
+        path: The cell file, for messages.
+        robots: The arms.
+        urdfs: What `read_urdf` returned for each.
+
+    Raises:
+        InputError: Names the joint and the ways out.
+    """
+    arms = [
+        _Arm(robot, {joint.child: joint for joint in urdf.joints}) for robot, urdf in zip(robots, urdfs, strict=True)
+    ]
+    for first, second in combinations(arms, 2):
+        if first.robot.urdf_sha256 == second.robot.urdf_sha256 and _in_one_place(first, second):
+            _check_pair(path, first, second)
+
+
+@dataclass(frozen=True)
+class _Arm:
+    robot: "CellRobot"
+    joint_above: Mapping[str, Any]
+
+    def to(self, link: str) -> list[Any]:
+        """Joints from the URDF's root to a link."""
+        joints: list[Any] = []
+        while link in self.joint_above:
+            joints.insert(0, self.joint_above[link])
+            link = joints[0].parent
+        return joints
+
+    def moving(self) -> dict[str, float]:
+        """Joints that this arm moves, with its posture."""
+        names = (joint.name for joint in self.robot.model.joints)
+        return dict(zip(names, self.robot.posture.tolist(), strict=True))
+
+    def still(self) -> set[str]:
+        """Joints that could move, but are taken to stand still by this arm."""
+        below = {joint.name for joint in self.to(self.robot.model.tip_link) if joint.type in MOVING_TYPES}
+        return below.union(self.robot.held).difference(self.moving())
+
+    def root(self, positions: Mapping[str, float]) -> RigidTransform:
+        """Root of the URDF in the world, where the joints up to the base link stand at given positions."""
+        T = RigidTransform.identity()
+        for joint in self.to(self.robot.model.base_link):
+            T = T @ joint_pose(Path(self.robot.urdf), joint, positions.get(joint.name, 0.0))
+        return self.robot.T_world_base @ RigidTransform(T.R.T, -multiply(T.R.T, T.p))
+
+
+def _in_one_place(first: _Arm, second: _Arm) -> bool:
+    """Whether two arms of one URDF are of one machine, with the joints between their bases at zero or as postured."""
+    held = {**first.robot.held, **second.robot.held}
+    for positions in (held, {**first.moving(), **second.moving(), **held}):
+        one, other = first.root(positions), second.root(positions)
+        if max(np.max(np.abs(one.R - other.R)), np.max(np.abs(one.p - other.p))) <= SAME_PLACE:
+            return True
+    return False
+
+
+def _check_pair(path: Path, first: _Arm, second: _Arm) -> None:
+    names = f"'{first.robot.name}' and '{second.robot.name}'"
+    machine = f"robots {names} are arms of one machine (one URDF in one place)"
+    shared = [name for name in first.moving() if name in second.moving()]
+    if shared:
+        last = next(joint.child for joint in first.joint_above.values() if joint.name == shared[-1])
+        held = ", ".join(f"{name}: POSITION" for name in shared)
+        raise InputError(
+            path,
+            f"{machine} and both move its {_quoted(shared)}, which cannot follow two arms at once. Hold still what "
+            f"they share, 'fixed: {{{held}}}' in both robots, or let both chains start past it: 'base_link: {last}', "
+            "with 'base' where that link then is in the world.",
+            key="robots",
+        )
+    for one, other in permutations((first, second)):
+        torn = [name for name in one.moving() if name in other.still()]
+        if torn:
+            held = ", ".join(f"{name}: POSITION" for name in torn)
+            raise InputError(
+                path,
+                f"{machine}: '{one.robot.name}' moves its {_quoted(torn)}, on which '{other.robot.name}' is taken to "
+                f"stand still. Hold it still in both, 'fixed: {{{held}}}'.",
+                key="robots",
+            )
+    for name, position in first.robot.held.items():
+        if abs(second.robot.held.get(name, position) - position) > SAME_PLACE:
+            raise InputError(
+                path,
+                f"{machine}, but its joint '{name}' is held at {position:g} by one and at "
+                f"{second.robot.held[name]:g} by the other. Give it one position.",
+                key="robots",
+            )
+
+
+def _quoted(names: list[str]) -> str:
+    joints = ", ".join(f"'{name}'" for name in names)
+    return f"joint{'s' if len(names) > 1 else ''} {joints}"

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: MIT
+"""Reading a URDF: only links with inertials and joints, everything else in the file is left alone.
+
+yourdfpy does the parsing. Before it sees the file, document types are refused (entity bombs), and what yourdfpy
+would silently replace by a default (a missing mass, a missing inertia entry) is an error here.
+"""
+
+import io
+from math import inf
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from mrts.base.errors import InputError
+from mrts.base.input_file import LARGEST_NUMBER, MAX_URDF_BYTES, read_text
+
+MAX_LINKS = 2000
+"""Far above any robot; reading so many takes a second."""
+
+_INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+XACRO_NAMESPACE = "http://www.ros.org/wiki/xacro"
+_HARMLESS = ("NS_ERR_UNDEFINED_NAMESPACE", "ERR_UNKNOWN_VERSION")
+_JOINT_CHILDREN = ("parent", "child", "origin", "axis", "limit", "mimic")
+
+
+def read_urdf(path: Path) -> Any:
+    """Parse a URDF.
+
+    Args:
+        path: The file.
+
+    Returns:
+        A `yourdfpy.Robot` with links (inertial only) and joints.
+
+    Raises:
+        InputError: If it is missing, not XML, not a URDF, an unexpanded xacro, or holds a value that is no number.
+    """
+    text = read_text(path, "URDF", MAX_URDF_BYTES)
+    root = _parse(path, text)
+    if root.tag != "robot":
+        raise InputError(path, "is not a URDF: its root element must be <robot>.", value=root.tag)
+    stripped = _keep_links_and_joints(path, root)
+    # 0.7 s of trimesh, needed at build time only
+    from yourdfpy import URDF  # noqa: PLC0415
+
+    document = io.BytesIO(etree.tostring(stripped))
+    model = URDF.load(document, load_meshes=False, build_scene_graph=False)
+    return model.robot
+
+
+def _parse(path: Path, text: str) -> Any:
+    # Undeclared prefixes (gazebo extensions) and a version 0.0 are common and harmless; anything worse is refused.
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, recover=True)
+    try:
+        root = etree.fromstring(text.encode(), parser)
+    except etree.XMLSyntaxError:  # nothing at all could be recovered
+        root = None
+    fatal = [error for error in parser.error_log if error.type_name not in _HARMLESS]
+    if root is None or fatal:
+        place = f" at line {fatal[0].line}: {fatal[0].message}" if fatal else ""
+        raise InputError(path, f"is not well-formed XML{place}.")
+    if root.getroottree().docinfo.doctype:
+        raise InputError(path, "declares a document type or an entity; a URDF needs neither. Remove it.")
+    for element in root.iter(etree.Element):
+        if str(element.tag).startswith(("xacro:", f"{{{XACRO_NAMESPACE}}}")) or any(
+            mark in value for value in element.attrib.values() for mark in ("${", "$(")
+        ):
+            raise InputError(path, "is an unexpanded xacro. Expand it first: `xacro robot.urdf.xacro > robot.urdf`.")
+    return root
+
+
+def _keep_links_and_joints(path: Path, root: Any) -> Any:
+    stripped = etree.Element("robot", name=root.get("name", "robot"))
+    _check_names_differ(path, root)
+    for link in root.findall("link"):
+        name = _attribute(path, link, "name", "a <link>")
+        kept = etree.SubElement(stripped, "link", name=name)
+        inertial = _only(path, f"link '{name}'", link, "inertial")
+        if inertial is not None:
+            kept.append(_checked_inertial(path, name, inertial))
+    for joint in root.findall("joint"):
+        stripped.append(_checked_joint(path, joint))
+    return stripped
+
+
+def _checked_joint(path: Path, joint: Any) -> Any:
+    name = _attribute(path, joint, "name", "a <joint>")
+    where = f"joint '{name}'"
+    kind = _attribute(path, joint, "type", where)
+    if kind not in JOINT_TYPES:
+        raise InputError(path, f"must be one of {', '.join(JOINT_TYPES)}.", key=f"{where} type", value=kind)
+    kept = etree.Element("joint", name=name, type=kind)
+    for tag in _JOINT_CHILDREN:
+        child = _only(path, where, joint, tag)
+        if child is not None:
+            _check_numbers(path, where, child)
+            kept.append(child)
+        elif tag in {"parent", "child"}:
+            raise InputError(path, f"a <{tag} link=…> element is needed.", key=where)
+    for tag in ("parent", "child"):
+        _attribute(path, kept.find(tag), "link", where)
+    return kept
+
+
+def _check_names_differ(path: Path, root: Any) -> None:
+    for tag in ("link", "joint"):
+        elements = root.findall(tag)
+        if len(elements) > MAX_LINKS:
+            raise InputError(path, f"has {len(elements)} <{tag}> elements; mrts reads at most {MAX_LINKS}.")
+        seen: set[str | None] = set()
+        for element in elements:
+            name = element.get("name")
+            if name in seen:
+                raise InputError(path, f"two {tag}s have this name.", key=f"{tag} '{name}'")
+            seen.add(name)
+
+
+def _checked_inertial(path: Path, link: str, inertial: Any) -> Any:
+    where = f"link '{link}'"
+    mass, inertia = (_only(path, where, inertial, tag) for tag in ("mass", "inertia"))
+    if mass is None or mass.get("value") is None:
+        raise InputError(path, "its <inertial> needs <mass value=…> in kg.", key=where)
+    if inertia is None or any(inertia.get(key) is None for key in _INERTIA_KEYS):
+        raise InputError(path, f"its <inertial> needs <inertia> with {', '.join(_INERTIA_KEYS)}.", key=where)
+    for child in inertial:
+        _check_numbers(path, where, child)
+    return inertial
+
+
+def _only(path: Path, where: str, element: Any, tag: str) -> Any:
+    found = element.findall(tag)
+    if len(found) > 1:
+        raise InputError(path, f"has {len(found)} <{tag}> elements; one belongs here.", key=where)
+    return found[0] if found else None
+
+
+def _attribute(path: Path, element: Any, attribute: str, where: str) -> str:
+    value = element.get(attribute)
+    if not value:
+        raise InputError(path, f"a '{attribute}' attribute is needed.", key=where)
+    return str(value)
+
+
+_COUNTS = {"xyz": 3, "rpy": 3}
+_NAMES = {"link", "joint", "name", "type"}
+
+
+def _check_numbers(path: Path, where: str, element: Any) -> None:
+    if not isinstance(element.tag, str):  # a comment
+        return
+    for attribute, text in element.attrib.items():
+        if attribute in _NAMES:
+            continue
+        words = text.split()
+        count = _COUNTS.get(attribute, 1)
+        # a limit may be any number: what is too large for a limit means that there is none
+        largest = inf if element.tag == "limit" else LARGEST_NUMBER
+        try:
+            finite = "_" not in text and all(abs(float(word)) <= largest for word in words)
+        except ValueError:
+            finite = False
+        if not finite or len(words) != count:
+            wanted = "a finite number" if count == 1 else f"{count} finite numbers"
+            raise InputError(path, f"must be {wanted}.", key=f"{where}, <{element.tag}> {attribute}", value=text)

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: MIT
+"""One joint of a URDF: its axis, its limits, and where it puts its child."""
+
+from math import cos, sin
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.rigid_transform import RigidTransform, snap_rotation
+
+MOVING_TYPES = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic"}
+
+NO_LIMIT = 1e9
+"""A limit of this size or more (1e16, the largest float, inf) says "none" [rad, m, N m, N, rad/s, m/s]: no motor gives
+a giganewton, and none of the URDFs that people publish has a real limit above 1e5."""
+
+
+def unit_axis(path: Path, joint: Any) -> Array:
+    """Direction of a joint's axis in its own frame, Shape (3,).
+
+    Raises:
+        InputError: If it is zero.
+    """
+    length = float(np.sqrt(sum(joint.axis * joint.axis)))
+    if not 0 < length < np.inf:
+        raise InputError(path, "must not be zero.", key=f"joint '{joint.name}' axis", value=joint.axis.tolist())
+    axis: Array = joint.axis / length
+    return axis
+
+
+def position_limits(path: Path, joint: Any) -> tuple[float, float]:
+    """Lower and upper position limit [rad or m], infinite where there is none.
+
+    Raises:
+        InputError: If the lower one exceeds the upper one.
+    """
+    limit = joint.limit
+    if joint.type == "continuous" or limit is None:
+        return -np.inf, np.inf
+    lower, upper = (None if value is None or abs(value) >= NO_LIMIT else value for value in (limit.lower, limit.upper))
+    if lower is not None and upper is not None and lower > upper:
+        raise InputError(
+            path,
+            f"its lower limit {lower:g} exceeds its upper limit {upper:g}. Correct them; a joint without limits is "
+            "'continuous', or has none of the two.",
+            key=f"joint '{joint.name}'",
+        )
+    return -np.inf if lower is None else float(lower), np.inf if upper is None else float(upper)
+
+
+def velocity_limit(path: Path, joint: Any) -> float | None:
+    """Largest velocity [rad/s or m/s], None if the URDF says nothing.
+
+    Raises:
+        InputError: If it is negative.
+    """
+    velocity = None if joint.limit is None else joint.limit.velocity
+    if velocity is not None and velocity < 0:
+        raise InputError(path, "must be >= 0.", key=f"joint '{joint.name}' velocity limit", value=velocity)
+    return float(velocity) if velocity and velocity < NO_LIMIT else None
+
+
+def matrix_pose(matrix: Array | None) -> RigidTransform:
+    """The pose of an <origin>, which yourdfpy gives as a homogeneous matrix, Shape (4, 4), or None."""
+    if matrix is None:
+        return RigidTransform.identity()
+    return RigidTransform(snap_rotation(matrix[:3, :3]), matrix[:3, 3].copy())
+
+
+def joint_pose(path: Path, joint: Any, position: float = 0.0) -> RigidTransform:
+    """Frame of the child link in the frame of the parent link, where the joint stands at a position [rad or m].
+
+    Raises:
+        InputError: If the joint must move and its axis is zero.
+    """
+    T = matrix_pose(joint.origin)
+    if position == 0:
+        return T
+    axis = unit_axis(path, joint)
+    if MOVING_TYPES[joint.type] == "prismatic":
+        return T @ RigidTransform(np.eye(3), position * axis)
+    return T @ RigidTransform(_rotation_about(axis, position), np.zeros(3))
+
+
+def _rotation_about(axis: Array, angle: float) -> Array:
+    """Rodrigues' formula, Shape (3, 3)."""
+    c, s = cos(angle), sin(angle)
+    x, y, z = axis
+    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return snap_rotation(c * np.eye(3) + s * skew + (1 - c) * axis[:, None] * axis[None, :])

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: MIT
+"""What the arguments of public functions must be: a wrong one is named where it enters, not where it first hurts."""
+
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from mrts.base.errors import InputError
+
+WORDS = {
+    "Cell": "a cell, as from mrts.load_cell",
+    "ClosureBound": "a ClosureBound, such as mrts.ClosureBound(2e-3, 5e-3)",
+    "CellFunctions": "the functions of a cell from mrts.load_cell",
+    "CoordinatedMotion": "motion of the whole cell, as from mrts.follow_object",
+    "JointTable": "a table of joint motion, as from mrts.load_motion",
+    "LoadBox": "a mrts.LoadBox",
+    "LoadSharing": "a LoadSharing (LoadSharing() is the equal one)",
+    "Mapping": "a dictionary",
+    "MotionDescription": "a mrts.MotionDescription",
+    "NoneType": "None",
+    "ObjectMotion": "motion of the object, as from mrts.load_motion",
+    "PathLike": "a Path",
+    "Remark": "a remark, as of a loaded cell",
+    "Robot": "a robot, as from mrts.load_cell",
+    "ScalingResult": "a result of mrts.scale",
+    "bool": "True or False",
+    "float": "a number",
+    "int": "a whole number",
+    "str": "text",
+}
+"""What a type is called in a message."""
+
+
+def check_type(name: str, value: object, *kinds: type) -> None:
+    """Check what an argument is.
+
+    Args:
+        name: Of the argument.
+        value: What was given.
+        *kinds: Types that it may have; a truth value counts as no number.
+
+    Raises:
+        InputError: If it is something else.
+    """
+    if isinstance(value, kinds) and (bool in kinds or not isinstance(value, bool)):
+        return
+    *others, last = (WORDS.get(kind.__name__, kind.__name__) for kind in kinds)
+    allowed = f"{', '.join(others)} or {last}" if others else last
+    given = "None" if value is None else f"of type {type(value).__name__}"
+    raise InputError(name, f"must be {allowed}; it is {given}.", value=value)
+
+
+def check_list(name: str, value: object, kind: type) -> None:
+    """Check that an argument is a list or tuple of values of one type.
+
+    Args:
+        name: Of the argument.
+        value: What was given.
+        kind: Type of every value in it.
+
+    Raises:
+        InputError: If it is something else.
+    """
+    if not isinstance(value, list | tuple) or not all(isinstance(each, kind) for each in value):
+        raise InputError(name, f"must be a tuple, each of it {WORDS[kind.__name__]}.", value=value)
+
+
+def check_callable(name: str, value: object) -> None:
+    """Check that an argument can be called.
+
+    Raises:
+        InputError: If it cannot.
+    """
+    if not callable(value):
+        raise InputError(name, f"must be a function; it is of type {type(value).__name__}.", value=value)
+
+
+def as_path(name: str, value: Any) -> Path:
+    """An argument as a path.
+
+    Args:
+        name: Of the argument.
+        value: Text or a path.
+
+    Raises:
+        InputError: If it is neither.
+    """
+    check_type(name, value, str, PathLike)
+    try:
+        return Path(value)
+    except TypeError:  # a PathLike of bytes
+        raise InputError(name, "must be a path, as text or a Path.", value=value) from None

@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: MIT
+"""Output files are written whole or not at all, and several that belong together all or none."""
+
+import os
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+
+from mrts.base.errors import InputError, MrtsError
+
+Write = Callable[[Path], object]
+"""Fills the file, or makes the folder, whose path it is given."""
+
+
+def write_atomically(path: Path, write: Write, *, private: bool = False) -> None:
+    """Let `write` fill a temporary file beside `path`, then rename it into place.
+
+    Args:
+        path: The file to make or replace; missing folders are made. What a link points to is replaced, not the link;
+            a device or a pipe is written into.
+        write: Fills the temporary file whose path it is given.
+        private: Whether nobody else may read or write the file, and a link is replaced itself; else the user's umask
+            decides.
+
+    Raises:
+        InputError: If the folder cannot be made or written.
+    """
+    write_together({path: write}, private=private)
+
+
+def write_together(files: Mapping[Path, Write], *, private: bool = False) -> None:
+    """Write several files, all or none: none is renamed into place before all are filled.
+
+    Args:
+        files: What `write_atomically` takes; they are renamed in this order.
+        private: Likewise.
+
+    Raises:
+        InputError: If one cannot be written; then all are as they were, and no folder has been made.
+    """
+    with ExitStack() as stack:
+        filled: list[tuple[Path, Path | None, Write]] = []
+        for given, write in files.items():
+            path = given.absolute() if private else _resolved(given)
+            with _named(path):
+                temporary = None if _is_special(path) else stack.enter_context(_temporary_file(path))
+                if temporary is not None:
+                    _fill(temporary, write, private=private)
+            filled.append((path, temporary, write))
+        for path, temporary, write in filled:
+            with _named(path):
+                if temporary is None:
+                    write(path)  # a device or a pipe cannot be replaced
+                else:
+                    temporary.replace(path)
+
+
+def write_text_atomically(path: Path, text: str, *, private: bool = False) -> None:
+    """Write `text` as UTF-8 with Unix line ends, whole or not at all; otherwise as `write_atomically`.
+
+    Raises:
+        InputError: If the folder cannot be made or written.
+    """
+    write_atomically(path, text_writer(text), private=private)
+
+
+def text_writer(text: str) -> Write:
+    """What writes `text` as UTF-8 with Unix line ends."""
+    data = text.encode("utf-8", "backslashreplace")  # a path need not be text
+    return lambda path: path.write_bytes(data)
+
+
+def make_folder_atomically(folder: Path, make: Write) -> None:
+    """Let `make` make a temporary folder beside `folder`, then rename it into place.
+
+    Args:
+        folder: Must not exist; missing folders above it are made.
+        make: Makes the folder whose path it is given.
+
+    Raises:
+        InputError: If it cannot be made; then no other folder has been made either.
+    """
+    folder = _resolved(folder)
+    with (
+        _named(folder),
+        _made(folder.parent),
+        tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}") as temporary,
+    ):
+        made = Path(temporary) / folder.name
+        make(made)
+        made.rename(folder)
+
+
+def check_writable(path: Path) -> None:
+    """Try whether a file can be written, and leave nothing behind: to be known before long work.
+
+    Args:
+        path: As in `write_atomically`.
+
+    Raises:
+        InputError: If it cannot.
+    """
+    target = _resolved(path)
+    with _named(target):
+        if _is_special(target):
+            return  # to open it may wait for a reader
+        with suppress(_TriedError), _temporary_file(target):
+            raise _TriedError
+
+
+class _TriedError(Exception):
+    """Takes back the folders that were made to try."""
+
+
+def _resolved(path: Path) -> Path:
+    """The path without links.
+
+    Raises:
+        InputError: If no file can have it: a null byte, a loop of links, letters that the system cannot write.
+    """
+    try:
+        return path.resolve()
+    except (OSError, RuntimeError, ValueError) as error:
+        raise InputError(path, f"cannot be written: {getattr(error, 'strerror', None) or error}.") from None
+
+
+def _is_special(path: Path) -> bool:
+    """Whether a path is a device or a pipe, which is written into."""
+    return path.exists() and not path.is_file() and not path.is_dir()
+
+
+@contextmanager
+def _named(path: Path) -> Iterator[None]:
+    """Say of which output the system complains."""
+    try:
+        yield
+    except MrtsError:
+        raise
+    except Exception as error:
+        cause = _system_error(error)
+        if cause is None:
+            raise
+        raise InputError(path, f"cannot be written: {cause.strerror or cause}.") from None
+
+
+def _system_error(error: BaseException | None) -> OSError | None:
+    """What the system said: a writer that stumbles over a full disk raises something else on top."""
+    while error is not None and not isinstance(error, OSError):
+        error = error.__context__
+    return error
+
+
+@contextmanager
+def _made(folder: Path) -> Iterator[None]:
+    """A folder and those above it; the ones that were missing go again if the block fails."""
+    missing = [each for each in (folder, *folder.parents) if not each.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        yield
+    except BaseException:
+        for each in missing:
+            with suppress(OSError):
+                each.rmdir()
+        raise
+
+
+@contextmanager
+def _temporary_file(path: Path) -> Iterator[Path]:
+    """An empty file beside `path`, gone at the end unless it was renamed.
+
+    Raises:
+        InputError: If `path` is a folder.
+    """
+    if path.is_dir():
+        raise InputError(path, "cannot be written: it is a folder; name a file.")
+    with _made(path.parent):
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix)
+        temporary = Path(name)
+        try:
+            os.close(handle)
+            yield temporary
+        finally:
+            temporary.unlink(missing_ok=True)
+
+
+def _fill(temporary: Path, write: Write, *, private: bool) -> None:
+    """Fill a temporary file, with the rights that a new file gets."""
+    write(temporary)
+    umask = os.umask(0)
+    os.umask(umask)
+    temporary.chmod(0o600 if private else 0o666 & ~umask)

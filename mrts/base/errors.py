@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: MIT
+"""The exceptions of mrts.
+
+An infeasible motion is an outcome (`mrts.ScalingStatus`), never an exception. What raises is wrong input
+and a tool that failed. Every message names the value, the rule and what to do. It is safe to print as it is: what it
+quotes is escaped, and cut where it is very long.
+"""
+
+import reprlib
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, cast
+
+from mrts.base.printable import message_text
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+class MrtsError(Exception):
+    """Root of every exception that mrts raises on purpose.
+
+    Args:
+        message: One paragraph; may quote what a user wrote.
+    """
+
+    has_lines: ClassVar[bool] = False
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message_text(message, lines=self.has_lines))
+
+
+class InputError(MrtsError):
+    """A file, a key or an argument breaks a rule.
+
+    Args:
+        where: File, or the name of the argument in the Python API.
+        rule: What must hold, and what to do; a sentence.
+        key: Path of the key inside the file, such as `robots[0].torque`.
+        value: The offending value; left out of the message when None.
+    """
+
+    def __init__(self, where: Path | str, rule: str, *, key: str = "", value: object = None) -> None:
+        self.where = str(where)
+        self.key = key
+        self.value = value
+        self.rule = rule
+        subject = self.where
+        if key:
+            subject += f": {key}"
+        if value is not None:
+            subject += f" = {_shown(value)}"
+        super().__init__(f"{subject}: {rule}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # an exception pickles as its message alone, which this constructor does not take: a pool of workers would die
+        return partial(type(self), key=self.key, value=self.value), (self.where, self.rule)
+
+
+def _shown(value: object) -> str:
+    """A value in one line, short."""
+    if getattr(value, "shape", None) == ():  # a number of numpy
+        value = cast("Any", value).item()
+    try:
+        shown = reprlib.repr(value)
+    except ValueError:  # Python writes no whole number of more than some thousand digits
+        return f"a {type(value).__name__} too long to show"
+    return " ".join(line.strip() for line in shown.splitlines())
+
+
+def as_array(name: str, value: object) -> "NDArray[np.float64]":
+    """An argument of the Python API as an array of numbers.
+
+    Args:
+        name: Of the argument, for the message.
+        value: Anything that numpy can read.
+
+    Raises:
+        InputError: If it is not numbers of one shape.
+    """
+    import numpy as np  # noqa: PLC0415 (so that `mrts --help` does without)
+
+    try:
+        return np.array(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(name, "must be numbers of one rectangular shape.", value=value) from None
+
+
+class MotionError(MrtsError):
+    """The joints cannot follow the object's path: out of reach, singular, or off the plane."""
+
+
+class CompilerError(MrtsError):
+    """The C compiler failed, or none is there and nothing else can evaluate the generated C.
+
+    Lines that the compiler printed stay lines.
+    """
+
+    has_lines = True
+
+
+class SolverError(MrtsError):
+    """No solver returned an answer that passes its own verification."""

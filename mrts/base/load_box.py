@@ -1,0 +1,342 @@
+# SPDX-License-Identifier: MIT
+"""Loads that are known only within ranges: the box, its corners, and loads drawn from it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import permutations, product
+from numbers import Real
+from types import NoneType
+from typing import Any, Self
+
+import numpy as np
+
+from mrts.base.argument_types import check_type
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError, as_array
+from mrts.base.manifest import LOAD_ENTRIES
+
+FACTORS = ("mass", "ixx", "iyy", "izz")
+"""k_m, k_x, k_y, k_z: factors of the nominal mass and of the nominal principal moments."""
+
+FIRST_MOMENTS = ("mx", "my", "mz")
+"""Mass times offset of the centre of mass, object axes [kg m]."""
+
+OFFSETS = ("com_x", "com_y", "com_z")
+"""Offset of the centre of mass itself, object axes [m]."""
+
+PARAMETERS = (*FACTORS, *FIRST_MOMENTS, *OFFSETS)
+NOMINAL = {name: 1.0 if name in FACTORS else 0.0 for name in PARAMETERS}
+UNITS = {name: "kg m" if name in FIRST_MOMENTS else "m" if name in OFFSETS else "" for name in PARAMETERS}
+
+EQUAL_MOMENTS = 1e-9
+"""Principal moments that differ by less than this share are equal: their axes are then free to choose."""
+
+AXES_TOLERANCE = 1e-9
+"""Principal axes this close to the object's axes are the object's axes."""
+
+LARGEST_DRAW = 1_000_000
+"""Most loads that are drawn at once: more would fill the memory."""
+
+OUTER_HULL_ADVICE = (
+    "a range of the centre of mass itself enters the inertia as mass × offset², so the corners of the box do not span "
+    "its loads. Give ranges of the first moments mx, my, mz (mass × offset, kg m; the inertia is then the one about "
+    "the object frame's origin), or add 'hull: outer' for a slightly larger set of loads that corners do span."
+)
+
+
+@dataclass(frozen=True)
+class LoadPoint:
+    """One load of a box, or one corner of its outer hull.
+
+    Attributes:
+        parameters: Values of the parameters that vary; of a corner of an outer hull their means.
+        load: Load vector, Shape (10,), see `mrts.base.manifest.LOAD_ENTRIES`.
+    """
+
+    parameters: Mapping[str, float]
+    load: Array
+
+    def __str__(self) -> str:
+        words = []
+        for name, value in self.parameters.items():
+            if name == "mass":
+                words.append(f"mass {self.load[0]:.4g} kg")
+            elif name in FACTORS:
+                words.append(f"{name} × {value:.4g}")
+            else:
+                words.append(f"{name} {value:.4g} {UNITS[name]}")
+        return ", ".join(words) or "the nominal load"
+
+    def to_json(self) -> dict[str, Any]:
+        """Parameters and load vector by entry."""
+        entries = {name: float(value) for name, value in zip(LOAD_ENTRIES, self.load, strict=True)}
+        return {"parameters": dict(self.parameters), "load": entries}
+
+
+@dataclass(frozen=True)
+class LoadBox:
+    """Every load whose parameters lie in their ranges.
+
+    Factors of moments are about the principal axes; those of an inertia matrix are the ones nearest to the object's.
+
+    Attributes:
+        mass: Nominal [kg].
+        inertia: Nominal, at the com in object axes, Shape (3, 3) [kg m²].
+        ranges: Least and largest value by parameter (`PARAMETERS`); what is left out stays nominal.
+        outer_hull: Ranges of the com's offset are admitted, and the box replaced by its outer hull.
+        principal_axes: Columns in object axes, Shape (3, 3).
+        principal_moments: Shape (3,) [kg m²].
+    """
+
+    mass: float
+    inertia: Array
+    ranges: Mapping[str, tuple[float, float]]
+    outer_hull: bool = False
+    principal_axes: Array = field(init=False)
+    principal_moments: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        if not _is_number(self.mass) or not self.mass > 0:
+            raise InputError("mass", "must be a finite number > 0, in kg.", value=self.mass)
+        check_type("ranges", self.ranges, Mapping)
+        check_type("outer_hull", self.outer_hull, bool)
+        inertia = as_array("inertia", self.inertia)
+        if inertia.shape != (3, 3) or not np.all(np.isfinite(inertia)):
+            raise InputError("inertia", "must be finite with Shape (3, 3).", value=self.inertia)
+        object.__setattr__(self, "inertia", inertia)
+        problem = range_problem(self.ranges, outer_hull=self.outer_hull)
+        if problem:
+            raise InputError("variation", problem)
+        ordered = {name: self.ranges[name] for name in PARAMETERS if name in self.ranges}
+        object.__setattr__(self, "ranges", {name: (float(low), float(high)) for name, (low, high) in ordered.items()})
+        axes = principal_axes(self.inertia)
+        object.__setattr__(self, "principal_axes", axes)
+        object.__setattr__(self, "principal_moments", np.diag(axes.T @ self.inertia @ axes).copy())
+
+    def with_axes(self, axes: Array, moments: Array) -> Self:
+        """The same box with principal axes that were found before: another machine may turn equal ones otherwise.
+
+        Args:
+            axes: As `principal_axes`.
+            moments: As `principal_moments`.
+        """
+        box = replace(self)
+        object.__setattr__(box, "principal_axes", axes)
+        object.__setattr__(box, "principal_moments", moments)
+        return box
+
+    @property
+    def varying(self) -> tuple[str, ...]:
+        """Parameters whose range is more than a point."""
+        return tuple(name for name, (low, high) in self.ranges.items() if low < high)
+
+    @property
+    def axes_are_the_objects(self) -> bool:
+        """Whether the principal axes are the object's own."""
+        return bool(np.array_equal(self.principal_axes, np.eye(3)))
+
+    def load_at(self, parameters: Mapping[str, float]) -> Array:
+        """Eqs. (40), (41): load vector m̄ = k_m m, Ī = K I (and first moments), Shape (10,).
+
+        Args:
+            parameters: Values by name; what is left out stays nominal (or at the one value of its range).
+
+        Raises:
+            InputError: If a parameter does not vary in this box or its value is outside its range.
+        """
+        check_type("parameters", parameters, Mapping)
+        for name, value in parameters.items():
+            if name not in self.ranges:
+                known = ", ".join(self.ranges)
+                raise InputError("load", f"is not a parameter of this box; those are {known}.", key=name, value=value)
+            low, high = self.ranges[name]
+            if not _is_number(value) or not low <= value <= high:
+                raise InputError("load", f"must be a number in [{low:g}, {high:g}].", key=name, value=value)
+        values = self._inside() | dict(parameters)
+        return self._load(values, values)
+
+    def nominal_point(self) -> LoadPoint:
+        """The load with every parameter nominal, or as near to it as the box goes."""
+        values = {name: value for name, value in self._inside().items() if name in self.varying}
+        return LoadPoint(values, self.load_at(values))
+
+    def corners(self, varying: tuple[str, ...] | None = None) -> tuple[LoadPoint, ...]:
+        """Loads whose convex hull holds the whole box: its corners, or those of its outer hull.
+
+        Without ranges of the com's offset the load is affine in each parameter and its corners are real loads. An
+        offset enters squared; the control points of the load's Bernstein form span it (the hull property; e.g. Farin,
+        Curves and Surfaces for CAGD, 5th ed., chapter 5).
+
+        Args:
+            varying: Parameters to vary; None varies all. Others stay nominal.
+
+        Raises:
+            InputError: If one is no parameter of this box.
+        """
+        check_type("varying", varying, tuple, NoneType)
+        names = self.varying if varying is None else varying
+        for name in names:
+            if name not in self.ranges:
+                known = ", ".join(self.ranges)
+                raise InputError("varying", f"is not a parameter of this box; those are {known}.", value=name)
+        choices: list[list[tuple[float, float]]] = []
+        for name in names:
+            low, high = self.ranges[name]
+            pairs = [(low, low), (low, high), (high, high)] if name in OFFSETS else [(low, low), (high, high)]
+            choices.append(pairs)
+        corners = []
+        for corner in product(*choices):
+            first = self._inside() | {name: pair[0] for name, pair in zip(names, corner, strict=True)}
+            second = self._inside() | {name: pair[1] for name, pair in zip(names, corner, strict=True)}
+            means = {name: (first[name] + second[name]) / 2 for name in names}
+            corners.append(LoadPoint(means, self._load(first, second)))
+        return tuple(corners)
+
+    def draw(self, rng: np.random.Generator, count: int) -> tuple[LoadPoint, ...]:
+        """Random loads of the box, every parameter uniform in its range.
+
+        Args:
+            rng: Source of randomness, as `numpy.random.default_rng(seed)`.
+            count: How many.
+
+        Raises:
+            InputError: If an argument is wrong.
+        """
+        check_type("rng", rng, np.random.Generator)
+        check_type("count", count, int)
+        if not 0 <= count <= LARGEST_DRAW:
+            raise InputError("count", f"must be from 0 to {LARGEST_DRAW}.", value=count)
+        draws = {name: rng.uniform(*self.ranges[name], size=count) for name in self.varying}
+        points = []
+        for index in range(count):
+            parameters = {name: float(values[index]) for name, values in draws.items()}
+            points.append(LoadPoint(parameters, self.load_at(parameters)))
+        return tuple(points)
+
+    def description(self) -> str:
+        """The ranges in words, such as `mass 0.1 … 3 kg, izz × 0.5 … 2`."""
+        words = []
+        for name, (low, high) in self.ranges.items():
+            if name == "mass":
+                words.append(f"mass {low * self.mass:.4g} … {high * self.mass:.4g} kg")
+            else:
+                sign, unit = ("× ", "") if name in FACTORS else ("", f" {UNITS[name]}")
+                words.append(f"{name} {sign}{low:.4g} … {high:.4g}{unit}")
+        return ", ".join(words)
+
+    def _inside(self) -> dict[str, float]:
+        """The nominal values, moved into the ranges."""
+        limits = {name: self.ranges.get(name, (value, value)) for name, value in NOMINAL.items()}
+        return {name: min(max(value, limits[name][0]), limits[name][1]) for name, value in NOMINAL.items()}
+
+    def _load(self, first: Mapping[str, float], second: Mapping[str, float]) -> Array:
+        """The load in its polar form in the com's offset: equal arguments give the load of these parameters."""
+        mass = first["mass"] * self.mass
+        a, b = (np.array([values[name] for name in OFFSETS]) for values in (first, second))
+        mean = (a + b) / 2
+        outer = np.outer(mean, mean)
+        np.fill_diagonal(outer, a * b)
+        moments = self.principal_moments * [first[name] for name in FACTORS[1:]]
+        inertia = (self.principal_axes * moments) @ self.principal_axes.T
+        inertia = inertia + mass * (np.trace(outer) * np.eye(3) - outer)
+        return load_vector(mass, mass * mean + [first[name] for name in FIRST_MOMENTS], inertia)
+
+
+def load_vector(mass: float, first_moment: Array, inertia: Array) -> Array:
+    """The load in the layout `LOAD_ENTRIES`, Shape (10,).
+
+    Args:
+        mass: [kg].
+        first_moment: mass × com, object axes, Shape (3,) [kg m].
+        inertia: About the object frame's origin, object axes, Shape (3, 3) [kg m²].
+    """
+    off_diagonal = [inertia[0, 1], inertia[0, 2], inertia[1, 2]]
+    return np.array([mass, *first_moment, *np.diag(inertia), *off_diagonal], dtype=np.float64)
+
+
+def range_problem(ranges: Mapping[str, tuple[float, float]], *, outer_hull: bool) -> str:
+    """The rule that some ranges break, in a sentence; empty if they break none.
+
+    Args:
+        ranges: Least and largest value by parameter.
+        outer_hull: Whether ranges of the com's offset are admitted.
+    """
+    if not ranges:
+        return f"needs at least one range, of {', '.join(PARAMETERS)}."
+    for name, pair in ranges.items():
+        problem = _one_range_problem(name, pair)
+        if problem:
+            return problem
+    offsets = [name for name in ranges if name in OFFSETS]
+    if offsets and any(name in ranges for name in FIRST_MOMENTS):
+        return f"ranges of first moments and of offsets ({', '.join(offsets)}) exclude each other: give one kind."
+    if offsets and not outer_hull:
+        return f"{', '.join(offsets)}: {OUTER_HULL_ADVICE}"
+    if outer_hull and not offsets:
+        return "'hull: outer' is for ranges of com_x, com_y, com_z: without them the box is exact. Leave it out."
+    return ""
+
+
+def _one_range_problem(name: str, pair: Any) -> str:
+    if name not in PARAMETERS:
+        return f"unknown parameter '{name}'; there are {', '.join(PARAMETERS)}."
+    given = list(pair) if isinstance(pair, Sequence) or np.ndim(pair) else []
+    if len(given) != 2 or not all(_is_number(end) for end in given):  # noqa: PLR2004 (two ends)
+        return f"{name} = {pair!r} must be two finite numbers, [least, largest]."
+    low, high = map(float, given)
+    nominal = NOMINAL[name]
+    what = "a factor of the nominal value" if name in FACTORS else "a difference from the nominal one"
+    rules = (
+        (low <= high, "the lower value exceeds the upper one"),
+        (name != "mass" or low > 0, "factors of the mass must be > 0; an object without mass is none"),
+        (name not in FACTORS or low >= 0, "factors of a moment of inertia must be >= 0"),
+        (low <= nominal <= high, f"it is {what} and must contain {nominal:g}; change the nominal load or the range"),
+    )
+    broken = next((rule for holds, rule in rules if not holds), None)
+    return f"{name} = [{low:g}, {high:g}]: {broken}." if broken else ""
+
+
+def _is_number(value: Any) -> bool:
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return False
+    try:
+        return bool(np.isfinite(float(value)))
+    except OverflowError:  # a whole number may be larger than any other
+        return False
+
+
+def principal_axes(inertia: Array) -> Array:
+    """The principal axes nearest to the object's axes, columns of a rotation, Shape (3, 3).
+
+    Args:
+        inertia: Symmetric, Shape (3, 3) [kg m²].
+    """
+    moments, vectors = np.linalg.eigh(inertia)
+    best = -np.inf
+    axes = vectors
+    for order in permutations(range(3)):
+        candidate = vectors[:, order].copy()
+        for group in _equal_groups(moments[list(order)]):
+            # equal moments leave the axes free in their span: take those nearest to the object's axes
+            u, _, vt = np.linalg.svd(candidate[:, group].T @ np.eye(3)[:, group])
+            candidate[:, group] = candidate[:, group] @ u @ vt
+        nearness = float(np.sum(np.abs(np.diag(candidate))))
+        if nearness > best + AXES_TOLERANCE:
+            best, axes = nearness, candidate
+    axes = axes * np.where(np.diag(axes) < 0, -1.0, 1.0)
+    if np.linalg.det(axes) < 0:
+        axes[:, int(np.argmin(np.abs(np.diag(axes))))] *= -1
+    return np.eye(3) if np.max(np.abs(axes - np.eye(3))) < AXES_TOLERANCE else axes
+
+
+def _equal_groups(moments: Array) -> list[list[int]]:
+    """Indices of moments that are equal, in groups."""
+    groups: list[list[int]] = []
+    for index, moment in enumerate(moments):
+        for group in groups:
+            if abs(moment - moments[group[0]]) <= EQUAL_MOMENTS * np.max(moments):
+                group.append(index)
+                break
+        else:
+            groups.append([index])
+    return groups

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: MIT
+"""Opening a file that a user names: a regular one of a sound size, or a clear sentence, and never a wait."""
+
+import difflib
+import os
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import islice
+from pathlib import Path
+from typing import BinaryIO
+
+from mrts.base.errors import InputError
+
+FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
+"""Nothing that stands at the path by then may make us wait or become our terminal."""
+
+NEIGHBOURS = 1000
+"""Files of a folder among which a misspelt name is looked for."""
+
+KINDS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISSOCK, "a socket"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+)
+
+
+@contextmanager
+def open_regular(path: Path, what: str, most: int) -> Iterator[BinaryIO]:
+    """Open an input file for reading.
+
+    What is checked is what is read: the same open file, whatever happens to the path meanwhile.
+
+    Args:
+        path: The file.
+        what: What it is, for messages: "cell file".
+        most: Bytes that it may have.
+
+    Yields:
+        The open file.
+
+    Raises:
+        InputError: If it is missing, no regular file, too large, or cannot be read.
+    """
+    try:
+        _require_regular(path, what, path.stat(), most)  # a device may act on being opened
+        with os.fdopen(os.open(path, FLAGS), "rb") as file:
+            _require_regular(path, what, os.fstat(file.fileno()), most)
+            yield file
+    except FileNotFoundError:
+        raise InputError(path, f"there is no such {what}{_neighbour(path)}") from None
+    except (OSError, ValueError) as error:  # ValueError: a null byte in the path
+        raise InputError(path, f"this {what} cannot be read: {getattr(error, 'strerror', error)}.") from None
+
+
+def read_regular(path: Path, what: str, most: int) -> bytes:
+    """All of an input file; arguments and errors as `open_regular`."""
+    with open_regular(path, what, most) as file:
+        content = file.read(most + 1) or b""  # a file of the kernel may grow as it is read, or have nothing yet
+    if len(content) > most:
+        raise _too_large(path, what, most)
+    return content
+
+
+def _require_regular(path: Path, what: str, status: os.stat_result, most: int) -> None:
+    if not stat.S_ISREG(status.st_mode):
+        kind = next((name for holds, name in KINDS if holds(status.st_mode)), "no file")
+        advice = "" if kind == "a folder" else " Copy what it gives into one."
+        raise InputError(path, f"is {kind}; a {what} is a regular file.{advice}")
+    if status.st_size > most:
+        raise _too_large(path, what, most)
+
+
+def _too_large(path: Path, what: str, most: int) -> InputError:
+    return InputError(path, f"a {what} has at most {most} bytes.")
+
+
+def _neighbour(path: Path) -> str:
+    """End of the sentence that says that there is no such file."""
+    try:
+        names = [other.name for other in islice(path.parent.iterdir(), NEIGHBOURS)]
+    except OSError:
+        return f": the folder {path.parent} is missing or cannot be read."
+    close = difflib.get_close_matches(path.name, names, n=1)
+    return f"; did you mean '{path.with_name(close[0])}'?" if close else ". Check the path."

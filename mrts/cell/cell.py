@@ -1,0 +1,309 @@
+# SPDX-License-Identifier: MIT
+"""A cell ready to be asked: its data and its bound functions."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from functools import partial
+from pathlib import Path
+from types import NoneType
+from typing import Any, Literal, Self
+
+import numpy as np
+
+from mrts.base.argument_types import as_path, check_list, check_type
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError, as_array
+from mrts.base.input_file import LARGEST_NUMBER
+from mrts.base.load_box import LoadBox, load_vector
+from mrts.base.manifest import LOAD_ENTRIES, MANIFEST_NAME, WRENCH_COMPONENTS, Manifest, read_generated
+from mrts.base.remark import Remark
+from mrts.base.rigid_transform import RigidTransform
+from mrts.cell.functions import Backend, CellFunctions, bind_functions
+from mrts.cell.generation import generated_in_cache, virtual_machine_functions
+from mrts.cell.robot import Robot, freeze_array, robot_from_record, with_infinity
+
+GENERATED = ("name", "joints", "joint_types", "axes", "points", "held", "T_base_tip", "T_world_base", "T_object_tip")
+"""Attributes of a robot that the generated functions hold as numbers, or that name their inputs and outputs."""
+
+SAME_NUMBER = 1e-12
+"""Largest difference of what is the same number after rounding [m, rad, m/s²]."""
+
+
+@dataclass(frozen=True, repr=False)
+class Cell:
+    """n arms and the object that they hold; m joints in all.
+
+    Attributes:
+        name: Name in the cell file.
+        plane: World plane of a planar cell, None for a spatial one.
+        wrench_components: Names of the w components of a contact wrench.
+        gravity: Downward, world axes, Shape (3,) [m/s²].
+        load: Load vector of the object (`mrts.base.manifest.LOAD_ENTRIES`), Shape (10,) [kg, kg m, kg m²].
+        load_box: What is uncertain of the load, None if it is known.
+        object_velocity_limit: Of the object's frame, linear and angular, infinity where there is none, Shape (2,)
+            [m/s, rad/s].
+        robots: The arms in the order of the cell file.
+        functions: The generated functions.
+        enforces_velocity_limits: Whether velocity limits bound the speed, or are reported only.
+        remarks: What to know of how its files were read.
+
+    What the generated functions hold as numbers (names, joints, poses, plane, gravity) cannot be changed in Python, by
+    `dataclasses.replace` or otherwise: that takes another cell file. Limits, postures and load can.
+
+    Raises:
+        InputError: If a value breaks a rule, or is not what the functions were generated with.
+    """
+
+    name: str
+    plane: Literal["xy", "xz", "yz"] | None
+    wrench_components: tuple[str, ...]
+    gravity: Array
+    load: Array
+    load_box: LoadBox | None
+    object_velocity_limit: Array
+    robots: tuple[Robot, ...]
+    functions: CellFunctions
+    enforces_velocity_limits: bool = True
+    remarks: tuple[Remark, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_type("cell: functions", self.functions, CellFunctions)
+        check_type("cell: load_box", self.load_box, LoadBox, NoneType)
+        check_type("cell: enforces_velocity_limits", self.enforces_velocity_limits, bool)
+        for key, kind in (("wrench_components", str), ("robots", Robot), ("remarks", Remark)):
+            check_list(f"cell: {key}", getattr(self, key), kind)
+            object.__setattr__(self, key, tuple(getattr(self, key)))
+        freeze_array(self, "gravity", "cell", (3,), finite=True)
+        freeze_array(self, "load", "cell", (len(LOAD_ENTRIES),), finite=True)
+        freeze_array(self, "object_velocity_limit", "cell", (2,), finite=False)
+        if not self.load[0] > 0:
+            raise InputError("cell", "its mass must be > 0.", key="load", value=self.load.tolist())
+        if np.any(self.object_velocity_limit <= 0):
+            rule = "must be > 0; infinity where there is none."
+            raise InputError("cell", rule, key="object_velocity_limit", value=self.object_velocity_limit.tolist())
+        self._check_generated()
+        for robot in self.robots:
+            if len(robot.wrench_lower) != len(self.wrench_components):
+                rule = f"must have Shape ({len(self.wrench_components)},): {', '.join(self.wrench_components)}."
+                raise InputError(f"robot '{robot.name}'", rule, key="wrench_lower", value=robot.wrench_lower.tolist())
+
+    def _check_generated(self) -> None:
+        """Check that what the generated functions hold as numbers is what they were generated with."""
+        made = self.functions.manifest
+        pairs: list[tuple[str, object, object]] = [
+            ("name", self.name, made.name),
+            ("plane", self.plane, made.plane),
+            ("wrench_components", list(self.wrench_components), made.wrench_components),
+            ("gravity", self.gravity, np.array(made.gravity)),
+            ("robots", [robot.name for robot in self.robots], [robot.name for robot in made.robots]),
+        ]
+        for robot, generated in zip(self.robots, self.functions.robots, strict=False):
+            if robot is not generated:
+                where = f"robot '{robot.name}' "
+                pairs += [(where + key, getattr(robot, key), getattr(generated, key)) for key in GENERATED]
+        for key, ours, theirs in pairs:
+            if not _same(ours, theirs):
+                raise InputError(
+                    "cell",
+                    "stands as numbers in the generated C, so changing it in Python would be ignored there. Change the "
+                    "cell file (gravity, plane, base, grasp, fixed, robots) or the URDF, and load it again: "
+                    "mrts.load_cell(path). What can be changed in Python are limits, postures and the load.",
+                    key=key,
+                )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Cell, tuple(getattr(self, entry.name) for entry in fields(self))  # checked again where it arrives
+
+    def __repr__(self) -> str:
+        arms = ", ".join(f"{robot.name} ({len(robot.joints)} joints)" for robot in self.robots)
+        load = f"{self.mass:.4g} kg" if self.load_box is None else self.load_box.description()
+        return f"<Cell '{self.name}': {arms}; {self.plane or 'spatial'}; load {load}>"
+
+    @property
+    def joint_slices(self) -> dict[str, slice]:
+        """Where each robot's joints stand in a vector over all joints, Shape (m,)."""
+        return _slices({robot.name: len(robot.joints) for robot in self.robots})
+
+    @property
+    def wrench_slices(self) -> dict[str, slice]:
+        """Where each robot's wrench stands in the stacked wrenches F, Shape (n w,)."""
+        return _slices({robot.name: len(self.wrench_components) for robot in self.robots})
+
+    @property
+    def wrench_rows(self) -> list[int]:
+        """Rows of a six-component wrench or twist that this cell uses, in the order of its components."""
+        return [WRENCH_COMPONENTS.index(component) for component in self.wrench_components]
+
+    @property
+    def mass(self) -> float:
+        """Mass of the object [kg]."""
+        return float(self.load[0])
+
+    @property
+    def inertia(self) -> Array:
+        """Inertia of the object about its frame's origin, the nominal com, object axes, Shape (3, 3) [kg m²]."""
+        xx, yy, zz, xy, xz, yz = self.load[4:]
+        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+    def with_mass(self, mass: float) -> Self:
+        """The same cell carrying another mass [kg]; ranges of factors are then about that mass.
+
+        Inertia and first moments stay as they are.
+
+        Raises:
+            InputError: Unless the mass is finite and > 0.
+        """
+        if isinstance(mass, bool) or not isinstance(mass, int | float) or not 0 < mass <= LARGEST_NUMBER:
+            raise InputError("mass", f"must be a number > 0 and at most {LARGEST_NUMBER:.0e}, in kg.", value=mass)
+        box = None if self.load_box is None else replace(self.load_box, mass=float(mass))
+        return replace(self, load=np.array([mass, *self.load[1:]], dtype=np.float64), load_box=box)
+
+    def with_load(self, load: Array) -> Self:
+        """The same cell carrying a known load.
+
+        Args:
+            load: Load vector (`mrts.base.manifest.LOAD_ENTRIES`), Shape (10,), as from `LoadBox.load_at`.
+
+        Raises:
+            InputError: Unless it is finite with a mass > 0.
+        """
+        given = as_array("load", load)
+        if given.shape != (len(LOAD_ENTRIES),) or not np.all(np.abs(given) <= LARGEST_NUMBER) or not given[0] > 0:
+            raise InputError(
+                "load",
+                f"must be {', '.join(LOAD_ENTRIES)}, each at most {LARGEST_NUMBER:.0e} in size, with a mass > 0.",
+                value=load,
+            )
+        return replace(self, load=given, load_box=None)
+
+    def with_variation(self, *, outer_hull: bool = False, **ranges: tuple[float, float]) -> Self:
+        """The same cell with a load that is known only within ranges.
+
+        Args:
+            outer_hull: Needed with ranges of com_x, com_y, com_z.
+            **ranges: Least and largest value by parameter: factors mass, ixx, iyy, izz; first moments mx, my, mz
+                [kg m]; offsets com_x, com_y, com_z [m]. None at all: the load is known.
+
+        Raises:
+            InputError: If a range breaks a rule.
+        """
+        check_type("outer_hull", outer_hull, bool)
+        if not ranges and not outer_hull:
+            return replace(self, load_box=None)
+        if np.any(self.load[1:4] != 0):
+            raise InputError(
+                "variation",
+                "ranges are about an object whose centre of mass is the origin of its frame, but this cell's load has "
+                "first moments. Vary the cell's own object, with ranges of mx, my, mz.",
+                value=self.load[1:4].tolist(),
+            )
+        return replace(self, load_box=LoadBox(self.mass, self.inertia, ranges, outer_hull))
+
+    def without_wrench_limits(self) -> Self:
+        """The same cell with every contact wrench unbounded."""
+        return replace(
+            self,
+            robots=tuple(
+                replace(
+                    robot,
+                    wrench_lower=np.full_like(robot.wrench_lower, -np.inf),
+                    wrench_upper=np.full_like(robot.wrench_upper, np.inf),
+                )
+                for robot in self.robots
+            ),
+        )
+
+    def without_velocity_limits(self) -> Self:
+        """The same cell with velocity limits that are reported, but bound nothing."""
+        return replace(self, enforces_velocity_limits=False)
+
+    def with_postures(self, postures: dict[str, list[float]]) -> Self:
+        """The same cell starting near other joint positions.
+
+        Args:
+            postures: Joint positions by robot name, each Shape (n_i,) [rad or m]; other robots keep theirs.
+
+        Raises:
+            InputError: If a name is unknown or a posture has the wrong length or is not finite.
+        """
+        check_type("postures", postures, Mapping)
+        known = {robot.name: robot for robot in self.robots}
+        for name, posture in postures.items():
+            if name not in known:
+                raise InputError("postures", f"there is no such robot; there are {', '.join(known)}.", value=name)
+            joints = known[name].joints
+            if as_array("postures", posture).shape != (len(joints),) or not np.all(np.isfinite(posture)):
+                raise InputError(
+                    "postures", f"must hold {len(joints)} finite joint positions.", key=name, value=posture
+                )
+        return replace(
+            self,
+            robots=tuple(
+                replace(robot, posture=np.array(postures.get(robot.name, robot.posture), dtype=float))
+                for robot in self.robots
+            ),
+        )
+
+
+def load_cell(path: Path | str, *, backend: Backend = "auto") -> Cell:
+    """Load a cell: generate and compile it on first use, from the cache after that.
+
+    Args:
+        path: A cell file, or a folder that `mrts generate` wrote.
+        backend: "auto" compiles the C and falls back to CasADi's virtual machine where there is no compiler;
+            "compiled" and "vm" insist.
+
+    Raises:
+        InputError: If the cell file, a URDF or the generated folder breaks a rule.
+        CompilerError: If the compiler fails.
+    """
+    check_type("backend", backend, str)
+    if backend not in {"auto", "compiled", "vm"}:
+        raise InputError("backend", "must be 'auto', 'compiled' or 'vm'.", value=backend)
+    path = as_path("path", path)
+    if path.is_dir() or path.name == MANIFEST_NAME:
+        manifest, source = read_generated(path if path.is_dir() else path.parent)
+        return cell_from_manifest(manifest, bind_functions(manifest, source, backend, None))
+    manifest, source = generated_in_cache(path)
+    machine = partial(virtual_machine_functions, path)
+    return cell_from_manifest(manifest, bind_functions(manifest, source, backend, machine))
+
+
+def cell_from_manifest(manifest: Manifest, functions: CellFunctions) -> Cell:
+    """The cell that a manifest describes.
+
+    Args:
+        manifest: The description.
+        functions: The generated functions.
+    """
+    carried = manifest.object
+    inertia = np.array(carried.inertia)
+    return Cell(
+        manifest.name,
+        manifest.plane,
+        tuple(manifest.wrench_components),
+        np.array(manifest.gravity),
+        load_vector(carried.mass, np.zeros(3), inertia),
+        LoadBox(carried.mass, inertia, carried.variation, carried.outer_hull) if carried.variation else None,
+        with_infinity([carried.linear_velocity, carried.angular_velocity], np.inf),
+        functions.robots if manifest is functions.manifest else tuple(map(robot_from_record, manifest.robots)),
+        functions,
+        remarks=tuple(Remark(record.code, record.text) for record in manifest.remarks),
+    )
+
+
+def _same(ours: object, theirs: object) -> bool:
+    """Whether a value is the one that was generated."""
+    if isinstance(ours, RigidTransform) and isinstance(theirs, RigidTransform):
+        return _same(ours.R, theirs.R) and _same(ours.p, theirs.p)
+    if isinstance(ours, np.ndarray) and isinstance(theirs, np.ndarray):
+        return theirs.shape == ours.shape and bool(np.all(np.abs(ours - theirs) <= SAME_NUMBER))
+    return ours == theirs
+
+
+def _slices(sizes: dict[str, int]) -> dict[str, slice]:
+    slices, start = {}, 0
+    for name, size in sizes.items():
+        slices[name] = slice(start, start + size)
+        start += size
+    return slices

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: MIT
+"""Cells generated on first use, kept per user under a hash of their content.
+
+This is the only place where the run time calls the build time (`mrts_codegen`).
+"""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Literal
+
+from mrts.base.embedded_vector import EmbeddedVector
+from mrts.base.errors import InputError
+from mrts.base.manifest import MANIFEST_NAME, Manifest, read_generated
+from mrts.kernel.cache_folder import cache_folder, only_ours
+
+
+def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
+    """Manifest and C file of a cell, generated unless the cache holds them.
+
+    Args:
+        path: The cell file.
+
+    Raises:
+        InputError: If the cell file or a URDF breaks a rule.
+    """
+    from mrts_codegen.content_key import content_key  # noqa: PLC0415 (build time, on demand)
+
+    key = content_key(path)
+    folder = cache_folder("cells", key)
+    if only_ours(folder / MANIFEST_NAME):
+        try:
+            manifest, source = read_generated(folder)
+            if only_ours(source):
+                return manifest, source
+        except InputError:
+            pass  # damaged: make it again
+    _generated(path, key).write(folder, private=True)
+    return read_generated(folder)
+
+
+def generate_to(path: Path, folder: Path | None) -> tuple[Manifest, Path]:
+    """Generate a cell and keep it.
+
+    Args:
+        path: The cell file.
+        folder: Where to write the C file and manifest.json; None is the cache.
+
+    Returns:
+        The manifest and the path of the C file.
+
+    Raises:
+        InputError: If the cell file or a URDF breaks a rule, or the folder cannot be written.
+    """
+    if folder is None:
+        return generated_in_cache(path)
+    from mrts_codegen.generate import generate_cell  # noqa: PLC0415 (build time, on demand)
+
+    generate_cell(path).write(folder)
+    return read_generated(folder)
+
+
+def export_to(
+    path: Path,
+    folder: Path,
+    vectors: list[EmbeddedVector],
+    path_samples: int,
+    precision: Literal["double", "float"],
+    parts: tuple[str, ...],
+    name: str | None = None,
+) -> list[str]:
+    """Export a cell as a self-contained C library.
+
+    Args:
+        path: The cell file.
+        folder: For the library.
+        vectors: Its test vectors.
+        path_samples: The first so many of them are one motion with the nominal load.
+        precision: "double" or "float".
+        parts: Of `mrts_codegen.embedded_export.PARTS`; none at all is all.
+        name: Prefix of every name in the library; None is the cell's.
+
+    Returns:
+        The files, relative to the folder.
+
+    Raises:
+        InputError: If the cell file breaks a rule, a part does not exist, or the folder cannot be written.
+    """
+    from mrts_codegen.embedded_export import PARTS, export_library, write_library  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.generate import generate_cell  # noqa: PLC0415
+
+    cell = generate_cell(path)
+    manifest = cell.manifest if name is None else cell.manifest.model_copy(update={"name": name})
+    texts = export_library(manifest, cell.functions, vectors, path_samples, precision, parts or PARTS)
+    write_library(folder, texts)
+    return sorted(texts)
+
+
+def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
+    """URDF and base link (None is its root) of every robot of a cell file, by name.
+
+    Args:
+        path: The cell file.
+
+    Raises:
+        InputError: If the cell file breaks a rule.
+    """
+    from mrts_codegen.cell_description import read_cell_description, resolve_urdf  # noqa: PLC0415 (build time, on demand)
+
+    robots = read_cell_description(path).robots
+    return {robot.name: (resolve_urdf(path, robot.urdf), robot.base_link) for robot in robots}
+
+
+def virtual_machine_functions(path: Path) -> dict[str, Any]:
+    """The functions of a cell file for CasADi's virtual machine, by short name.
+
+    Raises:
+        InputError: If the cell file or a URDF breaks a rule.
+    """
+    from mrts_codegen.content_key import content_key  # noqa: PLC0415 (build time, on demand)
+
+    functions: dict[str, Any] = _generated(path, content_key(path)).functions
+    _generated.cache_clear()
+    return functions
+
+
+@lru_cache(maxsize=1)
+def _generated(path: Path, _key: str) -> Any:
+    """A cell generated from files of this content, kept until the virtual machine takes it: that takes seconds."""
+    from mrts_codegen.generate import generate_cell  # noqa: PLC0415 (the symbolic layer, only if it is needed)
+
+    return generate_cell(path)

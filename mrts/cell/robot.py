@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: MIT
+"""One arm of a cell as the run time knows it, and as an entry of the manifest."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, Literal
+
+import numpy as np
+
+from mrts.base.argument_types import check_list, check_type
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError, as_array
+from mrts.base.manifest import WRENCH_COMPONENTS, JointRecord, PoseRecord, RobotRecord
+from mrts.base.rigid_transform import RigidTransform
+
+ARRAYS = (
+    *("axes", "points", "position_lower", "position_upper", "velocity_limit", "posture"),
+    *("torque_lower", "torque_upper", "wrench_lower", "wrench_upper"),
+)
+"""Attributes of a robot that are arrays."""
+
+
+@dataclass(frozen=True, repr=False)
+class Robot:
+    """One arm; n_i joints, w wrench components (3 in a planar cell, else 6).
+
+    Attributes:
+        name: Name in the cell file.
+        joints: Joint names, base to tip.
+        joint_types: "revolute" or "prismatic".
+        axes: Joint axes in the base frame with every joint at zero, Shape (n_i, 3).
+        points: A point on each axis, likewise, Shape (n_i, 3) [m].
+        T_base_tip: Tip in the base frame with every joint at zero.
+        position_lower: Joint limits, minus infinity where there is none, Shape (n_i,) [rad or m].
+        position_upper: Joint limits, infinity where there is none, Shape (n_i,) [rad or m].
+        velocity_limit: Infinity where the URDF says nothing, Shape (n_i,) [rad/s or m/s].
+        T_world_base: Base link in the world.
+        T_object_tip: Tip link in the object frame.
+        posture: Joint positions near which the motion starts, Shape (n_i,) [rad or m].
+        torque_lower: Shape (n_i,) [N m or N].
+        torque_upper: Shape (n_i,) [N m or N].
+        wrench_lower: On F_i, base axes, minus infinity where unbounded, Shape (w,) [N, N m].
+        wrench_upper: On F_i, base axes, infinity where unbounded, Shape (w,) [N, N m].
+        held: Joints of its URDF that stand still, and where [rad or m].
+
+    Raises:
+        InputError: If an array has another shape, holds what is no number, or a lower limit exceeds the upper one.
+    """
+
+    name: str
+    joints: tuple[str, ...]
+    joint_types: tuple[Literal["revolute", "prismatic"], ...]
+    axes: Array
+    points: Array
+    T_base_tip: RigidTransform
+    position_lower: Array
+    position_upper: Array
+    velocity_limit: Array
+    T_world_base: RigidTransform
+    T_object_tip: RigidTransform
+    posture: Array
+    torque_lower: Array
+    torque_upper: Array
+    wrench_lower: Array
+    wrench_upper: Array
+    held: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        where = f"robot '{self.name}'"
+        check_type("robot: name", self.name, str)
+        for key in ("joints", "joint_types"):
+            check_list(f"{where}: {key}", getattr(self, key), str)
+            object.__setattr__(self, key, tuple(getattr(self, key)))
+        check_type(f"{where}: held", self.held, Mapping)
+        n = len(self.joints)
+        if len(self.joint_types) != n or not set(self.joint_types) <= {"revolute", "prismatic"}:
+            rule = f"must be revolute or prismatic for each of its {n} joints."
+            raise InputError(where, rule, key="joint_types", value=self.joint_types)
+        wrench = as_array(f"{where}: wrench_lower", self.wrench_lower).shape[:1] or (len(WRENCH_COMPONENTS),)
+        shapes = {"axes": (n, 3), "points": (n, 3), "wrench_lower": wrench, "wrench_upper": wrench}
+        for name in ARRAYS:
+            freeze_array(self, name, where, shapes.get(name, (n,)), finite=name in {"axes", "points", "posture"})
+        for T_name in ("T_base_tip", "T_world_base", "T_object_tip"):
+            if not isinstance(getattr(self, T_name), RigidTransform):
+                raise InputError(where, "must be an mrts RigidTransform.", key=T_name, value=getattr(self, T_name))
+        for kind in ("position", "torque", "wrench"):
+            lower, upper = getattr(self, f"{kind}_lower"), getattr(self, f"{kind}_upper")
+            if np.any(lower > upper) or np.any(lower == np.inf) or np.any(upper == -np.inf):
+                rule = f"must be at most {kind}_upper, and leave something between the two."
+                raise InputError(where, rule, key=f"{kind}_lower", value=lower.tolist())
+        if np.any(self.velocity_limit <= 0):
+            rule = "must be > 0; infinity where there is none."
+            raise InputError(where, rule, key="velocity_limit", value=self.velocity_limit.tolist())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Robot, tuple(getattr(self, entry.name) for entry in fields(self))  # arrays come back validated, frozen
+
+    def __repr__(self) -> str:
+        return f"<Robot '{self.name}': {', '.join(self.joints)}>"
+
+    @property
+    def torque_units(self) -> tuple[str, ...]:
+        """Unit of each joint's torque: "N m" for a revolute joint, "N" for a prismatic one."""
+        return tuple("N" if kind == "prismatic" else "N m" for kind in self.joint_types)
+
+
+def freeze_array(owner: object, name: str, where: str, shape: tuple[int, ...], *, finite: bool) -> None:
+    """Make an attribute of a frozen value an array of its own that nobody can write to.
+
+    Args:
+        owner: The value.
+        name: Of the attribute.
+        where: What the value is, for the message.
+        shape: That it must have.
+        finite: Whether infinity is refused; what is no number always is.
+
+    Raises:
+        InputError: If it is not such an array.
+    """
+    given = getattr(owner, name)
+    try:
+        value = as_array(name, given)
+    except InputError as error:
+        raise InputError(where, error.rule, key=name, value=given) from None
+    bad = ~np.isfinite(value) if finite else np.isnan(value)
+    if value.shape != shape or np.any(bad):
+        numbers = "finite numbers" if finite else "numbers (infinity is no limit)"
+        raise InputError(where, f"must be {numbers} with Shape {shape}.", key=name, value=value.tolist())
+    value.setflags(write=False)
+    object.__setattr__(owner, name, value)
+
+
+def robot_from_record(record: RobotRecord) -> Robot:
+    """The robot that an entry of a manifest describes."""
+    return Robot(
+        record.name,
+        tuple(joint.name for joint in record.joints),
+        tuple(joint.type for joint in record.joints),
+        np.array([joint.axis for joint in record.joints]),
+        np.array([joint.point for joint in record.joints]),
+        _transform(record.base_tip),
+        with_infinity([joint.lower for joint in record.joints], -np.inf),
+        with_infinity([joint.upper for joint in record.joints], np.inf),
+        with_infinity([joint.velocity for joint in record.joints], np.inf),
+        _transform(record.world_base),
+        _transform(record.object_tip),
+        np.array(record.posture),
+        np.array([joint.torque_lower for joint in record.joints]),
+        np.array([joint.torque_upper for joint in record.joints]),
+        with_infinity(record.wrench_lower, -np.inf),
+        with_infinity(record.wrench_upper, np.inf),
+        dict(record.held),
+    )
+
+
+def robot_record(robot: Robot, generated: RobotRecord) -> RobotRecord:
+    """A robot as it is, its limits and posture perhaps changed since it was generated, as an entry of a manifest.
+
+    Args:
+        robot: The robot.
+        generated: Its entry in the manifest of its functions; says which URDF it is from.
+    """
+    columns = zip(
+        robot.joints,
+        robot.joint_types,
+        robot.axes.tolist(),
+        robot.points.tolist(),
+        without_infinity(robot.position_lower),
+        without_infinity(robot.position_upper),
+        without_infinity(robot.velocity_limit),
+        robot.torque_lower.tolist(),
+        robot.torque_upper.tolist(),
+        strict=True,
+    )
+    return generated.model_copy(
+        update={
+            "name": robot.name,
+            "joints": [JointRecord(**dict(zip(JointRecord.model_fields, row, strict=True))) for row in columns],
+            "held": dict(robot.held),
+            "base_tip": _pose_record(robot.T_base_tip),
+            "world_base": _pose_record(robot.T_world_base),
+            "object_tip": _pose_record(robot.T_object_tip),
+            "posture": robot.posture.tolist(),
+            "wrench_lower": without_infinity(robot.wrench_lower),
+            "wrench_upper": without_infinity(robot.wrench_upper),
+        }
+    )
+
+
+def _transform(record: PoseRecord) -> RigidTransform:
+    return RigidTransform(np.array(record.rotation), np.array(record.position))
+
+
+def _pose_record(transform: RigidTransform) -> PoseRecord:
+    return PoseRecord(rotation=transform.R.tolist(), position=transform.p.tolist())
+
+
+def without_infinity(values: Array) -> list[float | None]:
+    """Values as JSON has them: None stands for an infinite one."""
+    return [value if np.isfinite(value) else None for value in values.tolist()]
+
+
+def with_infinity(values: list[float | None], unbounded: float) -> Array:
+    """Values of JSON, with `unbounded` in place of None."""
+    return np.array([unbounded if value is None else value for value in values])

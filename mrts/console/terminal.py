@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: MIT
+"""What the command line prints: answers on standard output, remarks and errors on standard error.
+
+Whatever a user's files hold, only printable text, line breaks and the escapes of this file reach the terminal.
+"""
+
+import io
+import logging
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Literal, TextIO
+
+from mrts.base.errors import InputError
+from mrts.base.printable import printable
+
+Style = Literal["plain", "strong", "bad", "note"]
+
+CODES: dict[Style, str] = {"strong": "\x1b[1m", "bad": "\x1b[1;31m", "note": "\x1b[33m"}
+"""ANSI escapes; "plain" has none."""
+
+CLEAR_LINE = "\r\x1b[K"
+
+QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
+"""Whether only errors are printed, and what was asked for by `-`."""
+
+
+def open_closed_streams() -> None:
+    """Give a process that was started without standard streams (`>&-`) ones again, in order.
+
+    A file that is opened later would else become the standard output, and the answer would go into it. Writing to a
+    closed standard output fails as it would in any program; to a closed standard error, it is lost.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        if getattr(sys, name) is None:
+            opened = os.open(os.devnull, os.O_WRONLY if name == "stderr" else os.O_RDONLY)
+            if opened != number:
+                os.dup2(opened, number)
+                os.close(opened)
+            mode = "r" if name == "stdin" else "w"
+            setattr(sys, name, open(number, mode, encoding="utf-8", closefd=False))  # noqa: SIM115 (as Python's own)
+
+
+def encode_anything() -> None:
+    """Let the streams print what their encoding lacks as `?`: c² on a terminal without ²."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+
+
+def say(text: str, style: Style = "plain") -> None:
+    """Print a line of the answer for people; nothing with --quiet."""
+    if not QUIET.get():
+        _print(_painted(printable(text, lines=True), style, sys.stdout))
+
+
+def put(text: str) -> None:
+    """Print what was asked for by `-` in place of a file, with --quiet as well.
+
+    Raises:
+        InputError: If standard output cannot be written.
+        BrokenPipeError: If its reader went away.
+    """
+    _print(printable(text, lines=True))
+
+
+def _print(text: str) -> None:
+    with _standard_output():
+        print(text)
+
+
+def flush_answer() -> None:
+    """Hand over what has been printed; raises as `put`."""
+    with _standard_output():
+        sys.stdout.flush()
+
+
+def warn(text: str) -> None:
+    """Print a remark beside the answer; nothing with --quiet."""
+    if not QUIET.get():
+        _remark(f"mrts: {text}", "note")
+
+
+def fail(text: str) -> None:
+    """Print why there is no answer."""
+    _remark(f"mrts: {text}", "bad")
+
+
+class RemarkHandler(logging.Handler):
+    """Prints what the library logs as remarks."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print a record."""
+        warn(record.getMessage())
+
+
+def fail_raw(text: str) -> None:
+    """Print text as it is, such as a traceback that was asked for."""
+    with _lost_if_closed():
+        print(text, file=sys.stderr)
+
+
+def is_terminal(stream: TextIO) -> bool:
+    """Whether a stream is a terminal that understands escapes."""
+    return stream.isatty() and os.environ.get("TERM") != "dumb"
+
+
+@contextmanager
+def _standard_output() -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        _discard(sys.stdout)
+        if isinstance(error, BrokenPipeError):
+            raise
+        raise InputError("standard output", f"cannot be written: {error.strerror}.") from None
+
+
+@contextmanager
+def _lost_if_closed() -> Iterator[None]:
+    """What cannot be written to standard error is lost: there is no other place to say so."""
+    try:
+        yield
+        sys.stderr.flush()
+    except OSError:
+        _discard(sys.stderr)
+
+
+def _discard(stream: TextIO) -> None:
+    """Let all further output go nowhere: Python would else complain when it flushes the rest at its end."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)
+
+
+def _remark(text: str, style: Style) -> None:
+    start = CLEAR_LINE if is_terminal(sys.stderr) else ""  # what progress or a typed ^C left there
+    with _lost_if_closed():
+        print(start + _painted(printable(text, lines=True), style, sys.stderr), file=sys.stderr)
+
+
+def _painted(text: str, style: Style, stream: TextIO) -> str:
+    if style == "plain" or "NO_COLOR" in os.environ or not is_terminal(stream):
+        return text
+    return f"{CODES[style]}{text}\x1b[0m"

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: MIT
+"""Given joints moved onto the grasps that they miss by a planner's tolerance, by rounding, or by a spline."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from mrts.base.arrays import Array, apply
+from mrts.base.errors import MotionError
+from mrts.base.remark import Remark
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion, carried_object
+from mrts.coordination.grasp_closure import (
+    COARSE_SLIPS,
+    GIVEN_CLOSURE,
+    GIVEN_SLIP,
+    REST_SLIP,
+    ROUGH,
+    ROUGHENED,
+    ROUNDED_SLIP,
+    ClosureBound,
+    GraspGaps,
+    TipMotion,
+    check_gaps,
+    grasp_gaps,
+    roughness,
+    slip,
+    tip_motions,
+)
+from mrts.inverse_kinematics.grasp_tracking import (
+    CONDITION_LIMIT,
+    POSE_TOLERANCE,
+    TRACKING_STEPS,
+    solve_grasps,
+    tip_rates,
+    unreachable,
+)
+from mrts.inverse_kinematics.joint_limits import PRINTED_TOLERANCE, check_joint_limits
+from mrts.motion.joint_table import Source
+from mrts.motion.object_motion import ObjectMotion
+
+SILENT_GAP = 1e-6
+"""Gap that is closed without a word [m, rad]: any table has it."""
+
+
+def close_chain(
+    cell: Cell, given: CoordinatedMotion, bound: ClosureBound, where: str, *, carried: bool, source: Source | None
+) -> CoordinatedMotion:
+    """Given joints that hold every grasp: unchanged where they do already, else moved onto the grasps.
+
+    The object then moves as the hands carry it on the mean. Every arm takes the positions on its grasp nearest to the
+    given ones, and the velocities and accelerations nearest to the given ones that keep it there.
+
+    Args:
+        cell: The cell.
+        given: Motion of object and joints.
+        bound: How far the hands may be off.
+        where: What gave it, for messages.
+        carried: Whether the object's motion is that of the first hand; else it is given and stays.
+        source: What derivatives of the joints were found from, if some were not given.
+
+    Raises:
+        MotionError: If a gap is larger than the bound, velocities or accelerations do not fit, or an arm is singular.
+    """
+    tips = tip_motions(cell, given.q, given.dq, given.ddq)
+    gaps = grasp_gaps(cell, given.object, tips)
+    check_gaps(cell, given.object, gaps, bound, where)
+    exact = gaps.largest <= GIVEN_CLOSURE
+    if exact and slip(cell, given.object, tips, (GIVEN_SLIP, GIVEN_SLIP), REST_SLIP) is None:
+        return given
+    remarks = given.remarks
+    usual = ClosureBound()
+    wider = max(1.0, bound.position / usual.position, bound.angle / usual.angle)
+    shares = (GIVEN_SLIP, GIVEN_SLIP) if exact and source is None else tuple(wider * share for share in COARSE_SLIPS)
+    if source == "positions":
+        shares = shares[:1]
+        remarks += _checked_roughness(roughness(cell, given.object, tips), where)
+    if misfit := slip(cell, given.object, tips, shares, ROUNDED_SLIP):
+        raise MotionError(f"{where}: {misfit}")
+    if carried:
+        target = _mean_object(cell, given.object.time, tips)
+        gaps = grasp_gaps(cell, target, tips)
+    else:
+        target = given.object
+    q = _on_grasps(cell, target, given.q)
+    check_joint_limits(cell, target.time, q, PRINTED_TOLERANCE)
+    dq, ddq = _rates_on_grasps(cell, target, q, given)
+    moved = float(np.max(np.abs(q - given.q)))
+    return CoordinatedMotion(target, q, dq, ddq, remarks + _correction(cell, gaps, bound, moved))
+
+
+def _checked_roughness(rough: float, where: str) -> tuple[Remark, ...]:
+    """What to know of accelerations that were found from positions."""
+    what = (
+        "the joint accelerations, which were found from the positions, are rough: the hands, which hold one object, "
+        f"differ typically by {rough:.2g} times the acceleration"
+    )
+    if rough > ROUGH:
+        raise MotionError(
+            f"{where}: {what}, so most of it is noise. Give velocities and accelerations, more digits, smoother or "
+            "fewer positions."
+        )
+    if rough <= ROUGHENED:
+        return ()
+    return (Remark("rough-accelerations", f"{what}; the range may depend on that. Give velocities and accelerations."),)
+
+
+def _correction(cell: Cell, gaps: GraspGaps, bound: ClosureBound, moved: float) -> tuple[Remark, ...]:
+    """The largest correction."""
+    if gaps.largest <= SILENT_GAP:
+        return ()
+    robot, sample, _ = gaps.worst(bound)
+    name = cell.robots[robot].name
+    remark = Remark(
+        "chain-closed",
+        f"the given joints were moved onto the grasps: the tip of '{name}' by {gaps.at(robot, sample)} at sample "
+        f"{sample}, the worst; no joint by more than {moved:.3g} rad or m.",
+        sample,
+    )
+    return (remark,)
+
+
+def _mean_object(cell: Cell, time: Array, tips: list[TipMotion]) -> ObjectMotion:
+    """What the tips carry on the mean, its rates likewise: they differ from its derivatives by squares of the gaps."""
+    carried = [carried_object(cell, index, time, tip, smooth=False) for index, tip in enumerate(tips)]
+    first = carried[0].rotation
+    off = [Rotation.from_matrix(each.rotation @ first.transpose(0, 2, 1)).as_rotvec() for each in carried]
+    return ObjectMotion(
+        time,
+        np.mean([each.position for each in carried], axis=0),
+        Rotation.from_rotvec(np.mean(off, axis=0)).as_matrix() @ first,
+        np.mean([each.twist for each in carried], axis=0),
+        np.mean([each.acceleration for each in carried], axis=0),
+        smooth=False,
+    )
+
+
+def _on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
+    """Joint positions on the grasps near the given ones, Shape (N, m)."""
+    held = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS, None)
+    gaps = GraspGaps(held.gap.T, held.turn.T)
+    if gaps.largest > POSE_TOLERANCE:
+        robot, sample, _ = gaps.worst(ClosureBound(POSE_TOLERANCE, POSE_TOLERANCE))
+        raise MotionError(
+            unreachable(cell.robots[robot], target, sample, gaps.distance[robot, sample], gaps.angle[robot, sample])
+        )
+    return held.q
+
+
+def _rates_on_grasps(cell: Cell, target: ObjectMotion, q: Array, given: CoordinatedMotion) -> tuple[Array, Array]:
+    """Velocities and accelerations that keep the tips on the grasps, nearest to the given ones, each Shape (N, m)."""
+    jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
+    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        condition = np.linalg.cond(jacobians[:, :, joints])
+        if not np.all(condition < CONDITION_LIMIT):
+            sample = int(np.argmax(condition))
+            raise MotionError(
+                f"robot '{robot.name}' is singular at sample {sample} (t = {target.time[sample]:.6g} s): its joints "
+                "cannot be moved onto its grasp there. Give joints that close the chain, or keep the arm away from "
+                "full stretch, full fold and aligned axes."
+            )
+    return nearest_rates(cell, target, CoordinatedMotion(target, q, given.dq, given.ddq))
+
+
+def nearest_rates(cell: Cell, target: ObjectMotion, given: CoordinatedMotion) -> tuple[Array, Array]:
+    """Velocities and accelerations nearest to the given ones that keep the tips on the grasps, each Shape (N, m).
+
+    A direction that a singular arm has lost is left as given.
+
+    Args:
+        cell: The cell.
+        target: Motion of the object.
+        given: Joint positions on the grasps, and velocities and accelerations that may be off.
+    """
+    q, dq, ddq = given.q, given.dq.copy(), given.ddq.copy()
+    samples = len(q)
+    rates = [tip_rates(cell, robot, target) for robot in cell.robots]
+    jacobians = cell.functions("kinematics", samples, {"q": q})["jacobian"]
+    inverses = []
+    for joints, (velocity, _) in zip(cell.joint_slices.values(), rates, strict=True):
+        J = jacobians[:, :, joints]
+        inverses.append(np.asarray(np.linalg.pinv(J, rcond=1 / CONDITION_LIMIT), dtype=np.float64))
+        dq[:, joints] += apply(inverses[-1], velocity - apply(J, dq[:, joints]))
+    bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
+    bias = bias.reshape(samples, len(cell.wrench_components), len(cell.robots))
+    for index, (joints, (_, acceleration)) in enumerate(zip(cell.joint_slices.values(), rates, strict=True)):
+        missing = acceleration - bias[:, :, index] - apply(jacobians[:, :, joints], ddq[:, joints])
+        ddq[:, joints] += apply(inverses[index], missing)
+    return dq, ddq

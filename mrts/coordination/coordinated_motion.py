@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: MIT
+"""The whole cell along the object's motion: joint positions, velocities and accelerations of every arm."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.argument_types import check_type
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError, MotionError, as_array
+from mrts.base.remark import Remark
+from mrts.cell.cell import Cell
+from mrts.coordination.grasp_closure import TipMotion, in_world, tip_motions
+from mrts.inverse_kinematics.grasp_tracking import follow_grasps
+from mrts.inverse_kinematics.joint_limits import check_joint_limits, within_limits
+from mrts.inverse_kinematics.starting_positions import starting_positions
+from mrts.motion.object_motion import ObjectMotion
+
+PLANE_TOLERANCE = 1e-9
+"""Largest velocity and turning rate out of the plane of a planar cell [m/s, rad/s]: rounding of the input."""
+
+
+@dataclass(frozen=True, repr=False)
+class CoordinatedMotion:
+    """N samples of a given motion of the object and the m joints that carry it.
+
+    Attributes:
+        object: Motion of the object.
+        q: Joint positions of all arms in order, Shape (N, m) [rad or m].
+        dq: q', Shape (N, m) [rad/s or m/s].
+        ddq: q'', Shape (N, m) [rad/s² or m/s²].
+        remarks: What to know of how it was read or found.
+    """
+
+    object: ObjectMotion
+    q: Array
+    dq: Array
+    ddq: Array
+    remarks: tuple[Remark, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_type("object", self.object, ObjectMotion)
+        q = as_array("q", self.q)
+        joints = q.shape[-1] if q.ndim == 2 else 0  # noqa: PLR2004 (a matrix)
+        for name in ("q", "dq", "ddq"):
+            value = as_array(name, getattr(self, name))
+            object.__setattr__(self, name, value)
+            if np.shape(value) != (len(self.object.time), joints) or not np.all(np.isfinite(value)):
+                raise InputError(name, f"must have Shape ({len(self.object.time)}, joints) and be finite.")
+
+    def __repr__(self) -> str:
+        return f"<CoordinatedMotion: {self.samples} samples in {self.object.time[-1]:.4g} s, {self.q.shape[1]} joints>"
+
+    @property
+    def samples(self) -> int:
+        """Number of samples N."""
+        return len(self.object.time)
+
+    def at(self, samples: NDArray[np.int_]) -> "CoordinatedMotion":
+        """Some samples, at least two, by themselves; their time only counts them."""
+        of = self.object
+        some = ObjectMotion(
+            np.arange(len(samples), dtype=np.float64),
+            of.position[samples],
+            of.rotation[samples],
+            of.twist[samples],
+            of.acceleration[samples],
+            smooth=False,
+        )
+        return CoordinatedMotion(some, self.q[samples], self.dq[samples], self.ddq[samples])
+
+    def inputs(self, load: Array) -> dict[str, Array]:
+        """Inputs of the generated functions of a moving sample.
+
+        Args:
+            load: Load vector, Shape (10,), or one a sample, Shape (N, 10).
+        """
+        return {
+            "q": self.q,
+            "dq": self.dq,
+            "ddq": self.ddq,
+            "object_rotation": self.object.rotation,
+            "object_twist": self.object.twist,
+            "object_acceleration": self.object.acceleration,
+            "load": load,
+        }
+
+
+def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
+    """Joint motion of every arm that keeps its grasp along the object's motion.
+
+    At t = 0 the joints are solved near each robot's posture, which so selects the branch; a redundant arm takes the
+    positions nearest to it. From there the branch is kept by continuity; a redundant arm stays as near to its start as
+    the grasp lets it, and away from its limits (`mrts.inverse_kinematics.null_space`). Velocities and accelerations
+    come from derivatives of the generated functions, never from differences.
+
+    Args:
+        cell: The cell.
+        motion: Motion of the object.
+
+    Raises:
+        InputError: If an arm has too few joints to follow.
+        MotionError: If the object leaves the plane of a planar cell, or an arm cannot reach, is singular, loses its
+            branch or passes a joint limit; names robot, joint and sample.
+    """
+    check_type("cell", cell, Cell)
+    check_type("motion", motion, ObjectMotion)
+    check_motion(cell, motion)
+    start, remarks = starting_positions(cell, motion)
+    q, dq, ddq = follow_grasps(cell, motion, start)
+    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        q[:, joints] = within_limits(robot, q[:, joints])
+    check_joint_limits(cell, motion.time, q)
+    return CoordinatedMotion(motion, q, dq, ddq, motion.remarks + remarks)
+
+
+def carried_by_first(
+    cell: Cell, time: Array, q: Array, dq: Array, ddq: Array, *, smooth: bool = True
+) -> CoordinatedMotion:
+    """The motion of the object that the first robot's tip carries.
+
+    Args:
+        cell: The cell.
+        time: Shape (N,) [s].
+        q: Joint positions, Shape (N, m) [rad or m]; likewise `dq` and `ddq`.
+        dq: Joint velocities.
+        ddq: Joint accelerations.
+        smooth: As in `ObjectMotion`.
+    """
+    motion = carried_object(cell, 0, time, tip_motions(cell, q, dq, ddq)[0], smooth=smooth)
+    return CoordinatedMotion(motion, q, dq, ddq)
+
+
+def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion, *, smooth: bool = True) -> ObjectMotion:
+    """The motion of the object that one tip carries.
+
+    Args:
+        cell: The cell.
+        index: Of the robot.
+        time: Shape (N,) [s].
+        tip: Motion of its tip.
+        smooth: As in `ObjectMotion`.
+    """
+    robot = cell.robots[index]
+    rotation = tip.rotation @ robot.T_object_tip.R.T
+    r = rotation @ robot.T_object_tip.p
+    v, w = in_world(cell, robot, tip.velocity)
+    a, dw = in_world(cell, robot, tip.acceleration)
+    return ObjectMotion(
+        time,
+        tip.position - r,
+        rotation,
+        np.concatenate([v - np.cross(w, r), w], axis=1),
+        np.concatenate([a - np.cross(dw, r) - np.cross(w, np.cross(w, r)), dw], axis=1),
+        smooth,
+    )
+
+
+def check_motion(cell: Cell, motion: ObjectMotion) -> None:
+    """Check what does not depend on the joints: the plane of a planar cell, enough joints.
+
+    Raises:
+        InputError: If an arm has fewer joints than wrench components.
+        MotionError: If the object leaves the plane.
+    """
+    for robot in cell.robots:
+        if len(robot.joints) < len(cell.wrench_components):
+            raise InputError(
+                cell.name,
+                f"it has {len(robot.joints)} moving joints, but holding the object takes "
+                f"{len(cell.wrench_components)}: it could not follow any motion.",
+                key=f"robot '{robot.name}'",
+            )
+    if cell.plane is None:
+        return
+    normal = ({0, 1, 2} - {"xyz".index(axis) for axis in cell.plane}).pop()
+    tilting = [3 + axis for axis in range(3) if axis != normal]
+    if np.max(np.abs(motion.twist[:, [normal, *tilting]])) > PLANE_TOLERANCE:
+        raise MotionError(
+            f"the object leaves the plane {cell.plane} of cell '{cell.name}': its path may move in {cell.plane} and "
+            f"turn about {'xyz'[normal]} only."
+        )

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""What pictures share, without any plotting library: lanes, axes, words, shapes."""

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: MIT
+"""Where to look at a cell from: upright against gravity, all of its motion in view."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.drawing.cell_shapes import joint_points, object_box
+
+FIELD_OF_VIEW = np.deg2rad(45.0)
+"""From the lower to the upper edge of the picture [rad]."""
+
+ELEVATION, AZIMUTH = np.deg2rad(15.0), np.deg2rad(25.0)
+"""From the front, so that depth shows: moments of a planar cell point at the viewer [rad]."""
+
+ASIDE = 0.35
+"""How far right of the cell's middle the camera looks, as a share of the cell's size: there the panel covers it."""
+
+
+@dataclass(frozen=True)
+class CellView:
+    """A camera and a floor, world axes.
+
+    Attributes:
+        up: Unit vector against gravity, Shape (3,).
+        camera: Position, Shape (3,) [m].
+        target: The point looked at, right of the cell's middle, Shape (3,) [m].
+        floor: A point below all bases, at the height of the lowest, Shape (3,) [m].
+        size: Radius of a ball that holds all parts at all times [m].
+    """
+
+    up: Array
+    camera: Array
+    target: Array
+    floor: Array
+    size: float
+
+
+def look_at_cell(cell: Cell, motion: CoordinatedMotion) -> CellView:
+    """Look at a cell from the front: along the level line that is normal to its widest extent.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+    """
+    slices = cell.joint_slices
+    lines = [joint_points(robot, motion.q[:, slices[robot.name]]).reshape(-1, 3) for robot in cell.robots]
+    reach = np.linalg.norm(object_box(cell)) / 2
+    points = np.concatenate([*lines, motion.object.position - reach, motion.object.position + reach])
+    middle = (np.min(points, axis=0) + np.max(points, axis=0)) / 2
+    size = float(np.max(np.linalg.norm(points - middle, axis=1)))
+    up = _up(cell)
+    across = _widest_level_axis(points, up)
+    front = np.cross(across, up)
+    level = np.cos(AZIMUTH) * front + np.sin(AZIMUTH) * across
+    direction = np.cos(ELEVATION) * level + np.sin(ELEVATION) * up
+    bases = np.array([robot.T_world_base.p for robot in cell.robots])
+    floor = middle + up * (np.min(bases @ up) - middle @ up)
+    target = middle + ASIDE * size * np.cross(up, level)
+    return CellView(up, target + size / np.sin(FIELD_OF_VIEW / 2) * direction, target, floor, size)
+
+
+def _up(cell: Cell) -> Array:
+    """Against gravity; without any, the second axis of a planar cell's plane, or z."""
+    strength = float(np.linalg.norm(cell.gravity))
+    if strength > 0:
+        return np.asarray(-cell.gravity / strength)
+    axis: Array = np.eye(3)["xyz".index(cell.plane[1]) if cell.plane else 2]
+    return axis
+
+
+def _widest_level_axis(points: Array, up: Array) -> Array:
+    """Unit vector normal to `up` along which the points spread most; its largest component is positive."""
+    level = points - np.mean(points, axis=0)
+    level = level - np.outer(level @ up, up)
+    axis = np.linalg.eigh(level.T @ level)[1][:, -1]
+    axis = axis - axis @ up * up
+    length = float(np.linalg.norm(axis))
+    if length < 0.5:  # noqa: PLR2004 (all points on one upright line: any level axis will do)
+        axis = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
+        length = float(np.linalg.norm(axis))
+    axis = axis / length
+    return np.asarray(axis * np.sign(axis[np.argmax(np.abs(axis))]))

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: MIT
+"""Position limits of the joints along a motion."""
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.errors import MotionError
+from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
+
+DEGREES_SUSPECTED = 4 * np.pi
+"""A joint position beyond two turns is rather degrees than radians."""
+
+LIMIT_TOLERANCE = 1e-9
+"""How far a joint may pass its position limit [rad or m]: rounding."""
+
+PRINTED_TOLERANCE = 1e-4
+"""The same for positions that are given, which may carry few digits."""
+
+
+def nearest_turns(robot: Robot, q: Array) -> Array:
+    """The same joint positions with whole turns added to come nearest to the posture, Shape (n_i,) [rad or m]."""
+    turns = np.array([kind == "revolute" for kind in robot.joint_types])
+    away = q - robot.posture
+    return np.where(turns, robot.posture + (away + np.pi) % (2 * np.pi) - np.pi, q)
+
+
+def within_limits(robot: Robot, q: Array) -> Array:
+    """Whole turns added to or taken from a joint's path where that brings it inside its position limits.
+
+    Args:
+        robot: The arm.
+        q: Joint positions along a motion, Shape (N, n_i) [rad or m].
+    """
+    turn = np.where([kind == "revolute" for kind in robot.joint_types], 2 * np.pi, np.inf)
+    low, high = np.min(q, axis=0), np.max(q, axis=0)
+    down = np.ceil((high - robot.position_upper) / turn - LIMIT_TOLERANCE).clip(min=0)
+    up = np.ceil((robot.position_lower - low) / turn - LIMIT_TOLERANCE).clip(min=0)
+    shift = np.where(np.isfinite(turn), turn, 0.0)
+    fits_down = low - shift * down >= robot.position_lower - LIMIT_TOLERANCE
+    fits_up = high + shift * up <= robot.position_upper + LIMIT_TOLERANCE
+    moved: Array = q + shift * (np.where(fits_up, up, 0.0) - np.where(fits_down, down, 0.0))
+    return moved
+
+
+def joint_limit_failure(robot: Robot, time: Array, q: Array, tolerance: float = LIMIT_TOLERANCE) -> str | None:
+    """The message for the first sample where a joint passes its position limit, None if none does.
+
+    Args:
+        robot: The arm.
+        time: Shape (N,) [s].
+        q: Joint positions of this arm, Shape (N, n_i) [rad or m].
+        tolerance: How far it may [rad or m].
+    """
+    beyond = np.maximum(robot.position_lower - q, q - robot.position_upper) > tolerance
+    if not np.any(beyond):
+        return None
+    sample = int(np.argmax(np.any(beyond, axis=1)))
+    joint = int(np.argmax(beyond[sample]))
+    hint = ""
+    if robot.joint_types[joint] == "revolute" and abs(q[sample, joint]) > DEGREES_SUSPECTED:
+        hint = " If these are degrees: positions are in rad."
+    return (
+        f"robot '{robot.name}' passes a position limit at sample {sample} (t = {time[sample]:.6g} s): joint "
+        f"'{robot.joints[joint]}' would be at {q[sample, joint]:.6g}, its limits are [{robot.position_lower[joint]:g}, "
+        f"{robot.position_upper[joint]:g}].{hint} Choose another posture, path, base or grasp."
+    )
+
+
+def check_joint_limits(cell: Cell, time: Array, q: Array, tolerance: float = LIMIT_TOLERANCE) -> None:
+    """Check the position limits of all joints along a motion.
+
+    Args:
+        cell: The cell.
+        time: Shape (N,) [s].
+        q: Shape (N, m) [rad or m].
+        tolerance: How far a joint may pass [rad or m].
+
+    Raises:
+        MotionError: Names robot, joint, the first such sample, value and limits.
+    """
+    for robot in cell.robots:
+        failure = joint_limit_failure(robot, time, q[:, cell.joint_slices[robot.name]], tolerance)
+        if failure:
+            raise MotionError(failure)

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: MIT
+"""Generated C to a shared library, with the system's C compiler."""
+
+import os
+import shlex
+import shutil
+import signal
+import subprocess  # fixed flags, no shell, the command is the user's own CC
+from contextlib import suppress
+from pathlib import Path
+
+from mrts.base.atomic_file import write_atomically
+from mrts.base.errors import CompilerError
+
+FLAGS = ("-std=c99", "-O2", "-fPIC", "-shared", "-ffp-contract=off")
+"""No contraction to fused multiply-add, so that compiled C equals CasADi's virtual machine."""
+
+CANDIDATES = ("cc", "gcc", "clang")
+SHOWN_LINES = 6
+
+PATIENCE = 600.0
+"""The longest that a compiler may take [s]: a cell takes a few seconds, and a minute on a small board."""
+
+
+def find_compiler() -> tuple[str, ...] | None:
+    """Command of the C compiler: the environment's CC, else the first of cc, gcc, clang; None if there is none.
+
+    Raises:
+        CompilerError: If CC names a program that is not there.
+    """
+    named = os.environ.get("CC", "").strip()
+    if named:
+        try:
+            command = tuple(shlex.split(named))
+        except ValueError as error:
+            raise CompilerError(f"the environment variable CC = {named!r} cannot be read: {error}.") from None
+        if shutil.which(command[0]) is None:
+            raise CompilerError(
+                f"the environment variable CC = {named!r} names no program on this machine. Install it, or unset CC."
+            )
+        return command
+    return next(((name,) for name in CANDIDATES if shutil.which(name)), None)
+
+
+def compile_library(command: tuple[str, ...], source: Path, library: Path) -> None:
+    """Compile `source` into the shared library `library`, which is the user's only, whole or not at all.
+
+    Args:
+        command: Compiler, from `find_compiler`.
+        source: C file.
+        library: File to make or replace.
+
+    Raises:
+        CompilerError: If the compiler fails.
+    """
+
+    def run(output: Path) -> None:
+        arguments = [*command, *FLAGS, str(source), "-o", str(output), "-lm"]
+        code, said = _run(arguments)
+        if code != 0:
+            raise CompilerError(
+                f"the C compiler failed with exit code {code}: {shlex.join(arguments)}\n"
+                + "\n".join(said.strip().splitlines()[:SHOWN_LINES] or ["(it printed nothing)"])
+                + "\nSet CC to a working C compiler."
+            )
+        if not output.is_file():
+            raise CompilerError(
+                f"the C compiler succeeded, but made no library: {shlex.join(arguments)}\n"
+                "Set CC to a working C compiler."
+            )
+
+    write_atomically(library, run, private=True)
+
+
+def _run(arguments: list[str]) -> tuple[int, str]:
+    """Exit code of a compiler, and what it printed, whatever its encoding.
+
+    Raises:
+        CompilerError: If it cannot be started, or is not done in time.
+    """
+    try:
+        process = subprocess.Popen(  # noqa: S603
+            arguments,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            encoding="utf-8",
+            errors="replace",
+            process_group=0,
+        )
+    except OSError as error:
+        raise CompilerError(
+            f"the C compiler {shlex.join(arguments[:1])} cannot be started: {error.strerror}. Set CC to a working one."
+        ) from None
+    with process:
+        try:
+            output, errors = process.communicate(timeout=PATIENCE)
+        except subprocess.TimeoutExpired:
+            raise CompilerError(
+                f"the C compiler was not done after {PATIENCE:g} s and was stopped: {shlex.join(arguments)}\n"
+                "Set CC to a working C compiler."
+            ) from None
+        finally:
+            if process.returncode is None:  # too slow, or Ctrl-C: its own children end with it
+                _stop(process)
+    return process.returncode, errors or output
+
+
+def _stop(process: "subprocess.Popen[str]") -> None:
+    """End a compiler and its children; one that tidies up has a second for it."""
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGTERM)
+        try:
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(timeout=1)
+        finally:  # Ctrl-C comes again
+            os.killpg(process.pid, signal.SIGKILL)

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: MIT
+"""Shared libraries compiled on first use, kept per user under a hash of their C text and compiler."""
+
+import hashlib
+from pathlib import Path
+
+from mrts.base.atomic_file import write_text_atomically
+from mrts.kernel.cache_folder import cache_folder, only_ours
+from mrts.kernel.compiler import FLAGS, compile_library
+
+
+def library_in_cache(command: tuple[str, ...], name: str, source: str, *, rebuild: bool = False) -> Path:
+    """Shared library of a C text, compiled unless the cache holds it.
+
+    Args:
+        command: Compiler, from `find_compiler`.
+        name: Of its files, an identifier.
+        source: The C text.
+        rebuild: Compile even if the cache holds it (the library in it would not load).
+
+    Raises:
+        CompilerError: If the compiler fails.
+    """
+    text = "\0".join((source, *command, *FLAGS)).encode()
+    library = cache_folder("lib", hashlib.sha256(text).hexdigest()) / f"{name}.so"
+    seal = library.with_suffix(".sha256")
+    if rebuild or not _is_whole(library, seal):
+        file = library.with_suffix(".c")
+        write_text_atomically(file, source, private=True)
+        compile_library(command, file, library)
+        write_text_atomically(seal, hashlib.sha256(library.read_bytes()).hexdigest(), private=True)
+    return library
+
+
+def _is_whole(library: Path, seal: Path) -> bool:
+    """Whether a library is the one that was compiled here: a damaged one can crash the process that loads it.
+
+    The seal tells damage, not malice: that nobody else could write the file does.
+    """
+    if not only_ours(library):
+        return False
+    try:
+        return hashlib.sha256(library.read_bytes()).hexdigest() == seal.read_text(encoding="ascii")
+    except (OSError, ValueError):
+        return False

@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: MIT
+"""Limits of the contact wrenches."""
+
+import numpy as np
+
+from mrts.cell.cell import Cell
+from mrts.limits.rows import LimitRows, RowName
+
+
+def wrench_limits(cell: Cell) -> LimitRows:
+    """Eq. (24): F_min <= F_i <= F_max in the axes of robot i's base, one row a component."""
+    names = tuple(
+        RowName("wrench", robot.name, component, "N" if component.startswith("f") else "N m")
+        for robot in cell.robots
+        for component in cell.wrench_components
+    )
+    joints = sum(len(robot.joints) for robot in cell.robots)
+    return LimitRows(
+        names,
+        np.zeros((len(names), joints)),
+        np.eye(len(names)),
+        np.concatenate([robot.wrench_lower for robot in cell.robots]),
+        np.concatenate([robot.wrench_upper for robot in cell.robots]),
+    )

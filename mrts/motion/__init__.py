@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""What is given: motion of the object and of joints along time, read from files."""

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: MIT
+"""Motion of joints by name, as tables and bags give it: with velocities and accelerations, or differentiated."""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.remark import Remark
+from mrts.motion.holding_rows import motion_rows
+from mrts.motion.object_motion import check_derivatives, noise_allowed, smoothing_remark
+from mrts.motion.rounded_samples import splines_through
+
+Source = Literal["positions", "velocities"]
+"""What the derivatives of a joint that were not given were found from."""
+
+
+@dataclass(frozen=True, repr=False)
+class JointTable:
+    """N samples of joint motion by column name; which joint a column is of, the cell tells.
+
+    Attributes:
+        path: The file, for messages.
+        time: Shape (N,) [s], strictly increasing from 0.
+        positions: Column "robot/joint" to positions, each Shape (N,) [rad or m]. A name that is no robot's may stand
+            for it where one robot alone has such a joint.
+        velocities: Likewise [rad/s or m/s].
+        accelerations: Likewise [rad/s² or m/s²].
+        remarks: What to know of how it was read.
+        differentiated: The columns whose velocities, or accelerations only, were not given, and what they were found
+            from.
+        smoothed: The columns whose positions were smoothed by their rounding, and the largest change [rad or m].
+        unusable: Columns that could not be read together with the others, and why; a cell that needs one says so.
+    """
+
+    path: Path
+    time: Array
+    positions: dict[str, Array]
+    velocities: dict[str, Array]
+    accelerations: dict[str, Array]
+    remarks: tuple[Remark, ...] = ()
+    differentiated: dict[str, Source] = field(default_factory=dict)
+    smoothed: dict[str, float] = field(default_factory=dict)
+    unusable: dict[str, InputError] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        joints = ", ".join(self.positions)
+        return f"<JointTable from {self.path.name}: {len(self.time)} samples in {self.time[-1]:.4g} s of {joints}>"
+
+    def of(self, joints: list[str]) -> "JointTable":
+        """The part of a table that a cell needs, checked.
+
+        Where some of the joints have less than others, all take their derivatives from that: exact accelerations of
+        one arm and a spline's of another would not carry the same object.
+
+        Args:
+            joints: Columns of this table.
+
+        Raises:
+            InputError: If velocities or accelerations contradict the positions, or some of a robot's are missing.
+        """
+        self._check_complete(joints)
+        noise = noise_allowed(
+            *(np.column_stack([part[name] for name in joints]) for part in (self.positions, self.velocities))
+        )
+        for joint in joints:
+            q, dq, ddq = (part[joint][:, None] for part in (self.positions, self.velocities, self.accelerations))
+            try:
+                check_derivatives(joint, self.time, q, dq, ddq, noise)
+            except InputError as error:
+                raise InputError(self.path, error.rule, key=error.where) from None
+        sources = {self.differentiated.get(joint) for joint in joints}
+        if len(sources) == 1:
+            moved = max(self.smoothed.get(joint, 0.0) for joint in joints)
+            smoothing = (smoothing_remark("the joint positions", moved),) if moved > 0 else ()
+            return replace(self, remarks=self.remarks + smoothing)
+        positions, velocities = ({joint: part[joint] for joint in joints} for part in (self.positions, self.velocities))
+        table = joint_motion(self.path, self.time, positions, {} if "positions" in sources else velocities, {}, None)
+        return replace(table, remarks=self.remarks, smoothed=self.smoothed | table.smoothed).of(joints)
+
+    def _check_complete(self, joints: list[str]) -> None:
+        """Check that the joints of a robot are all given alike: a column that is missing is rather a mistake."""
+        for part, without in (("dq", ("positions",)), ("ddq", ("positions", "velocities"))):
+            lacking = {joint.rpartition("/")[0]: joint for joint in joints if self.differentiated.get(joint) in without}
+            for joint in joints:
+                other = lacking.get(joint.rpartition("/")[0])
+                if other is not None and self.differentiated.get(joint) not in without:
+                    raise InputError(
+                        self.path,
+                        f"gives {part} of '{joint}', but not of '{other}'; of a robot's joints, give all or none.",
+                    )
+
+
+def joint_motion(
+    path: Path,
+    time: Array,
+    positions: dict[str, Array],
+    velocities: dict[str, Array],
+    accelerations: dict[str, Array],
+    samples: int | None,
+) -> JointTable:
+    """Joint motion as given; what is missing of a joint is that of a spline through what there is.
+
+    Without velocities that is the C² spline of `splines_through` through its positions; without accelerations the
+    cubic spline through its velocities.
+
+    Args:
+        path: Where it is from, for messages.
+        time: Shape (M,) [s], strictly increasing from 0.
+        positions: By joint, each Shape (M,) [rad or m].
+        velocities: Likewise, of some, all or no joints [rad/s or m/s].
+        accelerations: Likewise, of joints that have velocities [rad/s² or m/s²].
+        samples: Number of samples on the splines; None takes the given times.
+
+    Raises:
+        InputError: If accelerations come with a number of samples.
+    """
+    if samples is not None and accelerations:
+        raise InputError(path, "a table with accelerations keeps its own times: leave 'samples' out.", key="samples")
+    given = (positions, velocities, accelerations)
+    kept = motion_rows(time, *(_columns(part, given, len(time)) for part in given))
+    time = time[kept] - time[kept][0]
+    positions, velocities, accelerations = ({name: part[name][kept] for name in part} for part in given)
+    at = time if samples is None else np.linspace(0.0, time[-1], samples)
+    q, dq, ddq = dict(positions), dict(velocities), dict(accelerations)
+    differentiated: dict[str, Source] = {}
+    for joint, rates in velocities.items():
+        if joint not in ddq:
+            differentiated[joint] = "velocities"
+            q[joint], dq[joint], ddq[joint] = _through_rates(time, q[joint], rates, at)
+    still = [joint for joint in q if joint not in dq]
+    smoothed: dict[str, float] = {}
+    if still:
+        splines, moved = splines_through(time, np.column_stack([q[joint] for joint in still]))
+        for joint, spline in zip(still, splines, strict=True):
+            differentiated[joint] = "positions"
+            q[joint], dq[joint], ddq[joint] = (np.asarray(spline(at, order), dtype=np.float64) for order in range(3))
+        smoothed = {joint: float(change) for joint, change in zip(still, moved, strict=True) if change > 0}
+    return JointTable(path, at, q, dq, ddq, (), differentiated, smoothed)
+
+
+def _columns(part: dict[str, Array], given: tuple[dict[str, Array], ...], rows: int) -> Array:
+    """What is given of the joints of which most is, Shape (N, k), with no columns where it is not given of them."""
+    best = next(part for part in reversed(given) if part)
+    return np.column_stack([np.zeros((rows, 0)), *(part[name] for name in best if name in part)])
+
+
+def _through_rates(time: Array, q: Array, dq: Array, at: Array) -> tuple[Array, Array, Array]:
+    """Position, velocity and acceleration at other times, from the positions and velocities of samples."""
+    from scipy.interpolate import CubicHermiteSpline, CubicSpline  # noqa: PLC0415 (slow to import, and rarely needed)
+
+    rate, line = CubicSpline(time, dq), CubicHermiteSpline(time, q, dq)
+    return np.asarray(line(at)), np.asarray(rate(at)), np.asarray(rate(at, 1))

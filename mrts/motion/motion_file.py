@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: MIT
+"""The motion file: a pose to a pose, waypoints, or a table of object or joint motion; tables and bags by themselves."""
+
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, ValidationError, model_validator
+
+from mrts.base.argument_types import as_path, check_type
+from mrts.base.errors import InputError
+from mrts.base.input_file import Pose, StrictModel, broken_format, broken_rule, read_model
+from mrts.base.rigid_transform import rotation_from_rpy
+from mrts.motion.joint_table import JointTable
+from mrts.motion.motion_table import MAX_SAMPLES, read_joint_table, read_object_table, read_table
+from mrts.motion.object_motion import ObjectMotion, geodesic_motion, waypoint_motion
+from mrts.motion.velocity_profile import PROFILES
+
+MIN_SAMPLES = 11
+"""Limits are checked at the samples only: a range from fewer says little about the motion between them."""
+
+DEFAULT_SAMPLES = 101
+
+Duration = Annotated[float, Field(gt=1e-9, le=1e9, allow_inf_nan=False)]
+"""[s]; beyond these, squares of rates overflow, and no robot moves."""
+
+KINDS = {
+    "start": {"start", "end", "duration", "profile"},
+    "waypoints": {"waypoints", "duration", "profile"},
+    "file": {"file"},
+    "joints": {"joints"},
+}
+"""The four kinds of motion, by the key that chooses one, and the keys that each needs."""
+
+
+class MotionDescription(StrictModel):
+    """A validated motion file; see docs/cell_file.md.
+
+    Attributes:
+        duration: t_f [s]; of a path, a table has its own times.
+        samples: Number of samples, both ends included; a table with derivatives keeps its own.
+        profile: Velocity profile along a path.
+        start: Object frame in the world at t = 0.
+        end: Object frame in the world at t = t_f.
+        waypoints: Object frames in the world that the path goes through.
+        file: CSV table of the object's motion, relative to the motion file.
+        joints: CSV table or ROS 2 bag of the joints' motion, relative to the motion file.
+
+    Raises:
+        InputError: If a value breaks a rule.
+    """
+
+    duration: Duration | None = None
+    samples: Annotated[int, Field(ge=MIN_SAMPLES, le=MAX_SAMPLES)] | None = None
+    profile: Literal["sinusoid", "trapezoid", "cubic", "quintic"] | None = None
+    start: Pose | None = None
+    end: Pose | None = None
+    waypoints: Annotated[list[Pose], Field(min_length=2)] | None = None
+    file: str | None = None
+    joints: str | None = None
+
+    def __init__(self, **keys: Any) -> None:
+        try:
+            super().__init__(**keys)
+        except ValidationError as error:
+            raise broken_format("motion", error) from None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        given = {key for key, value in self if value is not None} - {"samples"}
+        chosen = [kind for kind in KINDS if kind in given or (kind == "start" and "end" in given)]
+        if len(chosen) != 1:
+            raise broken_rule(
+                "a motion is given by one of: start and end, waypoints, file, joints; "
+                + (f"here are {', '.join(chosen)}" if chosen else "here is none of them")
+            )
+        needed = KINDS[chosen[0]]
+        if missing := needed - given:
+            raise broken_rule(f"this key is required with '{chosen[0]}': {', '.join(sorted(missing))}")
+        if extra := given - needed:
+            raise broken_rule(f"'{chosen[0]}' does not go with: {', '.join(sorted(extra))}")
+        return self
+
+
+def load_motion(path: Path | str) -> ObjectMotion | JointTable:
+    """Read a motion.
+
+    Args:
+        path: A motion file (YAML), a CSV table of the object's or the joints' motion, or a ROS 2 bag with joint
+            trajectories (a folder, or an .mcap file by itself; needs the extra 'ros').
+
+    Returns:
+        Samples of the object's motion, or a table of joint motion, which needs a cell to say where the object is.
+
+    Raises:
+        InputError: If the file or a table that it names is missing, malformed, or breaks a rule.
+    """
+    path = as_path("path", path)
+    if _is_bag(path):
+        return _read_bag(path, None)
+    if path.suffix.lower() == ".csv":
+        return read_table(path, None)
+    description = read_model(path, MotionDescription, "motion file")
+    if description.file is not None:
+        return read_object_table(path.parent / description.file, description.samples)
+    if description.joints is not None:
+        joints = path.parent / description.joints
+        return (_read_bag if _is_bag(joints) else read_joint_table)(joints, description.samples)
+    try:
+        return sample_motion(description)
+    except InputError as error:
+        raise InputError(path, error.rule, key=error.where) from None
+
+
+def _is_bag(path: Path) -> bool:
+    return path.is_dir() or path.suffix.lower() in {".mcap", ".db3"}
+
+
+def _read_bag(path: Path, samples: int | None) -> JointTable:
+    if find_spec("rosbags") is None:
+        raise InputError(path, "reading a ROS 2 bag needs rosbags: pip install 'mrts[ros]'.")
+    from mrts.motion.ros_trajectory import read_joint_trajectories  # noqa: PLC0415 (needs an extra)
+
+    return read_joint_trajectories(path, samples)
+
+
+def sample_motion(description: MotionDescription) -> ObjectMotion:
+    """Samples of a motion from pose to pose or through waypoints.
+
+    Raises:
+        InputError: If the motion is a table, which `load_motion` reads, or two waypoints are the same.
+    """
+    check_type("description", description, MotionDescription)
+    if description.profile is None or description.duration is None:
+        raise InputError("description", "is that of a table; load it with load_motion.")
+    poses = description.waypoints or [description.start or Pose(), description.end or Pose()]
+    through = waypoint_motion if description.waypoints else geodesic_motion
+    return through(
+        np.array([pose.xyz for pose in poses]),
+        np.array([rotation_from_rpy(*pose.rpy) for pose in poses]),
+        PROFILES[description.profile],
+        description.duration,
+        description.samples or DEFAULT_SAMPLES,
+    )

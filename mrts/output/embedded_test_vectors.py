@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: MIT
+"""Test vectors of an exported library: samples of a motion under several loads, and what this runtime finds."""
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.embedded_vector import EmbeddedVector
+from mrts.base.errors import InputError, MotionError
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
+from mrts.motion.motion_file import MotionDescription, sample_motion
+from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.sample_problem import build_sample_problem
+from mrts.samples.sample_ranges import SampleRanges, SampleStatus
+from mrts.samples.torque_distribution import distribute_torques
+from mrts.samples.trajectory_programs import motion_ranges
+from mrts.solvers import DEFAULT_SOLVER
+
+SAMPLES = 101
+MASS_FACTORS = (1.0, 0.2, 3.0, 10.0, 40.0)
+"""Of the nominal mass: light enough to be fast, heavy enough to be infeasible."""
+
+LIFTS = (0.05, 0.02, 0.005)
+"""Ways upward that are tried for a motion of our own [m]."""
+
+SHARE_OF_END = 0.5
+"""Torques are compared at this share of c²⁺: at the end itself the feasible set is a point, and rounding decides."""
+
+STATUS = {SampleStatus.FEASIBLE: 0, SampleStatus.UNBOUNDED: 1, SampleStatus.INFEASIBLE: 2}
+"""Of the exported header."""
+
+
+def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
+    """All samples of a motion with the nominal load first, then with other masses.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+    """
+    vectors: list[EmbeddedVector] = []
+    cell = cell.without_velocity_limits()  # which the library leaves to its caller
+    for factor in MASS_FACTORS:
+        heavy = cell.with_mass(cell.mass * factor)
+        free = motion_ranges(heavy, motion, "wrench", None, DEFAULT_SOLVER)
+        even = motion_ranges(heavy, motion, "wrench", LoadSharing(), DEFAULT_SOLVER)
+        speeds = np.where([status is SampleStatus.FEASIBLE for status in free.status], SHARE_OF_END * free.upper, 0.0)
+        speeds = np.where(speeds >= free.lower, speeds, 0.0)
+        compared = np.flatnonzero(speeds > 0)
+        torque = np.zeros((motion.samples, motion.q.shape[1]))
+        if compared.size:
+            problem = build_sample_problem(heavy, motion, samples=compared)
+            x, _ = distribute_torques(problem, speeds[compared], np.eye(motion.q.shape[1]), DEFAULT_SOLVER)
+            torque[compared] = problem.torque(x)
+        vectors += [
+            _vector(motion, sample, heavy.mass, free, even, float(speeds[sample]), torque[sample])
+            for sample in range(motion.samples)
+        ]
+    return vectors
+
+
+def _vector(
+    motion: CoordinatedMotion,
+    sample: int,
+    mass: float,
+    free: SampleRanges,
+    even: SampleRanges,
+    c2: float,
+    torque: Array,
+) -> EmbeddedVector:
+    given = motion.object
+    fields = (motion.q, motion.dq, motion.ddq, given.rotation, given.twist, given.acceleration)
+    return EmbeddedVector(
+        tuple(field[sample] for field in fields),
+        mass,
+        STATUS[free.status[sample]],
+        (float(free.lower[sample]), float(free.upper[sample])),
+        STATUS[even.status[sample]],
+        (float(even.lower[sample]), float(even.upper[sample])),
+        c2,
+        torque,
+    )
+
+
+def own_motion(cell: Cell) -> CoordinatedMotion:
+    """A short lift against gravity from where the first robot's posture puts the object.
+
+    Raises:
+        InputError: If the arms cannot follow it.
+    """
+    q = np.concatenate([robot.posture for robot in cell.robots])
+    poses = cell.functions("kinematics", 1, {"q": q})
+    first = cell.robots[0]
+    rotation = poses["rotation"][0, :, :3] @ first.T_object_tip.R.T
+    start = poses["position"][0].reshape(3, -1)[:, 0] - rotation @ first.T_object_tip.p
+    size = float(np.linalg.norm(cell.gravity))
+    up = -cell.gravity / size if size > 0 else np.array([0.0, 1.0, 0.0])
+    pitch = -np.arcsin(np.clip(rotation[2, 0], -1, 1))
+    roll, yaw = np.arctan2(rotation[2, 1], rotation[2, 2]), np.arctan2(rotation[1, 0], rotation[0, 0])
+    rpy = [float(roll), float(pitch), float(yaw)]
+    for lift in LIFTS:
+        ends = {
+            name: {"xyz": place.tolist(), "rpy": rpy} for name, place in (("start", start), ("end", start + lift * up))
+        }
+        description = {"duration": 0.5, "samples": SAMPLES, "profile": "quintic", **ends}
+        try:
+            return follow_object(cell, sample_motion(MotionDescription.model_validate(description)))
+        except MotionError:
+            continue
+    raise InputError(
+        "--motion",
+        "the test vectors need a motion, and the arms cannot lift the object from the first robot's posture. Give a "
+        "motion file that this cell can follow.",
+    )

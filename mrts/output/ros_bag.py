@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: MIT
+"""The scaled trajectory as a ROS 2 bag in MCAP format; needs the extra 'ros' (rosbags)."""
+
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from rosbags.rosbag2 import StoragePlugin, Writer
+
+from mrts.base.argument_types import as_path, check_type
+from mrts.base.arrays import Array
+from mrts.base.atomic_file import make_folder_atomically
+from mrts.base.errors import InputError
+from mrts.cell.robot import Robot
+from mrts.motion.ros_messages import NANOSECONDS, TYPES
+from mrts.output.trajectory_table import PlayedRows, played_rows
+from mrts.scaling.result import ScalingResult
+
+BAG_VERSION: Literal[9] = 9
+"""Of rosbag2's metadata: what ROS 2 Iron and later write; Humble reads the MCAP file itself."""
+
+
+def write_ros_bag(result: ScalingResult, folder: Path | str) -> None:
+    """Write a bag: folder/metadata.yaml and folder/NAME.mcap, whole or not at all.
+
+    Topics, for each robot: /ROBOT/joint_trajectory (trajectory_msgs/JointTrajectory, one message with positions,
+    velocities, accelerations and effort feed-forward, joints named as in the URDF, times from the start strictly
+    increasing), /ROBOT/joint_states (sensor_msgs/JointState) and /ROBOT/contact_wrench (geometry_msgs/WrenchStamped on
+    the object at the contact, in the robot's base axes) at every sample.
+
+    Args:
+        result: A result with a trajectory.
+        folder: Must not exist.
+
+    Raises:
+        InputError: If there is no trajectory, or the folder exists or cannot be made.
+    """
+    check_type("result", result, ScalingResult)
+    folder = as_path("folder", folder)
+    done = result.trajectory
+    if done is None:
+        raise InputError("trajectory", "there is none to write: no c² was chosen.", value=result.status.value)
+    if folder.exists():
+        raise InputError(folder, "exists already: a bag is written into a new folder. Remove it, or name another.")
+    rows = played_rows(done)
+    stamps = np.rint(rows.time * NANOSECONDS).astype(np.int64)
+    if not np.all(np.diff(stamps) > 0):
+        raise InputError(folder, "samples lie less than a nanosecond apart at this speed, which ROS cannot tell apart.")
+    make_folder_atomically(folder, lambda bag: _write(result, rows, stamps, bag))
+
+
+def _write(result: ScalingResult, rows: PlayedRows, stamps: np.typing.NDArray[np.int64], bag: Path) -> None:
+    with Writer(bag, version=BAG_VERSION, storage_plugin=StoragePlugin.MCAP) as writer:
+        for robot in result.cell.robots:
+            part = result.cell.joint_slices[robot.name]
+            motion = (rows.q[:, part], rows.dq[:, part], rows.ddq[:, part], rows.torque[:, part])
+            _add(writer, f"/{robot.name}/joint_trajectory", [(0, _trajectory(robot, stamps, *motion))])
+            states = [
+                (int(stamp), _joint_state(robot, int(stamp), motion[0][k], motion[1][k], motion[3][k]))
+                for k, stamp in enumerate(stamps)
+            ]
+            _add(writer, f"/{robot.name}/joint_states", states)
+            six = np.zeros((len(stamps), 6))
+            six[:, result.cell.wrench_rows] = rows.wrench[:, result.cell.wrench_slices[robot.name]]
+            wrenches = [(int(stamp), _wrench(robot, int(stamp), six[k])) for k, stamp in enumerate(stamps)]
+            _add(writer, f"/{robot.name}/contact_wrench", wrenches)
+
+
+def _add(writer: Writer, topic: str, messages: list[tuple[int, Any]]) -> None:
+    kind = messages[0][1].__msgtype__
+    connection = writer.add_connection(topic, kind, typestore=TYPES)
+    for stamp, message in messages:
+        writer.write(connection, stamp, TYPES.serialize_cdr(message, kind))
+
+
+def _message(kind: str, **fields: Any) -> Any:
+    return TYPES.types[kind](**fields)
+
+
+def _header(stamp: int, frame: str) -> Any:
+    time = _message("builtin_interfaces/msg/Time", sec=stamp // NANOSECONDS, nanosec=stamp % NANOSECONDS)
+    return _message("std_msgs/msg/Header", stamp=time, frame_id=frame)
+
+
+def _trajectory(
+    robot: Robot, stamps: np.typing.NDArray[np.int64], q: Array, dq: Array, ddq: Array, torque: Array
+) -> Any:
+    points = [
+        _message(
+            "trajectory_msgs/msg/JointTrajectoryPoint",
+            positions=q[k],
+            velocities=dq[k],
+            accelerations=ddq[k],
+            effort=torque[k],
+            time_from_start=_message(
+                "builtin_interfaces/msg/Duration",
+                sec=int(stamp) // NANOSECONDS,
+                nanosec=int(stamp) % NANOSECONDS,
+            ),
+        )
+        for k, stamp in enumerate(stamps)
+    ]
+    return _message(
+        "trajectory_msgs/msg/JointTrajectory", header=_header(0, ""), joint_names=list(robot.joints), points=points
+    )
+
+
+def _joint_state(robot: Robot, stamp: int, q: Array, dq: Array, torque: Array) -> Any:
+    return _message(
+        "sensor_msgs/msg/JointState",
+        header=_header(stamp, ""),
+        name=list(robot.joints),
+        position=q,
+        velocity=dq,
+        effort=torque,
+    )
+
+
+def _wrench(robot: Robot, stamp: int, six: Array) -> Any:
+    force, torque = (
+        _message("geometry_msgs/msg/Vector3", x=float(part[0]), y=float(part[1]), z=float(part[2]))
+        for part in (six[:3], six[3:])
+    )
+    wrench = _message("geometry_msgs/msg/Wrench", force=force, torque=torque)
+    return _message("geometry_msgs/msg/WrenchStamped", header=_header(stamp, f"{robot.name}/base"), wrench=wrench)

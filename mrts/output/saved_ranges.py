@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: MIT
+"""Ranges of c² at every sample as arrays of a saved result, and back; R ranges, N samples, B binding rows in all."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.load_box import LoadPoint
+from mrts.limits.rows import ActiveRow
+from mrts.output.saved_description import DAMAGED, ConflictEntry, Description, LoadEntry, RowEntry
+from mrts.samples.infeasibility import Conflict
+from mrts.samples.sample_ranges import SampleRanges, SampleStatus
+
+STATUSES = tuple(SampleStatus)
+"""A sample's status is saved as its place in this order."""
+
+Arrays = dict[str, NDArray[Any]]
+
+
+class Tables:
+    """The distinct rows and loads of a result: elsewhere they are saved as their places here."""
+
+    def __init__(self) -> None:
+        self._rows: dict[ActiveRow, int] = {}
+        self._loads: dict[tuple[tuple[tuple[str, float], ...], tuple[float, ...]], int] = {}
+
+    def row(self, row: ActiveRow) -> int:
+        """Place of a row, which is added if it is new."""
+        return self._rows.setdefault(row, len(self._rows))
+
+    def load(self, point: LoadPoint) -> int:
+        """Place of a load, which is added if it is new."""
+        return self._loads.setdefault((tuple(point.parameters.items()), tuple(point.load.tolist())), len(self._loads))
+
+    def row_entries(self) -> list[RowEntry]:
+        """All rows by place."""
+        return [RowEntry.model_validate(row.to_json()) for row in self._rows]
+
+    def load_entries(self) -> list[LoadEntry]:
+        """All loads by place."""
+        return [LoadEntry(parameters=dict(parameters), load=list(load)) for parameters, load in self._loads]
+
+
+def range_arrays(ranges: Sequence[SampleRanges], tables: Tables) -> Arrays:
+    """Arrays of some ranges over the same samples; of the first also the loads that set its ends, if there are any.
+
+    Args:
+        ranges: R of them.
+        tables: Take up the rows and loads.
+    """
+    bound = [[[tables.row(row) for row in at] for at in end] for of in ranges for end in (of.lower_rows, of.upper_rows)]
+    arrays: Arrays = {
+        "status": np.array([[STATUSES.index(status) for status in of.status] for of in ranges]),
+        "c2_lower": np.array([of.lower for of in ranges]),
+        "c2_upper": np.array([of.upper for of in ranges]),
+        "binding_count": np.array([[len(at) for at in end] for end in bound]).reshape(len(ranges), 2, -1),
+        "binding_row": np.array([row for end in bound for at in end for row in at], dtype=np.int64),
+    }
+    lower, upper = ranges[0].lower_loads, ranges[0].upper_loads
+    if lower is not None and upper is not None:
+        arrays["end_load"] = np.array([[tables.load(point) for point in end] for end in (lower, upper)])
+    return arrays
+
+
+def conflict_entries(ranges: Sequence[SampleRanges], tables: Tables) -> list[ConflictEntry]:
+    """Entries of the infeasible samples of all ranges.
+
+    Args:
+        ranges: R of them.
+        tables: Take up the rows and loads.
+    """
+    return [
+        ConflictEntry(
+            range=number,
+            sample=one.sample,
+            rows=[tables.row(row) for row in one.rows],
+            multipliers=list(one.multipliers),
+            widening=one.widening,
+            moves=list(one.moves),
+            load=None if one.load is None else tables.load(one.load),
+        )
+        for number, of in enumerate(ranges)
+        for one in of.conflicts
+    ]
+
+
+def read_ranges(path: Path, arrays: Arrays, said: Description, time: Array) -> list[SampleRanges]:
+    """The ranges of a saved result.
+
+    Args:
+        path: The file, for messages.
+        arrays: Of the right shapes.
+        said: What the file says of them.
+        time: Of the motion, Shape (N,) [s].
+
+    Raises:
+        InputError: If a place lies outside what it is a place in.
+    """
+    rows = [entry.row() for entry in said.rows]
+    loads = [LoadPoint(entry.parameters, np.array(entry.load)) for entry in said.loads]
+    count, samples = arrays["status"].shape
+    binding, chosen = arrays["binding_row"], arrays.get("end_load", np.zeros(0, dtype=np.int64))
+    require_places(path, "status", arrays["status"], len(STATUSES))
+    require_places(path, "binding_row", binding, len(rows))
+    require_places(path, "end_load", chosen, len(loads))
+    entries = said.conflicts
+    require_places(path, "conflicts: range", [one.range for one in entries], count)
+    require_places(path, "conflicts: sample", [one.sample for one in entries], samples)
+    require_places(path, "conflicts: rows", [row for one in entries for row in one.rows], len(rows))
+    require_places(path, "conflicts: load", [one.load for one in entries if one.load is not None], len(loads))
+    stops = np.concatenate([[0], np.cumsum(arrays["binding_count"])]).tolist()
+    bound = [tuple(rows[row] for row in binding[start:stop]) for start, stop in pairwise(stops)]
+    conflicts: list[list[Conflict]] = [[] for _ in range(count)]
+    for one in entries:
+        conflicts[one.range].append(_conflict(one, rows, loads, time))
+    found = []
+    for number in range(count):
+        at = 2 * number * samples
+        ends = [tuple(loads[place] for place in end) for end in chosen] if number == 0 else []
+        found.append(
+            SampleRanges(
+                time,
+                tuple(STATUSES[code] for code in arrays["status"][number]),
+                arrays["c2_lower"][number],
+                arrays["c2_upper"][number],
+                tuple(bound[at : at + samples]),
+                tuple(bound[at + samples : at + 2 * samples]),
+                tuple(conflicts[number]),
+                said.range_fallbacks[number],
+                *(ends or (None, None)),
+            )
+        )
+    return found
+
+
+def require_places(path: Path, key: str, places: Any, size: int) -> None:
+    """Check places in a table of a saved result.
+
+    Args:
+        path: The file, for the message.
+        key: What holds the places.
+        places: Of any shape.
+        size: Entries of the table.
+
+    Raises:
+        InputError: If one is not from 0 to `size` - 1.
+    """
+    given = np.ravel(np.asarray(places, dtype=np.int64))
+    wrong = given[(given < 0) | (given >= size)]
+    if wrong.size:
+        raise InputError(path, f"must be from 0 to {size - 1}. {DAMAGED}", key=key, value=int(wrong[0]))
+
+
+def _conflict(entry: ConflictEntry, rows: list[ActiveRow], loads: list[LoadPoint], time: Array) -> Conflict:
+    return Conflict(
+        entry.sample,
+        float(time[entry.sample]),
+        tuple(rows[place] for place in entry.rows),
+        tuple(entry.multipliers),
+        entry.widening,
+        tuple(entry.moves),
+        None if entry.load is None else loads[entry.load],
+    )

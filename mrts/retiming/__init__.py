@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""A speed that varies along the path: the fastest r(t)."""

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: MIT
+"""What limits the fastest timing, segment by segment."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
+from mrts.retiming.retimed_motion import TimedPiece, at_segment_ends
+from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.trajectory_programs import motion_ranges
+from mrts.solvers import DEFAULT_SOLVER
+
+BINDING = 1e-6
+"""A limit binds where the motion could be no faster by more than this share of c²."""
+
+
+def profile_limits(
+    cell: Cell, pieces: Sequence[TimedPiece], sharing: LoadSharing | None, loads: Sequence[Array]
+) -> list[tuple[str, float]]:
+    """The limits that bind, each with its share of the duration, most first.
+
+    A point of a region's edge is one where the motion, faster or slower as a whole, would have c² <= 1; the rows that
+    bind there are the edge's.
+
+    Args:
+        cell: The cell.
+        pieces: The retimed path.
+        sharing: A fixed distribution of the load, None for a free one.
+        loads: Load vectors that are carried, each Shape (10,).
+
+    Raises:
+        SolverError: If no solver answers.
+    """
+    duration = sum(float(np.sum(part.segment_times)) for part in pieces)
+    shares: dict[str, float] = {}
+    for part in pieces:
+        rows: list[set[str]] = [set() for _ in part.piece.step]
+        for motion in at_segment_ends(part):
+            for load in loads:
+                found = motion_ranges(cell, motion, "wrench", sharing, DEFAULT_SOLVER, load)
+                for segment in np.flatnonzero(found.upper <= 1 + BINDING).tolist():
+                    rows[segment] |= {str(row) for row in found.upper_rows[segment]}
+        for names, time in zip(rows, part.segment_times.tolist(), strict=True):
+            for name in names:
+                shares[name] = shares.get(name, 0.0) + time / duration
+    return sorted(shares.items(), key=lambda entry: (-entry[1], entry[0]))

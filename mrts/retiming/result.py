@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: MIT
+"""The outcome of retiming: the fastest profile and its trajectory, or why there is none."""
+
+import json
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mrts.base.argument_types import as_path
+from mrts.base.arrays import Array
+from mrts.base.atomic_file import write_text_atomically
+from mrts.base.printable import printable
+from mrts.base.remark import Remark
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.retiming.between_samples import Excess, largest_excess
+from mrts.retiming.profile_limits import profile_limits
+from mrts.retiming.retimed_motion import TimedPiece
+from mrts.samples.infeasibility import Conflict
+from mrts.scaling.motion_remarks import lasting
+from mrts.scaling.range import ScalingStatus
+from mrts.scaling.result import ScalingResult
+
+
+class RetimingStatus(Enum):
+    """Outcome of retiming."""
+
+    OPTIMAL = "optimal"
+    INFEASIBLE = "infeasible"
+    NOT_CONTROLLABLE = "not controllable"
+    START_SPEED = "start speed not admissible"
+    END_SPEED = "end speed not admissible"
+    STANDSTILL = "standstill"
+    STATIONARY = "stationary"
+    ZERO_LENGTH = "zero length"
+    UNBOUNDED = "unbounded"
+
+    @property
+    def admits_motion(self) -> bool:
+        """Whether there is a profile."""
+        return self is RetimingStatus.OPTIMAL
+
+
+@dataclass(frozen=True, repr=False)
+class RetimingResult:
+    """What `mrts.retime` found.
+
+    Attributes:
+        cell: The cell.
+        motion: The given motion; its time is the path parameter r.
+        status: The outcome.
+        explanation: Why there is no profile; empty if there is one.
+        constant: The best constant factor, for comparison.
+        loads: Load vectors that the profile carries, each Shape (10,).
+        pieces: The path from stop to stop with its fastest speed; empty if there is none.
+        retimed: The motion at the fastest timing with its torques, as a result at c² = 1; None without a profile.
+        conflict: The limits that conflict, where limits are the reason.
+    """
+
+    cell: Cell
+    motion: CoordinatedMotion
+    status: RetimingStatus
+    explanation: str
+    constant: ScalingResult
+    loads: tuple[Array, ...]
+    pieces: tuple[TimedPiece, ...] = ()
+    retimed: ScalingResult | None = None
+    conflict: Conflict | None = None
+
+    def __repr__(self) -> str:
+        return f"RetimingResult({self.cell.name}: {self.sentence()})"
+
+    @property
+    def duration(self) -> float | None:
+        """Of the fastest timing [s]; None without one."""
+        done = None if self.retimed is None else self.retimed.trajectory
+        return None if done is None else done.duration
+
+    @property
+    def saving(self) -> float | None:
+        """Share of the best constant factor's duration that is saved; None where that motion starts or ends moving."""
+        best, duration = self.constant.trajectory, self.duration
+        if best is None or duration is None or self.constant.status is ScalingStatus.UNBOUNDED:
+            return None
+        if not (self.pieces[0].piece.rests[0] and self.pieces[-1].piece.rests[1]):
+            return None
+        return 1 - duration / best.duration
+
+    @property
+    def stops(self) -> Array:
+        """Times of the given motion where it stops on its way, Shape (k,) [s]."""
+        return self.motion.object.time[[part.piece.first for part in self.pieces[1:]]]
+
+    @cached_property
+    def limits(self) -> list[tuple[str, float]]:
+        """What limits the speed, for which share of the duration, most first."""
+        return profile_limits(self.cell, self.pieces, self.constant.rule.sharing, self.loads)
+
+    @cached_property
+    def excess(self) -> Excess | None:
+        """How far limits are overstepped between the samples, by a dense check; None without a profile."""
+        if not self.pieces:
+            return None
+        return largest_excess(self.cell, self.pieces, self.constant.rule.sharing, self.loads)
+
+    @property
+    def warnings(self) -> tuple[Remark, ...]:
+        """What to know of the cell and the motion before trusting the answer."""
+        return lasting(self.constant.warnings) if self.retimed is None else self.retimed.warnings
+
+    def summary(self) -> str:
+        """The outcome in a sentence or two, and a line for each warning."""
+        return "\n".join([self.sentence(), *(str(warning) for warning in self.warnings)])
+
+    def sentence(self) -> str:
+        """The outcome alone."""
+        if not self.status.admits_motion:
+            return printable(f"{self.status.value}: {self.explanation}")
+        given, best = float(self.motion.object.time[-1]), self.constant.trajectory
+        text = f"the fastest timing takes {self.duration:.4g} s, the given one {given:.4g} s"
+        if self.saving is not None and best is not None:
+            text += (
+                f"; {100 * self.saving:.3g} % less than {best.duration:.4g} s at the best constant c² = {best.c2:.4g}"
+            )
+        if self.stops.size:
+            text += f". It stops at t = {', '.join(f'{time:.4g}' for time in self.stops)} s of the given motion"
+        return f"{text}."
+
+    def to_json(self) -> dict[str, Any]:
+        """The outcome as JSON values; null stands for what nothing bounds."""
+        output: dict[str, Any] = {
+            "cell": self.cell.name,
+            "summary": self.sentence(),
+            "warnings": [warning.to_json() for warning in self.warnings],
+            "status": self.status.value,
+            "explanation": self.explanation or None,
+            "duration": self.duration,
+            "saving": self.saving,
+            "constant": self.constant.range.to_json(),
+            "conflict": None if self.conflict is None else [row.to_json() for row in self.conflict.rows],
+        }
+        if self.retimed is None or self.excess is None:
+            return output
+        whole, time = self.retimed.to_json(), self.motion.object.time
+        output["excess"] = {"share": self.excess.share, "sample": self.excess.sample}
+        output["limits"] = [{"limit": name, "share_of_duration": share} for name, share in self.limits]
+        output["stops"] = self.stops.tolist()
+        output["profile"] = [
+            {
+                "r": time[part.piece.first :][: len(part.profile.x)].tolist(),
+                "s": part.piece.path.object.time.tolist(),
+                "speed": np.sqrt(part.profile.x).tolist(),
+                "least_controllable": np.sqrt(part.profile.low).tolist(),
+                "largest_controllable": np.sqrt(part.profile.high).tolist(),
+                "largest": [float(np.sqrt(x)) if np.isfinite(x) else None for x in part.regions.high],
+            }
+            for part in self.pieces
+        ]
+        for key in ("joints", "torque", "wrench", "internal_wrench", "power", "energy"):
+            output[key] = whole[key]
+        return output
+
+    def json_text(self) -> str:
+        """`to_json` as text."""
+        return json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
+
+    def write_json(self, path: Path | str) -> None:
+        """Write `json_text` to a file, whole or not at all.
+
+        Raises:
+            InputError: If the file cannot be written.
+        """
+        write_text_atomically(as_path("path", path), self.json_text() + "\n")

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: MIT
+"""What retiming asks of our kernel, and the same with CasADi and numpy where there is no C compiler."""
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.errors import CompilerError
+from mrts.kernel.kernel_library import CORNERS, INFEASIBLE, OPTIMAL, default_kernel
+from mrts.solvers.convex_program import ConvexPrograms, solve_programs
+
+SOLVER = "qpsol:qpoases"
+"""Of the linear programs where there is no kernel."""
+
+OUTSIDE = 1e-9
+"""An edge is final if nothing lies further out than this; `MRTS_OUTSIDE` of projection.c."""
+
+ON_LIMIT = 2e-10
+"""Rounding of a speed on a limit; `MRTS_ON_LIMIT` of reachability.c."""
+
+AXES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+"""Directions of the first corners."""
+
+
+class SpeedKernel(Protocol):
+    """Projections and reachability, in C or here; see `mrts.kernel.kernel_library.KernelLibrary` for the shapes."""
+
+    def projections(self, A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+        """Project every polytope of a batch onto its last two unknowns."""
+
+    def backward(self, step: Array, start: NDArray[np.int64], planes: Array, low: Array, high: Array) -> int:
+        """Shrink bounds of x to the controllable sets."""
+
+    def forward(
+        self, step: Array, start: NDArray[np.int64], planes: Array, low: Array, high: Array, first: float
+    ) -> Array:
+        """The largest controllable x at every sample."""
+
+
+def speed_kernel() -> SpeedKernel:
+    """Our kernel; without a C compiler that works, the same answers more slowly."""
+    try:
+        return default_kernel()
+    except CompilerError:
+        return KernelWithoutCompiler()
+
+
+class KernelWithoutCompiler:
+    """The algorithms of mrts/kernel/c/projection.c and reachability.c, with a solver that needs no compiler."""
+
+    @staticmethod
+    def projections(A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+        """Corners by linear programs: outward of every edge, until nothing lies outside."""
+        rows = A.shape[1]
+        parts = (A, lower[:, :rows], upper[:, :rows], lower[:, rows:], upper[:, rows:])
+        everyone = np.arange(len(A))
+        polygons: list[list[Array]] = [[] for _ in A]
+        status = np.full(len(A), OPTIMAL, dtype=np.uint8)
+        for direction in AXES:
+            corners, found = _furthest(parts, everyone, np.tile(direction, (len(A), 1)))
+            status[~found] = INFEASIBLE
+            for polygon, corner in zip(polygons, corners, strict=True):
+                if not any(_same(corner, other) for other in polygon):
+                    polygon.append(corner)
+        final: list[set[tuple[float, ...]]] = [set() for _ in A]
+        while True:
+            samples, starts = _open_edges(polygons, final, status)
+            if samples.size == 0:
+                break
+            places = zip(samples, starts, strict=True)
+            edges = [(polygons[k][i], polygons[k][(i + 1) % len(polygons[k])]) for k, i in places]
+            normals = np.array([[q[1] - p[1], p[0] - q[0]] for p, q in edges])
+            normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+            corners, found = _furthest(parts, samples, normals)
+            status[samples[~found]] = INFEASIBLE
+            for place in range(len(samples))[::-1]:  # from the last edge of a polygon, so that places stay true
+                (p, q), corner = edges[place], corners[place]
+                further = float(normals[place] @ (corner - p)) > OUTSIDE * (1 + np.sum(np.abs(p)))
+                if further and not _same(corner, p) and not _same(corner, q):
+                    polygons[samples[place]].insert(int(starts[place]) + 1, corner)
+                else:
+                    final[samples[place]].add((*p, *q))
+        number = np.array([min(len(polygon), CORNERS) for polygon in polygons], dtype=np.int32)
+        padded = np.zeros((len(A), CORNERS, 2))
+        for sample, polygon in enumerate(polygons):
+            padded[sample, : number[sample]] = polygon[: number[sample]]
+        return number, padded, status
+
+    @staticmethod
+    def backward(step: Array, start: NDArray[np.int64], planes: Array, low: Array, high: Array) -> int:
+        """Controllable sets, one segment after the other."""
+        for i in range(len(step) - 1, -1, -1):
+            A, upper = _segment(step, start, planes, low, high, i)
+            flat = A[:, 0] == 0
+            with np.errstate(divide="ignore", invalid="ignore"):
+                bound = upper / A[:, 1]
+            high[i] = np.min(bound[flat & (A[:, 1] > 0)], initial=high[i])
+            low[i] = np.max(bound[flat & (A[:, 1] < 0)], initial=low[i])
+            least, most = _nearest(A, upper, low[i], high[i]), _nearest(A, upper, high[i], low[i])
+            if low[i] > high[i] or least is None or most is None:
+                return i
+            low[i], high[i] = least, max(least, most)
+        return -1
+
+    @staticmethod
+    def forward(step: Array, start: NDArray[np.int64], planes: Array, low: Array, high: Array, first: float) -> Array:
+        """The greedy pass."""
+        x = np.zeros(len(step) + 1)
+        x[0] = first
+        for i in range(len(step)):
+            least, most, _, _ = _rates(*_segment(step, start, planes, low, high, i), x[i])
+            rate = most if most >= least else (most + least) / 2
+            x[i + 1] = min(max(x[i] + 2 * step[i] * rate, low[i + 1]), high[i + 1])
+        return x
+
+
+def _furthest(
+    parts: tuple[Array, ...], samples: NDArray[np.int_], directions: Array
+) -> tuple[Array, NDArray[np.bool_]]:
+    """The corners of some polytopes furthest in a direction of the last two unknowns, and where there is one."""
+    g = np.zeros((len(samples), parts[0].shape[2]))
+    g[:, -2:] = -directions
+    answers = solve_programs(ConvexPrograms(None, g, *(part[samples] for part in parts)), SOLVER)
+    return answers.x[:, -2:], answers.verified
+
+
+def _open_edges(
+    polygons: list[list[Array]], final: list[set[tuple[float, ...]]], status: NDArray[np.uint8]
+) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
+    """Edges outside which something may lie, as samples and places of their first corners, in order."""
+    found = [
+        (sample, place)
+        for sample, polygon in enumerate(polygons)
+        if status[sample] == OPTIMAL and 1 < len(polygon) < CORNERS
+        for place, corner in enumerate(polygon)
+        if (*corner, *polygon[(place + 1) % len(polygon)]) not in final[sample]
+    ]
+    samples, places = np.array(found, dtype=int).reshape(-1, 2).T
+    return samples, places
+
+
+def _same(p: Array, q: Array) -> bool:
+    return bool(np.sum(np.abs(p - q)) <= OUTSIDE * (1 + np.sum(np.abs(p))))
+
+
+def _segment(
+    step: Array, start: NDArray[np.int64], planes: Array, low: Array, high: Array, i: int
+) -> tuple[Array, Array]:
+    """Half-planes A (u, x_i) <= upper of a segment: of its start, of its end, and of what its end is to reach."""
+    here, there = planes[start[i] : start[i + 1]], planes[start[i + 1] : start[i + 2]]
+    ends = np.array([[-2 * step[i], -1.0], [2 * step[i], 1.0]])
+    moved = np.column_stack([there[:, 0] + 2 * step[i] * there[:, 1], there[:, 1]])
+    limits = np.concatenate([here[:, 2], there[:, 2]])
+    upper = np.concatenate([limits + ON_LIMIT * (1 + np.abs(limits)), [-low[i + 1], high[i + 1]]])
+    return np.concatenate([here[:, :2], moved, ends]), upper
+
+
+def _rates(A: Array, upper: Array, x: float) -> tuple[float, float, float, float]:
+    """Least and largest u at one x, and the slopes of these ends."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        value, slope = (upper - A[:, 1] * x) / A[:, 0], -A[:, 1] / A[:, 0]
+    above, below = np.where(A[:, 0] > 0, value, np.inf), np.where(A[:, 0] < 0, value, -np.inf)
+    most, least = int(np.argmin(above)), int(np.argmax(below))
+    return float(below[least]), float(above[most]), float(slope[least]), float(slope[most])
+
+
+def _nearest(A: Array, upper: Array, start: float, to: float) -> float | None:
+    """The x nearest to `start` on the way to `to` that leaves some u, by Newton's method; None if there is none."""
+    inward = 1 if to >= start else -1
+    x = start
+    for _ in range(len(A) + 1):
+        least, most, least_slope, most_slope = _rates(A, upper, x)
+        gap, slope = most - least, (most_slope - least_slope) * inward
+        if gap >= 0:
+            return x
+        if slope <= 0:
+            return None
+        ahead = x - gap / slope * inward
+        if ahead == x:
+            return x
+        if x == to:
+            return None
+        x = to if (ahead - to) * inward > 0 else ahead
+    return x

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: MIT
+"""The admissible pairs of u = r̈ and x = ṙ² at every sample: convex polygons, as half-planes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.kernel.kernel_library import OPTIMAL
+from mrts.retiming.speed_kernel import speed_kernel
+from mrts.samples.sample_problem import SampleProblem
+from mrts.samples.sample_ranges import REST_TOLERANCE
+
+BOX = 1e5
+"""Projections end where u or x moves some row by this many limits; what reaches that far counts as unbounded."""
+
+NEAR_BOX = 1 - 1e-6
+
+FARTHEST = 1e3
+"""Speeds squared above this multiple of what the path's length and its accelerations make likely count as unbounded."""
+
+NEGLIGIBLE = 1e-11
+"""x has no effect where the largest likely one moves no row by more than this share of a limit: on a straight path what
+is left of it is rounding."""
+
+PROBES = 33
+"""Samples whose accelerations are looked at, to learn how fast the path may become."""
+
+
+@dataclass(frozen=True)
+class SpeedRegions:
+    """Half-planes n_u u + n_x x <= h, in units of limits, at N samples, and bounds of x.
+
+    Attributes:
+        start: The half-planes of sample i are start[i] .. start[i + 1] - 1, Shape (N + 1,).
+        planes: n_u, n_x, h, Shape (E, 3).
+        low: Least x, Shape (N,).
+        high: Largest x: the maximum velocity curve, infinity where nothing bounds it, Shape (N,).
+        bound: An x that no profile within limits reaches.
+        undecided: Samples whose region is empty, or was not found.
+    """
+
+    start: NDArray[np.int64]
+    planes: Array
+    low: Array
+    high: Array
+    bound: float
+    undecided: tuple[int, ...]
+
+
+def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, float] = (0.0, 0.0)) -> SpeedRegions:
+    """Project the polytope of every sample onto (u, x).
+
+    A projection is the hull of answers of linear programs, so a mixture of its corners is feasible: the region lies
+    inside the true one, by less than 1e-9 of a limit. The programs count x in units of what may be reached on this
+    path, and so are well scaled however short it is.
+
+    Args:
+        problem: Rows of [F, u, x], from `build_path_problem`.
+        length: Of the path: over it u changes x by 2 u times that.
+        ends: x at the first and the last sample.
+    """
+    velocity, most = problem.is_velocity, problem.velocity_cap()
+    A, lower, upper = problem.A[:, ~velocity], problem.lower[:, ~velocity], problem.upper[:, ~velocity]
+    effect = np.max(np.abs(A), axis=1, initial=0.0)
+    effect[effect[:, -2] <= REST_TOLERANCE * np.max(effect[:, -2]), -2] = 0.0
+    likely = _likely_speed(A, lower, upper, effect[:, -2], length)
+    likely = max(*ends, likely if np.isfinite(likely) else float(np.max(most[np.isfinite(most)], initial=1.0)))
+    reached = np.minimum(likely, most)
+    effect[effect[:, -1] * reached <= NEGLIGIBLE, -1] = 0.0
+    with np.errstate(divide="ignore"):
+        unit = 1 / effect
+    unit[:, -1] = np.where(effect[:, -1] > 0, np.minimum(unit[:, -1], reached), np.inf)
+    scale = np.where(np.isfinite(unit), unit, 0.0)
+    A = A * scale[:, None, :]
+    if problem.unknowns == 2:  # noqa: PLR2004 (u and x: the rows are the half-planes)
+        return _by_rows(A, lower, upper, unit, most, FARTHEST * likely)
+    return _by_projection(A, lower, upper, unit, most, FARTHEST * likely)
+
+
+def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
+    """What is admissible in all of several regions of the same samples."""
+    samples = np.concatenate([np.repeat(np.arange(len(part.low)), np.diff(part.start)) for part in regions])
+    order = np.argsort(samples, kind="stable")
+    return SpeedRegions(
+        _starts(np.bincount(samples, minlength=len(regions[0].low))),
+        np.concatenate([part.planes for part in regions])[order],
+        np.max([part.low for part in regions], axis=0),
+        np.min([part.high for part in regions], axis=0),
+        min(part.bound for part in regions),
+        tuple(sorted({sample for part in regions for sample in part.undecided})),
+    )
+
+
+def _likely_speed(A: Array, lower: Array, upper: Array, effect: Array, length: float) -> float:
+    """The x that the accelerations of some samples at rest reach along the whole path; infinity where u has no effect.
+
+    Args:
+        A: Rows of [F, u, x], Shape (N, r, k).
+        lower: Shape (N, r).
+        upper: Shape (N, r).
+        effect: Of u on the rows, Shape (N,).
+        length: Of the path.
+    """
+    moving = np.flatnonzero(effect)
+    if not moving.size:
+        return np.inf
+    probes = moving[np.unique(np.linspace(0, len(moving) - 1, PROBES).astype(int))]
+    A = A[probes]
+    A[:, :, -2] /= effect[probes, None]
+    bounds = np.full((len(probes), A.shape[2]), np.inf)
+    bounds[:, -2:] = BOX, 0.0
+    number, corners, _ = speed_kernel().projections(
+        A, np.concatenate([lower[probes], -bounds], axis=1), np.concatenate([upper[probes], bounds], axis=1)
+    )
+    real = np.arange(corners.shape[1]) < number[:, None]
+    # at least the u of a whole limit: some samples leave none at rest
+    fastest = np.max(np.where(real, np.abs(corners[:, :, 0]), 0.0), axis=1, initial=1.0)
+    return 2 * length * float(np.median(fastest / effect[probes]))
+
+
+def _starts(counts: NDArray[np.int64]) -> NDArray[np.int64]:
+    return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+
+
+def _by_rows(A: Array, lower: Array, upper: Array, unit: Array, most: Array, bound: float) -> SpeedRegions:
+    """Every row is two half-planes."""
+    count = len(A)
+    sides = np.concatenate([A, -A], axis=1)
+    limit = np.concatenate([upper, -lower], axis=1)
+    sample, row = np.nonzero(np.isfinite(limit))
+    planes = np.column_stack([sides[sample, row] / unit[sample], limit[sample, row]])
+    start = _starts(np.bincount(sample, minlength=count))
+    return SpeedRegions(start, planes, np.zeros(count), most, bound, ())
+
+
+def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Array, bound: float) -> SpeedRegions:
+    count, _, unknowns = A.shape
+    scale = np.where(np.isfinite(unit[:, -1]), unit[:, -1], 0.0)
+    box = np.minimum(bound / np.where(scale > 0, scale, 1.0), BOX)
+    cap = np.minimum(most / np.where(scale > 0, scale, 1.0), box)
+    least, largest = np.full((count, unknowns), -np.inf), np.full((count, unknowns), np.inf)
+    least[:, -2], largest[:, -2] = -BOX, BOX
+    least[:, -1], largest[:, -1] = 0.0, cap
+    for column in (-2, -1):
+        still = np.isinf(unit[:, column])
+        least[still, column] = largest[still, column] = 0.0
+    number, corners, status = speed_kernel().projections(
+        A, np.concatenate([lower, least], axis=1), np.concatenate([upper, largest], axis=1)
+    )
+    corners = corners[:, : max(int(np.max(number)), 1)]
+    place = np.arange(corners.shape[1])
+    real = place < number[:, None]
+    x = np.where(real, corners[:, :, 1], np.nan)
+    found = status == OPTIMAL
+    low, high = np.zeros(count), np.zeros(count)
+    low[found], high[found] = np.maximum(np.nanmin(x[found], axis=1), 0.0), np.nanmax(x[found], axis=1)
+    high = np.where(high >= NEAR_BOX * box, np.inf, high)
+
+    after = np.where(place + 1 < number[:, None], place + 1, 0)
+    ahead = np.take_along_axis(corners, after[:, :, None], axis=1)
+    step = ahead - corners
+    length = np.hypot(step[:, :, 0], step[:, :, 1])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        normal = np.stack([step[:, :, 1], -step[:, :, 0]], axis=2) / length[:, :, None]
+    on_box = np.minimum(np.abs(corners[:, :, 0]), np.abs(ahead[:, :, 0])) >= NEAR_BOX * BOX
+    both = np.stack([corners[:, :, 1], ahead[:, :, 1]])
+    on_bound = np.all(both >= NEAR_BOX * cap[:, None], axis=0) | np.all(both <= 1 / BOX**2, axis=0)
+    sample, corner = np.nonzero(real & (length > 0) & (number > 1)[:, None] & ~on_box & ~on_bound)
+    normals = normal[sample, corner]
+    offset = np.sum(normals * corners[sample, corner], axis=1)
+    # a point or a stretch has no edges that bound it along itself
+    thin = np.flatnonzero(found & (number <= 2) & np.isfinite(unit[:, -2]))  # noqa: PLR2004 (a stretch)
+    u = np.where(real, corners[:, :, 0], np.nan)[thin]
+    sample = np.concatenate([sample, thin, thin])
+    across = np.tile([1.0, 0.0], (len(thin), 1))
+    normals = np.concatenate([normals, across, -across])
+    offset = np.concatenate([offset, np.nanmax(u, axis=1, initial=-np.inf), -np.nanmin(u, axis=1, initial=np.inf)])
+    planes = np.column_stack([normals / unit[sample, -2:], offset])
+    order = np.argsort(sample, kind="stable")
+    return SpeedRegions(
+        _starts(np.bincount(sample, minlength=count)),
+        planes[order],
+        low * scale,
+        np.minimum(np.where(scale > 0, high * np.where(scale > 0, scale, 1.0), np.inf), most),
+        bound,
+        tuple(np.flatnonzero(~found).tolist()),
+    )

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: MIT
+"""The range of c² where a fixed distribution leaves c² as the only unknown: every row bounds it by itself."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.limits.rows import STANDSTILL, ActiveRow
+from mrts.samples.range_ends import BINDING_TOLERANCE, RangeEnds, active_rows
+from mrts.samples.sample_problem import SampleProblem
+
+
+@dataclass(frozen=True)
+class LoadSensitivity:
+    """How rows move when a load's parameter goes from its least to its largest value; p parameters.
+
+    In row units: a row reads A x + Σ_j s_j (c2[j] c² + offset[j]) with every s_j in [0, 1].
+
+    Attributes:
+        c2: Change of the coefficient of c², Shape (p, N, r).
+        offset: Change of the value at c² = 0, Shape (p, N, r).
+    """
+
+    c2: Array
+    offset: Array
+
+
+def load_sensitivity(least: SampleProblem, others: list[SampleProblem]) -> LoadSensitivity:
+    """Differences of the rows of p + 1 loads, exact as rows are affine in the load.
+
+    Args:
+        least: Rows with every parameter at its least value.
+        others: Rows with one parameter at its largest value, one problem a parameter.
+    """
+    shape = (len(others), *least.A.shape[:2])
+    c2 = np.array([other.A[:, :, -1] - least.A[:, :, -1] for other in others]).reshape(shape)
+    upper = np.isfinite(least.upper)
+    finite = np.where(upper, least.upper, least.lower)  # limits move opposite to the offset of their row
+    offset = np.array([finite - np.where(upper, other.upper, other.lower) for other in others]).reshape(shape)
+    return LoadSensitivity(c2, offset)
+
+
+def ends_in_closed_form(problem: SampleProblem, sensitivity: LoadSensitivity | None = None) -> RangeEnds:
+    """Eqs. (38), (39): every row bounds c² by itself; `intersect` adds the intersection over t.
+
+    With an uncertain load a row's worst value over the box is a convex, piecewise linear function of c², as each
+    parameter takes its worse end by itself; so a row still bounds c² to an interval, and no corner is enumerated.
+
+    Args:
+        problem: Rows in which c² is the only unknown; those of the least parameters if the load is uncertain.
+        sensitivity: Effect of the uncertain parameters; None if the load is known.
+    """
+    slope = problem.A[:, :, 0]
+    none = np.zeros((0, *slope.shape))
+    c2, offset = (none, none) if sensitivity is None else (sensitivity.c2, sensitivity.offset)
+    upper_low, upper_high = _worst_below_zero(slope, -problem.upper, c2, offset)
+    lower_low, lower_high = _worst_below_zero(-slope, problem.lower, -c2, -offset)
+    least, most = np.maximum(upper_low, lower_low), np.minimum(upper_high, lower_high)
+    low, high = np.max(least, axis=1, initial=0.0), np.min(most, axis=1, initial=np.inf)
+    low_rows, high_rows = [], []
+    for sample in range(problem.samples):
+        by_upper = np.where(upper_low[sample] >= lower_low[sample], 1.0, -1.0)
+        standstill = low[sample] == 0
+        rows = _closest_rows(problem, least[sample], low[sample], by_upper)
+        low_rows.append((ActiveRow(STANDSTILL, "lower", 0.0),) if standstill else rows)
+        by_upper = np.where(upper_high[sample] <= lower_high[sample], 1.0, -1.0)
+        high_rows.append(_closest_rows(problem, most[sample], high[sample], by_upper))
+    return RangeEnds(low, high, low_rows, high_rows, low > high, 0)
+
+
+def worst_parameters(problem: SampleProblem, sensitivity: LoadSensitivity, sample: int, c2: float) -> NDArray[np.bool_]:
+    """Which parameters are at their largest value in the load that comes closest to a limit, Shape (p,).
+
+    Args:
+        problem: Rows of the least parameters.
+        sensitivity: Effect of the parameters.
+        sample: Index.
+        c2: At this c².
+    """
+    effect = sensitivity.c2[:, sample] * c2 + sensitivity.offset[:, sample]
+    value = problem.A[sample, :, 0] * c2
+    if not value.size:
+        return np.zeros(len(effect), dtype=bool)  # no limit to come close to
+    above = value + np.sum(np.maximum(effect, 0.0), axis=0) - problem.upper[sample]
+    below = problem.lower[sample] - value - np.sum(np.minimum(effect, 0.0), axis=0)
+    row = int(np.argmax(np.maximum(above, below)))
+    return np.asarray(effect[:, row] > 0 if above[row] >= below[row] else effect[:, row] < 0)
+
+
+def _worst_below_zero(a: Array, b: Array, d: Array, e: Array) -> tuple[Array, Array]:
+    """Where a c² + b + Σ_j max(0, d_j c² + e_j) <= 0 with c² >= 0: an interval, [∞, -∞] if nowhere.
+
+    Args:
+        a: Shape (N, r).
+        b: Shape (N, r), minus infinity where there is no limit.
+        d: Shape (p, N, r).
+        e: Shape (p, N, r).
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turns = np.where(d != 0, -e / d, 0.0)
+    turns = np.sort(np.where(np.isfinite(turns) & (turns > 0), turns, 0.0), axis=0)
+    corners = np.concatenate([np.zeros((1, *a.shape)), turns])
+    values = a * corners + b + np.sum(np.maximum(0.0, d[:, None] * corners + e[:, None]), axis=0)
+    low, high = np.full(a.shape, np.inf), np.full(a.shape, -np.inf)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for index in range(len(corners)):
+            start, at_start = corners[index], values[index]
+            if index + 1 < len(corners):
+                stop, at_stop = corners[index + 1], values[index + 1]
+                root = start + (stop - start) * (at_start / (at_start - at_stop))
+            else:
+                growth = a + np.sum(np.maximum(0.0, d), axis=0)
+                stop, at_stop = np.full(a.shape, np.inf), np.where(growth == 0, at_start, growth)
+                root = start - at_start / growth
+            inside, ends_inside = at_start <= 0, at_stop <= 0
+            low = np.minimum(low, np.where(inside, start, np.where(ends_inside, root, np.inf)))
+            high = np.maximum(high, np.where(ends_inside, stop, np.where(inside, root, -np.inf)))
+    return low, high
+
+
+def _closest_rows(problem: SampleProblem, ends: Array, c2: float, side: Array) -> tuple[ActiveRow, ...]:
+    if not np.isfinite(c2):
+        return ()
+    near = np.abs(ends - c2) <= BINDING_TOLERANCE * abs(c2)
+    return active_rows(problem, np.where(near, side, 0.0), 0.0)

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: MIT
+"""Why a sample is infeasible: a verified Farkas certificate and the limits that it names."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.load_box import LoadPoint
+from mrts.limits.rows import ActiveRow
+from mrts.samples.sample_problem import SampleProblem
+from mrts.solvers.elastic_program import least_widening
+
+CERTIFICATE_TOLERANCE = 1e-9
+"""A certificate must separate the limits by more than this share of their size, or nothing is proved."""
+
+NEGLIGIBLE_MULTIPLIER = 1e-9
+"""Multipliers below this share of the largest are rounding: a vertex leaves exact zeros."""
+
+COMBINATION_TOLERANCE = 1e-8
+"""Largest error of yᵀA = 0, relative to its terms: what rounding and the dropped multipliers leave."""
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """Limits that cannot hold together at one sample, whatever c² >= 0.
+
+    With the multipliers y of these rows, Σ yᵢ (row i) is a combination of limits that no torque satisfies
+    (Farkas' lemma); `separation` checks it by substitution.
+
+    Attributes:
+        sample: Index of the sample.
+        time: [s].
+        rows: The conflicting rows and sides.
+        multipliers: y of these rows, per N or N m; positive at an upper limit.
+        widening: All limits must move outward by at least this share of their larger side to make the sample feasible.
+        moves: The same for each of these rows in its own unit.
+        load: The load that cannot be carried, if the load is uncertain.
+    """
+
+    sample: int
+    time: float
+    rows: tuple[ActiveRow, ...]
+    multipliers: tuple[float, ...]
+    widening: float
+    moves: tuple[float, ...]
+    load: LoadPoint | None = None
+
+    def __str__(self) -> str:
+        names = "; ".join(str(row) for row in self.rows)
+        carried = "the object" if self.load is None else f"the object with {self.load}"
+        moves = ", ".join(
+            f"{row.name.robot}/{row.name.element} by {move:.3g} {row.name.unit}"
+            for row, move in zip(self.rows, self.moves, strict=True)
+        )
+        return (
+            f"at t = {self.time:.4g} s (sample {self.sample}) no torques carry {carried} at any speed: these limits "
+            f"conflict: {names}. It takes moving all limits outward by {100 * self.widening:.3g} % of their size "
+            f"({moves})"
+        )
+
+
+def find_conflicts(
+    problem: SampleProblem, time: Array, samples: NDArray[np.int_], solver: str
+) -> list[Conflict | None]:
+    """Decide feasibility of some samples and explain the infeasible ones.
+
+    The elastic program min s, lower - s <= A x <= upper + s (in rows of limits) always has a solution; s > 0 exactly
+    where the sample is infeasible, and its multipliers are the Farkas certificate.
+
+    Args:
+        problem: Rows of all samples.
+        time: Shape (N,) [s].
+        samples: Indices of the samples in question.
+        solver: Name in the registry.
+
+    Returns:
+        For each of `samples` the conflict, or None where the limits hold together.
+
+    Raises:
+        SolverError: If no solver answers.
+    """
+    part = problem.at(samples)
+    x_lower = np.append(np.full(part.unknowns - 1, -np.inf), 0.0)
+    found = least_widening(
+        part.A, part.lower, part.upper, part.is_limit, x_lower, solver, "whether the limits hold together"
+    )
+    conflicts: list[Conflict | None] = []
+    for index, sample in enumerate(samples):
+        certified = _certified(part, index, found.row_dual[index])
+        if certified is None:
+            conflicts.append(None)
+            continue
+        rows_in_conflict = np.flatnonzero(certified).tolist()
+        conflicts.append(
+            Conflict(
+                int(sample),
+                float(time[sample]),
+                tuple(part.active_row(row, upper=bool(certified[row] > 0)) for row in rows_in_conflict),
+                tuple(float(certified[row] / part.unit[row]) for row in rows_in_conflict),
+                float(found.share[index]),
+                tuple(float(found.share[index] * part.unit[row]) for row in rows_in_conflict),
+            )
+        )
+    return conflicts
+
+
+def separation(problem: SampleProblem, index: int, y: Array) -> tuple[float, float]:
+    """Check a Farkas certificate by substitution.
+
+    For every x with c² >= 0 the rows give yᵀA x <= Σ_{y>0} y upper + Σ_{y<0} y lower. If yᵀA is zero on the free
+    unknowns and >= 0 on c², the left side is >= 0; a negative right side then proves infeasibility.
+
+    Args:
+        problem: Rows.
+        index: Sample.
+        y: Multipliers of the problem's rows, Shape (r,).
+
+    Returns:
+        The right side, relative to Σ |y|, and the largest error of the left side, each column relative to Σ |y|
+        times its largest coefficient.
+    """
+    terms = np.sum(np.abs(y)) * np.max(np.abs(problem.A[index]), axis=0)
+    combined = (y @ problem.A[index]) / np.where(terms > 0, terms, 1.0)
+    error = max(float(np.max(np.abs(combined[:-1]), initial=0.0)), 0.0, -float(combined[-1]))
+    limit = np.where(y > 0, problem.upper[index], np.where(y < 0, problem.lower[index], 0.0))
+    size = float(np.sum(np.abs(y) * problem.is_limit))
+    return float(np.sum(y * limit)) / (size or 1.0), error
+
+
+def _certified(problem: SampleProblem, index: int, y: Array) -> Array | None:
+    """The multipliers without rounding if they prove infeasibility, else None."""
+    weight = np.abs(y) * np.maximum(np.max(np.abs(problem.A[index]), axis=1), problem.is_limit)
+    y = np.where(weight > NEGLIGIBLE_MULTIPLIER * np.max(weight, initial=0.0), y, 0.0)
+    value, error = separation(problem, index, y)
+    return y if value < -CERTIFICATE_TOLERANCE and error <= COMBINATION_TOLERANCE else None

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: MIT
+"""The range of c² at every sample where the distribution of the load is free: two linear programs."""
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.samples.range_ends import BINDING_TOLERANCE, RangeEnds, active_rows
+from mrts.samples.sample_problem import SampleProblem
+from mrts.solvers.convex_program import Answers, ConvexPrograms, solve_programs
+
+UNBOUNDED = 1e9
+"""Effect of the speed on some row, as a multiple of its limit, beyond which a range has no upper end."""
+
+UNBOUNDED_SLACK = 1e-9
+"""Rounding of an answer at that bound."""
+
+NO_EFFECT = 1e-300
+"""What moves no row by more than this share of a limit moves none: its reciprocal is not finite. As in trajectory.c."""
+
+
+def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
+    """Eqs. (26), (29): least and largest c² >= 0 within all limits; c² is scaled to the size of the other unknowns.
+
+    Velocity limits go in as a bound of c²: rows of a motion near rest would spoil its scale.
+    """
+    count, _, unknowns = problem.A.shape
+    effect = effect_of_speed(problem)
+    unit = 1 / np.where(effect > 0, effect, 1.0)  # c² = unit · y, where y = 1 moves some row by a whole limit
+    velocity, most = problem.is_velocity, problem.velocity_cap()
+    share = problem.A[:, velocity, -1]
+    A, lower, upper = problem.A[:, ~velocity], problem.lower[:, ~velocity], problem.upper[:, ~velocity]
+    A[:, :, -1] *= unit[:, None]
+    x_lower = np.full((count, unknowns), -np.inf)
+    x_lower[:, -1] = 0.0
+    x_upper = np.full((count, unknowns), np.inf)
+    x_upper[:, -1] = np.where(effect > 0, np.minimum(UNBOUNDED, most / unit), 0.0)
+
+    def solve(direction: float) -> Answers:
+        g = np.zeros((count, unknowns))
+        g[:, -1] = direction
+        programs = ConvexPrograms(None, g, A, lower, upper, x_lower, x_upper)
+        return solve_programs(programs, solver)
+
+    least, largest = solve(1.0), solve(-1.0)
+    low, high = np.maximum(least.x[:, -1], 0.0) * unit, largest.x[:, -1] * unit
+    free = (largest.x[:, -1] >= UNBOUNDED * (1 - UNBOUNDED_SLACK)) | (effect == 0)
+    high = np.where(free, np.inf, high)
+    at_most = (share >= (1 - BINDING_TOLERANCE) / most[:, None]) * np.maximum(largest.bound_dual[:, -1:], 0.0)
+    duals = [np.zeros(problem.A.shape[:2]) for _ in range(2)]
+    duals[0][:, ~velocity], duals[1][:, ~velocity], duals[1][:, velocity] = least.row_dual, largest.row_dual, at_most
+    low_rows = [active_rows(problem, duals[0][k], float(least.bound_dual[k, -1])) for k in range(count)]
+    high_rows = [active_rows(problem, dual, 0.0) for dual in duals[1]]
+    undecided = ~(least.verified & largest.verified)
+    return RangeEnds(low, high, low_rows, high_rows, undecided, least.fallbacks + largest.fallbacks)
+
+
+def effect_of_speed(problem: SampleProblem) -> Array:
+    """Largest effect of c² = 1 on a limit, or on a balance that other unknowns of the size of their limits keep."""
+    size = np.abs(problem.A)
+    limits = size[:, problem.is_limit]
+    effect: Array = np.max(limits[:, :, -1], axis=1, initial=0.0)
+    laws = size[:, ~problem.is_limit]
+    if laws.shape[1] == 0:
+        return np.where(effect > NO_EFFECT, effect, 0.0)
+    reach = np.max(limits[:, :, :-1], axis=1, initial=0.0)  # 1 / size of each unknown at its limits
+    terms = np.max(laws[:, :, :-1] / np.where(reach > 0, reach, 1.0)[:, None, :], axis=2)
+    in_laws: Array = np.max(laws[:, :, -1] / np.where(terms > 0, terms, 1.0), axis=1)
+    effect = np.maximum(effect, in_laws)
+    return np.where(effect > NO_EFFECT, effect, 0.0)

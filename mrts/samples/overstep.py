@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: MIT
+"""By how much limits must move outward at a sample before a given c² is admissible there."""
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.samples.sample_problem import SampleProblem
+from mrts.solvers.elastic_program import least_widening
+
+
+def widening_at(problem: SampleProblem, c2: float, solver: str, what: str) -> Array:
+    """Least s that admits a given c², Shape (N,); where c² is the only unknown, what is overstepped.
+
+    Args:
+        problem: Rows of some samples.
+        c2: c².
+        solver: Name in the registry.
+        what: What is found, for the message.
+
+    Raises:
+        SolverError: If no solver answers.
+    """
+    given = problem.A[:, :, -1] * c2
+    lower, upper = problem.lower - given, problem.upper - given
+    if problem.unknowns == 1:
+        return np.asarray(np.max(np.maximum(lower, -upper), axis=1, initial=0.0), dtype=np.float64)
+    free = np.full(problem.unknowns - 1, -np.inf)
+    return least_widening(problem.A[:, :, :-1], lower, upper, problem.is_limit, free, solver, what).share

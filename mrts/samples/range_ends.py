@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: MIT
+"""Least and largest c² of a batch of samples, and the rows that bind there."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.errors import SolverError
+from mrts.limits.rows import STANDSTILL, ActiveRow, LimitRows
+from mrts.limits.velocity_limits import VelocityLimits
+from mrts.samples.sample_problem import SampleProblem
+
+BINDING_TOLERANCE = 1e-7
+"""A row binds if its multiplier exceeds this share of the largest, or, in closed form, its c² ties this closely."""
+
+
+@dataclass
+class RangeEnds:
+    """Least and largest c² of a batch, the rows that bind there, and where neither was found."""
+
+    low: Array
+    high: Array
+    low_rows: list[tuple[ActiveRow, ...]]
+    high_rows: list[tuple[ActiveRow, ...]]
+    undecided: NDArray[np.bool_]
+    fallbacks: int
+
+    def replace(self, samples: NDArray[np.int_], other: "RangeEnds") -> None:
+        """Take some samples from another batch, which must have found them."""
+        if np.any(other.undecided):
+            sample = int(samples[int(np.argmax(other.undecided))])
+            raise SolverError(
+                f"no solver found the range of c² at sample {sample}, although its limits hold together. This is a "
+                "defect of mrts or of extremely scaled data: please report the cell and the motion."
+            )
+        for index, sample in enumerate(samples):
+            low, high = other.low[index], other.high[index]
+            self.low[sample], self.high[sample] = min(low, high), high
+            self.low_rows[sample], self.high_rows[sample] = other.low_rows[index], other.high_rows[index]
+        self.fallbacks += other.fallbacks
+
+
+@dataclass(frozen=True)
+class KernelRows(Sequence[tuple[ActiveRow, ...]]):
+    """The rows that bind at one end of each of N samples, named when they are asked for.
+
+    Attributes:
+        limits: The r rows; row r + k - 1 of a basis is c² >= 0 at its lower side, a velocity limit at its upper one.
+        velocity: The velocity limits.
+        basis: As the kernel gives them, Shape (N, k).
+        dual: Their multipliers, Shape (N, k).
+        settled: By sample, what was found in another way.
+    """
+
+    limits: LimitRows
+    velocity: VelocityLimits
+    basis: NDArray[np.int16]
+    dual: NDArray[np.float32]
+    settled: dict[int, tuple[ActiveRow, ...]]
+
+    def __len__(self) -> int:
+        return len(self.basis)
+
+    def __getitem__(self, sample: Any) -> Any:
+        if isinstance(sample, slice):
+            return tuple(self[index] for index in range(*sample.indices(len(self))))
+        index = range(len(self))[sample]
+        if index in self.settled:
+            return self.settled[index]
+        sides, size = self.basis[index], np.abs(self.dual[index])
+        rows = np.abs(sides.astype(int)) - 1
+        strong = size > BINDING_TOLERANCE * np.max(size)
+        of_c2 = rows >= len(self.limits.names)
+        named = [ActiveRow(STANDSTILL, "lower", 0.0)] if np.any(strong & of_c2 & (sides < 0)) else []
+        for place in np.argsort(-size, kind="stable"):
+            row, upper = rows[place], bool(sides[place] > 0)
+            if strong[place] and of_c2[place] and upper:
+                named += self.velocity.binding(index)
+            elif strong[place] and not of_c2[place]:
+                limit = self.limits.upper[row] if upper else self.limits.lower[row]
+                named.append(ActiveRow(self.limits.names[row], "upper" if upper else "lower", float(limit)))
+        return tuple(named)
+
+
+@dataclass(frozen=True)
+class SelectedRows(Sequence[tuple[ActiveRow, ...]]):
+    """The rows at one end of each of N samples, each from one of several sources, looked up when they are asked for.
+
+    Attributes:
+        sources: Rows of every sample by source.
+        choice: Which source counts, Shape (N,).
+    """
+
+    sources: tuple[Sequence[tuple[ActiveRow, ...]], ...]
+    choice: NDArray[np.int_]
+
+    def __len__(self) -> int:
+        return len(self.choice)
+
+    def __getitem__(self, sample: Any) -> Any:
+        if isinstance(sample, slice):
+            return tuple(self[index] for index in range(*sample.indices(len(self))))
+        return self.sources[self.choice[sample]][sample]
+
+
+def active_rows(problem: SampleProblem, dual: Array, standstill_dual: float) -> tuple[ActiveRow, ...]:
+    """Rows with a multiplier, strongest first; rows of the object's balance are laws and are left out."""
+    largest = max(float(np.max(np.abs(dual), initial=0.0)), abs(standstill_dual))
+    active = []
+    if abs(standstill_dual) > BINDING_TOLERANCE * largest:
+        active.append(ActiveRow(STANDSTILL, "lower", 0.0))
+    order = np.argsort(-np.abs(dual), kind="stable")
+    strong = [row for row in order if problem.is_limit[row] and abs(dual[row]) > BINDING_TOLERANCE * largest]
+    return tuple(active + [problem.active_row(row, upper=bool(dual[row] > 0)) for row in strong])

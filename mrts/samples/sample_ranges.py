@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: MIT
+"""The admissible range of c² at every sample."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.load_box import LoadPoint
+from mrts.limits.rows import ActiveRow
+from mrts.samples.closed_form import ends_in_closed_form
+from mrts.samples.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
+from mrts.samples.linear_programs import ends_by_linear_programs
+from mrts.samples.range_ends import RangeEnds
+from mrts.samples.sample_problem import SampleProblem
+
+REST_TOLERANCE = 1e-12
+"""A sample is at rest where c² moves no row by more than this share of what it does elsewhere."""
+
+POINT_TOLERANCE = 1e-9
+"""Relative overlap by which rounding may miss a range that is a single point."""
+
+TIE = 1e-7
+"""Relative difference of two samples' ends, or two loads', that may be rounding: the first of them counts as the one
+that sets the end, so that it does not depend on the solver."""
+
+
+class SampleStatus(Enum):
+    """Outcome at one sample; empty if every load of a box has a range there, but no c² is in all."""
+
+    FEASIBLE = "feasible"
+    INFEASIBLE = "infeasible"
+    EMPTY = "empty"
+    UNBOUNDED = "unbounded"
+
+
+@dataclass(frozen=True)
+class SampleRanges:
+    """The least and the largest c² of each of N samples.
+
+    Attributes:
+        time: Of the given motion, Shape (N,) [s].
+        status: Shape (N,).
+        lower: c²⁻(t), Shape (N,); infinity where infeasible.
+        upper: c²⁺(t), Shape (N,); minus infinity where infeasible, infinity where unbounded.
+        lower_rows: Rows that bind at the lower end of each sample.
+        upper_rows: Rows that bind at the upper end of each sample.
+        conflicts: One for each infeasible sample, in order.
+        fallbacks: Programs that the chosen solver did not solve and another did.
+        lower_loads: If the load is uncertain, the load that sets the lower end of each sample.
+        upper_loads: Likewise of the upper end.
+    """
+
+    time: Array
+    status: tuple[SampleStatus, ...]
+    lower: Array
+    upper: Array
+    lower_rows: Sequence[tuple[ActiveRow, ...]]
+    upper_rows: Sequence[tuple[ActiveRow, ...]]
+    conflicts: tuple[Conflict, ...]
+    fallbacks: int
+    lower_loads: Sequence[LoadPoint] | None = None
+    upper_loads: Sequence[LoadPoint] | None = None
+
+
+def sample_ranges(problem: SampleProblem, time: Array, solver: str) -> SampleRanges:
+    """Step 1 of MMTSF: min and max of c² at every sample, with binding rows.
+
+    One unknown (a fixed distribution, a single arm) is an intersection of intervals; more are linear programs.
+
+    Args:
+        problem: Rows along the motion.
+        time: Shape (N,) [s].
+        solver: Name in the registry.
+
+    Raises:
+        InputError: If there is no such solver.
+        SolverError: If no solver answers.
+    """
+    problem = without_speed_at_rest(problem)
+
+    def find(part: SampleProblem) -> RangeEnds:
+        return ends_in_closed_form(part) if part.unknowns == 1 else ends_by_linear_programs(part, solver)
+
+    ends = find(problem)
+    conflicts: dict[int, Conflict] = {}
+    if np.any(ends.undecided):
+        suspects = np.flatnonzero(ends.undecided)
+        found = find_conflicts(problem, time, suspects, solver)
+        conflicts = {conflict.sample: conflict for conflict in found if conflict is not None}
+        marginal = np.array([sample for sample in suspects if sample not in conflicts], dtype=int)
+        if marginal.size:
+            ends.replace(marginal, find(_relaxed(problem.at(marginal))))
+    for sample in conflicts:
+        ends.low[sample], ends.high[sample] = np.inf, -np.inf
+        ends.low_rows[sample] = ends.high_rows[sample] = ()
+    return SampleRanges(
+        time,
+        statuses(ends.low, ends.high, conflicts.values()),
+        ends.low,
+        ends.high,
+        tuple(ends.low_rows),
+        tuple(ends.high_rows),
+        tuple(conflicts.values()),
+        ends.fallbacks,
+    )
+
+
+def statuses(low: Array, high: Array, conflicts: Iterable[Conflict]) -> tuple[SampleStatus, ...]:
+    """The outcome at every sample.
+
+    Args:
+        low: c²⁻(t), Shape (N,).
+        high: c²⁺(t), Shape (N,).
+        conflicts: Of the infeasible samples.
+    """
+    names = np.array([SampleStatus.FEASIBLE, SampleStatus.EMPTY, SampleStatus.UNBOUNDED, SampleStatus.INFEASIBLE])
+    code = np.where(np.isinf(high), 2, np.where(low > high * (1 + POINT_TOLERANCE), 1, 0))
+    code[[conflict.sample for conflict in conflicts]] = 3
+    return tuple(names[code].tolist())
+
+
+def first_least(values: Array) -> Any:
+    """Place of the least value along the first axis, the first of those that differ by rounding only.
+
+    Args:
+        values: Shape (N,), or any with N first: then a place for each column.
+    """
+    least = np.min(values, axis=0)
+    return np.argmax(values <= least + TIE * np.abs(np.where(np.isfinite(least), least, 0.0)), axis=0)
+
+
+def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> SampleProblem:
+    """The same problem with exactly no effect of c² on torques and wrenches where only rounding is left of it.
+
+    Args:
+        problem: Rows of some samples.
+        largest: Largest effect at other samples of the motion.
+    """
+    dynamic = ~problem.is_velocity
+    effect = np.max(np.abs(problem.A[:, dynamic, -1]), axis=1, initial=0.0)
+    at_rest = effect <= REST_TOLERANCE * np.max(effect, initial=largest)
+    A = problem.A.copy()
+    A[:, :, -1] = np.where(at_rest[:, None] & dynamic, 0.0, A[:, :, -1])
+    return replace(problem, A=A)
+
+
+def _relaxed(problem: SampleProblem) -> SampleProblem:
+    """The same problem with limits wider by what `find_conflicts` cannot tell from nothing."""
+    slack = 2 * CERTIFICATE_TOLERANCE * problem.is_limit
+    return replace(problem, lower=problem.lower - slack, upper=problem.upper + slack)

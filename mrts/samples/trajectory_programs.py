@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: MIT
+"""The programs of a whole trajectory: by the compiled kernel in one call, or put together here for another solver."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.kernel.compiled_cell import CompiledCell, SparseLimits
+from mrts.kernel.kernel_library import OPTIMAL
+from mrts.limits import cell_rows
+from mrts.limits.rows import ActiveRow, LimitRows
+from mrts.limits.velocity_limits import velocity_limits
+from mrts.samples.end_rows import with_end_rows
+from mrts.samples.infeasibility import Conflict, find_conflicts
+from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.range_ends import KernelRows
+from mrts.samples.sample_problem import FormulationName, build_sample_problem
+from mrts.samples.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses, without_speed_at_rest
+from mrts.samples.torque_distribution import SLACK, distribute_torques
+from mrts.solvers import check_solver
+
+BLOCK = 4096
+"""Samples whose rows are put together at a time where the kernel has not answered."""
+
+MOST_ROWS = 32_767
+"""The compiled path keeps the rows of each sample's answer as 16-bit numbers."""
+
+
+def motion_ranges(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    formulation: FormulationName,
+    sharing: LoadSharing | None,
+    solver: str,
+    load: Array | None = None,
+) -> SampleRanges:
+    """Least and largest c² at every sample (step 1 of MMTSF).
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+        formulation: "wrench" or "torque".
+        sharing: A fixed distribution of the load, None for a free one.
+        solver: Name in the registry; "kernel" takes the compiled path where it applies.
+        load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
+
+    Raises:
+        InputError: If an argument breaks a rule.
+        SolverError: If no solver answers.
+    """
+    fast = _compiled(cell, formulation, sharing, solver)
+    if fast is not None:
+        found = _compiled_ranges(cell, motion, *fast, solver, load)
+    else:
+        found = sample_ranges(
+            build_sample_problem(cell, motion, formulation, sharing, load), motion.object.time, solver
+        )
+    if sharing is not None:
+        return found
+    return with_end_rows(
+        cell, motion, found, lambda sample, _side: load if load is None or load.ndim == 1 else load[sample]
+    )
+
+
+def _compiled_ranges(
+    cell: Cell, motion: CoordinatedMotion, compiled: CompiledCell, limits: LimitRows, solver: str, load: Array | None
+) -> SampleRanges:
+    """The ranges by the kernel; what it does not settle is left to the solvers."""
+    velocity = velocity_limits(cell, motion)
+    inputs = motion.inputs(cell.load if load is None else load)
+    most = velocity.largest_c2()
+    found = compiled.ranges(motion.samples, inputs, _sparse(limits), most)
+    at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
+    low, high = found.low, np.where(at_rest, most, found.high)
+    suspects = np.flatnonzero(np.any(found.status != OPTIMAL, axis=0) | (at_rest & (low > 0)))
+    rows = [KernelRows(limits, velocity, found.basis[end], found.dual[end], {}) for end in (0, 1)]
+    for sample in np.flatnonzero(at_rest & np.isfinite(most)).tolist():
+        rows[1].settled[sample] = velocity.binding(sample)
+    conflicts: list[Conflict] = []
+    fallbacks = 0
+    for start in range(0, len(suspects), BLOCK):
+        block = suspects[start : start + BLOCK]
+        part = _settle(cell, motion, load, block, float(np.max(found.effect)), solver)
+        low[block], high[block] = part.lower, part.upper
+        for index, sample in enumerate(block.tolist()):
+            rows[0].settled[sample], rows[1].settled[sample] = part.lower_rows[index], part.upper_rows[index]
+        conflicts += [replace(conflict, sample=int(block[conflict.sample])) for conflict in part.conflicts]
+        fallbacks += part.fallbacks
+    return SampleRanges(
+        motion.object.time, statuses(low, high, conflicts), low, high, rows[0], rows[1], tuple(conflicts), fallbacks
+    )
+
+
+def motion_torques(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    formulation: FormulationName,
+    sharing: LoadSharing | None,
+    solver: str,
+    c2: float,
+    weights: Array,
+) -> tuple[Array, Array, int]:
+    """Torques, Shape (N, m), and wrenches, Shape (N, n w), at a chosen c², and how many programs another solver solved.
+
+    Args:
+        cell: The cell, with its load.
+        motion: Its motion.
+        formulation: As in `motion_ranges`.
+        sharing: Likewise.
+        solver: Likewise.
+        c2: Chosen c².
+        weights: W, Shape (m, m).
+
+    Raises:
+        InputError: If an argument breaks a rule.
+        SolverError: If no solver answers.
+    """
+    fast = _compiled(cell, formulation, sharing, solver)
+    if fast is None:
+        problem = build_sample_problem(cell, motion, formulation, sharing)
+        x, fallbacks = distribute_torques(problem, c2, weights, solver)
+        return problem.torque(x), problem.wrench(x), fallbacks
+    compiled, limits = fast
+    torque, wrench, status = compiled.torques(
+        motion.samples, motion.inputs(cell.load), _sparse(limits), np.full(motion.samples, c2), weights, SLACK
+    )
+    missing, fallbacks = np.flatnonzero(status != OPTIMAL), 0
+    for start in range(0, len(missing), BLOCK):
+        block = missing[start : start + BLOCK]
+        problem = build_sample_problem(cell, motion, samples=block)
+        x, by_another = distribute_torques(problem, c2, weights, solver)
+        torque[block], wrench[block] = problem.torque(x), problem.wrench(x)
+        fallbacks += by_another
+    return torque, wrench, fallbacks
+
+
+def _compiled(
+    cell: Cell, formulation: FormulationName, sharing: LoadSharing | None, solver: str
+) -> tuple[CompiledCell, LimitRows] | None:
+    """The cell's library and limits where it answers: free distribution, wrench form, more than one arm."""
+    check_solver(solver)
+    compiled = cell.functions.compiled
+    applies = solver == "kernel" and formulation == "wrench" and sharing is None and len(cell.robots) > 1
+    if compiled is None or not applies:
+        return None
+    limits = cell_rows(cell)
+    return (compiled, limits) if len(limits.names) + compiled.unknowns <= MOST_ROWS else None
+
+
+def _sparse(limits: LimitRows) -> SparseLimits:
+    matrix = np.hstack([limits.torque_matrix, limits.wrench_matrix])
+    return SparseLimits(matrix, limits.lower, limits.upper, limits.units())
+
+
+def _settle(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    load: Array | None,
+    samples: NDArray[np.int_],
+    speed: float,
+    solver: str,
+) -> SampleRanges:
+    """Ranges of samples that the kernel found infeasible or could not decide."""
+    problem = without_speed_at_rest(build_sample_problem(cell, motion, load=load, samples=samples), speed)
+    time = motion.object.time[samples]
+    found = find_conflicts(problem, time, np.arange(len(samples)), solver)
+    conflicts = tuple(conflict for conflict in found if conflict is not None)
+    still = np.array([index for index, conflict in enumerate(found) if conflict is None], dtype=int)
+    low, high = np.full(len(samples), np.inf), np.full(len(samples), -np.inf)
+    low_rows: list[tuple[ActiveRow, ...]] = [()] * len(samples)
+    high_rows, fallbacks = low_rows.copy(), 0
+    if still.size:
+        part = sample_ranges(problem.at(still), time[still], solver)
+        low[still], high[still], fallbacks = part.lower, part.upper, part.fallbacks
+        for index, sample in enumerate(still.tolist()):
+            low_rows[sample], high_rows[sample] = part.lower_rows[index], part.upper_rows[index]
+    return SampleRanges(
+        time, statuses(low, high, conflicts), low, high, tuple(low_rows), tuple(high_rows), conflicts, fallbacks
+    )

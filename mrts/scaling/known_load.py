@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: MIT
+"""Torques for a load that has become known, at the c² that was chosen for the whole box."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from mrts.base.argument_types import check_type
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.samples.torque_distribution import torque_weights
+from mrts.samples.trajectory_programs import motion_ranges, motion_torques
+from mrts.scaling.holding import holding_at_ends
+from mrts.scaling.range import intersect
+from mrts.scaling.result import END_TOLERANCE, ScalingResult
+from mrts.scaling.scale import SelectionError
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.solvers import DEFAULT_SOLVER, check_solver
+
+
+def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAULT_SOLVER) -> ScalingResult:
+    """Eqs. (47), (48), (49): the quadratic program with a known load k, at the c² of a result.
+
+    At a c² of the guaranteed range every load of the box has such torques; motion and duration stay as they are.
+
+    Args:
+        result: A result with a trajectory.
+        load: Load vector, Shape (10,), as from `LoadBox.load_at` or of `LoadBox.draw`.
+        solver: As in `scale`; the distribution follows the result's own rule.
+
+    Returns:
+        The same result with the torques of this load.
+
+    Raises:
+        InputError: If the result has no trajectory or an argument breaks a rule.
+        SelectionError: If this load cannot be carried at that c²; its `result` holds the range that it admits.
+        SolverError: If no solver answers.
+    """
+    check_type("result", result, ScalingResult)
+    check_solver(solver)
+    if result.trajectory is None:
+        raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
+    cell, motion, c2 = result.cell.with_load(load), result.motion, result.trajectory.c2
+    sharing, formulation = result.rule.sharing, result.rule.formulation
+    W = torque_weights(result.rule.weights, sum(len(robot.joints) for robot in cell.robots))
+    own = intersect(motion_ranges(cell, motion, formulation, sharing, solver))
+    low, high = (end.c2 if end else np.nan for end in (own.lower, own.upper))
+    if not low * (1 - END_TOLERANCE) <= c2 <= high * (1 + END_TOLERANCE):
+        refused = replace(result, cell=cell, range=own, trajectory=None, load=None)
+        error = SelectionError(f"c² = {c2:g} does not suit this load: {refused.sentence()}")
+        error.result = refused
+        raise error
+    torque, wrench, fallbacks = motion_torques(cell, motion, formulation, sharing, solver, c2, W)
+    holding, unheld = holding_at_ends(cell, motion, own.samples, sharing, formulation, W, solver)
+    warnings = tuple(dict.fromkeys(result.warnings + unheld))
+    trajectory = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
+    fallbacks += result.fallbacks + own.samples.fallbacks
+    return replace(result, cell=cell, trajectory=trajectory, fallbacks=fallbacks, warnings=warnings).checked()

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: MIT
+"""What a user should know of a given motion before trusting the range that it has."""
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.remark import Remark
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.scaling.range import RangeEnd, ScalingRange
+
+REST = 0.05
+"""Share of a motion's largest speed up to which its ends count as at rest: splines through tables leave that much."""
+
+JUMP = 5.0
+"""Times by which a step of velocity must exceed all of its neighbours: no smooth motion of enough samples does so."""
+
+NEIGHBOURS = 4
+"""Samples on either side that a step is compared with; those next to it may share in it."""
+
+LEAST_STEP = 0.05
+"""Share of the largest speed from which a step of velocity is one."""
+
+NOISE = 0.15
+"""Share of a joint's largest acceleration that is noise, from which it changes c²: by 1 % and more, soon by half."""
+
+FEWEST_SAMPLES = 21
+"""With fewer, noise and jumps cannot be told from corners of the velocity."""
+
+MOST_JUMPS = 4
+"""Samples with a jump: one row out of line makes at most three; coarse rounding makes them everywhere."""
+
+SIGNIFICANT = 0.05
+"""Share of the largest acceleration of all joints from which that of a joint counts: of one at rest all is rounding."""
+
+NORMAL_QUARTILE = 0.3186
+"""Lower quartile of the size of a normal variable of deviation 1."""
+
+FAST = 10.0
+"""Factor of speed above which something is probably missing."""
+
+OF_CONSTANT_FACTOR = ("not-at-rest", "factor-above-10")
+"""Codes of remarks that tell nothing where the speed varies along the path."""
+
+
+def motion_remarks(cell: Cell, motion: CoordinatedMotion, found: ScalingRange) -> tuple[Remark, ...]:
+    """All remarks of a cell, its motion and the range that was found, in this order.
+
+    Args:
+        cell: The cell.
+        motion: Its motion, as given.
+        found: The range of c².
+    """
+    remarks = [*cell.remarks, *motion.remarks, *_not_at_rest(cell, motion)]
+    jumps = _jumps(motion)
+    few = 0 < np.count_nonzero(np.any(jumps > 0, axis=1)) <= MOST_JUMPS
+    noise: list[Remark] = []
+    if found.status.admits_motion and found.upper is not None:
+        noise = _noise(cell, motion, found.upper, many_jumps=bool(np.any(jumps)) and not few)
+    remarks += noise or ([_jump(cell, motion, jumps)] if few else [])
+    if found.status.admits_motion and found.upper is not None:
+        remarks += _fast(found.upper)
+    return tuple(remarks)
+
+
+def lasting(remarks: tuple[Remark, ...]) -> tuple[Remark, ...]:
+    """Those that hold as well where the speed varies along the path, from rest to rest and at its fastest.
+
+    Args:
+        remarks: Of the motion at a constant factor of speed.
+    """
+    return tuple(remark for remark in remarks if remark.code not in OF_CONSTANT_FACTOR)
+
+
+def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
+    """Ends at which some joint moves."""
+    largest = np.max(np.abs(motion.dq), axis=0)
+    moving = np.flatnonzero(largest > 0)
+    names = _joint_names(cell)
+    remarks = []
+    for what, sample, why in (
+        ("start", 0, "from standstill the velocity would jump there"),
+        ("end", motion.samples - 1, "the velocity would jump to zero there"),
+    ):
+        share = np.abs(motion.dq[sample, moving]) / np.max(largest, initial=0.0) if moving.size else np.zeros(1)
+        joint = int(np.argmax(share))
+        if share[joint] > REST:
+            speed = abs(float(motion.dq[sample, moving[joint]]))
+            text = (
+                f"the motion does not {what} at rest: {names[moving[joint]]} moves at {speed:.3g} "
+                f"{_unit(cell, moving[joint])}/s at t = {motion.object.time[sample]:.4g} s, and at every factor of "
+                f"speed {why}. Give a motion that is at rest at both ends (a table of few rows: with its velocities), "
+                "or make sure that the robots move already."
+            )
+            remarks.append(Remark("not-at-rest", text, sample))
+    return remarks
+
+
+def _jumps(motion: CoordinatedMotion) -> Array:
+    """Steps of velocity at inner samples that no smooth motion has, others 0, Shape (N - 2, m) [rad/s or m/s]."""
+    velocity = np.diff(motion.q, axis=0) / np.diff(motion.object.time)[:, None]
+    step = np.abs(np.diff(velocity, axis=0))
+    if motion.samples < FEWEST_SAMPLES:
+        return np.zeros_like(step)
+    around = np.zeros_like(step)
+    for distance in range(2, NEIGHBOURS + 1):
+        around[distance:] = np.maximum(around[distance:], step[:-distance])
+        around[:-distance] = np.maximum(around[:-distance], step[distance:])
+    least = LEAST_STEP * np.max(np.abs(motion.dq), initial=0.0)
+    return np.where((step > JUMP * around) & (step > least), step, 0.0)
+
+
+def _jump(cell: Cell, motion: CoordinatedMotion, jumps: Array) -> Remark:
+    """The largest of them."""
+    place, joint = (int(index) for index in np.unravel_index(int(np.argmax(jumps)), jumps.shape))
+    sample = place + 1
+    text = (
+        f"the motion jumps at t = {motion.object.time[sample]:.4g} s (sample {sample}): the velocity of "
+        f"{_joint_names(cell)[joint]} changes there by {jumps[place, joint]:.3g} {_unit(cell, joint)}/s from one "
+        f"sample to the next, more than {JUMP:g} times what it does around it. Check that row of the table."
+    )
+    return Remark("jump", text, sample)
+
+
+def _noise(cell: Cell, motion: CoordinatedMotion, end: RangeEnd, *, many_jumps: bool) -> list[Remark]:
+    """Accelerations that change from sample to sample like noise, where they set the upper end."""
+    if motion.samples < FEWEST_SAMPLES or end.time is None or all(row.name.kind == "velocity" for row in end.rows):
+        return []
+    share = noise_share(motion.ddq)
+    largest = np.max(np.abs(motion.ddq), axis=0)
+    share[largest < SIGNIFICANT * np.max(largest)] = 0.0
+    joint = int(np.argmax(share))
+    if share[joint] < NOISE and not many_jumps:
+        return []
+    text = (
+        f"noise sets the range of c²: the acceleration of {_joint_names(cell)[joint]} goes up and down from sample to "
+        "sample, as that of rounded or measured positions does when they are differentiated twice. Give more digits, "
+        "smooth the table, or give fewer rows."
+    )
+    return [Remark("noise", text, end.sample)]
+
+
+def noise_share(values: Array) -> Array:
+    """Standard deviation of what is noise, as a share of the largest value, Shape (k,).
+
+    Fourth differences leave nothing of a smooth motion, and the lower quartile of their sizes nothing of few corners.
+    They are taken of every sample, every second and so on: between the rows of a table there may be many samples.
+
+    Args:
+        values: Shape (N, k), N at least `FEWEST_SAMPLES`.
+    """
+    deviation, stride = np.zeros(values.shape[1]), 1
+    while len(values) >= FEWEST_SAMPLES * stride:
+        differences = np.abs(np.diff(values[::stride], 4, axis=0)) / np.sqrt(70)  # 1² + 4² + 6² + 4² + 1²
+        quartile = np.quantile(differences, 0.25, axis=0)
+        deviation, stride = np.maximum(deviation, quartile / NORMAL_QUARTILE), 2 * stride
+    largest = np.max(np.abs(values), axis=0)
+    return np.asarray(deviation / np.where(largest > 0, largest, 1.0))
+
+
+def _fast(end: RangeEnd) -> list[Remark]:
+    factor = float(np.sqrt(max(end.c2, 0.0)))
+    if factor <= FAST or end.time is None:  # that nothing limits the speed is said as the outcome
+        return []
+    text = (
+        f"the motion may be played {factor:.3g} times as fast as given, more than {FAST:g} times: probably its "
+        "duration or a unit is wrong, or limits are missing (velocity limits, contact wrenches)."
+    )
+    return [Remark("factor-above-10", text)]
+
+
+def _joint_names(cell: Cell) -> list[str]:
+    return [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
+
+
+def _unit(cell: Cell, joint: int) -> str:
+    kinds = [kind for robot in cell.robots for kind in robot.joint_types]
+    return "m" if kinds[joint] == "prismatic" else "rad"

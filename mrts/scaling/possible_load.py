@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: MIT
+"""Which c² some load of a box admits at a sample: the paper's nonlinear program, verified by linear ones."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.load_box import LoadBox, LoadPoint
+from mrts.limits.rows import ActiveRow, Side
+from mrts.samples.closed_form import LoadSensitivity, load_sensitivity
+from mrts.samples.linear_programs import NO_EFFECT, UNBOUNDED, effect_of_speed
+from mrts.samples.sample_problem import SampleProblem
+from mrts.samples.sample_ranges import SampleRanges, sample_ranges, statuses
+from mrts.solvers.held_interrupt import held_interrupt
+
+ACHIEVED_TOLERANCE = 1e-6
+"""The linear program at the load found must reach the nonlinear program's c² to this share of it."""
+
+IPOPT_OPTIONS: dict[str, Any] = {
+    "print_time": False,
+    "error_on_fail": False,
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "ipopt.tol": 1e-10,
+    "ipopt.max_iter": 500,
+    # by default IPOPT oversteps bounds by 1e-8 of their size, which the substituted program does not
+    "ipopt.bound_relax_factor": 0.0,
+}
+
+
+@dataclass(frozen=True)
+class _BestLoad:
+    """What the search found at some samples: parameters in [0, 1], Shape (n, p), c², and IPOPT's word, Shape (n,)."""
+
+    parameters: Array
+    c2: Array
+    success: NDArray[np.bool_]
+
+
+def widen_by_search(
+    problem_of: Callable[[Array], SampleProblem],
+    box: LoadBox,
+    varying: tuple[str, ...],
+    best: SampleRanges,
+    time: Array,
+    solver: str,
+    progress: Callable[[int, int], None],
+) -> tuple[SampleRanges, tuple[int, ...]]:
+    """Widen the best corner's range at every sample by loads inside the box.
+
+    Every answer is verified: its load is substituted and the linear program solved, and that program's c² is what
+    counts. So an end never claims more than a load of the box reaches, nor less than the best corner.
+
+    Args:
+        problem_of: Rows with one load a sample, Shape (N, 10), or for all, Shape (10,).
+        box: The box.
+        varying: Parameters that matter.
+        best: Ranges of the best corner, or nominal load, at every sample.
+        time: Shape (N,) [s].
+        solver: Name in the registry, for the linear programs.
+        progress: Told how many of how many nonlinear programs are solved.
+
+    Returns:
+        The ranges, and the samples where an answer was not verified.
+    """
+    least = {name: box.ranges[name][0] for name in varying}
+    problem = problem_of(box.load_at(least))
+    others = [problem_of(box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
+    search = _Search(problem, load_sensitivity(problem, others))
+    infeasible = np.isinf(best.lower)
+    wanted: dict[Side, NDArray[np.int_]] = {
+        "lower": np.flatnonzero(best.lower > 0),
+        "upper": np.flatnonzero(np.isfinite(best.upper) | infeasible),
+    }
+    total, done = sum(len(samples) for samples in wanted.values()), 0
+    missed: set[int] = set()
+    for side, samples in wanted.items():
+        if not len(samples):
+            continue
+        counted = partial(_count_on, progress, done, total)
+        found = search.run(samples, side, best, _starts(box, varying, best, side), counted)
+        done += len(samples)
+        low, high = (np.array([box.ranges[name][end] for name in varying]) for end in (0, 1))
+        values = np.clip(low + found.parameters * (high - low), low, high)
+        points = [LoadPoint(dict(zip(varying, map(float, row), strict=True)), np.zeros(0)) for row in values]
+        points = [replace(point, load=box.load_at(point.parameters)) for point in points]
+        loads = np.tile(box.load_at({}), (len(time), 1))
+        loads[samples] = [point.load for point in points]
+        checked = sample_ranges(problem_of(loads).at(samples), time[samples], solver)
+        best, unverified = _keep_better(best, side, samples, points, checked, found)
+        missed |= unverified
+    return best, tuple(sorted(missed))
+
+
+def _count_on(progress: Callable[[int, int], None], before: int, total: int, done: int) -> None:
+    progress(before + done, total)
+
+
+def _starts(box: LoadBox, varying: tuple[str, ...], best: SampleRanges, side: Side) -> Array:
+    """Parameters of the best corner at every sample, as shares of their ranges, Shape (N, p)."""
+    loads = best.lower_loads if side == "lower" else best.upper_loads
+    assert loads is not None  # noqa: S101 (made from points)
+    low, high = (np.array([box.ranges[name][end] for name in varying]) for end in (0, 1))
+    values = np.array([[point.parameters[name] for name in varying] for point in loads])
+    starts: Array = (values - low) / (high - low)
+    return starts
+
+
+def _keep_better(
+    best: SampleRanges,
+    side: Side,
+    samples: NDArray[np.int_],
+    points: list[LoadPoint],
+    checked: SampleRanges,
+    found: _BestLoad,
+) -> tuple[SampleRanges, set[int]]:
+    """Take what the verified loads reach beyond the best corner; also the samples whose answer was not verified."""
+    lower, upper = best.lower.copy(), best.upper.copy()
+    rows = {"lower": list(best.lower_rows), "upper": list(best.upper_rows)}
+    loads = {"lower": list(best.lower_loads or ()), "upper": list(best.upper_loads or ())}
+    unverified, cleared = set(), set()
+    for index, sample in enumerate(samples.tolist()):
+        reached = checked.lower[index] if side == "lower" else checked.upper[index]
+        sign = -1.0 if side == "lower" else 1.0
+        short = sign * (found.c2[index] - reached)
+        promised = found.success[index] and not short <= ACHIEVED_TOLERANCE * abs(found.c2[index])
+        gave_up = not found.success[index] and np.isfinite(best.lower[sample])
+        if promised or gave_up:
+            unverified.add(sample)
+        if not np.isfinite(checked.lower[index]):
+            continue  # this load cannot be carried
+        ends: list[tuple[Side, Array, float, tuple[ActiveRow, ...]]] = []
+        if checked.lower[index] < lower[sample]:
+            ends.append(("lower", lower, checked.lower[index], checked.lower_rows[index]))
+        if checked.upper[index] > upper[sample]:
+            ends.append(("upper", upper, checked.upper[index], checked.upper_rows[index]))
+        for end, values, value, of_end in ends:
+            values[sample] = value
+            rows[end][sample], loads[end][sample] = of_end, points[index]
+        cleared.add(sample)
+    conflicts = tuple(conflict for conflict in best.conflicts if conflict.sample not in cleared)
+    better = replace(
+        best,
+        status=statuses(lower, upper, conflicts),
+        lower=lower,
+        upper=upper,
+        lower_rows=tuple(rows["lower"]),
+        upper_rows=tuple(rows["upper"]),
+        conflicts=conflicts,
+        lower_loads=tuple(loads["lower"]),
+        upper_loads=tuple(loads["upper"]),
+        fallbacks=best.fallbacks + checked.fallbacks,
+    )
+    return better, unverified
+
+
+class _Search:
+    """Eqs. (42), (43), (44), (45), (46): least or largest c² over torques and load together, with (24) as well.
+
+    Unknowns are those of the linear program and the uncertain parameters as shares s in [0, 1] of their ranges: rows
+    read A x + (a + Σ_j s_j a_j) c² + Σ_j s_j o_j. IPOPT (Wächter and Biegler, 2006) finds a local optimum from each
+    start.
+
+    Args:
+        problem: Rows with every parameter at its least value.
+        sensitivity: Effect of the parameters.
+    """
+
+    def __init__(self, problem: SampleProblem, sensitivity: LoadSensitivity) -> None:
+        count, rows, unknowns = problem.A.shape
+        p = len(sensitivity.c2)
+        effect = np.maximum(effect_of_speed(problem), np.max(np.abs(sensitivity.c2), axis=(0, 2), initial=0.0))
+        self.unit = 1 / np.where(effect > NO_EFFECT, effect, 1.0)
+        size = np.max(np.abs(problem.A[:, :, :-1]), axis=1, initial=0.0)
+        self.column = 1 / np.where(size > NO_EFFECT, size, 1.0)
+        self.A = problem.A[:, :, :-1] * self.column[:, None, :]
+        self.a = problem.A[:, :, -1] * self.unit[:, None]
+        self.da = sensitivity.c2 * self.unit[:, None]
+        self.do = sensitivity.offset
+        self.lower, self.upper = problem.lower, problem.upper
+        import casadi as ca  # noqa: PLC0415 (only here: this is the nonlinear program)
+
+        x, y, s = ca.SX.sym("x", unknowns - 1), ca.SX.sym("y"), ca.SX.sym("s", p)
+        A, a = ca.SX.sym("A", rows, unknowns - 1), ca.SX.sym("a", rows)
+        da, do, sign = ca.SX.sym("da", rows, p), ca.SX.sym("do", rows, p), ca.SX.sym("sign")
+        program = {
+            "x": ca.vertcat(x, y, s),
+            "f": sign * y,
+            "g": A @ x + (a + da @ s) * y + do @ s,
+            "p": ca.vertcat(ca.vec(A), a, ca.vec(da), ca.vec(do), sign),
+        }
+        self.solve = ca.nlpsol("possible_load", "ipopt", program, IPOPT_OPTIONS)
+        self.free, self.p, self.samples = unknowns - 1, p, count
+
+    def run(
+        self,
+        samples: NDArray[np.int_],
+        side: Side,
+        best: SampleRanges,
+        corners: Array,
+        progress: Callable[[int], None],
+    ) -> _BestLoad:
+        """Search some samples, each from its best corner and from the middle of the box.
+
+        Args:
+            samples: Indices, n of them.
+            side: Which end of the range.
+            best: Ranges to start from.
+            corners: Shares of the parameters to start from, Shape (N, p).
+            progress: Told how many samples are done.
+        """
+        sign = 1.0 if side == "lower" else -1.0
+        ends = best.lower if side == "lower" else best.upper
+        parameters, c2 = np.zeros((len(samples), self.p)), np.full(len(samples), sign * np.inf)
+        success = np.zeros(len(samples), dtype=bool)
+        for index, sample in enumerate(samples.tolist()):
+            start_y = ends[sample] / self.unit[sample] if np.isfinite(ends[sample]) else 1.0
+            for start in (corners[sample], np.full(self.p, 0.5)):
+                with held_interrupt():
+                    s, value, solved = self._from(sample, sign, start_y, start)
+                better = sign * value < sign * c2[index]
+                if (solved and (better or not success[index])) or (not success[index] and better):
+                    parameters[index], c2[index] = s, value
+                success[index] |= solved
+            progress(index + 1)
+        return _BestLoad(parameters, c2, success)
+
+    def _from(self, sample: int, sign: float, y: float, s: Array) -> tuple[Array, float, bool]:
+        target = np.clip(0.0, self.lower[sample], self.upper[sample])
+        rest = (self.a[sample] + s @ self.da[:, sample]) * y + s @ self.do[:, sample]
+        x = np.linalg.lstsq(self.A[sample], target - rest, rcond=None)[0]
+        found = self.solve(
+            x0=np.concatenate([x, [y], s]),
+            p=np.concatenate(
+                [
+                    self.A[sample].ravel(order="F"),
+                    self.a[sample],
+                    self.da[:, sample].ravel(),
+                    self.do[:, sample].ravel(),
+                    [sign],
+                ]
+            ),
+            lbx=np.concatenate([np.full(self.free, -np.inf), np.zeros(1 + self.p)]),
+            ubx=np.concatenate([np.full(self.free, np.inf), [UNBOUNDED], np.ones(self.p)]),
+            lbg=self.lower[sample],
+            ubg=self.upper[sample],
+        )
+        z = found["x"].full()[:, 0]
+        shares = np.clip(np.nan_to_num(z[self.free + 1 :], nan=0.5), 0.0, 1.0)
+        value = float(z[self.free] * self.unit[sample])
+        return shares, value if np.isfinite(value) else sign * np.inf, bool(self.solve.stats()["success"])

@@ -1,0 +1,304 @@
+# SPDX-License-Identifier: MIT
+"""The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from mrts.base.argument_types import as_path
+from mrts.base.arrays import Array
+from mrts.base.atomic_file import write_text_atomically
+from mrts.base.errors import SolverError
+from mrts.base.interval_text import interval_text
+from mrts.base.load_box import LoadPoint
+from mrts.base.printable import printable
+from mrts.base.remark import Remark
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.limits import cell_rows
+from mrts.limits.velocity_limits import velocity_limits
+from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.sample_problem import FormulationName
+from mrts.scaling.range import ScalingRange, ScalingStatus
+from mrts.scaling.result_html import result_html
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scaling.uncertain_load import LoadStudy
+
+END_TOLERANCE = 1e-7
+"""Share by which c² may miss a range by rounding: a plan at its fastest read back from a file, another load's range."""
+
+LIMIT_TOLERANCE = 1e-8
+"""Largest overstepping of a limit, as a share of it, that counts as rounding and the programs' own slack."""
+
+BLOCK = 4096
+"""Samples whose terms are evaluated at a time: they are many numbers a sample."""
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """How far a trajectory is from what it promises: rounding, and at most 1e-9 of a limit.
+
+    Attributes:
+        limits: Largest overstepping of (8) and (24), as a share of the limit; up to 1e-9 is the programs' slack.
+        arms: Largest residual of the arms' dynamics (13) [N m].
+        object: Largest residual of the object's dynamics (20) [N, N m].
+    """
+
+    limits: float
+    arms: float
+    object: float
+
+
+@dataclass(frozen=True)
+class DistributionRule:
+    """How torques are distributed.
+
+    Attributes:
+        sharing: A fixed distribution of the load; None leaves it to the quadratic program.
+        formulation: Unknowns of the programs.
+        weights: W of the quadratic program, None for the identity.
+    """
+
+    sharing: LoadSharing | None = None
+    formulation: FormulationName = "wrench"
+    weights: Array | None = None
+
+
+@dataclass(frozen=True, repr=False)
+class ScalingResult:
+    """What `mrts.scale` found.
+
+    Attributes:
+        cell: The cell.
+        motion: The given motion of the whole cell.
+        range: The admissible range of c², with the reason where there is none.
+        trajectory: The motion at the chosen c²; None if no c² is admissible.
+        fallbacks: Programs that the chosen solver did not solve and another did.
+        load: What was asked of an uncertain load; None if the load is known.
+        rule: How torques are distributed.
+        origin: What was done to the motion before, for people; empty if nothing.
+        warnings: What to know of the cell and the motion before trusting the answer.
+    """
+
+    cell: Cell
+    motion: CoordinatedMotion
+    range: ScalingRange
+    trajectory: ScaledTrajectory | None
+    fallbacks: int
+    load: LoadStudy | None = None
+    rule: DistributionRule = DistributionRule()
+    origin: str = ""
+    warnings: tuple[Remark, ...] = ()
+
+    def __repr__(self) -> str:
+        done = self.trajectory
+        chosen = "" if done is None else f" Chosen: c² = {done.c2:.4g}, {done.duration:.4g} s."
+        return f"<ScalingResult of cell '{self.cell.name}': {self.sentence()}{chosen}>"
+
+    def _repr_html_(self) -> str:
+        return result_html(self)
+
+    @property
+    def status(self) -> ScalingStatus:
+        """The outcome."""
+        return self.range.status
+
+    @property
+    def torque(self) -> dict[str, Array]:
+        """Joint torques by robot, each Shape (N, n_i) [N m or N]; empty if there is no trajectory."""
+        if self.trajectory is None:
+            return {}
+        return {name: self.trajectory.torque[:, part] for name, part in self.cell.joint_slices.items()}
+
+    @property
+    def wrench(self) -> dict[str, Array]:
+        """Contact wrenches by robot in base axes, each Shape (N, w) [N, N m]; empty if there is no trajectory."""
+        if self.trajectory is None:
+            return {}
+        return {name: self.trajectory.wrench[:, part] for name, part in self.cell.wrench_slices.items()}
+
+    def too_fast(self) -> list[str]:
+        """Velocities that pass their limit at the chosen speed, a sentence each.
+
+        There are none unless the limits are not enforced (`Cell.without_velocity_limits`).
+        """
+        if self.trajectory is None:
+            return []
+        limits = velocity_limits(replace(self.cell, enforces_velocity_limits=True), self.motion)
+        fastest = self.trajectory.c * np.max(limits.share, axis=0)
+        notes = []
+        for index in np.flatnonzero(fastest > 1 + LIMIT_TOLERANCE):
+            name, limit = limits.names[index], limits.limit[index]
+            notes.append(
+                f"{name.robot}/{name.element} reaches {fastest[index] * limit:.3g} {name.unit}, its limit is "
+                f"{limit:.3g} {name.unit}: for that, c² may be at most {self.trajectory.c2 / fastest[index] ** 2:.4g}"
+            )
+        return notes
+
+    def summary(self) -> str:
+        """The outcome in one or two sentences, and a line for each warning."""
+        return "\n".join([self.sentence(), *(str(warning) for warning in self.warnings)])
+
+    def sentence(self) -> str:
+        """The outcome alone."""
+        text = self._outcome()
+        text = text if self.load is None else f"{self.load.sentence()}: {text}"
+        return printable(f"{self.origin}; as it is now, {text}" if self.origin else text)
+
+    def _outcome(self) -> str:
+        found = self.range
+        if found.lower is None or found.upper is None or not found.status.admits_motion:
+            return f"{found.status.value}: {found.explain()}"
+        least, most = found.lower.c2, found.upper.c2
+        below = f"below {found.lower.place()}" if least > 0 else ""
+        if found.upper.time is None:
+            return f"c² ∈ {interval_text(least, most)}: {found.status.advice}" + (f" Limited {below}." if below else "")
+        speed = _speed_advice(least, most, self.motion.object.time[-1])
+        limits = f"above {found.upper.place()}, {below}" if below else found.upper.place()
+        advice = "" if self.origin else f": {speed}"  # of the fastest timing there is none to give
+        return f"c² ∈ {interval_text(least, most)}{advice}; limited {limits}."
+
+    def residuals(self) -> Residuals:
+        """Check the trajectory against (8), (13), (20) and (24), from the terms and not from the programs.
+
+        Raises:
+            ValueError: If there is no trajectory.
+        """
+        done = self.trajectory
+        if done is None:
+            raise ValueError("there is no trajectory to check")
+        cell = self.cell
+        inputs = self.motion.inputs(cell.load)
+        arms = carried = 0.0
+        for start in range(0, self.motion.samples, BLOCK):
+            part = slice(start, start + BLOCK)
+            torque, wrench = done.torque[part], done.wrench[part]
+            block = {name: value[part] if name != "load" else value for name, value in inputs.items()}
+            terms = cell.functions("terms", len(torque), block)
+            rest = torque - terms["E"] * done.c2 - terms["G"]
+            for name, joints in cell.joint_slices.items():
+                J, F = terms["J"][:, :, joints], wrench[:, cell.wrench_slices[name]]
+                rest[:, joints] -= np.einsum("nwj,nw->nj", J, F)
+            balance = np.einsum("nij,nj->ni", terms["B"], wrench) - terms["P"] * done.c2 - terms["Q"]
+            arms, carried = max(arms, float(np.max(np.abs(rest)))), max(carried, float(np.max(np.abs(balance))))
+        return Residuals(_overstep(cell, done), arms, carried)
+
+    def checked(self) -> Self:
+        """This result, if its trajectory keeps every limit.
+
+        Raises:
+            SolverError: If it oversteps one by more than `LIMIT_TOLERANCE`.
+        """
+        overstep = 0.0 if self.trajectory is None else _overstep(self.cell, self.trajectory)
+        if not overstep <= LIMIT_TOLERANCE:
+            raise SolverError(
+                f"the torques found overstep a limit by {overstep:.2g} of it, more than {LIMIT_TOLERANCE:.0e}: the "
+                "limits or the masses of this cell are too unlike in size to be solved."
+            )
+        return self
+
+    def to_json(self) -> dict[str, Any]:
+        """The result as JSON values; null stands for an unbounded end."""
+        samples = self.range.samples
+        names = tuple(robot.name for robot in self.cell.robots)
+        output: dict[str, Any] = {
+            "cell": self.cell.name,
+            "summary": self.sentence(),
+            "warnings": [warning.to_json() for warning in self.warnings],
+            "explanation": self.range.explain() or None,
+            **self.range.to_json(),
+            "samples": {
+                "time": samples.time.tolist(),
+                "status": [status.value for status in samples.status],
+                "c2_lower": _finite(samples.lower),
+                "c2_upper": _finite(samples.upper),
+            },
+            "conflicts": [
+                {
+                    "sample": conflict.sample,
+                    "time": conflict.time,
+                    "load": conflict.load.to_json() if conflict.load else None,
+                    "rows": [row.to_json() for row in conflict.rows],
+                    "multipliers": list(conflict.multipliers),
+                    "widening": conflict.widening,
+                    "moves": list(conflict.moves),
+                }
+                for conflict in samples.conflicts
+            ],
+            "solver_fallbacks": self.fallbacks,
+        }
+        if self.load is not None:
+            output["load"] = self.load.to_json()
+        done = self.trajectory
+        if done is not None:
+            time = done.time.tolist()
+            internal = {name: done.internal_wrench[:, part].tolist() for name, part in self.cell.wrench_slices.items()}
+            joints = {
+                name: {
+                    "names": list(robot.joints),
+                    "q": done.q[:, part].tolist(),
+                    "dq": done.dq[:, part].tolist(),
+                    "ddq": done.ddq[:, part].tolist(),
+                }
+                for (name, part), robot in zip(self.cell.joint_slices.items(), self.cell.robots, strict=True)
+            }
+            power = {name: done.power[:, part].tolist() for name, part in self.cell.joint_slices.items()}
+            load = LoadPoint({}, self.cell.load).to_json()["load"]
+            output |= {
+                "selected": {"c2": done.c2, "duration": done.duration, "load": load},
+                "joints": {"time": time} | joints,
+                "torque": {"time": time} | {name: self.torque[name].tolist() for name in names},
+                "wrench": {"time": time, "components": list(self.cell.wrench_components)}
+                | {name: self.wrench[name].tolist() for name in names},
+                "internal_wrench": {"time": time} | internal,
+                "power": {"time": time} | power,
+                "velocity_limits_passed": self.too_fast(),
+                "energy": done.energy,
+            }
+        return output
+
+    def json_text(self) -> str:
+        """`to_json` as text."""
+        return json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
+
+    def write_json(self, path: Path | str) -> None:
+        """Write `json_text` to a file, whole or not at all.
+
+        Raises:
+            InputError: If the file cannot be written.
+        """
+        write_text_atomically(as_path("path", path), self.json_text() + "\n")
+
+
+def _overstep(cell: Cell, done: ScaledTrajectory) -> float:
+    """Largest overstepping of a limit, as a share of it."""
+    rows = cell_rows(cell)
+    worst = done.c * float(np.max(velocity_limits(cell, done.motion).share, initial=0.0)) - 1
+    worst = max(worst, 0.0)
+    for start in range(0, len(done.torque), BLOCK):
+        part = slice(start, start + BLOCK)
+        value = done.torque[part] @ rows.torque_matrix.T + done.wrench[part] @ rows.wrench_matrix.T
+        beyond = np.max(np.maximum(rows.lower - value, value - rows.upper), axis=0)
+        # not max: it would drop what is no number
+        worst = float(np.maximum(worst, np.max(beyond / rows.units(), initial=0.0)))
+    return worst
+
+
+def _speed_advice(least: float, most: float, given: float) -> str:
+    """What a range of c² means to who plays a motion that is given in so many seconds."""
+    if most <= 0:
+        return "the cell can hold the object still at every sample, but not move it along this path"
+    fast = f"{np.sqrt(most):.3g} × as fast as given"
+    if least > 0:
+        verb = "may" if least <= 1 <= most else "must"
+        times = f"{given / np.sqrt(least):.4g} to {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
+        return f"you {verb} play it {np.sqrt(least):.3g} to {fast}: {times}"
+    allowed = "may play it up to" if most >= 1 - END_TOLERANCE else "must play it at most"
+    return f"you {allowed} {fast}: {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
+
+
+def _finite(values: Array) -> list[float | None]:
+    return [float(value) if np.isfinite(value) else None for value in values]

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: MIT
+"""A result as a small HTML table: what a notebook shows of it."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mrts.base.interval_text import interval_text
+from mrts.base.printable import html_text
+
+if TYPE_CHECKING:
+    from mrts.scaling.result import ScalingResult
+
+ROUNDING = 9
+"""Decimals of a margin: what is less is the rounding of a torque at its limit."""
+
+
+def result_html(result: "ScalingResult") -> str:
+    """Outcome, range, chosen speed, and how near every joint comes to its torque limits.
+
+    Args:
+        result: The result.
+    """
+    rows = "".join(
+        f"<tr><th style='text-align:left'>{html_text(name)}</th><td style='text-align:left'>{html_text(text)}</td></tr>"
+        for name, text in _rows(result)
+    )
+    lines = [f"{result.cell.name}: {result.sentence()}", *map(str, result.warnings)]
+    paragraphs = "".join(f"<p style='max-width:50em'>{html_text(line)}</p>" for line in lines)
+    return f"{paragraphs}<table>{rows}</table>"
+
+
+def _rows(result: "ScalingResult") -> Iterator[tuple[str, str]]:
+    yield "outcome", result.status.value
+    low, high = result.range.lower, result.range.upper
+    if result.status.admits_motion and low and high:
+        yield "range of c²", interval_text(low.c2, high.c2)
+    done = result.trajectory
+    if done is None:
+        return
+    yield "chosen c²", f"{done.c2:.4g}"
+    yield "duration", f"{done.duration:.4g} s, as given {result.motion.object.time[-1]:.4g} s"
+    for robot in result.cell.robots:
+        torque = result.torque[robot.name]
+        margins = np.min(np.minimum(torque - robot.torque_lower, robot.torque_upper - torque), axis=0)
+        for joint, margin, low_limit, high_limit, unit in zip(
+            robot.joints, margins, robot.torque_lower, robot.torque_upper, robot.torque_units, strict=True
+        ):
+            limits = f"limits [{low_limit:g}, {high_limit:g}] {unit}"
+            yield f"{robot.name}/{joint}", f"margin {max(round(margin, ROUNDING), 0.0):.3g} {unit}, {limits}"

@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: MIT
+"""MMTSF, the paper's algorithm, whole: range, choice of c², torques."""
+
+from dataclasses import replace
+from types import NoneType
+from typing import Literal
+
+import numpy as np
+
+from mrts.base.argument_types import check_callable, check_type
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError, MrtsError
+from mrts.base.interval_text import interval_text
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinate import coordinate
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.coordination.grasp_closure import ClosureBound
+from mrts.motion.joint_table import JointTable
+from mrts.motion.object_motion import ObjectMotion
+from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.sample_problem import FormulationName
+from mrts.samples.torque_distribution import torque_weights
+from mrts.samples.trajectory_programs import motion_ranges, motion_torques
+from mrts.scaling.holding import holding_at_ends
+from mrts.scaling.motion_remarks import motion_remarks
+from mrts.scaling.range import ScalingRange, ScalingStatus, intersect
+from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scaling.uncertain_load import Progress, study_load
+from mrts.solvers import DEFAULT_SOLVER, check_solver
+
+LARGEST_C2 = 1e300
+"""What is asked for beyond it counts as it: Python's whole numbers have no end, floating point has."""
+
+
+class SelectionError(MrtsError):
+    """The requested c² is not in the admissible range, or no single value answers the request.
+
+    Attributes:
+        result: The result with the range that was found; None before there is one.
+    """
+
+    result: ScalingResult | None = None
+
+
+Selection = Literal["auto", "fastest", "nominal"] | float
+
+
+def scale(
+    cell: Cell,
+    motion: ObjectMotion | JointTable | CoordinatedMotion,
+    select: Selection = "auto",
+    *,
+    sharing: LoadSharing | None = None,
+    formulation: FormulationName = "wrench",
+    weights: Array | None = None,
+    solver: str = DEFAULT_SOLVER,
+    load: str = "auto",
+    closure: ClosureBound | None = None,
+    progress: Progress = lambda _done, _total: None,
+) -> ScalingResult:
+    """Find the admissible range of c², choose c² and distribute the torques (steps 1 to 5 of MMTSF).
+
+    Args:
+        cell: The cell.
+        motion: Motion of the object, a table of joint motion, or motion of the whole cell.
+        select: "fastest" takes c²⁺, "nominal" takes 1, a number takes itself; "auto" is "fastest", or "nominal"
+            where nothing limits the speed.
+        sharing: A fixed distribution of the load; None leaves it to the quadratic program.
+        formulation: "wrench", or the paper's "torque".
+        weights: W of the quadratic program: None for the identity, diagonal, Shape (m,), or Shape (m, m).
+        solver: Name in the registry of solvers.
+        load: Which range is asked for where the load varies: "guaranteed" (for every load), "possible" (for some
+            load), "grid:N" (for N masses), or "nominal". "auto" is "guaranteed" if the cell has a load box. Torques
+            are those of the nominal load; "possible" has none, as it leaves open which load it is.
+        closure: How far given joints may be off their grasps; None allows 2 mm and 5 mrad.
+        progress: Told how many of how many pieces of work on an uncertain load are done.
+
+    Returns:
+        The outcome. An infeasible motion is an outcome: see `ScalingResult.range`.
+
+    Raises:
+        InputError: If an argument breaks a rule.
+        MotionError: If the arms cannot follow the object.
+        SelectionError: If c² is not in the range; its `result` holds the range.
+        SolverError: If no solver answers.
+    """
+    check_type("cell", cell, Cell)
+    _check_select(select)
+    check_type("sharing", sharing, LoadSharing, NoneType)
+    check_type("formulation", formulation, str)
+    check_callable("progress", progress)
+    check_solver(solver)
+    question = load_question(cell, load, select)
+    W = torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
+    motion = coordinate(cell, motion, closure)
+    study = None
+    if question == "nominal":
+        found = intersect(motion_ranges(cell, motion, formulation, sharing, solver))
+    else:
+        found, study = study_load(cell, motion, question, formulation, sharing, solver, progress)
+    rule = DistributionRule(sharing, formulation, weights)
+    remarks = motion_remarks(cell, motion, found)
+    untouched = ScalingResult(cell, motion, found, None, found.samples.fallbacks, study, rule, warnings=remarks)
+    if not found.status.admits_motion or question == "possible":
+        return untouched
+    try:
+        c2 = choose_c2(found, select)
+    except SelectionError as error:
+        error.result = untouched
+        raise
+    torque, wrench, fallbacks = motion_torques(cell, motion, formulation, sharing, solver, c2, W)
+    holding, unheld = holding_at_ends(cell, motion, found.samples, sharing, formulation, W, solver)
+    untouched = replace(untouched, warnings=remarks + unheld)
+    trajectory = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
+    return replace(untouched, trajectory=trajectory, fallbacks=untouched.fallbacks + fallbacks).checked()
+
+
+def _check_select(select: object) -> None:
+    known = select in {"auto", "fastest", "nominal"} if isinstance(select, str) else isinstance(select, int | float)
+    if not known or isinstance(select, bool):
+        raise InputError("select", "must be 'auto', 'fastest', 'nominal' or a number.", value=select)
+
+
+def load_question(cell: Cell, load: str, select: Selection) -> str:
+    """The question that is asked of the load.
+
+    Args:
+        cell: The cell.
+        load: As in `scale`; "auto" asks for the guaranteed range where the load varies.
+        select: As in `scale`.
+
+    Raises:
+        InputError: If it is no text, or leaves open what `select` needs.
+    """
+    check_type("load", load, str)
+    if load == "auto":
+        return "nominal" if cell.load_box is None else "guaranteed"
+    if load == "possible" and select != "auto":
+        raise InputError(
+            "select",
+            "what is possible leaves open which load it is, so no c² and no torques are chosen. Ask for the guaranteed "
+            "range, or give the cell a known load.",
+            value=select,
+        )
+    return load
+
+
+def choose_c2(found: ScalingRange, select: Selection) -> float:
+    """Step 3.1 of MMTSF: choose c² in an admissible range.
+
+    Args:
+        found: A range that admits motion.
+        select: As in `scale`.
+
+    Raises:
+        SelectionError: If the value is not in the range, not finite, or not above 0.
+    """
+    assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
+    low, high = found.lower.c2, found.upper.c2
+    interval = interval_text(low, high, digits=6)
+    unlimited = found.status is ScalingStatus.UNBOUNDED
+    if select == "auto":
+        select = "nominal" if unlimited else "fastest"
+    if select == "fastest":
+        if unlimited:
+            raise SelectionError(f"no limit depends on the speed: c² ∈ {interval}. Choose a value.")
+        if high <= 0:
+            raise SelectionError(f"c² ∈ {interval}: the cell can only hold still. {_end_text(found, 'upper')}")
+        return high
+    c2 = 1.0 if select == "nominal" else float(max(min(select, LARGEST_C2), -LARGEST_C2))
+    if not (np.isfinite(c2) and c2 > 0):
+        raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {interval}.")
+    if not low * (1 - END_TOLERANCE) <= c2 <= high * (1 + END_TOLERANCE):
+        side: Literal["lower", "upper"] = "lower" if c2 < low else "upper"
+        raise SelectionError(f"c² = {c2:g} is outside the admissible range {interval}. {_end_text(found, side)}")
+    return min(max(c2, low), high)
+
+
+def _end_text(found: ScalingRange, side: Literal["lower", "upper"]) -> str:
+    assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
+    end = found.lower if side == "lower" else found.upper
+    if end.time is None:
+        return ""
+    return f"The {side} end is set {end.place()}."

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: MIT
+"""The motion played at the chosen speed: what a controller gets."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.scaling.accumulated_energy import accumulated_energy
+from mrts.scaling.holding import Holding
+
+
+@dataclass(frozen=True, repr=False)
+class ScaledTrajectory:
+    """Eqs. (9), (10), (19): q̃(t) = q(c t), with joint torques and contact wrenches, at N samples.
+
+    Attributes:
+        cell: The cell, with the load that is carried.
+        motion: The given motion.
+        c2: c² > 0.
+        torque: τ, Shape (N, m) [N m or N].
+        wrench: F, robot after robot in base axes, Shape (N, n w) [N, N m].
+        holding: What holds the object still before and after; None if it was not asked for.
+    """
+
+    cell: Cell
+    motion: CoordinatedMotion
+    c2: float
+    torque: Array
+    wrench: Array
+    holding: Holding | None = None
+
+    def __repr__(self) -> str:
+        return f"<ScaledTrajectory: {self.motion.samples} samples in {self.duration:.4g} s, c² = {self.c2:.4g}>"
+
+    @property
+    def c(self) -> float:
+        """The factor of speed."""
+        return float(np.sqrt(self.c2))
+
+    @property
+    def time(self) -> Array:
+        """T / c, Shape (N,) [s]."""
+        return self.motion.object.time / self.c
+
+    @property
+    def q(self) -> Array:
+        """Joint positions, Shape (N, m) [rad or m]."""
+        return self.motion.q
+
+    @property
+    def dq(self) -> Array:
+        """q̇ = c q', Shape (N, m) [rad/s or m/s]."""
+        return self.c * self.motion.dq
+
+    @property
+    def ddq(self) -> Array:
+        """q̈ = c² q'', Shape (N, m) [rad/s² or m/s²]."""
+        return self.c2 * self.motion.ddq
+
+    @property
+    def duration(self) -> float:
+        """New traversal time t_1 = t_f / c [s]."""
+        return float(self.motion.object.time[-1] / self.c)
+
+    @property
+    def power(self) -> Array:
+        """q̇ · τ of every joint, Shape (N, m) [W]."""
+        return self.dq * self.torque
+
+    @cached_property
+    def energy(self) -> float:
+        """Energy that the motors give, Σ ∫ q̇ᵀ τ dt (remark after (34)), by the trapezoidal rule [J]."""
+        return float(accumulated_energy(self.time, self.power)[-1])
+
+    @cached_property
+    def internal_wrench(self) -> Array:
+        """F - B⁺ B F with B = [B_1 … B_n], the part of F that does not move the object, Shape (N, n w) [N, N m]."""
+        B = self.cell.functions("terms", self.motion.samples, self.motion.inputs(self.cell.load))["B"]
+        transposed = B.transpose(0, 2, 1)
+        carried = transposed @ np.linalg.solve(B @ transposed, B @ self.wrench[:, :, None])
+        internal: Array = self.wrench - carried[:, :, 0]
+        return internal
+
+    def with_internal_wrench(self, internal: Array) -> Self:
+        """The same trajectory with its `internal_wrench` as found before: finding it takes the cell's functions."""
+        done = replace(self)
+        object.__setattr__(done, "internal_wrench", internal)
+        return done

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: MIT
+"""Torques at a speed that the limits do not admit: the limits stretched as little as possible, sample by sample."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.samples.overstep import widening_at
+from mrts.samples.sample_problem import SampleProblem, build_sample_problem
+from mrts.samples.torque_distribution import distribute_torques, torque_weights
+from mrts.scaling.result import BLOCK, DistributionRule
+
+INTERIOR = 1e-6
+"""A stretched limit is stretched by this share more: at the least stretch the feasible set is a point."""
+
+
+def stretched_torques(
+    cell: Cell, motion: CoordinatedMotion, rule: DistributionRule, c2: float, solver: str
+) -> tuple[Array, Array]:
+    """Torques, Shape (N, m), and wrenches, Shape (N, n w), at any c² > 0.
+
+    At a sample that keeps its limits at this c² they are those of `motion_torques`. At any other, all limits are first
+    moved outward by the least share of their size that leaves a solution, so that what is beyond its limit is what
+    forbids the speed. A fixed distribution asks no limits.
+
+    Args:
+        cell: The cell, with its load.
+        motion: Its motion.
+        rule: How torques are distributed.
+        c2: Chosen c².
+        solver: Name in the registry.
+
+    Raises:
+        InputError: If an argument breaks a rule.
+        SolverError: If no solver answers.
+    """
+    W = torque_weights(rule.weights, motion.q.shape[1])
+    torques, wrenches = [], []
+    for start in range(0, motion.samples, BLOCK):
+        block = np.arange(start, min(start + BLOCK, motion.samples))
+        free = cell.without_velocity_limits()  # no torques change a velocity
+        problem = build_sample_problem(free, motion, rule.formulation, rule.sharing, samples=block)
+        room = _least_stretch(problem, c2, solver)[:, None] * problem.is_limit
+        problem = replace(problem, lower=problem.lower - room, upper=problem.upper + room)
+        x, _ = distribute_torques(problem, c2, W, solver)
+        torques.append(problem.torque(x))
+        wrenches.append(problem.wrench(x))
+    return np.concatenate(torques), np.concatenate(wrenches)
+
+
+def _least_stretch(problem: SampleProblem, c2: float, solver: str) -> Array:
+    """The share by which all limits of a sample must move outward, Shape (N,)."""
+    if problem.unknowns == 1:
+        return np.zeros(problem.samples)
+    stretch = widening_at(problem, c2, solver, f"how far limits are passed at c² = {c2:g}")
+    return np.where(stretch > INTERIOR, stretch * (1 + INTERIOR), stretch)

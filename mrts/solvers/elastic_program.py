@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: MIT
+"""By how much limits must move outward before some unknowns keep them all."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.solvers.convex_program import ConvexPrograms, require_verified, solve_programs
+
+
+@dataclass(frozen=True)
+class Widening:
+    """Answer of the elastic programs of N samples.
+
+    Attributes:
+        share: Least s, in units of limits, Shape (N,).
+        row_dual: Multipliers of the rows, positive at an upper limit, Shape (N, r).
+    """
+
+    share: Array
+    row_dual: Array
+
+
+def least_widening(
+    A: Array, lower: Array, upper: Array, is_limit: NDArray[np.bool_], x_lower: Array, solver: str, what: str
+) -> Widening:
+    """Solve min s >= 0, lower - s <= A x <= upper + s for limits, lower <= A x <= upper for laws; it has a solution.
+
+    Args:
+        A: Shape (N, r, k).
+        lower: Shape (N, r).
+        upper: Shape (N, r).
+        is_limit: False for laws, which do not move, Shape (r,).
+        x_lower: Lower bounds of the unknowns, Shape (k,).
+        solver: Name in the registry.
+        what: What is found, for the message.
+
+    Raises:
+        SolverError: If no solver answers.
+    """
+    count, rows, unknowns = A.shape
+    limits, laws = np.flatnonzero(is_limit), np.flatnonzero(~is_limit)
+    # each limit twice, once a side, as s moves them in opposite senses; laws once, as they are
+    order = np.concatenate([limits, limits, laws])
+    sense = np.repeat([-1.0, 1.0, 0.0], [len(limits), len(limits), len(laws)])
+    moved = np.broadcast_to(sense[:, None], (count, len(order), 1))
+    g = np.zeros((count, unknowns + 1))
+    g[:, -1] = 1
+    bounds = np.tile(np.append(x_lower, 0.0), (count, 1))
+    programs = ConvexPrograms(
+        None,
+        g,
+        np.concatenate([A[:, order], moved], axis=2),
+        np.where(sense < 0, -np.inf, lower[:, order]),
+        np.where(sense > 0, np.inf, upper[:, order]),
+        bounds,
+        np.full_like(bounds, np.inf),
+    )
+    answers = solve_programs(programs, solver)
+    require_verified(answers, what)
+    row_dual = np.zeros((count, rows))
+    for column, row in enumerate(order):
+        row_dual[:, row] += answers.row_dual[:, column]
+    return Widening(answers.x[:, -1], row_dual)

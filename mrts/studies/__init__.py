@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Many questions about a cell at once."""

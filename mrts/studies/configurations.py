@@ -1,0 +1,352 @@
+# SPDX-License-Identifier: MIT
+"""All inverse-kinematics branches of every arm, followed along the motion and ranked by c²⁺ (section VI, 6.3)."""
+
+import json
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from types import NoneType
+
+import numpy as np
+
+from mrts.base.argument_types import as_path, check_callable, check_type
+from mrts.base.arrays import Array
+from mrts.base.atomic_file import write_text_atomically
+from mrts.base.errors import InputError
+from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
+from mrts.coordination.coordinated_motion import CoordinatedMotion, check_motion
+from mrts.inverse_kinematics.analytic import analytic_branches
+from mrts.inverse_kinematics.grasp_tracking import (
+    OUT_OF_REACH,
+    PAST_A_LIMIT,
+    STARTING_STEPS,
+    TrackingFailure,
+    Tracks,
+    solve_grasps,
+    track_grasps,
+)
+from mrts.inverse_kinematics.joint_limits import joint_limit_failure, nearest_turns, within_limits
+from mrts.inverse_kinematics.null_space import is_redundant
+from mrts.inverse_kinematics.planar import has_closed_form, planar_branches
+from mrts.inverse_kinematics.starting_positions import starting_reference
+from mrts.motion.object_motion import ObjectMotion
+from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.trajectory_programs import motion_ranges
+from mrts.scaling.range import ScalingRange, ScalingStatus, intersect
+from mrts.scaling.uncertain_load import Progress, study_load
+from mrts.solvers import DEFAULT_SOLVER, check_solver
+
+MULTI_STARTS = 400
+"""Seeded random starts for an arm without an analytic inverse: each of up to 16 branches is then found many times."""
+
+SEED = 20
+SAME_BRANCH = 1e-6
+"""Joint positions closer than this, whole turns aside, are one branch [rad or m]."""
+
+DEFAULT_CAP = 1024
+
+
+@dataclass(frozen=True)
+class Branch:
+    """One way in which an arm can hold its grasp at t = 0, followed along the motion.
+
+    Attributes:
+        robot: Name of the arm.
+        number: Counted from 1 in the order found.
+        start: Joint positions at t = 0, Shape (n_i,) [rad or m].
+        failure: Why it ends before the motion does; None if it does not.
+    """
+
+    robot: str
+    number: int
+    start: Array
+    failure: TrackingFailure | None
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """One branch for each arm.
+
+    Attributes:
+        branches: In the order of the cell's robots.
+        range: The admissible range of c².
+    """
+
+    branches: tuple[Branch, ...]
+    range: ScalingRange
+
+    @property
+    def c2_upper(self) -> float:
+        """c²⁺; infinity if nothing limits it, minus infinity if no c² is admissible."""
+        if not self.range.status.admits_motion or self.range.upper is None:
+            return -np.inf
+        return self.range.upper.c2
+
+    def postures(self) -> dict[str, list[float]]:
+        """For `Cell.with_postures` or the cell file, by robot [rad or m]."""
+        return {branch.robot: branch.start.tolist() for branch in self.branches}
+
+
+@dataclass(frozen=True)
+class ConfigurationStudy:
+    """What `rank_configurations` found.
+
+    Attributes:
+        branches: All branches by robot, those that fail included.
+        ranked: Configurations by falling c²⁺, infeasible ones last.
+        combinations: Number of combinations of branches that reach the end.
+    """
+
+    branches: dict[str, list[Branch]]
+    ranked: tuple[Configuration, ...]
+    combinations: int
+
+    def table(self, rows: int) -> str:
+        """The best configurations and the branches that they are made of, as text.
+
+        Args:
+            rows: Most configurations to show.
+
+        Raises:
+            InputError: If that is negative.
+        """
+        if rows < 0:
+            raise InputError("--show", "must be at least 0.", value=rows)
+        done = len(self.ranked)
+        evaluated = f"{done} evaluated"
+        if done < self.combinations:
+            evaluated += " (the best of a fixed distribution; raise --cap for all)"
+        lines = [f"{self.combinations} configurations reach the end, {evaluated}, by falling c²⁺{self._left_out()}:"]
+        names = [*self.branches]
+        lines.append(f"{'rank':>4}  " + "  ".join(f"{name:>8}" for name in names) + f"  {'c²⁺':>9}  limited at")
+        for rank, configuration in enumerate(self.ranked[:rows], start=1):
+            numbers = "  ".join(f"{branch.number:>8}" for branch in configuration.branches)
+            c2 = f"{configuration.c2_upper:#.4g}" if np.isfinite(configuration.c2_upper) else "-"
+            lines.append(f"{rank:>4}  {numbers}  {c2:>9}  {outcome(configuration)}")
+        lines.append("\nbranches at t = 0 (rad, m; a line is a `posture` for the cell file):")
+        for branches in self.branches.values():
+            good = [branch for branch in branches if branch.failure is None]
+            for branch in good:
+                start = ", ".join(f"{value:.4f}" for value in branch.start)
+                lines.append(f"{branch.robot:>8} {branch.number:>3}  [{start}]")
+            if not good and branches[0].failure is not None:
+                lines.append(f"{branches[0].robot:>8}   -  none; the first: {branches[0].failure.message}")
+        return "\n".join(lines)
+
+    def _left_out(self) -> str:
+        """How many branches fail, by kind, in a phrase."""
+        kinds = Counter(
+            b.failure.kind for of_robot in self.branches.values() for b in of_robot if b.failure is not None
+        )
+        counts = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+        return f"; branches left out: {counts}" if counts else ""
+
+    def json_text(self) -> str:
+        """The whole study as JSON text."""
+        ranked = []
+        for configuration in self.ranked:
+            found = configuration.range
+            ends = (found.lower, found.upper) if found.status.admits_motion else (None, None)
+            lower, upper = (end.c2 if end is not None and np.isfinite(end.c2) else None for end in ends)
+            ranked.append(
+                {
+                    "branches": {branch.robot: branch.number for branch in configuration.branches},
+                    "postures": configuration.postures(),
+                    "status": found.status.value,
+                    "c2": {"lower": lower, "upper": upper},
+                    "outcome": outcome(configuration),
+                }
+            )
+        branches = {
+            name: [
+                {"number": b.number, "start": b.start.tolist(), "failure": b.failure and b.failure.message}
+                for b in of_robot
+            ]
+            for name, of_robot in self.branches.items()
+        }
+        output = {"combinations": self.combinations, "ranked": ranked, "branches": branches}
+        return json.dumps(output, allow_nan=False, ensure_ascii=False)
+
+    def write_json(self, path: Path | str) -> None:
+        """Write `json_text` to a file, whole or not at all.
+
+        Raises:
+            InputError: If the file cannot be written.
+        """
+        write_text_atomically(as_path("path", path), self.json_text() + "\n")
+
+
+def rank_configurations(
+    cell: Cell,
+    motion: ObjectMotion,
+    *,
+    sharing: LoadSharing | None = None,
+    cap: int = DEFAULT_CAP,
+    solver: str = DEFAULT_SOLVER,
+    progress: Progress = lambda _done, _total: None,
+) -> ConfigurationStudy:
+    """Evaluate every combination of inverse-kinematics branches.
+
+    Branches come from the planar closed form, from the analytic inverse of a six-joint arm (extra `ik`), or else from
+    seeded random starts; for a redundant arm these settle where they come locally nearest to its posture. Positions
+    outside the joint limits do not count. More combinations than `cap` are ordered by c²⁺ of the fixed distribution
+    (`sharing`, else the even one), which is cheap, and the first `cap` evaluated. Ranges of an uncertain load are the
+    guaranteed ones.
+
+    Args:
+        cell: The cell.
+        motion: Motion of the object.
+        sharing: A fixed distribution of the load; None leaves it free.
+        cap: Most combinations to evaluate.
+        solver: Name in the registry.
+        progress: Told how many of how many evaluations are done.
+
+    Raises:
+        InputError: If the cap is below 1, or an arm has too few joints.
+        MotionError: If the object leaves the plane of a planar cell.
+    """
+    check_type("cell", cell, Cell)
+    check_type("motion", motion, ObjectMotion)
+    check_type("cap", cap, int)
+    check_type("sharing", sharing, LoadSharing, NoneType)
+    check_callable("progress", progress)
+    check_solver(solver)
+    if cap < 1:
+        raise InputError("cap", "must be at least 1.", value=cap)
+    check_motion(cell, motion)
+    starts = [_branches_at_start(cell, index, motion) for index in range(len(cell.robots))]
+    tracks, branches = _follow(cell, motion, starts)
+    good = [[branch for branch in branches[robot.name] if branch.failure is None] for robot in cell.robots]
+    combinations = int(np.prod([len(of_robot) for of_robot in good]))
+    chosen: Iterable[tuple[Branch, ...]] = product(*good)
+    scores = combinations if combinations > cap else 0
+    total = scores + (0 if scores and sharing is not None else min(combinations, cap))
+
+    def evaluate(choices: Iterable[tuple[Branch, ...]], rule: LoadSharing | None, before: int) -> list[Configuration]:
+        found = []
+        for number, choice in enumerate(choices, start=before):
+            progress(number, total)
+            found.append(_evaluate(cell, motion, tracks, choice, rule, solver))
+        return sorted(found, key=lambda configuration: -configuration.c2_upper)
+
+    ranked: list[Configuration] | None = None
+    if scores:
+        best = evaluate(chosen, sharing or LoadSharing(), 0)[:cap]
+        chosen = [configuration.branches for configuration in best]
+        ranked = best if sharing is not None else None
+    if ranked is None:
+        ranked = evaluate(chosen, sharing, scores)
+    progress(total, total)
+    return ConfigurationStudy(branches, tuple(ranked), combinations)
+
+
+def _branches_at_start(cell: Cell, index: int, motion: ObjectMotion) -> Array:
+    """Joint positions of one arm that hold its grasp at t = 0, each branch once, Shape (count, n_i)."""
+    robot = cell.robots[index]
+    joints = cell.joint_slices[robot.name]
+    posture = np.concatenate([other.posture for other in cell.robots])
+    redundant = is_redundant(cell, robot)
+    if has_closed_form(cell, robot):
+        # standing still at the first sample: a path out of reach further on is the outcome of its branch
+        still = np.zeros((2, 6))
+        first = ObjectMotion(motion.time[:2], motion.position[[0, 0]], motion.rotation[[0, 0]], still, still)
+        guesses = np.array([branch[0] for branch in planar_branches(cell, robot, first)])
+    else:
+        found = analytic_branches(cell, robot, motion)
+        guesses = found if found is not None and len(found) else _random_starts(robot)
+    start = np.tile(posture, (len(guesses), 1))
+    start[:, joints] = guesses
+    held = solve_grasps(cell, motion, 0, start, STARTING_STEPS, np.tile(starting_reference(cell), (len(guesses), 1)))
+    distinct: list[Array] = []
+    for candidate in held.q[held.settled()[:, index]][:, joints]:
+        # a redundant arm has settled where its null space points, whole turns and all
+        near = candidate if redundant else nearest_turns(robot, candidate)
+        near = within_limits(robot, near[None])[0]
+        if joint_limit_failure(robot, motion.time, near[None]) is not None:
+            continue
+        if not any(np.max(np.abs(_apart(robot, near, other))) < SAME_BRANCH for other in distinct):
+            distinct.append(near)
+    return np.array(distinct).reshape(-1, len(robot.joints))
+
+
+def _random_starts(robot: Robot) -> Array:
+    rng = np.random.default_rng(SEED)
+    low = np.where(np.isfinite(robot.position_lower), np.maximum(robot.position_lower, -np.pi), -np.pi)
+    high = np.where(np.isfinite(robot.position_upper), np.minimum(robot.position_upper, np.pi), np.pi)
+    starts = rng.uniform(low, high, (MULTI_STARTS, len(robot.joints)))
+    starts[0] = robot.posture
+    return starts
+
+
+def _apart(robot: Robot, a: Array, b: Array) -> Array:
+    turns = np.array([kind == "revolute" for kind in robot.joint_types])
+    return np.where(turns, (a - b + np.pi) % (2 * np.pi) - np.pi, a - b)
+
+
+def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[Tracks, dict[str, list[Branch]]]:
+    """Follow all branches of all arms at once: track t carries branch t of every arm that has one."""
+    posture = np.concatenate([robot.posture for robot in cell.robots])
+    start = np.tile(posture, (max(1, *(len(of_robot) for of_robot in starts)), 1))
+    for joints, of_robot in zip(cell.joint_slices.values(), starts, strict=True):
+        start[: len(of_robot), joints] = of_robot
+        if len(of_robot):  # an arm with fewer branches repeats its first in the other tracks
+            start[len(of_robot) :, joints] = of_robot[0]
+    tracks = track_grasps(cell, motion, start)
+    branches: dict[str, list[Branch]] = {}
+    for robot, of_robot in zip(cell.robots, starts, strict=True):
+        branches[robot.name] = [
+            _branch(cell, motion, tracks, robot, number, start) for number, start in enumerate(of_robot)
+        ]
+        if not len(of_robot):
+            message = f"robot '{robot.name}' cannot reach its grasp at t = 0. Move the path, the base or the grasp."
+            failure = TrackingFailure(OUT_OF_REACH, message, 0)
+            branches[robot.name] = [Branch(robot.name, 1, robot.posture, failure)]
+    return tracks, branches
+
+
+def _branch(cell: Cell, motion: ObjectMotion, tracks: Tracks, robot: Robot, number: int, start: Array) -> Branch:
+    joints = cell.joint_slices[robot.name]
+    q = within_limits(robot, tracks.q[number][:, joints])
+    tracks.q[number][:, joints] = q
+    failure = tracks.failures[number][robot.name]
+    beyond = joint_limit_failure(robot, motion.time, q)
+    if failure is None and beyond is not None:
+        failure = TrackingFailure(PAST_A_LIMIT, beyond, None)
+    return Branch(robot.name, number + 1, q[0] if failure is None else start, failure)
+
+
+def _evaluate(
+    cell: Cell,
+    motion: ObjectMotion,
+    tracks: Tracks,
+    choice: tuple[Branch, ...],
+    sharing: LoadSharing | None,
+    solver: str,
+) -> Configuration:
+    parts = []
+    for values in (tracks.q, tracks.dq, tracks.ddq):
+        columns = [
+            values[branch.number - 1][:, joints]
+            for branch, joints in zip(choice, cell.joint_slices.values(), strict=True)
+        ]
+        parts.append(np.concatenate(columns, axis=1))
+    q, dq, ddq = parts
+    whole = CoordinatedMotion(motion, q, dq, ddq)
+    if cell.load_box is not None:
+        guaranteed, _ = study_load(cell, whole, "guaranteed", "wrench", sharing, solver)
+        return Configuration(choice, guaranteed)
+    return Configuration(choice, intersect(motion_ranges(cell, whole, "wrench", sharing, solver)))
+
+
+def outcome(configuration: Configuration) -> str:
+    """What limits a configuration, or why it is not feasible, in a phrase."""
+    found = configuration.range
+    if found.upper is None or not found.status.admits_motion:
+        return f"{found.status.value}: {found.explain()}"
+    if found.status is ScalingStatus.UNBOUNDED or found.upper.time is None:
+        return "unbounded"
+    rows = ", ".join(row.name.short for row in found.upper.rows)
+    return f"t = {found.upper.time:.3g} s: {rows}"

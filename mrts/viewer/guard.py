@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: MIT
+"""Who may reach a viewer, and what may be sent to it; needs the extra 'view'.
+
+Viser lets every page of every browser, and every program on the machine, connect and set whatever it likes.
+"""
+
+import hmac
+import logging
+import secrets
+import socket
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from http import HTTPStatus
+from ipaddress import ip_address
+from math import isfinite
+from typing import Any
+from urllib.parse import urlsplit
+
+import msgspec
+import viser
+import websockets.asyncio.server
+from websockets.asyncio.server import ServerConnection
+from websockets.http11 import Request, Response
+
+from mrts.base.errors import InputError
+
+LARGEST_MESSAGE = 16_384
+"""From a browser [bytes]: a control's new value or a camera takes some hundred. Who sends more is cut off."""
+
+HEADERS = {"Referrer-Policy": "no-referrer", "X-Frame-Options": "DENY", "Cache-Control": "no-store"}
+"""The address holds the token: it goes to no other site, and no other site shows the page in a frame."""
+
+Value = bool | int | float | str
+Point = tuple[float, float, float]
+ProcessRequest = Callable[[ServerConnection, Request], Response | None]
+
+
+class _NewValue(msgspec.Struct):
+    value: Value
+
+
+class _GuiUpdate(msgspec.Struct, tag="GuiUpdateMessage", tag_field="type"):
+    """A control's new value."""
+
+    uuid: str
+    updates: _NewValue
+
+
+class _Camera(msgspec.Struct, tag="ViewerCameraMessage", tag_field="type"):
+    """Where a browser looks from."""
+
+    wxyz: tuple[float, float, float, float]
+    position: Point
+    fov: float
+    near: float
+    far: float
+    image_height: float
+    image_width: float
+    look_at: Point
+    up_direction: Point
+
+    def is_finite(self) -> bool:
+        numbers = (self.fov, self.near, self.far, self.image_height, self.image_width)
+        return all(map(isfinite, (*numbers, *self.wxyz, *self.position, *self.look_at, *self.up_direction)))
+
+
+_READ = msgspec.msgpack.Decoder(_GuiUpdate | _Camera)
+
+
+class GuardedServer(viser.ViserServer):
+    """A viser server that is reached only by those who know its address, and takes only what its controls can send.
+
+    Args:
+        host: Name or address of this machine to listen at.
+        port: 0 takes any free one.
+        label: Title of the panel.
+
+    Raises:
+        InputError: If this version of viser cannot be guarded.
+    """
+
+    def __init__(self, host: str, port: int, label: str) -> None:
+        guard = self.guard = ViewerGuard(host, self._control)
+        with guard.serving():
+            super().__init__(host, port, label, verbose=False)
+        if not guard.is_set or not isinstance(getattr(self.gui, "_gui_input_handle_from_uuid", None), dict):
+            self.stop()
+            raise InputError(
+                "viser",
+                "this version cannot be guarded against other web pages: pip install 'viser==1.1.1'.",
+                value=viser.__version__,
+            )
+
+    @property
+    def url(self) -> str:
+        """Address of the page, as a browser on this machine reaches it; whoever knows it can steer the viewer."""
+        host = self.guard.host
+        host = "localhost" if host in {"0.0.0.0", "::"} else host  # noqa: S104 (every address, on the user's word)
+        return f"http://{f'[{host}]' if ':' in host else host}:{self.get_port()}/{self.guard.token}/"
+
+    @property
+    def controls(self) -> dict[str, Any]:
+        """Viser's handles of all controls, by the identifier that a browser calls each by."""
+        return self.gui._gui_input_handle_from_uuid  # noqa: SLF001 (viser tells it no other way)
+
+    def _control(self, uuid: str) -> object:
+        return self.controls.get(uuid)
+
+
+class ViewerGuard:
+    """Checks requests and messages before viser sees them.
+
+    Args:
+        host: Where the viewer listens.
+        control: The control with an identifier of viser's, None if there is none.
+
+    Attributes:
+        host: As given.
+        token: First part of the path of every address; another one each run.
+        is_set: Whether a server is guarded.
+    """
+
+    def __init__(self, host: str, control: Callable[[str], object]) -> None:
+        self.host = host
+        self.token = secrets.token_urlsafe(16)
+        self.is_set = False
+        self._control = control
+
+    @contextmanager
+    def serving(self) -> Iterator[None]:
+        """Guard the server that viser starts meanwhile; viser has no setting for that."""
+        module = vars(websockets.asyncio.server)
+        serve = module["serve"]
+        silent = logging.getLogger("mrts.viewer.connections")  # what strangers send is no news
+        silent.disabled = True
+        settings = {"max_size": LARGEST_MESSAGE, "create_connection": self._connection_type(), "logger": silent}
+
+        def guarded(*given: Any, **options: Any) -> Any:
+            options |= settings | {"process_request": self._checked_requests(options["process_request"])}
+            self.is_set = True
+            return serve(*given, **options)
+
+        module["serve"] = guarded
+        try:
+            yield
+        finally:
+            module["serve"] = serve
+
+    def _checked_requests(self, answer: ProcessRequest) -> ProcessRequest:
+        """Viser's answers to requests for its page or a websocket, to those who may ask."""
+
+        def process_request(connection: ServerConnection, request: Request) -> Response | None:
+            token, _, inside = request.path.removeprefix("/").partition("?")[0].partition("/")
+            if problem := self._problem(request, token):
+                return connection.respond(HTTPStatus.FORBIDDEN, f"{problem}\n")
+            response = answer(connection, replace(request, path=f"/{inside}"))
+            if response is not None:
+                response.headers.update(HEADERS)
+            return response
+
+        return process_request
+
+    def _problem(self, request: Request, token: str) -> str:
+        """Why a request is refused; empty if it is not."""
+        hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
+        if len(hosts) != 1 or not self.answers_to(hosts[0]):
+            return "This viewer has another name: start it with --host and the name that you want to reach it by."
+        if origins not in ([], [f"http://{hosts[0]}"]):
+            return "This viewer answers its own page only."
+        if not hmac.compare_digest(token.encode(errors="replace"), self.token.encode()):
+            return "Open the whole address that `mrts view` printed."
+        versions = request.headers.get_all("Sec-WebSocket-Protocol")
+        if "Upgrade" in request.headers and versions != [f"viser-v{viser.__version__}"]:
+            return "This page is of another version of viser: load it again."
+        return ""
+
+    def answers_to(self, host: str) -> bool:
+        """Whether a Host header names this machine: a name of somebody else's choice may lead here, a number cannot.
+
+        Args:
+            host: The header.
+        """
+        try:
+            name = (urlsplit(f"http://{host}").hostname or "").lower()
+        except ValueError:
+            return False
+        if name in {"localhost", self.host.lower()}:
+            return True
+        only_local = self.host == "localhost" or _is_loopback(self.host)
+        try:
+            return ip_address(name).is_loopback or not only_local
+        except ValueError:
+            return not only_local and name == socket.gethostname().lower()
+
+    def _connection_type(self) -> type[ServerConnection]:
+        guard = self
+
+        class Connection(ServerConnection):
+            """Hands on what a control or a camera can have sent; all else is as if it had not been sent."""
+
+            async def recv(self, decode: bool | None = None) -> Any:  # noqa: FBT001 (websockets' signature)
+                while True:
+                    message = guard.checked(await super().recv(decode))
+                    if message is not None:
+                        return message
+
+        return Connection
+
+    def checked(self, message: str | bytes) -> bytes | None:
+        """A message as viser may read it: values in the range of their control; None for what no control can send.
+
+        Args:
+            message: As it came.
+        """
+        if not isinstance(message, bytes):
+            return None
+        try:
+            read = _READ.decode(message)
+        except (msgspec.MsgspecError, RecursionError, ValueError):
+            return None
+        if isinstance(read, _Camera):
+            return msgspec.msgpack.encode(read) if read.is_finite() else None
+        value = _possible(self._control(read.uuid), read.updates.value)
+        return None if value is None else msgspec.msgpack.encode(_GuiUpdate(read.uuid, _NewValue(value)))
+
+
+def _possible(control: object, value: Value) -> Value | None:
+    """The value nearest to the given one that a control can have; None if it has no such values."""
+    match control:
+        case viser.GuiSliderHandle(disabled=False) if not isinstance(value, str | bool) and isfinite(value):
+            return min(max(float(value), control.min), control.max)
+        case viser.GuiDropdownHandle(disabled=False) if value in control.options:
+            return value
+        case viser.GuiCheckboxHandle(disabled=False) | viser.GuiButtonHandle(disabled=False) if value in {True, False}:
+            return bool(value)
+    return None
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return False

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: MIT
+"""What a player says of its state, as HTML: outcome, speed, time, and bars against the limits."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mrts.base.interval_text import interval_text
+from mrts.base.load_box import LoadPoint
+from mrts.base.printable import html_text
+from mrts.limits.rows import ActiveRow
+from mrts.samples.sample_ranges import SampleStatus
+from mrts.viewer.player_state import Bar, PlayerState
+
+WITHIN, OVER, PASSED = "#0072B2", "#D40000", "#B36B00"
+"""Colours of a value within its limit, beyond it, and beyond a limit that is only reported."""
+
+Colour = tuple[int, int, int]
+
+FULL = 1.25
+"""Share of a limit at which a bar meets the edge."""
+
+SPLIT = 1 / FULL / 2
+"""Where the limits stand, as a share of the width to either side of the middle."""
+
+
+ROUNDING = 1e-9
+"""What is less is shown as 0: it is left over from sums of much larger terms."""
+
+HEIGHTS = {"outcome": "max-height:80px", "speed": "height:80px", "moment": "height:64px"}
+"""Of texts that may be long, or change as a slider moves: what is below them must stay where it is."""
+
+
+def outcome_html(state: PlayerState) -> str:
+    """The outcome in a sentence; red where no speed is admissible."""
+    result = state.result
+    text = html_text(result.sentence())
+    if result.load is not None:
+        text += f" Torques are those of the nominal load of {result.cell.mass:.4g} kg."
+    colour = "inherit" if result.status.admits_motion else OVER
+    return _paragraph("outcome", text, colour)
+
+
+def speed_html(state: PlayerState) -> str:
+    """The chosen speed, whether it is admissible, and what is shown if it is not."""
+    done, samples = state.trajectory, len(state.excess)
+    text = f"c = {done.c:.4g}, c² = {done.c2:.4g}, duration {done.duration:.4g} s, energy {done.energy:.4g} J. "
+    if fast := state.joints_beyond_velocity():
+        text += f"{fast} of {done.q.shape[1]} joints pass their velocity limit. "
+    if state.admissible:
+        return _paragraph("speed", f"{text}Inside the admissible range.")
+    over = int(np.count_nonzero(state.excess))
+    text += "<b>Outside the admissible range</b>: "
+    if over == 0:
+        load = ", though the load shown keeps all limits" if state.result.load is not None else ""
+        return _paragraph("speed", f"{text}no torques are guaranteed{load}.", OVER)
+    worst = int(np.argmax(state.excess))
+    text += f"{over} of {samples} samples pass a limit (red), by at most "
+    text += f"{_percent(state.excess[worst])} (at {done.time[worst]:.3g} s). "
+    if state.result.rule.sharing is not None or len(state.result.cell.robots) == 1:
+        text += "The torques follow from the motion alone."
+    else:
+        text += "Where torques or wrenches do, all limits are stretched by the least equal share that leaves torques."
+    return _paragraph("speed", text, OVER)
+
+
+def moment_html(state: PlayerState) -> str:
+    """The chosen time, and which speeds its sample alone admits and why."""
+    found, sample = state.result.range.samples, state.sample
+    given = found.time[sample]
+    text = f"t = {state.time:.4g} s of {state.trajectory.duration:.4g} s (given motion: {given:.4g} s). "
+    conflict = next((conflict for conflict in found.conflicts if conflict.sample == sample), None)
+    if conflict is not None:
+        return _paragraph("moment", f"{text}Infeasible: {html_text(str(conflict))}.", OVER)
+    low, high = found.lower[sample], found.upper[sample]
+    if np.isinf(high):
+        return _paragraph("moment", f"{text}Nothing limits the speed of this sample: c² ∈ {interval_text(low, high)}.")
+    reach = f"This sample alone admits c² ∈ {interval_text(low, high)}"
+    empty = found.status[sample] is SampleStatus.EMPTY
+    text += f"No c² suits every load here: {interval_text(low, high)}; " if empty else f"{reach}; "
+    text += f"faster is forbidden by {_rows(found.upper_rows, found.upper_loads, sample)}"
+    if low > 0:
+        text += f", slower by {_rows(found.lower_rows, found.lower_loads, sample)}"
+    return _paragraph("moment", f"{text}.")
+
+
+def arrows_html(force: Colour, newtons: float, moment: Colour, newton_metres: float) -> str:
+    """What the arrows mean: colours, 0 to 255, and what a metre of each is."""
+    text = (
+        f'<b style="color:rgb{force}">force</b>: 1 m of arrow is {newtons:.4g} N, '
+        f'<b style="color:rgb{moment}">moment</b>: 1 m of arrow is {newton_metres:.4g} N m'
+    )
+    return _paragraph("arrows", text)
+
+
+def note_html(text: str) -> str:
+    """A remark."""
+    return _paragraph("note", html_text(text))
+
+
+def error_html(text: str) -> str:
+    """Why the last wish was not granted."""
+    return _paragraph("error", html_text(text), OVER)
+
+
+def bars_html(kind: str, groups: dict[str, list[Bar]], *, kept: bool = True) -> str:
+    """Bars about zero, a group a robot; the thin lines are the limits.
+
+    Args:
+        kind: "torque", "wrench", or "velocity".
+        groups: Bars by robot.
+        kept: Whether the limits are kept, or reported only.
+    """
+    colour = OVER if kept else PASSED
+    rows = []
+    for robot, bars in groups.items():
+        rows.append(f'<tr><td colspan="3" style="padding-top:2px"><b>{html_text(robot)}</b></td></tr>')
+        rows += [_bar_row(kind, robot, bar, colour) for bar in bars]
+    return (
+        '<table style="width:100%;border-collapse:collapse;font-size:11px;line-height:14px;table-layout:fixed">'
+        '<colgroup><col style="width:34%"><col style="width:29%"><col style="width:37%"></colgroup>'
+        f"{''.join(rows)}</table>"
+    )
+
+
+def _percent(share: float) -> str:
+    return f"{_number(100 * share)} %"
+
+
+def _rows(rows: Sequence[tuple[ActiveRow, ...]], loads: Sequence[LoadPoint] | None, sample: int) -> str:
+    load = f" with {loads[sample]}" if loads else ""
+    names = (row.name.short for row in rows[sample])
+    return html_text(", ".join(names) + load)
+
+
+def _bar_row(kind: str, robot: str, bar: Bar, over: str) -> str:
+    colour = over if bar.over else WITHIN
+    share = 0.0 if bar.share is None else float(np.clip(bar.share, -FULL, FULL))
+    left, width = 50 + min(share, 0) * 100 * SPLIT, abs(share) * 100 * SPLIT
+    place = f"position:absolute;top:2px;bottom:2px;left:{left:.2f}%;width:{width:.2f}%"
+    drawn = f'<div style="{place};background:{colour}"></div>'
+    marks = [50.0] if bar.share is None else [50 - 100 * SPLIT, 50.0, 50 + 100 * SPLIT]
+    line = "position:absolute;top:0;height:100%;width:1px;background:#555"
+    drawn += "".join(f'<div style="{line};left:{at:.1f}%"></div>' for at in marks)
+    weight = f";color:{over};font-weight:bold" if bar.over else ""
+    cut = "overflow:hidden;text-overflow:ellipsis;white-space:nowrap"
+    return (
+        f'<tr data-bar="{kind} {html_text(f"{robot}/{bar.name}")}" data-over="{str(bar.over).lower()}">'
+        f'<td style="{cut}" title="{html_text(bar.name)}">{html_text(bar.name)}</td>'
+        f'<td><div style="position:relative;height:12px;background:#eee">{drawn}</div></td>'
+        f'<td style="{cut};text-align:right{weight}">{_value(bar)}</td></tr>'
+    )
+
+
+def _value(bar: Bar) -> str:
+    if bar.limit is None:
+        return f"{_number(bar.value)} {bar.unit} (no limit)"
+    return f"{_number(bar.value)} of {_number(bar.limit)} {bar.unit}"
+
+
+def _number(value: float) -> str:
+    if abs(value) < ROUNDING:
+        return "0"
+    return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"  # noqa: PLR2004 (no powers of ten)
+
+
+def _paragraph(name: str, text: str, colour: str = "inherit") -> str:
+    style = f"font-size:12px;line-height:16px;padding:0 9px;overflow-y:auto;{HEIGHTS.get(name, '')};color:{colour}"
+    return f'<div data-text="{name}" style="{style}">{text}</div>'

@@ -1,0 +1,339 @@
+# SPDX-License-Identifier: MIT
+"""What a player of a motion shows: the chosen configuration, speed and time, and all that follows from them."""
+
+from dataclasses import dataclass
+from math import ceil, floor, isfinite, log10, sqrt
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.cell.cell import Cell
+from mrts.coordination.grasp_closure import ClosureBound
+from mrts.limits import cell_rows
+from mrts.limits.velocity_limits import velocity_limits
+from mrts.motion.joint_table import JointTable
+from mrts.motion.object_motion import ObjectMotion
+from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.torque_distribution import torque_weights
+from mrts.samples.trajectory_programs import motion_torques
+from mrts.scaling.range import ScalingRange
+from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
+from mrts.scaling.scale import SelectionError, scale
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scaling.stretched_limits import stretched_torques
+from mrts.scaling.uncertain_load import Progress
+from mrts.solvers import DEFAULT_SOLVER
+from mrts.studies.configurations import ConfigurationStudy, rank_configurations
+
+BEYOND = 1.2
+"""Speeds are offered up to this factor beyond an end of the range, so that one sees what forbids them."""
+
+FASTEST_INFEASIBLE, FASTEST_UNBOUNDED = 2.0, 3.0
+"""Largest offered c where no end gives one."""
+
+SLOWEST = 0.02
+"""Least offered c, as a share of the largest, where the cell may stand still."""
+
+STEPS = 400
+"""Least number of speeds on offer."""
+
+
+@dataclass(frozen=True)
+class Speeds:
+    """The speeds that are offered.
+
+    Attributes:
+        ends: c² of "c⁻" and "c⁺", as far as they are finite and > 0.
+        low: Least c on offer.
+        high: Largest.
+        step: Between neighbours, a power of ten; `low` and `high` are multiples of it.
+        start: First choice.
+    """
+
+    ends: dict[str, float]
+    low: float
+    high: float
+    step: float
+    start: float
+
+    @property
+    def digits(self) -> int:
+        """Decimal places that tell neighbours apart."""
+        return max(0, -round(log10(self.step)))
+
+    def c2(self, c: float) -> float:
+        """The c² that a c on offer stands for: the exact end where the end lies within half a step."""
+        near = [c2 for c2 in self.ends.values() if abs(sqrt(c2) - c) <= self.step / 2]
+        return near[-1] if near else c * c
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A quantity against its limits.
+
+    Attributes:
+        name: Joint or wrench component.
+        value: In `unit`.
+        lower: Minus infinity where unbounded.
+        upper: Infinity where unbounded.
+        unit: Of value and limits.
+    """
+
+    name: str
+    value: float
+    lower: float
+    upper: float
+    unit: str
+
+    @property
+    def limit(self) -> float | None:
+        """The limit on the value's side of zero; None if there is none."""
+        limit = self.upper if self.value >= 0 else self.lower
+        return limit if isfinite(limit) else None
+
+    @property
+    def share(self) -> float | None:
+        """The value as a signed share of its limit; None without one, infinity for a limit of zero that is passed."""
+        if self.limit is None:
+            return None
+        if self.limit == 0:
+            return 0.0 if self.value == 0 else float(np.copysign(np.inf, self.value))
+        return float(np.copysign(self.value / self.limit, self.value))
+
+    @property
+    def over(self) -> bool:
+        """Whether it is beyond a limit by more than rounding."""
+        size = max((abs(limit) for limit in (self.lower, self.upper) if isfinite(limit)), default=1.0) or 1.0
+        return max(self.lower - self.value, self.value - self.upper) > LIMIT_TOLERANCE * size
+
+
+class PlayerState:
+    """A motion at a chosen speed, at a chosen time: at first the fastest admissible one, or c = 1 if there is none.
+
+    Args:
+        cell: The cell.
+        motion: As given.
+        sharing: A fixed distribution of the load; None leaves it to the quadratic program.
+        solver: Name in the registry.
+        closure: As in `mrts.scale`.
+        progress: Told how far the work on an uncertain load is.
+
+    Attributes:
+        result: The range, of the chosen configuration.
+        speeds: On offer.
+        trajectory: The motion at the chosen speed.
+        excess: Largest overstepping of a limit at each sample, as a share of it, 0 for rounding, Shape (N,).
+        sample: Index of the chosen time.
+        study: The configurations, once they are ranked.
+        configuration: Index of the chosen one in the ranking; None is the one that the cell file gives.
+
+    Raises:
+        MrtsError: As `mrts.scale`; an infeasible motion is no error.
+    """
+
+    result: ScalingResult
+    speeds: Speeds
+    trajectory: ScaledTrajectory
+    excess: Array
+
+    def __init__(
+        self,
+        cell: Cell,
+        motion: ObjectMotion | JointTable,
+        *,
+        sharing: LoadSharing | None = None,
+        closure: ClosureBound | None = None,
+        solver: str = DEFAULT_SOLVER,
+        progress: Progress = lambda _done, _total: None,
+    ) -> None:
+        self.sample = 0
+        self.study: ConfigurationStudy | None = None
+        self.configuration: int | None = None
+        self._cell, self._motion, self._sharing, self._solver = cell, motion, sharing, solver
+        self._progress, self._closure = progress, closure
+        self._play(cell)
+
+    @property
+    def fixed_configuration(self) -> str:
+        """Why there are no other configurations to choose; empty if there are."""
+        if isinstance(self._motion, JointTable):
+            return "A table of joint motion fixes the configuration; only an object's motion leaves a choice."
+        return ""
+
+    @property
+    def time(self) -> float:
+        """Of the chosen sample, at the chosen speed [s]."""
+        return float(self.trajectory.time[self.sample])
+
+    @property
+    def keeps_velocities(self) -> bool:
+        """Whether velocity limits bound the speed, or are reported only."""
+        return self.result.cell.enforces_velocity_limits
+
+    @property
+    def admissible(self) -> bool:
+        """Whether the chosen speed is in the range."""
+        return _admits(self.result.range, self.trajectory.c2)
+
+    def choose_time(self, time: float) -> None:
+        """Go to the sample nearest to a time at the chosen speed [s]."""
+        self.sample = int(np.argmin(np.abs(self.trajectory.time - time)))
+
+    def choose_speed(self, c: float) -> None:
+        """Play at another speed: torques are distributed anew.
+
+        Args:
+            c: Factor of speed; one within half a step of an end of the range is that end.
+
+        Raises:
+            InputError: Unless it is finite, > 0, and at least a thousandth of the least on offer.
+            SolverError: If no solver answers.
+        """
+        least = 1e-3 * self.speeds.low  # far below, c² and what is divided by it leave the range of numbers
+        if not (isfinite(c) and c >= least):
+            raise InputError("c", f"must be finite and >= {least:.3g}.", value=c)
+        self.trajectory, self.excess = self._distribute(self.result, self.speeds.c2(c))
+
+    def rank(self) -> None:
+        """Compare all configurations; takes seconds.
+
+        Raises:
+            MrtsError: As `rank_configurations`.
+        """
+        if isinstance(self._motion, ObjectMotion):
+            self.study = rank_configurations(self._cell, self._motion, sharing=self._sharing, solver=self._solver)
+
+    def configuration_labels(self) -> list[str]:
+        """One a ranked configuration, such as "1: left 1, right 1, c²⁺ = 26.35"."""
+        labels = []
+        for rank, configuration in enumerate(self.study.ranked if self.study else (), start=1):
+            branches = ", ".join(f"{branch.robot} {branch.number}" for branch in configuration.branches)
+            c2, status = configuration.c2_upper, configuration.range.status.value
+            labels.append(f"{rank}: {branches}, " + (f"c²⁺ = {c2:.4g}" if isfinite(c2) else status))
+        return labels
+
+    def choose_configuration(self, index: int | None) -> None:
+        """Play the motion in another configuration, from its start, at its own first choice of speed.
+
+        Args:
+            index: In the ranking; None takes the configuration of the cell file.
+
+        Raises:
+            MrtsError: As `mrts.scale`; nothing changes then.
+        """
+        if index is None or self.study is None:
+            self._play(self._cell)
+        else:
+            self._play(self._cell.with_postures(self.study.ranked[index].postures()))
+        self.configuration = index
+
+    def torque_bars(self) -> dict[str, list[Bar]]:
+        """Joint torques at the chosen time, by robot."""
+        torque, cell = self.trajectory.torque[self.sample], self.result.cell
+        return {
+            robot.name: _bars(
+                robot.joints, torque[joints], robot.torque_lower, robot.torque_upper, list(robot.torque_units)
+            )
+            for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True)
+        }
+
+    def wrench_bars(self) -> dict[str, list[Bar]]:
+        """Contact wrenches at the chosen time, by robot."""
+        wrench, cell = self.trajectory.wrench[self.sample], self.result.cell
+        names = cell.wrench_components
+        units = ["N" if name.startswith("f") else "N m" for name in names]
+        return {
+            robot.name: _bars(names, wrench[part], robot.wrench_lower, robot.wrench_upper, units)
+            for robot, part in zip(cell.robots, cell.wrench_slices.values(), strict=True)
+        }
+
+    def velocity_bars(self) -> dict[str, list[Bar]]:
+        """Joint velocities at the chosen time, by robot."""
+        speed, cell = self.trajectory.dq[self.sample], self.result.cell
+        return {
+            robot.name: _bars(
+                robot.joints,
+                speed[joints],
+                -robot.velocity_limit,
+                robot.velocity_limit,
+                ["m/s" if kind == "prismatic" else "rad/s" for kind in robot.joint_types],
+            )
+            for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True)
+        }
+
+    def joints_beyond_velocity(self) -> int:
+        """How many joints pass their velocity limit at some time."""
+        limits = np.concatenate([robot.velocity_limit for robot in self.result.cell.robots])
+        fastest = np.max(np.abs(self.trajectory.dq), axis=0)
+        return int(np.count_nonzero(fastest > limits * (1 + LIMIT_TOLERANCE)))
+
+    def _play(self, cell: Cell) -> None:
+        try:
+            result = scale(
+                cell,
+                self._motion,
+                sharing=self._sharing,
+                solver=self._solver,
+                closure=self._closure,
+                progress=self._progress,
+            )
+        except SelectionError as error:  # the cell can only hold still, or c = 1 is too slow where nothing is too fast
+            if error.result is None:
+                raise
+            result = error.result
+        speeds = offered_speeds(result.range)
+        trajectory, excess = self._distribute(result, speeds.c2(speeds.start))
+        self.result, self.speeds, self.sample = result, speeds, 0
+        self.trajectory, self.excess = trajectory, excess
+
+    def _distribute(self, result: ScalingResult, c2: float) -> tuple[ScaledTrajectory, Array]:
+        cell, motion, rule = result.cell, result.motion, result.rule
+        if _admits(result.range, c2):
+            W = torque_weights(rule.weights, motion.q.shape[1])
+            torque, wrench, _ = motion_torques(cell, motion, rule.formulation, rule.sharing, self._solver, c2, W)
+        else:
+            torque, wrench = stretched_torques(cell, motion, rule, c2, self._solver)
+        rows = cell_rows(cell)
+        value = torque @ rows.torque_matrix.T + wrench @ rows.wrench_matrix.T
+        share = np.maximum(rows.lower - value, value - rows.upper) / rows.units()
+        speed = sqrt(c2) * velocity_limits(cell, motion).share - 1
+        excess = np.max(np.concatenate([share, speed], axis=1), axis=1, initial=0.0)
+        excess[excess <= LIMIT_TOLERANCE] = 0.0
+        return ScaledTrajectory(cell, motion, c2, torque, wrench), excess
+
+
+def offered_speeds(found: ScalingRange) -> Speeds:
+    """Speeds around a range of c²: slightly beyond both ends.
+
+    Args:
+        found: The range; without an admissible speed, the motion as given is the first choice.
+    """
+    both = [end.c2 for end in (found.lower, found.upper) if end is not None]
+    ends = {name: c2 for name, c2 in zip(("c⁻", "c⁺"), both, strict=False) if isfinite(c2) and c2 > 0}
+    of_ends = [sqrt(c2) for c2 in ends.values()]
+    least = sqrt(both[0]) if both else 0.0
+    moves = found.status.admits_motion and both[1] > 0
+    if moves and isfinite(both[1]):
+        start = high = sqrt(both[1])
+        high *= BEYOND
+    else:
+        start = max(1.0, least) if moves else 1.0
+        high = FASTEST_UNBOUNDED if moves else FASTEST_INFEASIBLE
+        high = max([high, *(BEYOND * c for c in of_ends)])
+    low = min([start, *of_ends]) / BEYOND if least > 0 else SLOWEST * high
+    power = floor(log10((high - low) / STEPS))
+    step = 10.0**power
+    low, high = (round(count * step, -power) for count in (max(floor(low / step), 1), ceil(high / step)))
+    return Speeds(ends, low, high, step, start)
+
+
+def _admits(found: ScalingRange, c2: float) -> bool:
+    if not found.status.admits_motion or found.lower is None or found.upper is None:
+        return False
+    return found.lower.c2 <= c2 <= found.upper.c2
+
+
+def _bars(names: tuple[str, ...], values: Array, lower: Array, upper: Array, units: list[str]) -> list[Bar]:
+    numbers = zip(names, values.tolist(), lower.tolist(), upper.tolist(), units, strict=True)
+    return [Bar(*of_bar) for of_bar in numbers]

@@ -1,0 +1,143 @@
+"""Thousands of damaged input files of every kind: an answer, a named outcome or one clear sentence, and in time.
+
+A failure names its kind and seed; `FUZZ_CASES=1 FUZZ_SEED=SEED pytest tests/base/test_mutated_inputs.py -k KIND`
+repeats it.
+`make fuzz` runs many more; CI runs what stands here.
+"""
+
+import json
+import os
+import shutil
+import time
+
+import pytest
+from conftest import DATA, ROOT
+from mrts_codegen.cell_description import read_cell_description
+from mrts_codegen.cell_model import build_cell_model
+from mutations import mutated
+
+import mrts
+from mrts.base.manifest import read_generated
+from mrts.cli import main
+from mrts.output.ros_bag import write_ros_bag
+from mrts.output.trajectory_table import write_trajectory_csv
+
+CASES = int(os.environ.get("FUZZ_CASES", "2000"))
+SEED = int(os.environ.get("FUZZ_SEED", "0"))
+
+PATIENCE = 5.0
+"""Processor time for a case [s]; a hundred times what most take."""
+
+SCALED_SAMPLES = 500
+"""A motion of more samples is read, but not scaled: that work is what was asked for."""
+
+GENERATED = ROOT / "generated" / "planar_dual_arm"
+
+
+def read_cell(path):
+    build_cell_model(path, read_cell_description(path))
+
+
+def read_urdf(path):
+    read_cell(path.with_name("cell.yaml"))
+
+
+def read_manifest(path):
+    read_generated(path.parent)
+
+
+def read_result(path):
+    finite(mrts.load_result(path).json_text())
+
+
+def read_motion(path):
+    """A motion that can be read is scaled by the command line."""
+    motion = mrts.load_motion(path)
+    if len(motion.time) <= SCALED_SAMPLES:
+        return main(["scale", str(GENERATED), str(path), "--json", "-"])
+    return None
+
+
+def read_bag_description(path):
+    mrts.load_motion(path.parent)
+
+
+def finite(text):
+    """What JSON text says, which holds no NaN and no infinity."""
+
+    def refuse(name):
+        raise AssertionError(f"{name} in an answer")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+READERS = {
+    "cell": ("cell.yaml", read_cell),
+    "urdf": ("planar_arm.urdf", read_urdf),
+    "motion": ("lift.yaml", read_motion),
+    "waypoints": ("waypoints.yaml", read_motion),
+    "object": ("object.csv", read_motion),
+    "joints": ("joints.csv", read_motion),
+    "result": ("result.npz", read_result),
+    "manifest": ("generated/manifest.json", read_manifest),
+    "bag": ("bag/bag.mcap", read_motion),
+    "bag_description": ("bag/metadata.yaml", read_bag_description),
+}
+"""By kind: a valid file, and what reads it."""
+
+
+@pytest.fixture(scope="module")
+def originals(planar_cell, tmp_path_factory):
+    """Valid small files of every kind."""
+    folder = tmp_path_factory.mktemp("originals")
+    for path in DATA.iterdir():
+        shutil.copy(path, folder)
+    lift = (folder / "lift.yaml").read_text(encoding="utf-8").replace("samples: 101", "samples: 11")
+    (folder / "lift.yaml").write_text(lift, encoding="utf-8")
+    (folder / "waypoints.yaml").write_text(
+        "duration: 1.0\nsamples: 11\nprofile: quintic\nwaypoints:\n"
+        "  - {xyz: [1.25, 1.0, 0]}\n  - {xyz: [1.2, 1.1, 0], rpy: [0, 0, 0.1]}\n  - {xyz: [1.25, 1.2, 0]}\n",
+        encoding="utf-8",
+    )
+    motion = mrts.load_motion(folder / "lift.yaml")
+    result = mrts.scale(planar_cell, motion)
+    mrts.save_result(result, folder / "result.npz")
+    write_trajectory_csv(result, folder / "joints.csv")
+    write_ros_bag(result, folder / "bag")
+    rows = [f"{t!r},{x!r},{y!r},0,0,0,0,1" for t, (x, y, _) in zip(motion.time, motion.position, strict=True)]
+    table = "\n".join(["t,px,py,pz,qx,qy,qz,qw", *rows])
+    (folder / "object.csv").write_text(table.replace("np.float64(", "").replace(")", ""), encoding="utf-8")
+    shutil.copytree(GENERATED, folder / "generated")
+    return folder
+
+
+@pytest.mark.parametrize("kind", READERS)
+def test_damaged_files_are_read_or_refused_in_a_sentence(kind, originals, tmp_path, capsys):
+    name, read = READERS[kind]
+    shutil.copytree(originals, tmp_path, dirs_exist_ok=True)
+    path = tmp_path / name
+    content = path.read_bytes()
+    assert read(path) in (None, 0), "the file itself is valid"
+    capsys.readouterr()
+    refused = 0
+    for seed in range(SEED, SEED + max(CASES // len(READERS), 1)):
+        path.write_bytes(mutated(content, seed))
+        start = time.process_time()
+        try:
+            code = read(path)
+        except mrts.MrtsError as error:
+            code, message = 2, str(error)
+            assert message.isprintable(), (kind, seed, message)
+            assert len(message) < 5000, (kind, seed)
+        except Exception as error:
+            raise AssertionError(f"{kind}, seed {seed}: {type(error).__name__}: {error}") from error
+        captured = capsys.readouterr()
+        assert time.process_time() - start < PATIENCE, (kind, seed)
+        assert code in (None, 0, 1, 2), (kind, seed, code)
+        assert "Traceback" not in captured.err, (kind, seed)
+        assert captured.err.replace("\n", "").isprintable(), (kind, seed)
+        assert "\n\n" not in captured.err, (kind, seed)
+        refused += code == 2
+        if code in (0, 1) and captured.out:
+            finite(captured.out)
+    assert CASES < 500 or refused > 0.2 * CASES / len(READERS)

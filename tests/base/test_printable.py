@@ -1,0 +1,95 @@
+"""What a user's files hold reaches terminals, messages and pages escaped."""
+
+import json
+from dataclasses import replace
+
+import pytest
+from conftest import DATA
+
+import mrts
+from mrts.base.errors import CompilerError, InputError, MrtsError
+from mrts.base.printable import LONGEST_MESSAGE, html_text, printable
+from mrts.base.remark import Remark
+from mrts.cli import main
+from mrts.console.terminal import put, say, warn
+from mrts.drawing.plot_style import shortened
+
+HOSTILE = "a\x1b[31mb\r\x07\u202e\u200b\u2028\x9b\x7f\ud800"
+SHOWN = r"a\u001b[31mb\r\u0007\u202e\u200b\u2028\u009b\u007f\ud800"
+
+
+def test_ordinary_letters_stay():
+    text = "c² ∈ [0, ∞) µm Ängström 日本 τ̈ \\ {} %s"
+    assert printable(text) == text
+    assert str(MrtsError(text)) == text
+
+
+def test_control_characters_and_invisible_signs_are_escaped_as_json_does():
+    assert printable(HOSTILE) == SHOWN
+    assert json.loads(f'"{printable(HOSTILE)}"') == HOSTILE
+    assert printable("\U000e0041") == r"\udb40\udc41"
+
+
+def test_messages_are_one_paragraph_without_control_characters():
+    message = str(InputError(f"{HOSTILE}\n\n", f"must not\n\nbe {HOSTILE}.", key=f"k\n{HOSTILE}", value=HOSTILE))
+    assert message.isprintable()
+    assert message.count(SHOWN) == 3
+    assert str(CompilerError("one\ntwo\t\x1b[1m")) == "one\ntwo\\t\\u001b[1m"
+
+
+def test_long_names_lose_their_middle():
+    message = str(InputError("cell.yaml", "must be a robot's joint; say which.", key="j" * 1_000_000))
+    assert len(message) < 400
+    assert message.startswith("cell.yaml: jjj")
+    assert message.endswith("jjj: must be a robot's joint; say which.")
+    assert len(str(InputError("a", "b " * 1_000_000, value=10**5000))) <= LONGEST_MESSAGE
+    assert "\n" not in str(InputError("a", "b", value=[[1.0] * 100] * 100))
+
+
+@pytest.mark.parametrize("show", [say, put, warn])
+def test_what_is_printed_keeps_its_lines_only(show, capsys):
+    show(f"first\nsecond {HOSTILE}")
+    captured = capsys.readouterr()
+    assert (captured.out + captured.err).endswith(f"first\nsecond {SHOWN}\n")
+
+
+def test_pages_and_figures_hide_nothing():
+    assert html_text(f"<b>{HOSTILE}") == f"&lt;b&gt;{SHOWN}"
+    assert shortened("\u202eabc") == r"\u202eabc"
+
+
+@pytest.mark.parametrize(
+    "key",
+    ["{", "{0}", "{known:>9999999999}", "{key.__class__}", "%s %n", "$known", "\x1b[31m", "\u202e", "\\N{DIGIT ONE}"],
+)
+def test_keys_are_quoted_not_formatted(key, tmp_path, capsys):
+    path = tmp_path / "cell.yaml"
+    path.write_text(f"{json.dumps(key)}: 1\n", encoding="utf-8")
+    assert main(["generate", str(path)]) == 2
+    assert f"unknown key '{printable(key)}'. The keys here are: name, gravity" in capsys.readouterr().err
+
+
+def test_arguments_are_quoted_printable(capsys):
+    for arguments in (["sca\x1b[31mle"], ["scale", "a", "b", "--\x1b[31m"], ["scale", "a", "b", "--c2", "\x1b[31m"]):
+        with pytest.raises(SystemExit):
+            main(arguments)
+        assert "\x1b" not in capsys.readouterr().err
+
+
+def test_names_of_a_urdf_reach_the_terminal_escaped(tmp_path, capsys):
+    text = (DATA / "planar_arm.urdf").read_text(encoding="utf-8")
+    text = text.replace('"elbow" type="continuous"', '"el&#x202e;bow&#xa;$x{" type="floating"')
+    (tmp_path / "planar_arm.urdf").write_text(text, encoding="utf-8")
+    (tmp_path / "cell.yaml").write_text((DATA / "cell.yaml").read_text(encoding="utf-8"), encoding="utf-8")
+    assert main(["scale", str(tmp_path / "cell.yaml"), str(DATA / "lift.yaml")]) == 2
+    message = capsys.readouterr().err.removesuffix("\n")
+    assert message.isprintable()
+    assert r"joint 'el\u202ebow\n$x{' type = 'floating'" in message
+
+
+def test_names_of_a_saved_result_are_escaped_in_python_too(planar_cell, lift):
+    hostile = Remark("\x1b[31m", "\x1b[31mall\nis well\u202e")
+    result = replace(mrts.scale(planar_cell, lift), origin="\x1b[31mevil\nname\u202e", warnings=(hostile,))
+    lines = result.summary().split("\n")
+    assert len(lines) == 2
+    assert all(line.isprintable() for line in (*lines, repr(result)))

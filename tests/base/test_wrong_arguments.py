@@ -1,0 +1,182 @@
+"""Wrong arguments in Python: every public function refuses what it cannot use by an exception of mrts that names it."""
+
+import inspect
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import DATA
+
+import mrts
+from mrts.figures import range_figure, write_figure, write_result_figures
+from mrts.output.ros_bag import write_ros_bag
+from mrts.output.trajectory_table import write_trajectory_csv
+from mrts.solvers import DEFAULT_SOLVER
+
+ZOO = [
+    None,
+    True,
+    3,
+    -1,
+    10**400,
+    0.5,
+    float("nan"),
+    float("-inf"),
+    1j,
+    "x",
+    "",
+    "nul\0l",
+    "\udcff",
+    b"bytes",
+    Path("nowhere") / "at.all",
+    (),
+    [[1.0], [1.0, 2.0]],
+    ["x"],
+    {},
+    {"x": 1},
+    {1},
+    object(),
+    np.array(3.0),
+    np.array([1.0, 2.0]),
+    np.array([np.nan]),
+    np.array(["x"]),
+    np.zeros((0, 3)),
+]
+"""Values of all kinds, most of them wrong wherever they are given."""
+
+METHODS = {
+    "Cell": ("with_mass", "with_load", "with_variation", "with_postures"),
+    "LoadBox": ("load_at", "draw", "corners"),
+    "RetimingResult": ("write_json",),
+    "ScalingResult": ("write_json",),
+}
+"""Methods that take what a user gives."""
+
+FUNCTIONS = [name for name in mrts.__all__ if inspect.isfunction(getattr(mrts, name))]
+WRITERS = {
+    "write_figure": write_figure,
+    "write_result_figures": write_result_figures,
+    "write_ros_bag": write_ros_bag,
+    "write_trajectory_csv": write_trajectory_csv,
+}
+"""Public functions that are not of `mrts` itself: their packages are extras."""
+
+BUILT = ("ClosureBound", "CoordinatedMotion", "LoadBox", "MotionDescription", "ObjectMotion")
+"""Classes that a user builds; the others come out of functions."""
+
+
+@pytest.fixture(scope="module")
+def good(planar_cell):
+    """Arguments of everything public with which it works."""
+    poses = {"start": {"xyz": [1.25, 0.95, 0]}, "end": {"xyz": [1.25, 1.0, 0]}}
+    description = mrts.MotionDescription(**poses, duration=1.0, samples=11, profile="cubic")
+    motion = mrts.sample_motion(description)
+    result = mrts.scale(planar_cell, motion)
+    whole = result.motion
+    box = planar_cell.with_variation(mass=(0.5, 2.0)).load_box
+    mrts.save_result(result, "good.npz")
+    search = {"cell": planar_cell, "motion": motion, "sharing": None, "progress": lambda _done, _total: None}
+    with_solver = {"solver": DEFAULT_SOLVER}
+    objects = {name: getattr(motion, name) for name in ("time", "position", "rotation", "twist", "acceleration")}
+    joints = {"object": motion, "q": whole.q, "dq": whole.dq, "ddq": whole.ddq}
+    retiming = {"weights": None, "load": "auto", "start_speed": 0.0, "end_speed": 0.0, "closure": None}
+    return {
+        "follow_object": {"cell": planar_cell, "motion": motion},
+        "load_cell": {"path": DATA / "cell.yaml", "backend": "auto"},
+        "load_motion": {"path": DATA / "lift.yaml"},
+        "load_result": {"path": "good.npz", "cell": planar_cell},
+        "rank_configurations": search | with_solver | {"cap": 1},
+        "retime": search | retiming,
+        "sample_motion": {"description": description},
+        "save_result": {"result": result, "path": "saved.npz"},
+        "scale": search
+        | with_solver
+        | {"select": "auto", "formulation": "wrench", "weights": None, "load": "auto", "closure": None},
+        "torques_for_load": {"result": result, "load": planar_cell.load} | with_solver,
+        "write_report": {"result": result, "path": "report.html"},
+        "write_figure": {"figure": range_figure(result), "path": "figure.png"},
+        "write_result_figures": {"result": result, "folder": "figures"},
+        "write_ros_bag": {"result": result, "folder": "bag"},
+        "write_trajectory_csv": {"result": result, "path": "trajectory.csv"},
+        "ClosureBound": {"position": 1e-3, "rotation": None},
+        "CoordinatedMotion": joints | {"remarks": ()},
+        "LoadBox": {"mass": 1.0, "inertia": np.eye(3), "ranges": {"mass": (0.5, 2.0)}, "outer_hull": False},
+        "MotionDescription": poses | {"duration": 1.0, "samples": 11, "profile": "cubic"},
+        "ObjectMotion": objects | {"smooth": True},
+        "Cell.with_mass": {"self": planar_cell, "mass": 1.0},
+        "Cell.with_load": {"self": planar_cell, "load": planar_cell.load},
+        "Cell.with_variation": {"self": planar_cell, "outer_hull": False, "mass": (0.5, 2.0)},
+        "Cell.with_postures": {"self": planar_cell, "postures": {"left": [0.0, 0.0, 0.0]}},
+        "LoadBox.load_at": {"self": box, "parameters": {"mass": 1.5}},
+        "LoadBox.draw": {"self": box, "rng": np.random.default_rng(1), "count": 2},
+        "LoadBox.corners": {"self": box, "varying": None},
+        "ScalingResult.write_json": {"self": result, "path": "result.json"},
+        "RetimingResult.write_json": {"self": mrts.retime(planar_cell, motion), "path": "retimed.json"},
+    }
+
+
+@pytest.fixture(autouse=True, scope="module")
+def folder(tmp_path_factory):
+    """Files are written here."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path_factory.mktemp("wrong"))
+        yield
+
+
+def test_every_public_function_is_thrown_at(good):
+    assert {*FUNCTIONS} <= {*good}
+    for name in FUNCTIONS:
+        assert {*good[name]} == {*inspect.signature(getattr(mrts, name)).parameters}, name
+    for name, methods in METHODS.items():
+        assert {f"{name}.{method}" for method in methods} <= {*good}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [*FUNCTIONS, *WRITERS, *BUILT, *(f"{name}.{method}" for name, methods in METHODS.items() for method in methods)],
+)
+def test_wrong_values_are_refused_by_name(name, good):
+    home, _, method = name.partition(".")
+    called = WRITERS.get(name) or (getattr(getattr(mrts, home), method) if method else getattr(mrts, home))
+    arguments = good[name]
+    called(**arguments)
+    motion = good["scale"]["motion"]
+    refused = 0
+    for argument in arguments:
+        for value in (*ZOO, mrts, motion, good["scale"]["cell"]):
+            if argument == "self":
+                continue
+            message = ""
+            try:
+                called(**(arguments | {argument: value}))
+            except mrts.MrtsError as error:
+                message = str(error)
+                refused += 1
+            except Exception as error:
+                raise AssertionError(f"{name}: {argument} = {value!r} raises {error!r}") from error
+            assert "\n\n" not in message
+    assert refused > len(ZOO) / 2, name
+
+
+def test_the_message_names_the_argument_what_it_must_be_and_what_it_is(planar_cell, lift):
+    cell = planar_cell
+    for call, message in (
+        (lambda: mrts.scale(None, lift), "cell: must be a cell, as from mrts.load_cell; it is None."),
+        (lambda: mrts.scale(cell, 3), "motion = 3: must be motion of the object, as from mrts.load_motion, "),
+        (lambda: mrts.retime(cell, "x"), "motion = 'x': must be motion of the object, "),
+        (lambda: mrts.load_cell(3), "path = 3: must be text or a Path; it is of type int."),
+        (lambda: mrts.load_motion(None), "path: must be text or a Path; it is None."),
+        (lambda: mrts.save_result(1, 2), "result = 1: must be a result of mrts.scale; it is of type int."),
+        (lambda: mrts.rank_configurations(cell, lift, cap="x"), "cap = 'x': must be a whole number; it is of"),
+        (lambda: mrts.scale(cell, lift, sharing="equal"), "sharing = 'equal': must be a LoadSharing"),
+        (lambda: mrts.retime(cell, lift, start_speed=1e200), "start_speed = 1e+200: must be a number from 0 to 1e+12"),
+        (lambda: mrts.retime(cell, lift, end_speed=1e200), "end_speed = 1e+200: must be a number from 0 to 1e+12"),
+        (lambda: mrts.MotionDescription(duration="x"), "motion: duration = 'x': must be a number."),
+        (lambda: mrts.MotionDescription(start={"xyz": [0.0]}), "motion: start.xyz = [0.0]: has 1 values, at least 3"),
+        (lambda: mrts.MotionDescription(duration=1.0), "motion: a motion is given by one of: start and end, waypoi"),
+        (lambda: mrts.MotionDescription(speed=1), "motion: unknown key 'speed'. The keys here are: duration, sampl"),
+        (lambda: mrts.scale(cell, lift, progress=0), "progress = 0: must be a function; it is of type int"),
+    ):
+        with pytest.raises(mrts.InputError) as refused:
+            call()
+        assert str(refused.value).startswith(message)

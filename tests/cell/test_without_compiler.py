@@ -1,0 +1,115 @@
+"""Without a C compiler everything but the compiling of an export works, and gives the same answers."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import DATA
+from mrts_codegen import generate
+
+import mrts
+from mrts.cell import generation
+from mrts.kernel.kernel_library import INFEASIBLE, OPTIMAL, default_kernel
+from mrts.retiming.speed_kernel import KernelWithoutCompiler, speed_kernel
+
+SAMPLES = 21
+
+TORQUES = 1e-6
+"""Of a limit: two solvers of one strictly convex program, each right to 1e-9."""
+
+SCRIPT = """
+import json, sys
+import mrts
+from mrts.retiming.speed_kernel import KernelWithoutCompiler, speed_kernel
+
+assert isinstance(speed_kernel(), KernelWithoutCompiler)
+cell, motion = mrts.load_cell(sys.argv[1]), mrts.load_motion(sys.argv[2])
+assert cell.functions.backend == "vm"
+result, timed = mrts.scale(cell, motion), mrts.retime(cell, motion)
+print(json.dumps([result.range.upper.c2, result.torque["left"].tolist(), timed.duration, timed.summary()]))
+"""
+
+
+@pytest.mark.parametrize(("name", "motion"), [("planar_dual_arm", "lift"), ("dual_ur5", "lift_and_turn")])
+def test_a_machine_without_a_compiler_gives_the_same_answers(name, motion, planar_cell, dual_ur5, tmp_path):
+    cell = {"planar_dual_arm": planar_cell, "dual_ur5": dual_ur5}[name]
+    text = (DATA.parent / name / f"{motion}.yaml").read_text()
+    given = tmp_path / "motion.yaml"
+    assert text.count("samples: 101") == 1
+    given.write_text(text.replace("samples: 101", f"samples: {SAMPLES}"))
+    environment = {name: value for name, value in os.environ.items() if name != "CC"} | {"PATH": str(tmp_path)}
+    arguments = [sys.executable, "-c", SCRIPT, str(DATA.parent / name / "cell.yaml"), str(given)]
+    done = subprocess.run(arguments, capture_output=True, text=True, env=environment, check=False)
+    assert done.returncode == 0, done.stderr
+    c2, torque, duration, summary = json.loads(done.stdout)
+    result, timed = mrts.scale(cell, mrts.load_motion(given)), mrts.retime(cell, mrts.load_motion(given))
+    assert c2 == pytest.approx(result.range.upper.c2, rel=1e-9)
+    assert np.max(np.abs(np.array(torque) - result.torque["left"])) <= TORQUES * np.max(cell.robots[0].torque_upper)
+    assert duration == pytest.approx(timed.duration, rel=1e-9)
+    assert summary == timed.summary()
+
+
+def test_the_kernel_is_taken_where_there_is_a_compiler():
+    assert speed_kernel() is default_kernel()
+
+
+def test_projections_are_those_of_the_kernel():
+    rng = np.random.default_rng(8)
+    count, rows, unknowns = 40, 12, 5
+    A = rng.normal(size=(count, rows, unknowns))
+    box = np.full((count, unknowns), 3.0)
+    lower, upper = -rng.uniform(0.1, 1, (count, rows)), rng.uniform(0.1, 1, (count, rows))
+    lower[:4, 0], upper[:4, 0] = 100, 101  # further out than the box reaches
+    limits = np.concatenate([lower, -box], axis=1), np.concatenate([upper, box], axis=1)
+    number, corners, status = KernelWithoutCompiler.projections(A, *limits)
+    other_number, other_corners, other_status = default_kernel().projections(A, *limits)
+    assert np.all(status == np.where(np.arange(count) < 4, INFEASIBLE, OPTIMAL))
+    assert np.all((other_status == OPTIMAL) == (status == OPTIMAL))
+    angles = np.linspace(0, 2 * np.pi, 64)
+    directions = np.stack([np.cos(angles), np.sin(angles)])
+    for sample in range(4, count):
+        ours, theirs = corners[sample, : number[sample]], other_corners[sample, : other_number[sample]]
+        assert np.allclose(np.max(ours @ directions, axis=0), np.max(theirs @ directions, axis=0), atol=1e-8)
+        following = np.roll(ours, -1, axis=0)
+        assert np.sum(ours[:, 0] * following[:, 1] - ours[:, 1] * following[:, 0]) > 0  # counter-clockwise
+
+
+def test_speeds_are_those_of_the_kernel():
+    rng = np.random.default_rng(9)
+    outcomes = set()
+    for _ in range(40):
+        n = 12
+        counts = rng.integers(3, 8, n)
+        start = np.concatenate([[0], np.cumsum(counts)])
+        planes = np.column_stack([rng.normal(size=(start[-1], 2)), rng.uniform(-0.05, 1, start[-1])])
+        step = rng.uniform(0.05, 0.2, n - 1)
+        found = []
+        for kernel in (default_kernel(), KernelWithoutCompiler):
+            low, high = np.zeros(n), np.full(n, 2.0)
+            low[-1] = high[-1] = 0.0
+            failed = kernel.backward(step, start, planes, low, high)
+            x = kernel.forward(step, start, planes, low, high, high[0]) if failed < 0 else np.zeros(n)
+            found.append((failed, low, high, x))
+        (failed, *arrays), (other, *others) = found
+        assert failed == other
+        outcomes.add(failed < 0)
+        assert np.allclose(arrays, others, rtol=1e-12, atol=1e-12)
+    assert outcomes == {True, False}
+
+
+def test_the_virtual_machine_generates_a_cell_once(monkeypatch, tmp_path):
+    real, calls = generate.generate_cell, []
+
+    def counted(path):
+        calls.append(path)
+        return real(path)
+
+    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(generate, "generate_cell", counted)
+    assert mrts.load_cell(DATA / "cell.yaml", backend="vm").functions.backend == "vm"
+    assert len(calls) == 1
+    assert generation.generated_in_cache(DATA / "cell.yaml")[1].exists()
+    assert len(calls) == 1

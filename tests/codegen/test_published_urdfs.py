@@ -1,0 +1,219 @@
+"""URDFs as people publish them: what is let pass with a remark, what is refused and why, over every file at hand."""
+
+import logging
+import re
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+from mrts_codegen.cell_description import read_cell_description
+from mrts_codegen.cell_model import build_cell_model
+from mrts_codegen.generate import generate_cell
+from mrts_codegen.urdf.robot_model import build_robot_model
+from mrts_codegen.urdf.urdf_file import read_urdf
+from mrts_codegen.urdf.urdf_joint import NO_LIMIT
+from published_robots import ROBOTS
+
+import mrts
+
+REFUSALS = {
+    r"no joint moves between": None,
+    r"joint '\S+' mimic: it moves with": None,
+    # inertias that no body has, by far more than rounding; the links that carry them are named
+    r"link '\S+' inertia: breaks the triangle inequality": {
+        "allegro_left_hand.urdf",
+        "allegro_right_hand.urdf",
+        "hyq_no_sensors.urdf",
+        "pr2.urdf",
+        "romeo_laas_small.urdf",
+        "romeo_small.urdf",
+    },
+    r"link '\S+' inertia: is not positive definite": {"romeo_laas_small.urdf"},
+}
+"""Message to the files in which some chain may be refused so; None: any file."""
+
+LEAST_CHAINS = 430
+"""Of the 721 from root to leaf in example-robot-data 6.0.0, 286 have nothing that moves, end in a follower, or break
+the rules above."""
+
+
+def refused(path, urdf, leaf):
+    """Why the chain from root to leaf is refused, None if it loads."""
+    try:
+        model = build_robot_model(path, urdf, None, leaf)
+    except mrts.InputError as error:
+        return str(error)
+    assert all(joint.lower <= joint.upper for joint in model.joints)
+    assert all(joint.velocity is None or 0 < joint.velocity < NO_LIMIT for joint in model.joints)
+    return None
+
+
+def test_every_published_chain_loads_or_is_refused_for_a_reason():
+    loaded, seen = 0, set()
+    for path in sorted(ROBOTS.rglob("*.urdf")):
+        urdf = read_urdf(path)
+        parents = {joint.parent for joint in urdf.joints}
+        for leaf in (link.name for link in urdf.links if link.name not in parents):
+            refusal = refused(path, urdf, leaf)
+            if refusal is None:
+                loaded += 1
+                continue
+            reason = next(rule for rule in REFUSALS if re.search(rule, refusal))
+            assert REFUSALS[reason] is None or path.name in REFUSALS[reason], refusal
+            seen.add((reason, path.name))
+    assert loaded >= LEAST_CHAINS
+    assert {name for reason, name in seen if REFUSALS[reason]} == set().union(*filter(None, REFUSALS.values()))
+
+
+def test_a_follower_off_the_chain_is_told():
+    """Panda's other finger stays where it is while the chain's moves."""
+    path = ROBOTS / "panda_description/urdf/panda.urdf"
+    (remark,) = build_robot_model(path, read_urdf(path), None, "panda_leftfinger").remarks
+    assert remark.code == "follower-at-zero"
+    assert remark.text.startswith("panda.urdf: 'panda_finger_joint2' would move with joint 'panda_finger_joint1'")
+    assert not build_robot_model(path, read_urdf(path), None, "panda_hand").remarks
+
+
+def test_a_limit_beyond_any_joint_is_none():
+    """Iris gives its rotors positions up to 1e16."""
+    path = ROBOTS / "iris_description/robots/iris.urdf"
+    joint = build_robot_model(path, read_urdf(path), None, "iris__rotor_0").joints[0]
+    assert (joint.lower, joint.upper) == (-np.inf, np.inf)
+
+
+def arm_cell(folder, replacements, *, torque=True):
+    """The shipped planar cell with another arm; without torques, its efforts count."""
+    text = (DATA / "planar_arm.urdf").read_text()
+    for old, new in replacements:
+        assert old in text, old
+        text = text.replace(old, new)
+    (folder / "planar_arm.urdf").write_text(text)
+    description = yaml.safe_load((DATA / "cell.yaml").read_text())
+    for robot in description["robots"]:
+        if not torque:
+            del robot["torque"]
+    (folder / "cell.yaml").write_text(yaml.safe_dump(description))
+    return folder / "cell.yaml"
+
+
+def read(path):
+    return build_cell_model(path, read_cell_description(path))
+
+
+def with_limit(joint, limit, kind="continuous"):
+    """The replacement that gives a joint a limit."""
+    return (f'<joint name="{joint}" type="continuous">', f'<joint name="{joint}" type="{kind}">{limit}')
+
+
+def limited(limit):
+    """The elbow with a limit."""
+    return [with_limit("elbow", limit, "revolute")]
+
+
+@pytest.mark.parametrize("number", ["1e16", "1.7976931348623157e308", "inf", "1000000000"])
+def test_limits_that_mean_none(number, tmp_path):
+    path = arm_cell(tmp_path, limited(f'<limit lower="-{number}" upper="{number}" velocity="{number}" effort="9"/>'))
+    elbow = read(path).robots[0].model.joints[1]
+    assert (elbow.lower, elbow.upper, elbow.velocity, elbow.effort) == (-np.inf, np.inf, None, 9)
+
+
+@pytest.mark.parametrize("effort", ["1e16", "inf", "-5", "0"])
+def test_an_effort_that_says_nothing_asks_for_torques(effort, tmp_path):
+    every = [with_limit(name, '<limit effort="50"/>') for name in ("shoulder", "wrist")]
+    elbow = limited(f'<limit lower="-3" upper="3" velocity="1" effort="{effort}"/>')
+    with pytest.raises(mrts.InputError, match=r"joint 'elbow': its effort limit is .* says nothing .* Give 'torque:"):
+        read(arm_cell(tmp_path, every + elbow, torque=False))
+    assert read(arm_cell(tmp_path, every + elbow)).robots[0].torque_upper.tolist() == [100, 80, 50]
+
+
+@pytest.mark.parametrize(
+    ("limit", "message"),
+    [
+        ('<limit lower="1" upper="-1"/>', r"joint 'elbow': its lower limit 1 exceeds its upper limit -1"),
+        ('<limit lower="-1" upper="1" velocity="-2"/>', r"joint 'elbow' velocity limit = -2.0: must be >= 0"),
+        ('<limit lower="nan" upper="1"/>', r"joint 'elbow', <limit> lower = 'nan': must be a finite number"),
+    ],
+)
+def test_a_wrong_limit_is_refused(limit, message, tmp_path):
+    with pytest.raises(mrts.InputError, match=message):
+        read(arm_cell(tmp_path, limited(limit)))
+
+
+HAND = '<inertia ixx="0.0025" ixy="0" ixz="0" iyy="0.0016666666666666668" iyz="0" izz="0.0016666666666666668"/>'
+
+
+def hand(mass, xx, yy, zz):
+    return [
+        ('<mass value="0.5"/>', f'<mass value="{mass}"/>'),
+        (HAND, f'<inertia ixx="{xx}" ixy="0" ixz="0" iyy="{yy}" iyz="0" izz="{zz}"/>'),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("mass", "moments", "code"),
+    [
+        (0.5, (0.001, 0.001, 0.002), None),  # a disc, at the edge
+        (0.5, (0.001, 0.001, 0.00203), "inertia-triangle"),  # 1.5 % beyond, as link2 of pybullet's xArm 6 by 0.7 %
+        (0.5, (0.001, 0.001, 0.002312), "inertia-triangle"),  # 15.6 %, as its link3
+        (0.0, (0.1, 0.1, 0.1), "massless-inertia"),  # panda_link8 of pybullet's Panda
+        (0.0, (0, 0, 0), None),  # a frame
+        (0.5, (0, 0, 0), None),  # a point mass
+        (0.5, (1e-20, -1e-20, 0), None),  # the same with rounding: iCub's ankles
+        (0.5, (0, 0.0012, 0.0012), None),  # a rod without thickness: the finger's lower link
+    ],
+)
+def test_what_is_let_pass(mass, moments, code, tmp_path):
+    model = read(arm_cell(tmp_path, hand(mass, *moments)))
+    assert [remark.code for remark in model.remarks] == ([code] if code else [])  # once, though two arms have it
+    assert all("planar_arm.urdf: " in remark.text and "'hand'" in remark.text for remark in model.remarks)
+    assert all(str(tmp_path) not in remark.text for remark in model.remarks)
+    assert model.robots[0].model.joints[2].body.mass == mass
+
+
+@pytest.mark.parametrize(
+    ("mass", "moments", "message"),
+    [
+        (0.5, (0.001, 0.001, 0.0025), r"'hand' inertia: breaks the triangle inequality"),  # 25 %
+        (0.5, (1e-3, 4.3e-3, 7.3e-3), r"breaks the triangle inequality"),
+        (0.5, (-0.001, 0.001, 0.001), r"is not positive definite"),
+        (-0.5, (0.001, 0.001, 0.001), r"'hand' mass = -0.5: must be >= 0 kg"),
+    ],
+)
+def test_what_no_body_has_is_refused(mass, moments, message, tmp_path):
+    with pytest.raises(mrts.InputError, match=message):
+        read(arm_cell(tmp_path, hand(mass, *moments)))
+
+
+def test_a_massless_link_changes_nothing(tmp_path, planar_cell, lift):
+    """A link without mass beyond the hand: the same C as without it, and the range of the shipped cell."""
+    inertia = '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>'
+    dummy = (
+        f'<link name="flange"><inertial><mass value="0"/>{inertia}</inertial></link>'
+        '<joint name="flange" type="fixed"><parent link="hand"/><child link="flange"/></joint></robot>'
+    )
+    cell = mrts.load_cell(arm_cell(tmp_path, [("</robot>", dummy)]), backend="vm")
+    assert mrts.scale(cell, lift).range.upper.c2 == pytest.approx(
+        mrts.scale(planar_cell, lift).range.upper.c2, rel=1e-12
+    )
+
+
+def test_remarks_travel(tmp_path, lift, caplog):
+    """Told when generated, in the manifest, on the cell, and in a saved result."""
+    path = arm_cell(tmp_path, hand(0.5, 0.001, 0.001, 0.00203))
+    with caplog.at_level(logging.WARNING, logger="mrts"):
+        generate_cell(path).write(tmp_path / "generated")
+    assert ["exceeds the sum of the others by 1.5 %" in record.getMessage() for record in caplog.records] == [True]
+    cells = [mrts.load_cell(tmp_path / "generated"), mrts.load_cell(path, backend="vm")]
+    mrts.save_result(mrts.scale(cells[0], lift), tmp_path / "result.npz")
+    cells.append(mrts.load_result(tmp_path / "result.npz").cell)
+    for cell in cells:
+        (remark,) = cell.remarks
+        assert (remark.code, remark.sample) == ("inertia-triangle", None)
+        assert "'hand'" in remark.text
+
+
+def test_a_version_that_xml_does_not_have_is_passed_over(tmp_path):
+    """`<?xml version="0.0" ?>`, as a good part of pybullet's files starts."""
+    path = arm_cell(tmp_path, [('<?xml version="1.0"?>', '<?xml version="0.0" ?>')])
+    assert len(read(path).robots) == 2

@@ -1,0 +1,306 @@
+"""Exit codes mean what they say, whatever happens: streams that are closed, signals, full disks, defects."""
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from conftest import DATA, ROOT
+from test_command_line import mrts_command
+
+from mrts.base.atomic_file import text_writer, write_together
+from mrts.base.errors import InputError
+from mrts.cli import main
+
+FILES = (DATA / "cell.yaml", DATA / "lift.yaml")
+GENERATED = ROOT / "generated" / "planar_dual_arm"
+ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+
+
+def run_with(script, *arguments, **options):
+    """The command line after some Python."""
+    command = [sys.executable, "-c", f"{script}\nimport sys\nfrom mrts.cli import main\nsys.exit(main(sys.argv[1:]))"]
+    return subprocess.run([*command, *map(str, arguments)], capture_output=True, text=True, check=False, **options)
+
+
+def shell(line, folder):
+    """A line of the shell, where `mrts` is the command and $FILES the shipped example."""
+    environment = ENVIRONMENT | {"FILES": " ".join(map(str, FILES)), "PYTHON": sys.executable}
+    line = f'mrts() {{ "$PYTHON" -m mrts "$@"; }}; {line}'
+    return subprocess.run(
+        ["/bin/sh", "-c", line], capture_output=True, text=True, check=False, cwd=folder, env=environment
+    )
+
+
+def stumble(error):
+    def load_motion(path):
+        if error is RecursionError:
+            load_motion(path)
+        raise error
+
+    return load_motion
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (KeyError("x"), "internal error at scale.py:"),
+        (ValueError("a\nb\n\nc" * 200), "ValueError: a b ca b ca b"),
+        (SystemExit(1), "SystemExit: 1. This is a defect of mrts"),
+        (ModuleNotFoundError("No module named 'x'"), "ModuleNotFoundError: No module named 'x'. This is a defect"),
+        (RecursionError, "RecursionError: maximum recursion depth exceeded"),
+        (MemoryError(), "out of memory"),
+    ],
+)
+def test_a_defect_is_one_paragraph_with_an_exit_code_of_its_own(error, said, monkeypatch, capsys):
+    monkeypatch.setattr("mrts.motion.motion_file.load_motion", stumble(error))
+    assert main(["scale", *map(str, FILES)]) == 70
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert said in err
+    assert err.startswith("mrts: ")
+    assert (err.count("\n"), len(err) < 1000) == (1, True)
+    for words in (("--debug", "scale", *FILES), ("scale", *FILES, "--debug")):
+        assert main([*map(str, words)]) == 70
+        traced = capsys.readouterr().err
+        assert traced.startswith("Traceback (most recent call last)")
+        assert traced.endswith(err)
+
+
+@pytest.mark.parametrize(
+    ("line", "code", "said"),
+    [
+        ("mrts scale $FILES --json out.json >&-", 2, "mrts: error: standard output: cannot be written: Bad file"),
+        ("mrts scale $FILES --json out.json -q >&-", 0, ""),
+        ("mrts scale $FILES --json out.json 2>&-", 0, ""),
+        ("mrts scale $FILES --json out.json <&- >&- 2>&-", 2, ""),
+        ("mrts scale none.yaml none.yaml 2>&-", 2, ""),
+        ("mrts scale none.yaml none.yaml 2>/dev/full", 2, ""),
+        ("mrts --help >/dev/full", 2, "mrts: error: standard output: cannot be written: No space left on device"),
+        ("mrts scael >&-", 2, "usage: mrts"),
+        ("(mrts scale $FILES --json -; echo $? >code) | true; exit $(cat code)", 141, ""),
+    ],
+)
+def test_streams_that_are_closed_or_full(line, code, said, tmp_path, planar_cell):
+    assert planar_cell.name  # generated already
+    done = shell(line, tmp_path)
+    assert done.returncode == code, done.stderr
+    assert done.stderr.startswith(said)
+    assert said or done.stderr == ""
+    if "out.json" in line:
+        assert json.loads((tmp_path / "out.json").read_text())["status"] == "feasible"
+
+
+def is_running(number):
+    try:
+        return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_signals_end_the_work_tidily(number, tmp_path):
+    """While the compiler hangs: it ends as well, and no file stays half written."""
+    compiler = tmp_path / "cc"
+    compiler.write_text(f"#!/bin/sh\necho $$ > {tmp_path}/started\nsleep 1000\n")
+    compiler.chmod(0o755)
+    environment = os.environ | {"CC": str(compiler), "MRTS_CACHE_DIR": str(tmp_path / "cache")}
+    command = [sys.executable, "-m", "mrts", "scale", *map(str, FILES), "--json", str(tmp_path / "out.json")]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment) as process:
+        started = tmp_path / "started"
+        while not (started.exists() and started.read_text().strip()):
+            time.sleep(0.02)
+            assert process.poll() is None
+        process.send_signal(number)
+        said = process.communicate(timeout=30)[1]
+    assert process.returncode == 128 + number
+    assert said in {"mrts: terminated\n", "mrts: the terminal is gone\n"}
+    assert not (tmp_path / "out.json").exists()
+    assert [path for path in tmp_path.rglob("*") if path.name.startswith(".") or path.suffix == ".so"] == []
+    deadline = time.monotonic() + 30
+    while is_running(int(started.read_text())):
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+def test_a_signal_that_is_ignored_stays_ignored(tmp_path):
+    script = "import os, signal\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)\nimport mrts.motion.motion_file as m\n"
+    script += "load = m.load_motion\ndef hung(path):\n os.kill(os.getpid(), signal.SIGHUP)\n return load(path)\n"
+    script += "m.load_motion = hung"
+    assert run_with(script, "scale", *FILES, cwd=tmp_path).returncode == 0
+
+
+def test_without_a_home_folder(tmp_path):
+    """A user without $HOME and without an entry in the list of users, as in some containers."""
+    script = "import pwd\ndef gone(uid):\n raise KeyError(uid)\npwd.getpwuid = gone"
+    homeless = {name: value for name, value in os.environ.items() if name not in {"HOME", "XDG_CACHE_HOME"}}
+    assert run_with(script, "scale", *FILES, env=homeless, cwd=tmp_path).returncode == 0
+    del homeless["MRTS_CACHE_DIR"]
+    done = run_with(script, "scale", *FILES, env=homeless, cwd=tmp_path)
+    assert done.returncode == 0
+    assert "the cache is not used, because there is no home folder" in done.stderr
+    assert "Set MRTS_CACHE_DIR" in done.stderr
+
+
+def small_files(limit):
+    """Let writing beyond some bytes fail, as on a full disk."""
+
+    def apply():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+    return apply
+
+
+def test_on_a_full_disk_what_fits_is_written_and_the_answer_is_printed(tmp_path, planar_cell):
+    assert planar_cell.name
+    old = tmp_path / "plots" / "power_and_energy.png"
+    old.parent.mkdir()
+    old.write_text("old")
+    options = ["--json", "new/r.json", "--csv", "r.csv", "--save", "r.npz", "--ros-bag", "bag", "--plot", "plots"]
+    done = mrts_command(
+        "scale", *FILES, *options, "--report", "deep/r.html", cwd=tmp_path, preexec_fn=small_files(90_000)
+    )
+    assert done.returncode == 2
+    assert "c² ∈ [0, 3.062]" in done.stdout
+    assert done.stderr.count("mrts: error: ") == done.stderr.count("cannot be written: File too large") == 4
+    assert done.stderr.count("\n") == 4
+    left = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*"))
+    assert left == ["plots", "plots/power_and_energy.png", "r.csv", "r.npz"]
+    assert old.read_text() == "old"
+
+
+def test_folders_are_complete_or_untouched(tmp_path):
+    done = mrts_command("generate", DATA / "cell.yaml", "-o", "a/b", cwd=tmp_path, preexec_fn=small_files(20_000))
+    assert done.returncode == 2
+    assert "File too large" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+    (tmp_path / "old").write_text("old")
+    script = "from pathlib import Path; from mrts_codegen.embedded_export import write_library;"
+    script += "write_library(Path(), {'old': 'new', 'src/small.c': '', 'src/large.c': 30_000 * 'x'})"
+    command = [sys.executable, "-c", script]
+    done = subprocess.run(command, stderr=subprocess.PIPE, check=False, cwd=tmp_path, preexec_fn=small_files(20_000))
+    assert b"large.c: cannot be written: File too large." in done.stderr
+    assert [path.name for path in tmp_path.rglob("*")] == ["old"]
+    assert (tmp_path / "old").read_text() == "old"
+
+
+def test_files_that_belong_together_are_written_all_or_none(tmp_path):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "first").write_text("old")
+    files = {tmp_path / name: text_writer("new") for name in ("first", "new/second", "folder")}
+    with pytest.raises(InputError, match="folder: cannot be written: it is a folder; name a file"):
+        write_together(files)
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["first", "folder"]
+    assert (tmp_path / "first").read_text() == "old"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("scale", *FILES, "--json", "file/x.json"),
+        ("scale", *FILES, "--csv", "folder"),
+        ("scale", *FILES, "--plot", "file"),
+        ("scale", *FILES, "--report", "/proc/nowhere/x.html"),
+        ("scale", *FILES, "--ros-bag", "folder"),
+        ("scale", *FILES, "--save", "nul\udcff/../file/x.npz"),
+        ("configurations", *FILES, "--json", "file/x.json"),
+        ("generate", DATA / "cell.yaml", "-o", "file"),
+        ("export", DATA / "cell.yaml", "-o", "file/x"),
+        ("demo", "-o", "file"),
+        ("report", "none.npz", "-o", "file/x.html"),
+    ],
+    ids=lambda words: f"{words[0]} {words[-2]}",
+)
+def test_outputs_that_cannot_be_written_are_known_before_the_work(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder").mkdir()
+    if words[0] in {"scale", "configurations"}:  # a motion that is not there would be the next complaint
+        words = (*words[:2], "none.yaml", *words[3:])
+    assert main([str(word) for word in words]) == 2
+    said = capsys.readouterr().err
+    assert "none" not in said
+    assert any(part in said for part in ("cannot be written", "names a file, but", "exists already"))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder"]
+
+
+def test_missing_folders_are_made_for_every_output(tmp_path, planar_cell):
+    assert planar_cell.name
+    options = ["--json", "a/b/r.json", "--csv", "c/d/r.csv", "--save", "e/f/r.npz", "--ros-bag", "g/h/bag"]
+    done = mrts_command("scale", *FILES, *options, "--plot", "i/j", "--report", "k/l/r.html", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "c", "e", "g", "i", "k"]
+    assert len([path for path in tmp_path.rglob("*") if path.is_file()]) == 4 + 2 + 3
+
+
+def test_a_defect_in_one_output_keeps_the_others(tmp_path, planar_cell):
+    assert planar_cell.name
+    script = "import mrts.report\ndef broken(*_):\n raise KeyError('x')\nmrts.report.write_report = broken"
+    options = ["--report", "r.html", "--json", "r.json", "--csv", "r.csv"]
+    done = run_with(script, "scale", *FILES, *options, cwd=tmp_path)
+    assert done.returncode == 70
+    assert "c² ∈ [0, 3.062]" in done.stdout
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["r.csv", "r.json"]
+
+
+def test_the_demo_without_matplotlib_claims_no_figures(tmp_path):
+    done = run_with("import sys\nsys.modules['matplotlib'] = None", "demo", "-o", "out", cwd=tmp_path)
+    assert done.returncode == 0
+    assert done.stderr == "mrts: the figures need matplotlib: pip install 'mrts[plot]'\n"
+    assert "Written to out: the example's files. Try next:" in done.stdout
+    assert "--plot" not in done.stdout
+    assert list((tmp_path / "out").iterdir()) == [tmp_path / "out" / "planar_dual_arm"]
+
+
+def test_paths_that_are_no_text(tmp_path, planar_cell):
+    """Bytes of a path that are not UTF-8 reach Python as lone surrogates."""
+    assert planar_cell.name
+    odd = tmp_path / os.fsdecode(b"caf\xe9")
+    odd.mkdir()
+    for name in ("manifest.json", "planar_dual_arm.c"):
+        (odd / name).write_bytes((GENERATED / name).read_bytes())
+    (odd / "lift.yaml").write_text((DATA / "lift.yaml").read_text())
+    outputs = [f"{option}={odd / name}" for option, name in (("--json", "r.json"), ("--report", "r.html"))]
+    done = mrts_command("scale", odd, odd / "lift.yaml", *outputs, f"--csv={odd / 'r.csv'}")
+    assert (done.returncode, done.stderr) == (0, "")
+    (odd / "broken.yaml").write_text('{start: "\\uDCFF", end: {}, duration: 1, profile: cubic}')
+    for wrong in (odd / "none.yaml", odd / "broken.yaml"):
+        failed = mrts_command("scale", odd, wrong)
+        assert failed.returncode == 2
+        assert failed.stderr.count("\n") == 1
+
+
+COMPILERS = {
+    "prints latin": (r"printf 'caf\351 \377\n' >&2; exit 1", "exit code 1"),
+    "writes garbage": ('while [ "$1" != -o ]; do shift; done; echo garbage > "$2"', "cannot be loaded"),
+    "writes another library": (
+        'while [ "$1" != -o ]; do shift; done; echo "int x;" > "$2.c"; gcc -shared -o "$2" "$2.c"; rm "$2.c"',
+        "cannot be loaded",
+    ),
+    "writes nothing": ("true", "cannot be loaded"),
+    "removes its output": ('while [ "$1" != -o ]; do shift; done; rm "$2"', "made no library"),
+    "hangs": ("sleep 1000", "was not done after 0.5 s"),
+}
+
+
+@pytest.mark.parametrize("kind", COMPILERS)
+def test_compilers_that_misbehave(kind, tmp_path, capsys, monkeypatch):
+    script, message = COMPILERS[kind]
+    compiler = tmp_path / "odd-cc"
+    compiler.write_text(f"#!/bin/sh\n{script}\n")
+    compiler.chmod(0o755)
+    monkeypatch.setenv("CC", str(compiler))
+    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))
+    if kind == "hangs":
+        monkeypatch.setattr("mrts.kernel.compiler.PATIENCE", 0.5)
+    assert main(["scale", str(GENERATED), str(DATA / "lift.yaml")]) == 2
+    said = capsys.readouterr().err
+    assert message in said
+    assert "CC" in said
+    assert list((tmp_path / "cache").rglob(".*")) == []

@@ -1,0 +1,81 @@
+"""Results of every kind that people look at: outcomes, numbers of robots, kinds of joints, awkward names."""
+
+import numpy as np
+from cell_bank import random_planar_cell, random_spatial_cell
+from conftest import DATA
+
+import mrts
+from mrts.cell.cell import cell_from_manifest
+from mrts.cell.functions import CellFunctions
+
+KINDS = (
+    "planar", "spatial", "infeasible", "empty", "least speed", "unbounded", "guaranteed", "infeasible load",
+    "possible", "fixed rule", "one arm", "four arms", "sliding joints", "awkward names",
+)  # fmt: skip
+
+AWKWARD = "</script><script>window.broken=1</script>"
+UGLY_JOINTS = tuple(f"_<img src=x onerror=window.broken=1>$x$ & joint {number} with a long name" for number in range(3))
+
+
+def still_motion(lift):
+    """An object that rests."""
+    here = {"xyz": lift.position[0].tolist()}
+    description = {"duration": 1.0, "samples": 11, "profile": "quintic", "start": here, "end": here}
+    return mrts.sample_motion(mrts.MotionDescription.model_validate(description))
+
+
+def as_if_generated(cell, **changes):
+    """The cell with other entries in its manifest, its functions as they are."""
+    functions = cell.functions
+    manifest = functions.manifest.model_copy(update=changes).sealed()
+    return cell_from_manifest(manifest, CellFunctions(manifest, functions, functions.backend, "", functions.compiled))
+
+
+def renamed(cell, name, robots, joints):
+    """The cell as if it had been generated with other names, as no cell file could give them."""
+    records = []
+    for robot, other in zip(cell.functions.manifest.robots, robots, strict=True):
+        named = [joint.model_copy(update={"name": new}) for joint, new in zip(robot.joints, joints, strict=True)]
+        records.append(robot.model_copy(update={"name": other, "joints": named}))
+    return as_if_generated(cell, name=name, robots=records)
+
+
+def with_awkward_names(cell):
+    """The cell with names that a cell file would refuse."""
+    return renamed(cell, AWKWARD, (AWKWARD, "r$2$"), UGLY_JOINTS)
+
+
+def random_result(make, seed, folder, arms):
+    """A feasible result of a seeded random cell."""
+    case = make(np.random.default_rng(seed), folder, arms)
+    return mrts.scale(case.cell, case.motion)
+
+
+def braking_only(cell, lift, first):
+    """The end of the lift with an object too heavy to hold: it must be thrown."""
+    parts = (lift.position, lift.rotation, lift.twist, lift.acceleration)
+    motion = mrts.ObjectMotion(lift.time[first:] - lift.time[first], *(part[first:] for part in parts))
+    return mrts.scale(cell.with_mass(24.0), motion)
+
+
+def result_of(kind, planar, spatial, lift, folder):
+    """One of `KINDS`."""
+    uncertain = planar.with_variation(mass=(0.2, 6.0), izz=(0.5, 2.0), mx=(-0.02, 0.02))
+    makers = {
+        "planar": lambda: mrts.scale(planar, lift),
+        "spatial": lambda: mrts.scale(spatial, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")),
+        "infeasible": lambda: mrts.scale(planar.with_mass(24.0), lift),
+        "empty": lambda: braking_only(planar, lift, 53),  # slower than the end allows is too slow at the start
+        "least speed": lambda: braking_only(planar, lift, 60),
+        "unbounded": lambda: mrts.scale(planar, still_motion(lift)),
+        "guaranteed": lambda: mrts.scale(uncertain, lift),
+        "infeasible load": lambda: mrts.scale(planar.with_variation(mass=(1.0, 48.0)), lift),
+        "possible": lambda: mrts.scale(planar.with_variation(mass=(0.2, 6.0)), lift, load="possible"),
+        "fixed rule": lambda: mrts.scale(planar.with_variation(mass=(0.2, 6.0)), lift, sharing=mrts.LoadSharing()),
+        "one arm": lambda: random_result(random_planar_cell, 4, folder, 1),
+        "four arms": lambda: random_result(random_planar_cell, 3, folder, 4),
+        "sliding joints": lambda: random_result(random_spatial_cell, 2, folder, 2),
+        "awkward names": lambda: mrts.scale(with_awkward_names(planar), lift),
+    }
+    assert tuple(makers) == KINDS
+    return makers[kind]()

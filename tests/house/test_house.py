@@ -1,0 +1,154 @@
+"""What keeps the house in order: light import, borders between packages, notation, documentation."""
+
+import ast
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+import mrts
+from mrts.base.manifest import read_generated
+
+SOURCES = sorted([*(ROOT / "mrts").rglob("*.py"), *(ROOT / "codegen").rglob("*.py")])
+HEAVY = ("casadi", "scipy", "pydantic", "yaml", "yourdfpy", "trimesh", "lxml", "matplotlib", "mrts_codegen", "plotly")
+HEAVY += ("rich", "rosbags", "viser")
+LAST_EQUATION = 49
+NUMBERS = re.compile(r"\((\d+)\)")
+
+
+def imported(path: Path):
+    """Names of all modules that a file imports, with the function each import stands in (None at the top)."""
+    found = []
+
+    def visit(node, function):
+        for child in ast.iter_child_nodes(node):
+            if isinstance(child, ast.Import):
+                found.extend((alias.name, function) for alias in child.names)
+            elif isinstance(child, ast.ImportFrom):
+                found.append((child.module or "", function))
+            visit(child, child.name if isinstance(child, ast.FunctionDef) else function)
+
+    visit(ast.parse(path.read_text(encoding="utf-8")), None)
+    return found
+
+
+def test_import_is_light():
+    script = f"import sys, mrts; print([name for name in {HEAVY!r} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_running_generated_code_needs_no_build_time():
+    """From a generated folder on, neither mrts_codegen nor yourdfpy is imported."""
+    script = (
+        "import sys, mrts; cell = mrts.load_cell(sys.argv[1]); mrts.scale(cell, mrts.load_motion(sys.argv[2]));"
+        "print([name for name in ('mrts_codegen', 'yourdfpy', 'lxml', 'matplotlib') if name in sys.modules])"
+    )
+    arguments = [ROOT / "generated" / "planar_dual_arm", ROOT / "mrts" / "data" / "planar_dual_arm" / "lift.yaml"]
+    done = subprocess.run([sys.executable, "-c", script, *arguments], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_only_one_seam_joins_run_time_to_build_time():
+    users = {
+        path.name: {function for name, function in imported(path) if name.startswith("mrts_codegen")}
+        for path in (ROOT / "mrts").rglob("*.py")
+    }
+    users = {name: functions for name, functions in users.items() if functions}
+    assert set(users) == {"generation.py"}
+    assert None not in users["generation.py"]  # only inside functions: generation on demand
+
+
+def test_every_public_name_resolves_and_is_documented():
+    for name in mrts.__all__:
+        assert getattr(mrts, name).__doc__, name
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        _ = mrts.nonsense
+
+
+def tables(text):
+    """Rows of the tables of a Markdown page, each a list of cells."""
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("|")]
+
+
+def notation():
+    symbols, equations = (ROOT / "docs" / "notation.md").read_text(encoding="utf-8").split("## Equations")
+    return tables(symbols)[2:], tables(equations)[2:]
+
+
+def test_every_name_of_the_notation_stands_in_its_file():
+    for row in notation()[0]:
+        names, places = re.findall(r"`(\w+)`", row[4]), row[5].split(", ")
+        assert names, row
+        texts = [(ROOT / place).read_text(encoding="utf-8") for place in places]
+        for name in names:
+            assert any(re.search(rf"\b{name}\b", text) for text in texts), (name, places)
+        assert all(any(re.search(rf"\b{name}\b", text) for name in names) for text in texts), row
+
+
+def test_the_notation_is_complete():
+    rows = notation()[0]
+    letters = {letter for row in rows for letter in row[0].split(", ")}
+    wanted = {"τ_i", "q_i", "q_i'", "q_i''", "D_i", "G_i", "J_i", "F_i = [f_i; ν_i]", "B_i", "S_i", "E_i", "A_i", "r_i"}
+    wanted |= {"L", "P", "S", "Q", "J_D", "W", "Φ", "c²", "x", "α_i", "𝓔", "I_w", "g", "m", "I", "A_1", "b_1", "A_2"}
+    assert wanted <= letters
+    names = {name for row in rows for name in re.findall(r"`(\w+)`", row[4])}
+    for cell in (path.parent for path in (ROOT / "generated").glob("*/manifest.json")):
+        manifest, _ = read_generated(cell)
+        for function in manifest.functions.values():
+            assert {argument.name for argument in (*function.inputs, *function.outputs)} <= names
+
+
+def equation_homes():
+    homes = []
+    for path in SOURCES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef | ast.ClassDef):
+                first = (ast.get_docstring(node) or "").split(":")[0]
+                if re.fullmatch(r"Eqs?\. \(\d+\)(, \(\d+\))*", first):
+                    place = str(path.relative_to(ROOT))
+                    homes += [(int(number), node.name, place) for number in NUMBERS.findall(first)]
+    return homes
+
+
+def test_every_equation_has_exactly_one_home():
+    homes = equation_homes()
+    assert sorted(number for number, _, _ in homes) == list(range(1, LAST_EQUATION + 1))
+    listed = [(int(number), row[1].strip("`"), row[2]) for row in notation()[1] for number in NUMBERS.findall(row[0])]
+    assert sorted(listed) == sorted(homes)
+
+
+def test_files_and_functions_fit_one_sitting():
+    for path in SOURCES:
+        text = path.read_text(encoding="utf-8")
+        assert len(text.splitlines()) <= 400, path
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.FunctionDef):
+                documented = len((ast.get_docstring(node) or "").splitlines())
+                assert node.end_lineno - node.lineno - documented <= 60, (path, node.name)
+
+
+def test_links_of_the_readme_lead_somewhere():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    for link in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text):
+        assert (ROOT / link).exists(), link
+    assert "make demo" in text
+    assert "make test" in text
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs").rglob("*.md")), ids=lambda page: page.name)
+def test_links_of_the_documentation_lead_somewhere(page):
+    for link in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
+        assert (page.parent / link).exists(), link
+
+
+def test_the_python_example_of_the_readme_runs(tmp_path, capsys, monkeypatch):
+    code = re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL).group(1)
+    monkeypatch.chdir(ROOT)
+    for name in ("result.json", "result.npz"):
+        code = code.replace(name, str(tmp_path / name))
+    exec(compile(code, "README.md", "exec"), {})  # noqa: S102
+    assert "3.062" in capsys.readouterr().out

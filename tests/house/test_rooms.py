@@ -1,0 +1,120 @@
+"""The rooms of mrts: each imports only what stands above it, and a newcomer sees a folder at a glance."""
+
+import ast
+from pathlib import Path
+
+from conftest import ROOT
+
+PACKAGE = ROOT / "mrts"
+
+ROOMS = (
+    "base",
+    "kernel",
+    "cell",
+    "solvers",
+    "motion",
+    "inverse_kinematics",
+    "coordination",
+    "limits",
+    "samples",
+    "scaling",
+    "retiming",
+    "studies",
+    "drawing",
+    "output",
+    "figures",
+    "report",
+    "viewer",
+    "console",
+    "commands",
+)
+"""A room imports itself and what stands above it; of the last rooms, each has its own library and none the others'."""
+
+APART = ("figures", "report", "viewer")
+
+MOST_FILES = 15
+"""Of a folder, its `__init__.py` aside: what is seen at a glance."""
+
+ROOT_FILES = {"__init__.py", "__main__.py", "cli.py", "py.typed"}
+
+
+def modules():
+    """Path of every module by its dotted name."""
+    found = {}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        parts = path.relative_to(ROOT).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
+
+
+def imports(path, known, *, everywhere):
+    """Dotted names of our modules that a file imports, at its top only or also inside functions and for types only."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    names = set()
+    for node in ast.walk(tree) if everywhere else tree.body:
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            whole = {f"{node.module}.{alias.name}" for alias in node.names}
+            names |= {name if name in known else node.module for name in whole}
+    return names & known.keys()
+
+
+def room(name):
+    """The room of a module, None for what stands at the root."""
+    parts = name.split(".")
+    return parts[1] if len(parts) > 1 and (PACKAGE / parts[1]).is_dir() else None
+
+
+def test_every_folder_is_a_room_of_the_table():
+    folders = {path.name for path in PACKAGE.iterdir() if path.is_dir() and path.name != "__pycache__"}
+    assert folders - {"data"} == set(ROOMS)
+    assert {path.name for path in PACKAGE.iterdir() if path.is_file()} == ROOT_FILES
+
+
+def test_a_room_imports_only_what_stands_above_it():
+    known = modules()
+    wrong = [
+        (name, other)
+        for name, path in known.items()
+        if room(name)
+        for other in imports(path, known, everywhere=True)
+        if room(other) is None or ROOMS.index(room(other)) > ROOMS.index(room(name))
+    ]
+    assert wrong == []
+
+
+def test_figures_report_and_viewer_know_nothing_of_each_other():
+    known = modules()
+    wrong = [
+        (name, other)
+        for name, path in known.items()
+        if room(name) in APART
+        for other in imports(path, known, everywhere=True)
+        if room(other) in APART and room(other) != room(name)
+    ]
+    assert wrong == []
+
+
+def test_build_time_shares_the_base_and_the_c_that_an_export_carries():
+    known = modules()
+    for path in (ROOT / "codegen").rglob("*.py"):
+        assert {room(name) for name in imports(path, known, everywhere=True)} <= {"base", "kernel"}, path
+
+
+def test_no_circle_of_modules():
+    known = modules()
+    below = {name: imports(path, known, everywhere=False) - {name} for name, path in known.items()}
+    while below:
+        free = {name for name, needs in below.items() if not needs & below.keys()}
+        assert free, f"these import each other: {sorted(below)}"
+        below = {name: needs for name, needs in below.items() if name not in free}
+
+
+def test_a_folder_is_seen_at_a_glance():
+    folders = [*PACKAGE.rglob("*/"), *(ROOT / "codegen").rglob("*/"), ROOT / "codegen", ROOT / "benchmarks"]
+    for folder in (Path(each) for each in folders if "data" not in each.parts and "__pycache__" not in each.parts):
+        files = [
+            path.name for path in folder.iterdir() if path.is_file() and path.name not in {"__init__.py", "py.typed"}
+        ]
+        assert len(files) <= MOST_FILES, (folder, sorted(files))

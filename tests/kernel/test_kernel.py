@@ -1,0 +1,461 @@
+"""Our dense kernel against HiGHS and DAQP, its certificates by substitution, sanitizers and a fuzzer."""
+
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import threading
+from collections import Counter
+
+import daqp
+import highspy
+import numpy as np
+import pytest
+from conftest import DATA, ROOT
+from random_programs import cell_programs, hard_programs
+
+import mrts
+from mrts.kernel.compiler import find_compiler
+from mrts.kernel.kernel_library import (
+    CHUNK,
+    INFEASIBLE,
+    KERNEL_FILES,
+    MARGINAL,
+    OPTIMAL,
+    default_kernel,
+    kernel_library,
+    kernel_text,
+)
+from mrts.kernel.library_cache import library_in_cache
+from mrts.limits import cell_rows
+from mrts.output.trajectory_table import write_trajectory_csv
+from mrts.solvers.convex_program import ConvexPrograms, optimality_error, solve_programs
+
+LINEAR_PROGRAMS = 100_000
+QUADRATIC_PROGRAMS = 10_000
+SAMPLES = 250  # of one sequence of slowly changing programs
+UNBOUNDED = 1e9
+OBJECTIVE_TOLERANCE = 1e-9
+RESIDUAL_TOLERANCE = 1e-9
+COMBINATION_TOLERANCE = 1e-9
+GCC = shutil.which("gcc") or "gcc"
+CLANG = shutil.which("clang") or "clang"
+SHAPES = [(arms, size) for size in (3, 6) for arms in (2, 3, 4)]
+
+
+@pytest.fixture(scope="module")
+def kernel(private_cache):
+    assert private_cache.is_dir()
+    return kernel_library(find_compiler())
+
+
+class Highs:
+    """One HiGHS instance for many programs of one shape."""
+
+    def __init__(self, rows, k):
+        self.highs = highspy.Highs()
+        self.highs.silent()
+        for option in ("primal_feasibility_tolerance", "dual_feasibility_tolerance"):
+            self.highs.setOptionValue(option, 1e-10)
+        self.highs.setOptionValue("presolve", "off")
+        self.lp = highspy.HighsLp()
+        self.lp.num_col_, self.lp.num_row_ = k, rows
+        self.lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
+        self.lp.a_matrix_.start_ = np.arange(k + 1) * rows
+        self.lp.a_matrix_.index_ = np.tile(np.arange(rows), k)
+
+    def solve(self, g, A, lower, upper, x_lower, x_upper):
+        lp = self.lp
+        lp.col_cost_, lp.col_lower_, lp.col_upper_ = g, x_lower, x_upper
+        lp.row_lower_, lp.row_upper_ = lower, upper
+        lp.a_matrix_.value_ = A.T.ravel()
+        self.highs.clearSolver()
+        self.highs.passModel(lp)
+        self.highs.run()
+        return self.highs.getModelStatus(), self.highs.getInfo().objective_function_value
+
+
+def bounds(A):
+    """Free unknowns, and 0 <= c² <= what counts as unbounded."""
+    count, _, k = A.shape
+    low, high = np.full((count, k), -np.inf), np.full((count, k), np.inf)
+    low[:, -1], high[:, -1] = 0, UNBOUNDED
+    return low, high
+
+
+def certificate_holds(A, lower, upper, y):
+    """Σ y_i (row i) shows that no x exists: yᵀA = 0 over rows and unknowns, and Σ y_i limit_i < 0."""
+    rows = np.vstack([A, np.eye(A.shape[1])])
+    terms = np.abs(y) @ np.abs(rows)
+    limit = np.where(y > 0, upper, np.where(y < 0, lower, 0.0))
+    return np.max(np.abs(y @ rows)) <= COMBINATION_TOLERANCE * np.max(terms) and np.sum(y * limit) < 0
+
+
+@pytest.mark.parametrize(("arms", "size"), SHAPES)
+def test_linear_programs_of_cells_equal_highs(arms, size, kernel):
+    seen = Counter()
+    rng = np.random.default_rng([arms, size])
+    for _ in range(LINEAR_PROGRAMS // len(SHAPES) // SAMPLES // 2 + 1):
+        A, lower, upper = cell_programs(rng, SAMPLES, arms, size)
+        low, high = bounds(A)
+        low, high = np.hstack([lower, low]), np.hstack([upper, high])
+        highs = Highs(*A.shape[1:])
+        rows = A.shape[1]
+        for direction in (1.0, -1.0):
+            g = np.zeros((SAMPLES, A.shape[2]))
+            g[:, -1] = direction
+            x, dual, status = kernel.linear_programs(g, A, low, high)
+            good = status == OPTIMAL
+            programs = ConvexPrograms(None, g, A, lower, upper, low[:, rows:], high[:, rows:])
+            error = optimality_error(programs, x, dual[:, :rows], dual[:, rows:])
+            assert np.max(error[good], initial=0) <= RESIDUAL_TOLERANCE
+            for n in range(SAMPLES):
+                theirs, value = highs.solve(g[n], A[n], lower[n], upper[n], low[n, rows:], high[n, rows:])
+                if theirs == highspy.HighsModelStatus.kInfeasible:
+                    assert status[n] == INFEASIBLE, (arms, size, n)
+                    assert certificate_holds(A[n], low[n], high[n], dual[n])
+                    seen["infeasible"] += 1
+                else:
+                    assert theirs == highspy.HighsModelStatus.kOptimal
+                    assert status[n] == OPTIMAL, (arms, size, n)
+                    assert abs(direction * x[n, -1] - value) <= OBJECTIVE_TOLERANCE * max(1, abs(value))
+                    seen["unbounded" if x[n, -1] > 0.99 * UNBOUNDED else "feasible"] += 1
+    assert seen["feasible"] > 5000
+    assert seen["infeasible"] > 1000
+
+
+@pytest.mark.parametrize(("k", "rows"), [(3, 12), (7, 24), (13, 48), (31, 120)])
+def test_hard_linear_programs_equal_highs(k, rows, kernel):
+    seen = Counter()
+    for seed in range(60):
+        for kind, (A, lower, upper, feasible) in hard_programs(np.random.default_rng([k, seed]), k, rows).items():
+            low, high = (side[0] for side in bounds(A[None]))
+            for direction in (1.0, -1.0):
+                g = np.zeros(k)
+                g[-1] = direction
+                programs = ConvexPrograms(None, g[None], A[None], lower[None], upper[None], low[None], high[None])
+                scaled, column, row = programs.scaled()
+                ends = (np.hstack([scaled.lower, scaled.x_lower]), np.hstack([scaled.upper, scaled.x_upper]))
+                x, dual, status = kernel.linear_programs(scaled.g, scaled.A, *ends)
+                theirs, value = Highs(rows, k).solve(scaled.g[0], scaled.A[0], scaled.lower[0], scaled.upper[0],
+                                                     scaled.x_lower[0], scaled.x_upper[0])  # fmt: skip
+                ours = int(status[0])
+                seen[kind, ours] += 1
+                if feasible is not None:
+                    assert (ours == OPTIMAL) == feasible, (kind, seed)
+                if theirs == highspy.HighsModelStatus.kInfeasible:
+                    assert ours in {INFEASIBLE, MARGINAL}, (kind, seed)
+                if ours == INFEASIBLE:
+                    assert certificate_holds(scaled.A[0], ends[0][0], ends[1][0], dual[0]), (kind, seed)
+                if ours == OPTIMAL:
+                    error = optimality_error(scaled, x, dual[:, :rows], dual[:, rows:])
+                    assert error[0] <= RESIDUAL_TOLERANCE, (kind, seed)
+                    if theirs == highspy.HighsModelStatus.kOptimal:
+                        # HiGHS stops at its own tolerance, which degenerate data magnify
+                        assert abs(scaled.g[0] @ x[0] - value) <= 1e-7 * max(1, abs(value)), (kind, seed)
+                assert column.shape == (1, k)
+                assert row.shape == (1, rows)
+    assert seen["degenerate vertex", OPTIMAL] == seen["scales of 1e-6 to 1e6", OPTIMAL] == 120
+    # a certificate of large multipliers may be too weak to separate by 1e-6
+    assert seen["infeasible by 1e-6", INFEASIBLE] >= 115
+
+
+def test_limits_that_miss_each_other_by_less_than_rounding_are_marginal(kernel):
+    """x >= 1 + gap and x <= 1: a certificate from 1e-8 on, feasible below 1e-10, marginal between."""
+    wanted = {1e-6: {INFEASIBLE}, 1e-8: {INFEASIBLE}, 1e-9: {INFEASIBLE, MARGINAL}, 1e-12: {OPTIMAL}, 0.0: {OPTIMAL}}
+    for gap, statuses in wanted.items():
+        A = np.array([[[1.0, 0.0], [1.0, 0.0]]])
+        lower, upper = np.array([[1 + gap, -np.inf, -np.inf, 0.0]]), np.array([[np.inf, 1.0, np.inf, 5.0]])
+        _, _, status = kernel.linear_programs(np.array([[0.0, 1.0]]), A, lower, upper)
+        assert int(status[0]) in statuses, gap
+
+
+def test_quadratic_programs_of_cells_equal_daqp(kernel):
+    rng, compared = np.random.default_rng(11), 0
+    infeasible = 0
+    for sequence in range(QUADRATIC_PROGRAMS // SAMPLES):
+        arms, size = SHAPES[sequence % len(SHAPES)]
+        A, lower, upper = cell_programs(rng, SAMPLES, arms, size)
+        speed = rng.uniform(0, 0.4, SAMPLES)[:, None]
+        given = A[:, :, -1] * speed
+        T, offset = A[:, : arms * size, :-1], given[:, : arms * size]
+        H, g = np.swapaxes(T, 1, 2) @ T, np.einsum("nri,nr->ni", T, offset)
+        free = np.full((SAMPLES, A.shape[2] - 1), np.inf)
+        A, lower, upper = np.ascontiguousarray(A[:, :, :-1]), lower - given, upper - given
+        x, dual, status = kernel.quadratic_programs(H, g, A, np.hstack([lower, -free]), np.hstack([upper, free]))
+        rows = A.shape[1]
+        programs = ConvexPrograms(H, g, A, lower, upper, -free, free)
+        good = status == OPTIMAL
+        error = optimality_error(programs, x, dual[:, :rows], dual[:, rows:])
+        assert np.max(error[good], initial=0) <= RESIDUAL_TOLERANCE
+        for n in range(SAMPLES):
+            sense = np.zeros(rows, dtype=np.int32)
+            ends = np.clip(upper[n], -1e30, 1e30), np.clip(lower[n], -1e30, 1e30)
+            theirs, value, flag, _ = daqp.solve(H[n], g[n], A[n], *ends, sense)
+            if flag == -1:
+                assert status[n] in {INFEASIBLE, MARGINAL}
+                infeasible += 1
+                continue
+            assert flag == 1
+            assert status[n] == OPTIMAL
+            ours = x[n] @ H[n] @ x[n] / 2 + g[n] @ x[n]
+            assert abs(ours - value) <= OBJECTIVE_TOLERANCE * max(1, abs(value), abs(g[n] @ x[n]))
+            np.testing.assert_allclose(x[n], theirs, atol=1e-6 * (1 + np.max(np.abs(theirs))))
+            compared += 1
+    assert compared > QUADRATIC_PROGRAMS // 3
+    assert infeasible > 100
+
+
+def test_hard_quadratic_programs_pass_their_conditions(kernel):
+    solved = Counter()
+    for k, rows in ((3, 12), (7, 24), (20, 80)):
+        for seed in range(60):
+            rng = np.random.default_rng([k, rows, seed])
+            root = rng.normal(size=(k, k)) * 10.0 ** rng.uniform(-2, 2, k)
+            for kind, (A, lower, upper, feasible) in hard_programs(rng, k, rows).items():
+                free = np.full((1, k), np.inf)
+                H, g = (root.T @ root + np.eye(k) * 1e-3)[None], rng.normal(size=(1, k))
+                programs = ConvexPrograms(H, g, A[None], lower[None], upper[None], -free, free)
+                scaled, _, _ = programs.scaled()
+                ends = np.hstack([scaled.lower, -free]), np.hstack([scaled.upper, free])
+                x, dual, status = kernel.quadratic_programs(scaled.H, scaled.g, scaled.A, *ends)
+                solved[kind, int(status[0])] += 1
+                if status[0] == OPTIMAL:
+                    error = optimality_error(scaled, x, dual[:, :rows], dual[:, rows:])
+                    assert error[0] <= RESIDUAL_TOLERANCE * 1e3, (kind, k, seed)  # gradients are held to 1e-12 there
+                elif feasible:
+                    answers = solve_programs(programs, "kernel")
+                    assert answers.verified[0], (kind, k, seed)
+                    assert answers.fallbacks == 1
+    assert solved["degenerate vertex", OPTIMAL] == 180
+
+
+@pytest.mark.parametrize("name", ["planar_dual_arm", "dual_ur5"])
+def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch):
+    folder = DATA.parent / name
+    cell = mrts.load_cell(folder / "cell.yaml")
+    motion_file = "lift.yaml" if name == "planar_dual_arm" else "lift_and_turn.yaml"
+    text = (folder / motion_file).read_text().replace("samples: 101", f"samples: {5 * CHUNK + 7}")
+    description = mrts.MotionDescription.model_validate(__import__("yaml").safe_load(text))
+    motion = mrts.follow_object(cell, mrts.sample_motion(description))
+    results = []
+    for threads in (1, 2, 3):
+        monkeypatch.setattr("mrts.kernel.compiled_cell.MOST_THREADS", threads)
+        monkeypatch.setattr("os.cpu_count", lambda: 8)
+        result = mrts.scale(cell, motion)
+        assert result.fallbacks == 0
+        ends = cell.functions.compiled.ranges(
+            motion.samples, motion.inputs(cell.load), cell_rows(cell), np.full(motion.samples, np.inf)
+        )
+        results.append((ends.low, ends.high, ends.basis, ends.dual, result.trajectory.torque, result.trajectory.wrench))
+    for other in results[1:]:
+        for one, two in zip(results[0], other, strict=True):
+            np.testing.assert_array_equal(one, two)
+
+
+@pytest.mark.parametrize("name", ["planar_dual_arm", "dual_ur5"])
+def test_the_compiled_path_equals_the_reference_solver(name):
+    folder = DATA.parent / name
+    cell = mrts.load_cell(folder / "cell.yaml")
+    motion = mrts.load_motion(folder / ("lift.yaml" if name == "planar_dual_arm" else "lift_and_turn.yaml"))
+    rng = np.random.default_rng(2)
+    weights = rng.normal(size=(12, 12)) if name == "dual_ur5" else rng.normal(size=(6, 6))
+    for mass in (cell.mass, 5 * cell.mass, 40 * cell.mass):
+        for W in (None, weights @ weights.T + np.eye(len(weights))):
+            heavy = cell.with_mass(mass)
+            ours, theirs = (mrts.scale(heavy, motion, weights=W, solver=name) for name in ("kernel", "qpsol:qpoases"))
+            assert ours.range.samples.status == theirs.range.samples.status
+            np.testing.assert_allclose(ours.range.samples.upper, theirs.range.samples.upper, rtol=1e-9)
+            np.testing.assert_allclose(ours.range.samples.lower, theirs.range.samples.lower, rtol=1e-9, atol=1e-12)
+            assert [c.sample for c in ours.range.samples.conflicts] == [
+                c.sample for c in theirs.range.samples.conflicts
+            ]
+            if ours.trajectory is not None:
+                size = np.max(np.abs(theirs.trajectory.torque))
+                np.testing.assert_allclose(ours.trajectory.torque, theirs.trajectory.torque, atol=1e-8 * size)
+
+
+@pytest.mark.parametrize("samples", [9, 10, 11])
+def test_ten_samples_are_not_taken_for_ten_entries_of_a_load(samples, planar_cell, lift):
+    fields = (lift.time, lift.position, lift.rotation, lift.twist, lift.acceleration)
+    short = mrts.ObjectMotion(*(field[: 10 * samples : 10] for field in fields))
+    for mass in (0.5, 12.67, 13.1, 13.6, 40.0):
+        heavy = planar_cell.with_mass(mass)
+        ours, theirs = (mrts.scale(heavy, short, solver=name) for name in ("kernel", "qpsol:qpoases"))
+        assert ours.range.samples.status == theirs.range.samples.status
+
+
+def test_inputs_of_a_wrong_shape_never_reach_the_compiled_code(planar_cell):
+    for q in (np.zeros((1, 6)), np.zeros((50, 5)), np.zeros(7), np.zeros((51, 6))):
+        with pytest.raises(ValueError, match="q has Shape"):
+            planar_cell.functions("kinematics", 50, {"q": q})
+
+
+def test_a_failing_thread_is_an_error_and_not_a_result(planar_cell, lift, monkeypatch):
+    fields = (lift.time, lift.position, lift.rotation, lift.twist, lift.acceleration)
+    longer = np.linspace(0, lift.time[-1], 1000)
+    motion = mrts.ObjectMotion(longer, *(interpolated(field, longer, lift.time) for field in fields[1:]))
+    whole = mrts.follow_object(planar_cell, motion)
+    workspace = planar_cell.functions.compiled._workspace  # noqa: SLF001 (stands in for memory running out)
+
+    def fails_elsewhere(rows):
+        if threading.current_thread() is not threading.main_thread():
+            raise MemoryError
+        return workspace(rows)
+
+    monkeypatch.setattr(planar_cell.functions.compiled, "_workspace", fails_elsewhere)
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    with pytest.raises(MemoryError):
+        mrts.scale(planar_cell, whole, "nominal")
+
+
+def interpolated(field, at, time):
+    flat = field.reshape(len(field), -1)
+    return np.column_stack([np.interp(at, time, column) for column in flat.T]).reshape(len(at), *field.shape[1:])
+
+
+def test_what_is_no_number_gets_no_answer(kernel, planar_cell):
+    A = np.ones((1, 3, 2))
+    A[0, 1, 0] = np.nan
+    low, high = np.array([[-1.0, -1, -1, -1, 0]]), np.array([[1.0, 1, 1, 1, 1]])
+    _, _, status = kernel.linear_programs(np.array([[0.0, 1]]), A, low, high)
+    assert status[0] != OPTIMAL
+    _, _, status = kernel.quadratic_programs(np.eye(2)[None], np.array([[-5.0, 1]]), A, low, high)
+    assert status[0] != OPTIMAL
+    with pytest.raises(mrts.InputError, match="at most 1e"):
+        planar_cell.with_mass(1.7e308)
+
+
+HOSTILE = (np.nan, np.inf, -np.inf, 1e308, -1e308, 1e-300, 1e-320, 5e-324, 0.0)
+
+RUN = """
+import sys
+import numpy as np
+from mrts.kernel.kernel_library import default_kernel
+programs = [array for _, array in np.load(sys.argv[1]).items()]
+for program in range(len(programs[0])):
+    default_kernel().linear_programs(*(array[program][None] for array in programs))
+"""
+
+
+def test_programs_of_any_numbers_end(tmp_path):
+    """In a process of its own: one that does not end would not end the test either."""
+    rng = np.random.default_rng(3)
+    k, rows, count = 3, 6, 5000
+    g, A = rng.normal(size=(count, k)), rng.normal(size=(count, rows, k))
+    low, high = -np.abs(rng.normal(size=(count, rows + k))), np.abs(rng.normal(size=(count, rows + k)))
+    for array in (g, A, low, high):
+        array[rng.random(array.shape) < 0.1] = rng.choice(HOSTILE)
+    np.savez(tmp_path / "programs.npz", g=g, A=A, low=low, high=high)
+    subprocess.run([sys.executable, "-c", RUN, tmp_path / "programs.npz"], check=True, timeout=120)
+
+
+def test_a_motion_too_small_to_scale_by_is_at_rest(lift, planar_cell, tmp_path):
+    """An acceleration of 1e-320 rad/s², whose reciprocal is infinite: likewise in a process of its own."""
+    write_trajectory_csv(mrts.scale(planar_cell, lift), tmp_path / "joints.csv")
+    names, first, *rows = (tmp_path / "joints.csv").read_text().splitlines()
+    at = names.split(",").index("ddq.left/wrist")
+    small = [*first.split(",")[:at], "1e-320", *first.split(",")[at + 1 :]]
+    zero = [*first.split(",")[:at], "0", *first.split(",")[at + 1 :]]
+    answers = []
+    for name, changed in (("small", small), ("zero", zero)):
+        path = tmp_path / f"{name}.csv"
+        path.write_text("\n".join([names, ",".join(changed), *rows]))
+        words = ["scale", ROOT / "generated" / "planar_dual_arm", path, "--json", "-"]
+        done = subprocess.run(
+            [sys.executable, "-m", "mrts", *words], capture_output=True, text=True, timeout=120, check=False
+        )
+        assert done.returncode == 0, done.stderr
+        answers.append(json.loads(done.stdout)["c2"])
+    assert answers[0] == answers[1]
+
+
+def test_a_library_that_does_not_load_is_compiled_again(tmp_path, monkeypatch):
+    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
+    command = find_compiler()
+    library = library_in_cache(command, "mrts_kernel", kernel_text(KERNEL_FILES))
+    library.write_bytes(b"of another machine")
+    library.with_suffix(".sha256").write_text(hashlib.sha256(b"of another machine").hexdigest())
+    x, _, status = kernel_library(command).linear_programs(
+        np.ones((1, 1)), np.ones((1, 1, 1)), np.array([[2.0, 0.0]]), np.array([[3.0, np.inf]])
+    )
+    assert status[0] == OPTIMAL
+    assert x[0, 0] == 2
+
+
+def test_a_broken_compiler_does_not_stop_the_virtual_machine(monkeypatch, lift):
+    monkeypatch.setenv("CC", "false")
+    default_kernel.cache_clear()
+    cell = mrts.load_cell(DATA / "cell.yaml", backend="vm")
+    assert mrts.scale(cell, lift).range.upper.c2 == pytest.approx(3.0618, abs=1e-4)
+    default_kernel.cache_clear()
+
+
+SANITIZED = """
+import sys
+sys.path.insert(0, sys.argv[1])
+import numpy as np
+from random_programs import cell_programs, hard_programs
+from mrts.cli import main
+from mrts.kernel.compiler import find_compiler
+from mrts.kernel.kernel_library import kernel_library
+kernel = kernel_library(find_compiler())
+rng = np.random.default_rng(0)
+for arms, size in ((2, 3), (2, 6), (3, 6)):
+    A, lower, upper = cell_programs(rng, 200, arms, size)
+    free = np.full((200, A.shape[2]), np.inf)
+    ends = np.hstack([lower, -free]), np.hstack([upper, free])
+    ends[0][:, -1], ends[1][:, -1] = 0, 1e9
+    kernel.linear_programs(np.eye(A.shape[2])[-1] * np.ones((200, 1)), A, *ends)
+    kernel.quadratic_programs(np.tile(np.eye(A.shape[2]), (200, 1, 1)), np.ones((200, A.shape[2])), A, *ends)
+for k, rows in ((1, 3), (3, 12), (31, 120)):
+    for A, lower, upper, _ in hard_programs(rng, max(k, 3), max(rows, 12)).values():
+        free = np.full(A.shape[1], np.inf)
+        ends = np.concatenate([lower, -free])[None], np.concatenate([upper, free])[None]
+        kernel.quadratic_programs(np.eye(A.shape[1])[None], np.ones((1, A.shape[1])), A[None], *ends)
+        ends[0][0, -1], ends[1][0, -1] = 0, 1e9
+        kernel.linear_programs(np.eye(A.shape[1])[-1:], A[None], *ends)
+for cell, motion in (("planar_dual_arm", "lift"), ("dual_ur5", "lift_and_turn")):
+    assert main(["scale", f"{sys.argv[2]}/{cell}/cell.yaml", f"{sys.argv[2]}/{cell}/{motion}.yaml", "--json", "-"]) == 0
+"""
+
+
+def test_the_library_is_clean_under_sanitizers(tmp_path):
+    """The same library, compiled with AddressSanitizer and UndefinedBehaviorSanitizer, under the whole Python path."""
+    asan = subprocess.run([GCC, "-print-file-name=libasan.so"], capture_output=True, text=True, check=True).stdout
+    environment = os.environ | {
+        "CC": f"{GCC} -fsanitize=address,undefined -fno-sanitize-recover=all -g",
+        "LD_PRELOAD": asan.strip(),
+        "ASAN_OPTIONS": "detect_leaks=0",  # Python's own
+        "MRTS_CACHE_DIR": str(tmp_path),
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", SANITIZED, str(ROOT / "tests"), str(DATA.parent)],
+        capture_output=True, text=True, check=False, env=environment,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert "runtime error" not in done.stderr
+    assert any(b"__asan" in library.read_bytes() for library in tmp_path.rglob("*.so"))
+
+
+def test_a_fuzzer_finds_no_wrong_answer(tmp_path):
+    """Coverage-guided (libFuzzer) for a bounded number of runs; the target checks every answer by substitution."""
+    target = tmp_path / "fuzz"
+    source, include = ROOT / "tests" / "c" / "fuzz_programs.c", ROOT / "mrts" / "kernel"
+    need_clang = "needs clang with its runtime: apt-get install clang libclang-rt-14-dev (the version of your clang)"
+    command = [CLANG, "-g", "-O1", "-fsanitize=fuzzer,address,undefined", "-fno-sanitize-recover=all"]
+    try:
+        built = subprocess.run([*command, f"-I{include}", str(source), "-o", str(target), "-lm"],
+                               capture_output=True, text=True, check=False)  # fmt: skip
+    except FileNotFoundError:
+        built = None
+    if built is None or "cannot find" in built.stderr:
+        assert "MRTS_ALL_TOOLS" not in os.environ, need_clang
+        pytest.skip(need_clang)
+    assert built.returncode == 0, built.stderr
+    done = subprocess.run([str(target), "-runs=150000", "-seed=1", "-max_len=400", f"-artifact_prefix={tmp_path}/"],
+                          capture_output=True, text=True, check=False)  # fmt: skip
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert "Done 150000 runs" in done.stderr

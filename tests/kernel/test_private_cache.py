@@ -1,0 +1,166 @@
+"""The cache is compiled and run: it is used only where nobody else can write it, and made so that nobody else can."""
+
+import hashlib
+import os
+import shutil
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import DATA, ROOT
+
+import mrts
+from mrts.cell.generation import generated_in_cache
+from mrts.kernel.cache_folder import cache_folder, only_ours
+from mrts.kernel.compiler import find_compiler
+from mrts.kernel.library_cache import library_in_cache
+
+GENERATED = ROOT / "generated" / "planar_dual_arm"
+SAYS = "import sys, mrts; from mrts.kernel.cache_folder import cache_folder; print(cache_folder(*sys.argv[1:]))"
+ANSWER = '__attribute__((visibility("default"))) int answer(void) { return 42; }\n'
+
+SPOILS = {
+    "others may write it": lambda folder: folder.chmod(0o777),
+    "others may write it, but not rename": lambda folder: folder.chmod(0o1777),
+    "others may write above it": lambda folder: folder.parent.chmod(0o777),
+    "a group may write it": lambda folder: (os.chown(folder, -1, a_group_of_ours()), folder.chmod(0o770)),
+}
+if os.getuid() == 0:
+    SPOILS |= {
+        "it belongs to another": lambda folder: os.chown(folder, 65534, -1),
+        "what is above it belongs to another": lambda folder: os.chown(folder.parent, 65534, -1),
+    }
+
+
+def a_group_of_ours():
+    """Any group that is not this user's private one: the first of the additional ones, or one that root may use."""
+    return next((group for group in os.getgroups() if group != os.getgid()), 65534 if os.getuid() == 0 else os.getgid())
+
+
+def where(*inside, **environment):
+    """Cache folder of a process of its own, and what it says on the way."""
+    removed = [name for name, value in environment.items() if value is None]
+    variables = {name: value for name, value in (os.environ | environment).items() if name not in removed}
+    done = subprocess.run(
+        [sys.executable, "-c", SAYS, *inside], capture_output=True, text=True, check=True, env=variables
+    )
+    return Path(done.stdout.strip()), done.stderr
+
+
+def test_all_in_the_cache_is_the_users_only(tmp_path, monkeypatch):
+    """Whatever the umask."""
+    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "new" / "cache"))
+    shutil.copytree(DATA, tmp_path / "cell")
+    before = os.umask(0)
+    try:
+        generated_in_cache(tmp_path / "cell" / "cell.yaml")
+        library_in_cache(find_compiler(), "answer", ANSWER)
+    finally:
+        os.umask(before)
+    found = [tmp_path / "new", *(tmp_path / "new").rglob("*")]
+    assert {path.suffix for path in found} == {"", ".c", ".json", ".so", ".sha256"}
+    assert not [path for path in found if stat.S_IMODE(path.stat().st_mode) & 0o077]
+
+
+@pytest.mark.parametrize("spoil", SPOILS)
+def test_a_cache_that_others_can_write_is_not_used(spoil, tmp_path):
+    folder = tmp_path / "above" / "cache"
+    folder.mkdir(parents=True)
+    tmp_path.chmod(0o755)
+    assert where(MRTS_CACHE_DIR=str(folder)) == (folder, "")
+    SPOILS[spoil](folder)
+    used, said = where(MRTS_CACHE_DIR=str(folder))
+    assert used.name.startswith("mrts-")
+    assert not used.exists()  # it went with the process
+    assert "the cache is not used, because" in said
+    assert str(folder.parent) in said
+    assert "MRTS_CACHE_DIR" in said
+    assert not list(folder.iterdir())
+
+
+def test_a_folder_in_the_cache_that_others_can_write_is_not_used(tmp_path):
+    planted = tmp_path / "lib" / "0123"
+    planted.mkdir(parents=True)
+    planted.chmod(0o777)
+    assert where("lib", "4567", MRTS_CACHE_DIR=str(tmp_path)) == (tmp_path / "lib" / "4567", "")
+    used, said = where("lib", "0123", MRTS_CACHE_DIR=str(tmp_path))
+    assert tmp_path not in used.parents
+    assert f"{planted} can be written" in said
+    (tmp_path / "lib" / "89").symlink_to(planted)
+    assert "is a link" in where("lib", "89", MRTS_CACHE_DIR=str(tmp_path))[1]
+
+
+def test_a_folder_like_tmp_may_hold_the_cache(tmp_path):
+    tmp_path.chmod(0o1777)
+    assert where(MRTS_CACHE_DIR=str(tmp_path / "cache")) == (tmp_path / "cache", "")
+
+
+def test_a_link_to_a_private_folder_is_followed(tmp_path):
+    (tmp_path / "real").mkdir(mode=0o700)
+    (tmp_path / "link").symlink_to(tmp_path / "real")
+    assert where(MRTS_CACHE_DIR=str(tmp_path / "link")) == (tmp_path / "real", "")
+
+
+@pytest.mark.parametrize("file", ["answer.so", "answer.so by link"])
+def test_a_library_that_others_could_have_written_is_compiled_again(file, tmp_path, monkeypatch):
+    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
+    library = library_in_cache(find_compiler(), "answer", ANSWER)
+    before = library.read_bytes()
+    planted = before + b"planted"
+    if "link" in file:
+        library.unlink()
+        (tmp_path / "elsewhere.so").write_bytes(planted)
+        library.symlink_to(tmp_path / "elsewhere.so")
+    else:
+        library.write_bytes(planted)
+        library.chmod(0o666)
+    library.with_suffix(".sha256").write_text(hashlib.sha256(planted).hexdigest())  # the seal fits
+    assert not only_ours(library)
+    again = library_in_cache(find_compiler(), "answer", ANSWER)
+    assert again == library
+    assert only_ours(again)
+    assert again.read_bytes() == before
+
+
+def test_generated_c_that_others_could_have_written_is_generated_again(tmp_path, monkeypatch):
+    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))
+    _, source = generated_in_cache(DATA / "cell.yaml")
+    source.chmod(0o666)
+    assert generated_in_cache(DATA / "cell.yaml")[1] == source
+    assert only_ours(source)
+
+
+def test_a_generated_folder_is_compiled_into_the_cache(tmp_path, monkeypatch):
+    """A library that lies beside the C file is never loaded."""
+    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))
+    shutil.copytree(GENERATED, tmp_path / "cell")
+    (tmp_path / "cell" / "planar_dual_arm.so").write_bytes(b"planted")
+    mrts.load_cell(tmp_path / "cell")
+    assert sorted(path.name for path in (tmp_path / "cell").iterdir()) == [
+        "manifest.json",
+        "planar_dual_arm.c",
+        "planar_dual_arm.so",
+    ]
+    assert (tmp_path / "cell" / "planar_dual_arm.so").read_bytes() == b"planted"
+    assert len(list((tmp_path / "cache").rglob("*.so"))) == 1
+
+
+def test_where_the_cache_is(tmp_path):
+    home, xdg, named = (str(tmp_path / name) for name in ("home", "xdg", "named"))
+    every = {"HOME": home, "XDG_CACHE_HOME": xdg, "MRTS_CACHE_DIR": named}
+    assert where(**every)[0] == tmp_path / "named"
+    assert where(**every | {"MRTS_CACHE_DIR": None})[0] == tmp_path / "xdg" / "mrts"
+    assert where(**every | {"MRTS_CACHE_DIR": "", "XDG_CACHE_HOME": "relative"})[0] == tmp_path / "home/.cache/mrts"
+    assert where(**every | {"HOME": None}) == (tmp_path / "named", "")
+
+
+def test_a_home_that_cannot_be_written_is_said_once(tmp_path, monkeypatch, caplog):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("HOME", str(tmp_path / "file"))
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.delenv("MRTS_CACHE_DIR")
+    assert cache_folder("a").parent == cache_folder("b").parent
+    (said,) = (record.message for record in caplog.records if "cannot be made" in record.message)
+    assert f"{tmp_path}/file/.cache/mrts cannot be made: Not a directory" in said

@@ -1,0 +1,323 @@
+"""Motions from files that people have: tables by themselves, and ROS 2 bags of joint trajectories."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import yaml
+from cell_bank import random_planar_cell
+from conftest import DATA
+from mcap_ros2.writer import Writer as IndependentWriter
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+from test_motion_files import joint_table, object_table
+
+import mrts
+from mrts.cli import main
+from mrts.output.trajectory_table import write_trajectory_csv
+
+UR5 = DATA.parent / "dual_ur5"
+MOTIONS = {"planar_dual_arm": "lift", "dual_ur5": "lift_and_turn"}
+KIND = "trajectory_msgs/msg/JointTrajectory"
+TYPES = get_typestore(Stores.ROS2_HUMBLE)
+PARTS = ("positions", "velocities", "accelerations")
+
+DEFINITION = """std_msgs/Header header
+string[] joint_names
+trajectory_msgs/JointTrajectoryPoint[] points
+================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+================================================================================
+MSG: builtin_interfaces/Time
+int32 sec
+uint32 nanosec
+================================================================================
+MSG: trajectory_msgs/JointTrajectoryPoint
+float64[] positions
+float64[] velocities
+float64[] accelerations
+float64[] effort
+builtin_interfaces/Duration time_from_start
+================================================================================
+MSG: builtin_interfaces/Duration
+int32 sec
+uint32 nanosec
+"""
+
+
+def trajectory(robot, followed, part, kept=PARTS):
+    """A robot's trajectory as plain values: names, and for each point its stamp [ns], positions, rates."""
+    values = {"positions": followed.q, "velocities": followed.dq, "accelerations": followed.ddq}
+    columns = [values[name][:, part] if name in kept else np.zeros((followed.samples, 0)) for name in PARTS]
+    stamps = np.rint(followed.object.time * 1e9).astype(int).tolist()
+    return list(robot.joints), [[stamp, *rows] for stamp, *rows in zip(stamps, *columns, strict=True)]
+
+
+def message(names, points):
+    make = TYPES.types
+    duration, point = make["builtin_interfaces/msg/Duration"], make["trajectory_msgs/msg/JointTrajectoryPoint"]
+    header = make["std_msgs/msg/Header"](make["builtin_interfaces/msg/Time"](0, 0), "")
+    listed = [point(*rows, np.zeros(0), duration(*divmod(stamp, 10**9))) for stamp, *rows in points]
+    return make[KIND](header, names, listed)
+
+
+def write_bag(folder, messages, kind=KIND, storage=StoragePlugin.MCAP):
+    """A bag of one message a pair of topic and message."""
+    with Writer(folder, version=9, storage_plugin=storage) as writer:
+        topics = {topic: writer.add_connection(topic, kind, typestore=TYPES) for topic in dict(messages)}
+        for topic, content in messages:
+            writer.write(topics[topic], 1, TYPES.serialize_cdr(content, kind))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def followed(dual_ur5):
+    return mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
+
+
+@pytest.fixture(scope="module")
+def given(dual_ur5, followed):
+    """The trajectory of each robot of the spatial cell, by name."""
+    return {
+        robot.name: trajectory(robot, followed, part)
+        for robot, part in zip(dual_ur5.robots, dual_ur5.joint_slices.values(), strict=True)
+    }
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_what_scale_writes_it_reads_again(name, tmp_path):
+    """A plan played as written has the torques of the plan, and a range that is its range by its c²."""
+    cell, motion = DATA.parent / name / "cell.yaml", DATA.parent / name / f"{MOTIONS[name]}.yaml"
+    bag, table, plan = tmp_path / "bag", tmp_path / "plan.csv", tmp_path / "plan.json"
+    files = ["--ros-bag", str(bag), "--csv", str(table), "--json", str(plan)]
+    assert main(["scale", str(cell), str(motion), "--c2", "0.8", *files]) == 0
+    planned = json.loads(plan.read_text())
+    (tmp_path / "motion.yaml").write_text("joints: bag/bag.mcap\n")
+    for file in (bag, bag / "bag.mcap", table, tmp_path / "motion.yaml"):
+        assert main(["scale", str(cell), str(file), "--nominal", "--json", str(tmp_path / "again.json")]) == 0
+        again = json.loads((tmp_path / "again.json").read_text())
+        assert again["c2"]["upper"] == pytest.approx(planned["c2"]["upper"] / 0.8, rel=1e-9)
+        assert again["selected"]["duration"] == pytest.approx(planned["selected"]["duration"], abs=1e-9)
+        for robot, torque in planned["torque"].items():
+            np.testing.assert_allclose(again["torque"][robot], torque, atol=1e-8, err_msg=f"{file} {robot}")
+
+
+def test_the_fastest_plan_leaves_no_room(dual_ur5, followed, tmp_path):
+    write_trajectory_csv(mrts.scale(dual_ur5, followed), tmp_path / "plan.csv")
+    again = mrts.scale(dual_ur5, mrts.load_motion(tmp_path / "plan.csv"), "fastest")
+    assert again.range.upper.c2 == pytest.approx(1.0, rel=1e-9)
+
+
+def test_a_bag_of_another_writer_is_read(dual_ur5, followed, given, tmp_path):
+    """The MCAP library's own writer: compressed chunks, no metadata.yaml, other topics in between."""
+    path = tmp_path / "recorded.mcap"
+    with path.open("wb") as file:
+        writer = IndependentWriter(file)
+        schema = writer.register_msgdef(KIND, DEFINITION)
+        for robot, (names, points) in given.items():
+            listed = [
+                {
+                    "time_from_start": dict(zip(("sec", "nanosec"), divmod(stamp, 10**9), strict=True)),
+                    **{name: row.tolist() for name, row in zip(PARTS, rows, strict=True)},
+                }
+                for stamp, *rows in points
+            ]
+            content = {"joint_names": names, "points": listed}
+            writer.write_message(f"/{robot}/arm_controller/joint_trajectory", schema, content, 5)
+        text = writer.register_msgdef("std_msgs/msg/String", "string data")
+        writer.write_message("/chatter", text, {"data": "hello"}, 6)
+        writer.finish()
+    table = mrts.load_motion(path)
+    np.testing.assert_array_equal(table.positions["right/elbow"], followed.q[:, 8])
+    np.testing.assert_array_equal(table.accelerations["left/wrist_3_turn"], followed.ddq[:, 5])
+    expected = mrts.scale(dual_ur5, followed)
+    assert mrts.scale(dual_ur5, table).range.upper.c2 == pytest.approx(expected.range.upper.c2, rel=1e-9)
+
+
+def test_a_bag_in_sqlite_is_read(given, tmp_path):
+    messages = [(f"/{robot}/joint_trajectory", message(*points)) for robot, points in given.items()]
+    bag = write_bag(tmp_path / "bag", messages, storage=StoragePlugin.SQLITE3)
+    assert set(mrts.load_motion(bag).positions) == set(mrts.load_motion(bag / "bag.db3").positions)
+    assert len(mrts.load_motion(bag).positions) == 12
+
+
+@pytest.mark.parametrize("kept", [("positions",), ("positions", "velocities")])
+def test_points_without_accelerations_lie_on_the_splines_of_a_table(dual_ur5, followed, kept, tmp_path):
+    parts = dual_ur5.joint_slices
+    columns = ("q", "dq") if "velocities" in kept else ("q",)
+    messages = [
+        (f"/{robot.name}/joint_trajectory", message(*trajectory(robot, followed, parts[robot.name], kept)))
+        for robot in dual_ur5.robots
+    ]
+    write_bag(tmp_path / "bag", messages)
+    (tmp_path / "table.csv").write_text(joint_table(dual_ur5, followed, columns))
+    for samples in (None, 51):
+        read = []
+        for joints in ("bag", "table.csv"):
+            (tmp_path / "motion.yaml").write_text(yaml.safe_dump({"joints": joints, "samples": samples}))
+            read.append(mrts.load_motion(tmp_path / "motion.yaml"))
+        bag, table = read
+        assert len(bag.time) == (samples or 101)
+        np.testing.assert_allclose(bag.time, table.time, atol=1e-9)
+        for joint, values in table.positions.items():
+            np.testing.assert_allclose(bag.positions[joint], values, atol=1e-7)
+            size = np.max(np.abs(table.accelerations[joint]))
+            np.testing.assert_allclose(bag.accelerations[joint], table.accelerations[joint], atol=1e-3 * size)
+
+
+def test_a_topic_that_names_no_robot_is_told_by_its_joints(dual_ur5, given, tmp_path):
+    """One arm has each name: it is meant. Two arms have it: the topic must say which."""
+    case = random_planar_cell(np.random.default_rng(3), tmp_path, 1)
+    alone = case.cell
+    lift = mrts.follow_object(alone, case.motion)
+    points = trajectory(alone.robots[0], lift, slice(0, 3))
+    write_bag(tmp_path / "one", [("/joint_trajectory_controller/joint_trajectory", message(*points))])
+    write_bag(tmp_path / "bare", [("/joint_trajectory", message(*points))])
+    for bag in ("one", "bare"):
+        carried = mrts.scale(alone, mrts.load_motion(tmp_path / bag))
+        np.testing.assert_array_equal(carried.motion.q, lift.q)
+    messages = [(f"/{robot}_controller/joint_trajectory", message(*points)) for robot, points in given.items()]
+    write_bag(tmp_path / "two", messages)
+    with pytest.raises(mrts.InputError, match=r"nothing is said of joint 'left/shoulder_pan' .*/left/joint_trajectory"):
+        mrts.scale(dual_ur5, mrts.load_motion(tmp_path / "two"))
+    names, rows = points
+    doubled = [("/one/joint_trajectory", message(names, rows)), ("/other/joint_trajectory", message(names, rows))]
+    write_bag(tmp_path / "doubled", doubled)
+    with pytest.raises(mrts.InputError, match="'one/j0' and 'other/j0' are the same joint"):
+        mrts.scale(alone, mrts.load_motion(tmp_path / "doubled"))
+    named = [("/arm0/joint_trajectory", message(names, rows)), ("/other/joint_trajectory", message(names, rows))]
+    write_bag(tmp_path / "named", named)  # the other arm is none of the cell's
+    carried = mrts.scale(alone, mrts.load_motion(tmp_path / "named"))
+    np.testing.assert_array_equal(carried.motion.q, lift.q)
+    assert "other/j0" in carried.motion.remarks[0].text
+
+
+def spoiled(change):
+    """Both trajectories, the right one changed; a point is its stamp [ns], positions, velocities, accelerations."""
+
+    def build(given):
+        names, points = given["right"]
+        names, points = list(names), [[stamp, *(row.copy() for row in rows)] for stamp, *rows in points]
+        names, points = change(names, points) or (names, points)
+        messages = [("/left/joint_trajectory", message(*given["left"]))]
+        return [*messages, ("/right/joint_trajectory", message(names, points))]
+
+    return build
+
+
+def set_at(point, place, value):
+    def change(_names, points):
+        points[point][place] = value
+
+    return spoiled(change)
+
+
+def set_entry(point, part, value):
+    def change(_names, points):
+        points[point][1 + part][2] = value
+
+    return spoiled(change)
+
+
+def twice(given):
+    messages = spoiled(lambda *_: None)(given)
+    return [*messages, messages[1]]
+
+
+MISTAKES = {
+    "times differ": (set_at(40, 0, 321_000_000), "right/joint_trajectory: must have the times of /left/joint_traj"),
+    "fewer points": (spoiled(lambda names, points: (names, points[:50])), "must have the times of /left"),
+    "times back": (set_at(7, 0, 1), "right/joint_trajectory, point 7, time_from_start = 1e-09: must be later"),
+    "one point": (spoiled(lambda names, points: (names, points[:1])), "has 1 points; a motion has at least 2"),
+    "no points": (spoiled(lambda names, _: (names, [])), "has 0 points"),
+    "short positions": (set_at(9, 1, np.zeros(5)), "point 9: has 5 positions for 6 joints"),
+    "no positions": (set_at(9, 1, np.zeros(0)), "point 9: has 0 positions for 6 joints"),
+    "some velocities": (set_at(9, 2, np.zeros(0)), "point 9: has 0 velocities for 6 joints; other points have 6"),
+    "nan": (set_entry(5, 0, np.nan), "point 5, positions of elbow = nan: must be a finite number"),
+    "infinite": (set_entry(5, 2, np.inf), "point 5, accelerations of elbow = inf"),
+    "wrong rates": (set_entry(50, 1, 57.0), "right/elbow: its rates do not lead"),
+    "twice a joint": (
+        spoiled(lambda names, points: (["elbow", *names[1:]], points)), "right/joint_trajectory: the joint 'elbow' of"
+    ),
+    "twice a topic": (twice, "right/joint_trajectory: holds 2 trajectories; a motion is one"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_mistakes_in_a_trajectory(mistake, given, tmp_path, capsys):
+    build, words = MISTAKES[mistake]
+    write_bag(tmp_path / "bag", build(given))
+    assert main(["scale", str(UR5 / "cell.yaml"), str(tmp_path / "bag")]) == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert str(tmp_path / "bag") in said
+
+
+def test_what_is_no_bag_of_trajectories_is_refused(given, tmp_path):
+    text = TYPES.types["std_msgs/msg/String"]("hello")
+    write_bag(tmp_path / "chatter", [("/chatter", text)], "std_msgs/msg/String")
+    with pytest.raises(mrts.InputError, match=r"holds no message .*JointTrajectory; its topics are /chatter"):
+        mrts.load_motion(tmp_path / "chatter")
+    (tmp_path / "empty").mkdir()
+    for path, words in (
+        (tmp_path / "empty", r"folder holds no metadata\.yaml"),
+        (tmp_path / "nothing.mcap", "there is no such bag"),
+        (UR5 / "cell.yaml", "missing|unknown key"),
+    ):
+        with pytest.raises(mrts.InputError, match=words):
+            mrts.load_motion(path)
+    (tmp_path / "empty" / "metadata.yaml").write_text("a: [\n b: {\n")
+    with pytest.raises(mrts.InputError, match="description of a bag is not valid YAML at line") as refused_metadata:
+        mrts.load_motion(tmp_path / "empty")
+    assert "\n" not in str(refused_metadata.value)
+    write_bag(tmp_path / "bag", [("/left/joint_trajectory", message(*given["left"]))])
+    whole = (tmp_path / "bag" / "bag.mcap").read_bytes()
+    rng = np.random.default_rng(8)
+    path, refused = tmp_path / "damaged.mcap", 0
+    for _ in range(200):
+        damaged = bytearray(whole[: rng.integers(len(whole))] if rng.random() < 0.3 else whole)
+        for place in rng.integers(len(damaged) or 1, size=5):
+            damaged[place : place + 1] = rng.bytes(1)
+        path.write_bytes(damaged)
+        try:
+            mrts.load_motion(path)
+        except mrts.InputError as error:
+            assert "damaged.mcap" in str(error)  # noqa: PT017 (either outcome is right)
+            refused += 1
+    assert refused > 50
+
+
+def test_tables_are_recognised_by_their_columns(dual_ur5, followed, tmp_path, capsys):
+    (tmp_path / "object.csv").write_text(object_table(followed.object, rates=True))
+    (tmp_path / "JOINTS.CSV").write_text(joint_table(dual_ur5, followed))
+    expected = mrts.scale(dual_ur5, followed).range.upper.c2
+    for name, kind in (("object.csv", mrts.ObjectMotion), ("JOINTS.CSV", mrts.JointTable)):
+        motion = mrts.load_motion(tmp_path / name)
+        assert isinstance(motion, kind)
+        assert mrts.scale(dual_ur5, motion).range.upper.c2 == pytest.approx(expected, rel=1e-7)
+    for text, words in (
+        ("t,a\n0,1\n1,1\n", "is no table of motion: it has neither columns of the object (px, py"),
+        ("t,px\n0,1\n1,1\n", "columns are needed too: py"),
+        ("t,q.left/elbow,tau.left/elbow\n0,1,2\n1,1,x\n", "row 2, column tau.left/elbow = 'x'"),
+        ("t,tau.left/elbow,q\n0,1,1\n1,1,1\n", "neither columns"),
+    ):
+        (tmp_path / "bad.csv").write_text(text)
+        assert main(["scale", str(UR5 / "cell.yaml"), str(tmp_path / "bad.csv")]) == 2
+        assert words in capsys.readouterr().err
+
+
+def test_a_missing_extra_is_named(given, tmp_path):
+    write_bag(tmp_path / "bag", [("/left/joint_trajectory", message(*given["left"]))])
+    script = (
+        "import importlib.util, sys; found = importlib.util.find_spec;"
+        "importlib.util.find_spec = lambda name, *rest: None if name == 'rosbags' else found(name, *rest);"
+        "from mrts.cli import main; sys.exit(main(sys.argv[1:]))"
+    )
+    command = [sys.executable, "-c", script, "scale", UR5 / "cell.yaml", tmp_path / "bag"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "pip install 'mrts[ros]'" in done.stderr

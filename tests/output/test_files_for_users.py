@@ -1,0 +1,135 @@
+"""Files that planners hand on: CSV tables and ROS 2 bags, read back by independent readers."""
+
+import csv
+import subprocess
+import sys
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+
+import mrts
+from mrts.cli import main
+from mrts.output.ros_bag import write_ros_bag
+from mrts.output.trajectory_table import played_rows, trajectory_csv, write_trajectory_csv
+
+UR5 = DATA.parent / "dual_ur5"
+
+
+@pytest.fixture(scope="module")
+def result(private_cache):
+    assert private_cache.is_dir()
+    return mrts.scale(mrts.load_cell(UR5 / "cell.yaml"), mrts.load_motion(UR5 / "lift_and_turn.yaml"))
+
+
+def messages(path, topics=None):
+    """Schema, topic and decoded message of a bag, by a reader that shares nothing with the writer."""
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        return [
+            (schema.name, channel.topic, message)
+            for schema, channel, _, message in reader.iter_decoded_messages(topics=topics)
+        ]
+
+
+def test_a_bag_holds_what_controllers_expect(result, tmp_path):
+    bag = tmp_path / "deep" / "lift"
+    write_ros_bag(result, bag)
+    assert sorted(path.name for path in bag.iterdir()) == ["lift.mcap", "metadata.yaml"]
+    assert [path.name for path in bag.parent.iterdir()] == ["lift"]  # nothing temporary is left
+    seen = {}
+    for schema, topic, message in messages(bag / "lift.mcap"):
+        seen.setdefault(topic, []).append((schema, message))
+    done = result.trajectory
+    stamps = np.rint(done.time * 1e9)
+    for robot in result.cell.robots:
+        joints, wrenches = result.cell.joint_slices[robot.name], result.cell.wrench_slices[robot.name]
+        ((schema, trajectory),) = seen[f"/{robot.name}/joint_trajectory"]
+        assert schema == "trajectory_msgs/msg/JointTrajectory"
+        assert trajectory.joint_names == list(robot.joints)
+        points = trajectory.points
+        at = [point.time_from_start.sec * 10**9 + point.time_from_start.nanosec for point in points]
+        assert at == stamps.tolist()
+        assert all(later > earlier for earlier, later in pairwise(at))
+        for field, values in (("positions", done.q), ("velocities", done.dq), ("accelerations", done.ddq)):
+            np.testing.assert_array_equal([getattr(point, field) for point in points], values[:, joints])
+        np.testing.assert_array_equal([point.effort for point in points], done.torque[:, joints])
+        states = [message for _, message in seen[f"/{robot.name}/joint_states"]]
+        np.testing.assert_array_equal([state.position for state in states], done.q[:, joints])
+        np.testing.assert_array_equal([state.effort for state in states], done.torque[:, joints])
+        forces = [message.wrench for _, message in seen[f"/{robot.name}/contact_wrench"]]
+        six = [[w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z] for w in forces]
+        np.testing.assert_array_equal(six, done.wrench[:, wrenches])
+    assert len(seen) == 3 * len(result.cell.robots)
+
+
+def test_a_planar_wrench_stands_in_its_own_components(planar_cell, lift, tmp_path):
+    result = mrts.scale(planar_cell, lift)
+    write_ros_bag(result, tmp_path / "bag")
+    for _, _, message in messages(tmp_path / "bag" / "bag.mcap", ["/left/contact_wrench"]):
+        w = message.wrench
+        assert (w.force.z, w.torque.x, w.torque.y) == (0, 0, 0)
+    np.testing.assert_array_equal([w.force.x, w.force.y, w.torque.z], played_rows(result.trajectory).wrench[-1, :3])
+
+
+def test_a_table_gives_every_number_back(result, tmp_path):
+    write_trajectory_csv(result, tmp_path / "trajectory.csv")
+    head, *rows = csv.reader((tmp_path / "trajectory.csv").read_text().splitlines())
+    table = dict(zip(head, np.array(rows, dtype=float).T, strict=True))
+    done = result.trajectory
+    np.testing.assert_array_equal(table["t"], done.time)
+    np.testing.assert_array_equal(table["tau.left/elbow"], result.torque["left"][:, 2])
+    np.testing.assert_array_equal(table["dq.right/shoulder_pan"], done.dq[:, 6])
+    np.testing.assert_array_equal(table["F.right/nz"], result.wrench["right"][:, 5])
+    assert len(head) == 1 + 4 * 12 + 12
+
+
+def test_what_cannot_be_written_is_refused(result, planar_cell, lift, tmp_path):
+    with pytest.raises(mrts.InputError, match="exists already"):
+        write_ros_bag(result, tmp_path)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(mrts.InputError, match="cannot be written"):
+        write_ros_bag(result, tmp_path / "file" / "bag")
+    infeasible = mrts.scale(planar_cell.with_mass(100.0), lift)
+    for write in (trajectory_csv, lambda nothing: write_ros_bag(nothing, tmp_path / "bag")):
+        with pytest.raises(mrts.InputError, match="none to write"):
+            write(infeasible)
+    assert not (tmp_path / "bag").exists()
+
+
+def test_the_command_line_writes_both(tmp_path):
+    files = ["--csv", str(tmp_path / "t.csv"), "--ros-bag", str(tmp_path / "bag")]
+    assert main(["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), *files]) == 0
+    assert (tmp_path / "t.csv").read_text().startswith("t,q.left/shoulder,")
+    assert (tmp_path / "bag" / "metadata.yaml").exists()
+
+
+def test_a_missing_extra_is_named_before_any_work(tmp_path):
+    script = (
+        "import importlib.util, sys; found = importlib.util.find_spec;"
+        "importlib.util.find_spec = lambda name, *rest: None if name == 'rosbags' else found(name, *rest);"
+        "from mrts.cli import main; sys.exit(main(sys.argv[1:]))"
+    )
+    command = ["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), "--ros-bag", str(tmp_path / "bag")]
+    done = subprocess.run([sys.executable, "-c", script, *command], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "pip install 'mrts[ros]'" in done.stderr
+    assert done.stdout == ""
+
+
+def test_an_infeasible_motion_is_still_an_outcome_with_files_asked_for(tmp_path, capsys):
+    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
+    cell["object"]["mass"] = 100.0
+    for robot in cell["robots"]:
+        robot["urdf"] = str(DATA / robot["urdf"])
+    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
+    for profile in ("constant", "optimal"):
+        command = ["scale", str(tmp_path / "cell.yaml"), str(DATA / "lift.yaml"), "--profile", profile]
+        assert main([*command, "--csv", str(tmp_path / "t.csv"), "--json", str(tmp_path / f"{profile}.json")]) == 1
+        assert not (tmp_path / "t.csv").exists()
+        assert (tmp_path / f"{profile}.json").exists()
+        assert "no trajectory for --csv: not written" in capsys.readouterr().err

@@ -1,0 +1,433 @@
+"""Saved results: the same answers again, without a compiler; and every way in which a file can be wrong."""
+
+import io
+import json
+import re
+import subprocess
+import sys
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
+
+import numpy as np
+import pytest
+import yaml
+from cell_bank import random_planar_cell, random_spatial_cell
+from conftest import DATA, ROOT
+
+import mrts
+from mrts.cli import main
+from mrts.figures import range_figure, trajectory_figure, write_figure
+from mrts.output.ros_bag import write_ros_bag
+from mrts.output.saved_description import Description
+from mrts.output.text_report import report_lines
+from mrts.output.trajectory_table import trajectory_csv
+
+UR5 = DATA.parent / "dual_ur5"
+
+
+def lowering(lift):
+    """The motion of the shipped lift, downward."""
+    fields = (lift.time, lift.position[::-1], lift.rotation[::-1], -lift.twist[::-1], lift.acceleration[::-1])
+    return mrts.ObjectMotion(*fields)
+
+
+def forks(cell):
+    """Grippers that hold with 1 N <= f_y <= 3 N."""
+    ends = [np.array([-np.inf, 1.0, -np.inf]), np.array([np.inf, 3.0, np.inf])]
+    robots = (replace(robot, wrench_lower=ends[0], wrench_upper=ends[1]) for robot in cell.robots)
+    return replace(cell, robots=tuple(robots))
+
+
+def still(lift):
+    return mrts.ObjectMotion(lift.time, lift.position * 0 + lift.position[0], lift.rotation, lift.twist * 0,
+                             lift.acceleration * 0)  # fmt: skip
+
+
+CASES = {
+    "free": mrts.scale,
+    "chosen": lambda cell, lift: mrts.scale(cell, lift, 0.5, weights=np.arange(1.0, 7.0), formulation="torque"),
+    "fixed": lambda cell, lift: mrts.scale(cell, lift, sharing=mrts.LoadSharing([0.4, 0.6])),
+    "prescribed": lambda cell, lift: mrts.scale(
+        cell, lift, 1.0, sharing=mrts.LoadSharing(internal_wrench=np.zeros((101, 6)))
+    ),
+    "changed": lambda cell, lift: mrts.scale(cell.without_wrench_limits().with_mass(2.0), lift, load="nominal"),
+    "postures": lambda cell, lift: mrts.scale(cell.with_postures({"left": cell.robots[0].posture + 0.01}), lift),
+    "guaranteed": lambda cell, lift: mrts.scale(cell.with_variation(mass=(0.2, 6.0), izz=(0.5, 2)), lift),
+    "in closed form": lambda cell, lift: mrts.scale(
+        cell.with_variation(mass=(0.2, 6.0), izz=(0.5, 2)), lift, sharing=mrts.LoadSharing()
+    ),
+    "grid": lambda cell, lift: mrts.scale(cell.with_variation(mass=(0.2, 6.0)), lift, load="grid:4"),
+    "possible": lambda cell, lift: mrts.scale(
+        cell.with_variation(mass=(0.2, 20.0), mx=(-0.1, 0.1)), lift, load="possible"
+    ),
+    "outer hull": lambda cell, lift: mrts.scale(
+        cell.with_variation(mass=(0.5, 2), com_x=(-0.1, 0.05), outer_hull=True), lift
+    ),
+    "carried": lambda cell, lift: mrts.torques_for_load(
+        mrts.scale(cell.with_variation(mass=(0.2, 6.0), mx=(-0.1, 0.1)), lift), cell.load + 0.05 * np.eye(10)[1]
+    ),
+    "infeasible": lambda cell, lift: mrts.scale(cell.with_mass(60.0), lift),
+    "no load of the box": lambda cell, lift: mrts.scale(cell.with_variation(mass=(0.2, 200.0)), lift),
+    "empty": lambda cell, lift: mrts.scale(forks(cell).with_variation(mass=(0.45, 2.0)), until_braking(lowering(lift))),
+    "unbounded": lambda cell, lift: mrts.scale(cell, still(lift)),
+}
+
+
+def until_braking(motion):
+    """The first 20 samples."""
+    parts = ("time", "position", "rotation", "twist", "acceleration")
+    return mrts.ObjectMotion(*(getattr(motion, part)[:20] for part in parts))
+
+
+@pytest.fixture(scope="module", params=CASES)
+def result(request, planar_cell, lift):
+    return CASES[request.param](planar_cell, lift)
+
+
+@pytest.fixture(scope="module")
+def lifted(planar_cell, lift):
+    return mrts.scale(planar_cell, lift)
+
+
+def differences(one, other, path="result"):
+    """Where two values of dataclasses, sequences, mappings and arrays differ; functions of cells do not count."""
+    if isinstance(one, np.ndarray):
+        same = isinstance(other, np.ndarray) and one.shape == other.shape and np.array_equal(one, other)
+        return [] if same else [path]
+    if isinstance(one, Mapping):
+        parts = [] if list(one) == list(other) else [("keys", 0, 1)]
+        parts += [(name, one[name], other[name]) for name in one if name in other]
+    elif isinstance(one, Sequence) and not isinstance(one, str):
+        parts = [("size", len(one), len(other)), *zip(range(len(one)), one, other, strict=False)]
+    elif is_dataclass(one):
+        names = [field.name for field in fields(one) if field.name != "functions"]
+        parts = [(name, getattr(one, name), getattr(other, name)) for name in names]
+    else:
+        return [] if one == other else [path]
+    return [found for name, a, b in parts for found in differences(a, b, f"{path}.{name}")]
+
+
+def test_everything_comes_back(result, tmp_path):
+    mrts.save_result(result, tmp_path / "result.npz")
+    again = mrts.load_result(tmp_path / "result.npz")
+    given = replace(result, rule=replace(result.rule, sharing=None, weights=None))  # may be lists; compared below
+    assert differences(given, replace(again, rule=given.rule)) == []
+    assert again.json_text() == result.json_text()
+    assert again.to_json() == result.to_json()
+    assert list(report_lines(again)) == list(report_lines(result))
+    mrts.save_result(again, tmp_path / "again.npz")
+    assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "result.npz").read_bytes()
+
+
+def test_the_rule_comes_back(planar_cell, lift, tmp_path):
+    B = planar_cell.functions("terms", 101, mrts.follow_object(planar_cell, lift).inputs(planar_cell.load))["B"]
+    inner = np.linalg.svd(B)[2][:, -1]  # B inner = 0 at every sample
+    sharing = mrts.LoadSharing(np.array([0.3, 0.7]), inner)
+    mrts.save_result(mrts.scale(planar_cell, lift, 0.5, sharing=sharing), tmp_path / "result.npz")
+    again = mrts.load_result(tmp_path / "result.npz").rule
+    np.testing.assert_array_equal(again.sharing.shares, [0.3, 0.7])
+    np.testing.assert_array_equal(again.sharing.internal_wrench, inner)
+    W = np.diag(np.arange(1.0, 7.0))
+    for formulation, weights in (("torque", W), ("wrench", np.diag(W))):
+        chosen = mrts.scale(planar_cell, lift, 0.5, formulation=formulation, weights=weights)
+        mrts.save_result(chosen, tmp_path / "result.npz")
+        again = mrts.load_result(tmp_path / "result.npz").rule
+        assert (again.sharing, again.formulation) == (None, formulation)
+        np.testing.assert_array_equal(again.weights, weights)
+
+
+@pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
+@pytest.mark.parametrize("arms", [1, 4])
+def test_any_number_of_arms_and_sliding_joints_come_back(make, arms, tmp_path):
+    case = make(np.random.default_rng([11, arms]), tmp_path, arms)
+    cell = case.cell
+    result = mrts.scale(cell, case.motion)
+    mrts.save_result(result, tmp_path / "result.npz")
+    again = mrts.load_result(tmp_path / "result.npz")
+    assert again.json_text() == result.json_text()
+    assert differences(result.cell, again.cell) == []
+    assert [robot.torque_units for robot in again.cell.robots] == [robot.torque_units for robot in cell.robots]
+
+
+def test_what_is_made_of_a_result_is_the_same(dual_ur5, tmp_path):
+    result = mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
+    mrts.save_result(result, tmp_path / "result.npz")
+    again = mrts.load_result(tmp_path / "result.npz")
+    assert trajectory_csv(again) == trajectory_csv(result)
+    np.testing.assert_array_equal(again.trajectory.internal_wrench, result.trajectory.internal_wrench)
+    for name, of in (("one", result), ("two", again)):
+        (tmp_path / name).mkdir()
+        write_ros_bag(of, tmp_path / name / "bag")
+        write_figure(range_figure(of), tmp_path / name / "range.png")
+        write_figure(trajectory_figure(of, "title"), tmp_path / name / "trajectory.png")
+    for file in ("bag/bag.mcap", "range.png", "trajectory.png"):
+        assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes(), file
+
+
+def test_reading_needs_neither_compiler_nor_symbolic_layer(lifted, tmp_path):
+    mrts.save_result(lifted, tmp_path / "result.npz")
+    script = (
+        "import sys, mrts; result = mrts.load_result(sys.argv[1]); print(result.summary()); result.to_json();"
+        "print([name for name in ('casadi', 'mrts_codegen', 'yourdfpy', 'lxml') if name in sys.modules])"
+    )
+    command = [sys.executable, "-c", script, tmp_path / "result.npz"]
+    environment = {"PATH": "", "MRTS_CACHE_DIR": str(tmp_path / "unused"), "PYTHONPATH": ":".join(sys.path)}
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+    assert done.stdout.splitlines() == [lifted.summary(), "[]"]
+    assert not (tmp_path / "unused").exists()
+
+
+def test_the_functions_come_from_the_cell_that_is_given(planar_cell, lift, tmp_path):
+    box = planar_cell.without_wrench_limits().with_variation(mass=(0.2, 6.0))
+    result = mrts.scale(box, lift)
+    mrts.save_result(result, tmp_path / "result.npz")
+    alone = mrts.load_result(tmp_path / "result.npz")
+    assert alone.cell.functions.backend == "none"
+    for asked in (
+        alone.residuals,
+        lambda: mrts.torques_for_load(alone, box.load),
+        lambda: mrts.follow_object(alone.cell, lift),
+        lambda: mrts.scale(alone.cell, alone.motion),
+    ):
+        with pytest.raises(mrts.InputError, match=r"result\.npz: function '.*': .*load_result\(path, cell=mrts\.load"):
+            asked()
+    whole = mrts.load_result(tmp_path / "result.npz", cell=planar_cell)
+    assert whole.cell.functions is planar_cell.functions
+    assert differences(result.cell, whole.cell) == []
+    assert whole.residuals() == result.residuals()
+    assert (
+        mrts.torques_for_load(whole, box.load * 0.5).to_json()
+        == mrts.torques_for_load(result, box.load * 0.5).to_json()
+    )
+
+
+def test_another_cell_is_refused(lifted, dual_ur5, planar_cell, tmp_path):
+    mrts.save_result(lifted, tmp_path / "result.npz")
+    description = yaml.safe_load((DATA / "cell.yaml").read_text())
+    for robot in description["robots"]:
+        robot["urdf"] = str(DATA / "planar_arm.urdf")
+        robot["torque"] = [1, 1, 1]  # limits do not enter the functions
+    (tmp_path / "weak.yaml").write_text(yaml.safe_dump(description))
+    whole = mrts.load_result(tmp_path / "result.npz", cell=mrts.load_cell(tmp_path / "weak.yaml", backend="vm"))
+    np.testing.assert_array_equal(whole.cell.robots[0].torque_upper, planar_cell.robots[0].torque_upper)
+    assert max(whole.residuals().arms, whole.residuals().object) < 1e-9
+    description["robots"][1]["base"]["xyz"][0] += 0.001
+    (tmp_path / "moved.yaml").write_text(yaml.safe_dump(description))
+    for cell, what in ((dual_ur5, "plane"), (mrts.load_cell(tmp_path / "moved.yaml", backend="vm"), "robots.1.")):
+        with pytest.raises(mrts.InputError, match=rf"cell: .*they differ in {what}.* Load the cell file"):
+            mrts.load_result(tmp_path / "result.npz", cell=cell)
+    with pytest.raises(mrts.InputError, match=r"cell.*from mrts\.load_cell"):
+        mrts.load_result(tmp_path / "result.npz", cell=DATA / "cell.yaml")
+
+
+def contents(path):
+    """Description and arrays of a file, by numpy alone."""
+    with np.load(path) as file:
+        arrays = dict(file)
+    return json.loads(bytes(arrays.pop("description"))), arrays
+
+
+def write(path, description, arrays):
+    text = np.frombuffer(json.dumps(description).encode(), dtype=np.uint8)
+    np.savez(path, description=text, **arrays)
+
+
+def spoil_array(name, change):
+    def spoil(_description, arrays):
+        arrays[name] = change(arrays[name])
+
+    return spoil
+
+
+def moved(counts):
+    """The same number of rows in all, -1 of them at the first end."""
+    counts.flat[1] += counts.flat[0] + 1
+    counts.flat[0] = -1
+    return counts
+
+
+def spoil_word(change):
+    return lambda description, _arrays: change(description)
+
+
+MISTAKES = {
+    "newer": (spoil_word(lambda d: d.update(version=3)), "version = 3: this mrts reads version 2; .* Update mrts"),
+    "older": (spoil_word(lambda d: d.update(version=1)), "version = 1: .* Save the result again"),
+    "no version": (spoil_word(lambda d: d.pop("version")), "version: this mrts reads"),
+    "foreign": (spoil_word(lambda d: d.update(format="other")), "is no saved result of mrts"),
+    "missing word": (spoil_word(lambda d: d.pop("fallbacks")), "fallbacks: Field required"),
+    "unknown word": (spoil_word(lambda d: d.update(extra=1)), "extra: Extra inputs"),
+    "edited manifest": (spoil_word(lambda d: d["manifest"].update(gravity=[0, 0, 0])), "manifest: was edited"),
+    "hostile name": (spoil_word(lambda d: d["manifest"].update(name="../../x")), r"manifest\.name: .* pattern"),
+    "hostile source": (spoil_word(lambda d: d["manifest"].update(source="../x.c")), "manifest: its source must be"),
+    "ragged pose": (
+        spoil_word(lambda d: d["manifest"]["robots"][0]["base_tip"].update(rotation=[[1], [2, 3], []])),
+        "rotation.*at least 3 items",
+    ),
+    "nan word": (spoil_word(lambda d: d.update(c2=float("nan"))), "c2: .* finite number"),
+    "negative c2": (spoil_word(lambda d: d.update(c2=-1)), "c2: .* greater than 0"),
+    "short load": (spoil_word(lambda d: d["load"].pop()), "load: .* at least 10 items"),
+    "fallbacks": (spoil_word(lambda d: d["range_fallbacks"].append(0)), "range_fallbacks: must have 1 values"),
+    "fewer rows": (spoil_word(lambda d: d["rows"].pop()), "binding_row = .*must be from 0 to"),
+    "ragged weights": (spoil_word(lambda d: d["rule"].update(weights=[[1, 2], [3]])), "weights: .* rectangular"),
+    "missing array": (lambda _, arrays: arrays.pop("torque"), "torque: this array is missing"),
+    "unknown array": (lambda _, arrays: arrays.update(more=np.zeros(2)), "more: this array does not belong here"),
+    "wrong shape": (spoil_array("q", lambda q: q[:, :5]), r"q = \(101, 5\): must be numbers with Shape \(101, 6\)"),
+    "fewer samples": (spoil_array("time", lambda t: t[:-1]), r"position = .* Shape \(100, 3\)"),
+    "flat time": (spoil_array("time", lambda t: t[:, None]), r"time = \(101, 1\): .* Shape \(101,\)"),
+    "nan": (spoil_array("torque", lambda t: np.where(t == t[3, 2], np.nan, t)), "torque = nan: must be finite"),
+    "huge": (spoil_array("ddq", lambda a: 1e200 + a), r"ddq = 1e\+200: must be finite numbers, at most 1e\+60"),
+    "huge end": (spoil_array("c2_upper", lambda u: 1e200 + u), r"c2_upper = 1e\+200: must be finite numbers, at most"),
+    "huge word": (spoil_word(lambda d: d["load"].__setitem__(4, 1e200)), r"load\.4 = 1e\+200: must be at most 1e\+60"),
+    "huge whole number": (spoil_word(lambda d: d.update(fallbacks=10**400)), "fallbacks = 1.*: must be at most 1e"),
+    "infinite": (spoil_array("ddq", lambda a: a * np.inf), "ddq = .*: must be finite"),
+    "nan in a range": (spoil_array("c2_upper", lambda u: u * np.nan), "c2_upper = nan"),
+    "words": (spoil_array("wrench", lambda w: w.astype(str)), "wrench = .* must be numbers"),
+    "broken counts": (spoil_array("binding_count", lambda c: c + 0.5), "must be whole numbers"),
+    "unknown status": (spoil_array("status", lambda s: s + 7), "status = .*must be from 0 to 3"),
+    "negative count": (spoil_array("binding_count", moved), "binding_count = -1"),
+    "counts of nothing": (
+        spoil_array("binding_count", lambda c: c * np.nan),
+        "binding_count = .*must be whole numbers",
+    ),
+    "lost rows": (spoil_array("binding_row", lambda r: r[:-1]), r"binding_row: must have Shape \(\d+,\), the sum"),
+    "unknown parameter": (
+        spoil_word(lambda d: d.update(loads=[{"parameters": {"x": 1}, "load": [1] * 10}])),
+        "pattern",
+    ),
+    "time back": (spoil_array("time", lambda t: t[::-1]), "time: must have Shape .* strictly increase"),
+    "no rotation": (spoil_array("rotation", lambda R: 2 * R), "rotation: must hold rotation matrices"),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_wrong_file_is_refused(mistake, lifted, tmp_path):
+    spoil, words = MISTAKES[mistake]
+    path = tmp_path / "result.npz"
+    mrts.save_result(lifted, path)
+    description, arrays = contents(path)
+    spoil(description, arrays)
+    write(path, description, arrays)
+    with pytest.raises(mrts.InputError, match=f"result.npz.*{words}"):
+        mrts.load_result(path)
+
+
+def test_places_in_a_study_and_conflicts_are_checked(planar_cell, lift, tmp_path):
+    path = tmp_path / "result.npz"
+    mrts.save_result(mrts.scale(planar_cell.with_variation(mass=(0.2, 200.0)), lift), path)
+    description, arrays = contents(path)
+    assert description["conflicts"]
+    for key in ("range", "sample", "load", "rows"):
+        one = json.loads(json.dumps(description))
+        entry = one["conflicts"][0]
+        entry[key] = [9999] * len(entry["rows"]) if key == "rows" else 9999
+        write(path, one, arrays)
+        with pytest.raises(mrts.InputError, match=f"conflicts: {key} = 9999: must be from 0 to"):
+            mrts.load_result(path)
+    uneven, other = (json.loads(json.dumps(description)) for _ in range(2))
+    uneven["conflicts"][0]["moves"].pop()
+    other["study"]["question"] = "sometimes"
+    for one, words in ((uneven, "of one length"), (other, "should match pattern")):
+        write(path, one, arrays)
+        with pytest.raises(mrts.InputError, match=words):
+            mrts.load_result(path)
+    description["study"]["points"][0] = 77
+    write(path, description, arrays)
+    with pytest.raises(mrts.InputError, match=r"study\.points = 77"):
+        mrts.load_result(path)
+
+
+class Bomb:
+    """Unpickling it would make a file."""
+
+    def __init__(self, path):
+        self.path = str(path)
+
+    def __reduce__(self):
+        return (open, (self.path, "w"))
+
+
+def test_nothing_in_a_file_is_unpickled(lifted, tmp_path):
+    path, mark = tmp_path / "result.npz", tmp_path / "executed"
+    mrts.save_result(lifted, path)
+    description, arrays = contents(path)
+    for name in ("torque", "description"):
+        spoiled = arrays | {"description": np.frombuffer(json.dumps(description).encode(), dtype=np.uint8)}
+        spoiled[name] = np.array([Bomb(mark)], dtype=object)
+        np.savez(path, **spoiled)
+        with pytest.raises(mrts.InputError, match=r"no saved result of mrts, or damaged .*Object arrays"):
+            mrts.load_result(path)
+    np.array([Bomb(mark)], dtype=object).dump(path)
+    with pytest.raises(mrts.InputError, match="no saved result of mrts, or damaged"):
+        mrts.load_result(path)
+    assert not mark.exists()
+
+
+def test_damaged_and_foreign_files_are_refused(lifted, tmp_path):
+    path = tmp_path / "result.npz"
+    mrts.save_result(lifted, path)
+    whole = path.read_bytes()
+    rng = np.random.default_rng(5)
+    refused = 0
+    for _ in range(300):
+        damaged = bytearray(whole[: rng.integers(len(whole))] if rng.random() < 0.3 else whole)
+        for place in rng.integers(len(damaged) or 1, size=3):
+            damaged[place : place + 1] = rng.bytes(1)
+        path.write_bytes(damaged)
+        try:
+            assert mrts.load_result(path).json_text() == lifted.json_text()  # what was hit does not matter
+        except mrts.InputError as error:
+            assert str(path) in str(error)  # noqa: PT017 (either outcome is right)
+            refused += 1
+    assert refused > 200
+    npy, other = io.BytesIO(), io.BytesIO()
+    np.save(npy, np.zeros(3))
+    np.savez(other, a=np.zeros(3))
+    for foreign in (b"", b"c2: 3", npy.getvalue(), other.getvalue()):
+        path.write_bytes(foreign)
+        with pytest.raises(mrts.InputError, match=r"result\.npz: is no saved result of mrts"):
+            mrts.load_result(path)
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("description.npy", b"0")
+        archive.infolist()[0].file_size = 4_100_000_000  # as if it were compressed well
+    with pytest.raises(mrts.InputError, match="would unpack to 4100000000"):
+        mrts.load_result(path)
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("description.npy", "text")
+    with pytest.raises(mrts.InputError, match="is no saved result of mrts, or damaged"):
+        mrts.load_result(path)
+    with pytest.raises(mrts.InputError, match="there is no such saved result"):
+        mrts.load_result(tmp_path / "nothing.npz")
+    with pytest.raises(mrts.InputError, match="is a folder"):
+        mrts.load_result(tmp_path)
+
+
+def test_what_cannot_be_saved_leaves_the_old_file(lifted, tmp_path):
+    path = tmp_path / "result.npz"
+    mrts.save_result(lifted, path)
+    before = path.read_bytes()
+    robots = tuple(replace(robot, torque_upper=robot.torque_upper * np.inf) for robot in lifted.cell.robots)
+    with pytest.raises(mrts.InputError, match=r"cell = 'planar_dual_arm': .*finite"):
+        mrts.save_result(replace(lifted, cell=replace(lifted.cell, robots=robots)), path)
+    assert path.read_bytes() == before
+    assert [file.name for file in tmp_path.iterdir()] == ["result.npz"]
+    with pytest.raises(mrts.InputError, match="cannot be written"):
+        mrts.save_result(lifted, path / "below")
+
+
+def test_the_command_line_saves(tmp_path, capsys):
+    command = ["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), "--save", str(tmp_path / "deep" / "r.npz")]
+    assert main(command) == 0
+    again = mrts.load_result(tmp_path / "deep" / "r.npz")
+    assert capsys.readouterr().out == "\n".join([*report_lines(again), ""])
+    assert main([*command, "--c2", "99"]) == 2  # the range is saved all the same
+    assert mrts.load_result(tmp_path / "deep" / "r.npz").trajectory is None
+
+
+def test_every_name_in_a_file_is_documented(planar_cell, lift, tmp_path):
+    text = (ROOT / "docs" / "saved_results.md").read_text(encoding="utf-8")
+    names = set(re.findall(r"^\| `(\w+)`", text, re.MULTILINE))
+    mrts.save_result(mrts.scale(planar_cell.with_variation(mass=(0.2, 6.0)), lift), tmp_path / "result.npz")
+    arrays = set(contents(tmp_path / "result.npz")[1])
+    assert names == arrays | {"description"} | set(Description.model_fields)

@@ -1,0 +1,167 @@
+"""What is said of a motion before its range is trusted, and that it is said wherever the result is."""
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import mrts
+from mrts.base.remark import Remark
+from mrts.motion.object_motion import ObjectMotion, geodesic_motion, spline_motion
+from mrts.motion.velocity_profile import PROFILES
+from mrts.output.text_report import report_lines, retiming_lines
+from mrts.report import report_html
+from mrts.scaling.motion_remarks import noise_share
+
+SAID = Remark("told-by-a-test", "the <cell> says something.", 3)
+
+
+def codes(result):
+    return [warning.code for warning in result.warnings]
+
+
+def straight_lift(profile="quintic", duration=1.0, samples=101):
+    ends = np.array([[1.25, 1.0, 0.0], [1.25, 1.5, 0.0]])
+    return geodesic_motion(ends, np.tile(np.eye(3), (2, 1, 1)), PROFILES[profile], duration, samples)
+
+
+def table(path, time, heights):
+    """A table of poses of the lift."""
+    with path.open("w", newline="") as file:
+        lines = csv.writer(file)
+        lines.writerow(["t", "px", "py", "pz", "qx", "qy", "qz", "qw"])
+        for t, height in zip(time.tolist(), heights, strict=True):
+            lines.writerow([f"{t:.9g}", 1.25, height, 0, 0, 0, 0, 1])
+    return mrts.load_motion(path)
+
+
+def quaternions(motion):
+    return Rotation.from_matrix(motion.rotation).as_quat()
+
+
+@pytest.mark.parametrize("samples", [11, 21, 25, 101, 400])
+@pytest.mark.parametrize("profile", PROFILES)
+def test_motions_from_rest_to_rest_are_not_warned_of(planar_cell, profile, samples):
+    assert codes(mrts.scale(planar_cell, straight_lift(profile, samples=samples))) == []
+
+
+def test_shipped_motions_are_not_warned_of(planar_cell, lift, dual_ur5):
+    assert codes(mrts.scale(planar_cell, lift)) == []
+    assert mrts.scale(planar_cell, lift).to_json()["warnings"] == []
+    turn = mrts.load_motion(mrts.__path__[0] + "/data/dual_ur5/lift_and_turn.yaml")
+    assert codes(mrts.scale(dual_ur5, turn)) == []
+    assert codes(mrts.retime(planar_cell, lift)) == []
+
+
+@pytest.mark.parametrize(("part", "samples"), [(slice(30, None), [0]), (slice(0, 80), [79]), (slice(30, 80), [0, 49])])
+def test_ends_that_are_not_at_rest(planar_cell, part, samples):
+    whole = straight_lift()
+    arrays = (getattr(whole, name)[part] for name in ("position", "rotation", "twist", "acceleration"))
+    result = mrts.scale(planar_cell, ObjectMotion(whole.time[part] - whole.time[part][0], *arrays))
+    assert [warning.sample for warning in result.warnings] == samples
+    assert set(codes(result)) == {"not-at-rest"}
+    first = result.motion.dq[samples[0]]
+    joint = int(np.argmax(np.abs(first)))
+    assert f"moves at {abs(first[joint]):.3g} rad/s" in result.warnings[0].text
+    assert "(a table of few rows: with its velocities)" in result.warnings[0].text
+
+
+def test_a_row_out_of_line(planar_cell, tmp_path):
+    smooth = straight_lift(samples=61)
+    heights = smooth.position[:, 1].copy()
+    heights[40] += 0.01
+    result = mrts.scale(planar_cell, table(tmp_path / "lift.csv", smooth.time, heights.tolist()))
+    assert codes(result) == ["jump"]
+    assert result.warnings[0].sample == 40
+
+
+def test_a_velocity_that_changes_between_two_rows(planar_cell):
+    time = np.linspace(0, 1, 101)
+    speed = np.where(time < 0.405, 0.3, 0.6) * np.minimum(1, 10 * np.minimum(time, 1 - time))
+    height = 1 + np.concatenate([[0], np.cumsum((speed[1:] + speed[:-1]) / 2 * np.diff(time))])
+    zero = np.zeros(101)
+    position, twist = np.column_stack([zero + 1.25, height, zero]), np.zeros((101, 6))
+    twist[:, 1] = speed
+    motion = ObjectMotion(time, position, np.tile(np.eye(3), (101, 1, 1)), twist, np.zeros((101, 6)), smooth=False)
+    assert codes(mrts.scale(planar_cell, motion)) == ["jump"]
+
+
+@pytest.mark.parametrize(
+    ("samples", "noise", "said"), [(101, 3e-5, True), (101, 3e-9, False), (301, 3e-6, True), (301, 3e-8, False)]
+)
+@pytest.mark.parametrize("between", [1, 10])
+def test_noise_that_sets_the_range(planar_cell, tmp_path, samples, noise, said, between):
+    smooth = straight_lift(samples=samples)
+    unturned = np.tile([0.0, 0.0, 0.0, 1.0], (samples, 1))
+    heights = smooth.position[:, 1] + noise * np.random.default_rng(5).normal(size=samples)
+    motion = table(tmp_path / "lift.csv", smooth.time, heights.tolist())
+    if between > 1:
+        at = np.linspace(0, motion.time[-1], between * (samples - 1) + 1)
+        motion = spline_motion(motion.time, motion.position, unturned, at)
+    clean = spline_motion(smooth.time, smooth.position, unturned, motion.time)
+    result, true = mrts.scale(planar_cell, motion), mrts.scale(planar_cell, clean)
+    assert set(codes(result)) - {"not-at-rest"} == ({"noise"} if said else set())
+    off = abs(result.range.upper.c2 / true.range.upper.c2 - 1)
+    assert off > 0.2 if said else off < 0.02
+
+
+@pytest.mark.parametrize(("samples", "digits"), [(101, 4), (301, 3)])
+def test_few_digits_do_not_set_the_range(planar_cell, tmp_path, samples, digits):
+    smooth = straight_lift(samples=samples)
+    heights = [f"{height:.{digits}f}" for height in smooth.position[:, 1]]
+    result = mrts.scale(planar_cell, table(tmp_path / "lift.csv", smooth.time, heights))
+    assert codes(result) == ["smoothed-digits"]
+    assert "misses them by their rounding on the mean" in result.warnings[0].text
+    assert result.range.upper.c2 == pytest.approx(mrts.scale(planar_cell, smooth).range.upper.c2, rel=1e-3)
+
+
+def test_noise_is_measured():
+    rng = np.random.default_rng(5)
+    time = np.linspace(0, 1, 2001)
+    smooth = np.column_stack([np.sin(7 * time), time**3 - time, np.where(time < 0.3, 1.0, -1.0)])
+    assert np.max(noise_share(smooth)) < 1e-3
+    noisy = smooth + 0.2 * rng.normal(size=smooth.shape) * np.max(np.abs(smooth), axis=0)
+    measured = noise_share(noisy) * np.max(np.abs(noisy), axis=0) / np.max(np.abs(smooth), axis=0)
+    assert np.all((measured > 0.18) & (measured < 0.35))  # the largest of all strides, some of few samples
+
+
+def test_a_factor_above_ten(planar_cell):
+    slow, fast = (mrts.scale(planar_cell, straight_lift(duration=duration)) for duration in (10.0, 3.0))
+    assert codes(slow) == ["factor-above-10"]
+    assert f"{slow.trajectory.c:.3g} times as fast" in slow.warnings[0].text
+    assert slow.warnings[0].sample is None
+    assert codes(fast) == []
+    assert fast.trajectory.c < 10
+    assert mrts.retime(planar_cell, slow.motion).warnings == ()
+
+
+def test_a_warning_is_wherever_the_result_is(planar_cell, lift, tmp_path):
+    cell = replace(planar_cell, remarks=(SAID,))
+    result = mrts.scale(cell, lift)
+    assert result.warnings == (SAID,)
+    assert result.summary().splitlines() == [result.sentence(), f"warning: {SAID.text}"]
+    assert list(report_lines(result))[:2] == [f"{cell.name}: {result.sentence()}", f"warning: {SAID.text}"]
+    assert result.to_json()["warnings"] == [{"code": SAID.code, "text": SAID.text, "sample": 3}]
+    assert "the &lt;cell&gt; says something." in result._repr_html_()
+    assert "the &lt;cell&gt; says something." in report_html(result)
+    mrts.save_result(result, tmp_path / "result.npz")
+    again = mrts.load_result(tmp_path / "result.npz")
+    assert again.warnings == (SAID,)
+    assert again.json_text() == result.json_text()
+    timed = mrts.retime(cell, lift)
+    assert timed.warnings == timed.retimed.warnings == (SAID,)
+    assert list(retiming_lines(timed))[1] == f"warning: {SAID.text}"
+    assert json.loads(timed.json_text())["warnings"] == result.to_json()["warnings"]
+
+
+def test_a_refused_speed_and_an_infeasible_motion_keep_their_warnings(planar_cell, lift):
+    cell = replace(planar_cell, remarks=(SAID,))
+    with pytest.raises(mrts.SelectionError) as refused:
+        mrts.scale(cell, lift, 1e6)
+    assert refused.value.result.warnings == (SAID,)
+    heavy = mrts.scale(replace(cell.with_mass(1000.0)), lift)
+    assert not heavy.status.admits_motion
+    assert heavy.warnings == (SAID,)

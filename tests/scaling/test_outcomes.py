@@ -1,0 +1,314 @@
+"""Named outcomes: infeasible, empty, unbounded, minimum speed; selection; certificates; fixed distributions."""
+
+import re
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from cell_bank import random_planar_cell
+from conftest import DATA
+
+import mrts
+from mrts.limits.rows import ActiveRow, RowName
+from mrts.samples.infeasibility import separation
+from mrts.samples.sample_problem import build_sample_problem
+from mrts.samples.sample_ranges import SampleRanges, SampleStatus
+from mrts.scaling.range import intersect
+from mrts.scaling.scale import choose_c2
+
+
+def stronger(cell, factor):
+    return replace(
+        cell,
+        robots=tuple(
+            replace(
+                robot,
+                torque_lower=robot.torque_lower * factor,
+                torque_upper=robot.torque_upper * factor,
+                wrench_lower=robot.wrench_lower * factor,
+                wrench_upper=robot.wrench_upper * factor,
+            )
+            for robot in cell.robots
+        ),
+    )
+
+
+def certificate(problem, conflict):
+    """The conflict's multipliers as a vector over the problem's rows, which are divided by their units."""
+    y = np.zeros(len(problem.names))
+    for row, multiplier in zip(conflict.rows, conflict.multipliers, strict=True):
+        assert (multiplier > 0) == (row.side == "upper")
+        index = problem.names.index(row.name)
+        y[index] = multiplier * problem.unit[index]
+    return y
+
+
+def test_an_infeasible_motion_is_explained_by_a_certificate(planar_cell, lift):
+    heavy = planar_cell.with_mass(60.0)
+    result = mrts.scale(heavy, lift)
+    assert result.status is mrts.ScalingStatus.INFEASIBLE
+    assert result.trajectory is None
+    assert result.torque == {}
+    problem = build_sample_problem(heavy, result.motion)
+    conflicts = result.range.samples.conflicts
+    assert conflicts
+    for conflict in conflicts:
+        assert result.range.samples.status[conflict.sample] is SampleStatus.INFEASIBLE
+        y = certificate(problem, conflict)
+        value, error = separation(problem, conflict.sample, y)
+        assert error <= 1e-8
+        # the certificate's own margin is the widening that the message states
+        assert -value == pytest.approx(conflict.widening, rel=1e-6)
+        assert conflict.widening > 0.01
+    assert "these limits conflict" in result.summary()
+    assert "elbow" in result.summary()
+
+
+def test_the_stated_widening_is_exactly_what_is_missing(planar_cell, lift):
+    heavy = planar_cell.with_mass(60.0)
+    widening = max(conflict.widening for conflict in mrts.scale(heavy, lift).range.samples.conflicts)
+    assert mrts.scale(stronger(heavy, 1 + 0.999 * widening), lift).status is mrts.ScalingStatus.INFEASIBLE
+    enough = mrts.scale(stronger(heavy, 1 + 1.001 * widening), lift)
+    assert enough.status is not mrts.ScalingStatus.INFEASIBLE
+
+
+def test_an_infeasible_fixed_distribution_is_explained_too(planar_cell, lift):
+    result = mrts.scale(planar_cell.with_mass(60.0), lift, sharing=mrts.LoadSharing())
+    assert result.status is mrts.ScalingStatus.INFEASIBLE
+    assert all(conflict.rows for conflict in result.range.samples.conflicts)
+
+
+@pytest.mark.parametrize("k", [1e-9, 1e-3, 1e3, 1e9])
+@pytest.mark.parametrize("formulation", ["wrench", "torque"])
+def test_units_do_not_matter(planar_cell, lift, k, formulation, tmp_path):
+    """All masses, inertias and limits times k: the same range, and limits kept to the same share of themselves."""
+    for path in DATA.iterdir():
+        shutil.copy(path, tmp_path / path.name)
+    urdf = (tmp_path / "planar_arm.urdf").read_text()
+    keys = re.compile(r'(value|ixx|iyy|izz)="([^"]+)"')
+    (tmp_path / "planar_arm.urdf").write_text(keys.sub(lambda m: f'{m[1]}="{float(m[2]) * k!r}"', urdf))
+    cell = yaml.safe_load((tmp_path / "cell.yaml").read_text())
+    cell["object"]["mass"] *= k
+    cell["object"]["inertia"] = [value * k for value in cell["object"]["inertia"]]
+    for robot in cell["robots"]:
+        robot["torque"] = [value * k for value in robot["torque"]]
+        for side in robot["wrench"]:
+            robot["wrench"][side] = [value and value * k for value in robot["wrench"][side]]
+    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
+    scaled = mrts.load_cell(tmp_path / "cell.yaml", backend="vm")
+    result = mrts.scale(scaled, lift, formulation=formulation)
+    assert result.range.upper.c2 == pytest.approx(mrts.scale(planar_cell, lift).range.upper.c2, rel=1e-9)
+    assert result.residuals().limits < 1e-8
+    heavy = mrts.scale(scaled.with_mass(60 * k), lift, formulation=formulation).range
+    assert heavy.status is mrts.ScalingStatus.INFEASIBLE
+    expected = mrts.scale(planar_cell.with_mass(60), lift).range.samples.conflicts
+    assert [c.widening for c in heavy.samples.conflicts] == pytest.approx([c.widening for c in expected], rel=1e-6)
+
+
+def test_a_small_limit_among_large_ones_is_kept(planar_cell, lift):
+    robots = tuple(
+        replace(robot, wrench_lower=np.array([-1e-4, -np.inf, -1e-3]), wrench_upper=np.array([1e-4, np.inf, 1e-3]))
+        for robot in planar_cell.robots
+    )
+    result = mrts.scale(replace(planar_cell, robots=robots), lift)
+    assert np.max(np.abs(result.wrench["left"][:, 0])) <= 1e-4 * (1 + 1e-8)
+    assert np.max(np.abs(result.wrench["left"][:, 2])) <= 1e-3 * (1 + 1e-8)
+
+
+def ranges_of(lower, upper):
+    lower, upper = np.array(lower, float), np.array(upper, float)
+    status = tuple(SampleStatus.UNBOUNDED if np.isinf(u) else SampleStatus.FEASIBLE for u in upper)
+    none = tuple(() for _ in lower)
+    return SampleRanges(np.arange(len(lower), dtype=float), status, lower, upper, none, none, (), 0)
+
+
+def test_an_empty_intersection_names_both_samples():
+    found = intersect(ranges_of([0, 2, 0], [5, 5, 1]))
+    assert found.status is mrts.ScalingStatus.EMPTY
+    assert (found.lower.time, found.upper.time) == (1.0, 2.0)
+    assert "t = 1 s" in found.explain()
+    assert "t = 2 s" in found.explain()
+
+
+def test_a_range_that_rounding_turned_inside_out_is_a_point():
+    found = intersect(ranges_of([0, 1 + 1e-12], [1, 3]))
+    assert found.status is mrts.ScalingStatus.FEASIBLE
+    assert found.lower.c2 == found.upper.c2 == 1.0
+
+
+def test_a_minimum_speed_is_legal(planar_cell, lift):
+    """Too heavy to hold, liftable while braking: the least c² is above zero at late samples."""
+    samples = mrts.scale(planar_cell.with_mass(22.0), lift).range.samples
+    late = [k for k, status in enumerate(samples.status) if status is SampleStatus.FEASIBLE and samples.lower[k] > 0]
+    assert late
+    assert all(samples.lower_rows[k][0].name.kind in {"torque", "wrench"} for k in late)
+
+
+def test_too_slow_is_refused_by_the_lower_end():
+    row = ActiveRow(RowName("torque", "left", "elbow", "N m"), "upper", 80.0)
+    ranges = replace(ranges_of([0, 2, 0], [5, 5, 4]), lower_rows=((), (row,), ()))
+    with pytest.raises(
+        mrts.SelectionError, match=r"outside .* \[2, 4\]. The lower end is set at t = 1 s by left/elbow"
+    ):
+        choose_c2(intersect(ranges), 1.0)
+
+
+def test_at_rest_nothing_limits_the_speed(planar_cell, lift):
+    here = lift.position[0].tolist()
+    still = mrts.sample_motion(
+        mrts.MotionDescription.model_validate(
+            {"duration": 1.0, "samples": 11, "profile": "quintic", "start": {"xyz": here}, "end": {"xyz": here}}
+        )
+    )
+    result = mrts.scale(planar_cell, still)
+    assert result.status is mrts.ScalingStatus.UNBOUNDED
+    assert result.trajectory.c2 == 1.0
+    assert result.to_json()["c2"] == {"lower": 0.0, "upper": None}
+    with pytest.raises(mrts.SelectionError, match="no limit depends"):
+        mrts.scale(planar_cell, still, "fastest")
+
+
+def test_a_quintic_is_unbounded_only_at_its_ends(planar_cell, lift):
+    description = {
+        "duration": 0.5,
+        "samples": 21,
+        "profile": "quintic",
+        "start": {"xyz": lift.position[0].tolist()},
+        "end": {"xyz": lift.position[-1].tolist()},
+    }
+    motion = mrts.sample_motion(mrts.MotionDescription.model_validate(description))
+    for formulation in ("wrench", "torque"):
+        status = mrts.scale(planar_cell, motion, formulation=formulation).range.samples.status
+        assert status[0] is status[-1] is SampleStatus.UNBOUNDED
+        assert set(status[1:-1]) == {SampleStatus.FEASIBLE}
+
+
+@pytest.mark.parametrize("c2", [3.1, 0.0, -1.0, float("nan"), float("inf")])
+def test_a_value_outside_the_range_is_refused_with_the_range(planar_cell, lift, c2):
+    with pytest.raises(mrts.SelectionError, match=r"\[0, 3\.0618") as caught:
+        mrts.scale(planar_cell, lift, c2)
+    assert caught.value.result.range.upper.c2 == pytest.approx(3.0618125)
+
+
+def test_nominal_is_refused_where_it_is_too_fast(planar_cell):
+    with pytest.raises(mrts.SelectionError, match="outside the admissible range"):
+        mrts.scale(planar_cell, mrts.load_motion(DATA / "fast_lift.yaml"), "nominal")
+
+
+def test_binding_rows_are_at_their_limits(planar_cell, lift):
+    result = mrts.scale(planar_cell, lift)
+    end = result.range.upper
+    values = {}
+    for robot in planar_cell.robots:
+        values |= {(robot.name, j): v for j, v in zip(robot.joints, result.torque[robot.name][end.sample], strict=True)}
+        wrench = result.wrench[robot.name][end.sample]
+        values |= {(robot.name, c): v for c, v in zip(planar_cell.wrench_components, wrench, strict=True)}
+    assert end.rows
+    for row in end.rows:
+        assert values[row.name.robot, row.name.element] == pytest.approx(row.limit, rel=1e-7)
+
+
+def test_loosening_only_a_binding_limit_raises_the_range(planar_cell, lift):
+    before = mrts.scale(planar_cell, lift).range.upper
+    binding = {(row.name.robot, row.name.element) for row in before.rows if row.name.kind == "torque"}
+    assert ("left", "elbow") in binding
+
+    def with_torque(joint, factor):
+        robots = []
+        for robot in planar_cell.robots:
+            scale = np.array([factor if name == joint else 1.0 for name in robot.joints])
+            robots.append(
+                replace(robot, torque_lower=robot.torque_lower * scale, torque_upper=robot.torque_upper * scale)
+            )
+        return replace(planar_cell, robots=tuple(robots))
+
+    assert mrts.scale(with_torque("elbow", 1.05), lift).range.upper.c2 > before.c2 * 1.01
+    assert mrts.scale(with_torque("wrist", 1.05), lift).range.upper.c2 == pytest.approx(before.c2, rel=1e-12)
+
+
+def test_shares_and_internal_wrench_of_a_fixed_distribution(planar_cell, lift):
+    equal = mrts.scale(planar_cell, lift, sharing=mrts.LoadSharing())
+    assert np.max(np.abs(equal.trajectory.internal_wrench)) < 1e-12
+    np.testing.assert_allclose(equal.wrench["left"], equal.wrench["right"], atol=1e-12)
+    # squeeze of 1.5 N: opposite x forces balance, both arms at the same height
+    squeeze = np.array([1.5, 0, 0, -1.5, 0, 0])
+    pressed = mrts.scale(planar_cell, lift, 1.0, sharing=mrts.LoadSharing(internal_wrench=squeeze))
+    np.testing.assert_allclose(pressed.trajectory.internal_wrench, np.broadcast_to(squeeze, (101, 6)), atol=1e-12)
+    uneven = mrts.scale(planar_cell.without_wrench_limits(), lift, 1.0, sharing=mrts.LoadSharing(np.array([0.7, 0.3])))
+    np.testing.assert_allclose(uneven.wrench["left"][:, 1] * 3, uneven.wrench["right"][:, 1] * 7, atol=1e-10)
+    assert uneven.residuals().object < 1e-10
+
+
+def test_squeezing_harder_than_the_limit_is_infeasible(planar_cell, lift):
+    squeeze = np.array([2.5, 0, 0, -2.5, 0, 0])
+    result = mrts.scale(planar_cell, lift, sharing=mrts.LoadSharing(internal_wrench=squeeze))
+    assert result.status is mrts.ScalingStatus.INFEASIBLE
+    names = {(row.name.robot, row.name.element) for row in result.range.samples.conflicts[0].rows}
+    assert names <= {("left", "fx"), ("right", "fx")}
+    assert result.range.samples.conflicts[0].widening == pytest.approx(0.25, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("sharing", "match"),
+    [
+        (mrts.LoadSharing(np.array([0.5, 0.6])), "sum to 1"),
+        (mrts.LoadSharing(np.array([1.5, -0.5])), ">= 0"),
+        (mrts.LoadSharing(np.array([1.0])), "2 finite numbers"),
+        (mrts.LoadSharing(internal_wrench=np.array([1.0, 0, 0, 0, 0, 0])), "must not move the object"),
+        (mrts.LoadSharing(internal_wrench=np.zeros(5)), "Shape"),
+    ],
+)
+def test_a_wrong_fixed_distribution_is_refused(planar_cell, lift, sharing, match):
+    with pytest.raises(mrts.InputError, match=match):
+        mrts.scale(planar_cell, lift, sharing=sharing)
+
+
+def test_a_result_judges_itself(planar_cell, lift):
+    result = mrts.scale(planar_cell, lift)
+    residuals = result.residuals()
+    assert residuals.limits < 1e-8
+    assert residuals.arms < 1e-10
+    assert residuals.object < 1e-10
+    spoiled = replace(result, trajectory=replace(result.trajectory, torque=result.trajectory.torque * 1.01))
+    assert spoiled.residuals().limits > 1e-3
+    assert spoiled.residuals().arms > 1e-3
+
+
+def test_one_arm_needs_no_program(tmp_path):
+    """n = 1: the wrench follows from the motion, so the closed form of a share of 1 is the same."""
+    case = random_planar_cell(np.random.default_rng(4), tmp_path, 1)
+    assert build_sample_problem(case.cell, mrts.follow_object(case.cell, case.motion)).unknowns == 1
+    alone, shared = (mrts.scale(case.cell, case.motion, sharing=s).range.samples for s in (None, mrts.LoadSharing()))
+    np.testing.assert_allclose(alone.upper, shared.upper)
+    np.testing.assert_allclose(alone.lower, shared.lower)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "match"),
+    [
+        ({"select": "slow"}, "must be 'auto'"),
+        ({"select": None}, "must be 'auto'"),
+        ({"select": True}, "must be 'auto'"),
+        ({"sharing": "equal"}, "must be a LoadSharing"),
+        ({"weights": "x"}, "numbers of one rectangular shape"),
+        ({"weights": [1, 1, 1, 1, 1, 1e9]}, "spread over a factor of 1e"),
+        ({"formulation": "force"}, "'wrench' or 'torque'"),
+        ({"solver": "magic"}, "no such solver"),
+    ],
+)
+def test_arguments_of_the_api_are_checked(planar_cell, lift, arguments, match):
+    with pytest.raises(mrts.MrtsError, match=match):
+        mrts.scale(planar_cell, lift, **arguments)
+
+
+def test_changes_of_a_cell_are_checked(planar_cell):
+    for mass in (True, "3", float("nan"), 0, -1):
+        with pytest.raises(mrts.InputError, match="mass"):
+            planar_cell.with_mass(mass)
+    for postures in ({"middle": [0, 0, 0]}, {"left": [0, 0]}, {"left": None}, {"left": [0, 0, np.inf]}):
+        with pytest.raises(mrts.InputError, match="postures"):
+            planar_cell.with_postures(postures)
+    with pytest.raises(mrts.InputError, match="backend"):
+        mrts.load_cell(DATA / "cell.yaml", backend="gpu")

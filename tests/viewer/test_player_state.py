@@ -1,0 +1,318 @@
+"""What the viewer shows, without a browser: torques, what is red, speeds on offer, configurations."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cell_bank import random_planar_cell, random_spatial_cell
+from conftest import DATA
+from scipy.optimize import linprog
+
+import mrts
+from mrts.limits import cell_rows
+from mrts.motion.joint_table import JointTable
+from mrts.samples.sample_problem import build_sample_problem
+from mrts.samples.sample_ranges import SampleRanges, SampleStatus
+from mrts.samples.trajectory_programs import motion_torques
+from mrts.scaling.range import intersect
+from mrts.scaling.stretched_limits import stretched_torques
+from mrts.viewer.panel import bars_html, moment_html, outcome_html, speed_html
+from mrts.viewer.player_state import Bar, PlayerState, offered_speeds
+
+UR5 = DATA.parent / "dual_ur5"
+NEAR_END = 1e-6
+"""Relative distance from the end of a sample's range at which rounding decides."""
+
+
+@pytest.fixture(scope="module")
+def turning():
+    return mrts.load_motion(UR5 / "lift_and_turn.yaml")
+
+
+def synthetic(lower, upper):
+    lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
+    status = tuple(SampleStatus.UNBOUNDED if np.isinf(u) else SampleStatus.FEASIBLE for u in upper)
+    rows = ((),) * len(lower)
+    return intersect(SampleRanges(np.arange(float(len(lower))), status, lower, upper, rows, rows, (), 0))
+
+
+def red_bars(state):
+    groups = (*state.torque_bars().values(), *state.wrench_bars().values(), *state.velocity_bars().values())
+    return [bar for bars in groups for bar in bars if bar.over]
+
+
+@pytest.mark.parametrize("share", [0.1, 0.7, 1.0])
+def test_torques_inside_the_range_are_those_of_mrts(dual_ur5, turning, share):
+    state = PlayerState(dual_ur5, turning)
+    c2 = share**2 * state.result.range.upper.c2
+    state.choose_speed(share * state.trajectory.c)
+    assert state.admissible
+    motion, W = state.result.motion, np.eye(12)
+    torque, wrench, _ = motion_torques(dual_ur5, motion, "wrench", None, "kernel", c2, W)
+    np.testing.assert_allclose(state.trajectory.torque, torque, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(state.trajectory.wrench, wrench, rtol=1e-9, atol=1e-9)
+    np.testing.assert_array_equal(state.excess, 0)
+
+
+def test_it_starts_at_the_fastest_admissible_speed(planar_cell, lift):
+    state, result = PlayerState(planar_cell, lift), mrts.scale(planar_cell, lift)
+    np.testing.assert_array_equal(state.trajectory.torque, result.trajectory.torque)
+    assert state.trajectory.c2 == result.range.upper.c2
+    assert state.speeds.high == pytest.approx(1.2 * state.trajectory.c, rel=0.01)
+    # the slider shows three digits, but its end is the exact one
+    state.choose_speed(round(state.trajectory.c, state.speeds.digits))
+    assert state.trajectory.c2 == result.range.upper.c2
+
+
+@pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
+@pytest.mark.parametrize("arms", [1, 2, 3, 4])
+def test_a_sample_is_red_exactly_outside_its_own_range(make, arms, tmp_path):
+    """Any number of arms, planar and spatial, with sliding joints; the oracle is the range."""
+    rng = np.random.default_rng([7, arms])
+    case = make(rng, tmp_path, arms)
+    state = PlayerState(case.cell, case.motion)
+    samples = state.result.range.samples
+    finite = samples.upper[np.isfinite(samples.upper) & (samples.upper > 0)]
+    seen = set()
+    for c in np.sqrt(np.quantile(finite, [0.0, 0.3, 0.9]) if finite.size else np.ones(1)) * 1.01:
+        state.choose_speed(float(c))
+        c2 = state.trajectory.c2
+        beyond = (c2 > samples.upper) | (c2 < samples.lower)
+        clear = np.abs(c2 - samples.upper) > NEAR_END * c2
+        clear &= np.abs(c2 - samples.lower) > NEAR_END * c2
+        np.testing.assert_array_equal((state.excess > 0)[clear], beyond[clear])
+        for sample in np.flatnonzero(clear):
+            state.choose_time(float(state.trajectory.time[sample]))
+            assert state.sample == sample
+            assert bool(red_bars(state)) == beyond[sample]
+        seen |= set(beyond[clear].tolist())
+        # whatever the limits say, the torques carry the object
+        checked = replace(state.result, trajectory=state.trajectory).residuals()
+        size = 1 + max(np.max(np.abs(state.trajectory.torque)), np.max(np.abs(state.trajectory.wrench)))
+        assert max(checked.arms, checked.object) < 1e-9 * size
+    assert True in seen
+
+
+def test_beyond_the_range_limits_are_passed_by_the_least_share(planar_cell, lift):
+    state = PlayerState(planar_cell, lift)
+    state.choose_speed(1.1 * state.trajectory.c)
+    assert not state.admissible
+    problem = build_sample_problem(planar_cell, state.result.motion)
+    c2, count = state.trajectory.c2, 0
+    for sample in range(0, problem.samples, 5):
+        A, given = problem.A[sample], problem.A[sample][:, -1] * c2
+        s = np.ones((len(A), 1))
+        rows = np.concatenate([np.hstack([A[:, :-1], -s]), np.hstack([-A[:, :-1], -s])])
+        limits = np.concatenate([problem.upper[sample] - given, given - problem.lower[sample]])
+        bounded = np.isfinite(limits)
+        cost = np.append(np.zeros(A.shape[1] - 1), 1.0)
+        found = linprog(cost, rows[bounded], limits[bounded], bounds=[(None, None)] * (len(cost) - 1) + [(0, None)])
+        assert state.excess[sample] == pytest.approx(found.fun, rel=1e-5, abs=1e-8)
+        count += found.fun > 0
+    assert count >= 2
+
+
+def test_torques_pass_the_end_of_the_range_without_a_jump(dual_ur5, turning):
+    state = PlayerState(dual_ur5, turning)
+    end, rule = state.trajectory, state.result.rule
+    torque, wrench = stretched_torques(dual_ur5, state.result.motion, rule, end.c2 * (1 + 1e-7), "kernel")
+    np.testing.assert_allclose(torque, end.torque, atol=0.01)
+    np.testing.assert_allclose(wrench, end.wrench, atol=0.01)
+
+
+def test_an_infeasible_motion_still_plays(planar_cell, lift):
+    state = PlayerState(planar_cell.with_mass(60.0), lift)
+    assert state.result.trajectory is None
+    assert state.trajectory.c == 1
+    assert not state.admissible
+    worst = max(conflict.widening for conflict in state.result.range.samples.conflicts)
+    assert np.max(state.excess) >= worst * (1 - 1e-6)
+    assert "these limits conflict" in outcome_html(state)
+    assert "Outside the admissible range" in speed_html(state)
+    assert "no torques carry the object" in moment_html(state)
+    assert 'data-over="true"' in bars_html("torque", state.torque_bars())
+
+
+def test_a_velocity_that_forbids_more_is_not_taken_for_a_torque(dual_ur5, turning):
+    state = PlayerState(dual_ur5, turning)
+    state.sample = int(np.argmin(state.result.range.samples.upper))
+    assert " velocity" in moment_html(state)
+
+
+def test_at_rest_any_speed_plays(planar_cell, lift):
+    here = lift.position[0].tolist()
+    description = {"duration": 1.0, "profile": "quintic", "start": {"xyz": here}, "end": {"xyz": here}}
+    still = mrts.sample_motion(mrts.MotionDescription.model_validate(description))
+    state = PlayerState(planar_cell, still)
+    assert (state.trajectory.c, state.speeds.high) == (1, 3)
+    assert "∞" in moment_html(state)
+    state.choose_speed(3.0)
+    assert state.admissible
+
+
+def test_a_fixed_distribution_keeps_its_shares_beyond_the_range(planar_cell, lift):
+    state = PlayerState(planar_cell, lift, sharing=mrts.LoadSharing())
+    state.choose_speed(state.speeds.high)
+    result = mrts.scale(planar_cell.without_wrench_limits(), lift, 1.0, sharing=mrts.LoadSharing())
+    # G + (τ(1) - G) c², with G read off at two speeds
+    slow = mrts.scale(planar_cell.without_wrench_limits(), lift, 0.25, sharing=mrts.LoadSharing())
+    slope = (result.trajectory.torque - slow.trajectory.torque) / 0.75
+    expected = result.trajectory.torque + slope * (state.trajectory.c2 - 1)
+    np.testing.assert_allclose(state.trajectory.torque, expected, atol=1e-9)
+    assert np.max(state.excess) > 0
+    assert "The torques follow from the motion alone" in speed_html(state)
+
+
+def test_an_uncertain_load_says_which_load_is_shown(planar_cell, lift):
+    state = PlayerState(planar_cell.with_variation(mass=(0.5, 3.0)), lift)
+    assert state.admissible
+    assert "nominal load of 0.5 kg" in outcome_html(state)
+    state.choose_speed(state.speeds.high)
+    assert not state.admissible
+    if not np.any(state.excess):
+        assert "no torques are guaranteed" in speed_html(state)
+    assert "with" in moment_html(state)
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "start", "high"),
+    [
+        ([0, 0], [4, 9], 2, 2.4),
+        ([1, 2.25], [4, 9], 2, 2.4),
+        ([0], [0], 1, 2),  # the cell can only hold still
+        ([4, 0], [9, 1], 1, 2.4),  # empty: from 2 on, but 1 at most
+        ([0], [np.inf], 1, 3),
+        ([16], [np.inf], 4, 4.8),
+        ([0], [1e-8], 1e-4, 1.2e-4),
+    ],
+)
+def test_speeds_on_offer_pass_both_ends(lower, upper, start, high):
+    speeds = offered_speeds(synthetic(lower, upper))
+    assert speeds.start == pytest.approx(start)
+    assert speeds.high == pytest.approx(high, rel=0.01)
+    assert 0 < speeds.low < speeds.start <= speeds.high
+    assert all(speeds.low < np.sqrt(c2) < speeds.high for c2 in speeds.ends.values())
+    assert (speeds.high - speeds.low) / speeds.step >= 400
+    for c2 in speeds.ends.values():
+        assert speeds.c2(round(float(np.sqrt(c2)), speeds.digits)) == c2
+    between = speeds.start - 3 * speeds.step
+    assert speeds.c2(between) == between**2
+
+
+@pytest.mark.parametrize("c", [0.0, 1e-300, 5e-324, -1.0, np.nan, np.inf])
+def test_no_speed_is_refused(planar_cell, lift, c):
+    state = PlayerState(planar_cell, lift)
+    before = state.trajectory
+    with pytest.raises(mrts.InputError, match="finite and >= "):
+        state.choose_speed(c)
+    assert state.trajectory is before
+
+
+def test_a_change_of_speed_keeps_the_sample(planar_cell, lift):
+    state = PlayerState(planar_cell, lift)
+    state.choose_time(0.1)
+    sample, time = state.sample, state.time
+    assert time == pytest.approx(0.1, abs=0.002)
+    state.choose_speed(state.trajectory.c / 2)
+    assert state.sample == sample
+    assert state.time == pytest.approx(2 * time)
+
+
+def test_a_ranked_configuration_is_played(planar_cell, lift):
+    state = PlayerState(planar_cell, lift)
+    first = state.trajectory
+    assert state.configuration_labels() == []
+    state.rank()
+    labels = state.configuration_labels()
+    assert len(labels) == len(state.study.ranked) == 4
+    for index, configuration in enumerate(state.study.ranked):
+        state.choose_configuration(index)
+        assert state.result.range.upper.c2 == pytest.approx(configuration.c2_upper, rel=1e-9)
+        numbers = ", ".join(f"{branch.robot} {branch.number}" for branch in configuration.branches)
+        assert labels[index] == f"{index + 1}: {numbers}, c²⁺ = {configuration.c2_upper:.4g}"
+        starts = np.concatenate([branch.start for branch in configuration.branches])
+        np.testing.assert_allclose(state.trajectory.q[0], starts, atol=1e-8)
+    state.choose_configuration(None)
+    np.testing.assert_array_equal(state.trajectory.torque, first.torque)
+
+
+def test_a_configuration_that_cannot_be_played_changes_nothing(planar_cell, lift):
+    state = PlayerState(planar_cell, lift)
+    state.rank()
+    branch = replace(state.study.ranked[0].branches[0], start=np.array([0.0, 0.0]))
+    broken = replace(state.study.ranked[0], branches=(branch, state.study.ranked[0].branches[1]))
+    state.study = replace(state.study, ranked=(broken,))
+    before = state.trajectory
+    with pytest.raises(mrts.InputError, match="must hold 3 finite joint positions"):
+        state.choose_configuration(0)
+    assert state.trajectory is before
+    assert state.configuration is None
+
+
+def test_a_joint_table_fixes_the_configuration(planar_cell, lift, tmp_path):
+    followed = mrts.follow_object(planar_cell, lift)
+    names = [f"{robot.name}/{joint}" for robot in planar_cell.robots for joint in robot.joints]
+    columns = [dict(zip(names, part.T, strict=True)) for part in (followed.q, followed.dq, followed.ddq)]
+    state = PlayerState(planar_cell, JointTable(tmp_path / "joints.csv", lift.time, *columns))
+    assert "fixes the configuration" in state.fixed_configuration
+    state.rank()
+    assert state.study is None
+
+
+@pytest.mark.parametrize(
+    ("bar", "share", "over"),
+    [
+        (Bar("a", 50, -80, 100, "N m"), 0.5, False),
+        (Bar("a", -40, -80, 100, "N m"), -0.5, False),
+        (Bar("a", -88, -80, 100, "N m"), -1.1, True),
+        (Bar("a", 100 * (1 + 1e-9), -80, 100, "N m"), 1, False),  # rounding
+        (Bar("a", 3, 5, 20, "N"), 0.15, True),  # a push that must be kept up
+        (Bar("a", -1, 0, 20, "N"), -np.inf, True),
+        (Bar("a", 0, 0, 20, "N"), 0, False),
+        (Bar("a", 7, -np.inf, np.inf, "N"), None, False),
+        (Bar("a", -7, -np.inf, 5, "N"), None, False),
+    ],
+)
+def test_a_bar_is_the_share_of_the_limit_on_its_side(bar, share, over):
+    assert bar.share == pytest.approx(share)
+    assert bar.over is over
+    html = bars_html("torque", {"left": [bar]})
+    assert f'data-over="{str(over).lower()}"' in html
+    assert "nan" not in html
+    assert "inf" not in html
+    assert ("no limit" in html) == (share is None)
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"), [(1234.5, "1234 of 5000"), (-2e-14, "0 of -4000"), (0.01234, "0.0123 of 5000")]
+)
+def test_numbers_are_shown_without_powers_of_ten(value, shown):
+    assert f"{shown} N m<" in bars_html("torque", {"left": [Bar("a", value, -4000, 5000, "N m")]})
+
+
+def test_names_from_files_are_text_not_markup():
+    html = bars_html("torque", {"left": [Bar('<img src=x onerror="alert(1)">', 1, -2, 2, "N m")]})
+    assert "<img" not in html
+
+
+def test_velocities_beyond_their_limit_are_counted(dual_ur5, turning):
+    free = dual_ur5.without_velocity_limits()
+    state = PlayerState(free, turning)
+    reported = mrts.scale(free, turning).too_fast()
+    assert state.joints_beyond_velocity() == len(reported) > 0
+    assert f"{len(reported)} of 12 joints" in speed_html(state)
+    state.choose_speed(state.speeds.low)
+    assert state.joints_beyond_velocity() == 0
+
+
+def test_every_limit_of_the_cell_is_on_a_bar(dual_ur5, turning):
+    state = PlayerState(dual_ur5, turning)
+    bars = [
+        (kind, robot, bar.name, bar.unit, bar.lower, bar.upper)
+        for kind, groups in (("torque", state.torque_bars()), ("wrench", state.wrench_bars()))
+        for robot, of_robot in groups.items()
+        for bar in of_robot
+    ]
+    rows = cell_rows(dual_ur5)
+    for name, lower, upper in zip(rows.names, rows.lower, rows.upper, strict=True):
+        assert (name.kind, name.robot, name.element, name.unit, lower, upper) in bars

@@ -1,0 +1,287 @@
+"""Who reaches the viewer and what they can do to it: real HTTP and raw websockets against a real server."""
+
+import http.client
+import socket
+from contextlib import closing, contextmanager
+from types import SimpleNamespace
+from urllib.parse import urlsplit
+
+import msgspec
+import numpy as np
+import pytest
+import viser
+import viser.infra._infra as viser_server
+import websockets.asyncio.server
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+
+import mrts
+from mrts.viewer.guard import LARGEST_MESSAGE, ViewerGuard
+from mrts.viewer.player_state import PlayerState
+from mrts.viewer.server import Viewer, close_server, open_server
+
+PROTOCOL = [f"viser-v{viser.__version__}"]
+PATIENCE = 10.0
+"""[s]"""
+
+EVERYWHERE = "0.0.0.0"  # noqa: S104 (only asked about)
+
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": [1, 0, 0, 0],
+    "position": [0, 0, 1.5],
+    "fov": 1,
+    "near": 0.1,
+    "far": 9.0,
+}
+CAMERA |= {"image_height": 700, "image_width": 1200, "look_at": [0, 0, 0], "up_direction": [0, 0, 1]}
+
+pack = msgspec.msgpack.encode
+
+
+@pytest.fixture(scope="module")
+def viewer(planar_cell, lift):
+    """A viewer whose steps the test makes: its server, state, and the identifiers of its controls by label."""
+    server = open_server("127.0.0.1", 0, "test")
+    try:
+        state = PlayerState(planar_cell, lift)
+        shown = Viewer(server, state, {}, pytest.fail)
+        controls = {getattr(handle, "label", ""): (uuid, handle) for uuid, handle in server.controls.items()}
+        yield SimpleNamespace(server=server, state=state, step=shown.step, controls=controls, url=server.url)
+    finally:
+        close_server(server)
+
+
+@contextmanager
+def connected(viewer, **options):
+    """A raw websocket to the viewer's address, as a browser's page opens it."""
+    address = viewer.url.replace("http", "ws").rstrip("/")
+    with connect(address, subprotocols=PROTOCOL, max_size=None, **options) as opened:
+        opened.send(pack(CAMERA))
+        yield opened
+
+
+def update(viewer, label, value):
+    return pack({"type": "GuiUpdateMessage", "uuid": viewer.controls[label][0], "updates": {"value": value}})
+
+
+def answer(viewer, path, **headers):
+    """Status, headers and text of an answer; a header may be a list."""
+    parts = urlsplit(viewer.url)
+    with closing(http.client.HTTPConnection(parts.hostname, parts.port, timeout=PATIENCE)) as asked:
+        asked.putrequest("GET", path, skip_host=True)
+        for name, values in ({"Host": parts.netloc} | headers).items():
+            for value in values if isinstance(values, list) else [values]:
+                asked.putheader(name, value)
+        asked.endheaders()
+        got = asked.getresponse()
+        return got.status, got.headers, got.read().decode()
+
+
+def test_the_page_is_at_the_whole_address_only(viewer):
+    path = urlsplit(viewer.url).path
+    status, headers, text = answer(viewer, path)
+    assert status == 200
+    assert "<html" in text
+    assert headers["Referrer-Policy"] == "no-referrer"
+    for wrong in (
+        "/",
+        "/index.html",
+        path[:-2] + "/",
+        path[:-1] + "x/",
+        path.upper(),
+        "/%2e%2e/",
+        f"/?token={path}",
+        "//",
+    ):
+        status, _, text = answer(viewer, wrong)
+        assert (status, "Open the whole address" in text) == (403, True), wrong
+
+
+def test_every_run_has_another_token():
+    tokens = {ViewerGuard("127.0.0.1", lambda _: None).token for _ in range(20)}
+    assert len(tokens) == 20
+    assert min(map(len, tokens)) >= 22  # 128 bits
+
+
+FOREIGN = {
+    "another page": {"Origin": "http://evil.example"},
+    "a file": {"Origin": "null"},
+    "another port of this machine": {"Origin": "http://127.0.0.1:1"},
+    "this address, encrypted": {"Origin": "https://HOST"},
+    "two origins": {"Origin": ["http://HOST", "http://evil.example"]},
+    "a name that leads here": {"Host": "evil.example", "Origin": "http://evil.example"},
+    "a name with our address in it": {"Host": "127.0.0.1.evil.example"},
+    "another address of this machine": {"Host": "192.168.0.1"},
+    "no host": {"Host": []},
+    "two hosts": {"Host": ["HOST", "evil.example"]},
+    "no address at all": {"Host": "[::"},
+    "a user": {"Host": "127.0.0.1@evil.example"},
+}
+
+
+@pytest.mark.parametrize("kind", FOREIGN)
+@pytest.mark.parametrize("upgrade", [{}, {"Upgrade": "websocket", "Connection": "Upgrade"}])
+def test_other_pages_and_names_are_refused_even_with_the_token(kind, upgrade, viewer):
+    parts = urlsplit(viewer.url)
+    headers = {
+        name: [value.replace("HOST", parts.netloc) for value in ([values] if isinstance(values, str) else values)]
+        for name, values in FOREIGN[kind].items()
+    }
+    if upgrade:
+        upgrade = upgrade | {"Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==", "Sec-WebSocket-Version": "13"}
+    status, _, text = answer(viewer, parts.path, **headers, **upgrade)
+    assert status == 403
+    assert parts.path not in text
+
+
+def test_a_forwarded_port_and_other_names_of_this_machine_are_served(viewer):
+    path = urlsplit(viewer.url).path
+    for host in ("localhost:9999", "127.0.0.1:9999", "[::1]:9999", "127.0.0.1"):
+        assert answer(viewer, path, Host=host, Origin=f"http://{host}")[0] == 200, host
+
+
+@pytest.mark.parametrize(("listens", "host", "served"), [
+    (EVERYWHERE, "192.168.0.7:8080", True),
+    (EVERYWHERE, "evil.example:8080", False),
+    ("::", "[fe80::1]:8080", True),
+    ("robot.example", "Robot.Example:8080", True),
+    ("robot.example", "other.example:8080", False),
+])  # fmt: skip
+def test_whom_an_open_viewer_answers(listens, host, served):
+    guard = ViewerGuard(listens, lambda _: None)
+    assert guard.answers_to(host) == served
+
+
+def test_a_websocket_takes_the_token_and_the_own_page(viewer):
+    parts = urlsplit(viewer.url)
+    with connected(viewer, origin=f"http://{parts.netloc}") as opened:
+        assert opened.recv(timeout=PATIENCE)
+    for address, origin in (
+        (f"ws://{parts.netloc}", None),
+        (f"ws://{parts.netloc}{parts.path}", "http://evil.example"),
+    ):
+        with pytest.raises(InvalidStatus, match="403"), connect(address, subprotocols=PROTOCOL, origin=origin):
+            pass
+
+
+def test_another_version_of_the_page_is_refused_in_silence(viewer, capfd):
+    """Viser would print what it sends."""
+    address = viewer.url.replace("http", "ws")
+    for versions in (["viser-v0.0.1"], None):
+        with pytest.raises(InvalidStatus, match="403"), connect(address, subprotocols=versions):
+            pass
+    assert capfd.readouterr() == ("", "")
+
+
+def test_what_is_no_request_is_refused_in_silence(viewer, capfd):
+    parts = urlsplit(viewer.url)
+    for text in (b"", b"\0garbage\r\n\r\n", b"POST / HTTP/1.1\r\n\r\n", b"GET /" + b"x" * 100_000):
+        with socket.create_connection((parts.hostname, parts.port), timeout=PATIENCE) as stranger:
+            stranger.sendall(text)
+    assert answer(viewer, parts.path)[0] == 200
+    assert capfd.readouterr() == ("", "")
+
+
+def state_of(viewer):
+    return {label: handle.value for label, (_, handle) in viewer.controls.items()} | {"c": viewer.state.trajectory.c}
+
+
+BAD = {
+    "nothing": b"",
+    "garbage": b"\xc1" * 100,
+    "text": "hello",
+    "half a message": pack(CAMERA)[:-3],
+    "no map": pack([1, 2]),
+    "no type": pack({"uuid": "x"}),
+    "unknown type": pack({"type": "os.system", "command": "true"}),
+    "a share tunnel to the internet": pack({"type": "ShareUrlRequest"}),
+    "an upload": pack({"type": "FileTransferStartUpload", "transfer_uuid": "x", "part_count": 10**9}),
+    "a scene's change": pack({"type": "SceneNodeUpdateMessage", "name": "/object", "updates": {"visible": False}}),
+    "a removal": pack({"type": "GuiRemoveMessage", "uuid": "x"}),
+    "an unknown control": pack({"type": "GuiUpdateMessage", "uuid": "x", "updates": {"value": 1.0}}),
+    "nested deeply": b"\x91" * 15_000 + b"\xc0",
+    "nested deeply inside": pack({"type": "GuiUpdateMessage", "uuid": "x"})[:-1] + b"\x91" * 9_000 + b"\xc0",
+    "a camera at no place": pack(CAMERA | {"position": [float("nan"), 0, 0]}),
+    "a camera of two numbers": pack(CAMERA | {"position": [0, 0]}),
+    "a camera of no size": pack(CAMERA | {"image_height": "high"}),
+}
+BAD_VALUES = {
+    "speed c": [float("nan"), float("inf"), -float("inf"), "1", "fast", None, [1.0], {}, True, b"\0"],
+    "time [s]": [float("nan"), "0", None, [0.1], False],
+    "pace": ["", "2", 1, None, True, ["real time"], "x" * 10_000],
+    "loop": ["no", 2, None, 0.5, []],
+    "configuration": ["1: left 1", 0, None],
+    "Play": ["yes", None, 7, {}],
+}
+
+
+def test_what_no_control_can_send_is_ignored(viewer):
+    """The connection that sent it, another one, and the viewer go on."""
+    before, uuid = state_of(viewer), viewer.controls["speed c"][0]
+    others = [{"min": -1e9}, {"disabled": True}, {"removed": True}, {"props": None}, {"sync_cb": None}, {}, None]
+    messages = [*BAD.values()]
+    messages += [pack({"type": "GuiUpdateMessage", "uuid": uuid, "updates": updates}) for updates in others]
+    messages += [update(viewer, label, value) for label, values in BAD_VALUES.items() for value in values]
+    with connected(viewer) as other, connected(viewer) as hostile:
+        for message in messages:
+            assert viewer.server.guard.checked(message) is None, message[:40]
+            hostile.send(message)
+        wait = hostile.ping()
+        assert wait.wait(PATIENCE)
+        viewer.step(0.01)
+        assert state_of(viewer) == before
+        set_speed(viewer, hostile, 0.5)  # still served
+        set_speed(viewer, other, before["speed c"])
+
+
+def set_speed(viewer, opened, value, shown=None):
+    """Send a value of the speed slider and wait until it is there."""
+    handle = viewer.controls["speed c"][1]
+    opened.send(update(viewer, "speed c", value))
+    shown = value if shown is None else shown
+    for _ in range(200):
+        if handle.value == shown:
+            break
+        opened.ping().wait(PATIENCE)
+    assert handle.value == shown
+    viewer.step(0.01)
+
+
+def test_values_beyond_the_ends_are_the_ends(viewer):
+    state, speeds = viewer.state, viewer.state.speeds
+    before = viewer.controls["speed c"][1].value
+    with connected(viewer) as opened:
+        for value, shown in ((1e-300, speeds.low), (-5, speeds.low), (0, speeds.low), (1e300, speeds.high)):
+            set_speed(viewer, opened, value, shown)
+            np.testing.assert_allclose(state.trajectory.c, shown)
+        set_speed(viewer, opened, before)
+        opened.send(update(viewer, "time [s]", 1e300))
+        assert opened.ping().wait(PATIENCE)
+        viewer.step(0.0)
+        assert state.sample == len(state.trajectory.time) - 1
+
+
+def drain(opened):
+    """Receive until there is nothing more to come."""
+    while True:
+        opened.recv(timeout=PATIENCE)
+
+
+def test_too_large_a_message_ends_its_connection_only(viewer):
+    with connected(viewer) as other:
+        with connected(viewer) as hostile:
+            hostile.send(b"\0" * (LARGEST_MESSAGE + 1))
+            with pytest.raises(ConnectionClosed, match="1009"):
+                drain(hostile)
+        set_speed(viewer, other, 0.7)
+
+
+def test_a_viser_that_cannot_be_guarded_is_not_used(monkeypatch):
+    """Its internals may change; then no viewer must run unguarded."""
+    server = SimpleNamespace(**vars(websockets.asyncio.server))  # no longer where the guard looks
+    parts = {name: getattr(viser_server.websockets, name) for name in ("datastructures", "exceptions")}
+    monkeypatch.setattr(viser_server, "websockets", SimpleNamespace(asyncio=SimpleNamespace(server=server), **parts))
+    with pytest.raises(mrts.InputError, match=r"viser = '.*cannot be guarded"):
+        open_server("127.0.0.1", 0, "test")
+    assert vars(websockets.asyncio.server)["serve"] is server.serve  # and nothing is left changed
