@@ -102,7 +102,7 @@ def bind_functions(
     if backend == "compiled" or virtual_machine is None:
         raise CompilerError(
             f"no C compiler was found to compile {source.name}. Install one (Debian: apt-get install gcc libc6-dev), "
-            "set CC, or load the cell file instead of its generated folder: it can run without a compiler."
+            "set CC, or take the cell file instead of its generated folder: it can run without a compiler."
         )
     if backend == "auto":
         logger.warning("no C compiler found: running in CasADi's virtual machine, about 20 times slower")
@@ -151,7 +151,7 @@ def saved_functions(manifest: Manifest, path: Path) -> CellFunctions:
     def refuse(name: str, _samples: int, _inputs: dict[str, Array]) -> dict[str, Array]:
         raise InputError(
             path,
-            f"this takes the compiled functions of cell '{manifest.name}', which a saved result does not hold: load it "
+            f"this takes the compiled functions of cell '{manifest.name}', which a saved result does not hold: read it "
             "with mrts.load_result(path, cell=mrts.load_cell(CELL)).",
             key=f"function '{name}'",
         )

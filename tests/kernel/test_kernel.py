@@ -30,7 +30,7 @@ from mrts.kernel.kernel_library import (
 )
 from mrts.kernel.library_cache import library_in_cache
 from mrts.limits import cell_rows
-from mrts.output.trajectory_table import write_trajectory_csv
+from mrts.output.trajectory_csv import write_trajectory_csv
 from mrts.solvers.convex_program import ConvexPrograms, optimality_error, solve_programs
 
 LINEAR_PROGRAMS = 100_000
