@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""Our C (kernel/c) and everything that knows its memory: compiling it, loading it, calling it."""
+"""Our C (kernel/c) and everything that knows its memory: compiling it, opening it, calling it."""
