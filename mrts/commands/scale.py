@@ -19,6 +19,7 @@ from mrts.console.outputs import Outputs, check_outputs
 from mrts.console.progress import working
 from mrts.console.terminal import put, say, warn
 from mrts.output import TRAJECTORY_FORMATS, TrajectoryFormat
+from mrts.samples import FORMULATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -73,7 +74,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     scale.add_argument(
         "--no-velocity-limits", action="store_true", help="report velocity limits, but let them bound nothing"
     )
-    scale.add_argument("--formulation", choices=["wrench", "torque"], default="wrench",
+    scale.add_argument("--formulation", choices=FORMULATIONS, default="wrench",
                        help="unknowns of the programs (default: %(default)s)")  # fmt: skip
     scale.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
     scale.add_argument("--json", type=Path, metavar="FILE", help="write the whole result ('-' is standard output)")

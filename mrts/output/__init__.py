@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""A result as files and text. A new format of the trajectory is one file here and one line in `TRAJECTORY_FORMATS`."""
+"""A result as files and text. A new format of the trajectory is one file and one line in `TRAJECTORY_FORMATS`.
+
+May import base to drawing. Start at `saved_result.py`.
+"""
 
 from dataclasses import dataclass
 from importlib import import_module

@@ -15,12 +15,13 @@ from mrts.base.errors import InputError
 from mrts.base.load_box import OFFSETS, LoadBox, LoadPoint
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.samples import FormulationName
 from mrts.samples.closed_form import ends_in_closed_form, load_sensitivity, worst_parameters
 from mrts.samples.end_rows import with_end_rows
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_ends import SelectedRows
-from mrts.samples.sample_problem import FormulationName, SampleProblem, build_sample_problem
+from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.sample_ranges import SampleRanges, first_least, statuses, without_speed_at_rest
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.possible_load import widen_by_search
