@@ -8,7 +8,7 @@ from pathlib import Path
 
 from mrts.cli import main as mrts_main
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpers"))
 from embedded_target import FOLDER, cross_compile, missing_tools, run_on_target, section_sizes
 
 DATA = Path(str(files("mrts") / "data"))
