@@ -16,7 +16,7 @@ from mrts.base.errors import InputError
 from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
 from mrts.base.load_box import LoadBox, load_vector
 from mrts.base.manifest import Manifest
-from mrts.kernel.kernel_library import kernel_file
+from mrts.kernel.c_text import one_text
 
 Precision = Literal["double", "float"]
 PARTS = ("terms", "range", "share", "torques")
@@ -245,12 +245,10 @@ def _without_tests(text: str) -> str:
 def _kernel(name: str, precision: Precision, parts: tuple[str, ...]) -> str:
     """The kernel as one header of static functions."""
     wanted = ["linear_programs.c", *(["quadratic_programs.c"] if "torques" in parts else [])]
-    header, source = kernel_file("dense_programs.h"), "\n".join(kernel_file(file) for file in wanted)
-    if set(parts) != set(PARTS):  # what a part does not use must not be warned of
-        source = re.sub(r"^static (?=\w+ )", "static inline ", source, flags=re.MULTILINE)
-        header = re.sub(r"^static int mrts_.*?;\n", "", header, flags=re.MULTILINE | re.DOTALL)
-    defined = f"#define MRTS_REAL {name}_real\n" + ("#define MRTS_SINGLE\n" if precision == "float" else "")
-    return f"/* {NOTICE} */\n{defined}{header}\n{source}"
+    linkage = "static" if set(parts) == set(PARTS) else "static inline"  # what a part does not use is not warned of
+    defined = f"#define MRTS_REAL {name}_real\n#define MRTS_LOCAL {linkage}\n"
+    defined += "#define MRTS_SINGLE\n" if precision == "float" else ""
+    return f"/* {NOTICE} */\n{defined}{one_text(wanted)}"
 
 
 def _model(name: str, functions: dict[str, ca.Function], precision: Precision) -> tuple[str, str]:

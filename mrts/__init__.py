@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mrts.motion.object_motion import ObjectMotion
     from mrts.output.ros_bag import write_ros_bag
     from mrts.output.saved_result import load_result, save_result
-    from mrts.output.trajectory_table import write_trajectory_csv
+    from mrts.output.trajectory_csv import write_trajectory_csv
     from mrts.report import write_report
     from mrts.retiming.result import RetimingResult, RetimingStatus
     from mrts.retiming.retime import retime
@@ -30,11 +30,11 @@ if TYPE_CHECKING:
     from mrts.samples.load_sharing import LoadSharing
     from mrts.samples.sample_ranges import SampleRanges, SampleStatus
     from mrts.scaling.known_load import torques_for_load
+    from mrts.scaling.load_study import LoadStudy
     from mrts.scaling.range import RangeEnd, ScalingRange, ScalingStatus
     from mrts.scaling.result import ScalingResult
     from mrts.scaling.scale import SelectionError, scale
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
-    from mrts.scaling.uncertain_load import LoadStudy
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
 
 _HOMES = {
@@ -52,7 +52,7 @@ _HOMES = {
     "LoadBox": "base.load_box",
     "LoadPoint": "base.load_box",
     "LoadSharing": "samples.load_sharing",
-    "LoadStudy": "scaling.uncertain_load",
+    "LoadStudy": "scaling.load_study",
     "MotionDescription": "motion.motion_file",
     "MotionError": "base.errors",
     "MrtsError": "base.errors",
@@ -81,7 +81,7 @@ _HOMES = {
     "torques_for_load": "scaling.known_load",
     "write_report": "report",
     "write_ros_bag": "output.ros_bag",
-    "write_trajectory_csv": "output.trajectory_table",
+    "write_trajectory_csv": "output.trajectory_csv",
 }
 
 __all__ = [

@@ -15,7 +15,7 @@ from mrts.commands.options import (
     sharing_option,
 )
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.console.outputs import Outputs, check_outputs
+from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
 from mrts.console.terminal import put, say, warn
 from mrts.output import TRAJECTORY_FORMATS, TrajectoryFormat
@@ -137,7 +137,7 @@ def _scale(
     carried: "Array | None",
     closure: "ClosureBound | None",
 ) -> int:
-    from mrts.output.text_report import report_lines
+    from mrts.output.summary_lines import scaling_lines
     from mrts.scaling.known_load import torques_for_load
     from mrts.scaling.scale import SelectionError, scale
     from mrts.solvers import DEFAULT_SOLVER
@@ -171,7 +171,7 @@ def _scale(
         raise
     with working("writing"):  # files first: whoever reads the lines may go away
         _write(options, result, outputs)
-    code = _answered(options, result, report_lines(result), outputs)
+    code = _answered(options, result, scaling_lines(result), outputs)
     if result.fallbacks and str(options.json) != "-":
         warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
     return code
@@ -202,7 +202,7 @@ def _retime(
 ) -> int:
     from dataclasses import replace
 
-    from mrts.output.text_report import retiming_lines
+    from mrts.output.summary_lines import retiming_lines
     from mrts.retiming.retime import retime
     from mrts.scaling.known_load import torques_for_load
 

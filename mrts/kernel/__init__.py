@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
 """Our C (`c/`) and everything that knows its memory: compiling it, loading it, calling it.
 
-May import base. Start at `compiled_cell.py`.
+May import base. Start at `cell_library.py`.
 """

@@ -2,11 +2,40 @@
 """Shared libraries compiled on first use, kept per user under a hash of their C text and compiler."""
 
 import hashlib
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 from mrts.base.atomic_file import write_text_atomically
+from mrts.base.errors import CompilerError
 from mrts.kernel.cache_folder import cache_folder, only_ours
 from mrts.kernel.compiler import FLAGS, compile_library
+
+Library = TypeVar("Library")
+
+
+def load_or_rebuild(command: tuple[str, ...], name: str, source: str, load: Callable[[Path], Library]) -> Library:
+    """Load a library from the cache; a damaged one is compiled again.
+
+    Args:
+        command: Compiler, from `find_compiler`.
+        name: Of its files.
+        source: Its C text.
+        load: Raises OSError where the file cannot be loaded, AttributeError where it lacks a function.
+
+    Raises:
+        CompilerError: If the compiler fails, or makes what cannot be loaded.
+    """
+    try:
+        return load(library_in_cache(command, name, source))
+    except (OSError, AttributeError):
+        pass
+    try:
+        return load(library_in_cache(command, name, source, rebuild=True))
+    except (OSError, AttributeError) as error:
+        raise CompilerError(
+            f"what compiler {' '.join(command)} made of {name} cannot be loaded: {error}. Set CC to a working one."
+        ) from None
 
 
 def library_in_cache(command: tuple[str, ...], name: str, source: str, *, rebuild: bool = False) -> Path:

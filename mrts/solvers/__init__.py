@@ -32,7 +32,7 @@ class BatchSolver(Protocol):
 
 def _kernel() -> BatchSolver:
     """Our kernel; without a C compiler that works, the next best."""
-    from mrts.solvers.kernel import KernelSolver  # noqa: PLC0415 (a solver is loaded when it is asked)
+    from mrts.solvers.kernel_solver import KernelSolver  # noqa: PLC0415 (a solver is imported when it is asked)
 
     try:
         return KernelSolver()

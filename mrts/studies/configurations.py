@@ -11,7 +11,7 @@ from types import NoneType
 
 import numpy as np
 
-from mrts.base.argument_types import as_path, check_callable, check_type
+from mrts.base.argument_types import Progress, as_path, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
@@ -36,7 +36,7 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.range import ScalingRange, ScalingStatus, intersect
-from mrts.scaling.uncertain_load import Progress, study_load
+from mrts.scaling.uncertain_load import study_load
 from mrts.solvers import DEFAULT_SOLVER, check_solver
 
 MULTI_STARTS = 400

@@ -19,9 +19,9 @@ import mrts
 from mrts.cli import main
 from mrts.figures import range_figure, trajectory_figure, write_figure
 from mrts.output.ros_bag import write_ros_bag
-from mrts.output.saved_description import Description
-from mrts.output.text_report import report_lines
-from mrts.output.trajectory_table import trajectory_csv
+from mrts.output.saved_json import Description
+from mrts.output.summary_lines import scaling_lines
+from mrts.output.trajectory_csv import trajectory_csv
 
 UR5 = DATA.parent / "dual_ur5"
 
@@ -115,7 +115,7 @@ def test_everything_comes_back(result, tmp_path):
     assert differences(given, replace(again, rule=given.rule)) == []
     assert again.json_text() == result.json_text()
     assert again.to_json() == result.to_json()
-    assert list(report_lines(again)) == list(report_lines(result))
+    assert list(scaling_lines(again)) == list(scaling_lines(result))
     mrts.save_result(again, tmp_path / "again.npz")
     assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "result.npz").read_bytes()
 
@@ -215,7 +215,7 @@ def test_another_cell_is_refused(lifted, dual_ur5, planar_cell, tmp_path):
     description["robots"][1]["base"]["xyz"][0] += 0.001
     (tmp_path / "moved.yaml").write_text(yaml.safe_dump(description))
     for cell, what in ((dual_ur5, "plane"), (mrts.load_cell(tmp_path / "moved.yaml", backend="vm"), "robots.1.")):
-        with pytest.raises(mrts.InputError, match=rf"cell: .*they differ in {what}.* Load the cell file"):
+        with pytest.raises(mrts.InputError, match=rf"cell: .*they differ in {what}.* Read the cell file"):
             mrts.load_result(tmp_path / "result.npz", cell=cell)
     with pytest.raises(mrts.InputError, match=r"cell.*from mrts\.load_cell"):
         mrts.load_result(tmp_path / "result.npz", cell=DATA / "cell.yaml")
@@ -420,7 +420,7 @@ def test_the_command_line_saves(tmp_path, capsys):
     command = ["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), "--save", str(tmp_path / "deep" / "r.npz")]
     assert main(command) == 0
     again = mrts.load_result(tmp_path / "deep" / "r.npz")
-    assert capsys.readouterr().out == "\n".join([*report_lines(again), ""])
+    assert capsys.readouterr().out == "\n".join([*scaling_lines(again), ""])
     assert main([*command, "--c2", "99"]) == 2  # the range is saved all the same
     assert mrts.load_result(tmp_path / "deep" / "r.npz").trajectory is None
 

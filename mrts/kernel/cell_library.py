@@ -2,11 +2,8 @@
 """A cell's generated C and our kernel in one shared library: whole trajectories in one foreign call."""
 
 import ctypes
-import os
-import threading
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import accumulate, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +12,13 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import FunctionRecord, Manifest
+from mrts.kernel.foreign_arrays import over_chunks, pointer, work_arrays
 from mrts.kernel.function_shapes import work_sizes
-from mrts.kernel.kernel_library import CHUNK, KERNEL_FILES, MOST_THREADS, STOPPED, KernelLibrary, kernel_text, pointer
+from mrts.kernel.programs import STOPPED, Programs, offer_programs
 
 
 class _Limits(ctypes.Structure):
-    """`mrts_limits` of trajectory.c."""
+    """`mrts_limits` of rows.h."""
 
     _fields_ = [
         ("rows", ctypes.c_int),
@@ -29,7 +27,7 @@ class _Limits(ctypes.Structure):
         ("value", ctypes.c_void_p),
         ("lower", ctypes.c_void_p),
         ("upper", ctypes.c_void_p),
-        ("unit", ctypes.c_void_p),
+        ("group", ctypes.c_void_p),
     ]
 
 
@@ -40,22 +38,36 @@ class SparseLimits:
         matrix: Of all torques, then all wrenches, Shape (r, m + n w).
         lower: Shape (r,), minus infinity where unbounded.
         upper: Shape (r,), infinity where unbounded.
-        unit: What 100 % of each limit is, Shape (r,).
+        group: Physical unit of each row, such as "N m": a limit of zero is measured by the largest of its unit.
+        square: What c² adds to each row itself at every sample, in the unit of the row, Shape (N, r); None is nothing.
+
+    Raises:
+        ValueError: If a lower limit is not at most the upper one.
     """
 
-    def __init__(self, matrix: Array, lower: Array, upper: Array, unit: Array) -> None:
+    def __init__(
+        self, *, matrix: Array, lower: Array, upper: Array, group: Sequence[str], square: Array | None = None
+    ) -> None:
+        if not np.all(lower <= upper):
+            raise ValueError(f"rows {np.flatnonzero(~(lower <= upper)).tolist()}: a lower limit is above its upper one")
         self.rows = len(matrix)
         row, column = np.nonzero(matrix)
         start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=self.rows))])
+        units = list(dict.fromkeys(group))
         self._arrays: list[NDArray[Any]] = [
             np.ascontiguousarray(start, dtype=np.int32),
             np.ascontiguousarray(column, dtype=np.int32),
             np.ascontiguousarray(matrix[row, column]),
             np.ascontiguousarray(np.maximum(lower, -1e300)),
             np.ascontiguousarray(np.minimum(upper, 1e300)),
-            np.ascontiguousarray(unit),
+            np.array([units.index(unit) for unit in group], dtype=np.int32),
         ]
         self.structure = _Limits(self.rows, *(pointer(array) for array in self._arrays))
+        self._square = None if square is None else np.ascontiguousarray(square, dtype=np.float64)
+
+    def square_from(self, sample: int) -> ctypes.c_void_p | None:
+        """Address of a sample's row of `square`."""
+        return None if self._square is None else pointer(self._square[sample:])
 
 
 @dataclass(frozen=True)
@@ -79,20 +91,34 @@ class KernelRanges:
     dual: NDArray[np.float32]
 
 
-class CompiledCell(KernelLibrary):
+class CellLibrary:
     """The library of one cell.
 
     Args:
         manifest: Manifest of the cell.
         library: Path of the shared library.
+
+    Attributes:
+        loaded: The library.
+        programs: The programs that it holds.
+        records: Its generated functions by short name.
+        unknowns: Wrenches of all arms but the last, and c².
+        joints: Of all arms.
+        wrenches: Components of all wrenches.
+
+    Raises:
+        OSError: If it cannot be loaded.
+        AttributeError: If it lacks a function.
     """
 
     def __init__(self, manifest: Manifest, library: Path) -> None:
-        super().__init__(library)
+        self.loaded = ctypes.CDLL(str(library))
+        self.programs = Programs(self.loaded)
         self.records = manifest.functions
         self.unknowns = len(manifest.wrench_components) * (len(manifest.robots) - 1) + 1
         self.joints = sum(len(robot.joints) for robot in manifest.robots)
         self.wrenches = len(manifest.wrench_components) * len(manifest.robots)
+        offer_programs(self.programs)
 
     def map(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
         """Evaluate a generated function at all samples; see `mrts.cell.functions.CellFunctions`."""
@@ -135,22 +161,25 @@ class CompiledCell(KernelLibrary):
         outputs = [found.low, found.high, *found.status, found.effect, *found.basis, *found.dual]
         bound = np.ascontiguousarray(np.minimum(most, 1e300))
 
-        def run(first: int, count: int, given: list[Array], strides: Any, scratch: "Scratch") -> None:
-            work, iwork = self._workspace(limits.rows)
+        given, strides = _inputs(self.records["wrench_form"], samples, inputs)
+
+        def run(first: int, count: int) -> None:
+            scratch = Scratch(self.loaded, self.records["wrench_form"])
+            work = work_arrays(self.loaded, "mrts_ranges", limits.rows)
             failed = self.loaded.mrts_ranges(
                 ctypes.c_longlong(count),
                 _pointers(given, first, strides),
                 strides,
                 ctypes.byref(limits.structure),
+                limits.square_from(first),
                 pointer(bound[first:]),
                 *(pointer(output[first:]) for output in outputs),
                 *scratch.pointers(),
-                pointer(work),
-                pointer(iwork),
+                *(pointer(array) for array in work),
             )
             assert failed == 0  # noqa: S101 (as in `map`)
 
-        self._over_chunks(samples, inputs, run)
+        over_chunks(self.loaded, samples, run)
         return found
 
     def torques(
@@ -170,13 +199,17 @@ class CompiledCell(KernelLibrary):
         status = np.full(samples, STOPPED, dtype=np.uint8)
         W, speed = np.ascontiguousarray(weights), np.ascontiguousarray(c2)
 
-        def run(first: int, count: int, given: list[Array], strides: Any, scratch: "Scratch") -> None:
-            work, iwork = self._workspace(limits.rows)
+        given, strides = _inputs(self.records["wrench_form"], samples, inputs)
+
+        def run(first: int, count: int) -> None:
+            scratch = Scratch(self.loaded, self.records["wrench_form"])
+            work = work_arrays(self.loaded, "mrts_torques", limits.rows)
             failed = self.loaded.mrts_torques(
                 ctypes.c_longlong(count),
                 _pointers(given, first, strides),
                 strides,
                 ctypes.byref(limits.structure),
+                limits.square_from(first),
                 pointer(speed[first:]),
                 1,
                 pointer(W),
@@ -185,46 +218,12 @@ class CompiledCell(KernelLibrary):
                 pointer(wrench[first:]),
                 pointer(status[first:]),
                 *scratch.pointers(),
-                pointer(work),
-                pointer(iwork),
+                *(pointer(array) for array in work),
             )
             assert failed == 0  # noqa: S101 (as in `map`)
 
-        self._over_chunks(samples, inputs, run)
+        over_chunks(self.loaded, samples, run)
         return torque, wrench, status
-
-    def _workspace(self, rows: int) -> tuple[Array, NDArray[np.int32]]:
-        k = self.unknowns
-        return np.zeros(2 * rows * k + 2 * (rows + k) + 3 * k * k + 9 * k), np.zeros(rows + 7 * k + 1, dtype=np.int32)
-
-    def _over_chunks(self, samples: int, inputs: dict[str, Array], run: Callable[..., None]) -> None:
-        """Deal whole chunks of samples to a few threads: foreign calls let others run."""
-        record = self.records["wrench_form"]
-        given, strides = _inputs(record, samples, inputs)
-        chunks = -(-samples // CHUNK)
-        threads = max(1, min(MOST_THREADS, os.cpu_count() or 1, chunks))
-        bounds = [min(samples, CHUNK * (chunks * part // threads)) for part in range(threads + 1)]
-        pieces = [(first, last - first) for first, last in pairwise(bounds) if last > first]
-        scratches = [Scratch(self.loaded, record) for _ in pieces]
-        failures: list[BaseException] = []
-
-        def guarded(*work: Any) -> None:
-            try:
-                run(*work)
-            except BaseException as error:  # noqa: BLE001 (raised again below, in the caller's thread)
-                failures.append(error)
-
-        workers = [
-            threading.Thread(target=guarded, args=(*piece, given, strides, scratch))
-            for piece, scratch in zip(pieces[1:], scratches[1:], strict=True)
-        ]
-        for worker in workers:
-            worker.start()
-        guarded(*pieces[0], given, strides, scratches[0])
-        for worker in workers:
-            worker.join()
-        if failures:
-            raise failures[0]
 
 
 class Scratch:
@@ -253,33 +252,6 @@ class Scratch:
     def pointers(self) -> list[ctypes.c_void_p]:
         """arg, res, iw, w."""
         return [pointer(array) for array in self._arrays]
-
-
-def cell_source(manifest: Manifest, generated: str) -> str:
-    """The C text of a cell's library: generated functions, sizes, kernel."""
-    symbol = {name: record.symbol for name, record in manifest.functions.items()}
-    components, joints = len(manifest.wrench_components), [len(robot.joints) for robot in manifest.robots]
-    first = list(accumulate(joints, initial=0))
-    macros = {
-        "MRTS_JOINTS": first[-1],
-        "MRTS_FIRST_JOINTS": f"{{{', '.join(map(str, first))}}}",
-        "MRTS_MOST_JOINTS": max(joints),
-        "MRTS_ROBOTS": len(manifest.robots),
-        "MRTS_SIZE": components,
-        "MRTS_WRENCHES": components * len(manifest.robots),
-        "MRTS_UNKNOWNS": components * (len(manifest.robots) - 1) + 1,
-        "MRTS_CHUNK": CHUNK,
-        "MRTS_WRENCH_FORM": symbol["wrench_form"],
-        "MRTS_KINEMATICS": symbol["kinematics"],
-        "MRTS_BIAS_ACCELERATION": symbol["bias_acceleration"],
-    }
-    if max(joints) > components:
-        macros["MRTS_REDUNDANT"] = 1
-        macros["MRTS_GEOMETRIC_STIFFNESS"] = symbol["geometric_stiffness"]
-        macros["MRTS_GEOMETRIC_STIFFNESS_RATE"] = symbol["geometric_stiffness_rate"]
-    kernel = [*KERNEL_FILES, "trajectory.c", "null_space.c", "tracking.c"]
-    defined = "".join(f"#define {name} {value}\n" for name, value in macros.items())
-    return f"{generated}\n{defined}{kernel_text(kernel)}"
 
 
 def _inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]) -> tuple[list[Array], Any]:
