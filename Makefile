@@ -63,7 +63,7 @@ demo: $(VENV)/demo  ## generate, compile and run the paper's examples; figures i
 	$(BIN)/mrts demo -o build/demo
 
 test: install  ## run all tests
-	$(BIN)/python -m pytest -q -n $(WORKERS)
+	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal
 
 fuzz: install  ## read CASES damaged input files, from SEED on
 	FUZZ_CASES=$(CASES) FUZZ_SEED=$(SEED) $(BIN)/python -m pytest -q -x tests/base/test_mutated_inputs.py

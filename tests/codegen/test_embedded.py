@@ -74,7 +74,7 @@ def test_it_compiles_as_cpp(library, tmp_path):
 def test_the_vectors_pass_on_the_host_and_under_sanitizers(library, tmp_path):
     cell, precision, folder = library
     sources = [folder / f"src/{cell}.c", folder / f"src/{cell}_model.c", folder / "tests/test_main.c"]
-    for flags in (["-O2"], ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]):
+    for flags in (["-O2"], ["-O1", "-g1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]):
         run(tool("gcc", "gcc"), "-std=c99", *flags, f"-I{folder}/include", f"-I{folder}/tests", *sources, "-lm",
             "-o", tmp_path / "test")  # fmt: skip
         said = run(tmp_path / "test")

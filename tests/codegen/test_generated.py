@@ -218,17 +218,18 @@ def test_a_library_cannot_be_called_what_c_takes_otherwise(name, tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("kept", [0, 4096, -5000])
-def test_a_cut_off_library_is_compiled_again(tmp_path, monkeypatch, kept):
+def test_a_cut_off_library_is_compiled_again(tmp_path, monkeypatch):
     """Loading one would kill the process."""
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
     script = "import mrts, sys; print(mrts.load_cell(sys.argv[1]).functions.backend)"
     arguments = [sys.executable, "-c", script, str(DATA / "cell.yaml")]
-    for attempt in range(2):
+    library = None
+    for kept in (None, 0, 4096, -5000):
+        if library is not None:
+            library.write_bytes(library.read_bytes()[:kept])
         done = subprocess.run(arguments, capture_output=True, text=True, check=False)
-        assert (done.returncode, done.stdout.strip()) == (0, "compiled"), attempt
+        assert (done.returncode, done.stdout.strip()) == (0, "compiled"), kept
         library = next(tmp_path.rglob("*.so"))
-        library.write_bytes(library.read_bytes()[:kept])
 
 
 def test_the_cache_is_keyed_by_content_and_survives_damage(tmp_path, lift, monkeypatch):
@@ -259,8 +260,8 @@ def test_two_processes_may_fill_the_cache_at_once(tmp_path, monkeypatch):
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
     script = "import mrts, sys; print(mrts.load_cell(sys.argv[1]).functions.backend)"
     arguments = [sys.executable, "-c", script, str(DATA / "cell.yaml")]
-    running = [subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) for _ in range(3)]
-    assert [process.communicate()[0].strip() for process in running] == ["compiled"] * 3
+    running = [subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+    assert [process.communicate()[0].strip() for process in running] == ["compiled"] * 2
     assert not list(tmp_path.rglob(".*"))  # no temporary file is left
 
 

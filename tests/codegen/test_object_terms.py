@@ -16,7 +16,7 @@ TOLERANCE = 1e-10
 @pytest.fixture(scope="module")
 def cell(tmp_path_factory):
     folder = tmp_path_factory.mktemp("three")
-    return mrts.load_cell(spatial_cell(folder, seed=3, joints=(6, 6, 6))[0])
+    return mrts.load_cell(spatial_cell(folder, seed=3, joints=(6, 6, 6))[0], backend="vm")
 
 
 @pytest.fixture(scope="module")

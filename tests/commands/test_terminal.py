@@ -43,9 +43,8 @@ def varied(folder, **variation):
 
 
 @pytest.fixture(scope="module")
-def uncertain(private_cache, tmp_path_factory):
+def uncertain(tmp_path_factory):
     """A cell, generated already, whose load has 128 corners: seconds of work for every question."""
-    assert private_cache.is_dir()
     factors = {name: [0.5, 1.5] for name in ("mass", "ixx", "iyy", "izz")}
     moments = {name: [-0.1, 0.1] for name in ("mx", "my", "mz")}
     path = varied(tmp_path_factory.mktemp("uncertain"), **factors, **moments)

@@ -34,14 +34,14 @@ UNBOUNDED = 1e9
 OBJECTIVE_TOLERANCE = 1e-9
 RESIDUAL_TOLERANCE = 1e-9
 COMBINATION_TOLERANCE = 1e-9
+UR5 = DATA.parent / "dual_ur5"
 GCC = shutil.which("gcc") or "gcc"
 CLANG = shutil.which("clang") or "clang"
 SHAPES = [(arms, size) for size in (3, 6) for arms in (2, 3, 4)]
 
 
 @pytest.fixture(scope="module")
-def kernel(private_cache):
-    assert private_cache.is_dir()
+def kernel():
     return compiled_programs(find_compiler())
 
 
@@ -392,7 +392,6 @@ import sys
 sys.path.insert(0, sys.argv[1])
 import numpy as np
 from random_programs import cell_programs, hard_programs
-from mrts.cli import main
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.programs import compiled_programs
 kernel = compiled_programs(find_compiler())
@@ -411,22 +410,30 @@ for k, rows in ((1, 3), (3, 12), (31, 120)):
         kernel.quadratic_programs(np.eye(A.shape[1])[None], np.ones((1, A.shape[1])), A[None], *ends)
         ends[0][0, -1], ends[1][0, -1] = 0, 1e9
         kernel.linear_programs(np.eye(A.shape[1])[-1:], A[None], *ends)
-for cell, motion in (("planar_dual_arm", "lift"), ("dual_ur5", "lift_and_turn")):
-    assert main(["scale", f"{sys.argv[2]}/{cell}/cell.yaml", f"{sys.argv[2]}/{cell}/{motion}.yaml", "--json", "-"]) == 0
 """
+SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scale', *sys.argv[1:], '--json', '-']))"
 
 
-def test_the_library_is_clean_under_sanitizers(tmp_path):
+@pytest.mark.parametrize(
+    "command",
+    [
+        [SANITIZED, ROOT / "tests" / "helpers"],
+        [SANITIZED_SCALING, DATA / "cell.yaml", DATA / "lift.yaml"],
+        [SANITIZED_SCALING, UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml"],
+    ],
+    ids=["programs", "planar", "spatial"],
+)
+def test_the_library_is_clean_under_sanitizers(command, tmp_path):
     """The same library, compiled with AddressSanitizer and UndefinedBehaviorSanitizer, under the whole Python path."""
     asan = subprocess.run([GCC, "-print-file-name=libasan.so"], capture_output=True, text=True, check=True).stdout
     environment = os.environ | {
-        "CC": f"{GCC} -fsanitize=address,undefined -fno-sanitize-recover=all -g",
+        "CC": f"{GCC} -fsanitize=address,undefined -fno-sanitize-recover=all -g1",
         "LD_PRELOAD": asan.strip(),
         "ASAN_OPTIONS": "detect_leaks=0",  # Python's own
         "MRTS_CACHE_DIR": str(tmp_path),
     }
     done = subprocess.run(
-        [sys.executable, "-c", SANITIZED, str(ROOT / "tests" / "helpers"), str(DATA.parent)],
+        [sys.executable, "-c", *map(str, command)],
         capture_output=True, text=True, check=False, env=environment,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr[-3000:]

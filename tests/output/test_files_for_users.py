@@ -21,8 +21,7 @@ UR5 = DATA.parent / "dual_ur5"
 
 
 @pytest.fixture(scope="module")
-def result(private_cache):
-    assert private_cache.is_dir()
+def result():
     return mrts.scale(mrts.load_cell(UR5 / "cell.yaml"), mrts.load_motion(UR5 / "lift_and_turn.yaml"))
 
 

@@ -12,8 +12,8 @@ from dataclasses import fields, is_dataclass, replace
 import numpy as np
 import pytest
 import yaml
+from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA, ROOT
-from random_cells import random_planar_cell, random_spatial_cell
 
 import mrts
 from mrts.cli import main
@@ -140,9 +140,9 @@ def test_the_rule_comes_back(planar_cell, lift, tmp_path):
 @pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
 @pytest.mark.parametrize("arms", [1, 4])
 def test_any_number_of_arms_and_sliding_joints_come_back(make, arms, tmp_path):
-    files = make(np.random.default_rng([11, arms]), tmp_path, arms)
-    cell = mrts.load_cell(files[0], backend="vm")
-    result = mrts.scale(cell, mrts.load_motion(files[1]))
+    case = make(np.random.default_rng([11, arms]), tmp_path, arms)
+    cell = case.cell
+    result = mrts.scale(cell, case.motion)
     mrts.save_result(result, tmp_path / "result.npz")
     again = mrts.load_result(tmp_path / "result.npz")
     assert again.json_text() == result.json_text()

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from random_cells import random_planar_cell
+from cell_bank import random_planar_cell
 
 import mrts
 from mrts.base.errors import SolverError
@@ -17,12 +17,8 @@ LIMIT_TOLERANCE = 3e-9  # the quadratic program widens limits by 1e-9 of their s
 BEYOND = 1 + 1e-6
 
 
-def random_cells(folder, count, seed):
-    for index in range(count):
-        place = folder / str(index)
-        place.mkdir()
-        paths = random_planar_cell(np.random.default_rng([seed, index]), place, arms=2 + index % 3)
-        yield mrts.load_cell(paths[0], backend="vm"), mrts.load_motion(paths[1])
+def random_cell(folder, family, seed):
+    return random_planar_cell(np.random.default_rng([family, seed]), folder, arms=2 + seed % 3)
 
 
 def feasible_samples(ranges):
@@ -36,70 +32,77 @@ def limit_violation(cell, torque, wrench):
     return float(np.max(np.maximum(rows.lower - value, value - rows.upper) / size))
 
 
-def test_appendix_a_every_speed_between_the_ends_is_feasible_and_c_torques_satisfy_all_equations(tmp_path):
-    """1000 random (sample, c²): the quadratic program has a solution, and it satisfies (8), (13), (20), (24)."""
-    rng = np.random.default_rng(1)
-    checked = 0
-    for cell, motion in random_cells(tmp_path, 40, seed=101):
-        joint_motion = mrts.follow_object(cell, motion)
-        problem = build_sample_problem(cell, joint_motion)
-        ranges = sample_ranges(problem, motion.time, DEFAULT_SOLVER)
-        terms = cell.functions("terms", joint_motion.samples, joint_motion.inputs(cell.load))
-        for k in feasible_samples(ranges):
-            for share in [0.0, 1.0, *rng.uniform(0, 1, 12)]:
-                c2 = float(ranges.lower[k] + share * (ranges.upper[k] - ranges.lower[k]))
-                one = problem.at(np.array([k]))
-                x, _ = distribute_torques(one, c2, np.eye(sum(len(r.joints) for r in cell.robots)), DEFAULT_SOLVER)
-                torque, wrench = one.torque(x)[0], one.wrench(x)[0]
-                assert limit_violation(cell, torque, wrench) <= LIMIT_TOLERANCE
-                scale = 1 + np.max(np.abs(torque)) + np.max(np.abs(wrench))
-                balance = terms["B"][k] @ wrench - c2 * terms["P"][k] - terms["Q"][k]
-                assert np.max(np.abs(balance)) <= 1e-10 * scale
-                for name, joints in cell.joint_slices.items():
-                    J, F = terms["J"][k][:, joints], wrench[cell.wrench_slices[name]]
-                    arm = torque[joints] - c2 * terms["E"][k, joints] - terms["G"][k, joints] - J.T @ F
-                    assert np.max(np.abs(arm)) <= 1e-10 * scale
-                checked += 1
-    assert checked >= 1000
+def problem_and_ranges(case):
+    """Its motion, sample problem and ranges."""
+    motion = mrts.follow_object(case.cell, case.motion)
+    problem = build_sample_problem(case.cell, motion)
+    return motion, problem, sample_ranges(problem, case.motion.time, DEFAULT_SOLVER)
 
 
-def test_appendix_b_nothing_faster_or_slower_than_the_range_is_feasible(tmp_path):
-    checked = 0
-    for cell, motion in random_cells(tmp_path, 25, seed=202):
-        joint_motion = mrts.follow_object(cell, motion)
-        problem = build_sample_problem(cell, joint_motion)
-        ranges = sample_ranges(problem, motion.time, DEFAULT_SOLVER)
-        W = np.eye(sum(len(robot.joints) for robot in cell.robots))
-        for k in feasible_samples(ranges):
-            outside = [ranges.upper[k] * BEYOND + 1e-6]
-            if ranges.lower[k] > 1e-3:
-                outside.append(ranges.lower[k] / BEYOND - 1e-6)
-            for c2 in outside:
-                with pytest.raises(SolverError):
-                    distribute_torques(problem.at(np.array([k])), float(c2), W, DEFAULT_SOLVER)
-                checked += 1
-    assert checked >= 60
+def all_joints(cell):
+    return np.eye(sum(len(robot.joints) for robot in cell.robots))
 
 
-def test_both_formulations_agree(tmp_path):
-    compared = 0
-    for cell, motion in random_cells(tmp_path, 25, seed=303):
-        results = {}
-        for formulation in ("wrench", "torque"):
-            results[formulation] = mrts.scale(cell, motion, formulation=formulation)
-        wrench, torque = (results[name].range for name in ("wrench", "torque"))
-        assert wrench.samples.status == torque.samples.status
-        for ours, theirs in (
-            (wrench.samples.lower, torque.samples.lower),
-            (wrench.samples.upper, torque.samples.upper),
-        ):
-            np.testing.assert_allclose(ours, theirs, rtol=FORMULATION_TOLERANCE, atol=FORMULATION_TOLERANCE)
-        if wrench.status.admits_motion:
-            a, b = (results[name].trajectory.torque for name in ("wrench", "torque"))
-            # the slack of 1e-9 on the limits moves a degenerate optimum by more than itself
-            np.testing.assert_allclose(a, b, atol=1e-6 * (1 + np.max(np.abs(a))))
-            compared += 1
-    assert compared >= 5
+@pytest.mark.parametrize("seed", range(40))
+def test_appendix_a_every_speed_between_the_ends_is_feasible_and_c_torques_satisfy_all_equations(seed, tmp_path):
+    """At 14 c² of every feasible sample the quadratic program has a solution; it satisfies (8), (13), (20), (24)."""
+    rng = np.random.default_rng(seed)
+    case = random_cell(tmp_path, 101, seed)
+    cell = case.cell
+    joint_motion, problem, ranges = problem_and_ranges(case)
+    terms = cell.functions("terms", joint_motion.samples, joint_motion.inputs(cell.load))
+    for k in feasible_samples(ranges):
+        for share in [0.0, 1.0, *rng.uniform(0, 1, 12)]:
+            c2 = float(ranges.lower[k] + share * (ranges.upper[k] - ranges.lower[k]))
+            one = problem.at(np.array([k]))
+            x, _ = distribute_torques(one, c2, all_joints(cell), DEFAULT_SOLVER)
+            torque, wrench = one.torque(x)[0], one.wrench(x)[0]
+            assert limit_violation(cell, torque, wrench) <= LIMIT_TOLERANCE
+            scale = 1 + np.max(np.abs(torque)) + np.max(np.abs(wrench))
+            balance = terms["B"][k] @ wrench - c2 * terms["P"][k] - terms["Q"][k]
+            assert np.max(np.abs(balance)) <= 1e-10 * scale
+            for name, joints in cell.joint_slices.items():
+                J, F = terms["J"][k][:, joints], wrench[cell.wrench_slices[name]]
+                arm = torque[joints] - c2 * terms["E"][k, joints] - terms["G"][k, joints] - J.T @ F
+                assert np.max(np.abs(arm)) <= 1e-10 * scale
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_appendix_b_nothing_faster_or_slower_than_the_range_is_feasible(seed, tmp_path):
+    case = random_cell(tmp_path, 202, seed)
+    _, problem, ranges = problem_and_ranges(case)
+    for k in feasible_samples(ranges):
+        outside = [ranges.upper[k] * BEYOND + 1e-6]
+        if ranges.lower[k] > 1e-3:
+            outside.append(ranges.lower[k] / BEYOND - 1e-6)
+        for c2 in outside:
+            with pytest.raises(SolverError):
+                distribute_torques(problem.at(np.array([k])), float(c2), all_joints(case.cell), DEFAULT_SOLVER)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_both_formulations_agree(seed, tmp_path):
+    case = random_cell(tmp_path, 303, seed)
+    results = [mrts.scale(case.cell, case.motion, formulation=name) for name in ("wrench", "torque")]
+    wrench, torque = (result.range for result in results)
+    assert wrench.samples.status == torque.samples.status
+    for end in ("lower", "upper"):
+        ours, theirs = getattr(wrench.samples, end), getattr(torque.samples, end)
+        np.testing.assert_allclose(ours, theirs, rtol=FORMULATION_TOLERANCE, atol=FORMULATION_TOLERANCE)
+    if wrench.status.admits_motion:
+        a, b = (result.trajectory.torque for result in results)
+        # the slack of 1e-9 on the limits moves a degenerate optimum by more than itself
+        np.testing.assert_allclose(a, b, atol=1e-6 * (1 + np.max(np.abs(a))))
+
+
+@pytest.mark.parametrize(("family", "samples", "motions"), [(101, 72, 0), (202, 60, 0), (303, 0, 5)])
+def test_the_random_cells_have_enough_to_check(family, samples, motions, tmp_path):
+    """Feasible samples, and motions that may be played."""
+    ranges = [
+        mrts.scale(case.cell, case.motion).range for case in (random_cell(tmp_path, family, n) for n in range(40))
+    ]
+    assert sum(len(feasible_samples(found.samples)) for found in ranges) >= samples
+    assert sum(found.status.admits_motion for found in ranges) >= motions
 
 
 def test_energy_of_the_motors_is_the_change_of_mechanical_energy(planar_cell, lift):
