@@ -378,6 +378,17 @@ def test_a_library_that_does_not_load_is_compiled_again(tmp_path, monkeypatch):
     assert x[0, 0] == 2
 
 
+def test_the_first_answer_compiles_one_library(tmp_path):
+    """The cell's library holds all of the kernel: rows of an end and fallbacks need no other."""
+    words = ["scale", ROOT / "generated" / "planar_dual_arm", DATA / "lift.yaml"]
+    environment = os.environ | {"MRTS_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-m", "mrts", *words], capture_output=True, text=True, check=False, env=environment
+    )
+    assert done.returncode == 0, done.stderr
+    assert [path.name for path in tmp_path.rglob("*.so")] == ["planar_dual_arm.so"]
+
+
 def test_a_broken_compiler_does_not_stop_the_virtual_machine(monkeypatch, lift):
     monkeypatch.setenv("CC", "false")
     monkeypatch.setattr("mrts.kernel.programs._of_a_cell", [])
