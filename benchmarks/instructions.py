@@ -21,7 +21,7 @@ from mrts.limits import cell_rows
 DATA = Path(str(files("mrts") / "data"))
 HERE = Path(__file__).resolve().parent
 SAMPLES = 1000
-COUNTED = ("mrts_build_rows", "mrts_scale_columns", "mrts_ranges", "mrts_torques", "mrts_lp", "mrts_qp")
+COUNTED = ("mrts_rows_of_sample", "mrts_scale_columns", "mrts_ranges", "mrts_torques", "mrts_lp", "mrts_qp")
 
 
 def samples_file(path: Path, cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> None:

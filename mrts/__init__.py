@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mrts.motion.object_motion import ObjectMotion
     from mrts.output.ros_bag import write_ros_bag
     from mrts.output.saved_result import load_result, save_result
-    from mrts.output.trajectory_csv import write_trajectory_csv
+    from mrts.output.trajectory_table import write_trajectory_csv
     from mrts.report import write_report
     from mrts.retiming.result import RetimingResult, RetimingStatus
     from mrts.retiming.retime import retime
@@ -90,7 +90,7 @@ _HOMES = {
     "torques_for_load": "scaling.known_load",
     "write_report": "report",
     "write_ros_bag": "output.ros_bag",
-    "write_trajectory_csv": "output.trajectory_csv",
+    "write_trajectory_csv": "output.trajectory_table",
 }
 
 __all__ = [

@@ -17,7 +17,7 @@ from mrts.kernel.c_text import cell_source
 from mrts.kernel.cell_library import CellLibrary
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.function_shapes import check_shapes
-from mrts.kernel.library_cache import load_or_rebuild
+from mrts.kernel.library_cache import library_or_rebuilt
 
 Backend = Literal["auto", "compiled", "vm"]
 logger = logging.getLogger("mrts")
@@ -164,8 +164,8 @@ def _compiled_functions(
     where: Path | str, manifest: Manifest, command: tuple[str, ...], generated: str
 ) -> CellFunctions:
     text = cell_source(manifest, generated)
-    compiled = load_or_rebuild(command, manifest.name, text, partial(CellLibrary, manifest))
-    check_shapes(where, manifest, compiled.loaded)
+    compiled = library_or_rebuilt(command, manifest.name, text, partial(CellLibrary, manifest))
+    check_shapes(where, manifest, compiled.opened)
     return CellFunctions(manifest, compiled.map, "compiled", generated, compiled)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The C of mrts/kernel/c as one text: to compile with a cell's generated C, or to go into an exported library."""
+"""The C of mrts/kernel/c: as one text to compile with a cell's generated C, or file by file for an export."""
 
 import re
 from collections.abc import Sequence
@@ -17,6 +17,11 @@ CELL_FILES = (*PROGRAM_FILES, "rows.c", "trajectory.c", "null_space.c", "trackin
 INCLUDED = re.compile(r'^#include "(\w+\.h)"\n', re.MULTILINE)
 
 
+def one_file(name: str) -> str:
+    """The text of a file in mrts/kernel/c, such as "linear_programs.c"."""
+    return (files("mrts") / "kernel" / "c" / name).read_text(encoding="utf-8")
+
+
 def one_text(names: Sequence[str]) -> str:
     """Some C files of the kernel, in order, as one text: each header of ours stands where it is first included.
 
@@ -29,8 +34,7 @@ def one_text(names: Sequence[str]) -> str:
         if name in taken:
             return ""
         taken.add(name)
-        whole = (files("mrts") / "kernel" / "c" / name).read_text(encoding="utf-8")
-        return INCLUDED.sub(lambda found: text(found.group(1)), whole)
+        return INCLUDED.sub(lambda found: text(found.group(1)), one_file(name))
 
     return "\n".join(text(name) for name in names)
 

@@ -44,7 +44,7 @@ class TrajectoryFormat:
 
 
 TRAJECTORY_FORMATS: dict[str, TrajectoryFormat] = {
-    "csv": TrajectoryFormat("as a table", "trajectory_csv.write_trajectory_csv"),
+    "csv": TrajectoryFormat("as a table", "trajectory_table.write_trajectory_csv"),
     "ros-bag": TrajectoryFormat(
         "as a ROS 2 bag (MCAP; needs the extra 'ros')",
         "ros_bag.write_ros_bag",

@@ -12,7 +12,7 @@ from mrts.base.atomic_file import make_folder_atomically
 from mrts.base.errors import InputError
 from mrts.cell.robot import Robot
 from mrts.motion.ros_messages import NANOSECONDS, message_types
-from mrts.output.trajectory_csv import PlayedRows, played_rows, trajectory_to_write
+from mrts.output.trajectory_table import PlayedRows, played_rows, trajectory_to_write
 from mrts.scaling.result import ScalingResult
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from mrts.kernel.foreign_arrays import work_arrays
 from mrts.kernel.library_cache import library_in_cache
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, _programs_alone, compiled_programs
 from mrts.limits import cell_rows
-from mrts.output.trajectory_csv import write_trajectory_csv
+from mrts.output.trajectory_table import write_trajectory_csv
 from mrts.samples.trajectory_programs import _sparse
 from mrts.solvers.convex_program import ConvexPrograms, optimality_error, solve_programs
 
@@ -376,6 +376,17 @@ def test_a_library_that_does_not_load_is_compiled_again(tmp_path, monkeypatch):
     )
     assert status[0] == OPTIMAL
     assert x[0, 0] == 2
+
+
+def test_the_first_answer_compiles_one_library(tmp_path):
+    """The cell's library holds all of the kernel: rows of an end and fallbacks need no other."""
+    words = ["scale", ROOT / "generated" / "planar_dual_arm", DATA / "lift.yaml"]
+    environment = os.environ | {"MRTS_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-m", "mrts", *words], capture_output=True, text=True, check=False, env=environment
+    )
+    assert done.returncode == 0, done.stderr
+    assert [path.name for path in tmp_path.rglob("*.so")] == ["planar_dual_arm.so"]
 
 
 def test_a_broken_compiler_does_not_stop_the_virtual_machine(monkeypatch, lift):

@@ -16,7 +16,7 @@ import mrts
 from mrts.cli import main
 from mrts.output import TRAJECTORY_FORMATS
 from mrts.output.ros_bag import write_ros_bag
-from mrts.output.trajectory_csv import played_rows, trajectory_csv, write_trajectory_csv
+from mrts.output.trajectory_table import played_rows, trajectory_csv, write_trajectory_csv
 
 UR5 = DATA.parent / "dual_ur5"
 

@@ -7,29 +7,23 @@
 #include "quadratic_programs.h"
 #include "rows.h"
 
+/* Rounding of an answer at the bound of c^2, as a share. */
+#define MRTS_AT_UNBOUNDED 1e-9
+
 /* Inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load. */
 enum { MRTS_INPUTS = 7 };
 
-/* The wrench form of one sample. */
-typedef struct {
-    double torque_map[MRTS_UNKNOWNS * MRTS_JOINTS]; /* by columns */
-    double torque_offset[MRTS_JOINTS];
-    double wrench_map[MRTS_UNKNOWNS * MRTS_WRENCHES];
-    double wrench_offset[MRTS_WRENCHES];
-} mrts_maps;
-
 /* Evaluates the wrench form of a sample and builds its rows: 1 if they are finite, 0 if not, -1 if the form failed. */
-static int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_maps *maps,
-                               const mrts_limits *limits, const double *square, mrts_rows *rows, const double **arg,
-                               double **res, long long *iw, double *w) {
-    const mrts_form form = {maps->torque_map, maps->torque_offset, maps->wrench_map, maps->wrench_offset};
+static int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample,
+                               const mrts_form *form, const mrts_limits *limits, const double *square,
+                               mrts_rows *rows, const double **arg, double **res, long long *iw, double *w) {
     for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + sample * stride[i];
-    res[0] = form.torque_map;
-    res[1] = form.torque_offset;
-    res[2] = form.wrench_map;
-    res[3] = form.wrench_offset;
+    res[0] = form->torque_map;
+    res[1] = form->torque_offset;
+    res[2] = form->wrench_map;
+    res[3] = form->wrench_offset;
     if (MRTS_WRENCH_FORM(arg, res, iw, w, 0)) return -1;
-    return mrts_build_rows(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, &form, limits,
+    return mrts_build_rows(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, form, limits,
                            square ? square + sample * limits->rows : 0, rows);
 }
 
@@ -65,14 +59,15 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     int *lp_iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
     double g[K], x[K], y[K], column[K];
     int low_rows[K], high_rows[K], entering;
-    mrts_maps maps;
+    double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
+    const mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
     low_rows[0] = high_rows[0] = 0;
     for (int j = 0; j < K; ++j) g[j] = 0;
     for (long long n = 0; n < count; ++n) {
         if (n % MRTS_CHUNK == 0) low_rows[0] = high_rows[0] = 0; /* so that chunks do not depend on each other */
-        const int built = mrts_rows_of_sample(in, stride, n, &maps, limits, square, &rows, arg, res, iw, w);
+        const int built = mrts_rows_of_sample(in, stride, n, &form, limits, square, &rows, arg, res, iw, w);
         if (built < 0) return 1;
         if (!built) {
             low_status[n] = high_status[n] = MRTS_STOPPED;
@@ -103,7 +98,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
                     basis[0] = 0;
                 }
                 (end ? high : low)[n] = x[K - 1] * column[K - 1];
-                if (end && x[K - 1] >= MRTS_UNBOUNDED * (1 - 1e-9)) high[n] = INFINITY;
+                if (end && x[K - 1] >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED)) high[n] = INFINITY;
             }
             for (int j = 0; j < K; ++j) {
                 kept[j] = basis[0] == 0 ? 0 : mrts_row_of_limits(limits, &rows, basis[j]);
@@ -127,7 +122,8 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     int *qp_iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
     double H[F * F + 1], g[F + 1], x[K], u[F + 1], column[K], weighted[M], at_rest[M];
     int active[F + 1], active_count, is_diagonal = 1;
-    mrts_maps maps;
+    double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
+    const mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
     for (int i = 0; i < M; ++i) {
@@ -136,7 +132,7 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     for (long long n = 0; n < count; ++n) {
         const double speed = c2[n * c2_stride];
         double largest = 0;
-        const int built = mrts_rows_of_sample(in, stride, n, &maps, limits, square, &rows, arg, res, iw, w);
+        const int built = mrts_rows_of_sample(in, stride, n, &form, limits, square, &rows, arg, res, iw, w);
         if (built < 0) return 1;
         if (!built) {
             status[n] = MRTS_STOPPED;
@@ -146,18 +142,18 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
         mrts_scale_columns(F, &rows, column);
         mrts_free_unknowns(F, &rows);
         for (int j = 0; j < F; ++j) {
-            for (int i = 0; i < M; ++i) maps.torque_map[j * M + i] *= column[j];
-            for (int i = 0; i < N; ++i) maps.wrench_map[j * N + i] *= column[j];
+            for (int i = 0; i < M; ++i) form.torque_map[j * M + i] *= column[j];
+            for (int i = 0; i < N; ++i) form.wrench_map[j * N + i] *= column[j];
         }
-        for (int i = 0; i < M; ++i) at_rest[i] = maps.torque_map[F * M + i] * speed + maps.torque_offset[i];
+        for (int i = 0; i < M; ++i) at_rest[i] = form.torque_map[F * M + i] * speed + form.torque_offset[i];
         for (int j = 0; j < F; ++j) {
-            const double *map = maps.torque_map + j * M;
+            const double *map = form.torque_map + j * M;
             for (int i = 0; i < M; ++i) {
                 weighted[i] = is_diagonal ? weights[i * M + i] * map[i] : mrts_dot(M, weights + i * M, map);
             }
             g[j] = mrts_dot(M, weighted, at_rest);
             for (int l = 0; l <= j; ++l) {
-                H[j * F + l] = H[l * F + j] = mrts_dot(M, weighted, maps.torque_map + l * M);
+                H[j * F + l] = H[l * F + j] = mrts_dot(M, weighted, form.torque_map + l * M);
                 if (MRTS_ABS(H[j * F + l]) > largest) largest = MRTS_ABS(H[j * F + l]);
             }
         }
@@ -168,10 +164,10 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
         status[n] = (unsigned char)mrts_qp(F, rows.count, H, rows.A, rows.lower, rows.upper, g, x, active, u,
                                            &active_count, qp_work, qp_iwork);
         for (int i = 0; i < M; ++i) torque[n * M + i] = at_rest[i];
-        for (int i = 0; i < N; ++i) wrench[n * N + i] = maps.wrench_map[F * N + i] * speed + maps.wrench_offset[i];
+        for (int i = 0; i < N; ++i) wrench[n * N + i] = form.wrench_map[F * N + i] * speed + form.wrench_offset[i];
         for (int j = 0; j < F; ++j) {
-            for (int i = 0; i < M; ++i) torque[n * M + i] += x[j] * maps.torque_map[j * M + i];
-            for (int i = 0; i < N; ++i) wrench[n * N + i] += x[j] * maps.wrench_map[j * N + i];
+            for (int i = 0; i < M; ++i) torque[n * M + i] += x[j] * form.torque_map[j * M + i];
+            for (int i = 0; i < N; ++i) wrench[n * N + i] += x[j] * form.wrench_map[j * N + i];
         }
     }
     return 0;

@@ -1,7 +1,7 @@
 /* @NOTICE@
  *
  * Time scaling of the cell "@NAME@" on a controller: @ROBOTS@ arms hold one object, a motion q(r), r = c t, is given, and
- * c^2 must keep every joint torque and contact wrench inside its limits. Link with src/@NAME@.c and src/@NAME@_model.c.
+ * c^2 must keep torques, contact wrenches and velocities inside their limits. Link with the files of src/.
  *
  * Units: m, rad, s, kg, N, N m. Derivatives q', q'' are those of the motion as given (c = 1). World axes unless said
  * otherwise; contact wrenches are what an arm exerts on the object at its contact, in the axes of that arm's base.
@@ -21,7 +21,8 @@ typedef @REAL@ @NAME@_real;
 #define @MACRO@_WRENCH @SIZE@       /* components of one contact wrench: @COMPONENTS@ */
 #define @MACRO@_WRENCHES @WRENCHES@     /* components of all contact wrenches, arm after arm */
 #define @MACRO@_UNKNOWNS @UNKNOWNS@     /* of the programs: all wrenches but the last arm's, and c^2 */
-#define @MACRO@_ROWS (@MACRO@_JOINTS + @MACRO@_WRENCHES) /* limits: torques first, then wrenches */
+#define @MACRO@_ROWS @ROWS@        /* limits of torques and wrenches, in the order of the cell's limits */
+#define @MACRO@_VELOCITIES (@MACRO@_JOINTS + 2) /* limits of the joints' velocities, the object's linear and angular one */
 #define @MACRO@_LOAD 10        /* mass, mx, my, mz (mass times com), ixx, iyy, izz, ixy, ixz, iyz (about the origin) */
 #define @MACRO@_CORNERS @CORNERS@      /* corners of the cell file's load variation; 1 if it has none */
 #define @MACRO@_UNLIMITED @UNLIMITED@ /* an absent limit is this, or its negative */
@@ -32,7 +33,7 @@ typedef enum {
     @MACRO@_INFEASIBLE = 2,  /* no c^2: the rows named conflict, whatever the speed */
     @MACRO@_EMPTY = 3,       /* samples or loads are feasible one by one, but have no c^2 in common */
     @MACRO@_UNDECIDED = 4,   /* the data are too close to infeasible, or too badly scaled, for this precision */
-    @MACRO@_BAD_ARGUMENT = 5 /* a value is not finite, a limit is reversed, a mass or weight is not > 0, c^2 < 0 */
+    @MACRO@_BAD_ARGUMENT = 5 /* a value is not finite, a limit is reversed, a mass, weight or velocity limit is not > 0, c^2 < 0 */
 } @NAME@_status;
 
 /* One sample of the given motion. */
@@ -48,13 +49,14 @@ typedef struct {
 /* What may change at run time. Start from @NAME@_default_settings. */
 typedef struct {
     @NAME@_real load[@MACRO@_LOAD];
-    @NAME@_real lower[@MACRO@_ROWS];     /* N m or N; -@MACRO@_UNLIMITED where there is none */
+    @NAME@_real lower[@MACRO@_ROWS];     /* in the row's unit; -@MACRO@_UNLIMITED where there is none */
     @NAME@_real upper[@MACRO@_ROWS];
+    @NAME@_real velocity[@MACRO@_VELOCITIES]; /* > 0, rad/s or m/s; @MACRO@_UNLIMITED where none is enforced */
     @NAME@_real weight[@MACRO@_JOINTS];  /* diagonal of W in t'Wt, > 0 */
 } @NAME@_settings;
 
-/* Range of c^2. Rows are 1 + row at an upper and -1 - row at a lower limit, the strongest first; 0 stands for c^2 >= 0.
- * Of an infeasible sample `upper_rows` are the rows in conflict. */
+/* Range of c^2. Rows are 1 + row at an upper and -1 - row at a lower limit, the strongest first; 0 stands for c^2 >= 0,
+ * 1 + @MACRO@_ROWS + i for velocity i: of several that bind, the first. Of an infeasible sample `upper_rows` are the rows in conflict. */
 typedef struct {
     @NAME@_status status;
     @NAME@_real lower;
@@ -68,11 +70,10 @@ typedef struct {
  * keeps from call to call only makes the next call faster. */
 typedef struct {
     int lower_basis[@MACRO@_UNKNOWNS], upper_basis[@MACRO@_UNKNOWNS];
-    int integers[2 * @MACRO@_ROWS + 7 * @MACRO@_UNKNOWNS];
-    @NAME@_real form[(@MACRO@_UNKNOWNS + 1) * @MACRO@_ROWS];
-    @NAME@_real rows[@MACRO@_ROWS * @MACRO@_UNKNOWNS];
-    @NAME@_real limits[2 * (@MACRO@_ROWS + @MACRO@_UNKNOWNS)];
-    @NAME@_real work[4 * @MACRO@_UNKNOWNS * @MACRO@_UNKNOWNS + 10 * @MACRO@_UNKNOWNS];
+    int which[@MACRO@_ROWS], integers[@MACRO@_ROWS + 6 * @MACRO@_UNKNOWNS];
+    @NAME@_real form[(@MACRO@_UNKNOWNS + 1) * (@MACRO@_JOINTS + @MACRO@_WRENCHES)];
+    @NAME@_real rows[@MACRO@_ROWS * (@MACRO@_UNKNOWNS + 3) + 2 * @MACRO@_UNKNOWNS];
+    @NAME@_real work[3 * @MACRO@_UNKNOWNS * @MACRO@_UNKNOWNS + 7 * @MACRO@_UNKNOWNS];
 } @NAME@_workspace;
 
 const char *@NAME@_status_text(@NAME@_status status);
@@ -83,32 +84,6 @@ void @NAME@_default_settings(@NAME@_settings *settings);
 /* @MACRO@_OK or @MACRO@_BAD_ARGUMENT: call it once after settings have changed. */
 @NAME@_status @NAME@_check_settings(const @NAME@_settings *settings);
 void @NAME@_reset(@NAME@_workspace *workspace);
-/*@begin terms*/
-/* Terms of (11) to (18): torque = E r'^2 + A r'' + G + J'F of each arm, sum B F = P r'^2 + S r'' + Q of the object. J and B
- * stand arm beside arm, column after column: J has @MACRO@_WRENCH rows and @MACRO@_JOINTS columns, B @MACRO@_WRENCH rows and
- * @MACRO@_WRENCHES columns. */
-typedef struct {
-    @NAME@_real E[@MACRO@_JOINTS], A[@MACRO@_JOINTS], G[@MACRO@_JOINTS];
-    @NAME@_real J[@MACRO@_WRENCH * @MACRO@_JOINTS], B[@MACRO@_WRENCH * @MACRO@_WRENCHES];
-    @NAME@_real P[@MACRO@_WRENCH], S[@MACRO@_WRENCH], Q[@MACRO@_WRENCH];
-} @NAME@_terms_of_sample;
-
-void @NAME@_terms(const @NAME@_sample *sample, const @NAME@_settings *settings, @NAME@_terms_of_sample *terms);
-/*@end terms*/
-/*@begin range*/
-/* Least and largest c^2 at a sample, torques distributed freely. */
-@NAME@_status @NAME@_range_of_sample(const @NAME@_sample *sample, const @NAME@_settings *settings, @NAME@_range *range,
-                         @NAME@_workspace *workspace);
-
-/* The same for every load of a list at once: the intersection. For the corners of a box that is the range guaranteed for
- * every load of the box. `lower_load` and `upper_load` (or null) become the loads that set the ends. */
-@NAME@_status @NAME@_guaranteed_range(const @NAME@_sample *sample, const @NAME@_settings *settings,
-                                  const @NAME@_real (*loads)[@MACRO@_LOAD], int count, @NAME@_range *range,
-                                  int *lower_load, int *upper_load, @NAME@_workspace *workspace);
-
-/* Corners of the cell file's load variation. */
-extern const @NAME@_real @NAME@_load_corners[@MACRO@_CORNERS][@MACRO@_LOAD];
-/*@end range*/
 
 /* A horizon of samples, fed one by one: the intersection of their ranges. */
 typedef struct {
@@ -119,18 +94,8 @@ typedef struct {
 
 void @NAME@_horizon_start(@NAME@_horizon *horizon);
 @NAME@_status @NAME@_horizon_add(@NAME@_horizon *horizon, const @NAME@_range *range);
-/*@begin share*/
-/* Range of c^2 where every arm carries an equal share of the load: closed form, one row at a time. */
-@NAME@_status @NAME@_equal_share_range(const @NAME@_sample *sample, const @NAME@_settings *settings, @NAME@_range *range,
-                                   @NAME@_workspace *workspace);
-/*@end share*/
-/*@begin torques*/
-/* Torques and contact wrenches with the least t'Wt at a c^2 of the range; only with @MACRO@_OK do they keep the limits. */
-@NAME@_status @NAME@_torques(const @NAME@_sample *sample, const @NAME@_settings *settings, @NAME@_real c2,
-                         @NAME@_real torque[@MACRO@_JOINTS], @NAME@_real wrench[@MACRO@_WRENCHES],
-                         @NAME@_workspace *workspace);
-/*@end torques*/
 
+@DECLARATIONS@
 #ifdef __cplusplus
 }
 #endif
