@@ -3,7 +3,10 @@
 import ast
 from pathlib import Path
 
+import pytest
 from conftest import ROOT
+
+pytestmark = pytest.mark.quick
 
 PACKAGE = ROOT / "mrts"
 

@@ -162,6 +162,7 @@ def test_hard_linear_programs_equal_highs(k, rows, kernel):
     assert seen["infeasible by 1e-6", INFEASIBLE] >= 115
 
 
+@pytest.mark.quick
 def test_limits_that_miss_each_other_by_less_than_rounding_are_marginal(kernel):
     """x >= 1 + gap and x <= 1: a certificate from 1e-8 on, feasible below 1e-10, marginal between."""
     wanted = {1e-6: {INFEASIBLE}, 1e-8: {INFEASIBLE}, 1e-9: {INFEASIBLE, MARGINAL}, 1e-12: {OPTIMAL}, 0.0: {OPTIMAL}}
@@ -287,6 +288,7 @@ def test_ten_samples_are_not_taken_for_ten_entries_of_a_load(samples, planar_cel
         assert ours.range.samples.status == theirs.range.samples.status
 
 
+@pytest.mark.quick
 def test_inputs_of_a_wrong_shape_never_reach_the_compiled_code(planar_cell):
     for q in (np.zeros((1, 6)), np.zeros((50, 5)), np.zeros(7), np.zeros((51, 6))):
         with pytest.raises(ValueError, match="q has Shape"):
@@ -316,6 +318,7 @@ def interpolated(field, at, time):
     return np.column_stack([np.interp(at, time, column) for column in flat.T]).reshape(len(at), *field.shape[1:])
 
 
+@pytest.mark.quick
 def test_what_is_no_number_gets_no_answer(kernel, planar_cell):
     A = np.ones((1, 3, 2))
     A[0, 1, 0] = np.nan
@@ -429,14 +432,14 @@ SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scal
     ],
     ids=["programs", "planar", "spatial"],
 )
-def test_the_library_is_clean_under_sanitizers(command, tmp_path):
+def test_the_library_is_clean_under_sanitizers(command, private_cache):
     """The same library, compiled with AddressSanitizer and UndefinedBehaviorSanitizer, under the whole Python path."""
     asan = subprocess.run([GCC, "-print-file-name=libasan.so"], capture_output=True, text=True, check=True).stdout
     environment = os.environ | {
         "CC": f"{GCC} -fsanitize=address,undefined -fno-sanitize-recover=all -g1",
         "LD_PRELOAD": asan.strip(),
         "ASAN_OPTIONS": "detect_leaks=0",  # Python's own
-        "MRTS_CACHE_DIR": str(tmp_path),
+        "MRTS_CACHE_DIR": str(private_cache / "sanitized"),
     }
     done = subprocess.run(
         [sys.executable, "-c", *map(str, command)],
@@ -444,7 +447,7 @@ def test_the_library_is_clean_under_sanitizers(command, tmp_path):
     )  # fmt: skip
     assert done.returncode == 0, done.stderr[-3000:]
     assert "runtime error" not in done.stderr
-    assert any(b"__asan" in library.read_bytes() for library in tmp_path.rglob("*.so"))
+    assert any(b"__asan" in library.read_bytes() for library in (private_cache / "sanitized").rglob("*.so"))
 
 
 def test_a_fuzzer_finds_no_wrong_answer(tmp_path):

@@ -331,6 +331,7 @@ def test_hands_a_little_off_are_moved_onto_the_grasps(tmp_path, dual_ur5, exact,
     assert f"by more than {moved_by:.3g} rad or m" in remark.text
 
 
+@pytest.mark.quick
 def test_hands_of_a_planar_cell_are_moved_in_its_plane(tmp_path, planar_cell, lift):
     followed = mrts.follow_object(planar_cell, lift)
     c2 = mrts.scale(planar_cell, followed).range.upper.c2

@@ -17,6 +17,8 @@ from mrts.cli import main
 from mrts.output.ros_bag import write_ros_bag
 from mrts.output.trajectory_csv import played_rows, trajectory_csv, write_trajectory_csv
 
+pytestmark = pytest.mark.quick
+
 UR5 = DATA.parent / "dual_ur5"
 
 

@@ -137,6 +137,7 @@ def test_the_rule_comes_back(planar_cell, lift, tmp_path):
         np.testing.assert_array_equal(again.weights, weights)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
 @pytest.mark.parametrize("arms", [1, 4])
 def test_any_number_of_arms_and_sliding_joints_come_back(make, arms, tmp_path):
