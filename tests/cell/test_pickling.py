@@ -17,11 +17,6 @@ def through_pickle(thing):
     return pickle.loads(pickle.dumps(thing))  # noqa: S301 (our own bytes)
 
 
-@pytest.fixture(scope="module")
-def lifted(planar_cell, lift):
-    return mrts.scale(planar_cell, lift)
-
-
 def c2_of(cell, motion):
     """What a worker does."""
     result = mrts.scale(cell, motion)

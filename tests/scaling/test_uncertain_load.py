@@ -1,6 +1,5 @@
 """The guaranteed, possible and grid ranges of an uncertain load: properties, closed forms, independent programs."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -10,19 +9,21 @@ from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
 from conftest import DATA
 from reference import ReferenceCell
 from scipy.optimize import linprog
-from scipy.spatial.transform import Rotation
 
 import mrts
-from mrts.base.load_box import LoadBox, load_vector
-from mrts.cli import main
+from mrts.base.load_box import load_vector
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import SampleStatus, sample_ranges
 from mrts.scaling.range import ScalingStatus, intersect
 
 UR5 = DATA.parent / "dual_ur5"
+
 RANGE_TOLERANCE = 1e-8  # the bar of a guaranteed end; programs are verified to 1e-9
+
 SEARCH_TOLERANCE = 1e-6  # what the nonlinear program's answer must reach
+
 GRID = 1e-3  # a grid of 2001 loads misses an interior optimum by about this
+
 QUESTIONS = ("guaranteed", "nominal", "possible")
 
 
@@ -319,41 +320,6 @@ def test_an_outer_hull_holds_every_load_with_its_com_in_the_range(dual_ur5, lift
         mrts.scale(cell, motion, load="possible")
 
 
-def test_factors_are_about_the_principal_axes_nearest_to_the_object():
-    rng = np.random.default_rng(0)
-    for _ in range(100):
-        R = Rotation.from_rotvec(rng.normal(size=3) * 0.15).as_matrix()
-        moments = rng.uniform(1, 1.9, 3)
-        box = LoadBox(2.0, R * moments @ R.T, {"iyy": (0.5, 3.0)})
-        assert np.linalg.det(box.principal_axes) == pytest.approx(1)
-        assert np.all(np.diag(box.principal_axes) > 0.5)
-        np.testing.assert_allclose(np.abs(np.sum(box.principal_axes * R, axis=0)), 1, atol=1e-6)
-        x, y, z = box.principal_moments
-        wanted = box.principal_axes @ np.diag([x, 3 * y, z]) @ box.principal_axes.T
-        np.testing.assert_allclose(box.load_at({"iyy": 3.0}), load_vector(2.0, np.zeros(3), wanted), atol=1e-12)
-
-
-def test_equal_moments_take_the_nearest_of_all_axes():
-    rng = np.random.default_rng(6)
-    for _ in range(300):
-        R = Rotation.random(rng=rng).as_matrix()
-        moments = np.array([1.0, 2.0, 2.0])
-        axes = LoadBox(1.0, R * moments @ R.T, {"ixx": (0.5, 2)}).principal_axes
-        best = 0.0
-        for order in ((0, 1, 2), (1, 0, 2), (1, 2, 0)):  # which axis of the object is nearest to the single one
-            place = order.index(0)
-            others = [axis for axis in range(3) if axis != place]
-            best = max(best, abs(R[place, 0]) + np.linalg.svd(R[np.ix_(others, [1, 2])], compute_uv=False).sum())
-        assert np.sum(np.abs(np.diag(axes))) == pytest.approx(best, abs=1e-9)
-        turned = axes.T @ (R * moments @ R.T) @ axes
-        np.testing.assert_allclose(turned, np.diag(np.diag(turned)), atol=1e-9)
-
-
-@pytest.mark.parametrize("moments", [[1, 1, 1], [1, 1, 1.5], [1.5, 1, 1], [1, 1.5, 1]])
-def test_equal_moments_leave_the_axes_of_the_object(moments):
-    assert LoadBox(1.0, np.diag(np.array(moments, dtype=float)), {"ixx": (0.5, 2)}).axes_are_the_objects
-
-
 def test_a_known_load_of_the_box_has_torques_at_the_guaranteed_c2(dual_ur5, lift_and_turn):
     cell = dual_ur5.with_variation(mass=(0.3, 2.0), ixx=(0.5, 2), izz=(0.5, 2), my=(-0.1, 0.1))
     result = mrts.scale(cell, lift_and_turn)
@@ -398,104 +364,3 @@ def test_loads_that_share_no_speed_are_told_apart(planar_cell, lowering):
     a = -lowering.acceleration[0, 1]
     assert result.range.samples.lower[0] == pytest.approx((9.8 - 6 / 1.0) / a, rel=RANGE_TOLERANCE)
     assert result.range.samples.upper[0] == pytest.approx((9.8 - 2 / 0.225) / a, rel=RANGE_TOLERANCE)
-
-
-def test_the_command_line_asks_what_the_cell_file_says(tmp_path, capsys):
-    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
-    cell["object"]["variation"] = {"mass": [0.2, 6.0], "izz": [0.5, 2.0]}
-    cell["object"]["inertia"] = [[0.02, 0.004, 0], [0.004, 0.2, 0], [0, 0, 0.2]]
-    for robot in cell["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
-    command = ["scale", str(tmp_path / "cell.yaml"), str(DATA / "lift.yaml")]
-    assert main([*command, "--carry", "mass=6", "--json", str(tmp_path / "out.json")]) == 0
-    said = capsys.readouterr().out
-    assert "for every load of the box (mass 0.1 … 3 kg" in said
-    assert "torques for a load of 3 kg" in said
-    assert "about the principal axes" in said
-    result = json.loads((tmp_path / "out.json").read_text())
-    assert result["load"]["question"] == "guaranteed"
-    assert result["binding"]["upper"]["load"]["parameters"] == {"mass": 6.0}
-    assert [point["c2"]["upper"] for point in result["load"]["points"]] == pytest.approx([3.352, 1.516], abs=1e-3)
-    assert result["selected"]["load"]["mass"] == 3.0
-    assert main([*command, "--load", "possible", "--carry", "mass=6"]) == 2
-    assert "chooses no c²" in capsys.readouterr().err
-    assert main([*command, "--carry", "mass=6,mass=2"]) == 2
-    assert "gives mass twice" in capsys.readouterr().err
-    assert main([*command, "--load", "possible"]) == 0
-    assert "for some load of the box at each sample" in capsys.readouterr().out
-    assert main([*command, "--load", "nominal"]) == 0
-    assert "c² ∈ [0, 3.062]" in capsys.readouterr().out
-
-
-VARIATION_MISTAKES = {
-    "reversed": ({"mass": [2.0, 0.5]}, "lower value exceeds"),
-    "negative": ({"izz": [-1.0, 2.0]}, "must be >= 0"),
-    "zero mass": ({"mass": [0.0, 2.0]}, "must be > 0"),
-    "nan": ({"mass": [float("nan"), 2.0]}, "finite"),
-    "unknown": ({"masss": [0.5, 2.0]}, "unknown key 'masss'; did you mean 'mass'?"),
-    "one value": ({"mass": [0.5]}, "has 1 values"),
-    "a word": ({"mass": "heavy"}, "must be a list"),
-    "without the nominal": ({"mass": [2.0, 3.0]}, "must contain 1"),
-    "moment without zero": ({"mx": [0.1, 0.3]}, "must contain 0"),
-    "nothing": ({}, "at least one range"),
-    "offsets": ({"mass": [0.5, 2.0], "com_x": [-0.1, 0.1]}, "'hull: outer'"),
-    "offsets and moments": ({"com_x": [-0.1, 0.1], "mx": [-1, 1], "hull": "outer"}, "exclude each other"),
-    "hull alone": ({"mass": [0.5, 2.0], "hull": "outer"}, "is for ranges of com_x"),
-}
-
-
-@pytest.mark.parametrize("mistake", VARIATION_MISTAKES)
-def test_a_bad_variation_is_refused(mistake, tmp_path, capsys):
-    variation, words = VARIATION_MISTAKES[mistake]
-    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
-    cell["object"]["variation"] = variation
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
-    assert main(["scale", str(tmp_path / "cell.yaml"), str(DATA / "lift.yaml")]) == 2
-    said = capsys.readouterr().err
-    assert words in said
-    assert "cell.yaml: object.variation" in said
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (["--load", "guaranteed"], "add 'variation' under 'object'"),
-        (["--load", "sometimes"], "add 'variation' under 'object'"),
-        (["--carry", "mass=2"], "gives no object.variation"),
-        (["--carry", "mass"], "gives no object.variation"),
-    ],
-)
-def test_questions_without_a_box_are_refused(options, words, capsys):
-    assert main(["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), *options]) == 2
-    assert words in capsys.readouterr().err
-
-
-def test_bad_questions_and_loads_are_refused(planar_cell, lift):
-    cell = planar_cell.with_variation(mass=(0.2, 6.0))
-    for load in ("grid:1", "grid:99999", "sometimes", "grid:x", 3):
-        with pytest.raises(mrts.InputError, match="load"):
-            mrts.scale(cell, lift, load=load)
-    with pytest.raises(mrts.InputError, match="leaves open which load"):
-        mrts.scale(cell, lift, "fastest", load="possible")
-    with pytest.raises(mrts.InputError, match="does not vary"):
-        mrts.scale(planar_cell.with_variation(izz=(0.5, 2)), lift, load="grid:5")
-    for parameters in ({"mass": 7.0}, {"izz": 1.0}, {"mass": True}, {"mass": float("nan")}):
-        with pytest.raises(mrts.InputError):
-            cell.load_box.load_at(parameters)
-    for load in (np.zeros(10), np.ones(7), np.full(10, np.nan), "heavy"):
-        with pytest.raises(mrts.InputError):
-            planar_cell.with_load(load)
-    with pytest.raises(mrts.InputError, match="has first moments"):
-        planar_cell.with_load(cell.load + np.eye(10)[1]).with_variation(mass=(0.9, 1.1))
-    with pytest.raises(mrts.InputError, match="at least one range"):
-        planar_cell.with_variation(outer_hull=True)
-    with pytest.raises(mrts.InputError, match="two finite numbers"):
-        planar_cell.with_variation(mass=(True, 2))
-    with pytest.raises(mrts.InputError, match="Shape"):
-        LoadBox(1.0, np.ones(3), {"mass": (0.5, 2)})
-    assert planar_cell.with_variation(mass=(np.int64(1), np.float32(2))).load_box.ranges == {"mass": (1.0, 2.0)}
-    with pytest.raises(mrts.InputError, match="unknown parameter 'weight'"):
-        planar_cell.with_variation(weight=(1, 2))
-    with pytest.raises(mrts.InputError, match="no trajectory"):
-        mrts.torques_for_load(mrts.scale(cell, lift, load="possible"), cell.load)
