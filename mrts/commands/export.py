@@ -42,6 +42,7 @@ def run(options: argparse.Namespace) -> int:
     from mrts.cell.generation import export_to
     from mrts.coordination.coordinate import coordinate
     from mrts.motion.motion_file import load_motion
+    from mrts.output.embedded_limits import embedded_limits
     from mrts.output.embedded_test_vectors import make_vectors, own_motion
 
     if options.cell.is_dir():
@@ -57,7 +58,16 @@ def run(options: argparse.Namespace) -> int:
             motion = coordinate(cell, load_motion(options.motion), closure_option(options.closure))
         vectors, samples = make_vectors(cell, motion), motion.samples
     with working(f"writing {options.output}"):
-        written = export_to(options.cell, options.output, vectors, samples, options.precision, parts, options.name)
+        written = export_to(
+            options.cell,
+            options.output,
+            limits=embedded_limits(cell),
+            vectors=vectors,
+            path_samples=samples,
+            precision=options.precision,
+            parts=parts,
+            name=options.name,
+        )
     say(f"{cell.name}: {options.precision} precision, {len(vectors)} test vectors, in {options.output}:")
     say("\n".join(f"  {name}" for name in written))
     return FEASIBLE

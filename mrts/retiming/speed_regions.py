@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.kernel_library import OPTIMAL
+from mrts.kernel.programs import OPTIMAL
 from mrts.retiming.speed_kernel import speed_kernel
 from mrts.samples.sample_problem import SampleProblem
 from mrts.samples.sample_ranges import REST_TOLERANCE

@@ -9,16 +9,17 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.kernel.compiled_cell import CompiledCell, SparseLimits
-from mrts.kernel.kernel_library import OPTIMAL
+from mrts.kernel.cell_library import CellLibrary, SparseLimits
+from mrts.kernel.programs import OPTIMAL
 from mrts.limits import cell_rows
 from mrts.limits.rows import ActiveRow, LimitRows
 from mrts.limits.velocity_limits import velocity_limits
+from mrts.samples import FormulationName
 from mrts.samples.end_rows import with_end_rows
 from mrts.samples.infeasibility import Conflict, find_conflicts
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_ends import KernelRows
-from mrts.samples.sample_problem import FormulationName, build_sample_problem
+from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses, without_speed_at_rest
 from mrts.samples.torque_distribution import SLACK, distribute_torques
 from mrts.solvers import check_solver
@@ -67,7 +68,7 @@ def motion_ranges(
 
 
 def _compiled_ranges(
-    cell: Cell, motion: CoordinatedMotion, compiled: CompiledCell, limits: LimitRows, solver: str, load: Array | None
+    cell: Cell, motion: CoordinatedMotion, compiled: CellLibrary, limits: LimitRows, solver: str, load: Array | None
 ) -> SampleRanges:
     """The ranges by the kernel; what it does not settle is left to the solvers."""
     velocity = velocity_limits(cell, motion)
@@ -140,7 +141,7 @@ def motion_torques(
 
 def _compiled(
     cell: Cell, formulation: FormulationName, sharing: LoadSharing | None, solver: str
-) -> tuple[CompiledCell, LimitRows] | None:
+) -> tuple[CellLibrary, LimitRows] | None:
     """The cell's library and limits where it answers: free distribution, wrench form, more than one arm."""
     check_solver(solver)
     compiled = cell.functions.compiled
@@ -153,7 +154,8 @@ def _compiled(
 
 def _sparse(limits: LimitRows) -> SparseLimits:
     matrix = np.hstack([limits.torque_matrix, limits.wrench_matrix])
-    return SparseLimits(matrix, limits.lower, limits.upper, limits.units())
+    units = [name.unit for name in limits.names]
+    return SparseLimits(matrix=matrix, lower=limits.lower, upper=limits.upper, group=units)
 
 
 def _settle(

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""Our own dense kernel for any batch of programs; see mrts/kernel/c/dense_programs.h."""
+"""Our own dense kernel for any batch of programs; see mrts/kernel/c/linear_programs.h."""
 
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.kernel.kernel_library import default_kernel
+from mrts.kernel.programs import default_programs
 
 
 class KernelSolver:
     """Linear programs by the bounded dual simplex method, quadratic ones by a dual active set method."""
 
     def __init__(self) -> None:
-        self._library = default_kernel()
+        self._programs = default_programs()
 
     def solve(
         self,
@@ -27,7 +27,7 @@ class KernelSolver:
         rows = A.shape[1]
         low, high = np.concatenate([lower, x_lower], axis=1), np.concatenate([upper, x_upper], axis=1)
         if H is None:
-            x, dual, _ = self._library.linear_programs(g, A, low, high)
+            x, dual, _ = self._programs.linear_programs(g, A, low, high)
         else:
-            x, dual, _ = self._library.quadratic_programs(H, g, A, low, high)
+            x, dual, _ = self._programs.quadratic_programs(H, g, A, low, high)
         return x, dual[:, :rows], dual[:, rows:]

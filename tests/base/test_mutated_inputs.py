@@ -20,7 +20,7 @@ import mrts
 from mrts.base.manifest import read_generated
 from mrts.cli import main
 from mrts.output.ros_bag import write_ros_bag
-from mrts.output.trajectory_csv import write_trajectory_csv
+from mrts.output.trajectory_table import write_trajectory_csv
 
 CASES = int(os.environ.get("FUZZ_CASES", "2000"))
 SEED = int(os.environ.get("FUZZ_SEED", "0"))

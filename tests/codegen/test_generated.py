@@ -194,7 +194,7 @@ def test_shapes_that_the_kernel_takes_for_granted_are_checked(short, planar_cell
     )
     altered = manifest.model_copy(update={"functions": manifest.functions | {short: record}})
     with pytest.raises(mrts.InputError, match="do not follow from robots"):
-        check_shapes("manifest.json", altered, planar_cell.functions.compiled.loaded)
+        check_shapes("manifest.json", altered, planar_cell.functions.compiled.opened)
 
 
 def test_a_function_that_the_c_file_lacks_is_missed(tmp_path):

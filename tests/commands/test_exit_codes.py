@@ -182,7 +182,7 @@ def test_folders_are_complete_or_untouched(tmp_path):
     assert "File too large" in done.stderr
     assert list(tmp_path.iterdir()) == []
     (tmp_path / "old").write_text("old")
-    script = "from pathlib import Path; from mrts_codegen.embedded_export import write_library;"
+    script = "from pathlib import Path; from mrts_codegen.embedded.export_library import write_library;"
     script += "write_library(Path(), {'old': 'new', 'src/small.c': '', 'src/large.c': 30_000 * 'x'})"
     command = [sys.executable, "-c", script]
     done = subprocess.run(command, stderr=subprocess.PIPE, check=False, cwd=tmp_path, preexec_fn=small_files(20_000))

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 import subprocess
 import sys
 import threading
@@ -15,20 +16,14 @@ from conftest import DATA, ROOT
 from random_programs import cell_programs, hard_programs
 
 import mrts
+from mrts.kernel.c_text import programs_source
 from mrts.kernel.compiler import find_compiler
-from mrts.kernel.kernel_library import (
-    CHUNK,
-    INFEASIBLE,
-    KERNEL_FILES,
-    MARGINAL,
-    OPTIMAL,
-    default_kernel,
-    kernel_library,
-    kernel_text,
-)
+from mrts.kernel.foreign_arrays import work_arrays
 from mrts.kernel.library_cache import library_in_cache
+from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, _programs_alone, compiled_programs
 from mrts.limits import cell_rows
-from mrts.output.trajectory_csv import write_trajectory_csv
+from mrts.output.trajectory_table import write_trajectory_csv
+from mrts.samples.trajectory_programs import _sparse
 from mrts.solvers.convex_program import ConvexPrograms, optimality_error, solve_programs
 
 LINEAR_PROGRAMS = 100_000
@@ -50,7 +45,7 @@ SHAPES = [(arms, size) for size in (3, 6) for arms in (2, 3, 4)]
 
 @pytest.fixture(scope="module")
 def kernel():
-    return kernel_library(find_compiler())
+    return compiled_programs(find_compiler())
 
 
 class Highs:
@@ -240,17 +235,17 @@ def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch
     folder = DATA.parent / name
     cell = mrts.load_cell(folder / "cell.yaml")
     motion_file = "lift.yaml" if name == "planar_dual_arm" else "lift_and_turn.yaml"
-    text = (folder / motion_file).read_text().replace("samples: 101", f"samples: {5 * CHUNK + 7}")
+    text = (folder / motion_file).read_text().replace("samples: 101", f"samples: {5 * 256 + 7}")
     description = mrts.MotionDescription.model_validate(__import__("yaml").safe_load(text))
     motion = mrts.follow_object(cell, mrts.sample_motion(description))
     results = []
     for threads in (1, 2, 3):
-        monkeypatch.setattr("mrts.kernel.compiled_cell.MOST_THREADS", threads)
+        monkeypatch.setattr("mrts.kernel.foreign_arrays.MOST_THREADS", threads)
         monkeypatch.setattr("os.cpu_count", lambda: 8)
         result = mrts.scale(cell, motion)
         assert result.fallbacks == 0
         ends = cell.functions.compiled.ranges(
-            motion.samples, motion.inputs(cell.load), cell_rows(cell), np.full(motion.samples, np.inf)
+            motion.samples, motion.inputs(cell.load), _sparse(cell_rows(cell)), np.full(motion.samples, np.inf)
         )
         results.append((ends.low, ends.high, ends.basis, ends.dual, result.trajectory.torque, result.trajectory.wrench))
     for other in results[1:]:
@@ -302,14 +297,13 @@ def test_a_failing_thread_is_an_error_and_not_a_result(planar_cell, lift, monkey
     longer = np.linspace(0, lift.time[-1], 1000)
     motion = mrts.ObjectMotion(longer, *(interpolated(field, longer, lift.time) for field in fields[1:]))
     whole = mrts.follow_object(planar_cell, motion)
-    workspace = planar_cell.functions.compiled._workspace  # noqa: SLF001 (stands in for memory running out)
 
-    def fails_elsewhere(rows):
+    def fails_elsewhere(*asked):
         if threading.current_thread() is not threading.main_thread():
             raise MemoryError
-        return workspace(rows)
+        return work_arrays(*asked)
 
-    monkeypatch.setattr(planar_cell.functions.compiled, "_workspace", fails_elsewhere)
+    monkeypatch.setattr("mrts.kernel.cell_library.work_arrays", fails_elsewhere)
     monkeypatch.setattr("os.cpu_count", lambda: 2)
     with pytest.raises(MemoryError):
         mrts.scale(planar_cell, whole, "nominal")
@@ -356,19 +350,31 @@ def test_a_motion_too_small_to_scale_by_is_at_rest(lift, planar_cell, tmp_path):
 def test_a_library_that_does_not_load_is_compiled_again(tmp_path, monkeypatch):
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
     command = find_compiler()
-    library = library_in_cache(command, "mrts_kernel", kernel_text(KERNEL_FILES))
+    library = library_in_cache(command, "mrts_programs", programs_source())
     library.write_bytes(b"of another machine")
     library.with_suffix(".sha256").write_text(hashlib.sha256(b"of another machine").hexdigest())
-    x, _, status = kernel_library(command).linear_programs(
+    x, _, status = compiled_programs(command).linear_programs(
         np.ones((1, 1)), np.ones((1, 1, 1)), np.array([[2.0, 0.0]]), np.array([[3.0, np.inf]])
     )
     assert status[0] == OPTIMAL
     assert x[0, 0] == 2
 
 
+def test_the_first_answer_compiles_one_library(tmp_path):
+    """The cell's library holds all of the kernel: rows of an end and fallbacks need no other."""
+    words = ["scale", ROOT / "generated" / "planar_dual_arm", DATA / "lift.yaml"]
+    environment = os.environ | {"MRTS_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-m", "mrts", *words], capture_output=True, text=True, check=False, env=environment
+    )
+    assert done.returncode == 0, done.stderr
+    assert [path.name for path in tmp_path.rglob("*.so")] == ["planar_dual_arm.so"]
+
+
 def test_a_broken_compiler_does_not_stop_the_virtual_machine(monkeypatch, lift):
     monkeypatch.setenv("CC", "false")
-    default_kernel.cache_clear()
+    monkeypatch.setattr("mrts.kernel.programs._of_a_cell", [])
+    _programs_alone.cache_clear()
     cell = mrts.load_cell(DATA / "cell.yaml", backend="vm")
     assert mrts.scale(cell, lift).range.upper.c2 == pytest.approx(3.0618, abs=1e-4)
-    default_kernel.cache_clear()
+    _programs_alone.cache_clear()

@@ -16,10 +16,10 @@ HOSTILE = (np.nan, np.inf, -np.inf, 1e308, -1e308, 1e-300, 1e-320, 5e-324, 0.0)
 RUN = """
 import sys
 import numpy as np
-from mrts.kernel.kernel_library import default_kernel
+from mrts.kernel.programs import default_programs
 programs = [array for _, array in np.load(sys.argv[1]).items()]
 for program in range(len(programs[0])):
-    default_kernel().linear_programs(*(array[program][None] for array in programs))
+    default_programs().linear_programs(*(array[program][None] for array in programs))
 """
 
 
@@ -41,8 +41,8 @@ sys.path.insert(0, sys.argv[1])
 import numpy as np
 from random_programs import cell_programs, hard_programs
 from mrts.kernel.compiler import find_compiler
-from mrts.kernel.kernel_library import kernel_library
-kernel = kernel_library(find_compiler())
+from mrts.kernel.programs import compiled_programs
+kernel = compiled_programs(find_compiler())
 rng = np.random.default_rng(0)
 for arms, size in ((2, 3), (2, 6), (3, 6)):
     A, lower, upper = cell_programs(rng, 200, arms, size)

@@ -16,7 +16,7 @@ from test_motion_files import joint_table, object_table
 
 import mrts
 from mrts.cli import main
-from mrts.output.trajectory_csv import write_trajectory_csv
+from mrts.output.trajectory_table import write_trajectory_csv
 
 UR5 = DATA.parent / "dual_ur5"
 MOTIONS = {"planar_dual_arm": "lift", "dual_ur5": "lift_and_turn"}

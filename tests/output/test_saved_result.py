@@ -19,7 +19,7 @@ from mrts.figures import range_figure, trajectory_figure, write_figure
 from mrts.output.ros_bag import write_ros_bag
 from mrts.output.saved_json import Description
 from mrts.output.summary_lines import scaling_lines
-from mrts.output.trajectory_csv import trajectory_csv
+from mrts.output.trajectory_table import trajectory_csv
 
 UR5 = DATA.parent / "dual_ur5"
 

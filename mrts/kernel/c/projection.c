@@ -3,6 +3,7 @@
  * The projection of a polytope onto two of its unknowns, from inside: the corners are the projections of linear
  * programs' answers, so whatever is a mixture of them is feasible.
  */
+#include "linear_programs.h"
 
 /* Most corners of one projection; a polygon with more is replaced by one inside it. */
 #define MRTS_CORNERS 64
@@ -137,15 +138,21 @@ static int mrts_project(int k, int rows, const double *A, const double *lower, c
     return MRTS_OPTIMAL;
 }
 
+/* Reals and ints of work of the projections below. */
+MRTS_EXPORT void mrts_project_batch_work(int k, int rows, long long *reals, long long *ints) {
+    *reals = MRTS_LP_WORK(k) + 3 * k + (MRTS_CORNERS + 1) * (2 + 2 * k);
+    *ints = MRTS_LP_IWORK(k, rows) + (MRTS_CORNERS + 1) * k;
+}
+
 /* `count` projections of { z : lower <= (A z, z) <= upper }, limits of the rows and then of the unknowns; each starts from
- * the first corner of the one before. */
+ * the first corner of the one before, the first of a chunk cold. */
 MRTS_EXPORT void mrts_project_batch(long long count, int k, int rows, const double *A, const double *lower,
                                     const double *upper, int *corner_count, double *corners, unsigned char *status,
                                     double *work, int *iwork) {
     double *places = work + MRTS_LP_WORK(k) + 3 * k;
     int *bases = iwork + MRTS_LP_IWORK(k, rows);
-    bases[0] = 0;
     for (long long n = 0; n < count; ++n) {
+        if (n % MRTS_CHUNK == 0) bases[0] = 0;
         corner_count[n] = 0;
         status[n] = (unsigned char)mrts_project(k, rows, A + n * rows * k, lower + n * (rows + k), upper + n * (rows + k),
                                                 corner_count + n, corners + n * 2 * MRTS_CORNERS, places, bases, work,

@@ -2,8 +2,9 @@
  *
  * Quadratic programs: the dual method of Goldfarb and Idnani, A numerically stable dual method for solving strictly
  * convex quadratic programs, Mathematical Programming 27, 1983; two-sided rows and a final refinement are added. The
- * rows are looked through as in linear_programs.c, which comes first.
+ * rows are looked through as in linear programs.
  */
+#include "quadratic_programs.h"
 
 /* Cholesky factor of H and the inverse of its transpose, upper triangular, by columns in J; 0 if H is not definite. */
 static int mrts_qp_factor(int k, const mrts_real *H, mrts_real *L, mrts_real *J) {
@@ -133,9 +134,9 @@ static mrts_real mrts_qp_error(int k, int rows, const mrts_real *H, const mrts_r
     return worst;
 }
 
-static int mrts_qp(int k, int rows, const mrts_real *H, const mrts_real *A, const mrts_real *lower,
-                   const mrts_real *upper, const mrts_real *g, mrts_real *x, int *active, mrts_real *u, int *count,
-                   mrts_real *work, int *iwork) {
+MRTS_LOCAL int mrts_qp(int k, int rows, const mrts_real *H, const mrts_real *A, const mrts_real *lower,
+                       const mrts_real *upper, const mrts_real *g, mrts_real *x, int *active, mrts_real *u, int *count,
+                       mrts_real *work, int *iwork) {
     mrts_real *L = work, *J = L + k * k, *R = J + k * k, *a = R + k * k, *d = a + k, *z = d + k, *r = z + k;
     mrts_real *scratch = r + k;
     int *is_active = iwork;

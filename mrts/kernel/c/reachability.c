@@ -5,6 +5,7 @@
  * on each segment: x_(i+1) = x_i + 2 step_i u. Each sample has half-planes n_u u + n_x x <= h, which hold at both ends of
  * every segment (the interpolation scheme).
  */
+#include "numbers.h"
 
 /* Rounding of a speed on a limit, relative to 1 and the limit, so that a region of one point does not miss itself. */
 #define MRTS_ON_LIMIT 2e-10
@@ -101,6 +102,9 @@ MRTS_EXPORT long long mrts_backward(long long last, const double *step, const lo
     }
     return -1;
 }
+
+/* Reals of work of both passes, where no two samples in a row have more than so many half-planes. */
+MRTS_EXPORT long long mrts_segment_work(long long planes) { return 3 * (planes + 2); }
 
 /* Forward: from x[0] the largest controllable speed at each next sample. */
 MRTS_EXPORT void mrts_forward(long long last, const double *step, const long long *start, const double *planes,

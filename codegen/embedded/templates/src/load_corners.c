@@ -1,0 +1,6 @@
+/* @NOTICE@ */
+#include "@NAME@.h"
+
+const @NAME@_real @NAME@_load_corners[@MACRO@_CORNERS][@MACRO@_LOAD] = {
+@LOAD_CORNERS@
+};
