@@ -18,6 +18,8 @@ from mrts.output import TRAJECTORY_FORMATS
 from mrts.output.ros_bag import write_ros_bag
 from mrts.output.trajectory_table import played_rows, trajectory_csv, write_trajectory_csv
 
+pytestmark = pytest.mark.quick
+
 UR5 = DATA.parent / "dual_ur5"
 
 
