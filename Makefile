@@ -8,7 +8,7 @@ CASES ?= 100000
 SEED ?= 0
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test fuzz docs check bench instructions embedded-counts generate clean
+.PHONY: help install demo quick test fuzz docs check bench instructions embedded-counts generate clean
 .NOTPARALLEL:  # one pip at a time in .venv
 
 help:  ## show this list
@@ -61,6 +61,9 @@ $(VENV)/installed: pyproject.toml setup.py constraints.txt $(UNFIT)
 
 demo: $(VENV)/demo  ## generate, compile and run the paper's examples; figures in build/demo
 	$(BIN)/mrts demo -o build/demo
+
+quick: install  ## run one test of each kind, in about a minute
+	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m quick
 
 test: install  ## run all tests
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal

@@ -45,5 +45,10 @@ def lift():
 
 
 @pytest.fixture(scope="session")
+def lifted(planar_cell, lift):
+    return mrts.scale(planar_cell, lift)
+
+
+@pytest.fixture(scope="session")
 def dual_ur5():
     return mrts.load_cell(DATA.parent / "dual_ur5" / "cell.yaml")

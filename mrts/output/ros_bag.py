@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from mrts.base.argument_types import as_path, check_type
+from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import make_folder_atomically
 from mrts.base.errors import InputError
 from mrts.cell.robot import Robot
 from mrts.motion.ros_messages import NANOSECONDS, message_types
-from mrts.output.trajectory_table import PlayedRows, played_rows
+from mrts.output.trajectory_table import PlayedRows, played_rows, trajectory_to_write
 from mrts.scaling.result import ScalingResult
 
 if TYPE_CHECKING:
@@ -37,11 +37,8 @@ def write_ros_bag(result: ScalingResult, folder: Path | str) -> None:
     Raises:
         InputError: If there is no trajectory, or the folder exists or cannot be made.
     """
-    check_type("result", result, ScalingResult)
+    done = trajectory_to_write(result)
     folder = as_path("folder", folder)
-    done = result.trajectory
-    if done is None:
-        raise InputError("trajectory", "there is none to write: no c² was chosen.", value=result.status.value)
     if folder.exists():
         raise InputError(folder, "exists already: a bag is written into a new folder. Remove it, or name another.")
     rows = played_rows(done)

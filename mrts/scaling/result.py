@@ -20,8 +20,8 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import cell_rows
 from mrts.limits.velocity_limits import velocity_limits
+from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.sample_problem import FormulationName
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange, ScalingStatus
 from mrts.scaling.result_html import result_html

@@ -17,8 +17,8 @@ from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
+from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.sample_problem import FormulationName
 from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges, motion_torques
 from mrts.scaling.holding_torques import holding_at_ends

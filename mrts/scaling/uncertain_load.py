@@ -10,8 +10,8 @@ from mrts.base.errors import InputError
 from mrts.base.load_box import LoadBox, LoadPoint
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.sample_problem import FormulationName
 from mrts.scaling.guaranteed_range import effective_parameters, for_every_load, guaranteed_range
 from mrts.scaling.load_study import LoadQuestion, LoadStudy
 from mrts.scaling.possible_load import possible_range

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The registry of solvers. A new solver is one file here and one line in `SOLVERS`."""
+"""Verified batches of linear and quadratic programs. A new solver is one file and one line in `SOLVERS`.
+
+May import base to cell. Start at `convex_program.py`.
+"""
 
 from collections.abc import Callable, Iterator
 from typing import Protocol

@@ -10,6 +10,8 @@ from conftest import DATA
 import mrts
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
 
+pytestmark = pytest.mark.quick
+
 SIDE = np.array([0.1, 0.0, 0.0])
 
 

@@ -22,6 +22,8 @@ from random_cells import configuration
 import mrts
 from mrts.cli import main
 
+pytestmark = pytest.mark.quick
+
 TALOS = ROBOTS / "talos_data/robots/talos_full_v2.urdf"
 TIAGO = ROBOTS / "tiago_description/robots/tiago_dual.urdf"
 TOLERANCE = 1e-10  # relative; both sides are exact recursions

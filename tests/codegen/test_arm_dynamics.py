@@ -65,6 +65,7 @@ def close(ours, theirs):
     np.testing.assert_allclose(ours, theirs, rtol=0, atol=TOLERANCE * (1 + np.max(np.abs(theirs))))
 
 
+@pytest.mark.quick
 def test_every_term_equals_pinocchio(spatial, states):
     cell, description, folder = spatial
     q, dq, ddq = states

@@ -148,6 +148,7 @@ def test_exporting_twice_gives_the_same_bytes(library, tmp_path):
         assert (folder / path).read_bytes() == (tmp_path / path).read_bytes(), path
 
 
+@pytest.mark.quick
 def test_the_committed_export_is_current(tmp_path):
     assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path)]) == 0
     committed, fresh = (

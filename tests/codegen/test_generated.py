@@ -25,6 +25,7 @@ SAME = 1e-15
 """Compiled without contraction, C and virtual machine differ by libm at most."""
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", SHIPPED)
 def test_the_committed_cells_are_current(name):
     """Run `make generate` after a change of the emitter or of a shipped cell."""
@@ -42,6 +43,7 @@ def test_generated_files_name_no_place_of_this_machine():
         assert "/home" not in text
 
 
+@pytest.mark.quick
 def test_compiled_c_equals_the_virtual_machine(planar_cell):
     machine = mrts.load_cell(DATA / "cell.yaml", backend="vm")
     assert (planar_cell.functions.backend, machine.functions.backend) == ("compiled", "vm")
@@ -56,6 +58,7 @@ def test_compiled_c_equals_the_virtual_machine(planar_cell):
             )
 
 
+@pytest.mark.quick
 def test_a_generated_folder_gives_the_same_result_without_the_cell_file(planar_cell, lift, tmp_path):
     generate_cell(DATA / "cell.yaml").write(tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["manifest.json", "planar_dual_arm.c"]
@@ -71,6 +74,7 @@ def test_an_edited_c_file_is_refused(tmp_path):
         mrts.load_cell(tmp_path / "cell")
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("key", "value"), [("format", 99), ("robots", []), ("gravity", "down")])
 def test_a_wrong_manifest_is_refused(tmp_path, key, value):
     shutil.copytree(COMMITTED, tmp_path / "cell")

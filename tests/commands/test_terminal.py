@@ -142,6 +142,7 @@ def test_control_c_ends_the_work_tidily(arguments, shows, uncertain, tmp_path, p
     assert list(tmp_path.rglob(".*")) == []  # no file is left half written
 
 
+@pytest.mark.quick
 def test_quiet_says_nothing_but_writes_the_files(tmp_path, capsys):
     target = tmp_path / "result.json"
     for words in ([*LIFT, "-q", "--json", target], ["--quiet", *LIFT, "--json", target]):

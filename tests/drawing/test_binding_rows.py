@@ -26,6 +26,7 @@ def spatial(dual_ur5):
     )
 
 
+@pytest.mark.quick
 def test_lanes_are_filled_exactly_where_their_rows_bind(spatial):
     samples, lanes = spatial.range.samples, binding_lanes(spatial.range)
     assert len(lanes) == MOST_LANES  # 21 rows bind somewhere: the rest shares the last lane

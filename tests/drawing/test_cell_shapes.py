@@ -7,6 +7,8 @@ from conftest import DATA
 import mrts
 from mrts.drawing.cell_shapes import contact_forces, joint_points, object_box
 
+pytestmark = pytest.mark.quick
+
 SAME_PLACE = 1e-12
 """[m]; the same transforms in another order."""
 

@@ -89,6 +89,15 @@ def random_spatial_cell(rng, folder: Path, arms: int, samples: int = 11) -> Rand
     return drawn(rng, name, robots, motion, folder)
 
 
+def drawn_until(suits, draw):
+    """What the first of some draws that suits is, and what `suits` found: None of a draw that does not."""
+    while True:
+        case = draw()
+        found = suits(case)
+        if found is not None:
+            return case, found
+
+
 def random_timing(rng, durations, samples):
     """Duration [s], samples and profile of a motion file."""
     return {

@@ -12,6 +12,8 @@ from conftest import ROOT
 import mrts
 from mrts.base.manifest import read_generated
 
+pytestmark = pytest.mark.quick
+
 SOURCES = sorted([*(ROOT / "mrts").rglob("*.py"), *(ROOT / "codegen").rglob("*.py")])
 HEAVY = ("casadi", "scipy", "pydantic", "yaml", "yourdfpy", "trimesh", "lxml", "matplotlib", "mrts_codegen", "plotly")
 HEAVY += ("rich", "rosbags", "viser")

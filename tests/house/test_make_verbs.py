@@ -66,7 +66,7 @@ def test_the_demo_installs_what_it_needs_and_no_more(clone):
     assert commands.rstrip().endswith(".venv/bin/mrts demo -o build/demo")
 
 
-@pytest.mark.parametrize("verb", ["test", "check", "docs", "fuzz", "instructions", "generate"])
+@pytest.mark.parametrize("verb", ["quick", "test", "check", "docs", "fuzz", "instructions", "generate"])
 def test_the_other_verbs_install_everything_at_once(clone, verb):
     commands = plan(clone, verb)
     assert "-e '.[plot,test,check]'" in commands

@@ -107,6 +107,7 @@ def test_given_joints_of_redundant_arms_are_moved_as_little_as_needed(two_pandas
             assert np.max(np.abs(changed)) < 1e-9
 
 
+@pytest.mark.quick
 def test_unreachable_names_robot_sample_and_distance(dual_ur5):
     with pytest.raises(mrts.MotionError, match=r"robot 'left' cannot reach .* sample \d+ .* no nearer than .* m and"):
         mrts.follow_object(dual_ur5, motion([0.9, 0.1, 0.35]))
@@ -189,6 +190,7 @@ GIVEN_MISTAKES = {
 }
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("mistake", GIVEN_MISTAKES)
 def test_a_motion_given_by_hand_is_checked(dual_ur5, mistake):
     followed = mrts.follow_object(dual_ur5, motion([0.03, 0.2, 0.5]))

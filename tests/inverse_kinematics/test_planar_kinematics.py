@@ -9,6 +9,8 @@ import mrts
 from mrts.inverse_kinematics.planar_closed_form import planar_branches
 from mrts.motion.velocity_profile import PROFILES
 
+pytestmark = pytest.mark.quick
+
 G = 9.8
 
 

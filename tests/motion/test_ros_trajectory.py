@@ -169,6 +169,7 @@ def test_points_without_accelerations_lie_on_the_splines_of_a_table(dual_ur5, fo
             np.testing.assert_allclose(bag.accelerations[joint], table.accelerations[joint], atol=1e-3 * size)
 
 
+@pytest.mark.quick
 def test_a_topic_that_names_no_robot_is_told_by_its_joints(dual_ur5, given, tmp_path):
     """One arm has each name: it is meant. Two arms have it: the topic must say which."""
     case = random_planar_cell(np.random.default_rng(3), tmp_path, 1)

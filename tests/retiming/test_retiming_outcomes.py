@@ -13,6 +13,7 @@ from gantries import along_x, gantries
 import mrts
 
 
+@pytest.mark.quick
 def test_limits_that_conflict_are_named(planar_cell, lift):
     """100 kg may only fall."""
     found = mrts.retime(planar_cell.with_mass(100.0), lift)
@@ -77,6 +78,7 @@ def there_and_back(turn, samples=101, wait=0):
     return mrts.ObjectMotion(time, position, eye, twist, acceleration, smooth=False)
 
 
+@pytest.mark.quick
 def test_a_stop_on_the_way_splits_the_path(tmp_path):
     cell = gantries(tmp_path)
     found = mrts.retime(cell, there_and_back(0.5))

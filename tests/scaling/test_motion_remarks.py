@@ -16,6 +16,8 @@ from mrts.output.summary_lines import retiming_lines, scaling_lines
 from mrts.report import report_html
 from mrts.scaling.motion_remarks import noise_share
 
+pytestmark = pytest.mark.quick
+
 SAID = Remark("told-by-a-test", "the <cell> says something.", 3)
 
 

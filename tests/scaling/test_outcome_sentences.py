@@ -14,6 +14,8 @@ from mrts.base.interval_text import interval_text
 from mrts.output.summary_lines import scaling_lines
 from mrts.scaling.result import _speed_advice
 
+pytestmark = pytest.mark.quick
+
 AT_REST = {"duration": 1.0, "samples": 11, "profile": "quintic", "start": {"xyz": [1.25, 1, 0]}}
 
 

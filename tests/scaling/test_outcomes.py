@@ -18,6 +18,8 @@ from mrts.samples.sample_ranges import SampleRanges, SampleStatus
 from mrts.scaling.range import intersect
 from mrts.scaling.scale import choose_c2
 
+pytestmark = pytest.mark.quick
+
 
 def stronger(cell, factor):
     return replace(

@@ -107,6 +107,7 @@ def test_the_cap_keeps_the_best_of_the_even_distribution(study, unhurried, lift_
         mrts.rank_configurations(unhurried, lift_and_turn, cap=0)
 
 
+@pytest.mark.quick
 def test_the_papers_configurations(planar_cell, lift):
     """Section 6.3: up-up before the two mixed ones before down-down; flipped arms agree with `mrts demo`."""
     study = mrts.rank_configurations(planar_cell, lift)
@@ -166,6 +167,7 @@ def test_an_object_out_of_everyones_reach(dual_ur5):
     assert "cannot reach" in study.table(5)
 
 
+@pytest.mark.quick
 def test_the_command(tmp_path, capsys):
     target = tmp_path / "study.json"
     arguments = ["configurations", str(UR5 / "cell.yaml"), str(UR5 / "lift_and_turn.yaml"), "--show", "3"]

@@ -54,6 +54,7 @@ def test_torques_inside_the_range_are_those_of_mrts(dual_ur5, turning, share):
     np.testing.assert_array_equal(state.excess, 0)
 
 
+@pytest.mark.quick
 def test_it_starts_at_the_fastest_admissible_speed(planar_cell, lift):
     state, result = PlayerState(planar_cell, lift), mrts.scale(planar_cell, lift)
     np.testing.assert_array_equal(state.trajectory.torque, result.trajectory.torque)
@@ -93,6 +94,7 @@ def test_a_sample_is_red_exactly_outside_its_own_range(make, arms, tmp_path):
     assert True in seen
 
 
+@pytest.mark.quick
 def test_beyond_the_range_limits_are_passed_by_the_least_share(planar_cell, lift):
     state = PlayerState(planar_cell, lift)
     state.choose_speed(1.1 * state.trajectory.c)

@@ -248,6 +248,7 @@ def test_a_wrong_address_is_refused(host, port, match):
         open_server(host, port, "test")
 
 
+@pytest.mark.quick
 def test_bad_input_ends_before_any_server(tmp_path, capsys):
     assert main(["view", str(tmp_path / "no.yaml"), str(DATA / "lift.yaml")]) == 2
     assert "no.yaml" in capsys.readouterr().err
@@ -272,6 +273,7 @@ def red(page):
     return page.locator('[data-over="true"]').evaluate_all("rows => rows.map(row => row.dataset.bar)")
 
 
+@pytest.mark.quick
 def test_the_page_follows_the_speed_slider(chromium):
     """The planar lift binds at its first sample, so there the bars turn red as soon as c passes c⁺."""
     with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (process, url), open_page(chromium, url) as page:
