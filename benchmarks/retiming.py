@@ -22,7 +22,7 @@ from mrts.retiming.path_rows import build_path_problem
 from mrts.retiming.reachability import fastest_profile
 from mrts.retiming.speed_regions import speed_regions
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "oracles"))
 from transcription import transcribed  # the check of the tests, built outside the measured calls
 
 CELL = Path(str(files("mrts") / "data")) / "dual_ur5"

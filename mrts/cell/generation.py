@@ -117,7 +117,7 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     Raises:
         InputError: If the cell file breaks a rule.
     """
-    from mrts_codegen.cell_description import read_cell_description, resolve_urdf  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.cell_file import read_cell_description, resolve_urdf  # noqa: PLC0415 (build time, on demand)
 
     robots = read_cell_description(path).robots
     return {robot.name: (resolve_urdf(path, robot.urdf), robot.base_link) for robot in robots}

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import FunctionRecord, Manifest
-from mrts.kernel.foreign_arrays import over_chunks, pointer, work_arrays
+from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
 from mrts.kernel.function_shapes import work_sizes
 from mrts.kernel.programs import STOPPED, Programs, offer_programs
 
@@ -58,8 +58,8 @@ class SparseLimits:
             np.ascontiguousarray(start, dtype=np.int32),
             np.ascontiguousarray(column, dtype=np.int32),
             np.ascontiguousarray(matrix[row, column]),
-            np.ascontiguousarray(np.maximum(lower, -1e300)),
-            np.ascontiguousarray(np.minimum(upper, 1e300)),
+            np.ascontiguousarray(np.maximum(lower, -INFINITY)),
+            np.ascontiguousarray(np.minimum(upper, INFINITY)),
             np.array([units.index(unit) for unit in group], dtype=np.int32),
         ]
         self.structure = _Limits(self.rows, *(pointer(array) for array in self._arrays))
@@ -99,7 +99,7 @@ class CellLibrary:
         library: Path of the shared library.
 
     Attributes:
-        loaded: The library.
+        opened: The library.
         programs: The programs that it holds.
         records: Its generated functions by short name.
         unknowns: Wrenches of all arms but the last, and c².
@@ -107,13 +107,13 @@ class CellLibrary:
         wrenches: Components of all wrenches.
 
     Raises:
-        OSError: If it cannot be loaded.
+        OSError: If it cannot be opened.
         AttributeError: If it lacks a function.
     """
 
     def __init__(self, manifest: Manifest, library: Path) -> None:
-        self.loaded = ctypes.CDLL(str(library))
-        self.programs = Programs(self.loaded)
+        self.opened = ctypes.CDLL(str(library))
+        self.programs = Programs(self.opened)
         self.records = manifest.functions
         self.unknowns = len(manifest.wrench_components) * (len(manifest.robots) - 1) + 1
         self.joints = sum(len(robot.joints) for robot in manifest.robots)
@@ -125,9 +125,9 @@ class CellLibrary:
         record = self.records[name]
         given, strides = _inputs(record, samples, inputs)
         outputs = {item.name: np.zeros((samples, item.shape[1], item.shape[0])) for item in record.outputs}
-        scratch = Scratch(self.loaded, record)
-        failed = self.loaded.mrts_map(
-            ctypes.cast(getattr(self.loaded, record.symbol), ctypes.c_void_p),
+        scratch = Scratch(self.opened, record)
+        failed = self.opened.mrts_map(
+            ctypes.cast(getattr(self.opened, record.symbol), ctypes.c_void_p),
             ctypes.c_longlong(samples),
             len(given),
             _pointers(given),
@@ -159,14 +159,14 @@ class CellLibrary:
             np.zeros((2, N, k), dtype=np.float32),
         )
         outputs = [found.low, found.high, *found.status, found.effect, *found.basis, *found.dual]
-        bound = np.ascontiguousarray(np.minimum(most, 1e300))
+        bound = np.ascontiguousarray(np.minimum(most, INFINITY))
 
         given, strides = _inputs(self.records["wrench_form"], samples, inputs)
 
         def run(first: int, count: int) -> None:
-            scratch = Scratch(self.loaded, self.records["wrench_form"])
-            work = work_arrays(self.loaded, "mrts_ranges", limits.rows)
-            failed = self.loaded.mrts_ranges(
+            scratch = Scratch(self.opened, self.records["wrench_form"])
+            work = work_arrays(self.opened, "mrts_ranges", limits.rows)
+            failed = self.opened.mrts_ranges(
                 ctypes.c_longlong(count),
                 _pointers(given, first, strides),
                 strides,
@@ -179,7 +179,7 @@ class CellLibrary:
             )
             assert failed == 0  # noqa: S101 (as in `map`)
 
-        over_chunks(self.loaded, samples, run)
+        over_chunks(self.opened, samples, run)
         return found
 
     def torques(
@@ -202,9 +202,9 @@ class CellLibrary:
         given, strides = _inputs(self.records["wrench_form"], samples, inputs)
 
         def run(first: int, count: int) -> None:
-            scratch = Scratch(self.loaded, self.records["wrench_form"])
-            work = work_arrays(self.loaded, "mrts_torques", limits.rows)
-            failed = self.loaded.mrts_torques(
+            scratch = Scratch(self.opened, self.records["wrench_form"])
+            work = work_arrays(self.opened, "mrts_torques", limits.rows)
+            failed = self.opened.mrts_torques(
                 ctypes.c_longlong(count),
                 _pointers(given, first, strides),
                 strides,
@@ -222,7 +222,7 @@ class CellLibrary:
             )
             assert failed == 0  # noqa: S101 (as in `map`)
 
-        over_chunks(self.loaded, samples, run)
+        over_chunks(self.opened, samples, run)
         return torque, wrench, status
 
 

@@ -11,6 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+INFINITY = 1e300
+"""What an absent limit is in C, or its negative; `MRTS_INFINITY` of numbers.h."""
+
 MOST_THREADS = 2
 """More than this gains little: the work of a sample is a few microseconds."""
 

@@ -14,24 +14,26 @@ from mrts.kernel.compiler import FLAGS, compile_library
 Library = TypeVar("Library")
 
 
-def load_or_rebuild(command: tuple[str, ...], name: str, source: str, load: Callable[[Path], Library]) -> Library:
-    """Load a library from the cache; a damaged one is compiled again.
+def library_or_rebuilt(
+    command: tuple[str, ...], name: str, source: str, open_library: Callable[[Path], Library]
+) -> Library:
+    """Open a library from the cache; a damaged one is compiled again.
 
     Args:
         command: Compiler, from `find_compiler`.
         name: Of its files.
         source: Its C text.
-        load: Raises OSError where the file cannot be loaded, AttributeError where it lacks a function.
+        open_library: Raises OSError where the file cannot be opened, AttributeError where it lacks a function.
 
     Raises:
-        CompilerError: If the compiler fails, or makes what cannot be loaded.
+        CompilerError: If the compiler fails, or makes what cannot be opened.
     """
     try:
-        return load(library_in_cache(command, name, source))
+        return open_library(library_in_cache(command, name, source))
     except (OSError, AttributeError):
         pass
     try:
-        return load(library_in_cache(command, name, source, rebuild=True))
+        return open_library(library_in_cache(command, name, source, rebuild=True))
     except (OSError, AttributeError) as error:
         raise CompilerError(
             f"what compiler {' '.join(command)} made of {name} cannot be loaded: {error}. Set CC to a working one."
@@ -45,7 +47,7 @@ def library_in_cache(command: tuple[str, ...], name: str, source: str, *, rebuil
         command: Compiler, from `find_compiler`.
         name: Of its files, an identifier.
         source: The C text.
-        rebuild: Compile even if the cache holds it (the library in it would not load).
+        rebuild: Compile even if the cache holds it (the library in it cannot be opened).
 
     Raises:
         CompilerError: If the compiler fails.
@@ -62,7 +64,7 @@ def library_in_cache(command: tuple[str, ...], name: str, source: str, *, rebuil
 
 
 def _is_whole(library: Path, seal: Path) -> bool:
-    """Whether a library is the one that was compiled here: a damaged one can crash the process that loads it.
+    """Whether a library is the one that was compiled here: a damaged one can crash the process that opens it.
 
     The seal tells damage, not malice: that nobody else could write the file does.
     """

@@ -12,8 +12,8 @@ from mrts.base.arrays import Array
 from mrts.base.errors import CompilerError
 from mrts.kernel.c_text import programs_source
 from mrts.kernel.compiler import find_compiler
-from mrts.kernel.foreign_arrays import over_chunks, pointer, work_arrays
-from mrts.kernel.library_cache import load_or_rebuild
+from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
+from mrts.kernel.library_cache import library_or_rebuilt
 
 CORNERS = 64
 """Most corners of a projection, `MRTS_CORNERS` of projection.c."""
@@ -71,7 +71,7 @@ class Programs:
             Numbers of corners, Shape (N,), the corners counter-clockwise, Shape (N, 64, 2), and statuses, Shape (N,).
         """
         count, rows, k = A.shape
-        arrays = [np.ascontiguousarray(np.clip(array, -1e300, 1e300)) for array in (A, lower, upper)]
+        arrays = [np.ascontiguousarray(np.clip(array, -INFINITY, INFINITY)) for array in (A, lower, upper)]
         number, corners = np.zeros(count, dtype=np.int32), np.zeros((count, CORNERS, 2))
         status = np.full(count, STOPPED, dtype=np.uint8)
 
@@ -116,7 +116,7 @@ class Programs:
 
     def _batch(self, name: str, arrays: list[Array]) -> tuple[Array, Array, NDArray[np.uint8]]:
         count, rows, k = arrays[-3].shape
-        arrays = [np.ascontiguousarray(np.clip(array, -1e300, 1e300)) for array in arrays]
+        arrays = [np.ascontiguousarray(np.clip(array, -INFINITY, INFINITY)) for array in arrays]
         x, dual, status = np.zeros((count, k)), np.zeros((count, rows + k)), np.zeros(count, dtype=np.uint8)
         work = work_arrays(self._library, name, k, rows)
         pointers = [pointer(array) for array in (*arrays, x, dual, status, *work)]
@@ -136,7 +136,7 @@ def compiled_programs(command: tuple[str, ...]) -> Programs:
     Raises:
         CompilerError: If the compiler fails.
     """
-    return load_or_rebuild(
+    return library_or_rebuilt(
         command, "mrts_programs", programs_source(), lambda library: Programs(ctypes.CDLL(str(library)))
     )
 
@@ -151,7 +151,7 @@ def offer_programs(programs: Programs) -> None:
 
 
 def default_programs() -> Programs:
-    """The programs of a cell's library that is loaded, else those of a library of their own.
+    """The programs of a cell's library that is open, else those of a library of their own.
 
     Raises:
         CompilerError: If there is no compiler, or it fails.

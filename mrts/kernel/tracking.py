@@ -146,8 +146,8 @@ def track_path(library: CellLibrary, task: GraspTask, path: Sequence[Array], sta
     about = [np.zeros((samples, task.robots)) for _ in range(6)]
     q[0] = start
     used = ("kinematics", "bias_acceleration", "geometric_stiffness", "geometric_stiffness_rate")
-    scratch = [Scratch(library.loaded, library.records[name]) for name in used if name in library.records]
-    run = library.loaded.mrts_track
+    scratch = [Scratch(library.opened, library.records[name]) for name in used if name in library.records]
+    run = library.opened.mrts_track
     run.restype = ctypes.c_longlong
     done = run(
         ctypes.c_longlong(samples),

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The registry of constraints. A new constraint is one file here and one line in `CONSTRAINTS`."""
+"""Every limit as named rows. A new one is one file and one line in `CONSTRAINTS`.
+
+May import base to coordination. Start at `rows.py`.
+"""
 
 from collections.abc import Callable
 

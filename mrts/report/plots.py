@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.drawing.axis_reach import c2_reach, value_reach
+from mrts.drawing.colours import COLOURS
+from mrts.drawing.labels import shortened
 from mrts.drawing.load_envelope import load_envelope
-from mrts.drawing.plot_style import COLOURS, shortened
 from mrts.report.markup import plot_text
 from mrts.scaling.accumulated_energy import accumulated_energy
 from mrts.scaling.result import ScalingResult

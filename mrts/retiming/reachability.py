@@ -10,7 +10,7 @@ from mrts.base.arrays import Array
 from mrts.retiming.speed_kernel import speed_kernel
 from mrts.retiming.speed_regions import SpeedRegions
 
-END_TOLERANCE = 1e-9
+END_SPEED_TOLERANCE = 1e-9
 """Share by which a given end speed may miss its controllable set: rounding."""
 
 
@@ -72,5 +72,5 @@ def fastest_profile(step: Array, regions: SpeedRegions, ends: tuple[float, float
 
 
 def _within(value: float, low: float, high: float) -> bool:
-    slack = END_TOLERANCE * max(abs(low), abs(high), abs(value))
-    return low - slack <= value <= high + slack
+    tolerance = END_SPEED_TOLERANCE * max(abs(low), abs(high), abs(value))
+    return low - tolerance <= value <= high + tolerance

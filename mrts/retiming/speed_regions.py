@@ -17,6 +17,7 @@ BOX = 1e5
 """Projections end where u or x moves some row by this many limits; what reaches that far counts as unbounded."""
 
 NEAR_BOX = 1 - 1e-6
+"""Share of such an end from which a corner lies on it: rounding."""
 
 FARTHEST = 1e3
 """Speeds squared above this multiple of what the path's length and its accelerations make likely count as unbounded."""

@@ -2,7 +2,6 @@
 """From a cell and its motion to the linear rows of every sample, in any formulation."""
 
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +13,8 @@ from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import cell_rows
 from mrts.limits.rows import ActiveRow, RowName
 from mrts.limits.velocity_limits import VelocityLimits, velocity_limits
+from mrts.samples import FORMULATIONS, FormulationName
 from mrts.samples.load_sharing import LoadSharing
-
-FormulationName = Literal["wrench", "torque"]
 
 TORQUE_FORM_CONDITION_LIMIT = 1e6
 """J^-T is formed explicitly by the torque form: at this condition number ten digits are left."""
@@ -127,8 +125,8 @@ def build_sample_problem(
         MotionError: If the torque form meets a Jacobian that is not square or not well-conditioned.
     """
     inputs = motion.inputs(cell.load if load is None else load)
-    if formulation not in {"wrench", "torque"}:
-        raise InputError("formulation", "must be 'wrench' or 'torque'.", value=formulation)
+    if formulation not in FORMULATIONS:
+        raise InputError("formulation", f"must be {' or '.join(map(repr, FORMULATIONS))}.", value=formulation)
     if sharing is not None:
         inputs |= sharing.inputs(cell, motion)
     elif formulation == "torque":

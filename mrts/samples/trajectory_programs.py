@@ -14,11 +14,12 @@ from mrts.kernel.programs import OPTIMAL
 from mrts.limits import cell_rows
 from mrts.limits.rows import ActiveRow, LimitRows
 from mrts.limits.velocity_limits import velocity_limits
+from mrts.samples import FormulationName
 from mrts.samples.end_rows import with_end_rows
 from mrts.samples.infeasibility import Conflict, find_conflicts
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_ends import KernelRows
-from mrts.samples.sample_problem import FormulationName, build_sample_problem
+from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses, without_speed_at_rest
 from mrts.samples.torque_distribution import SLACK, distribute_torques
 from mrts.solvers import check_solver

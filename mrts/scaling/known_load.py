@@ -10,7 +10,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges, motion_torques
-from mrts.scaling.holding import holding_at_ends
+from mrts.scaling.holding_torques import holding_at_ends
 from mrts.scaling.range import intersect
 from mrts.scaling.result import END_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError

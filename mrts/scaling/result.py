@@ -20,12 +20,12 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import cell_rows
 from mrts.limits.velocity_limits import velocity_limits
+from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.sample_problem import FormulationName
+from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange, ScalingStatus
 from mrts.scaling.result_html import result_html
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.scaling.uncertain_load import LoadStudy
 
 END_TOLERANCE = 1e-7
 """Share by which c² may miss a range by rounding: a plan at its fastest read back from a file, another load's range."""

@@ -11,7 +11,7 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.scaling.accumulated_energy import accumulated_energy
-from mrts.scaling.holding import Holding
+from mrts.scaling.holding_torques import Holding
 
 
 @dataclass(frozen=True, repr=False)

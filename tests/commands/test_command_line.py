@@ -21,6 +21,7 @@ def mrts_command(*arguments, **options):
     return subprocess.run(command, capture_output=True, text=True, check=False, **options)
 
 
+@pytest.mark.quick
 def test_demo_prints_the_table_and_writes_its_folder(tmp_path):
     done = mrts_command("demo", "-o", tmp_path / "out", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -32,6 +33,7 @@ def test_demo_prints_the_table_and_writes_its_folder(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
+@pytest.mark.quick
 def test_scale_reports_and_writes_the_documented_json(tmp_path, planar_cell, lift):
     target = tmp_path / "deep" / "result.json"
     done = mrts_command("scale", DATA / "cell.yaml", DATA / "lift.yaml", "--json", target, "--plot", tmp_path / "plots")
@@ -139,6 +141,7 @@ def test_an_infeasible_motion_is_an_outcome(tmp_path):
     assert (tmp_path / "c2_range.png").exists()
 
 
+@pytest.mark.quick
 def test_help_and_version():
     assert "demo" in mrts_command("--help").stdout
     assert mrts_command("--version").stdout.strip() == f"mrts {mrts.__version__}"

@@ -46,6 +46,7 @@ def stumble(error):
     return load_motion
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("error", "said"),
     [

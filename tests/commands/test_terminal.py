@@ -43,9 +43,8 @@ def varied(folder, **variation):
 
 
 @pytest.fixture(scope="module")
-def uncertain(private_cache, tmp_path_factory):
+def uncertain(tmp_path_factory):
     """A cell, generated already, whose load has 128 corners: seconds of work for every question."""
-    assert private_cache.is_dir()
     factors = {name: [0.5, 1.5] for name in ("mass", "ixx", "iyy", "izz")}
     moments = {name: [-0.1, 0.1] for name in ("mx", "my", "mz")}
     path = varied(tmp_path_factory.mktemp("uncertain"), **factors, **moments)
@@ -143,6 +142,7 @@ def test_control_c_ends_the_work_tidily(arguments, shows, uncertain, tmp_path, p
     assert list(tmp_path.rglob(".*")) == []  # no file is left half written
 
 
+@pytest.mark.quick
 def test_quiet_says_nothing_but_writes_the_files(tmp_path, capsys):
     target = tmp_path / "result.json"
     for words in ([*LIFT, "-q", "--json", target], ["--quiet", *LIFT, "--json", target]):

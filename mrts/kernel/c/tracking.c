@@ -6,6 +6,9 @@
  */
 #include "null_space.h"
 
+/* Sine of an angle below which a turn has no axis: it is none, or half a turn. */
+#define MRTS_NO_TURN 1e-9
+
 /* One arm in its place: rotation matrices by rows. */
 typedef struct {
     double base_rotation[9];
@@ -50,8 +53,8 @@ static void mrts_turn_between(const double *target, const double *tip, double *t
     axis[2] = (E[3] - E[1]) / 2;
     sine = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
     cosine = (E[0] + E[4] + E[8] - 1) / 2;
-    for (int i = 0; i < 3; ++i) turn[i] = sine > 1e-9 ? axis[i] * (atan2(sine, cosine) / sine) : axis[i];
-    if (sine <= 1e-9 && cosine < 0) turn[0] = 3.14159265358979; /* half a turn: its axis does not matter here */
+    for (int i = 0; i < 3; ++i) turn[i] = sine > MRTS_NO_TURN ? axis[i] * (atan2(sine, cosine) / sine) : axis[i];
+    if (sine <= MRTS_NO_TURN && cosine < 0) turn[0] = 3.14159265358979; /* half a turn: its axis does not matter here */
 }
 
 /* Inverse of a matrix by Gauss-Jordan elimination with row exchanges; 0 if it is singular. */
@@ -180,7 +183,7 @@ static int mrts_hold_grasps(const mrts_tracking *task, const double *position, c
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double tips[3 * R], rotations[9 * R], J_all[W * M], off[3], turned[3], error[W], step[M], least[R];
     (void)reference; /* of redundant arms */
-    for (int robot = 0; robot < R; ++robot) gap[robot] = turn[robot] = drift[robot] = least[robot] = 1e300;
+    for (int robot = 0; robot < R; ++robot) gap[robot] = turn[robot] = drift[robot] = least[robot] = MRTS_INFINITY;
     for (int iteration = 0; iteration < task->steps; ++iteration) {
         double largest = 0;
         arg[0] = now;

@@ -7,6 +7,9 @@
 #include "quadratic_programs.h"
 #include "rows.h"
 
+/* Rounding of an answer at the bound of c^2, as a share. */
+#define MRTS_AT_UNBOUNDED 1e-9
+
 /* Inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load. */
 enum { MRTS_INPUTS = 7 };
 
@@ -95,7 +98,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
                     basis[0] = 0;
                 }
                 (end ? high : low)[n] = x[K - 1] * column[K - 1];
-                if (end && x[K - 1] >= MRTS_UNBOUNDED * (1 - 1e-9)) high[n] = INFINITY;
+                if (end && x[K - 1] >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED)) high[n] = INFINITY;
             }
             for (int j = 0; j < K; ++j) {
                 kept[j] = basis[0] == 0 ? 0 : mrts_row_of_limits(limits, &rows, basis[j]);

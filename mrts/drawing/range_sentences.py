@@ -2,7 +2,7 @@
 """The range over the motion and what sets it, in a few words."""
 
 from mrts.base.interval_text import interval_text
-from mrts.drawing.lanes import row_labels
+from mrts.drawing.labels import row_labels
 from mrts.scaling.range import ScalingRange
 
 

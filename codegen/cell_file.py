@@ -24,8 +24,8 @@ from mrts.base.input_file import (
 )
 from mrts.base.load_box import PARAMETERS, range_problem
 
-INERTIA_SLACK = 1e-9
-"""Relative slack of the triangle inequality, for inertias printed with few digits."""
+INERTIA_TOLERANCE = 1e-9
+"""Share by which an inertia may miss symmetry, the triangle inequality, and 0: printed with few digits."""
 
 ROBOT_NAMES_TAKEN = frozenset({"time", "components"})
 """Keys that stand beside the robots' names in the JSON result."""
@@ -169,7 +169,7 @@ def read_cell_description(path: Path) -> CellDescription:
     return read_model(path, CellDescription, "cell file")
 
 
-def inertia_problem(inertia: Array, *, triangle: float = INERTIA_SLACK, rods: bool = False) -> str:
+def inertia_problem(inertia: Array, *, triangle: float = INERTIA_TOLERANCE, rods: bool = False) -> str:
     """Why an inertia matrix, Shape (3, 3) [kg m²], is not that of a body; empty if it is.
 
     A body's inertia is symmetric and positive definite, and no principal moment exceeds the sum of the others.
@@ -182,11 +182,11 @@ def inertia_problem(inertia: Array, *, triangle: float = INERTIA_SLACK, rods: bo
     if not np.all(np.isfinite(inertia)):
         return "holds a value that is not a finite number."
     scale = float(np.max(np.abs(inertia)))
-    if np.max(np.abs(inertia - inertia.T)) > INERTIA_SLACK * scale:
+    if np.max(np.abs(inertia - inertia.T)) > INERTIA_TOLERANCE * scale:
         return "is not symmetric; give ixy = iyx, ixz = izx, iyz = izy."
     moments = np.linalg.eigvalsh(inertia)
     shown = ", ".join(f"{moment:.6g}" for moment in moments)
-    if moments[0] < -INERTIA_SLACK * scale or (moments[0] <= 0 and not rods):
+    if moments[0] < -INERTIA_TOLERANCE * scale or (moments[0] <= 0 and not rods):
         return f"is not positive definite: its principal moments are {shown} kg m². All must be > 0."
     if triangle_excess(inertia) > triangle:
         return (

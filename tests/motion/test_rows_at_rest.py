@@ -9,8 +9,8 @@ from scaled_paths import scaled_path
 
 import mrts
 from mrts.limits import cell_rows
-from mrts.motion.holding_rows import HOLDING_STEP, motion_rows, pushing_ends
-from mrts.motion.motion_table import read_table
+from mrts.motion.csv_motion import read_table
+from mrts.motion.rows_at_rest import HOLDING_STEP, motion_rows, pushing_ends
 from mrts.output.ros_bag import write_ros_bag
 from mrts.output.trajectory_table import played_rows, trajectory_csv, write_trajectory_csv
 

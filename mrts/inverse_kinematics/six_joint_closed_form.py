@@ -13,7 +13,7 @@ from mrts.motion.object_motion import ObjectMotion
 DECOMPOSABLE_JOINTS = ("revolute",) * 6
 
 
-def analytic_branches(cell: Cell, robot: Robot, motion: ObjectMotion) -> Array | None:
+def six_joint_branches(cell: Cell, robot: Robot, motion: ObjectMotion) -> Array | None:
     """Joint positions that hold the grasp at t = 0, Shape (count, 6) [rad]; some may be least-squares only.
 
     The arm is handed over as axes and points of the manifest, not as a URDF.

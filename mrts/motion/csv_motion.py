@@ -14,7 +14,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER, read_text
 from mrts.motion.joint_table import JointTable, joint_motion
-from mrts.motion.object_motion import ObjectMotion, spline_motion
+from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion, spline_motion
 from mrts.motion.rounded_samples import derivative
 
 POSE_COLUMNS = ("px", "py", "pz", "qx", "qy", "qz", "qw")
@@ -24,9 +24,6 @@ RATE_COLUMNS = (*VELOCITY_COLUMNS, "ax", "ay", "az", "alphax", "alphay", "alphaz
 MAX_SAMPLES = 1_000_000
 MAX_COLUMNS = 1000
 """Position, velocity, acceleration and torque of some two hundred joints."""
-
-SHORTEST_STEP = 1e-9
-"""[s]; below it squares of rates overflow."""
 
 QUATERNION_TOLERANCE = 1e-3
 """How far from 1 a quaternion's length may be: tables carry few digits."""

@@ -12,7 +12,7 @@ HOLDING_STEP = 1e-3
 """A row that holds still lies this far from the motion [s], or as far as its two nearest samples where that is less."""
 
 REST = 1e-9
-"""Joint speeds below this share of the largest are rest, accelerations below this share none: rounding."""
+"""Joint speeds below this share of the largest of the motion are rest, accelerations below it none: rounding."""
 
 ROUNDED = 0.01
 """Share by which the time of a row may be off: tables may carry few digits."""

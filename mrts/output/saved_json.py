@@ -13,7 +13,7 @@ from mrts.base.input_file import broken_rule
 from mrts.base.load_box import PARAMETERS, LoadBox
 from mrts.base.manifest import FORMAT, LOAD_ENTRIES, Manifest, Matrix, Matrix3, Vector3
 from mrts.limits.rows import ActiveRow, RowName
-from mrts.samples.sample_problem import FormulationName
+from mrts.samples import FormulationName
 
 FORMAT_NAME = "mrts result"
 

@@ -9,9 +9,9 @@ from mrts.base.arrays import Array
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.motion.holding_rows import pushing_ends
+from mrts.motion.rows_at_rest import pushing_ends
+from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.sample_problem import FormulationName
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.trajectory_programs import motion_torques
 

@@ -13,7 +13,7 @@ REACH_TOLERANCE = 1e-12
 """Relative overshoot of |cos| of the elbow angle that is rounding and not distance."""
 
 SHORTEST_LINK = 1e-9
-"""[m]"""
+"""A shorter link has no direction [m]: its joints coincide, and leave no triangle to solve."""
 
 CLOSED_FORM_JOINTS = ("revolute", "revolute", "revolute")
 """Two links reach a point, a third turns the tip."""
@@ -23,7 +23,7 @@ def has_closed_form(cell: Cell, robot: Robot) -> bool:
     """Whether `planar_branches` can solve an arm: three revolute joints in a planar cell."""
     if cell.plane is None or robot.joint_types != CLOSED_FORM_JOINTS:
         return False
-    # coincident axes leave no triangle; such an arm is singular everywhere and found to be so
+    # with a shorter one the arm is singular everywhere, and found to be so
     return bool(np.min(np.linalg.norm(np.diff(robot.points, axis=0), axis=1)) > SHORTEST_LINK)
 
 

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from mrts.base.interval_text import interval_text
-from mrts.drawing.range_text import range_text
+from mrts.drawing.range_sentences import range_text
 from mrts.retiming.result import RetimingResult
+from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
-from mrts.scaling.uncertain_load import LoadStudy
 
 LOADS_SHOWN = 8
 """Loads of a box that are printed."""
@@ -25,7 +25,7 @@ LIMIT_DIGITS = 6
 """Significant digits of a limit: as many as it is given with."""
 
 
-def report_lines(result: ScalingResult) -> Iterator[str]:
+def scaling_lines(result: ScalingResult) -> Iterator[str]:
     """What the command line says of a result.
 
     Args:
