@@ -41,7 +41,7 @@ from mrts.solvers import DEFAULT_SOLVER
 UNBOUNDED_SHARE = 0.5
 """Speeds squared above this share of the bound of the regions are those that nothing limits."""
 
-STANDSTILL = 1e6
+STUCK = 1e6
 """A segment that takes this many times as long as most others takes no finite time, but for rounding."""
 
 
@@ -228,7 +228,7 @@ class _Search:
             return _Failure((RetimingStatus.UNBOUNDED, why))
         with np.errstate(divide="ignore"):
             times = TimedPiece(self.piece, regions, found).segment_times
-        stuck = ~(times <= STANDSTILL * np.median(times)) | np.isinf(times)
+        stuck = ~(times <= STUCK * np.median(times)) | np.isinf(times)
         if not np.any(stuck):
             return None
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"

@@ -21,12 +21,11 @@ RECIPE_FILES = re.compile(r'^```\w+ title="([^"]+)"$', re.MULTILINE)
 ELSEWHERE = {
     "generated/my_cell": "a user's",
     "tests/test_main.c": "in an exported library",
-    "tests/vectors.h": "in an exported library",
     "tests/example.c": "in an exported library",
-    "math.h": "of C",
-    "_vectors.h": "in an exported library, after its name",
+    "tests/vectors.h": "in an exported library",
     "model.c": "in an exported library",
     "NAME.c": "in a generated cell",
+    "math.h": "of the system",
     "sysexits.h": "of the system",
     "mrts.viewer.connections": "a logger",
 }

@@ -91,6 +91,10 @@ def test_the_library_is_clean_under_sanitizers(command, private_cache):
     assert any(b"__asan" in library.read_bytes() for library in (private_cache / "sanitized").rglob("*.so"))
 
 
+ONCE_FOUND = bytes.fromhex("0f8009493e3e3e3e3e3e3e28ff08fff90809643e3e3e3e3e3e3e3e3e3e3e00004949")
+"""A program whose answer was refined past a limit that had been looked at before."""
+
+
 def test_a_fuzzer_finds_no_wrong_answer(tmp_path):
     """Coverage-guided (libFuzzer) for a bounded number of runs; the target checks every answer by substitution."""
     target = tmp_path / "fuzz"
@@ -106,6 +110,9 @@ def test_a_fuzzer_finds_no_wrong_answer(tmp_path):
         assert "MRTS_ALL_TOOLS" not in os.environ, need_clang
         pytest.skip(need_clang)
     assert built.returncode == 0, built.stderr
+    (tmp_path / "known").write_bytes(ONCE_FOUND)
+    done = subprocess.run([str(target), str(tmp_path / "known")], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-3000:]
     done = subprocess.run([str(target), "-runs=150000", "-seed=1", "-max_len=400", f"-artifact_prefix={tmp_path}/"],
                           capture_output=True, text=True, check=False)  # fmt: skip
     assert done.returncode == 0, done.stderr[-3000:]

@@ -1,7 +1,7 @@
 /* @NOTICE@
  *
- * Time scaling of the cell "@NAME@" on a controller: @ROBOTS@ arms hold one object, a motion q(r), r = c t, is given, and
- * c^2 must keep torques, contact wrenches and velocities inside their limits. Link with the files of src/.
+ * Time scaling of the cell "@NAME@" on a controller: @ROBOTS@ arms hold one object, a motion q(r), r = c t, is
+ * given, and c^2 must keep torques, contact wrenches and velocities inside their limits. Link with the files of src/.
  *
  * Units: m, rad, s, kg, N, N m. Derivatives q', q'' are those of the motion as given (c = 1). World axes unless said
  * otherwise; contact wrenches are what an arm exerts on the object at its contact, in the axes of that arm's base.
@@ -22,7 +22,7 @@ typedef @REAL@ @NAME@_real;
 #define @MACRO@_WRENCHES @WRENCHES@     /* components of all contact wrenches, arm after arm */
 #define @MACRO@_UNKNOWNS @UNKNOWNS@     /* of the programs: all wrenches but the last arm's, and c^2 */
 #define @MACRO@_ROWS @ROWS@        /* limits of torques and wrenches, in the order of the cell's limits */
-#define @MACRO@_VELOCITIES (@MACRO@_JOINTS + 2) /* limits of the joints' velocities, the object's linear and angular one */
+#define @MACRO@_VELOCITIES (@MACRO@_JOINTS + 2) /* of all joints, and the object's linear and angular one */
 #define @MACRO@_LOAD 10        /* mass, mx, my, mz (mass times com), ixx, iyy, izz, ixy, ixz, iyz (about the origin) */
 #define @MACRO@_CORNERS @CORNERS@      /* corners of the cell file's load variation; 1 if it has none */
 #define @MACRO@_UNLIMITED @UNLIMITED@ /* an absent limit is this, or its negative */
@@ -33,7 +33,7 @@ typedef enum {
     @MACRO@_INFEASIBLE = 2,  /* no c^2: the rows named conflict, whatever the speed */
     @MACRO@_EMPTY = 3,       /* samples or loads are feasible one by one, but have no c^2 in common */
     @MACRO@_UNDECIDED = 4,   /* the data are too close to infeasible, or too badly scaled, for this precision */
-    @MACRO@_BAD_ARGUMENT = 5 /* a value is not finite, a limit is reversed, a mass, weight or velocity limit is not > 0, c^2 < 0 */
+    @MACRO@_BAD_ARGUMENT = 5 /* not finite, a reversed limit, a mass, weight or velocity limit that is not > 0, c^2 < 0 */
 } @NAME@_status;
 
 /* One sample of the given motion. */
@@ -56,7 +56,8 @@ typedef struct {
 } @NAME@_settings;
 
 /* Range of c^2. Rows are 1 + row at an upper and -1 - row at a lower limit, the strongest first; 0 stands for c^2 >= 0,
- * 1 + @MACRO@_ROWS + i for velocity i: of several that bind, the first. Of an infeasible sample `upper_rows` are the rows in conflict. */
+ * 1 + @MACRO@_ROWS + i for velocity i, of several that bind for the first. Of an infeasible sample `upper_rows` are the
+ * rows in conflict. */
 typedef struct {
     @NAME@_status status;
     @NAME@_real lower;
@@ -66,8 +67,8 @@ typedef struct {
     int upper_rows[@MACRO@_UNKNOWNS + 1];
 } @NAME@_range;
 
-/* Work of the caller: one for each thread of control. Set it to zero, or call @NAME@_reset, before the first use; what it
- * keeps from call to call only makes the next call faster. */
+/* Work of the caller: one for each thread of control. Set it to zero, or call @NAME@_reset, before the first use; what
+ * it keeps from call to call only makes the next call faster. */
 typedef struct {
     int lower_basis[@MACRO@_UNKNOWNS], upper_basis[@MACRO@_UNKNOWNS];
     int which[@MACRO@_ROWS], integers[@MACRO@_ROWS + 6 * @MACRO@_UNKNOWNS];

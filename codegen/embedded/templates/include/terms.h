@@ -1,6 +1,6 @@
-/* Terms of (11) to (18): torque = E r'^2 + A r'' + G + J'F of each arm, sum B F = P r'^2 + S r'' + Q of the object. J and B
- * stand arm beside arm, column after column: J has @MACRO@_WRENCH rows and @MACRO@_JOINTS columns, B @MACRO@_WRENCH rows and
- * @MACRO@_WRENCHES columns. */
+/* Terms of (11) to (18): torque = E r'^2 + A r'' + G + J'F of each arm, sum B F = P r'^2 + S r'' + Q of the object. J
+ * and B stand arm beside arm, column after column: J has @MACRO@_WRENCH rows and @MACRO@_JOINTS columns, B
+ * @MACRO@_WRENCH rows and @MACRO@_WRENCHES columns. */
 typedef struct {
     @NAME@_real E[@MACRO@_JOINTS], A[@MACRO@_JOINTS], G[@MACRO@_JOINTS];
     @NAME@_real J[@MACRO@_WRENCH * @MACRO@_JOINTS], B[@MACRO@_WRENCH * @MACRO@_WRENCHES];

@@ -25,6 +25,9 @@ enum {
 #define SLACK 1e-9
 #endif
 
+/* Size of an array, or an error at compile time where the workspace does not hold what the kernel asks for. */
+#define HOLDS(field, type, count) (sizeof(((@NAME@_workspace *)0)->field) >= (count) * sizeof(type) ? 1 : -1)
+
 /* The cell's limits of torques and wrenches, as `mrts_limits` has them. */
 extern const int @NAME@_row_start[@MACRO@_ROWS + 1];
 extern const int @NAME@_row_column[@ENTRIES@];
@@ -44,13 +47,13 @@ mrts_form @NAME@_wrench_form(const @NAME@_sample *sample, const mrts_real *load,
 
 mrts_limits @NAME@_limits(const @NAME@_settings *settings);
 
-/* Rows of the limits in `unknowns` unknowns of a form, in the workspace; 0 if limits are reversed or a coefficient is not
- * finite. */
+/* Rows of the limits in `unknowns` unknowns of a form, in the workspace; 0 if limits are reversed or a coefficient is
+ * not finite. */
 int @NAME@_rows(const mrts_limits *limits, int unknowns, const mrts_form *form, @NAME@_workspace *workspace,
                 mrts_rows *rows);
 
-/* Largest c^2 that the velocities allow, MRTS_INFINITY if none bounds it, -1 if a limit is not > 0; `named` is the one that
- * sets it, as in @NAME@_range, 0 if none does. */
+/* Largest c^2 that the velocities allow, MRTS_INFINITY if none bounds it, -1 if a limit is not > 0; `named` is the one
+ * that sets it, as in @NAME@_range, 0 if none does. */
 mrts_real @NAME@_velocity_cap(const @NAME@_sample *sample, const @NAME@_settings *settings, int *named);
 
 #endif

@@ -3,6 +3,9 @@
 
 #define UNLIKELY MRTS_C(1e24) /* c^2 that only rounding of rest allows: velocities are below 1e-12 of their limits */
 
+typedef char rows_hold[HOLDS(rows, mrts_real, MRTS_ROWS_WORK(K, ROWS))];
+typedef char which_holds[HOLDS(which, int, MRTS_ROWS_IWORK(ROWS))];
+
 mrts_limits @NAME@_limits(const @NAME@_settings *settings) {
     const mrts_limits limits = {ROWS, @NAME@_row_start, @NAME@_row_column, @NAME@_row_value,
                                 settings->lower, settings->upper, @NAME@_row_group};

@@ -4,6 +4,9 @@
 #include "@NAME@_internal.h"
 #include "kernel/linear_programs.h"
 
+typedef char work_holds[HOLDS(work, mrts_real, MRTS_LP_WORK(K))];
+typedef char integers_hold[HOLDS(integers, int, MRTS_LP_IWORK(K, ROWS))];
+
 /* A row of the programs as @NAME@_range names it; `velocity` bounds c^2 by itself. */
 static int name_of(int code, int at_lower, const mrts_rows *rows, int velocity) {
     const int row = (code < 0 ? -code : code) - 1;
@@ -75,8 +78,8 @@ static @NAME@_status solve_end(const mrts_rows *rows, int velocity, mrts_real si
     return @MACRO@_OK;
 }
 
-static @NAME@_status range_with_load(const @NAME@_sample *sample, const @NAME@_settings *settings, const mrts_real *load,
-                                     @NAME@_range *range, @NAME@_workspace *workspace) {
+static @NAME@_status range_with_load(const @NAME@_sample *sample, const @NAME@_settings *settings,
+                                     const mrts_real *load, @NAME@_range *range, @NAME@_workspace *workspace) {
     const mrts_limits limits = @NAME@_limits(settings);
     mrts_real column[K];
     mrts_rows rows;

@@ -2,12 +2,12 @@
 #include "@NAME@_internal.h"
 #include "@NAME@_model.h"
 
-@NAME@_status @NAME@_equal_share_range(const @NAME@_sample *sample, const @NAME@_settings *settings, @NAME@_range *range,
-                                   @NAME@_workspace *workspace) {
+@NAME@_status @NAME@_equal_share_range(const @NAME@_sample *sample, const @NAME@_settings *settings,
+                                   @NAME@_range *range, @NAME@_workspace *workspace) {
     mrts_real turned[9], shares[@MACRO@_ROBOTS], internal[WRENCHES], *res[4];
     const mrts_real *arg[9];
     const mrts_limits limits = @NAME@_limits(settings);
-    mrts_form form;
+    const mrts_form form = mrts_form_in(1, JOINTS, WRENCHES, workspace->form);
     mrts_rows rows;
     int fastest;
     range->lower = range->upper = 0;
@@ -18,10 +18,10 @@
     @NAME@_point_to(sample, settings->load, turned, arg);
     arg[7] = shares;
     arg[8] = internal;
-    res[0] = form.torque_map = workspace->form;
-    res[1] = form.torque_offset = form.torque_map + JOINTS;
-    res[2] = form.wrench_map = form.torque_offset + JOINTS;
-    res[3] = form.wrench_offset = form.wrench_map + WRENCHES;
+    res[0] = form.torque_map;
+    res[1] = form.torque_offset;
+    res[2] = form.wrench_map;
+    res[3] = form.wrench_offset;
     @NAME@_model_fixed_distribution(arg, res);
     const mrts_real most = @NAME@_velocity_cap(sample, settings, &fastest);
     if (most < 0 || !@NAME@_rows(&limits, 1, &form, workspace, &rows)) return range->status = @MACRO@_BAD_ARGUMENT;

@@ -2,6 +2,9 @@
 #include "@NAME@_internal.h"
 #include "kernel/quadratic_programs.h"
 
+typedef char work_holds[HOLDS(work, mrts_real, MRTS_QP_WORK(F))];
+typedef char integers_hold[HOLDS(integers, int, MRTS_QP_IWORK(F, ROWS))];
+
 @NAME@_status @NAME@_torques(const @NAME@_sample *sample, const @NAME@_settings *settings, mrts_real c2,
                          mrts_real torque[@MACRO@_JOINTS], mrts_real wrench[@MACRO@_WRENCHES],
                          @NAME@_workspace *workspace) {

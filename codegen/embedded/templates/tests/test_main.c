@@ -7,13 +7,16 @@
 #include "@NAME@.h"
 #include "@NAME@_vectors.h"
 
-#define TOLERANCE (sizeof(@NAME@_real) > 4 ? 1e-8 : 1e-4) /* relative, for c^2; of torques 10 times that, against their limits */
+/* Relative, for c^2; of torques 10 times that, against their limits. */
+#define TOLERANCE (sizeof(@NAME@_real) > 4 ? 1e-8 : 1e-4)
 
 #define ALLOWED (sizeof(@NAME@_real) > 4 ? 0 : @MACRO@_VECTORS / 4) /* answers left undecided */
 
 static int failures = 0;
 
-static int close_to(double ours, double theirs) { return fabs(ours - theirs) <= TOLERANCE * (fabs(theirs) + TOLERANCE); }
+static int close_to(double ours, double theirs) {
+    return fabs(ours - theirs) <= TOLERANCE * (fabs(theirs) + TOLERANCE);
+}
 
 static void demand(int holds, int vector, const char *what, double ours, double theirs) {
     if (holds) return;

@@ -25,6 +25,9 @@ enum {
 #define SLACK 1e-9
 #endif
 
+/* Size of an array, or an error at compile time where the workspace does not hold what the kernel asks for. */
+#define HOLDS(field, type, count) (sizeof(((planar_dual_arm_workspace *)0)->field) >= (count) * sizeof(type) ? 1 : -1)
+
 /* The cell's limits of torques and wrenches, as `mrts_limits` has them. */
 extern const int planar_dual_arm_row_start[PLANAR_DUAL_ARM_ROWS + 1];
 extern const int planar_dual_arm_row_column[12];
@@ -44,13 +47,13 @@ mrts_form planar_dual_arm_wrench_form(const planar_dual_arm_sample *sample, cons
 
 mrts_limits planar_dual_arm_limits(const planar_dual_arm_settings *settings);
 
-/* Rows of the limits in `unknowns` unknowns of a form, in the workspace; 0 if limits are reversed or a coefficient is not
- * finite. */
+/* Rows of the limits in `unknowns` unknowns of a form, in the workspace; 0 if limits are reversed or a coefficient is
+ * not finite. */
 int planar_dual_arm_rows(const mrts_limits *limits, int unknowns, const mrts_form *form, planar_dual_arm_workspace *workspace,
                 mrts_rows *rows);
 
-/* Largest c^2 that the velocities allow, MRTS_INFINITY if none bounds it, -1 if a limit is not > 0; `named` is the one that
- * sets it, as in planar_dual_arm_range, 0 if none does. */
+/* Largest c^2 that the velocities allow, MRTS_INFINITY if none bounds it, -1 if a limit is not > 0; `named` is the one
+ * that sets it, as in planar_dual_arm_range, 0 if none does. */
 mrts_real planar_dual_arm_velocity_cap(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, int *named);
 
 #endif

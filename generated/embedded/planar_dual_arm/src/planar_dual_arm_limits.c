@@ -3,6 +3,9 @@
 
 #define UNLIKELY MRTS_C(1e24) /* c^2 that only rounding of rest allows: velocities are below 1e-12 of their limits */
 
+typedef char rows_hold[HOLDS(rows, mrts_real, MRTS_ROWS_WORK(K, ROWS))];
+typedef char which_holds[HOLDS(which, int, MRTS_ROWS_IWORK(ROWS))];
+
 mrts_limits planar_dual_arm_limits(const planar_dual_arm_settings *settings) {
     const mrts_limits limits = {ROWS, planar_dual_arm_row_start, planar_dual_arm_row_column, planar_dual_arm_row_value,
                                 settings->lower, settings->upper, planar_dual_arm_row_group};

@@ -4,6 +4,9 @@
 #include "planar_dual_arm_internal.h"
 #include "kernel/linear_programs.h"
 
+typedef char work_holds[HOLDS(work, mrts_real, MRTS_LP_WORK(K))];
+typedef char integers_hold[HOLDS(integers, int, MRTS_LP_IWORK(K, ROWS))];
+
 /* A row of the programs as planar_dual_arm_range names it; `velocity` bounds c^2 by itself. */
 static int name_of(int code, int at_lower, const mrts_rows *rows, int velocity) {
     const int row = (code < 0 ? -code : code) - 1;
@@ -75,8 +78,8 @@ static planar_dual_arm_status solve_end(const mrts_rows *rows, int velocity, mrt
     return PLANAR_DUAL_ARM_OK;
 }
 
-static planar_dual_arm_status range_with_load(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, const mrts_real *load,
-                                     planar_dual_arm_range *range, planar_dual_arm_workspace *workspace) {
+static planar_dual_arm_status range_with_load(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings,
+                                     const mrts_real *load, planar_dual_arm_range *range, planar_dual_arm_workspace *workspace) {
     const mrts_limits limits = planar_dual_arm_limits(settings);
     mrts_real column[K];
     mrts_rows rows;

@@ -2,12 +2,12 @@
 #include "planar_dual_arm_internal.h"
 #include "planar_dual_arm_model.h"
 
-planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_range *range,
-                                   planar_dual_arm_workspace *workspace) {
+planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings,
+                                   planar_dual_arm_range *range, planar_dual_arm_workspace *workspace) {
     mrts_real turned[9], shares[PLANAR_DUAL_ARM_ROBOTS], internal[WRENCHES], *res[4];
     const mrts_real *arg[9];
     const mrts_limits limits = planar_dual_arm_limits(settings);
-    mrts_form form;
+    const mrts_form form = mrts_form_in(1, JOINTS, WRENCHES, workspace->form);
     mrts_rows rows;
     int fastest;
     range->lower = range->upper = 0;
@@ -18,10 +18,10 @@ planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_s
     planar_dual_arm_point_to(sample, settings->load, turned, arg);
     arg[7] = shares;
     arg[8] = internal;
-    res[0] = form.torque_map = workspace->form;
-    res[1] = form.torque_offset = form.torque_map + JOINTS;
-    res[2] = form.wrench_map = form.torque_offset + JOINTS;
-    res[3] = form.wrench_offset = form.wrench_map + WRENCHES;
+    res[0] = form.torque_map;
+    res[1] = form.torque_offset;
+    res[2] = form.wrench_map;
+    res[3] = form.wrench_offset;
     planar_dual_arm_model_fixed_distribution(arg, res);
     const mrts_real most = planar_dual_arm_velocity_cap(sample, settings, &fastest);
     if (most < 0 || !planar_dual_arm_rows(&limits, 1, &form, workspace, &rows)) return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;

@@ -2,6 +2,9 @@
 #include "planar_dual_arm_internal.h"
 #include "kernel/quadratic_programs.h"
 
+typedef char work_holds[HOLDS(work, mrts_real, MRTS_QP_WORK(F))];
+typedef char integers_hold[HOLDS(integers, int, MRTS_QP_IWORK(F, ROWS))];
+
 planar_dual_arm_status planar_dual_arm_torques(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, mrts_real c2,
                          mrts_real torque[PLANAR_DUAL_ARM_JOINTS], mrts_real wrench[PLANAR_DUAL_ARM_WRENCHES],
                          planar_dual_arm_workspace *workspace) {

@@ -7,13 +7,16 @@
 #include "planar_dual_arm.h"
 #include "planar_dual_arm_vectors.h"
 
-#define TOLERANCE (sizeof(planar_dual_arm_real) > 4 ? 1e-8 : 1e-4) /* relative, for c^2; of torques 10 times that, against their limits */
+/* Relative, for c^2; of torques 10 times that, against their limits. */
+#define TOLERANCE (sizeof(planar_dual_arm_real) > 4 ? 1e-8 : 1e-4)
 
 #define ALLOWED (sizeof(planar_dual_arm_real) > 4 ? 0 : PLANAR_DUAL_ARM_VECTORS / 4) /* answers left undecided */
 
 static int failures = 0;
 
-static int close_to(double ours, double theirs) { return fabs(ours - theirs) <= TOLERANCE * (fabs(theirs) + TOLERANCE); }
+static int close_to(double ours, double theirs) {
+    return fabs(ours - theirs) <= TOLERANCE * (fabs(theirs) + TOLERANCE);
+}
 
 static void demand(int holds, int vector, const char *what, double ours, double theirs) {
     if (holds) return;

@@ -75,9 +75,10 @@ static void mrts_lp_place(int k, const mrts_real *lower, const mrts_real *upper,
     }
 }
 
-/* x of a basis, refined once against its own rows; the largest residual that is left, relative to 1 and the limit */
+/* x of a basis, refined once against its own rows; the largest residual that is left, relative to 1 and the limit, and in
+ * *before the one that was there */
 static mrts_real mrts_lp_refine(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
-                               const int *row, const int *side, const mrts_real *C, mrts_real *x) {
+                                const int *row, const int *side, const mrts_real *C, mrts_real *x, mrts_real *before) {
     mrts_real worst = 0;
     for (int pass = 0; pass < 2; ++pass) {
         worst = 0;
@@ -90,6 +91,7 @@ static mrts_real mrts_lp_refine(int k, int rows, const mrts_real *A, const mrts_
                 for (int i = 0; i < k; ++i) x[i] += missing * C[j * k + i];
             }
         }
+        if (pass == 0) *before = worst;
         if (worst <= MRTS_FEASIBLE / 100) break; /* nothing to gain */
     }
     return worst;
@@ -324,8 +326,12 @@ restart:
             int changed = turns < k ? mrts_lp_choose_sides(k, lower, upper, row, side, y, MRTS_SEPARATED) : 0;
             if (changed < 0) goto start_cold;
             if (changed == 0) {
-                const mrts_real left = mrts_lp_refine(k, rows, A, lower, upper, row, side, C, x);
-                if (!(left <= MRTS_FEASIBLE) || !(uneven <= MRTS_FEASIBLE)) { /* try a fresh inverse */
+                mrts_real before;
+                const mrts_real left = mrts_lp_refine(k, rows, A, lower, upper, row, side, C, x, &before);
+                /* refined so far that another row may now be overstepped */
+                const int astray = !(before <= MRTS_FEASIBLE) &&
+                                   mrts_lp_price(k, rows, A, lower, upper, x, in_basis, bland, &excess) != 0;
+                if (astray || !(left <= MRTS_FEASIBLE) || !(uneven <= MRTS_FEASIBLE)) { /* try a fresh inverse */
                     if (!updates || ++tried_again > 3) goto done;
                     goto restart;
                 }

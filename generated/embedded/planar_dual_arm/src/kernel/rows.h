@@ -29,6 +29,18 @@ typedef struct {
     mrts_real *wrench_offset;
 } mrts_form;
 
+/* Reals of memory of a form, and a form laid out in it. */
+#define MRTS_FORM_WORK(k, joints, wrenches) (((k) + 1) * ((joints) + (wrenches)))
+
+static inline mrts_form mrts_form_in(int k, int joints, int wrenches, mrts_real *memory) {
+    mrts_form form;
+    form.torque_map = memory;
+    form.torque_offset = form.torque_map + k * joints;
+    form.wrench_map = form.torque_offset + joints;
+    form.wrench_offset = form.wrench_map + k * wrenches;
+    return form;
+}
+
 /* Rows lower <= A x <= upper of one sample, each divided by its unit. Behind the limits of the rows stand those of the
  * unknowns. Rows without a limit are left out. */
 typedef struct {
