@@ -48,10 +48,10 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
     at_most = (share >= (1 - BINDING_TOLERANCE) / most[:, None]) * np.maximum(largest.bound_dual[:, -1:], 0.0)
     duals = [np.zeros(problem.A.shape[:2]) for _ in range(2)]
     duals[0][:, ~velocity], duals[1][:, ~velocity], duals[1][:, velocity] = least.row_dual, largest.row_dual, at_most
-    low_rows = [active_rows(problem, duals[0][k], float(least.bound_dual[k, -1])) for k in range(count)]
-    high_rows = [active_rows(problem, dual, 0.0) for dual in duals[1]]
+    lower_rows = [active_rows(problem, duals[0][k], float(least.bound_dual[k, -1])) for k in range(count)]
+    upper_rows = [active_rows(problem, dual, 0.0) for dual in duals[1]]
     undecided = ~(least.verified & largest.verified)
-    return RangeEnds(low, high, low_rows, high_rows, undecided, least.fallbacks + largest.fallbacks)
+    return RangeEnds(low, high, lower_rows, upper_rows, undecided, least.fallbacks + largest.fallbacks)
 
 
 def effect_of_speed(problem: SampleProblem) -> Array:

@@ -22,10 +22,10 @@ BINDING_TOLERANCE = 1e-7
 class RangeEnds:
     """Least and largest c² of a batch, the rows that bind there, and where neither was found."""
 
-    low: Array
-    high: Array
-    low_rows: list[tuple[ActiveRow, ...]]
-    high_rows: list[tuple[ActiveRow, ...]]
+    lower: Array
+    upper: Array
+    lower_rows: list[tuple[ActiveRow, ...]]
+    upper_rows: list[tuple[ActiveRow, ...]]
     undecided: NDArray[np.bool_]
     fallbacks: int
 
@@ -38,9 +38,9 @@ class RangeEnds:
                 "defect of mrts or of extremely scaled data: please report the cell and the motion."
             )
         for index, sample in enumerate(samples):
-            low, high = other.low[index], other.high[index]
-            self.low[sample], self.high[sample] = min(low, high), high
-            self.low_rows[sample], self.high_rows[sample] = other.low_rows[index], other.high_rows[index]
+            lower, upper = other.lower[index], other.upper[index]
+            self.lower[sample], self.upper[sample] = min(lower, upper), upper
+            self.lower_rows[sample], self.upper_rows[sample] = other.lower_rows[index], other.upper_rows[index]
         self.fallbacks += other.fallbacks
 
 

@@ -75,8 +75,8 @@ def _compiled_ranges(
     most = velocity.largest_c2()
     found = compiled.ranges(motion.samples, inputs, _sparse(limits), most)
     at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
-    low, high = found.low, np.where(at_rest, most, found.high)
-    suspects = np.flatnonzero(np.any(found.status != OPTIMAL, axis=0) | (at_rest & (low > 0)))
+    lower, upper = found.lower, np.where(at_rest, most, found.upper)
+    suspects = np.flatnonzero(np.any(found.status != OPTIMAL, axis=0) | (at_rest & (lower > 0)))
     rows = [KernelRows(limits, velocity, found.basis[end], found.dual[end], {}) for end in (0, 1)]
     for sample in np.flatnonzero(at_rest & np.isfinite(most)).tolist():
         rows[1].settled[sample] = velocity.binding(sample)
@@ -85,13 +85,20 @@ def _compiled_ranges(
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
         part = _settle(cell, motion, load, block, float(np.max(found.effect)), solver)
-        low[block], high[block] = part.lower, part.upper
+        lower[block], upper[block] = part.lower, part.upper
         for index, sample in enumerate(block.tolist()):
             rows[0].settled[sample], rows[1].settled[sample] = part.lower_rows[index], part.upper_rows[index]
         conflicts += [replace(conflict, sample=int(block[conflict.sample])) for conflict in part.conflicts]
         fallbacks += part.fallbacks
     return SampleRanges(
-        motion.object.time, statuses(low, high, conflicts), low, high, rows[0], rows[1], tuple(conflicts), fallbacks
+        motion.object.time,
+        statuses(lower, upper, conflicts),
+        lower,
+        upper,
+        rows[0],
+        rows[1],
+        tuple(conflicts),
+        fallbacks,
     )
 
 
@@ -170,14 +177,21 @@ def _settle(
     found = find_conflicts(problem, time, np.arange(len(samples)), solver)
     conflicts = tuple(conflict for conflict in found if conflict is not None)
     still = np.array([index for index, conflict in enumerate(found) if conflict is None], dtype=int)
-    low, high = np.full(len(samples), np.inf), np.full(len(samples), -np.inf)
-    low_rows: list[tuple[ActiveRow, ...]] = [()] * len(samples)
-    high_rows, fallbacks = low_rows.copy(), 0
+    lower, upper = np.full(len(samples), np.inf), np.full(len(samples), -np.inf)
+    lower_rows: list[tuple[ActiveRow, ...]] = [()] * len(samples)
+    upper_rows, fallbacks = lower_rows.copy(), 0
     if still.size:
         part = sample_ranges(problem.at(still), time[still], solver)
-        low[still], high[still], fallbacks = part.lower, part.upper, part.fallbacks
+        lower[still], upper[still], fallbacks = part.lower, part.upper, part.fallbacks
         for index, sample in enumerate(still.tolist()):
-            low_rows[sample], high_rows[sample] = part.lower_rows[index], part.upper_rows[index]
+            lower_rows[sample], upper_rows[sample] = part.lower_rows[index], part.upper_rows[index]
     return SampleRanges(
-        time, statuses(low, high, conflicts), low, high, tuple(low_rows), tuple(high_rows), conflicts, fallbacks
+        time,
+        statuses(lower, upper, conflicts),
+        lower,
+        upper,
+        tuple(lower_rows),
+        tuple(upper_rows),
+        conflicts,
+        fallbacks,
     )

@@ -21,8 +21,9 @@ from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import cell_rows
 from mrts.limits.velocity_limits import velocity_limits
 from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_problem import FormulationName
-from mrts.scaling.range import ScalingRange, ScalingStatus
+from mrts.scaling.range import ScalingRange
 from mrts.scaling.result_html import result_html
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scaling.uncertain_load import LoadStudy
@@ -102,7 +103,7 @@ class ScalingResult:
         return result_html(self)
 
     @property
-    def status(self) -> ScalingStatus:
+    def status(self) -> RangeStatus:
         """The outcome."""
         return self.range.status
 

@@ -18,12 +18,13 @@ from mrts.coordination.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_problem import FormulationName
 from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges, motion_torques
 from mrts.scaling.holding import holding_at_ends
 from mrts.scaling.motion_remarks import motion_remarks
-from mrts.scaling.range import ScalingRange, ScalingStatus, intersect
+from mrts.scaling.range import ScalingRange, intersect
 from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scaling.uncertain_load import Progress, study_load
@@ -159,7 +160,7 @@ def choose_c2(found: ScalingRange, select: Selection) -> float:
     assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
     low, high = found.lower.c2, found.upper.c2
     interval = interval_text(low, high, digits=6)
-    unlimited = found.status is ScalingStatus.UNBOUNDED
+    unlimited = found.status is RangeStatus.UNBOUNDED
     if select == "auto":
         select = "nominal" if unlimited else "fastest"
     if select == "fastest":

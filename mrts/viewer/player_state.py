@@ -45,15 +45,15 @@ class Speeds:
 
     Attributes:
         ends: c² of "c⁻" and "c⁺", as far as they are finite and > 0.
-        low: Least c on offer.
-        high: Largest.
-        step: Between neighbours, a power of ten; `low` and `high` are multiples of it.
+        lower: Least c on offer.
+        upper: Largest.
+        step: Between neighbours, a power of ten; `lower` and `upper` are multiples of it.
         start: First choice.
     """
 
     ends: dict[str, float]
-    low: float
-    high: float
+    lower: float
+    upper: float
     step: float
     start: float
 
@@ -190,7 +190,7 @@ class PlayerState:
             InputError: Unless it is finite, > 0, and at least a thousandth of the least on offer.
             SolverError: If no solver answers.
         """
-        least = 1e-3 * self.speeds.low  # far below, c² and what is divided by it leave the range of numbers
+        least = 1e-3 * self.speeds.lower  # far below, c² and what is divided by it leave the range of numbers
         if not (isfinite(c) and c >= least):
             raise InputError("c", f"must be finite and >= {least:.3g}.", value=c)
         self.trajectory, self.excess = self._distribute(self.result, self.speeds.c2(c))
@@ -315,17 +315,17 @@ def offered_speeds(found: ScalingRange) -> Speeds:
     least = sqrt(both[0]) if both else 0.0
     moves = found.status.admits_motion and both[1] > 0
     if moves and isfinite(both[1]):
-        start = high = sqrt(both[1])
-        high *= BEYOND
+        start = upper = sqrt(both[1])
+        upper *= BEYOND
     else:
         start = max(1.0, least) if moves else 1.0
-        high = FASTEST_UNBOUNDED if moves else FASTEST_INFEASIBLE
-        high = max([high, *(BEYOND * c for c in of_ends)])
-    low = min([start, *of_ends]) / BEYOND if least > 0 else SLOWEST * high
-    power = floor(log10((high - low) / STEPS))
+        upper = FASTEST_UNBOUNDED if moves else FASTEST_INFEASIBLE
+        upper = max([upper, *(BEYOND * c for c in of_ends)])
+    lower = min([start, *of_ends]) / BEYOND if least > 0 else SLOWEST * upper
+    power = floor(log10((upper - lower) / STEPS))
     step = 10.0**power
-    low, high = (round(count * step, -power) for count in (max(floor(low / step), 1), ceil(high / step)))
-    return Speeds(ends, low, high, step, start)
+    lower, upper = (round(count * step, -power) for count in (max(floor(lower / step), 1), ceil(upper / step)))
+    return Speeds(ends, lower, upper, step, start)
 
 
 def _admits(found: ScalingRange, c2: float) -> bool:

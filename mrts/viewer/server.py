@@ -227,14 +227,14 @@ class Viewer:
     def _renew_speed_slider(self) -> None:
         """Marks of a slider cannot be moved, so a configuration with other ends gets another slider."""
         speeds, c = self._state.speeds, self._state.trajectory.c
-        self._shown_speed = min(max(round(c, speeds.digits), speeds.low), speeds.high)
+        self._shown_speed = min(max(round(c, speeds.digits), speeds.lower), speeds.upper)
         marks = [(sqrt(c2), name) for name, c2 in speeds.ends.items()]
-        marks += [(end, f"{end:g}") for end in (speeds.low, speeds.high)]
+        marks += [(end, f"{end:g}") for end in (speeds.lower, speeds.upper)]
         self._speed.remove()
         self._speed = self._server.gui.add_slider(
             "speed c",
-            speeds.low,
-            speeds.high,
+            speeds.lower,
+            speeds.upper,
             speeds.step,
             self._shown_speed,
             marks=tuple(marks),

@@ -249,7 +249,9 @@ def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch
         ends = cell.functions.compiled.ranges(
             motion.samples, motion.inputs(cell.load), cell_rows(cell), np.full(motion.samples, np.inf)
         )
-        results.append((ends.low, ends.high, ends.basis, ends.dual, result.trajectory.torque, result.trajectory.wrench))
+        results.append(
+            (ends.lower, ends.upper, ends.basis, ends.dual, result.trajectory.torque, result.trajectory.wrench)
+        )
     for other in results[1:]:
         for one, two in zip(results[0], other, strict=True):
             np.testing.assert_array_equal(one, two)

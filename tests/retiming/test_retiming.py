@@ -240,7 +240,7 @@ def test_regions_reach_as_far_as_highs_finds(tmp_path):
                     cost[-2:],
                     planes[:, :2],
                     planes[:, 2],
-                    bounds=[(None, None), (regions.low[sample], regions.high[sample])],
+                    bounds=[(None, None), (regions.lower[sample], regions.upper[sample])],
                 )
                 assert (ours.status, theirs.status) in {(0, 0), (3, 3)}, (seed, sample, angle)
                 if ours.status == 0:

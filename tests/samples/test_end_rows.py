@@ -12,8 +12,9 @@ from mrts.limits.rows import STANDSTILL, RowName
 from mrts.samples import end_rows
 from mrts.samples.end_rows import rows_at_end
 from mrts.samples.linear_programs import ends_by_linear_programs
+from mrts.samples.range_status import SampleStatus
 from mrts.samples.sample_problem import SampleProblem
-from mrts.samples.sample_ranges import TIE, SampleRanges, SampleStatus
+from mrts.samples.sample_ranges import TIE, SampleRanges
 from mrts.scaling.range import intersect
 
 SOLVERS = ("kernel", "qpsol:qpoases", "scipy:highs")
@@ -38,9 +39,9 @@ def problem_of(A, lower, upper):
 def binding_at_the_top(problem):
     """Rows with a multiplier at the largest c², each with its side, 1 at the upper limit; None if there is no end."""
     found = ends_by_linear_programs(problem, "scipy:highs")
-    if found.undecided[0] or not np.isfinite(found.high[0]):
+    if found.undecided[0] or not np.isfinite(found.upper[0]):
         return None
-    return [(int(row.name.element), 1.0 if row.side == "upper" else -1.0) for row in found.high_rows[0]]
+    return [(int(row.name.element), 1.0 if row.side == "upper" else -1.0) for row in found.upper_rows[0]]
 
 
 def degenerate_problem(rng):
@@ -92,10 +93,10 @@ def test_all_rows_with_a_multiplier_in_some_dual_solution_are_named_for_every_so
         named, by_solver = set(), set()
         for solver in SOLVERS:
             found = ends_by_linear_programs(problem, solver)
-            rows = rows_at_end(problem, float(found.high[0]), "upper")
-            assert set(found.high_rows[0]) <= set(rows)
+            rows = rows_at_end(problem, float(found.upper[0]), "upper")
+            assert set(found.upper_rows[0]) <= set(rows)
             named.add(rows)
-            by_solver.add(frozenset(found.high_rows[0]))
+            by_solver.add(frozenset(found.upper_rows[0]))
         assert len(named) == 1
         multipliers = largest_multipliers(problem)
         largest = max(multipliers.values())

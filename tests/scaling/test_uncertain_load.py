@@ -15,9 +15,10 @@ from scipy.spatial.transform import Rotation
 import mrts
 from mrts.base.load_box import LoadBox, load_vector
 from mrts.cli import main
+from mrts.samples.range_status import SampleStatus, ScalingStatus
 from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.sample_ranges import SampleStatus, sample_ranges
-from mrts.scaling.range import ScalingStatus, intersect
+from mrts.samples.sample_ranges import sample_ranges
+from mrts.scaling.range import intersect
 
 UR5 = DATA.parent / "dual_ur5"
 RANGE_TOLERANCE = 1e-8  # the bar of a guaranteed end; programs are verified to 1e-9
