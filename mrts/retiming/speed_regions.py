@@ -58,12 +58,12 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
     path, and so are well scaled however short it is.
 
     Args:
-        problem: Rows of [F, u, x], from `build_path_problem`.
+        problem: Rows of [F, u, x], from `build_sample_problem` with a varying speed.
         length: Of the path: over it u changes x by 2 u times that.
         ends: x at the first and the last sample.
     """
-    velocity, most = problem.is_velocity, problem.velocity_cap()
-    A, lower, upper = problem.A[:, ~velocity], problem.lower[:, ~velocity], problem.upper[:, ~velocity]
+    caps, most = problem.is_cap, problem.cap()
+    A, lower, upper = problem.A[:, ~caps], problem.lower[:, ~caps], problem.upper[:, ~caps]
     effect = np.max(np.abs(A), axis=1, initial=0.0)
     effect[effect[:, -2] <= REST_TOLERANCE * np.max(effect[:, -2]), -2] = 0.0
     likely = _likely_speed(A, lower, upper, effect[:, -2], length)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
 from mrts.limits.rows import STANDSTILL, ActiveRow, LimitRows
-from mrts.limits.velocity_limits import VelocityLimits
+from mrts.limits.squared_rows import SpeedCaps
 from mrts.samples.sample_problem import SampleProblem
 
 BINDING_TOLERANCE = 1e-7
@@ -49,15 +49,15 @@ class KernelRows(Sequence[tuple[ActiveRow, ...]]):
     """The rows that bind at one end of each of N samples, named when they are asked for.
 
     Attributes:
-        limits: The r rows; row r + k - 1 of a basis is c² >= 0 at its lower side, a velocity limit at its upper one.
-        velocity: The velocity limits.
+        limits: The r rows; row r + k - 1 of a basis is c² >= 0 at its lower side, a cap at its upper one.
+        caps: The rows that bound c² alone.
         basis: As the kernel gives them, Shape (N, k).
         dual: Their multipliers, Shape (N, k).
         settled: By sample, what was found in another way.
     """
 
     limits: LimitRows
-    velocity: VelocityLimits
+    caps: SpeedCaps
     basis: NDArray[np.int16]
     dual: NDArray[np.float32]
     settled: dict[int, tuple[ActiveRow, ...]]
@@ -79,10 +79,9 @@ class KernelRows(Sequence[tuple[ActiveRow, ...]]):
         for place in np.argsort(-size, kind="stable"):
             row, upper = rows[place], bool(sides[place] > 0)
             if strong[place] and of_c2[place] and upper:
-                named += self.velocity.binding(index)
+                named += self.caps.binding(index)
             elif strong[place] and not of_c2[place]:
-                limit = self.limits.upper[row] if upper else self.limits.lower[row]
-                named.append(ActiveRow(self.limits.names[row], "upper" if upper else "lower", float(limit)))
+                named.append(self.limits.active(row, upper=upper))
         return tuple(named)
 
 

@@ -131,7 +131,7 @@ def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> Sampl
         problem: Rows of some samples.
         largest: Largest effect at other samples of the motion.
     """
-    dynamic = ~problem.is_velocity
+    dynamic = ~problem.is_cap
     effect = np.max(np.abs(problem.A[:, dynamic, -1]), axis=1, initial=0.0)
     at_rest = effect <= REST_TOLERANCE * np.max(effect, initial=largest)
     A = problem.A.copy()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The programs of a whole trajectory: by the compiled kernel in one call, or put together here for another solver."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +11,9 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.kernel.compiled_cell import CompiledCell, SparseLimits
 from mrts.kernel.kernel_library import OPTIMAL
-from mrts.limits import cell_rows
+from mrts.limits import limit_rows
 from mrts.limits.rows import ActiveRow, LimitRows
-from mrts.limits.velocity_limits import velocity_limits
+from mrts.limits.squared_rows import SpeedCaps, squared
 from mrts.samples.end_rows import with_end_rows
 from mrts.samples.infeasibility import Conflict, find_conflicts
 from mrts.samples.load_sharing import LoadSharing
@@ -52,13 +52,12 @@ def motion_ranges(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    fast = _compiled(cell, formulation, sharing, solver)
+    fast = _compiled(cell, motion, formulation, sharing, solver)
     if fast is not None:
-        found = _compiled_ranges(cell, motion, *fast, solver, load)
+        found = _compiled_ranges(cell, motion, fast, solver, load)
     else:
-        found = sample_ranges(
-            build_sample_problem(cell, motion, formulation, sharing, load), motion.object.time, solver
-        )
+        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, load=load)
+        found = sample_ranges(problem, motion.object.time, solver)
     if sharing is not None:
         return found
     return with_end_rows(
@@ -67,19 +66,17 @@ def motion_ranges(
 
 
 def _compiled_ranges(
-    cell: Cell, motion: CoordinatedMotion, compiled: CompiledCell, limits: LimitRows, solver: str, load: Array | None
+    cell: Cell, motion: CoordinatedMotion, fast: "_Compiled", solver: str, load: Array | None
 ) -> SampleRanges:
     """The ranges by the kernel; what it does not settle is left to the solvers."""
-    velocity = velocity_limits(cell, motion)
-    inputs = motion.inputs(cell.load if load is None else load)
-    most = velocity.largest_c2()
-    found = compiled.ranges(motion.samples, inputs, _sparse(limits), most)
+    inputs, most = motion.inputs(cell.load if load is None else load), fast.caps.largest()
+    found = fast.compiled.ranges(motion.samples, inputs, _sparse(fast.limits), most)
     at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
     lower, upper = found.lower, np.where(at_rest, most, found.upper)
     suspects = np.flatnonzero(np.any(found.status != OPTIMAL, axis=0) | (at_rest & (lower > 0)))
-    rows = [KernelRows(limits, velocity, found.basis[end], found.dual[end], {}) for end in (0, 1)]
+    rows = [KernelRows(fast.limits, fast.caps, found.basis[end], found.dual[end], {}) for end in (0, 1)]
     for sample in np.flatnonzero(at_rest & np.isfinite(most)).tolist():
-        rows[1].settled[sample] = velocity.binding(sample)
+        rows[1].settled[sample] = fast.caps.binding(sample)
     conflicts: list[Conflict] = []
     fallbacks = 0
     for start in range(0, len(suspects), BLOCK):
@@ -126,14 +123,13 @@ def motion_torques(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    fast = _compiled(cell, formulation, sharing, solver)
+    fast = _compiled(cell, motion, formulation, sharing, solver)
     if fast is None:
-        problem = build_sample_problem(cell, motion, formulation, sharing)
+        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing)
         x, fallbacks = distribute_torques(problem, c2, weights, solver)
         return problem.torque(x), problem.wrench(x), fallbacks
-    compiled, limits = fast
-    torque, wrench, status = compiled.torques(
-        motion.samples, motion.inputs(cell.load), _sparse(limits), np.full(motion.samples, c2), weights, SLACK
+    torque, wrench, status = fast.compiled.torques(
+        motion.samples, motion.inputs(cell.load), _sparse(fast.limits), np.full(motion.samples, c2), weights, SLACK
     )
     missing, fallbacks = np.flatnonzero(status != OPTIMAL), 0
     for start in range(0, len(missing), BLOCK):
@@ -145,17 +141,29 @@ def motion_torques(
     return torque, wrench, fallbacks
 
 
+@dataclass(frozen=True)
+class _Compiled:
+    """The cell's library, the rows that it takes, and those that only bound c²."""
+
+    compiled: CompiledCell
+    limits: LimitRows
+    caps: SpeedCaps
+
+
 def _compiled(
-    cell: Cell, formulation: FormulationName, sharing: LoadSharing | None, solver: str
-) -> tuple[CompiledCell, LimitRows] | None:
-    """The cell's library and limits where it answers: free distribution, wrench form, more than one arm."""
+    cell: Cell, motion: CoordinatedMotion, formulation: FormulationName, sharing: LoadSharing | None, solver: str
+) -> _Compiled | None:
+    """The compiled path where it answers: free distribution, wrench form, more than one arm, no c² in other limits."""
     check_solver(solver)
     compiled = cell.functions.compiled
     applies = solver == "kernel" and formulation == "wrench" and sharing is None and len(cell.robots) > 1
     if compiled is None or not applies:
         return None
-    limits = cell_rows(cell)
-    return (compiled, limits) if len(limits.names) + compiled.unknowns <= MOST_ROWS else None
+    form = squared(limit_rows(cell, motion))
+    limits = form.rows.only(~form.is_cap)
+    if limits.square is not None or len(limits.names) + compiled.unknowns > MOST_ROWS:
+        return None
+    return _Compiled(compiled, limits, form.caps(motion.samples))
 
 
 def _sparse(limits: LimitRows) -> SparseLimits:

@@ -267,7 +267,9 @@ class Viewer:
         self._moment_text.content = moment_html(state)
         self._torques.content = bars_html("torque", state.torque_bars())
         self._wrenches.content = bars_html("wrench", state.wrench_bars())
-        self._velocities.content = bars_html("velocity", state.velocity_bars(), kept=state.keeps_velocities)
+        further = "".join(bars_html(kind, bars) for kind, bars in state.further_bars().items())
+        velocities = bars_html("velocity", state.velocity_bars(), kept=state.keeps_velocities)
+        self._velocities.content = velocities + further
 
 
 def _set_slider(slider: viser.GuiSliderHandle[float], ends: tuple[float, float], digits: int, value: float) -> None:

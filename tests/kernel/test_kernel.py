@@ -29,7 +29,7 @@ from mrts.kernel.kernel_library import (
     kernel_text,
 )
 from mrts.kernel.library_cache import library_in_cache
-from mrts.limits import cell_rows
+from mrts.limits import limit_rows
 from mrts.output.trajectory_table import write_trajectory_csv
 from mrts.solvers.convex_program import ConvexPrograms, optimality_error, solve_programs
 
@@ -247,7 +247,7 @@ def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch
         result = mrts.scale(cell, motion)
         assert result.fallbacks == 0
         ends = cell.functions.compiled.ranges(
-            motion.samples, motion.inputs(cell.load), cell_rows(cell), np.full(motion.samples, np.inf)
+            motion.samples, motion.inputs(cell.load), limit_rows(cell, motion), np.full(motion.samples, np.inf)
         )
         results.append(
             (ends.lower, ends.upper, ends.basis, ends.dual, result.trajectory.torque, result.trajectory.wrench)

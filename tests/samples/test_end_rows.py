@@ -28,11 +28,22 @@ CLEAR = 1e-3
 
 def problem_of(A, lower, upper):
     count, rows, unknowns = A.shape
-    torque, wrench = (np.zeros((count, 0, unknowns)), np.zeros((count, 0))), (np.zeros((count, 0, unknowns)),)
     names = tuple(RowName("torque", "arm", str(row), "N m") for row in range(rows))
     limits = np.ones(rows, dtype=bool)
     return SampleProblem(
-        *torque, *wrench, np.zeros((count, 0)), names, np.ones(rows), limits, A, lower, upper, lower[0], upper[0]
+        torque_map=np.zeros((count, 0, unknowns)),
+        torque_offset=np.zeros((count, 0)),
+        wrench_map=np.zeros((count, 0, unknowns)),
+        wrench_offset=np.zeros((count, 0)),
+        names=names,
+        unit=np.ones(rows),
+        is_limit=limits,
+        is_cap=~limits,
+        A=A,
+        lower=lower,
+        upper=upper,
+        limit_lower=lower[0],
+        limit_upper=upper[0],
     )
 
 

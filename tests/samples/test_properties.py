@@ -6,7 +6,7 @@ from random_cells import random_planar_cell
 
 import mrts
 from mrts.base.errors import SolverError
-from mrts.limits import cell_rows
+from mrts.limits import limit_rows
 from mrts.samples.range_status import SampleStatus
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import sample_ranges
@@ -30,9 +30,9 @@ def feasible_samples(ranges):
     return np.flatnonzero([status is SampleStatus.FEASIBLE for status in ranges.status])
 
 
-def limit_violation(cell, torque, wrench):
-    rows = cell_rows(cell)
-    value = torque @ rows.torque_matrix.T + wrench @ rows.wrench_matrix.T
+def limit_violation(cell, motion, torque, wrench, c2):
+    rows = limit_rows(cell, motion)
+    value = rows.value(torque, wrench, 0.0, np.sqrt(c2))
     size = 1 + np.where(np.isfinite(rows.upper), np.abs(rows.upper), np.abs(rows.lower))
     return float(np.max(np.maximum(rows.lower - value, value - rows.upper) / size))
 
@@ -52,7 +52,8 @@ def test_appendix_a_every_speed_between_the_ends_is_feasible_and_c_torques_satis
                 one = problem.at(np.array([k]))
                 x, _ = distribute_torques(one, c2, np.eye(sum(len(r.joints) for r in cell.robots)), DEFAULT_SOLVER)
                 torque, wrench = one.torque(x)[0], one.wrench(x)[0]
-                assert limit_violation(cell, torque, wrench) <= LIMIT_TOLERANCE
+                here = joint_motion.at(np.array([k]))
+                assert limit_violation(cell, here, one.torque(x), one.wrench(x), c2) <= LIMIT_TOLERANCE
                 scale = 1 + np.max(np.abs(torque)) + np.max(np.abs(wrench))
                 balance = terms["B"][k] @ wrench - c2 * terms["P"][k] - terms["Q"][k]
                 assert np.max(np.abs(balance)) <= 1e-10 * scale

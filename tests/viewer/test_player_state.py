@@ -9,7 +9,7 @@ from random_cells import random_planar_cell, random_spatial_cell
 from scipy.optimize import linprog
 
 import mrts
-from mrts.limits import cell_rows
+from mrts.limits import limit_rows
 from mrts.motion.joint_table import JointTable
 from mrts.samples.range_status import SampleStatus
 from mrts.samples.sample_problem import build_sample_problem
@@ -310,10 +310,14 @@ def test_every_limit_of_the_cell_is_on_a_bar(dual_ur5, turning):
     state = PlayerState(dual_ur5, turning)
     bars = [
         (kind, robot, bar.name, bar.unit, bar.lower, bar.upper)
-        for kind, groups in (("torque", state.torque_bars()), ("wrench", state.wrench_bars()))
+        for kind, groups in (
+            ("torque", state.torque_bars()),
+            ("wrench", state.wrench_bars()),
+            ("velocity", state.velocity_bars()),
+        )
         for robot, of_robot in groups.items()
         for bar in of_robot
     ]
-    rows = cell_rows(dual_ur5)
+    rows = limit_rows(dual_ur5, state.result.motion)
     for name, lower, upper in zip(rows.names, rows.lower, rows.upper, strict=True):
         assert (name.kind, name.robot, name.element, name.unit, lower, upper) in bars

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: MIT
+"""Limits as the programs take them: linear in ṙ², and which of them do nothing but bound ṙ² from above."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.errors import MrtsError
+from mrts.limits.rows import ActiveRow, LimitRows, moved
+
+TIE = 2e-7
+"""Caps that bound ṙ² this closely to the one that bounds it most bind with it."""
+
+REST = 1e-24
+"""A squared speed below this share of its largest along the motion is rounding of rest."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SquaredRows:
+    """Rows without first powers of the speed: lower <= M_τ τ + M_F F + a r̈ + e ṙ² <= upper.
+
+    Attributes:
+        given: The r rows as they were given.
+        rows: The same rows, linear in ṙ².
+        unit: What 100 % of a limit is in its own unit; of a squared speed half of it, Shape (r,).
+        is_cap: Rows that standstill keeps and nothing but the speed moves: all that they do is bound ṙ² from above,
+            Shape (r,).
+    """
+
+    given: LimitRows
+    rows: LimitRows
+    unit: Array
+    is_cap: NDArray[np.bool_]
+
+    def caps(self, samples: int) -> "SpeedCaps":
+        """The caps by themselves.
+
+        Args:
+            samples: N.
+        """
+        lower, upper, square = self.rows.lower[self.is_cap], self.rows.upper[self.is_cap], self.rows.square
+        square = np.zeros((samples, len(lower))) if square is None else square[:, self.is_cap]
+        return SpeedCaps(self.given.only(self.is_cap), side_share(square, lower, upper), square > 0)
+
+
+@dataclass(frozen=True)
+class SpeedCaps:
+    """Rows that do nothing but bound ṙ² from above.
+
+    Attributes:
+        rows: As they were given, s of them.
+        share: What each is of its limit at ṙ = 1, Shape (N, s).
+        upper: Whether that is its upper limit, Shape (N, s).
+    """
+
+    rows: LimitRows
+    share: Array
+    upper: NDArray[np.bool_]
+
+    def largest(self) -> Array:
+        """Largest ṙ² that keeps all of them, infinity where nothing moves, Shape (N,)."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(1 / np.max(self.share, axis=1, initial=0.0), dtype=np.float64)
+
+    def binding(self, sample: int) -> tuple[ActiveRow, ...]:
+        """Those that bound ṙ² at a sample; none at rest."""
+        return tuple(
+            self.rows.active(row, upper=bool(self.upper[sample, row]))
+            for row in np.flatnonzero(binds(self.share[sample])).tolist()
+        )
+
+
+def side_share(square: Array, lower: Array, upper: Array) -> Array:
+    """What rows e ṙ² are of the limit on their side at ṙ = 1, 0 where they have none: Shape (…, s) as `square`."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(square > 0, square / upper, square / lower)
+    return np.where(square == 0, 0.0, share)
+
+
+def binds(share: Array) -> NDArray[np.bool_]:
+    """Which caps bound ṙ², none at rest.
+
+    Args:
+        share: As in `SpeedCaps`, of one sample, Shape (s,), or of all, Shape (N, s).
+    """
+    most = np.max(share, axis=-1, initial=0.0, keepdims=True)
+    return np.asarray((share >= (1 - TIE) * most) & (most > 0))
+
+
+def squared(given: LimitRows) -> SquaredRows:
+    """Bring rows into a form that is linear in ṙ².
+
+    A row b ṙ becomes b |b| ṙ² between l |l| and u |u|: as ṙ >= 0, squares with their sign keep the order. Where the
+    speed is limited alike in both directions that is b² ṙ² <= u².
+
+    Args:
+        given: Rows along a motion.
+
+    Raises:
+        MrtsError: If a row has ṙ beside anything else: it has no such form.
+    """
+    count, unit = len(given.names), given.units()
+    by_speed, alone = moved(given.speed, count), given.is_of_speed
+    mixed = np.flatnonzero(by_speed & (moved(given.square, count) | ~alone))
+    if mixed.size:
+        raise MrtsError(
+            f"{given.names[mixed[0]]}: a limit of ṙ together with torques, wrenches, r̈ or ṙ² is not linear in c², "
+            "which the programs need. Give its terms in ṙ² ('square'), or a limit of the speed alone."
+        )
+    rows = _by_signed_squares(given, by_speed, unit) if np.any(by_speed) else replace(given, speed=None)
+    is_cap = np.zeros(count, dtype=bool)
+    if rows.square is not None and np.any(alone):
+        square, lower, upper = rows.square[:, alone], rows.lower[alone], rows.upper[alone]
+        square[np.abs(square) <= REST * np.max(np.abs(square), axis=0, initial=0.0)] = 0.0
+        whole = rows.square.copy(order="K") if rows.square is given.square else rows.square
+        whole[:, alone] = square
+        rows = replace(rows, square=whole)
+        limited = np.all((square <= 0) | (upper > 0), axis=0) & np.all((square >= 0) | (lower < 0), axis=0)
+        is_cap[alone] = (lower <= 0) & (upper >= 0) & limited
+    return SquaredRows(given=given, rows=rows, unit=np.where(by_speed, unit / 2, unit), is_cap=is_cap)
+
+
+def _by_signed_squares(given: LimitRows, by_speed: NDArray[np.bool_], unit: Array) -> LimitRows:
+    assert given.speed is not None  # noqa: S101 (some rows have it)
+    square = np.zeros(given.speed.T.shape).T if given.square is None else given.square.copy()
+    size, share = unit[by_speed], given.speed[:, by_speed] / unit[by_speed]
+    alike = given.lower[by_speed] == -given.upper[by_speed]
+    square[:, by_speed] = size * share * np.where(alike, share, np.abs(share))
+    lower, upper = given.lower.copy(), given.upper.copy()
+    least, most = lower[by_speed] / size, upper[by_speed] / size
+    lower[by_speed] = np.where(alike, -np.inf, size * least * np.abs(least))
+    upper[by_speed] = size * most * np.abs(most)
+    return replace(given, lower=lower, upper=upper, speed=None, square=square)
