@@ -25,7 +25,7 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
         cell: The cell; velocities are left out unless it enforces their limits.
         motion: Its motion.
     """
-    return stack_rows([limit(cell, motion) for limit in LIMITS.values()]).bounded()
+    return stack_rows([limit(cell, motion).bounded() for limit in LIMITS.values()])
 
 
 def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:

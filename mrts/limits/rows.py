@@ -179,14 +179,15 @@ class LimitRows:
         """
         if np.all(kept):
             return self
-        columns = (None if c is None else c[:, kept] for c in (self.rate, self.speed, self.square))
+        places = np.flatnonzero(kept)
+        columns = (None if c is None or not places.size else c[:, places] for c in (self.rate, self.speed, self.square))
         rate, speed, square = (None if c is None or not np.any(c) else c for c in columns)
         return LimitRows(
-            names=tuple(name for name, keep in zip(self.names, kept, strict=True) if keep),
-            lower=self.lower[kept],
-            upper=self.upper[kept],
-            torque_matrix=self.torque_matrix[kept],
-            wrench_matrix=self.wrench_matrix[kept],
+            names=tuple(self.names[place] for place in places.tolist()),
+            lower=self.lower[places],
+            upper=self.upper[places],
+            torque_matrix=self.torque_matrix[places],
+            wrench_matrix=self.wrench_matrix[places],
             rate=rate,
             speed=speed,
             square=square,
@@ -199,8 +200,8 @@ class LimitRows:
     @property
     def is_of_speed(self) -> NDArray[np.bool_]:
         """Rows that nothing but the speed moves, Shape (r,)."""
-        forces = np.any(self.torque_matrix, axis=1) | np.any(self.wrench_matrix, axis=1)
-        return np.asarray(~(forces | moved(self.rate, len(self.names))))
+        others = self.torque_matrix.any(axis=1) | self.wrench_matrix.any(axis=1)
+        return np.asarray(~(others if self.rate is None else others | moved(self.rate, len(self.names))))
 
 
 def moved(column: Array | None, rows: int) -> NDArray[np.bool_]:

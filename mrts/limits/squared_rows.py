@@ -42,7 +42,7 @@ class SquaredRows:
         """
         lower, upper, square = self.rows.lower[self.is_cap], self.rows.upper[self.is_cap], self.rows.square
         square = np.zeros((samples, len(lower))) if square is None else square[:, self.is_cap]
-        return SpeedCaps(self.given.only(self.is_cap), side_share(square, lower, upper), square > 0)
+        return SpeedCaps(self.given, np.flatnonzero(self.is_cap), side_share(square, lower, upper), square > 0)
 
 
 @dataclass(frozen=True)
@@ -50,12 +50,14 @@ class SpeedCaps:
     """Rows that do nothing but bound ṙ² from above.
 
     Attributes:
-        rows: As they were given, s of them.
+        rows: All rows as they were given.
+        places: Which of them these are, Shape (s,).
         share: What each is of its limit at ṙ = 1, Shape (N, s).
         upper: Whether that is its upper limit, Shape (N, s).
     """
 
     rows: LimitRows
+    places: NDArray[np.int_]
     share: Array
     upper: NDArray[np.bool_]
 
@@ -67,8 +69,8 @@ class SpeedCaps:
     def binding(self, sample: int) -> tuple[ActiveRow, ...]:
         """Those that bound ṙ² at a sample; none at rest."""
         return tuple(
-            self.rows.active(row, upper=bool(self.upper[sample, row]))
-            for row in np.flatnonzero(binds(self.share[sample])).tolist()
+            self.rows.active(int(self.places[cap]), upper=bool(self.upper[sample, cap]))
+            for cap in np.flatnonzero(binds(self.share[sample])).tolist()
         )
 
 
@@ -101,35 +103,40 @@ def squared(given: LimitRows) -> SquaredRows:
     Raises:
         MrtsError: If a row has ṙ beside anything else: it has no such form.
     """
-    count, unit = len(given.names), given.units()
-    by_speed, alone = moved(given.speed, count), given.is_of_speed
-    mixed = np.flatnonzero(by_speed & (moved(given.square, count) | ~alone))
-    if mixed.size:
+    unit = given.units()
+    if given.speed is None and given.square is None:
+        return SquaredRows(given=given, rows=given, unit=unit, is_cap=np.zeros(len(unit), dtype=bool))
+    count, alone = len(unit), given.is_of_speed
+    by_speed = moved(given.speed, count)
+    mixed = by_speed & ~alone if given.square is None else by_speed & (moved(given.square, count) | ~alone)
+    if np.any(mixed):
         raise MrtsError(
-            f"{given.names[mixed[0]]}: a limit of ṙ together with torques, wrenches, r̈ or ṙ² is not linear in c², "
-            "which the programs need. Give its terms in ṙ² ('square'), or a limit of the speed alone."
+            f"{given.names[int(np.argmax(mixed))]}: a limit of ṙ together with torques, wrenches, r̈ or ṙ² is not "
+            "linear in c², which the programs need. Give its terms in ṙ² ('square'), or a limit of the speed alone."
         )
-    rows = _by_signed_squares(given, by_speed, unit) if np.any(by_speed) else replace(given, speed=None)
+    places = np.flatnonzero(alone)
+    size, least, most = unit[places], given.lower[places] / unit[places], given.upper[places] / unit[places]
+    part = np.zeros((1, 1)) if given.square is None else given.square[:, places] / size
+    if given.speed is not None:
+        share, alike = given.speed[:, places] / size, by_speed[places] & (least == -most)
+        part = part + share * np.where(alike, share, np.abs(share))
+        least = np.where(alike, -np.inf, np.where(by_speed[places], least * np.abs(least), least))
+        most = np.where(by_speed[places], most * np.abs(most), most)
+    magnitude = np.abs(part)
+    part[magnitude <= REST * np.max(magnitude, axis=0, initial=0.0)] = 0.0
+    rows = _with_squares(given, places, size * part, size * least, size * most)
+    stays = (least <= 0) & (most >= 0)
     is_cap = np.zeros(count, dtype=bool)
-    if rows.square is not None and np.any(alone):
-        square, lower, upper = rows.square[:, alone], rows.lower[alone], rows.upper[alone]
-        square[np.abs(square) <= REST * np.max(np.abs(square), axis=0, initial=0.0)] = 0.0
-        whole = rows.square.copy(order="K") if rows.square is given.square else rows.square
-        whole[:, alone] = square
-        rows = replace(rows, square=whole)
-        limited = np.all((square <= 0) | (upper > 0), axis=0) & np.all((square >= 0) | (lower < 0), axis=0)
-        is_cap[alone] = (lower <= 0) & (upper >= 0) & limited
+    is_cap[places] = stays & ~np.any((part > 0) & (most <= 0) | (part < 0) & (least >= 0), axis=0)
     return SquaredRows(given=given, rows=rows, unit=np.where(by_speed, unit / 2, unit), is_cap=is_cap)
 
 
-def _by_signed_squares(given: LimitRows, by_speed: NDArray[np.bool_], unit: Array) -> LimitRows:
-    assert given.speed is not None  # noqa: S101 (some rows have it)
-    square = np.zeros(given.speed.T.shape).T if given.square is None else given.square.copy()
-    size, share = unit[by_speed], given.speed[:, by_speed] / unit[by_speed]
-    alike = given.lower[by_speed] == -given.upper[by_speed]
-    square[:, by_speed] = size * share * np.where(alike, share, np.abs(share))
-    lower, upper = given.lower.copy(), given.upper.copy()
-    least, most = lower[by_speed] / size, upper[by_speed] / size
-    lower[by_speed] = np.where(alike, -np.inf, size * least * np.abs(least))
-    upper[by_speed] = size * most * np.abs(most)
-    return replace(given, lower=lower, upper=upper, speed=None, square=square)
+def _with_squares(given: LimitRows, places: NDArray[np.int_], square: Array, lower: Array, upper: Array) -> LimitRows:
+    """The rows without ṙ, some of them with another term in ṙ², Shape (N, s), and other limits, Shape (s,)."""
+    whole = np.zeros((len(given.names), len(square))).T
+    if given.square is not None:
+        whole[:] = given.square
+    whole[:, places] = square
+    limits = given.lower.copy(), given.upper.copy()
+    limits[0][places], limits[1][places] = lower, upper
+    return replace(given, lower=limits[0], upper=limits[1], speed=None, square=whole)
