@@ -1,30 +1,72 @@
 # The verbs of this project. `make demo` and `make test` need nothing but Python >= 3.11, make and a C compiler.
 PYTHON ?= python3
-VENV := .venv
-BIN := $(VENV)/bin
+override VENV := .venv
+override BIN := $(VENV)/bin
+override PIP := $(BIN)/python -I -m pip
 WORKERS ?= auto
 CASES ?= 100000
 SEED ?= 0
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test fuzz docs check bench instructions embedded-counts generate clean
+.PHONY: help install demo quick test fuzz docs check bench instructions embedded-counts generate clean
+.NOTPARALLEL:  # one pip at a time in .venv
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 install: $(VENV)/installed  ## create .venv with mrts and everything that tests and checks need
 
-$(VENV)/installed: pyproject.toml constraints.txt
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[plot,test,check]'
-	mkdir -p build/typing && ln -sfn ../../codegen build/typing/mrts_codegen
-	touch $@
+# A .venv belongs to the folder it was made in: its scripts and its way to the sources hold that path. One that came
+# here with a moved or copied folder is made anew; one that make did not make, or a link to one, is not touched.
+UNFIT := $(filter anew refuse,$(shell \
+  if test -L $(VENV); then echo refuse; elif test -e $(VENV); then \
+    case "$$(grep -s '^command = ' $(VENV)/pyvenv.cfg)" in \
+    (*" $$(pwd -P)/$(VENV)") test -x $(VENV)/bin/python || echo anew;; \
+    (*) test -e $(VENV)/demo -o -e $(VENV)/installed && echo anew || echo refuse;; esac; fi))
+.PHONY: $(UNFIT)
 
-demo: install  ## generate, compile and run the paper's examples; figures in build/demo
+refuse:
+	@echo "$(VENV) is a link, or was not made by make in this folder: move it away, and make makes its own" >&2; exit 1
+
+anew:
+	rm -rf $(VENV)
+
+# Nothing reaches Python that names other code, and of pip's variables only those that say where packages come from.
+unexport PYTHONPATH PYTHONHOME PYTHONUSERBASE __PYVENV_LAUNCHER__ MYPYPATH
+PACKAGE_SOURCES := INDEX_URL EXTRA_INDEX_URL FIND_LINKS NO_INDEX TRUSTED_HOST CERT CLIENT_CERT PROXY KEYRING_PROVIDER
+PACKAGE_SOURCES += CONFIG_FILE CACHE_DIR NO_CACHE_DIR DEFAULT_TIMEOUT TIMEOUT RETRIES USE_FEATURE
+unexport $(filter-out $(PACKAGE_SOURCES:%=PIP_%),$(filter PIP_%,$(.VARIABLES)))
+# Packages are compiled when they are imported, not all of them at once when they are installed.
+unexport PYTHONDONTWRITEBYTECODE
+
+# This folder's mrts with what EXTRAS need, into .venv and nowhere else
+define INSTALL
+	$(PYTHON) -m venv $(VENV)
+	@! $(PIP) config list | grep -E '\.(target|prefix|root|python)=' || \
+	  { echo "pip is told to install elsewhere: take that out, or set PIP_CONFIG_FILE=/dev/null" >&2; exit 1; }
+	$(PIP) install --quiet --disable-pip-version-check --no-compile --no-user -c constraints.txt -e '.[$(EXTRAS)]'
+	touch $@
+endef
+
+$(VENV)/demo: EXTRAS := plot
+$(VENV)/installed: EXTRAS := plot,test,check
+$(VENV)/bench: EXTRAS := bench
+
+$(VENV)/demo $(VENV)/bench: pyproject.toml setup.py constraints.txt $(UNFIT)
+	$(INSTALL)
+
+$(VENV)/installed: pyproject.toml setup.py constraints.txt $(UNFIT)
+	$(INSTALL)
+	touch $(VENV)/demo
+
+demo: $(VENV)/demo  ## generate, compile and run the paper's examples; figures in build/demo
 	$(BIN)/mrts demo -o build/demo
 
+quick: install  ## run one test of each kind, in about a minute
+	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m quick
+
 test: install  ## run all tests
-	$(BIN)/python -m pytest -q -n $(WORKERS)
+	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal
 
 fuzz: install  ## read CASES damaged input files, from SEED on
 	FUZZ_CASES=$(CASES) FUZZ_SEED=$(SEED) $(BIN)/python -m pytest -q -x tests/base/test_mutated_inputs.py
@@ -33,12 +75,13 @@ docs: install  ## build the documentation as a site in build/site
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 check: install  ## lint, format and types
+	rm -rf build/typing && mkdir -p build/typing && ln -s ../../codegen build/typing/mrts_codegen
+	@test build/typing/mrts_codegen/__init__.py -ef codegen/__init__.py || { echo "build is not this folder's own" >&2; exit 1; }
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy -p mrts -p mrts_codegen
 
-bench: install  ## measure speed against what a user would otherwise run
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'
+bench: install $(VENV)/bench  ## measure speed against what a user would otherwise run
 	$(BIN)/python benchmarks/range_speed.py
 	$(BIN)/python benchmarks/fast_path.py
 	$(BIN)/python benchmarks/one_arm_timing.py

@@ -21,7 +21,7 @@ from interleaved import median_times
 import mrts
 from mrts.base.arrays import Array
 from mrts.kernel.compiler import find_compiler
-from mrts.kernel.kernel_library import kernel_library
+from mrts.kernel.programs import compiled_programs
 from mrts.samples.linear_programs import UNBOUNDED
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.trajectory_programs import motion_ranges
@@ -59,7 +59,7 @@ def against_daqp(cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> None:
     g = np.zeros((count, k))
     low, high = np.full((count, k), -np.inf), np.full((count, k), np.inf)
     low[:, -1], high[:, -1] = 0, UNBOUNDED
-    kernel = kernel_library(find_compiler() or ())
+    kernel = compiled_programs(find_compiler() or ())
     print("kernel alone, the same linear programs, C time")
     for name, direction in (("least c²", 1.0), ("largest c²", -1.0)):
         g[:, -1] = direction

@@ -14,14 +14,14 @@ import yaml
 
 import mrts
 from mrts.cell.generation import generated_in_cache
-from mrts.kernel.compiled_cell import cell_source
+from mrts.kernel.c_text import cell_source
 from mrts.kernel.compiler import FLAGS
 from mrts.limits import limit_rows
 
 DATA = Path(str(files("mrts") / "data"))
 HERE = Path(__file__).resolve().parent
 SAMPLES = 1000
-COUNTED = ("mrts_evaluate", "mrts_rows", "mrts_ranges", "mrts_torques", "mrts_lp", "mrts_qp")
+COUNTED = ("mrts_rows_of_sample", "mrts_scale_columns", "mrts_ranges", "mrts_torques", "mrts_lp", "mrts_qp")
 
 
 def samples_file(path: Path, cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> None:
@@ -32,7 +32,11 @@ def samples_file(path: Path, cell: mrts.Cell, motion: mrts.CoordinatedMotion) ->
     start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(matrix)))])
     inputs = motion.inputs(cell.load)
     inputs["object_rotation"] = inputs["object_rotation"].transpose(0, 2, 1)
-    ends = [np.maximum(limits.lower, -1e300), np.minimum(limits.upper, 1e300), limits.units()]
+    ends = [
+        np.maximum(limits.lower, -1e300),
+        np.minimum(limits.upper, 1e300),
+        np.unique([name.unit for name in limits.names], return_inverse=True)[1],
+    ]
     parts = [np.array([motion.samples, len(matrix)]), *inputs.values(), start, column, matrix[row, column], *ends]
     path.write_bytes(b"".join(np.ascontiguousarray(part, dtype=np.float64).tobytes() for part in parts))
 

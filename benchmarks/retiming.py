@@ -22,7 +22,7 @@ from mrts.retiming.reachability import fastest_profile
 from mrts.retiming.speed_regions import speed_regions
 from mrts.samples.sample_problem import build_sample_problem
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "oracles"))
 from transcription import transcribed  # the check of the tests, built outside the measured calls
 
 CELL = Path(str(files("mrts") / "data")) / "dual_ur5"

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mrts_codegen.cell_description import Bounds, CellDescription, RobotDescription, TorqueBounds, resolve_urdf
+from mrts_codegen.cell_file import Bounds, CellDescription, RobotDescription, TorqueBounds, resolve_urdf
 from mrts_codegen.equations.spatial_algebra import PLANE_COMPONENTS
 from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.planar_cell import check_plane_kept

@@ -6,7 +6,7 @@ import json
 from importlib.metadata import version
 from pathlib import Path
 
-from mrts_codegen.cell_description import read_cell_description, resolve_urdf
+from mrts_codegen.cell_file import read_cell_description, resolve_urdf
 
 from mrts.base import input_file, load_box, manifest, rigid_transform, strict_yaml
 from mrts.base.input_file import MAX_URDF_BYTES

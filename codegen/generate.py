@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import casadi as ca
-from mrts_codegen.cell_description import ObjectDescription, read_cell_description
-from mrts_codegen.cell_functions import build_functions
+from mrts_codegen.cell_file import ObjectDescription, read_cell_description
 from mrts_codegen.cell_model import CellModel, CellRobot, build_cell_model
+from mrts_codegen.function_registry import build_functions
 
 from mrts.base.atomic_file import text_writer, write_together
 from mrts.base.manifest import (

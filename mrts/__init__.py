@@ -12,11 +12,13 @@ from mrts.base.version import __version__ as __version__
 if TYPE_CHECKING:
     from mrts.base.errors import CompilerError, InputError, MotionError, MrtsError, SolverError
     from mrts.base.load_box import LoadBox, LoadPoint
+    from mrts.base.remark import Remark
+    from mrts.base.rigid_transform import RigidTransform
     from mrts.cell.cell import Cell, load_cell
     from mrts.cell.robot import Robot
     from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
     from mrts.coordination.grasp_closure import ClosureBound
-    from mrts.limits.rows import ActiveRow
+    from mrts.limits.rows import ActiveRow, RowName
     from mrts.motion.joint_table import JointTable
     from mrts.motion.motion_file import MotionDescription, load_motion, sample_motion
     from mrts.motion.object_motion import ObjectMotion
@@ -30,12 +32,13 @@ if TYPE_CHECKING:
     from mrts.samples.load_sharing import LoadSharing
     from mrts.samples.range_status import SampleStatus, ScalingStatus
     from mrts.samples.sample_ranges import SampleRanges
+    from mrts.scaling.holding_torques import Holding
     from mrts.scaling.known_load import torques_for_load
+    from mrts.scaling.load_study import LoadStudy
     from mrts.scaling.range import RangeEnd, ScalingRange
-    from mrts.scaling.result import ScalingResult
+    from mrts.scaling.result import DistributionRule, Residuals, ScalingResult
     from mrts.scaling.scale import SelectionError, scale
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
-    from mrts.scaling.uncertain_load import LoadStudy
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
 
 _HOMES = {
@@ -48,20 +51,26 @@ _HOMES = {
     "ConfigurationStudy": "studies.configurations",
     "Conflict": "samples.infeasibility",
     "CoordinatedMotion": "coordination.coordinated_motion",
+    "DistributionRule": "scaling.result",
+    "Holding": "scaling.holding_torques",
     "InputError": "base.errors",
     "JointTable": "motion.joint_table",
     "LoadBox": "base.load_box",
     "LoadPoint": "base.load_box",
     "LoadSharing": "samples.load_sharing",
-    "LoadStudy": "scaling.uncertain_load",
+    "LoadStudy": "scaling.load_study",
     "MotionDescription": "motion.motion_file",
     "MotionError": "base.errors",
     "MrtsError": "base.errors",
     "ObjectMotion": "motion.object_motion",
     "RangeEnd": "scaling.range",
+    "Remark": "base.remark",
+    "Residuals": "scaling.result",
     "RetimingResult": "retiming.result",
     "RetimingStatus": "retiming.result",
+    "RigidTransform": "base.rigid_transform",
     "Robot": "cell.robot",
+    "RowName": "limits.rows",
     "SampleRanges": "samples.sample_ranges",
     "SampleStatus": "samples.range_status",
     "ScaledTrajectory": "scaling.scaled_trajectory",
@@ -95,6 +104,8 @@ __all__ = [
     "ConfigurationStudy",
     "Conflict",
     "CoordinatedMotion",
+    "DistributionRule",
+    "Holding",
     "InputError",
     "JointTable",
     "LoadBox",
@@ -106,9 +117,13 @@ __all__ = [
     "MrtsError",
     "ObjectMotion",
     "RangeEnd",
+    "Remark",
+    "Residuals",
     "RetimingResult",
     "RetimingStatus",
+    "RigidTransform",
     "Robot",
+    "RowName",
     "SampleRanges",
     "SampleStatus",
     "ScaledTrajectory",

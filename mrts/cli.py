@@ -17,7 +17,7 @@ from mrts.commands import configurations, demo, export, generate, report, scale,
 from mrts.commands.completion import complete
 from mrts.console.defect import describe_defect, trace
 from mrts.console.exit_codes import BAD_INPUT, DEFECT, PIPE_CLOSED, SIGNALLED
-from mrts.console.interrupt import EndedBySignal, persistent_interrupt
+from mrts.console.signals import EndedBySignal, persistent_interrupt
 from mrts.console.terminal import (
     QUIET,
     RemarkHandler,

@@ -1,28 +1,41 @@
 import os
+import shutil
+import tempfile
 from importlib.resources import files
 from pathlib import Path
 
 import pytest
 
 import mrts
+from mrts.kernel.cache_folder import cache_folder
 
 ROOT = Path(__file__).resolve().parent.parent
 DATA = Path(str(files("mrts") / "data")) / "planar_dual_arm"
 
+CACHE = ROOT / "build" / "test-cache"
+MOST_ENTRIES = 2000
+"""Of cells and libraries in the cache, about 20 kB to 2 MB each; a run adds about 200 where generation has changed."""
 
-@pytest.fixture(scope="session", autouse=True)
-def private_cache(tmp_path_factory):
-    """Tests neither read nor fill the user's cache; workers of one run share theirs."""
-    run = tmp_path_factory.getbasetemp()
-    folder = (run.parent if "PYTEST_XDIST_WORKER" in os.environ else run) / "cache"
-    folder.mkdir(mode=0o700, exist_ok=True)
-    os.environ["MRTS_CACHE_DIR"] = str(folder)
-    return folder
+
+def pytest_configure(config):
+    """Let tests neither read nor fill the user's cache: theirs, keyed by content, serves all workers and later runs."""
+    if hasattr(config, "workerinput"):
+        return  # a worker has it from the process that started it
+    if sum(1 for _ in CACHE.glob("*/*")) > MOST_ENTRIES:
+        shutil.rmtree(CACHE)
+    os.environ["MRTS_CACHE_DIR"] = str(CACHE)
+    if cache_folder() != CACHE:  # others can write this checkout
+        os.environ["MRTS_CACHE_DIR"] = folder = tempfile.mkdtemp(prefix="mrts-tests-")
+        config.add_cleanup(lambda: shutil.rmtree(folder))
 
 
 @pytest.fixture(scope="session")
-def planar_cell(private_cache):
-    assert private_cache.is_dir()
+def private_cache():
+    return Path(os.environ["MRTS_CACHE_DIR"])
+
+
+@pytest.fixture(scope="session")
+def planar_cell():
     return mrts.load_cell(DATA / "cell.yaml")
 
 
@@ -32,6 +45,10 @@ def lift():
 
 
 @pytest.fixture(scope="session")
-def dual_ur5(private_cache):
-    assert private_cache.is_dir()
+def lifted(planar_cell, lift):
+    return mrts.scale(planar_cell, lift)
+
+
+@pytest.fixture(scope="session")
+def dual_ur5():
     return mrts.load_cell(DATA.parent / "dual_ur5" / "cell.yaml")

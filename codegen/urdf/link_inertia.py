@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mrts_codegen.cell_description import INERTIA_SLACK, inertia_problem, triangle_excess
+from mrts_codegen.cell_file import INERTIA_TOLERANCE, inertia_problem, triangle_excess
 from mrts_codegen.urdf.urdf_joint import matrix_pose
 
 from mrts.base.arrays import Array
@@ -87,7 +87,7 @@ def link_inertia(path: Path, link: Any, remarks: list[Remark]) -> Inertia:
         advice = f"Correct it in the URDF; a moment {100 * TRIANGLE_MARGIN:g} % beyond the sum of the others passes."
         raise InputError(path, f"{problem} {advice}", key=f"link '{link.name}' inertia")
     excess = triangle_excess(inertial.inertia)
-    if excess > INERTIA_SLACK:
+    if excess > INERTIA_TOLERANCE:
         text = (
             f"{path.name}: the largest principal moment of link '{link.name}' exceeds the sum of the others by "
             f"{100 * excess:.2g} %, which no body's does; it is taken as it is."

@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: MIT
 """What the arguments of public functions must be: a wrong one is named where it enters, not where it first hurts."""
 
+from collections.abc import Callable
+from math import inf, isfinite
+from numbers import Real
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from mrts.base.errors import InputError
+
+Progress = Callable[[int, int], None]
+"""Told how many of how many pieces of work are done."""
 
 WORDS = {
     "Cell": "a cell, as from mrts.load_cell",
@@ -20,7 +26,7 @@ WORDS = {
     "NoneType": "None",
     "ObjectMotion": "motion of the object, as from mrts.load_motion",
     "PathLike": "a Path",
-    "Remark": "a remark, as of a loaded cell",
+    "Remark": "a remark, as of a cell",
     "Robot": "a robot, as from mrts.load_cell",
     "ScalingResult": "a result of mrts.scale",
     "bool": "True or False",
@@ -48,6 +54,23 @@ def check_type(name: str, value: object, *kinds: type) -> None:
     allowed = f"{', '.join(others)} or {last}" if others else last
     given = "None" if value is None else f"of type {type(value).__name__}"
     raise InputError(name, f"must be {allowed}; it is {given}.", value=value)
+
+
+def is_number(value: object, low: float = -inf, high: float = inf) -> bool:
+    """Whether an argument is a finite number within bounds.
+
+    Args:
+        value: What was given; a truth value counts as no number.
+        low: Least value, which is allowed.
+        high: Largest value, likewise.
+    """
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return False
+    try:
+        number = float(value)
+    except OverflowError:  # a whole number may be larger than any other
+        return False
+    return isfinite(number) and low <= number <= high
 
 
 def check_list(name: str, value: object, kind: type) -> None:

@@ -4,13 +4,12 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import permutations, product
-from numbers import Real
 from types import NoneType
 from typing import Any, Self
 
 import numpy as np
 
-from mrts.base.argument_types import check_type
+from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.manifest import LOAD_ENTRIES
@@ -96,7 +95,7 @@ class LoadBox:
     principal_moments: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        if not _is_number(self.mass) or not self.mass > 0:
+        if not is_number(self.mass) or not self.mass > 0:
             raise InputError("mass", "must be a finite number > 0, in kg.", value=self.mass)
         check_type("ranges", self.ranges, Mapping)
         check_type("outer_hull", self.outer_hull, bool)
@@ -150,7 +149,7 @@ class LoadBox:
                 known = ", ".join(self.ranges)
                 raise InputError("load", f"is not a parameter of this box; those are {known}.", key=name, value=value)
             low, high = self.ranges[name]
-            if not _is_number(value) or not low <= value <= high:
+            if not is_number(value, low, high):
                 raise InputError("load", f"must be a number in [{low:g}, {high:g}].", key=name, value=value)
         values = self._inside() | dict(parameters)
         return self._load(values, values)
@@ -281,7 +280,7 @@ def _one_range_problem(name: str, pair: Any) -> str:
     if name not in PARAMETERS:
         return f"unknown parameter '{name}'; there are {', '.join(PARAMETERS)}."
     given = list(pair) if isinstance(pair, Sequence) or np.ndim(pair) else []
-    if len(given) != 2 or not all(_is_number(end) for end in given):  # noqa: PLR2004 (two ends)
+    if len(given) != 2 or not all(is_number(end) for end in given):  # noqa: PLR2004 (two ends)
         return f"{name} = {pair!r} must be two finite numbers, [least, largest]."
     low, high = map(float, given)
     nominal = NOMINAL[name]
@@ -294,15 +293,6 @@ def _one_range_problem(name: str, pair: Any) -> str:
     )
     broken = next((rule for holds, rule in rules if not holds), None)
     return f"{name} = [{low:g}, {high:g}]: {broken}." if broken else ""
-
-
-def _is_number(value: Any) -> bool:
-    if isinstance(value, bool) or not isinstance(value, Real):
-        return False
-    try:
-        return bool(np.isfinite(float(value)))
-    except OverflowError:  # a whole number may be larger than any other
-        return False
 
 
 def principal_axes(inertia: Array) -> Array:

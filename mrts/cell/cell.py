@@ -10,7 +10,7 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
-from mrts.base.argument_types import as_path, check_list, check_type
+from mrts.base.argument_types import as_path, check_list, check_type, is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
@@ -106,7 +106,7 @@ class Cell:
                 raise InputError(
                     "cell",
                     "stands as numbers in the generated C, so changing it in Python would be ignored there. Change the "
-                    "cell file (gravity, plane, base, grasp, fixed, robots) or the URDF, and load it again: "
+                    "cell file (gravity, plane, base, grasp, fixed, robots) or the URDF, and read it again: "
                     "mrts.load_cell(path). What can be changed in Python are limits, postures and the load.",
                     key=key,
                 )
@@ -153,7 +153,7 @@ class Cell:
         Raises:
             InputError: Unless the mass is finite and > 0.
         """
-        if isinstance(mass, bool) or not isinstance(mass, int | float) or not 0 < mass <= LARGEST_NUMBER:
+        if not is_number(mass, 0, LARGEST_NUMBER) or mass == 0:
             raise InputError("mass", f"must be a number > 0 and at most {LARGEST_NUMBER:.0e}, in kg.", value=mass)
         box = None if self.load_box is None else replace(self.load_box, mass=float(mass))
         return replace(self, load=np.array([mass, *self.load[1:]], dtype=np.float64), load_box=box)
@@ -246,7 +246,7 @@ class Cell:
 
 
 def load_cell(path: Path | str, *, backend: Backend = "auto") -> Cell:
-    """Load a cell: generate and compile it on first use, from the cache after that.
+    """Read a cell: generate and compile it on first use, from the cache after that.
 
     Args:
         path: A cell file, or a folder that `mrts generate` wrote.

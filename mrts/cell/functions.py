@@ -13,10 +13,11 @@ from mrts.base.arrays import Array
 from mrts.base.errors import CompilerError, InputError
 from mrts.base.manifest import MANIFEST_NAME, FunctionRecord, Manifest, check_source, verified_manifest
 from mrts.cell.robot import Robot, robot_from_record
-from mrts.kernel.compiled_cell import CompiledCell, cell_source
+from mrts.kernel.c_text import cell_source
+from mrts.kernel.cell_library import CellLibrary
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.function_shapes import check_shapes
-from mrts.kernel.kernel_library import load_or_rebuild
+from mrts.kernel.library_cache import library_or_rebuilt
 
 Backend = Literal["auto", "compiled", "vm"]
 logger = logging.getLogger("mrts")
@@ -41,7 +42,7 @@ class CellFunctions:
         evaluate: Callable[[str, int, dict[str, Array]], dict[str, Array]],
         backend: Literal["compiled", "vm", "none"],
         origin: str | dict[str, Any] | Path,
-        compiled: CompiledCell | None = None,
+        compiled: CellLibrary | None = None,
     ) -> None:
         self.manifest = manifest
         self.backend = backend
@@ -102,7 +103,7 @@ def bind_functions(
     if backend == "compiled" or virtual_machine is None:
         raise CompilerError(
             f"no C compiler was found to compile {source.name}. Install one (Debian: apt-get install gcc libc6-dev), "
-            "set CC, or load the cell file instead of its generated folder: it can run without a compiler."
+            "set CC, or take the cell file instead of its generated folder: it can run without a compiler."
         )
     if backend == "auto":
         logger.warning("no C compiler found: running in CasADi's virtual machine, about 20 times slower")
@@ -151,7 +152,7 @@ def saved_functions(manifest: Manifest, path: Path) -> CellFunctions:
     def refuse(name: str, _samples: int, _inputs: dict[str, Array]) -> dict[str, Array]:
         raise InputError(
             path,
-            f"this takes the compiled functions of cell '{manifest.name}', which a saved result does not hold: load it "
+            f"this takes the compiled functions of cell '{manifest.name}', which a saved result does not hold: read it "
             "with mrts.load_result(path, cell=mrts.load_cell(CELL)).",
             key=f"function '{name}'",
         )
@@ -163,8 +164,8 @@ def _compiled_functions(
     where: Path | str, manifest: Manifest, command: tuple[str, ...], generated: str
 ) -> CellFunctions:
     text = cell_source(manifest, generated)
-    compiled = load_or_rebuild(command, manifest.name, text, partial(CompiledCell, manifest))
-    check_shapes(where, manifest, compiled.loaded)
+    compiled = library_or_rebuilt(command, manifest.name, text, partial(CellLibrary, manifest))
+    check_shapes(where, manifest, compiled.opened)
     return CellFunctions(manifest, compiled.map, "compiled", generated, compiled)
 
 

@@ -8,9 +8,10 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
-from mrts.base.embedded_vector import EmbeddedVector
+from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
 from mrts.base.errors import InputError
 from mrts.base.manifest import MANIFEST_NAME, Manifest, read_generated
+from mrts.kernel.c_text import one_file
 from mrts.kernel.cache_folder import cache_folder, only_ours
 
 
@@ -62,6 +63,8 @@ def generate_to(path: Path, folder: Path | None) -> tuple[Manifest, Path]:
 def export_to(
     path: Path,
     folder: Path,
+    *,
+    limits: EmbeddedLimits,
     vectors: list[EmbeddedVector],
     path_samples: int,
     precision: Literal["double", "float"],
@@ -73,10 +76,11 @@ def export_to(
     Args:
         path: The cell file.
         folder: For the library.
+        limits: What the cell must keep.
         vectors: Its test vectors.
         path_samples: The first so many of them are one motion with the nominal load.
         precision: "double" or "float".
-        parts: Of `mrts_codegen.embedded_export.PARTS`; none at all is all.
+        parts: Of `mrts_codegen.embedded.parts.PARTS`; none at all is all.
         name: Prefix of every name in the library; None is the cell's.
 
     Returns:
@@ -85,12 +89,21 @@ def export_to(
     Raises:
         InputError: If the cell file breaks a rule, a part does not exist, or the folder cannot be written.
     """
-    from mrts_codegen.embedded_export import PARTS, export_library, write_library  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.embedded.export_library import export_library, write_library  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.embedded.parts import PARTS  # noqa: PLC0415
     from mrts_codegen.generate import generate_cell  # noqa: PLC0415
 
     cell = generate_cell(path)
-    manifest = cell.manifest if name is None else cell.manifest.model_copy(update={"name": name})
-    texts = export_library(manifest, cell.functions, vectors, path_samples, precision, parts or PARTS)
+    texts = export_library(
+        cell.manifest if name is None else cell.manifest.model_copy(update={"name": name}),
+        cell.functions,
+        limits=limits,
+        vectors=vectors,
+        path_samples=path_samples,
+        kernel=one_file,
+        precision=precision,
+        parts=parts or PARTS,
+    )
     write_library(folder, texts)
     return sorted(texts)
 
@@ -104,7 +117,7 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     Raises:
         InputError: If the cell file breaks a rule.
     """
-    from mrts_codegen.cell_description import read_cell_description, resolve_urdf  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.cell_file import read_cell_description, resolve_urdf  # noqa: PLC0415 (build time, on demand)
 
     robots = read_cell_description(path).robots
     return {robot.name: (resolve_urdf(path, robot.urdf), robot.base_link) for robot in robots}

@@ -7,7 +7,7 @@ from pathlib import Path
 from mrts.base.errors import InputError
 from mrts.commands.options import add_cell_and_motion, limited_cell_option, require, sharing_option
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.console.outputs import Outputs, check_outputs
+from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
 from mrts.console.terminal import put, say
 

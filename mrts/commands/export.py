@@ -7,7 +7,7 @@ from pathlib import Path
 from mrts.base.errors import InputError
 from mrts.commands.options import add_closure, cell_option, closure_option
 from mrts.console.exit_codes import FEASIBLE
-from mrts.console.outputs import check_outputs
+from mrts.console.output_files import check_outputs
 from mrts.console.progress import working
 from mrts.console.terminal import say
 
@@ -42,12 +42,14 @@ def run(options: argparse.Namespace) -> int:
     from mrts.cell.generation import export_to
     from mrts.coordination.coordinate import coordinate
     from mrts.motion.motion_file import load_motion
+    from mrts.output.embedded_limits import embedded_limits
     from mrts.output.embedded_test_vectors import make_vectors, own_motion
 
     if options.cell.is_dir():
         raise InputError(options.cell, "an export starts from the cell file, not from a generated folder.")
     check_outputs({}, {"--output": options.output})
     cell = cell_option(options.cell)
+    limits = embedded_limits(cell)
     parts = tuple(part for part in options.functions.split(",") if part)
     vectors, samples = [], 0
     if not parts:  # tests and example go with a library of all parts only
@@ -57,7 +59,16 @@ def run(options: argparse.Namespace) -> int:
             motion = coordinate(cell, load_motion(options.motion), closure_option(options.closure))
         vectors, samples = make_vectors(cell, motion), motion.samples
     with working(f"writing {options.output}"):
-        written = export_to(options.cell, options.output, vectors, samples, options.precision, parts, options.name)
+        written = export_to(
+            options.cell,
+            options.output,
+            limits=limits,
+            vectors=vectors,
+            path_samples=samples,
+            precision=options.precision,
+            parts=parts,
+            name=options.name,
+        )
     say(f"{cell.name}: {options.precision} precision, {len(vectors)} test vectors, in {options.output}:")
     say("\n".join(f"  {name}" for name in written))
     return FEASIBLE

@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 
 from mrts.console.exit_codes import FEASIBLE
-from mrts.console.outputs import check_outputs
+from mrts.console.output_files import check_outputs
 from mrts.console.progress import working
 from mrts.console.terminal import say
 

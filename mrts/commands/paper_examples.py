@@ -8,16 +8,16 @@ from typing import Annotated
 
 from pydantic import Field
 
+from mrts.base.argument_types import Progress
 from mrts.base.atomic_file import Write, text_writer, write_together
 from mrts.base.input_file import Finite, Positive, StrictModel, read_model
 from mrts.cell.cell import Cell, load_cell
-from mrts.drawing.lanes import row_labels
+from mrts.drawing.labels import row_labels
 from mrts.motion.motion_file import load_motion
 from mrts.samples.load_sharing import LoadSharing
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
-from mrts.scaling.uncertain_load import Progress
 from mrts.solvers import DEFAULT_SOLVER
 
 EXAMPLE_FILES = ("cell.yaml", "lift.yaml", "fast_lift.yaml", "planar_arm.urdf")

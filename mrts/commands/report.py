@@ -7,7 +7,7 @@ from pathlib import Path
 from mrts.base.errors import InputError
 from mrts.commands.options import require
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.console.outputs import check_outputs
+from mrts.console.output_files import check_outputs
 from mrts.console.terminal import say
 
 EXAMPLES = """\

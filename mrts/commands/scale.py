@@ -15,9 +15,11 @@ from mrts.commands.options import (
     sharing_option,
 )
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.console.outputs import Outputs, check_outputs
+from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
 from mrts.console.terminal import put, say, warn
+from mrts.output import TRAJECTORY_FORMATS, TrajectoryFormat
+from mrts.samples import FORMULATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -72,15 +74,15 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     scale.add_argument(
         "--no-velocity-limits", action="store_true", help="report velocity limits, but let them bound nothing"
     )
-    scale.add_argument("--formulation", choices=["wrench", "torque"], default="wrench",
+    scale.add_argument("--formulation", choices=FORMULATIONS, default="wrench",
                        help="unknowns of the programs (default: %(default)s)")  # fmt: skip
     scale.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
     scale.add_argument("--json", type=Path, metavar="FILE", help="write the whole result ('-' is standard output)")
     scale.add_argument("--save", type=Path, metavar="FILE.npz",
                        help="save the whole result, for mrts.load_result")  # fmt: skip
-    scale.add_argument("--csv", type=Path, metavar="FILE", help="write the scaled trajectory as a table")
-    scale.add_argument("--ros-bag", type=Path, metavar="DIR",
-                       help="write the scaled trajectory as a ROS 2 bag (MCAP; needs the extra 'ros')")  # fmt: skip
+    for name, form in TRAJECTORY_FORMATS.items():
+        scale.add_argument(f"--{name}", type=Path, metavar="DIR" if form.is_folder else "FILE",
+                           help=f"write the scaled trajectory {form.meaning}")  # fmt: skip
     scale.add_argument("--plot", type=Path, metavar="DIR", help="write figures (needs the extra 'plot')")
     scale.add_argument("--report", type=Path, metavar="FILE",
                        help="write an HTML page that opens offline (needs the extra 'report')")  # fmt: skip
@@ -93,7 +95,9 @@ def run(options: argparse.Namespace) -> int:
 
     require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
     require("plotly", "--report", "report", wanted=options.report is not None)
-    require("rosbags", "--ros-bag", "ros", wanted=options.ros_bag is not None)
+    for name, form, path in _trajectory_files(options):
+        if form.needs:
+            require(form.needs[0], f"--{name}", form.needs[1], wanted=path is not None)
     _check_outputs(options)
     motion = load_motion(options.motion)
     sharing, closure = sharing_option(options.share), closure_option(options.closure)
@@ -112,8 +116,17 @@ def _check_outputs(options: argparse.Namespace) -> None:
     ):
         if path is not None and str(path) != "-" and path.suffix not in suffixes:
             raise InputError(option, f"writes a file that ends in {suffixes[0]}.", value=str(path))
-    files = {"--json": options.json, "--save": options.save, "--csv": options.csv, "--report": options.report}
-    check_outputs(files, {"--plot": options.plot}, {"--ros-bag": options.ros_bag})
+    trajectories = _trajectory_files(options)
+    files = {"--json": options.json, "--save": options.save}
+    files |= {f"--{name}": path for name, form, path in trajectories if not form.is_folder}
+    files |= {"--report": options.report}
+    new_folders = {f"--{name}": path for name, form, path in trajectories if form.is_folder}
+    check_outputs(files, {"--plot": options.plot}, new_folders)
+
+
+def _trajectory_files(options: argparse.Namespace) -> list[tuple[str, TrajectoryFormat, Path | None]]:
+    """Every format of the trajectory with its name and where it is asked for."""
+    return [(name, form, getattr(options, name.replace("-", "_"))) for name, form in TRAJECTORY_FORMATS.items()]
 
 
 def _scale(
@@ -124,7 +137,7 @@ def _scale(
     carried: "Array | None",
     closure: "ClosureBound | None",
 ) -> int:
-    from mrts.output.text_report import report_lines
+    from mrts.output.summary_lines import scaling_lines
     from mrts.scaling.known_load import torques_for_load
     from mrts.scaling.scale import SelectionError, scale
     from mrts.solvers import DEFAULT_SOLVER
@@ -158,7 +171,7 @@ def _scale(
         raise
     with working("writing"):  # files first: whoever reads the lines may go away
         _write(options, result, outputs)
-    code = _answered(options, result, report_lines(result), outputs)
+    code = _answered(options, result, scaling_lines(result), outputs)
     if result.fallbacks and str(options.json) != "-":
         warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
     return code
@@ -189,7 +202,7 @@ def _retime(
 ) -> int:
     from dataclasses import replace
 
-    from mrts.output.text_report import retiming_lines
+    from mrts.output.summary_lines import retiming_lines
     from mrts.retiming.retime import retime
     from mrts.scaling.known_load import torques_for_load
 
@@ -287,7 +300,7 @@ def _write_result(options: argparse.Namespace, result: "ScalingResult", outputs:
 
 
 def _say_unwritten(options: argparse.Namespace) -> None:
-    wanted = {"--csv": options.csv, "--ros-bag": options.ros_bag}
+    wanted = {f"--{name}": path for name, _, path in _trajectory_files(options)}
     if options.profile == "optimal":
         wanted |= {"--save": options.save, "--report": options.report, "--plot": options.plot}
     if left_out := [name for name, path in wanted.items() if path is not None]:
@@ -295,13 +308,7 @@ def _say_unwritten(options: argparse.Namespace) -> None:
 
 
 def _write_trajectory(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
-    if options.csv is not None:
-        with outputs.attempt():
-            from mrts.output.trajectory_table import write_trajectory_csv
-
-            write_trajectory_csv(result, options.csv)
-    if options.ros_bag is not None:
-        with outputs.attempt():
-            from mrts.output.ros_bag import write_ros_bag
-
-            write_ros_bag(result, options.ros_bag)
+    for _, form, path in _trajectory_files(options):
+        if path is not None:
+            with outputs.attempt():
+                form.write(result, path)

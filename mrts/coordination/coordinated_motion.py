@@ -17,7 +17,7 @@ from mrts.inverse_kinematics.joint_limits import check_joint_limits, within_limi
 from mrts.inverse_kinematics.starting_positions import starting_positions
 from mrts.motion.object_motion import ObjectMotion
 
-PLANE_TOLERANCE = 1e-9
+OUT_OF_PLANE = 1e-9
 """Largest velocity and turning rate out of the plane of a planar cell [m/s, rad/s]: rounding of the input."""
 
 
@@ -176,7 +176,7 @@ def check_motion(cell: Cell, motion: ObjectMotion) -> None:
         return
     normal = ({0, 1, 2} - {"xyz".index(axis) for axis in cell.plane}).pop()
     tilting = [3 + axis for axis in range(3) if axis != normal]
-    if np.max(np.abs(motion.twist[:, [normal, *tilting]])) > PLANE_TOLERANCE:
+    if np.max(np.abs(motion.twist[:, [normal, *tilting]])) > OUT_OF_PLANE:
         raise MotionError(
             f"the object leaves the plane {cell.plane} of cell '{cell.name}': its path may move in {cell.plane} and "
             f"turn about {'xyz'[normal]} only."

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError
 from mrts.cell.cell import Cell
@@ -61,8 +62,9 @@ class ClosureBound:
             value = getattr(self, name)
             if name == "rotation" and value is None:
                 continue
-            if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value <= LARGEST_CLOSURE:
+            if not is_number(value, 0, LARGEST_CLOSURE) or value == 0:
                 raise InputError("closure", f"must be > 0 and at most {LARGEST_CLOSURE:g}.", key=name, value=value)
+            object.__setattr__(self, name, float(value))
 
     @property
     def angle(self) -> float:

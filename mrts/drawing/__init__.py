@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What pictures share, without any plotting library: lanes, axes, words, shapes."""
+"""What pictures share, without any plotting library: lanes, axes, words, shapes.
+
+May import base to studies. Start at `lanes.py`.
+"""

@@ -13,7 +13,7 @@ ABOVE_THE_RANGE = 4.0
 """c²⁺(t) near rest can be thousands of times the range over the motion; it is followed up to this many times."""
 
 MARGIN = 0.06
-"""Room above and below, as a share of what is shown."""
+"""Left free above and below, as a share of what is shown."""
 
 
 def value_reach(values: Array, limits: Array) -> tuple[float, float]:
@@ -27,8 +27,8 @@ def value_reach(values: Array, limits: Array) -> tuple[float, float]:
     near = limits[np.isfinite(limits) & ((np.abs(limits) <= FARTHEST_LIMIT * size) | (size == 0))]
     shown = np.concatenate([values.ravel(), near.ravel(), [0.0]])
     low, high = float(np.min(shown)), float(np.max(shown))
-    room = MARGIN * (high - low) or 1.0
-    return low - room, high + room
+    margin = MARGIN * (high - low) or 1.0
+    return low - margin, high + margin
 
 
 def c2_reach(found: ScalingRange) -> tuple[float, float]:

@@ -13,6 +13,9 @@ from mrts.cell.robot import Robot
 THINNEST = 0.05
 """Least side of a drawn object, as a share of its longest: a planar object may have no thickness."""
 
+SMALLEST = 1e-3
+"""What counts as the longest side of an object whose inertia gives it none [m]."""
+
 
 def body_poses(robot: Robot, q: Array) -> tuple[Array, Array]:
     """What takes each body of the arm from where it is in base axes with every joint at zero to the world.
@@ -61,7 +64,7 @@ def object_box(cell: Cell) -> Array:
     diagonal = np.diag(cell.inertia)
     squares = 6 / cell.mass * (np.sum(diagonal) - 2 * diagonal)
     sides: Array = np.sqrt(np.maximum(squares, 0))
-    return np.maximum(sides, THINNEST * max(float(np.max(sides)), 1e-3))
+    return np.maximum(sides, THINNEST * max(float(np.max(sides)), SMALLEST))
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.drawing.labels import row_label
 from mrts.limits.rows import STANDSTILL, ActiveRow
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import SampleRanges
@@ -18,24 +19,7 @@ from mrts.scaling.range import ScalingRange
 MOST_LANES = 14
 """Lanes of one end of the range; rows beyond share the last."""
 
-MOST_NAMES = 3
-"""Rows that a short list names."""
-
 LaneKind = Literal["upper", "lower", "conflict"]
-
-
-def row_label(row: ActiveRow) -> str:
-    """A row in a few letters: `left/elbow ↑` at its upper limit, ↓ at its lower one."""
-    name = row.name
-    if name == STANDSTILL or not name.robot:
-        return str(name)
-    return f"{name.short} {'↑' if row.side == 'upper' else '↓'}"
-
-
-def row_labels(rows: Sequence[ActiveRow], most: int = MOST_NAMES) -> str:
-    """The first rows in a few letters, and how many more there are."""
-    more = f" and {len(rows) - most} more" if len(rows) > most else ""
-    return ", ".join(row_label(row) for row in rows[:most]) + more
 
 
 @dataclass(frozen=True)
@@ -89,19 +73,19 @@ def _lanes(kind: LaneKind, rows: Sequence[tuple[ActiveRow, ...]], first: tuple[A
 
 
 def infeasible_spans(samples: SampleRanges) -> list[tuple[float, float]]:
-    """Stretches of time where no c² keeps the limits [s]."""
+    """Spans of time where no c² keeps the limits [s]."""
     return spans(samples.time, np.array([status is RangeStatus.INFEASIBLE for status in samples.status]))
 
 
 def spans(time: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
-    """Stretches of time of consecutive samples, each sample reaching half way to its neighbours.
+    """Spans of time of consecutive samples, each sample reaching half way to its neighbours.
 
     Args:
         time: Shape (N,) [s].
         where: Which samples count, Shape (N,).
 
     Returns:
-        Start and end of every stretch [s].
+        Start and end of every span [s].
     """
     edges = np.concatenate([time[:1], (time[1:] + time[:-1]) / 2, time[-1:]])
     steps = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(int)))

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange
-from mrts.scaling.uncertain_load import LoadStudy
 
 
 def load_end(found: ScalingRange) -> float:

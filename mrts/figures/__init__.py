@@ -2,6 +2,8 @@
 """Figures of a result; needs the extra 'plot' (matplotlib).
 
 A `draw_…` function draws into axes that you give; a `…_figure` function composes a whole figure.
+
+May import base to output. Start at `result_figures.py`.
 """
 
 from mrts.figures.c2_range import draw_binding_rows, draw_range, range_figure

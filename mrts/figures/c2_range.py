@@ -8,9 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from mrts.drawing.axis_reach import c2_reach
+from mrts.drawing.colours import ADMISSIBLE, CONFLICT, END_COLOURS
+from mrts.drawing.labels import LANE_LETTERS
 from mrts.drawing.lanes import Lane, binding_lanes, infeasible_spans, spans
-from mrts.drawing.plot_style import ADMISSIBLE, CONFLICT, END_COLOURS, LANE_LETTERS
-from mrts.drawing.range_text import range_facts, range_text
+from mrts.drawing.range_sentences import range_facts, range_text
 from mrts.figures.style import finish, plain, plain_text
 from mrts.samples.range_status import RangeStatus
 from mrts.scaling.result import ScalingResult
@@ -95,8 +96,8 @@ def _draw_lanes(axes: Axes, result: ScalingResult, lanes: list[Lane]) -> None:
     found = result.range
     time = found.samples.time
     for row, lane in enumerate(lanes):
-        stretches = [(start, end - start) for start, end in spans(time, lane.binds)]
-        axes.broken_barh(stretches, (row - 0.36, 0.72), facecolor=END_COLOURS[lane.kind], linewidth=0)
+        bars = [(start, end - start) for start, end in spans(time, lane.binds)]
+        axes.broken_barh(bars, (row - 0.36, 0.72), facecolor=END_COLOURS[lane.kind], linewidth=0)
     for end in (found.lower, found.upper):
         if end is not None and end.time is not None and end.c2 > 0:
             axes.axvline(end.time, color="black", linewidth=0.8, linestyle=":")

@@ -5,8 +5,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mrts.drawing.lanes import row_labels
-from mrts.drawing.plot_style import CONFLICT, END_COLOURS
+from mrts.drawing.colours import CONFLICT, END_COLOURS
+from mrts.drawing.labels import row_labels
 from mrts.figures.style import plain, plain_text
 from mrts.samples.range_status import RangeStatus
 from mrts.studies.configurations import Configuration, ConfigurationStudy

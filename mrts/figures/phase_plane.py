@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mrts.drawing.plot_style import COLOURS
+from mrts.drawing.colours import COLOURS
 from mrts.retiming.result import RetimingResult
 
 HEADROOM = 1.35

@@ -12,7 +12,8 @@ from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import Write, write_atomically
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
-from mrts.drawing.plot_style import COLOURS, LONGEST_LABEL, shortened
+from mrts.drawing.colours import COLOURS
+from mrts.drawing.labels import LONGEST_LABEL, shortened
 
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (7, 3)))
 """A second difference between lines, for print without colour."""

@@ -14,9 +14,18 @@ from mrts.base.arrays import Array, apply
 from mrts.base.errors import MotionError
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.inverse_kinematics.compiled_tracking import NewtonRule, track_compiled
 from mrts.inverse_kinematics.joint_limits import joint_limit_failure
-from mrts.inverse_kinematics.null_space import FOLD, SINGULAR, NullSpace, change_along, is_redundant, null_spaces
+from mrts.inverse_kinematics.null_space import (
+    FOLD,
+    LIMIT_PUSH,
+    SINGULAR,
+    NullSpace,
+    change_along,
+    is_redundant,
+    limit_zone,
+    null_spaces,
+)
+from mrts.kernel.tracking import GraspTask, NewtonRule, track_path
 from mrts.motion.object_motion import ObjectMotion
 
 POSE_TOLERANCE = 1e-10
@@ -202,8 +211,8 @@ def follow_grasps(cell: Cell, motion: ObjectMotion, start: Array) -> tuple[Array
     """
     compiled = cell.functions.compiled
     if compiled is not None:
-        rule = NewtonRule(TRACKING_STEPS, SETTLED, STEP_LIMIT, POSE_TOLERANCE)
-        found = track_compiled(cell, compiled, motion, start, rule)
+        path = (motion.time, motion.position, motion.rotation, motion.twist, motion.acceleration)
+        found = track_path(compiled, _grasp_task(cell), path, start)
         if found.done == len(motion.time) and not (
             np.any(np.maximum(found.gap, found.turn) > POSE_TOLERANCE)
             or np.any(found.jump > JUMP_LIMIT)
@@ -215,6 +224,22 @@ def follow_grasps(cell: Cell, motion: ObjectMotion, start: Array) -> tuple[Array
     tracks = track_grasps(cell, motion, start[None])
     tracks.require(0)
     return tracks.q[0], tracks.dq[0], tracks.ddq[0]
+
+
+def _grasp_task(cell: Cell) -> GraspTask:
+    """What the compiled tracking is told of a cell."""
+    robots = cell.robots
+    return GraspTask(
+        newton=NewtonRule(TRACKING_STEPS, SETTLED, STEP_LIMIT, POSE_TOLERANCE),
+        components=cell.wrench_rows,
+        base_rotation=np.array([robot.T_world_base.R for robot in robots]),
+        tip_rotation=np.array([robot.T_object_tip.R for robot in robots]),
+        tip_position=np.array([robot.T_object_tip.p for robot in robots]),
+        lower=np.concatenate([robot.position_lower for robot in robots]),
+        upper=np.concatenate([robot.position_upper for robot in robots]),
+        zone=np.concatenate([limit_zone(robot) for robot in robots]),
+        push=LIMIT_PUSH,
+    )
 
 
 def track_grasps(cell: Cell, motion: ObjectMotion, start: Array) -> Tracks:

@@ -11,7 +11,7 @@ from mrts.cell.robot import Robot
 DEGREES_SUSPECTED = 4 * np.pi
 """A joint position beyond two turns is rather degrees than radians."""
 
-LIMIT_TOLERANCE = 1e-9
+POSITION_TOLERANCE = 1e-9
 """How far a joint may pass its position limit [rad or m]: rounding."""
 
 PRINTED_TOLERANCE = 1e-4
@@ -34,16 +34,16 @@ def within_limits(robot: Robot, q: Array) -> Array:
     """
     turn = np.where([kind == "revolute" for kind in robot.joint_types], 2 * np.pi, np.inf)
     low, high = np.min(q, axis=0), np.max(q, axis=0)
-    down = np.ceil((high - robot.position_upper) / turn - LIMIT_TOLERANCE).clip(min=0)
-    up = np.ceil((robot.position_lower - low) / turn - LIMIT_TOLERANCE).clip(min=0)
+    down = np.ceil((high - robot.position_upper) / turn - POSITION_TOLERANCE).clip(min=0)
+    up = np.ceil((robot.position_lower - low) / turn - POSITION_TOLERANCE).clip(min=0)
     shift = np.where(np.isfinite(turn), turn, 0.0)
-    fits_down = low - shift * down >= robot.position_lower - LIMIT_TOLERANCE
-    fits_up = high + shift * up <= robot.position_upper + LIMIT_TOLERANCE
+    fits_down = low - shift * down >= robot.position_lower - POSITION_TOLERANCE
+    fits_up = high + shift * up <= robot.position_upper + POSITION_TOLERANCE
     moved: Array = q + shift * (np.where(fits_up, up, 0.0) - np.where(fits_down, down, 0.0))
     return moved
 
 
-def joint_limit_failure(robot: Robot, time: Array, q: Array, tolerance: float = LIMIT_TOLERANCE) -> str | None:
+def joint_limit_failure(robot: Robot, time: Array, q: Array, tolerance: float = POSITION_TOLERANCE) -> str | None:
     """The message for the first sample where a joint passes its position limit, None if none does.
 
     Args:
@@ -67,7 +67,7 @@ def joint_limit_failure(robot: Robot, time: Array, q: Array, tolerance: float = 
     )
 
 
-def check_joint_limits(cell: Cell, time: Array, q: Array, tolerance: float = LIMIT_TOLERANCE) -> None:
+def check_joint_limits(cell: Cell, time: Array, q: Array, tolerance: float = POSITION_TOLERANCE) -> None:
     """Check the position limits of all joints along a motion.
 
     Args:

@@ -10,7 +10,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.inverse_kinematics.grasp_tracking import STARTING_STEPS, HeldGrasps, solve_grasps, unreachable
 from mrts.inverse_kinematics.joint_limits import joint_limit_failure, nearest_turns, within_limits
-from mrts.inverse_kinematics.planar import has_closed_form, planar_branches
+from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_branches
 from mrts.motion.object_motion import ObjectMotion
 
 FURTHER_STARTS = 40

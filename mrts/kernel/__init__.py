@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Our C (kernel/c) and everything that knows its memory: compiling it, loading it, calling it."""
+"""Our C (`c/`) and everything that knows its memory: compiling it, opening it, calling it.
+
+May import base. Start at `cell_library.py`.
+"""

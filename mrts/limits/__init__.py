@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The registry of limits. A new limit is one file here and one line in `LIMITS`."""
+"""Every limit as named rows. A new one is one file and one line in `LIMITS`.
+
+May import base to coordination. Start at `rows.py`.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace

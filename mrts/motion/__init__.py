@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is given: motion of the object and of joints along time, read from files."""
+"""What is given: motion of the object and of joints along time, read from files.
+
+May import base to solvers. Start at `object_motion.py`.
+"""

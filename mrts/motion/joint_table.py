@@ -10,9 +10,9 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.remark import Remark
-from mrts.motion.holding_rows import motion_rows
 from mrts.motion.object_motion import check_derivatives, noise_allowed, smoothing_remark
 from mrts.motion.rounded_samples import splines_through
+from mrts.motion.rows_at_rest import motion_rows
 
 Source = Literal["positions", "velocities"]
 """What the derivatives of a joint that were not given were found from."""

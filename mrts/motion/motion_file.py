@@ -12,9 +12,9 @@ from mrts.base.argument_types import as_path, check_type
 from mrts.base.errors import InputError
 from mrts.base.input_file import Pose, StrictModel, broken_format, broken_rule, read_model
 from mrts.base.rigid_transform import rotation_from_rpy
+from mrts.motion.csv_motion import MAX_SAMPLES, read_joint_table, read_object_table, read_table
 from mrts.motion.joint_table import JointTable
-from mrts.motion.motion_table import MAX_SAMPLES, read_joint_table, read_object_table, read_table
-from mrts.motion.object_motion import ObjectMotion, geodesic_motion, waypoint_motion
+from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion, geodesic_motion, waypoint_motion
 from mrts.motion.velocity_profile import PROFILES
 
 MIN_SAMPLES = 11
@@ -22,8 +22,11 @@ MIN_SAMPLES = 11
 
 DEFAULT_SAMPLES = 101
 
-Duration = Annotated[float, Field(gt=1e-9, le=1e9, allow_inf_nan=False)]
-"""[s]; beyond these, squares of rates overflow, and no robot moves."""
+LONGEST_DURATION = 1e9
+"""[s]; in thirty years no robot moves."""
+
+Duration = Annotated[float, Field(gt=SHORTEST_STEP, le=LONGEST_DURATION, allow_inf_nan=False)]
+"""[s]."""
 
 KINDS = {
     "start": {"start", "end", "duration", "profile"},
@@ -133,7 +136,7 @@ def sample_motion(description: MotionDescription) -> ObjectMotion:
     """
     check_type("description", description, MotionDescription)
     if description.profile is None or description.duration is None:
-        raise InputError("description", "is that of a table; load it with load_motion.")
+        raise InputError("description", "is that of a table; read it with load_motion.")
     poses = description.waypoints or [description.start or Pose(), description.end or Pose()]
     through = waypoint_motion if description.waypoints else geodesic_motion
     return through(

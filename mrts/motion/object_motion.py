@@ -35,6 +35,9 @@ NOISE_SHARE = 0.05
 STILL = 1e-9
 """Steps that are rounding, whatever moves [m, rad and per s]."""
 
+SHORTEST_STEP = 1e-9
+"""Least time between samples [s]: below it squares of rates overflow."""
+
 SAME_WAYPOINT = 1e-9
 """Waypoints nearer than this [m, with turns by `ROTATION_LENGTH`] are one."""
 

@@ -15,7 +15,7 @@ from mrts.base.input_file import LARGEST_NUMBER, read_text
 from mrts.base.regular_file import open_regular
 from mrts.base.strict_yaml import MAX_YAML_BYTES, parse_yaml
 from mrts.motion.joint_table import JointTable, joint_motion
-from mrts.motion.ros_messages import NANOSECONDS, TYPES
+from mrts.motion.ros_messages import NANOSECONDS, message_types
 
 METADATA = "metadata.yaml"
 
@@ -92,7 +92,9 @@ def _trajectories(path: Path) -> dict[str, list[Any]]:
             topics = sorted(bag.topics)
             wanted = [connection for connection in bag.connections if connection.msgtype == KIND]
             messages = bag.messages(wanted) if wanted else ()
-            found = [(connection.topic, TYPES.deserialize_cdr(data, KIND)) for connection, _, data in messages]
+            found = [
+                (connection.topic, message_types().deserialize_cdr(data, KIND)) for connection, _, data in messages
+            ]
     except Exception as error:  # noqa: BLE001 (what the reader raises of damaged bags is no short list)
         reason = " ".join(str(error).split()) or type(error).__name__  # a YAML error draws where it is
         raise InputError(path, f"cannot be read as a ROS 2 bag: {reason}") from None

@@ -24,7 +24,7 @@ WHOLE = 1e-6
 SECOND_DERIVATIVE = 4.0
 """Noise of the second derivative of an interpolating spline, in units of the samples' noise by the step squared."""
 
-NOISE_SHARE = 1e-2
+SMOOTHED_SHARE = 1e-2
 """Share of the largest acceleration in a table that rounding may set before the digits are smoothed."""
 
 FIT_RESIDUAL = 1.2
@@ -65,7 +65,7 @@ def splines_through(time: Array, columns: Array) -> tuple[list[Spline], Array]:
     smooth = [fit or spline for fit, spline in zip(fits, splines, strict=True)]
     largest = max(float(np.max(np.abs(spline(time, 2)))) for spline in smooth)
     spurious = SECOND_DERIVATIVE * noise / np.median(np.diff(time)) ** 2
-    for index in np.flatnonzero(spurious > NOISE_SHARE * largest):
+    for index in np.flatnonzero(spurious > SMOOTHED_SHARE * largest):
         fit = fits[index]
         if fit is not None:
             splines[index] = fit

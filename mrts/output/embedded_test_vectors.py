@@ -4,7 +4,7 @@
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.embedded_vector import EmbeddedVector
+from mrts.base.embedded_inputs import EmbeddedVector
 from mrts.base.errors import InputError, MotionError
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
@@ -39,7 +39,6 @@ def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
         motion: Its motion.
     """
     vectors: list[EmbeddedVector] = []
-    cell = cell.without_velocity_limits()  # which the library leaves to its caller
     for factor in MASS_FACTORS:
         heavy = cell.with_mass(cell.mass * factor)
         free = motion_ranges(heavy, motion, "wrench", None, DEFAULT_SOLVER)

@@ -2,19 +2,21 @@
 """The scaled trajectory as a ROS 2 bag in MCAP format; needs the extra 'ros' (rosbags)."""
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from rosbags.rosbag2 import StoragePlugin, Writer
 
-from mrts.base.argument_types import as_path, check_type
+from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import make_folder_atomically
 from mrts.base.errors import InputError
 from mrts.cell.robot import Robot
-from mrts.motion.ros_messages import NANOSECONDS, TYPES
-from mrts.output.trajectory_table import PlayedRows, played_rows
+from mrts.motion.ros_messages import NANOSECONDS, message_types
+from mrts.output.trajectory_table import PlayedRows, played_rows, trajectory_to_write
 from mrts.scaling.result import ScalingResult
+
+if TYPE_CHECKING:
+    from rosbags.rosbag2 import Writer
 
 BAG_VERSION: Literal[9] = 9
 """Of rosbag2's metadata: what ROS 2 Iron and later write; Humble reads the MCAP file itself."""
@@ -35,11 +37,8 @@ def write_ros_bag(result: ScalingResult, folder: Path | str) -> None:
     Raises:
         InputError: If there is no trajectory, or the folder exists or cannot be made.
     """
-    check_type("result", result, ScalingResult)
+    done = trajectory_to_write(result)
     folder = as_path("folder", folder)
-    done = result.trajectory
-    if done is None:
-        raise InputError("trajectory", "there is none to write: no c² was chosen.", value=result.status.value)
     if folder.exists():
         raise InputError(folder, "exists already: a bag is written into a new folder. Remove it, or name another.")
     rows = played_rows(done)
@@ -50,6 +49,8 @@ def write_ros_bag(result: ScalingResult, folder: Path | str) -> None:
 
 
 def _write(result: ScalingResult, rows: PlayedRows, stamps: np.typing.NDArray[np.int64], bag: Path) -> None:
+    from rosbags.rosbag2 import StoragePlugin, Writer  # noqa: PLC0415 (an extra, needed when a bag is)
+
     with Writer(bag, version=BAG_VERSION, storage_plugin=StoragePlugin.MCAP) as writer:
         for robot in result.cell.robots:
             part = result.cell.joint_slices[robot.name]
@@ -66,15 +67,15 @@ def _write(result: ScalingResult, rows: PlayedRows, stamps: np.typing.NDArray[np
             _add(writer, f"/{robot.name}/contact_wrench", wrenches)
 
 
-def _add(writer: Writer, topic: str, messages: list[tuple[int, Any]]) -> None:
+def _add(writer: "Writer", topic: str, messages: list[tuple[int, Any]]) -> None:
     kind = messages[0][1].__msgtype__
-    connection = writer.add_connection(topic, kind, typestore=TYPES)
+    connection = writer.add_connection(topic, kind, typestore=message_types())
     for stamp, message in messages:
-        writer.write(connection, stamp, TYPES.serialize_cdr(message, kind))
+        writer.write(connection, stamp, message_types().serialize_cdr(message, kind))
 
 
 def _message(kind: str, **fields: Any) -> Any:
-    return TYPES.types[kind](**fields)
+    return message_types().types[kind](**fields)
 
 
 def _header(stamp: int, frame: str) -> Any:

@@ -13,7 +13,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.load_box import LoadPoint
 from mrts.limits.rows import ActiveRow
-from mrts.output.saved_description import DAMAGED, ConflictEntry, Description, LoadEntry, RowEntry
+from mrts.output.saved_json import DAMAGED, ConflictEntry, Description, LoadEntry, RowEntry
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import SampleRanges

@@ -22,8 +22,8 @@ from mrts.cell.functions import CellFunctions, saved_functions
 from mrts.cell.robot import robot_record, without_infinity
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.motion.object_motion import ObjectMotion
-from mrts.output.array_archive import open_arrays
-from mrts.output.saved_description import (
+from mrts.output.npz_file import open_arrays
+from mrts.output.saved_json import (
     DAMAGED,
     DESCRIPTION_BYTES,
     DESCRIPTION_RATIO,
@@ -41,11 +41,11 @@ from mrts.output.saved_description import (
 from mrts.output.saved_ranges import Arrays, Tables, conflict_entries, range_arrays, read_ranges, require_places
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.sample_ranges import SampleRanges
-from mrts.scaling.holding import Holding
+from mrts.scaling.holding_torques import Holding
+from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import intersect
 from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.scaling.uncertain_load import LoadStudy
 
 MOTION = ("time", "position", "rotation", "twist", "acceleration")
 """Arrays of the object's motion."""
@@ -238,7 +238,7 @@ def _functions_of(cell: Cell, saved: Manifest, path: Path) -> CellFunctions:
             raise InputError(
                 path,
                 f"cell '{cell.name}' is another one than the result was found with, '{saved.name}': they differ in "
-                f"{key}. Load the cell file that it was found with.",
+                f"{key}. Read the cell file that it was found with.",
                 key="cell",
             )
     return cell.functions

@@ -12,7 +12,7 @@ from mrts.base.argument_types import as_path, check_type
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
-from mrts.motion.holding_rows import holding_step
+from mrts.motion.rows_at_rest import holding_step
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
@@ -61,8 +61,23 @@ def played_rows(done: ScaledTrajectory) -> PlayedRows:
     )
 
 
-def trajectory_csv(result: ScalingResult) -> str:
-    """Columns t, then q.ROBOT/JOINT, dq., ddq. and tau. of every joint, then F.ROBOT/COMPONENT, at the chosen speed.
+def trajectory_to_write(result: ScalingResult) -> ScaledTrajectory:
+    """The trajectory of a result.
+
+    Args:
+        result: The result.
+
+    Raises:
+        InputError: If it has none.
+    """
+    check_type("result", result, ScalingResult)
+    if result.trajectory is None:
+        raise InputError("trajectory", "there is none to write: no c² was chosen.", value=result.status.value)
+    return result.trajectory
+
+
+def trajectory_columns(result: ScalingResult) -> dict[str, Array]:
+    """Columns t, then q.ROBOT/JOINT, dq., ddq. and tau. of every joint, then F.ROBOT/COMPONENT, each Shape (R,).
 
     Args:
         result: A result with a trajectory.
@@ -70,20 +85,29 @@ def trajectory_csv(result: ScalingResult) -> str:
     Raises:
         InputError: If there is none.
     """
-    check_type("result", result, ScalingResult)
-    done = result.trajectory
-    if done is None:
-        raise InputError("trajectory", "there is none to write: no c² was chosen.", value=result.status.value)
+    rows = played_rows(trajectory_to_write(result))
     joints = [f"{robot.name}/{joint}" for robot in result.cell.robots for joint in robot.joints]
     wrenches = [f"{robot.name}/{part}" for robot in result.cell.robots for part in result.cell.wrench_components]
     head = ["t", *(f"{kind}.{joint}" for kind in ("q", "dq", "ddq", "tau") for joint in joints)]
     head += [f"F.{wrench}" for wrench in wrenches]
-    rows = played_rows(done)
     table = np.column_stack([rows.time, rows.q, rows.dq, rows.ddq, rows.torque, rows.wrench])
+    return dict(zip(head, table.T, strict=True))
+
+
+def trajectory_csv(result: ScalingResult) -> str:
+    """The `trajectory_columns` at the chosen speed, one row a sample.
+
+    Args:
+        result: A result with a trajectory.
+
+    Raises:
+        InputError: If there is none.
+    """
+    columns = trajectory_columns(result)
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(head)
-    writer.writerows([repr(value) for value in row] for row in table.tolist())
+    writer.writerow(columns)
+    writer.writerows([repr(value) for value in row] for row in np.column_stack(list(columns.values())).tolist())
     return text.getvalue()
 
 

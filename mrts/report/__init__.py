@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The report of a result: one HTML file that opens offline; needs the extra 'report' (plotly)."""
+"""The report of a result: one HTML file that opens offline; needs the extra 'report' (plotly).
+
+May import base to output. Start at `page.py`.
+"""
 
 from mrts.report.page import report_html, write_report
 

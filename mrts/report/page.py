@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The whole page: everything in one file that loads nothing."""
+"""The whole page: everything in one file that fetches nothing."""
 
 import json
 from dataclasses import asdict

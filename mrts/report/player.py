@@ -10,7 +10,8 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.drawing.cell_shapes import contact_forces, joint_points, object_box
-from mrts.drawing.plot_style import COLOURS, shortened
+from mrts.drawing.colours import COLOURS
+from mrts.drawing.labels import shortened
 from mrts.report.markup import plot_text
 from mrts.report.plots import numbers
 from mrts.scaling.result import ScalingResult
@@ -26,7 +27,13 @@ NO_FORCE = 1e-9
 HEAD = 0.25
 """Of an arrow, as a share of its length."""
 
-ROOM = 0.08
+NO_LENGTH = 1e-12
+"""What is shorter is not divided by [m]."""
+
+ALONG = 1e-6
+"""An arrow that leaves an axis by less than this share lies along it: any direction across will do."""
+
+MARGIN = 0.08
 """Around everything that moves, as a share of the scene."""
 
 SHORTEST_PLAY = 3.0
@@ -131,10 +138,10 @@ def _arrow(start: Array, along: Array, sideways: Array) -> Array:
     across = np.cross(along, sideways)
     length = np.linalg.norm(along, axis=1, keepdims=True)
     width = np.linalg.norm(across, axis=1, keepdims=True)
-    steep = width < 1e-6 * np.maximum(length, 1e-12)  # along `sideways`, any direction across will do
+    steep = width < ALONG * np.maximum(length, NO_LENGTH)
     across = np.where(steep, np.cross(along, sideways[[1, 2, 0]]), across)
-    across *= length / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
-    other = np.cross(along, across) / np.maximum(length, 1e-12)
+    across *= length / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), NO_LENGTH)
+    other = np.cross(along, across) / np.maximum(length, NO_LENGTH)
     back, half = tip - HEAD * along, HEAD / 2
     barbs = [back + half * across, back - half * across, back + half * other, back - half * other]
     line = [start, tip, barbs[0], tip, barbs[1], tip, barbs[2], tip, barbs[3], np.full_like(tip, np.nan)]
@@ -183,8 +190,8 @@ def _line_trace(name: str, colour: str, width: int, *, legend: bool = True) -> d
 def _layout(cell: Cell, points: Array) -> dict[str, Any]:
     """The scene around everything that moves; the page scales it to the window."""
     low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
-    room = ROOM * float(np.max(high - low))
-    low, high = low - room, high + room
+    margin = MARGIN * float(np.max(high - low))
+    low, high = low - margin, high + margin
     axes: dict[str, Any] = {}
     for index, axis in enumerate("xyz"):
         axes[f"{axis}axis"] = {

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.drawing.axis_reach import c2_reach, value_reach
+from mrts.drawing.colours import COLOURS
+from mrts.drawing.labels import shortened
 from mrts.drawing.load_envelope import load_envelope
-from mrts.drawing.plot_style import COLOURS, shortened
 from mrts.report.markup import plot_text
-from mrts.scaling.accumulated_energy import accumulated_energy
 from mrts.scaling.limit_use import limited_quantities
 from mrts.scaling.result import ScalingResult
+from mrts.scaling.scaled_trajectory import accumulated_energy
 
 DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot", "2px,6px")
 """A second difference between lines, for print without colour."""

@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.drawing.axis_reach import c2_reach
-from mrts.drawing.lanes import Lane, binding_lanes, infeasible_spans, row_label, spans
-from mrts.drawing.plot_style import ADMISSIBLE, END_COLOURS, LANE_LETTERS, shortened
-from mrts.drawing.range_text import range_text
+from mrts.drawing.colours import ADMISSIBLE, END_COLOURS
+from mrts.drawing.labels import LANE_LETTERS, row_label, shortened
+from mrts.drawing.lanes import Lane, binding_lanes, infeasible_spans, spans
+from mrts.drawing.range_sentences import range_text
 from mrts.limits.rows import ActiveRow
 from mrts.report.markup import plot_text
 from mrts.report.plots import Plot, layout, line, numbers, shown_samples

@@ -9,7 +9,7 @@ from mrts.base.arrays import Array
 from mrts.base.interval_text import interval_text
 from mrts.cell.cell import Cell
 from mrts.drawing.load_envelope import load_envelope
-from mrts.drawing.range_text import range_facts, range_text
+from mrts.drawing.range_sentences import range_facts, range_text
 from mrts.limits.rows import ActiveRow
 from mrts.report.markup import Html, element, html, joined, table
 from mrts.samples.infeasibility import Conflict
@@ -139,8 +139,8 @@ def conflicts_table(conflicts: Sequence[Conflict]) -> Html:
         times = [conflict.time for conflict in alike]
         when = html(f"{worst.time:.4g} s")
         if len(alike) > 1:
-            stretch = f"{len(alike)} samples from {min(times):.4g} s to {max(times):.4g} s,"
-            when = _lines((stretch, f"worst at {worst.time:.4g} s"))
+            span = f"{len(alike)} samples from {min(times):.4g} s to {max(times):.4g} s,"
+            when = _lines((span, f"worst at {worst.time:.4g} s"))
         load = "" if worst.load is None else str(worst.load)
         rows.append((when, f"{100 * worst.widening:.3g} %", named, load))
     head = ("t", "all limits wider by", "these conflict, and how far each would have to move", "load")

@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A speed that varies along the path: the fastest r(t)."""
+"""A speed that varies along the path: the fastest r(t).
+
+May import base to scaling. Start at `retime.py`.
+"""

@@ -13,9 +13,7 @@ from mrts.cell.cell import Cell
 from mrts.coordination.closed_chain import nearest_rates
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.motion.object_motion import ObjectMotion
-
-REST = 1e-9
-"""A sample whose joint speed is below this share of the largest is at rest."""
+from mrts.motion.rows_at_rest import REST
 
 NEAR_REST = 1e-3
 """Below this share, q'/|q'| and its derivative lose digits: they are continued from the first faster sample."""

@@ -10,7 +10,7 @@ from mrts.base.arrays import Array
 from mrts.retiming.speed_kernel import speed_kernel
 from mrts.retiming.speed_regions import SpeedRegions
 
-END_TOLERANCE = 1e-9
+END_SPEED_TOLERANCE = 1e-9
 """Share by which a given end speed may miss its controllable set: rounding."""
 
 
@@ -72,5 +72,5 @@ def fastest_profile(step: Array, regions: SpeedRegions, ends: tuple[float, float
 
 
 def _within(value: float, lower: float, upper: float) -> bool:
-    slack = END_TOLERANCE * max(abs(lower), abs(upper), abs(value))
-    return lower - slack <= value <= upper + slack
+    tolerance = END_SPEED_TOLERANCE * max(abs(lower), abs(upper), abs(value))
+    return lower - tolerance <= value <= upper + tolerance

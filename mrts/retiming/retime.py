@@ -7,7 +7,7 @@ from types import NoneType
 
 import numpy as np
 
-from mrts.base.argument_types import check_callable, check_type
+from mrts.base.argument_types import Progress, check_callable, check_type, is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, SolverError
 from mrts.base.input_file import LARGEST_NUMBER
@@ -27,18 +27,18 @@ from mrts.samples.infeasibility import Conflict
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.trajectory_programs import motion_ranges
+from mrts.scaling.guaranteed_range import effective_parameters
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.range import intersect
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import SelectionError, load_question, scale
-from mrts.scaling.uncertain_load import Progress, effective_parameters
 from mrts.scaling.with_torques import with_torques
 from mrts.solvers import DEFAULT_SOLVER
 
 UNBOUNDED_SHARE = 0.5
 """Speeds squared above this share of the bound of the regions are those that nothing limits."""
 
-STANDSTILL = 1e6
+STUCK = 1e6
 """A segment that takes this many times as long as most others takes no finite time, but for rounding."""
 
 
@@ -120,7 +120,7 @@ def _checked_question(
     check_type("sharing", sharing, LoadSharing, NoneType)
     check_callable("progress", progress)
     for name, speed in (("start_speed", start_speed), ("end_speed", end_speed)):
-        if isinstance(speed, bool) or not isinstance(speed, int | float) or not 0 <= speed <= LARGEST_NUMBER:
+        if not is_number(speed, 0, LARGEST_NUMBER):
             rule = f"must be a number from 0 to {LARGEST_NUMBER:.0e}, a multiple of the given motion's speed."
             raise InputError(name, rule, value=speed)
     if sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1:
@@ -221,7 +221,7 @@ class _Search:
             return _Failure((RetimingStatus.UNBOUNDED, why))
         with np.errstate(divide="ignore"):
             times = TimedPiece(self.piece, regions, found).segment_times
-        stuck = ~(times <= STANDSTILL * np.median(times)) | np.isinf(times)
+        stuck = ~(times <= STUCK * np.median(times)) | np.isinf(times)
         if not np.any(stuck):
             return None
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"

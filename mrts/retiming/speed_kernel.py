@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import CompilerError
-from mrts.kernel.kernel_library import CORNERS, INFEASIBLE, OPTIMAL, default_kernel
+from mrts.kernel.programs import CORNERS, INFEASIBLE, OPTIMAL, default_programs
 from mrts.solvers.convex_program import ConvexPrograms, solve_programs
 
 SOLVER = "qpsol:qpoases"
@@ -25,7 +25,7 @@ AXES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 
 
 class SpeedKernel(Protocol):
-    """Projections and reachability, in C or here; see `mrts.kernel.kernel_library.KernelLibrary` for the shapes."""
+    """Projections and reachability, in C or here; see `mrts.kernel.programs.Programs` for the shapes."""
 
     def projections(self, A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
         """Project every polytope of a batch onto its last two unknowns."""
@@ -42,7 +42,7 @@ class SpeedKernel(Protocol):
 def speed_kernel() -> SpeedKernel:
     """Our kernel; without a C compiler that works, the same answers more slowly."""
     try:
-        return default_kernel()
+        return default_programs()
     except CompilerError:
         return KernelWithoutCompiler()
 

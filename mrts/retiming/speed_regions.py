@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.kernel_library import OPTIMAL
+from mrts.kernel.programs import OPTIMAL
 from mrts.retiming.speed_kernel import speed_kernel
 from mrts.samples.sample_problem import SampleProblem
 from mrts.samples.sample_ranges import REST_TOLERANCE
@@ -17,6 +17,7 @@ BOX = 1e5
 """Projections end where u or x moves some row by this many limits; what reaches that far counts as unbounded."""
 
 NEAR_BOX = 1 - 1e-6
+"""Share of such an end from which a corner lies on it: rounding."""
 
 FARTHEST = 1e3
 """Speeds squared above this multiple of what the path's length and its accelerations make likely count as unbounded."""

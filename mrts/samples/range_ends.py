@@ -49,7 +49,9 @@ class KernelRows(Sequence[tuple[ActiveRow, ...]]):
     """The rows that bind at one end of each of N samples, named when they are asked for.
 
     Attributes:
-        limits: The r rows; row r + k - 1 of a basis is c² >= 0 at its lower side, a cap at its upper one.
+        limits: The rows of a motion.
+        kept: Those that the kernel has, Shape (r,); row r + k - 1 of a basis is c² >= 0 at its lower side, a cap at its
+            upper one.
         caps: The rows that bound c² alone.
         basis: As the kernel gives them, Shape (N, k).
         dual: Their multipliers, Shape (N, k).
@@ -57,6 +59,7 @@ class KernelRows(Sequence[tuple[ActiveRow, ...]]):
     """
 
     limits: LimitRows
+    kept: NDArray[np.int_]
     caps: SpeedCaps
     basis: NDArray[np.int16]
     dual: NDArray[np.float32]
@@ -74,14 +77,14 @@ class KernelRows(Sequence[tuple[ActiveRow, ...]]):
         sides, size = self.basis[index], np.abs(self.dual[index])
         rows = np.abs(sides.astype(int)) - 1
         strong = size > BINDING_TOLERANCE * np.max(size)
-        of_c2 = rows >= len(self.limits.names)
+        of_c2 = rows >= len(self.kept)
         named = [ActiveRow(STANDSTILL, "lower", 0.0)] if np.any(strong & of_c2 & (sides < 0)) else []
         for place in np.argsort(-size, kind="stable"):
             row, upper = rows[place], bool(sides[place] > 0)
             if strong[place] and of_c2[place] and upper:
                 named += self.caps.binding(index)
             elif strong[place] and not of_c2[place]:
-                named.append(self.limits.active(row, upper=upper))
+                named.append(self.limits.active(int(self.kept[row]), upper=upper))
         return tuple(named)
 
 

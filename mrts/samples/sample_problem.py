@@ -3,7 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,8 @@ from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import limit_rows
 from mrts.limits.rows import ActiveRow, LimitRows, RowName
 from mrts.limits.squared_rows import side_share, squared
+from mrts.samples import FORMULATIONS, FormulationName
 from mrts.samples.load_sharing import LoadSharing
-
-FormulationName = Literal["wrench", "torque"]
 
 TORQUE_FORM_CONDITION_LIMIT = 1e6
 """J^-T is formed explicitly by the torque form: at this condition number ten digits are left."""
@@ -164,8 +163,8 @@ def build_sample_problem(
         MrtsError: If a limit has no form that is linear in the square of the speed.
     """
     inputs = motion.inputs(cell.load if load is None else load)
-    if formulation not in {"wrench", "torque"}:
-        raise InputError("formulation", "must be 'wrench' or 'torque'.", value=formulation)
+    if formulation not in FORMULATIONS:
+        raise InputError("formulation", f"must be {' or '.join(map(repr, FORMULATIONS))}.", value=formulation)
     if sharing is not None:
         inputs |= sharing.inputs(cell, motion)
     elif formulation == "torque":

@@ -9,16 +9,17 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.kernel.compiled_cell import CompiledCell, SparseLimits
-from mrts.kernel.kernel_library import OPTIMAL
+from mrts.kernel.cell_library import CellLibrary, SparseLimits
+from mrts.kernel.programs import OPTIMAL
 from mrts.limits import limit_rows
-from mrts.limits.rows import ActiveRow, LimitRows
-from mrts.limits.squared_rows import SpeedCaps, squared
+from mrts.limits.rows import ActiveRow
+from mrts.limits.squared_rows import SpeedCaps, SquaredRows, squared
+from mrts.samples import FormulationName
 from mrts.samples.end_rows import with_end_rows
 from mrts.samples.infeasibility import Conflict, find_conflicts
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_ends import KernelRows
-from mrts.samples.sample_problem import FormulationName, build_sample_problem
+from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses, without_speed_at_rest
 from mrts.samples.torque_distribution import SLACK, distribute_torques
 from mrts.solvers import check_solver
@@ -70,11 +71,11 @@ def _compiled_ranges(
 ) -> SampleRanges:
     """The ranges by the kernel; what it does not settle is left to the solvers."""
     inputs, most = motion.inputs(cell.load if load is None else load), fast.caps.largest()
-    found = fast.compiled.ranges(motion.samples, inputs, _sparse(fast.limits), most)
+    found = fast.compiled.ranges(motion.samples, inputs, fast.sparse(), most)
     at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
     lower, upper = found.lower, np.where(at_rest, most, found.upper)
     suspects = np.flatnonzero(np.any(found.status != OPTIMAL, axis=0) | (at_rest & (lower > 0)))
-    rows = [KernelRows(fast.limits, fast.caps, found.basis[end], found.dual[end], {}) for end in (0, 1)]
+    rows = [KernelRows(fast.form.given, fast.kept, fast.caps, found.basis[end], found.dual[end], {}) for end in (0, 1)]
     for sample in np.flatnonzero(at_rest & np.isfinite(most)).tolist():
         rows[1].settled[sample] = fast.caps.binding(sample)
     conflicts: list[Conflict] = []
@@ -129,7 +130,7 @@ def motion_torques(
         x, fallbacks = distribute_torques(problem, c2, weights, solver)
         return problem.torque(x), problem.wrench(x), fallbacks
     torque, wrench, status = fast.compiled.torques(
-        motion.samples, motion.inputs(cell.load), _sparse(fast.limits), np.full(motion.samples, c2), weights, SLACK
+        motion.samples, motion.inputs(cell.load), fast.sparse(), np.full(motion.samples, c2), weights, SLACK
     )
     missing, fallbacks = np.flatnonzero(status != OPTIMAL), 0
     for start in range(0, len(missing), BLOCK):
@@ -143,32 +144,37 @@ def motion_torques(
 
 @dataclass(frozen=True)
 class _Compiled:
-    """The cell's library, the rows that it takes, and those that only bound c²."""
+    """The cell's library, all rows, those that it takes, and those that only bound c²."""
 
-    compiled: CompiledCell
-    limits: LimitRows
+    compiled: CellLibrary
+    form: SquaredRows
+    kept: NDArray[np.int_]
     caps: SpeedCaps
+
+    def sparse(self) -> SparseLimits:
+        """The rows that it takes, as C reads them."""
+        rows = self.form.rows.only(~self.form.is_cap)
+        matrix = np.hstack([rows.torque_matrix, rows.wrench_matrix])
+        units = [name.unit for name in rows.names]
+        return SparseLimits(matrix=matrix, lower=rows.lower, upper=rows.upper, group=units, square=rows.square)
 
 
 def _compiled(
     cell: Cell, motion: CoordinatedMotion, formulation: FormulationName, sharing: LoadSharing | None, solver: str
 ) -> _Compiled | None:
-    """The compiled path where it answers: free distribution, wrench form, more than one arm, no c² in other limits."""
+    """The compiled path where it answers: free distribution, wrench form, more than one arm."""
     check_solver(solver)
     compiled = cell.functions.compiled
     applies = solver == "kernel" and formulation == "wrench" and sharing is None and len(cell.robots) > 1
     if compiled is None or not applies:
         return None
     form = squared(limit_rows(cell, motion))
-    limits = form.rows.only(~form.is_cap)
-    if limits.square is not None or len(limits.names) + compiled.unknowns > MOST_ROWS:
-        return None
-    return _Compiled(compiled, limits, form.caps(motion.samples))
-
-
-def _sparse(limits: LimitRows) -> SparseLimits:
-    matrix = np.hstack([limits.torque_matrix, limits.wrench_matrix])
-    return SparseLimits(matrix, limits.lower, limits.upper, limits.units())
+    kept = np.flatnonzero(~form.is_cap)
+    return (
+        _Compiled(compiled, form, kept, form.caps(motion.samples))
+        if len(kept) + compiled.unknowns <= MOST_ROWS
+        else None
+    )
 
 
 def _settle(

@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One factor for the whole motion: the range of c² and its intersection, the choice of c, loads known within a box."""
+"""One factor for the whole motion: the intersection (30), the choice of c², loads known within a box.
+
+May import base to samples. Start at `scale.py`.
+"""

@@ -9,7 +9,7 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.scaling.range import RangeEnd, ScalingRange
 
-REST = 0.05
+ENDS_AT_REST = 0.05
 """Share of a motion's largest speed up to which its ends count as at rest: splines through tables leave that much."""
 
 JUMP = 5.0
@@ -21,7 +21,7 @@ NEIGHBOURS = 4
 LEAST_STEP = 0.05
 """Share of the largest speed from which a step of velocity is one."""
 
-NOISE = 0.15
+NOISY = 0.15
 """Share of a joint's largest acceleration that is noise, from which it changes c²: by 1 % and more, soon by half."""
 
 FEWEST_SAMPLES = 21
@@ -84,7 +84,7 @@ def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
     ):
         share = np.abs(motion.dq[sample, moving]) / np.max(largest, initial=0.0) if moving.size else np.zeros(1)
         joint = int(np.argmax(share))
-        if share[joint] > REST:
+        if share[joint] > ENDS_AT_REST:
             speed = abs(float(motion.dq[sample, moving[joint]]))
             text = (
                 f"the motion does not {what} at rest: {names[moving[joint]]} moves at {speed:.3g} "
@@ -130,7 +130,7 @@ def _noise(cell: Cell, motion: CoordinatedMotion, end: RangeEnd, *, many_jumps: 
     largest = np.max(np.abs(motion.ddq), axis=0)
     share[largest < SIGNIFICANT * np.max(largest)] = 0.0
     joint = int(np.argmax(share))
-    if share[joint] < NOISE and not many_jumps:
+    if share[joint] < NOISY and not many_jumps:
         return []
     text = (
         f"noise sets the range of c²: the acceleration of {_joint_names(cell)[joint]} goes up and down from sample to "

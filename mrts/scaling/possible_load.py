@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Which c² some load of a box admits at a sample: the paper's nonlinear program, verified by linear ones."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -9,24 +9,31 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
+from mrts.base.errors import InputError
 from mrts.base.load_box import LoadBox, LoadPoint
 from mrts.limits.rows import ActiveRow, Side
 from mrts.samples.closed_form import LoadSensitivity, load_sensitivity
 from mrts.samples.linear_programs import NO_EFFECT, UNBOUNDED, effect_of_speed
 from mrts.samples.sample_problem import SampleProblem
-from mrts.samples.sample_ranges import SampleRanges, sample_ranges, statuses
+from mrts.samples.sample_ranges import SampleRanges, first_least, sample_ranges, statuses
+from mrts.scaling.load_study import LoadQuestion, LoadStudy, ends_of_loads
+from mrts.scaling.range import ScalingRange, intersect
 from mrts.solvers.held_interrupt import held_interrupt
 
 ACHIEVED_TOLERANCE = 1e-6
 """The linear program at the load found must reach the nonlinear program's c² to this share of it."""
+
+IPOPT_TOLERANCE = 1e-10
+"""Of the scaled program: far below `ACHIEVED_TOLERANCE`, and IPOPT reaches it."""
 
 IPOPT_OPTIONS: dict[str, Any] = {
     "print_time": False,
     "error_on_fail": False,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
-    "ipopt.tol": 1e-10,
+    "ipopt.tol": IPOPT_TOLERANCE,
     "ipopt.max_iter": 500,
     # by default IPOPT oversteps bounds by 1e-8 of their size, which the substituted program does not
     "ipopt.bound_relax_factor": 0.0,
@@ -42,35 +49,75 @@ class _BestLoad:
     success: NDArray[np.bool_]
 
 
-def widen_by_search(
-    problem_of: Callable[[Array], SampleProblem],
-    box: LoadBox,
-    varying: tuple[str, ...],
-    best: SampleRanges,
-    time: Array,
-    solver: str,
-    progress: Callable[[int, int], None],
+def possible_range(asked: LoadQuestion, box: LoadBox, varying: tuple[str, ...]) -> tuple[ScalingRange, LoadStudy]:
+    """The range of c² of the best load of a box, at each sample by itself.
+
+    Args:
+        asked: Of which cell and motion.
+        box: The box.
+        varying: Parameters that matter, as from `effective_parameters`.
+
+    Raises:
+        InputError: If the box is an outer hull.
+        SolverError: If no solver answers.
+    """
+    if box.outer_hull:
+        raise InputError(
+            "load",
+            "an outer hull holds loads that do not exist, so it cannot answer what is possible. Give ranges of the "
+            "first moments mx, my, mz instead of the offsets.",
+            value="possible",
+        )
+    points = box.corners(varying)
+    if varying:
+        points = (*points, box.nominal_point())
+    ranges = asked.ranges(points)
+    best = _for_some_load(points, ranges)
+    not_converged: tuple[int, ...] = ()
+    if varying:
+        best, not_converged = _searched(asked, box, varying, best)
+    study = LoadStudy("possible", box, points, tuple(intersect(of_point) for of_point in ranges), not_converged)
+    return asked.whole(best), study
+
+
+def _for_some_load(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -> SampleRanges:
+    """At every sample the lowest and the highest c² that one of the loads reaches."""
+    low, high = np.array([found.lower for found in ranges]), np.array([found.upper for found in ranges])
+    at_low, at_high = first_least(low), first_least(-high)
+    conflicts = []
+    for sample in np.flatnonzero(np.isinf(np.min(low, axis=0))):
+        of_points = [
+            replace(conflict, load=point)
+            for point, found in zip(points, ranges, strict=True)
+            for conflict in found.conflicts
+            if conflict.sample == sample
+        ]
+        conflicts.append(min(of_points, key=lambda conflict: conflict.widening))
+    return ends_of_loads(
+        points, ranges, (np.min(low, axis=0), np.max(high, axis=0)), (at_low, at_high), tuple(conflicts)
+    )
+
+
+def _searched(
+    asked: LoadQuestion, box: LoadBox, varying: tuple[str, ...], best: SampleRanges
 ) -> tuple[SampleRanges, tuple[int, ...]]:
-    """Widen the best corner's range at every sample by loads inside the box.
+    """Extend the best corner's range at every sample by loads inside the box.
 
     Every answer is verified: its load is substituted and the linear program solved, and that program's c² is what
     counts. So an end never claims more than a load of the box reaches, nor less than the best corner.
 
     Args:
-        problem_of: Rows with one load a sample, Shape (N, 10), or for all, Shape (10,).
+        asked: Of which cell and motion.
         box: The box.
         varying: Parameters that matter.
         best: Ranges of the best corner, or nominal load, at every sample.
-        time: Shape (N,) [s].
-        solver: Name in the registry, for the linear programs.
-        progress: Told how many of how many nonlinear programs are solved.
 
     Returns:
         The ranges, and the samples where an answer was not verified.
     """
     least = {name: box.ranges[name][0] for name in varying}
-    problem = problem_of(box.load_at(least))
-    others = [problem_of(box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
+    problem = asked.problem(box.load_at(least))
+    others = [asked.problem(box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
     search = _Search(problem, load_sensitivity(problem, others))
     infeasible = np.isinf(best.lower)
     wanted: dict[Side, NDArray[np.int_]] = {
@@ -82,22 +129,22 @@ def widen_by_search(
     for side, samples in wanted.items():
         if not len(samples):
             continue
-        counted = partial(_count_on, progress, done, total)
+        counted = partial(_count_on, asked.progress, done, total)
         found = search.run(samples, side, best, _starts(box, varying, best, side), counted)
         done += len(samples)
         low, high = (np.array([box.ranges[name][end] for name in varying]) for end in (0, 1))
         values = np.clip(low + found.parameters * (high - low), low, high)
         points = [LoadPoint(dict(zip(varying, map(float, row), strict=True)), np.zeros(0)) for row in values]
         points = [replace(point, load=box.load_at(point.parameters)) for point in points]
-        loads = np.tile(box.load_at({}), (len(time), 1))
+        loads = np.tile(box.load_at({}), (asked.motion.samples, 1))
         loads[samples] = [point.load for point in points]
-        checked = sample_ranges(problem_of(loads).at(samples), time[samples], solver)
+        checked = sample_ranges(asked.problem(loads).at(samples), asked.motion.object.time[samples], asked.solver)
         best, unverified = _keep_better(best, side, samples, points, checked, found)
         missed |= unverified
     return best, tuple(sorted(missed))
 
 
-def _count_on(progress: Callable[[int, int], None], before: int, total: int, done: int) -> None:
+def _count_on(progress: Progress, before: int, total: int, done: int) -> None:
     progress(before + done, total)
 
 

@@ -19,14 +19,14 @@ from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import limit_rows
+from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_status import RangeStatus
-from mrts.samples.sample_problem import FormulationName
 from mrts.scaling.limit_use import limit_uses
+from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result_html import result_html
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.scaling.uncertain_load import LoadStudy
 
 END_TOLERANCE = 1e-7
 """Share by which c² may miss a range by rounding: a plan at its fastest read back from a file, another load's range."""

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from mrts.base.argument_types import check_callable, check_type
+from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
 from mrts.base.interval_text import interval_text
@@ -16,15 +16,15 @@ from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
+from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_status import RangeStatus
-from mrts.samples.sample_problem import FormulationName
 from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.motion_remarks import motion_remarks
 from mrts.scaling.range import ScalingRange, intersect
 from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult
-from mrts.scaling.uncertain_load import Progress, study_load
+from mrts.scaling.uncertain_load import study_load
 from mrts.scaling.with_torques import with_torques
 from mrts.solvers import DEFAULT_SOLVER, check_solver
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_torques
-from mrts.scaling.holding import holding_at_ends
+from mrts.scaling.holding_torques import holding_at_ends
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The registry of solvers. A new solver is one file here and one line in `SOLVERS`."""
+"""Verified batches of linear and quadratic programs. A new solver is one file and one line in `SOLVERS`.
+
+May import base to cell. Start at `convex_program.py`.
+"""
 
 from collections.abc import Callable, Iterator
 from typing import Protocol
@@ -29,7 +32,7 @@ class BatchSolver(Protocol):
 
 def _kernel() -> BatchSolver:
     """Our kernel; without a C compiler that works, the next best."""
-    from mrts.solvers.kernel import KernelSolver  # noqa: PLC0415 (a solver is loaded when it is asked)
+    from mrts.solvers.kernel_solver import KernelSolver  # noqa: PLC0415 (a solver is imported when it is asked)
 
     try:
         return KernelSolver()

@@ -18,6 +18,9 @@ OPTIMALITY_TOLERANCE = 1e-9
 GRADIENT_TOLERANCE = 1e-12
 """The same for the gradient of a quadratic cost, so that torques of small weight are right as well."""
 
+HIGHS_TOLERANCE = 1e-10
+"""Asked of HiGHS, whose default of 1e-7 is coarser than what an answer must pass."""
+
 Mask = np.typing.NDArray[np.bool_]
 
 
@@ -110,7 +113,7 @@ class Answers:
 
 
 def optimality_error(programs: ConvexPrograms, x: Array, row_dual: Array, bound_dual: Array) -> Array:
-    """Largest violation of the Karush-Kuhn-Tucker conditions of each scaled program, Shape (N,).
+    """Largest residual of the Karush-Kuhn-Tucker conditions of each scaled program, Shape (N,).
 
     A limit is measured against 1 (its own size) and the terms of its row, the gradient against its largest term: the
     scaled unknowns have the size of the limits, so this bounds the loss of the objective.

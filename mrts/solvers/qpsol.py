@@ -11,6 +11,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
+from mrts.solvers.convex_program import HIGHS_TOLERANCE
 
 OPTIONS: dict[str, dict[str, Any]] = {
     "qpoases": {"printLevel": "none", "error_on_fail": False},
@@ -19,9 +20,8 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "error_on_fail": False,
         "highs": {
             "output_flag": False,
-            # its default of 1e-7 is coarser than what an answer must pass
-            "primal_feasibility_tolerance": 1e-10,
-            "dual_feasibility_tolerance": 1e-10,
+            "primal_feasibility_tolerance": HIGHS_TOLERANCE,
+            "dual_feasibility_tolerance": HIGHS_TOLERANCE,
         },
     },
 }

@@ -5,9 +5,7 @@ import numpy as np
 from scipy.optimize import linprog
 
 from mrts.base.arrays import Array
-
-FEASIBILITY_TOLERANCE = 1e-10
-"""HiGHS's own default of 1e-7 is coarser than what an answer must pass."""
+from mrts.solvers.convex_program import HIGHS_TOLERANCE
 
 
 class ScipyHighsSolver:
@@ -36,8 +34,8 @@ class ScipyHighsSolver:
                 bounds=list(zip(x_lower[sample].tolist(), x_upper[sample].tolist(), strict=True)),
                 method="highs-ds",
                 options={
-                    "primal_feasibility_tolerance": FEASIBILITY_TOLERANCE,
-                    "dual_feasibility_tolerance": FEASIBILITY_TOLERANCE,
+                    "primal_feasibility_tolerance": HIGHS_TOLERANCE,
+                    "dual_feasibility_tolerance": HIGHS_TOLERANCE,
                 },
             )
             if solved.status != 0:

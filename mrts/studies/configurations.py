@@ -11,14 +11,13 @@ from types import NoneType
 
 import numpy as np
 
-from mrts.base.argument_types import as_path, check_callable, check_type
+from mrts.base.argument_types import Progress, as_path, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.coordination.coordinated_motion import CoordinatedMotion, check_motion
-from mrts.inverse_kinematics.analytic import analytic_branches
 from mrts.inverse_kinematics.grasp_tracking import (
     OUT_OF_REACH,
     PAST_A_LIMIT,
@@ -30,14 +29,15 @@ from mrts.inverse_kinematics.grasp_tracking import (
 )
 from mrts.inverse_kinematics.joint_limits import joint_limit_failure, nearest_turns, within_limits
 from mrts.inverse_kinematics.null_space import is_redundant
-from mrts.inverse_kinematics.planar import has_closed_form, planar_branches
+from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_branches
+from mrts.inverse_kinematics.six_joint_closed_form import six_joint_branches
 from mrts.inverse_kinematics.starting_positions import starting_reference
 from mrts.motion.object_motion import ObjectMotion
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.range import ScalingRange, intersect
-from mrts.scaling.uncertain_load import Progress, study_load
+from mrts.scaling.uncertain_load import study_load
 from mrts.solvers import DEFAULT_SOLVER, check_solver
 
 MULTI_STARTS = 400
@@ -256,7 +256,7 @@ def _branches_at_start(cell: Cell, index: int, motion: ObjectMotion) -> Array:
         first = ObjectMotion(motion.time[:2], motion.position[[0, 0]], motion.rotation[[0, 0]], still, still)
         guesses = np.array([branch[0] for branch in planar_branches(cell, robot, first)])
     else:
-        found = analytic_branches(cell, robot, motion)
+        found = six_joint_branches(cell, robot, motion)
         guesses = found if found is not None and len(found) else _random_starts(robot)
     start = np.tile(posture, (len(guesses), 1))
     start[:, joints] = guesses

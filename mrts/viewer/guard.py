@@ -172,7 +172,7 @@ class ViewerGuard:
             return "Open the whole address that `mrts view` printed."
         versions = request.headers.get_all("Sec-WebSocket-Protocol")
         if "Upgrade" in request.headers and versions != [f"viser-v{viser.__version__}"]:
-            return "This page is of another version of viser: load it again."
+            return "This page is of another version of viser: open it again."
         return ""
 
     def answers_to(self, host: str) -> bool:

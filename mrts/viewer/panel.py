@@ -60,7 +60,7 @@ def speed_html(state: PlayerState) -> str:
     if state.result.rule.sharing is not None or len(state.result.cell.robots) == 1:
         text += "The torques follow from the motion alone."
     else:
-        text += "Where torques or wrenches do, all limits are stretched by the least equal share that leaves torques."
+        text += "Where torques or wrenches do, all limits are moved outward by the least share that leaves torques."
     return _paragraph("speed", text, OVER)
 
 

@@ -6,6 +6,7 @@ from math import ceil, floor, isfinite, log10, sqrt
 
 import numpy as np
 
+from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
@@ -21,7 +22,6 @@ from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scaling.stretched_limits import stretched_torques
-from mrts.scaling.uncertain_load import Progress
 from mrts.solvers import DEFAULT_SOLVER
 from mrts.studies.configurations import ConfigurationStudy, rank_configurations
 
@@ -125,7 +125,7 @@ class PlayerState:
         result: The range, of the chosen configuration.
         speeds: On offer.
         trajectory: The motion at the chosen speed.
-        excess: Largest overstepping of a limit at each sample, as a share of it, 0 for rounding, Shape (N,).
+        excess: Share by which a limit is overstepped at most at each sample, 0 for rounding, Shape (N,).
         sample: Index of the chosen time.
         study: The configurations, once they are ranked.
         configuration: Index of the chosen one in the ranking; None is the one that the cell file gives.

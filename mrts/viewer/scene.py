@@ -28,6 +28,9 @@ THICKNESS = 0.02
 ARROW = 0.5
 """Longest arrow at the first choice of speed, as a share of the cell's size."""
 
+ROUNDED_DOWN = 1e-9
+"""A length below a round one by this share is that one: rounding of their quotient."""
+
 SHORTEST = 1e-3
 """Arrows below this share of the cell's size have no direction worth drawing."""
 
@@ -189,7 +192,7 @@ def _meshes(
 def _round_down(value: float) -> float:
     """1, 2 or 5 times a power of ten."""
     power = 10.0 ** np.floor(np.log10(value))
-    return float(max(digit for digit in (1, 2, 5) if digit <= value / power * (1 + 1e-9)) * power)
+    return float(max(digit for digit in (1, 2, 5) if digit <= value / power * (1 + ROUNDED_DOWN)) * power)
 
 
 def _z_along(direction: Array) -> Array:

@@ -9,6 +9,8 @@ from conftest import DATA
 
 from mrts.cli import main
 
+pytestmark = pytest.mark.quick
+
 BOMB = """<?xml version="1.0"?><!DOCTYPE bomb [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">
 <!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;">]><robot name="&c;"><link name="base_link"/></robot>"""
 

@@ -10,14 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import DATA
+from conftest import DATA, ROOT
 
 import mrts
 
 PATIENCE = 8.0
 """Processor time for a file [s]: what takes one on an idle machine, and a bomb would take minutes or for ever."""
 
-SCRIPT = Path(__file__).with_name("hostile_inputs.py")
+SCRIPT = ROOT / "tests" / "helpers" / "hostile_inputs.py"
 KINDS = ("cell", "motion", "result", "urdf", "generated")
 
 

@@ -12,7 +12,7 @@ import time
 
 import pytest
 from conftest import DATA, ROOT
-from mrts_codegen.cell_description import read_cell_description
+from mrts_codegen.cell_file import read_cell_description
 from mrts_codegen.cell_model import build_cell_model
 from mutations import mutated
 

@@ -12,7 +12,9 @@ from mrts.base.printable import LONGEST_MESSAGE, html_text, printable
 from mrts.base.remark import Remark
 from mrts.cli import main
 from mrts.console.terminal import put, say, warn
-from mrts.drawing.plot_style import shortened
+from mrts.drawing.labels import shortened
+
+pytestmark = pytest.mark.quick
 
 HOSTILE = "a\x1b[31mb\r\x07\u202e\u200b\u2028\x9b\x7f\ud800"
 SHOWN = r"a\u001b[31mb\r\u0007\u202e\u200b\u2028\u009b\u007f\ud800"

@@ -9,8 +9,6 @@ from conftest import DATA
 
 import mrts
 from mrts.figures import range_figure, write_figure, write_result_figures
-from mrts.output.ros_bag import write_ros_bag
-from mrts.output.trajectory_table import write_trajectory_csv
 from mrts.solvers import DEFAULT_SOLVER
 
 ZOO = [
@@ -56,8 +54,6 @@ FUNCTIONS = [name for name in mrts.__all__ if inspect.isfunction(getattr(mrts, n
 WRITERS = {
     "write_figure": write_figure,
     "write_result_figures": write_result_figures,
-    "write_ros_bag": write_ros_bag,
-    "write_trajectory_csv": write_trajectory_csv,
 }
 """Public functions that are not of `mrts` itself: their packages are extras."""
 

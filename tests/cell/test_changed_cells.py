@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cell_bank import random_planar_cell
 from conftest import DATA
-from random_cells import random_planar_cell
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
+
+pytestmark = pytest.mark.quick
 
 SIDE = np.array([0.1, 0.0, 0.0])
 
@@ -51,7 +53,7 @@ def test_what_the_generated_c_holds_is_refused(what, planar_cell):
 
 
 def test_functions_of_another_cell_are_refused(planar_cell, tmp_path):
-    other = mrts.load_cell(random_planar_cell(np.random.default_rng(1), tmp_path, 2)[0], backend="vm")
+    other = random_planar_cell(np.random.default_rng(1), tmp_path, 2).cell
     with pytest.raises(mrts.InputError, match=r"^cell: name"):
         replace(planar_cell, functions=other.functions)
 

@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 import yaml
 from conftest import DATA
-from mrts_codegen.cell_description import read_cell_description
+from mrts_codegen.cell_file import read_cell_description
 from mrts_codegen.cell_model import build_cell_model
 from mrts_codegen.equations.inverse_dynamics import inverse_dynamics
 from mrts_codegen.equations.kinematics import forward_kinematics
@@ -21,6 +21,8 @@ from random_cells import configuration
 
 import mrts
 from mrts.cli import main
+
+pytestmark = pytest.mark.quick
 
 TALOS = ROBOTS / "talos_data/robots/talos_full_v2.urdf"
 TIAGO = ROBOTS / "tiago_description/robots/tiago_dual.urdf"

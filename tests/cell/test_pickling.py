@@ -17,11 +17,6 @@ def through_pickle(thing):
     return pickle.loads(pickle.dumps(thing))  # noqa: S301 (our own bytes)
 
 
-@pytest.fixture(scope="module")
-def lifted(planar_cell, lift):
-    return mrts.scale(planar_cell, lift)
-
-
 def c2_of(cell, motion):
     """What a worker does."""
     result = mrts.scale(cell, motion)
@@ -41,6 +36,7 @@ def pool(initializer, *arguments):
     return ProcessPoolExecutor(1, get_context("spawn"), initializer, arguments)
 
 
+@pytest.mark.quick
 def test_a_worker_with_an_empty_cache_finds_the_same(planar_cell, lift, lifted, tmp_path):
     """As on another machine: neither the cell file nor the cache is there, the C travels."""
     heavier = planar_cell.with_mass(4.0)

@@ -12,7 +12,7 @@ from mrts_codegen import generate
 
 import mrts
 from mrts.cell import generation
-from mrts.kernel.kernel_library import INFEASIBLE, OPTIMAL, default_kernel
+from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
 from mrts.retiming.speed_kernel import KernelWithoutCompiler, speed_kernel
 
 SAMPLES = 21
@@ -53,7 +53,7 @@ def test_a_machine_without_a_compiler_gives_the_same_answers(name, motion, plana
 
 
 def test_the_kernel_is_taken_where_there_is_a_compiler():
-    assert speed_kernel() is default_kernel()
+    assert speed_kernel() is default_programs()
 
 
 def test_projections_are_those_of_the_kernel():
@@ -65,7 +65,7 @@ def test_projections_are_those_of_the_kernel():
     lower[:4, 0], upper[:4, 0] = 100, 101  # further out than the box reaches
     limits = np.concatenate([lower, -box], axis=1), np.concatenate([upper, box], axis=1)
     number, corners, status = KernelWithoutCompiler.projections(A, *limits)
-    other_number, other_corners, other_status = default_kernel().projections(A, *limits)
+    other_number, other_corners, other_status = default_programs().projections(A, *limits)
     assert np.all(status == np.where(np.arange(count) < 4, INFEASIBLE, OPTIMAL))
     assert np.all((other_status == OPTIMAL) == (status == OPTIMAL))
     angles = np.linspace(0, 2 * np.pi, 64)
@@ -87,7 +87,7 @@ def test_speeds_are_those_of_the_kernel():
         planes = np.column_stack([rng.normal(size=(start[-1], 2)), rng.uniform(-0.05, 1, start[-1])])
         step = rng.uniform(0.05, 0.2, n - 1)
         found = []
-        for kernel in (default_kernel(), KernelWithoutCompiler):
+        for kernel in (default_programs(), KernelWithoutCompiler):
             low, high = np.zeros(n), np.full(n, 2.0)
             low[-1] = high[-1] = 0.0
             failed = kernel.backward(step, start, planes, low, high)

@@ -9,11 +9,12 @@ import pytest
 import yaml
 from conftest import DATA, ROOT
 from embedded_target import cross_compile, missing_tools, run_on_target
+from exported_library import answers, link, run, sources, tool
 
 import mrts
 from mrts.cell.generation import export_to
 from mrts.cli import main
-from mrts.output.embedded_test_vectors import make_vectors, own_motion
+from mrts.output.embedded_limits import embedded_limits
 
 CELLS = ("planar_dual_arm", "dual_ur5")
 WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror"]
@@ -21,21 +22,6 @@ DOUBLE_HELPER = re.compile(r"__aeabi_d|__\w+df\d|\b(sin|cos|sqrt|sincos)\b")
 FORBIDDEN = re.compile(r"\b(malloc|calloc|realloc|free|printf|puts|fprintf)\b")
 ALLOWED = {"memcpy", "memset", "memmove", "sin", "cos", "sincos", "sqrt", "sinf", "cosf", "sincosf", "sqrtf"}
 DRIFT_FREE = ROOT / "generated" / "embedded" / "planar_dual_arm"
-
-
-def tool(name, package):
-    """Path of a tool; without it the test fails where all are promised, and is skipped with advice elsewhere."""
-    found = shutil.which(name)
-    if found is None:
-        assert "MRTS_ALL_TOOLS" not in os.environ, f"apt-get install {package}"
-        pytest.skip(f"needs {name}: apt-get install {package}")
-    return found
-
-
-def run(*command, **options):
-    done = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False, **options)
-    assert done.returncode == 0, f"{' '.join(map(str, command))}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
-    return done.stdout
 
 
 @pytest.fixture(scope="module", params=[(cell, precision) for cell in CELLS for precision in ("double", "float")],
@@ -49,7 +35,7 @@ def library(request, tmp_path_factory):
 
 @pytest.mark.parametrize("compiler", [("gcc", "gcc"), ("clang", "clang")])
 def test_it_compiles_without_a_warning(library, compiler, tmp_path):
-    cell, _, folder = library
+    _, _, folder = library
     command = [
         tool(*compiler),
         *WARNINGS,
@@ -60,24 +46,21 @@ def test_it_compiles_without_a_warning(library, compiler, tmp_path):
         "-o",
         tmp_path / "o",
     ]
-    for source in (f"src/{cell}.c", f"src/{cell}_model.c", "examples/main.c", "tests/test_main.c"):
-        run(*command, folder / source)
+    for source in (*sources(folder), folder / "examples/main.c", folder / "tests/test_main.c"):
+        run(*command, source)
 
 
 def test_it_compiles_as_cpp(library, tmp_path):
-    cell, _, folder = library
-    for source in (f"src/{cell}.c", f"src/{cell}_model.c", "tests/test_main.c"):
+    _, _, folder = library
+    for source in (*sources(folder), folder / "tests/test_main.c"):
         run(tool("g++", "g++"), "-std=c++17", "-x", "c++", "-Wall", "-Wextra", "-Werror", f"-I{folder}/include",
-            f"-I{folder}/tests", "-c", folder / source, "-o", tmp_path / "o")  # fmt: skip
+            f"-I{folder}/tests", "-c", source, "-o", tmp_path / "o")  # fmt: skip
 
 
 def test_the_vectors_pass_on_the_host_and_under_sanitizers(library, tmp_path):
-    cell, precision, folder = library
-    sources = [folder / f"src/{cell}.c", folder / f"src/{cell}_model.c", folder / "tests/test_main.c"]
-    for flags in (["-O2"], ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]):
-        run(tool("gcc", "gcc"), "-std=c99", *flags, f"-I{folder}/include", f"-I{folder}/tests", *sources, "-lm",
-            "-o", tmp_path / "test")  # fmt: skip
-        said = run(tmp_path / "test")
+    _, precision, folder = library
+    for flags in (["-O2"], ["-O1", "-g1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]):
+        said = run(link(folder, folder / "tests/test_main.c", tmp_path / "test", *flags))
         found = re.findall(r"(\d+) (ok|unbounded|infeasible|undecided|vectors|mismatches)", said)
         counts = {what: number for number, what in found}
         assert int(counts["vectors"]) >= 500
@@ -96,15 +79,13 @@ def test_a_wrong_expectation_is_noticed(library, tmp_path):
     row = next(index for index, line in enumerate(lines) if line.startswith("    {{{") and ", 0, 0.0, " in line)
     lines[row] = lines[row].replace(", 0, 0.0, ", ", 0, 0.0, 1", 1)
     vectors.write_text("\n".join(lines))
-    run(tool("gcc", "gcc"), "-std=c99", f"-I{folder}/include", f"-I{spoiled}", folder / f"src/{cell}.c",
-        folder / f"src/{cell}_model.c", spoiled / "test_main.c", "-lm", "-o", tmp_path / "test")  # fmt: skip
+    link(folder, spoiled / "test_main.c", tmp_path / "test")
     assert subprocess.run([tmp_path / "test"], capture_output=True, check=False).returncode != 0
 
 
 def test_its_symbols_are_its_own(library, tmp_path):
     cell, precision, folder = library
-    for name in (cell, f"{cell}_model"):
-        source = folder / f"src/{name}.c"
+    for source in sources(folder):
         run(tool("gcc", "gcc"), "-std=c99", "-O2", f"-I{folder}/include", "-c", source, "-o", tmp_path / "o")
         symbols = [line.split() for line in run("nm", tmp_path / "o").splitlines()]
         wanted = {parts[-1] for parts in symbols if parts[-2] == "U"}
@@ -115,7 +96,7 @@ def test_its_symbols_are_its_own(library, tmp_path):
         assert not any(parts[-2] in "dDbBC" and parts[-1] != "ROW_TEXT" for parts in symbols), "writable data"
         if precision == "float":
             assert not any(DOUBLE_HELPER.search(symbol) for symbol in wanted)
-    text = "".join(path.read_text() for path in (folder / "src").iterdir())
+    text = "".join(path.read_text() for path in (folder / "src").rglob("*.[ch]"))
     assert not FORBIDDEN.search(re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL))
 
 
@@ -167,6 +148,7 @@ def test_exporting_twice_gives_the_same_bytes(library, tmp_path):
         assert (folder / path).read_bytes() == (tmp_path / path).read_bytes(), path
 
 
+@pytest.mark.quick
 def test_the_committed_export_is_current(tmp_path):
     assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path)]) == 0
     committed, fresh = (
@@ -182,8 +164,7 @@ def test_the_committed_export_is_current(tmp_path):
 @pytest.mark.parametrize("parts", ["terms", "range", "share", "torques", "range,torques"])
 def test_parts_of_it_compile_alone(parts, tmp_path):
     assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path), "--functions", parts]) == 0
-    for name in ("planar_dual_arm", "planar_dual_arm_model"):
-        source = tmp_path / f"src/{name}.c"
+    for source in sources(tmp_path):
         run(tool("gcc", "gcc"), *WARNINGS, f"-I{tmp_path}/include", "-c", source, "-o", tmp_path / "o")
     run("make", cwd=tmp_path)
     assert not (tmp_path / "tests").exists()
@@ -197,7 +178,9 @@ def test_corners_of_a_load_variation_are_exported(tmp_path):
     path, folder = tmp_path / "cell.yaml", tmp_path / "library"
     path.write_text(yaml.safe_dump(cell))
     assert main(["export", str(path), "-o", str(folder), "--motion", str(DATA / "lift.yaml")]) == 0
-    (tmp_path / "main.c").write_text("""
+    said = answers(
+        folder,
+        """
 #include <stdio.h>
 #include "planar_dual_arm.h"
 #include "planar_dual_arm_vectors.h"
@@ -218,10 +201,10 @@ int main(void) {
     printf("%d %.12g %d %ld %s\\n", (int)h.status, h.upper, at, h.upper_sample, planar_dual_arm_row_text(-5));
     return 0;
 }
-""")
-    run(tool("gcc", "gcc"), "-std=c99", f"-I{folder}/include", f"-I{folder}/tests", folder / "src/planar_dual_arm.c",
-        folder / "src/planar_dual_arm_model.c", tmp_path / "main.c", "-lm", "-o", tmp_path / "main")  # fmt: skip
-    status, upper, corner, sample, row = run(tmp_path / "main").split(maxsplit=4)
+""",
+        tmp_path,
+    )
+    status, upper, corner, sample, row = said.split(maxsplit=4)
     found = mrts.scale(mrts.load_cell(path), mrts.load_motion(DATA / "lift.yaml")).range
     assert (int(status), int(corner), int(sample)) == (0, 1, found.upper.sample)
     assert float(upper) == pytest.approx(found.upper.c2, rel=1e-9)
@@ -290,11 +273,8 @@ def test_misuse_is_a_status(arms, precision, tmp_path):
     command = ["export", str(path), "-o", str(folder), "--precision", precision, "--name", "my_cell"]
     assert main(command) == 0
     assert "0 mismatches" in run("make", "test", cwd=folder)
-    (tmp_path / "main.c").write_text(MISUSE.replace("NAME", "my_cell").replace("MACRO", "MY_CELL"))
-    run(tool("gcc", "gcc"), "-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all",
-        f"-I{folder}/include", f"-I{folder}/tests", folder / "src/my_cell.c", folder / "src/my_cell_model.c",
-        tmp_path / "main.c", "-lm", "-o", tmp_path / "main")  # fmt: skip
-    said = dict(line.split("=") for line in run(tmp_path / "main").splitlines())
+    text = answers(folder, MISUSE.replace("NAME", "my_cell").replace("MACRO", "MY_CELL"), tmp_path)
+    said = dict(line.split("=") for line in text.splitlines())
     ok, unbounded, infeasible, bad = "0", "1", "2", "5"
     wanted = {"ok": ok, "beyond": infeasible, "inside": ok, "negative": bad, "garbage": ok, "unlimited": unbounded}
     assert said == wanted | {"load": bad, "nan": bad, "nan range": bad}
@@ -326,6 +306,7 @@ def test_a_smaller_export_leaves_nothing_of_a_larger_one(tmp_path):
     assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path), "--functions", "range"]) == 0
     assert not [path for path in tmp_path.rglob("*.c") if path.parent.name in {"tests", "examples"}]
     assert "make test" not in (tmp_path / "README.md").read_text()
+    assert not [path for path in (tmp_path / "src").rglob("*") if "share" in path.name or "quadratic" in path.name]
 
 
 def test_the_readme_tells_the_size_of_the_workspace(library, tmp_path):
@@ -351,7 +332,7 @@ def test_text_from_a_urdf_cannot_leave_its_string(tmp_path):
     assert main(["export", str(tmp_path / "cell.yaml"), "-o", str(folder)]) == 0
     source = folder / "src/planar_dual_arm.c"
     run(tool("gcc", "gcc"), *WARNINGS, f"-I{folder}/include", "-c", source, "-o", tmp_path / "o")
-    text = (folder / "src" / "planar_dual_arm.c").read_text()
+    text = (folder / "src/parts/settings.c").read_text()
     assert "el\\042bow\\134 \\052/" in text
     assert nasty not in text
 
@@ -367,4 +348,5 @@ def test_bad_exports_are_refused(tmp_path, capsys, planar_cell):
         assert words in capsys.readouterr().err
     assert not (tmp_path / "x").exists()
     with pytest.raises(mrts.InputError, match="double or float"):
-        export_to(cell, tmp_path / "x", make_vectors(planar_cell, own_motion(planar_cell)), 101, "half", ())
+        export_to(cell, tmp_path / "x", limits=embedded_limits(planar_cell), vectors=[], path_samples=0,
+                  precision="half", parts=())  # fmt: skip

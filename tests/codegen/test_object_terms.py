@@ -16,7 +16,7 @@ TOLERANCE = 1e-10
 @pytest.fixture(scope="module")
 def cell(tmp_path_factory):
     folder = tmp_path_factory.mktemp("three")
-    return mrts.load_cell(spatial_cell(folder, seed=3, joints=(6, 6, 6))[0])
+    return mrts.load_cell(spatial_cell(folder, seed=3, joints=(6, 6, 6))[0], backend="vm")
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +39,7 @@ def terms(cell, inputs):
     return cell.functions("terms", SAMPLES, inputs)
 
 
+@pytest.mark.quick
 def test_object_wrench_is_the_rate_of_momentum_under_any_warp(cell, inputs, terms):
     """P ṙ² + S r̈ = d/dt [m v; I_w ω] for the motion played with rate ṙ and acceleration r̈."""
     rate, acceleration = 1.3, -0.7

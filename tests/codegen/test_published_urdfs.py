@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 from conftest import DATA
-from mrts_codegen.cell_description import read_cell_description
+from mrts_codegen.cell_file import read_cell_description
 from mrts_codegen.cell_model import build_cell_model
 from mrts_codegen.generate import generate_cell
 from mrts_codegen.urdf.robot_model import build_robot_model

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from command_line import mrts_command
 from conftest import DATA
 
 import mrts
@@ -16,11 +17,7 @@ from mrts.cli import main
 PICTURES = ["c2_range.png", "power_and_energy.png", "torques_and_wrenches.png"]
 
 
-def mrts_command(*arguments, **options):
-    command = [sys.executable, "-m", "mrts", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
-
-
+@pytest.mark.quick
 def test_demo_prints_the_table_and_writes_its_folder(tmp_path):
     done = mrts_command("demo", "-o", tmp_path / "out", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -32,6 +29,7 @@ def test_demo_prints_the_table_and_writes_its_folder(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
+@pytest.mark.quick
 def test_scale_reports_and_writes_the_documented_json(tmp_path, planar_cell, lift):
     target = tmp_path / "deep" / "result.json"
     done = mrts_command("scale", DATA / "cell.yaml", DATA / "lift.yaml", "--json", target, "--plot", tmp_path / "plots")
@@ -139,6 +137,7 @@ def test_an_infeasible_motion_is_an_outcome(tmp_path):
     assert (tmp_path / "c2_range.png").exists()
 
 
+@pytest.mark.quick
 def test_help_and_version():
     assert "demo" in mrts_command("--help").stdout
     assert mrts_command("--version").stdout.strip() == f"mrts {mrts.__version__}"

@@ -10,8 +10,8 @@ import time
 from pathlib import Path
 
 import pytest
+from command_line import mrts_command
 from conftest import DATA, ROOT
-from test_command_line import mrts_command
 
 from mrts.base.atomic_file import text_writer, write_together
 from mrts.base.errors import InputError
@@ -46,6 +46,7 @@ def stumble(error):
     return load_motion
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("error", "said"),
     [
@@ -181,7 +182,7 @@ def test_folders_are_complete_or_untouched(tmp_path):
     assert "File too large" in done.stderr
     assert list(tmp_path.iterdir()) == []
     (tmp_path / "old").write_text("old")
-    script = "from pathlib import Path; from mrts_codegen.embedded_export import write_library;"
+    script = "from pathlib import Path; from mrts_codegen.embedded.export_library import write_library;"
     script += "write_library(Path(), {'old': 'new', 'src/small.c': '', 'src/large.c': 30_000 * 'x'})"
     command = [sys.executable, "-c", script]
     done = subprocess.run(command, stderr=subprocess.PIPE, check=False, cwd=tmp_path, preexec_fn=small_files(20_000))

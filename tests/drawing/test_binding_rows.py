@@ -9,10 +9,11 @@ from shown_results import still_motion
 
 import mrts
 from mrts.drawing.axis_reach import c2_reach, value_reach
-from mrts.drawing.lanes import MOST_LANES, binding_lanes, row_label, spans
+from mrts.drawing.labels import row_label
+from mrts.drawing.lanes import MOST_LANES, binding_lanes, spans
 from mrts.limits.rows import STANDSTILL, ActiveRow, RowName
-from mrts.scaling.accumulated_energy import accumulated_energy
 from mrts.scaling.limit_use import limit_uses
+from mrts.scaling.scaled_trajectory import accumulated_energy
 
 TOO_HARD = np.array([2.5, 0, 0, -2.5, 0, 0])
 """A squeeze above the limit of 2 N."""
@@ -25,6 +26,7 @@ def spatial(dual_ur5):
     )
 
 
+@pytest.mark.quick
 def test_lanes_are_filled_exactly_where_their_rows_bind(spatial):
     samples, lanes = spatial.range.samples, binding_lanes(spatial.range)
     assert len(lanes) == MOST_LANES  # 21 rows bind somewhere: the rest shares the last lane

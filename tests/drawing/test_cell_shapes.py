@@ -7,13 +7,14 @@ from conftest import DATA
 import mrts
 from mrts.drawing.cell_shapes import contact_forces, joint_points, object_box
 
+pytestmark = pytest.mark.quick
+
 SAME_PLACE = 1e-12
 """[m]; the same transforms in another order."""
 
 
 @pytest.mark.parametrize("files", [("planar_dual_arm", "lift"), ("dual_ur5", "lift_and_turn")])
-def test_a_drawn_arm_ends_at_its_grasp(files, private_cache):
-    assert private_cache.is_dir()
+def test_a_drawn_arm_ends_at_its_grasp(files):
     cell = mrts.load_cell(DATA.parent / files[0] / "cell.yaml")
     motion = mrts.follow_object(cell, mrts.load_motion(DATA.parent / files[0] / f"{files[1]}.yaml"))
     for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
@@ -32,8 +33,7 @@ def test_the_box_has_the_objects_inertia(dual_ur5):
     np.testing.assert_allclose(expected, np.diag(dual_ur5.inertia), rtol=1e-9)
 
 
-def test_drawn_forces_carry_the_object(dual_ur5, private_cache):
-    assert private_cache.is_dir()
+def test_drawn_forces_carry_the_object(dual_ur5):
     result = mrts.scale(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml"))
     given, done = result.motion.object, result.trajectory
     parts = [

@@ -105,6 +105,7 @@ def lines_of(axes):
     return {line.get_label().strip(): line for line in axes.lines if not line.get_label().startswith("_")}
 
 
+@pytest.mark.quick
 def test_curves_are_the_numbers_of_the_result(result):
     torque, force, moment, power, energy = axes = Figure().subplots(5)
     for one, draw in zip(axes, (draw_torques, draw_contact_forces, draw_contact_moments, draw_power), strict=False):
@@ -157,6 +158,7 @@ def test_a_load_study_shows_its_worst_and_best_load(planar_cell, lift):
     np.testing.assert_array_equal(lines_of(axes)["guaranteed (c²⁺ = 1.516)"].get_ydata(), uncertain.range.samples.upper)
 
 
+@pytest.mark.quick
 def test_what_there_is_not_cannot_be_drawn(planar_cell, lift, result):
     infeasible = mrts.scale(planar_cell.with_mass(60.0), lift)
     axes = Figure().subplots()

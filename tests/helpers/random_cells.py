@@ -1,16 +1,33 @@
-"""Seeded random cells: planar ones with files on disk, and spatial arms as URDF text."""
+"""Random structures of cells: arms as URDF text, where they stand, how they hold; planar and spatial."""
 
+from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
-import yaml
 
 PLANES = {"xy": (0, 1, 2, 1.0), "xz": (0, 2, 1, -1.0), "yz": (1, 2, 0, 1.0)}
 """Plane: its two axes, its normal axis, and the sign of first × second along that axis."""
 
 
 WELL_CONDITIONED = 15
+
+
+@dataclass
+class Structure:
+    """What the generated C of a cell depends on.
+
+    Attributes:
+        description: Of the cell file, without limits and object; postures reach the start.
+        urdfs: Texts by file name.
+        start: Pose of the object that the arms were drawn around: (position, angle) in the plane, or SE3.
+    """
+
+    description: dict[str, Any]
+    urdfs: dict[str, str]
+    start: Any
 
 
 def rotation_in_plane(angle):
@@ -24,15 +41,6 @@ def random_inertia(rng, mass, size):
     return mass * sum(p @ p * np.eye(3) - np.outer(p, p) for p in points) / len(points)
 
 
-def random_wrench_limits(rng, low, high, size):
-    """Mostly limits on some components; sometimes none at all."""
-    if rng.random() >= 0.6:
-        return {}
-    bounds = rng.uniform(low, high, size)
-    lower = [None if rng.random() < 0.4 else -float(b) for b in bounds]
-    return {"wrench": {"lower": lower, "upper": [None if rng.random() < 0.4 else float(b) for b in bounds]}}
-
-
 def inertial_xml(rng, mass, size, rpy="0 0 0"):
     inertia = random_inertia(rng, mass, size)
     com = " ".join(map(str, rng.uniform(-size, size, 3)))
@@ -41,31 +49,16 @@ def inertial_xml(rng, mass, size, rpy="0 0 0"):
     return f'<inertial><origin xyz="{com}" rpy="{rpy}"/><mass value="{mass:.17g}"/><inertia {entries}/></inertial>'
 
 
-def random_planar_cell(rng, folder: Path, arms: int, samples: int = 11):
-    """Write cell.yaml, arm URDFs and motion.yaml of a reachable planar cell; returns both paths."""
-    plane = str(rng.choice(list(PLANES)))
-    first, second, normal, handed = PLANES[plane]
-
-    def lift(vector, out=0.0):
-        full = np.zeros(3)
-        full[[first, second]] = vector
-        full[normal] = out
-        return full.tolist()
-
-    def turn(angle):
-        # rpy is a rotation about one axis here, about +axis, while planar angles are about first × second
-        rpy = np.zeros(3)
-        rpy[normal] = handed * angle
-        return rpy.tolist()
-
+def planar_structure(rng, plane: str, arms: int) -> Structure:
+    """A reachable planar cell, whose elbows are away from full stretch and full fold."""
+    *_, handed = PLANES[plane]
     start, start_angle = rng.uniform(-0.3, 0.3, 2), rng.uniform(-1, 1)
-    robots = []
+    robots, urdfs = [], {}
     for index in range(arms):
         lengths, angles = rng.uniform([0.5, 0.4, 0.05], [1.0, 0.9, 0.2]), rng.uniform(-np.pi, np.pi, 3)
         links = [rotation_in_plane(angle) @ [length, 0] for angle, length in zip(angles, lengths, strict=True)]
         signs = rng.choice([-1, 1], 3)
         q = np.array([rng.uniform(-2, 2), 0, rng.uniform(-2, 2)])
-        # keep the elbow away from full stretch and full fold
         bend = rng.choice([-1, 1]) * rng.uniform(1.1, 2.0)
         q[1] = signs[1] * (bend - (angles[1] - angles[0]))
         absolute = np.cumsum(signs * q)
@@ -73,37 +66,28 @@ def random_planar_cell(rng, folder: Path, arms: int, samples: int = 11):
         grasp, grasp_angle = rng.uniform(-0.4, 0.4, 2), rng.uniform(-1, 1)
         base_angle = start_angle + grasp_angle - absolute[2]
         base = start + rotation_in_plane(start_angle) @ grasp - rotation_in_plane(base_angle) @ tip
-        urdf = folder / f"arm{index}.urdf"
-        urdf.write_text(planar_urdf(rng, plane, links, signs * handed), encoding="utf-8")
-        strength = rng.choice([0.6, 1.5, 5.0])
-        robot = {
-            "name": f"arm{index}",
-            "urdf": urdf.name,
-            "tip_link": "tip",
-            "base": {"xyz": lift(base), "rpy": turn(base_angle)},
-            "grasp": {"xyz": lift(grasp), "rpy": turn(grasp_angle)},
-            "posture": (q + rng.uniform(-0.05, 0.05, 3)).tolist(),
-            "torque": (strength * rng.uniform([40, 25, 6], [90, 50, 15])).tolist(),
-        }
-        robots.append(robot | random_wrench_limits(rng, 1, 40, 3))
-    mass = rng.uniform(0.2, 6)
-    cell = {
-        "name": "random_cell",
-        "gravity": lift(rng.normal(size=2) * 6),
-        "plane": plane,
-        "object": {"mass": mass, "inertia": random_inertia(rng, mass, 0.2).tolist()},
-        "robots": robots,
-    }
-    motion = {
-        "duration": float(rng.uniform(0.15, 1.2)),
-        "samples": samples,
-        "profile": str(rng.choice(["sinusoid", "trapezoid", "cubic", "quintic"])),
-        "start": {"xyz": lift(start), "rpy": turn(start_angle)},
-        "end": {"xyz": lift(start + rng.uniform(-0.06, 0.06, 2)), "rpy": turn(start_angle + rng.uniform(-0.15, 0.15))},
-    }
-    for name, data in (("cell.yaml", cell), ("motion.yaml", motion)):
-        (folder / name).write_text(yaml.safe_dump(data), encoding="utf-8")
-    return folder / "cell.yaml", folder / "motion.yaml"
+        urdfs[f"arm{index}.urdf"] = planar_urdf(rng, plane, links, signs * handed)
+        robots.append(
+            {
+                "name": f"arm{index}",
+                "urdf": f"arm{index}.urdf",
+                "tip_link": "tip",
+                "base": planar_pose(plane, base, base_angle),
+                "grasp": planar_pose(plane, grasp, grasp_angle),
+                "posture": q.tolist(),
+            }
+        )
+    gravity = planar_pose(plane, rng.normal(size=2) * 6, 0)["xyz"]
+    return Structure({"gravity": gravity, "plane": plane, "robots": robots}, urdfs, (start, start_angle))
+
+
+def planar_pose(plane: str, position, angle: float):
+    """A pose of a cell file; planar angles are about first × second, rpy is about +axis."""
+    first, second, normal, handed = PLANES[plane]
+    xyz, rpy = np.zeros(3), np.zeros(3)
+    xyz[[first, second]] = position
+    rpy[normal] = handed * angle
+    return {"xyz": xyz.tolist(), "rpy": rpy.tolist()}
 
 
 def planar_urdf(rng, plane, links, signs):
@@ -177,11 +161,12 @@ def chain_model(path: Path, tip: str = "tip"):
     return pin.buildReducedModel(full, lock, pin.neutral(full)) if lock else full
 
 
-def reachable_arm(rng, urdf: Path, joints: int):
-    """Write a random arm; positions away from singularities, and the tip there. Some arms have none: draw another."""
+def reachable_arm(rng, folder: Path, joints: int):
+    """URDF text of a random arm; positions away from singularities, and the tip there. Some have none: draw another."""
     while True:
-        urdf.write_text(random_spatial_urdf(rng, joints), encoding="utf-8")
-        model = chain_model(urdf)
+        text = random_spatial_urdf(rng, joints)
+        (folder / "arm.urdf").write_text(text, encoding="utf-8")
+        model = chain_model(folder / "arm.urdf")
         data, frame = model.createData(), model.getFrameId("tip")
         for _ in range(50):
             q = rng.uniform(-2, 2, joints)
@@ -189,47 +174,30 @@ def reachable_arm(rng, urdf: Path, joints: int):
             pin.updateFramePlacements(model, data)
             J = pin.getFrameJacobian(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
             if np.linalg.cond(J) < WELL_CONDITIONED:
-                return q, data.oMf[frame].copy()
+                return text, q, data.oMf[frame].copy()
 
 
-def random_spatial_cell(rng, folder: Path, arms: int, samples: int = 11, joints: int = 6):
-    """Write cell.yaml, arm URDFs and motion.yaml of a reachable spatial cell; returns both paths."""
+def spatial_structure(rng, arms: int, joints: int = 6) -> Structure:
+    """A reachable spatial cell."""
     start = pin.SE3(pin.exp3(rng.normal(size=3)), rng.uniform(-0.3, 0.3, 3))
-    robots = []
+    robots, urdfs = [], {}
     for index in range(arms):
-        urdf = folder / f"arm{index}.urdf"
-        q, T_base_tip = reachable_arm(rng, urdf, joints)
+        with TemporaryDirectory() as folder:
+            urdfs[f"arm{index}.urdf"], q, T_base_tip = reachable_arm(rng, Path(folder), joints)
         grasp = pin.SE3(pin.exp3(rng.normal(size=3)), rng.uniform(-0.3, 0.3, 3))
-        base = start * grasp * T_base_tip.inverse()
-        strength = rng.choice([1.0, 2.5, 8.0])
-        robot = {
-            "name": f"arm{index}",
-            "urdf": urdf.name,
-            "tip_link": "tip",
-            "base": {"xyz": base.translation.tolist(), "rpy": pin.rpy.matrixToRpy(base.rotation).tolist()},
-            "grasp": {"xyz": grasp.translation.tolist(), "rpy": pin.rpy.matrixToRpy(grasp.rotation).tolist()},
-            "posture": q.tolist(),
-            "torque": (strength * rng.uniform(10, 40, joints)).tolist(),
-        }
-        robots.append(robot | random_wrench_limits(rng, 2, 60, 6))
-    mass = rng.uniform(0.2, 6)
-    cell = {
-        "name": "random_cell",
-        "gravity": (rng.normal(size=3) * 5).tolist(),
-        "object": {"mass": mass, "inertia": random_inertia(rng, mass, 0.2).tolist()},
-        "robots": robots,
-    }
-    turned = start.rotation @ pin.exp3(rng.uniform(-0.05, 0.05, 3))
-    motion = {
-        "duration": float(rng.uniform(0.1, 0.6)),
-        "samples": samples,
-        "profile": str(rng.choice(["sinusoid", "trapezoid", "cubic", "quintic"])),
-        "start": {"xyz": start.translation.tolist(), "rpy": pin.rpy.matrixToRpy(start.rotation).tolist()},
-        "end": {
-            "xyz": (start.translation + rng.uniform(-0.012, 0.012, 3)).tolist(),
-            "rpy": pin.rpy.matrixToRpy(turned).tolist(),
-        },
-    }
-    for name, data in (("cell.yaml", cell), ("motion.yaml", motion)):
-        (folder / name).write_text(yaml.safe_dump(data), encoding="utf-8")
-    return folder / "cell.yaml", folder / "motion.yaml"
+        robots.append(
+            {
+                "name": f"arm{index}",
+                "urdf": f"arm{index}.urdf",
+                "tip_link": "tip",
+                "base": spatial_pose(start * grasp * T_base_tip.inverse()),
+                "grasp": spatial_pose(grasp),
+                "posture": q.tolist(),
+            }
+        )
+    return Structure({"gravity": (rng.normal(size=3) * 5).tolist(), "robots": robots}, urdfs, start)
+
+
+def spatial_pose(T):
+    """A pose of a cell file."""
+    return {"xyz": T.translation.tolist(), "rpy": pin.rpy.matrixToRpy(T.rotation).tolist()}

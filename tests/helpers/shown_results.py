@@ -1,8 +1,8 @@
 """Results of every kind that people look at: outcomes, numbers of robots, kinds of joints, awkward names."""
 
 import numpy as np
+from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA
-from random_cells import random_planar_cell, random_spatial_cell
 
 import mrts
 from mrts.cell.cell import cell_from_manifest
@@ -47,8 +47,8 @@ def with_awkward_names(cell):
 
 def random_result(make, seed, folder, arms):
     """A feasible result of a seeded random cell."""
-    paths = make(np.random.default_rng(seed), folder, arms)
-    return mrts.scale(mrts.load_cell(paths[0], backend="vm"), mrts.load_motion(paths[1]))
+    case = make(np.random.default_rng(seed), folder, arms)
+    return mrts.scale(case.cell, case.motion)
 
 
 def braking_only(cell, lift, first):
@@ -74,7 +74,7 @@ def result_of(kind, planar, spatial, lift, folder):
         "fixed rule": lambda: mrts.scale(planar.with_variation(mass=(0.2, 6.0)), lift, sharing=mrts.LoadSharing()),
         "one arm": lambda: random_result(random_planar_cell, 4, folder, 1),
         "four arms": lambda: random_result(random_planar_cell, 3, folder, 4),
-        "sliding joints": lambda: random_result(random_spatial_cell, 1, folder, 2),
+        "sliding joints": lambda: random_result(random_spatial_cell, 2, folder, 2),
         "awkward names": lambda: mrts.scale(with_awkward_names(planar), lift),
     }
     assert tuple(makers) == KINDS

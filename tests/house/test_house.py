@@ -12,6 +12,8 @@ from conftest import ROOT
 import mrts
 from mrts.base.manifest import read_generated
 
+pytestmark = pytest.mark.quick
+
 SOURCES = sorted([*(ROOT / "mrts").rglob("*.py"), *(ROOT / "codegen").rglob("*.py")])
 HEAVY = ("casadi", "scipy", "pydantic", "yaml", "yourdfpy", "trimesh", "lxml", "matplotlib", "mrts_codegen", "plotly")
 HEAVY += ("rich", "rosbags", "viser")
@@ -75,8 +77,9 @@ def tables(text):
 
 
 def notation():
-    symbols, equations = (ROOT / "docs" / "notation.md").read_text(encoding="utf-8").split("## Equations")
-    return tables(symbols)[2:], tables(equations)[2:]
+    """Rows of the page's tables, without their heads: symbols, equations, words, tolerances."""
+    parts = re.split(r"^## .*", (ROOT / "docs" / "notation.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    return [tables(part)[2:] for part in parts]
 
 
 def test_every_name_of_the_notation_stands_in_its_file():
@@ -121,6 +124,45 @@ def test_every_equation_has_exactly_one_home():
     assert sorted(listed) == sorted(homes)
 
 
+SMALL = 1e-3
+"""A number below is a tolerance, or so small that it needs a name and a reason all the same."""
+
+
+def small_numbers(node):
+    """Numbers above 0 and below `SMALL` in a syntax tree."""
+    literals = (each.value for each in ast.walk(node) if isinstance(each, ast.Constant))
+    return [value for value in literals if isinstance(value, float) and 0 < value < SMALL]
+
+
+def small_constants():
+    """Small numbers by file and name: each is a constant of its module, with a docstring that gives the reason."""
+    found = {}
+    for path in SOURCES:
+        place, body = str(path.relative_to(ROOT)), ast.parse(path.read_text(encoding="utf-8")).body
+        for node, after in zip(body, [*body[1:], None], strict=True):
+            numbers = small_numbers(node)
+            if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant | ast.BinOp) and numbers:
+                assert isinstance(after, ast.Expr), (place, node.targets[0].id, "has no docstring with its reason")
+                found[place, node.targets[0].id] = numbers[0]
+            else:
+                assert numbers == [], (place, node.lineno, "a small number takes a name and a reason")
+    return found
+
+
+def test_every_tolerance_stands_in_one_place_with_its_reason():
+    rows = notation()[3]
+    assert all(len(row) == len(rows[0]) and all(row) for row in rows)
+    assert len({row[0] for row in rows}) == len(rows)  # one a purpose
+    listed = {(place, row[1].strip("`")): float(row[2]) for row in rows for place in row[3].split(", ")}
+    for (place, name), value in listed.items():
+        start = rf"{name} = (?:1 - )?" if place.endswith(".py") else rf"#define MRTS_{name} "
+        defined = rf"^{start}([0-9.e-]+)(?:\s|$)"
+        values = re.findall(defined, (ROOT / place).read_text(encoding="utf-8"), re.MULTILINE)
+        assert [float(each) for each in values] == [value], (place, name)
+    small = small_constants()
+    assert small.items() <= listed.items(), small.keys() - listed.keys()
+
+
 def test_files_and_functions_fit_one_sitting():
     for path in SOURCES:
         text = path.read_text(encoding="utf-8")
@@ -129,6 +171,12 @@ def test_files_and_functions_fit_one_sitting():
             if isinstance(node, ast.FunctionDef):
                 documented = len((ast.get_docstring(node) or "").splitlines())
                 assert node.end_lineno - node.lineno - documented <= 60, (path, node.name)
+
+
+def test_files_of_c_fit_one_sitting():
+    templates = (ROOT / "codegen" / "embedded" / "templates").rglob("*.*")
+    for path in (*templates, *(ROOT / "mrts" / "kernel" / "c").iterdir()):
+        assert len(path.read_text(encoding="utf-8").splitlines()) <= 400, path
 
 
 def test_links_of_the_readme_lead_somewhere():

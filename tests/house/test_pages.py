@@ -1,5 +1,6 @@
 """The documentation: pages that show how something is done are done, and the reference and the site are whole."""
 
+import importlib
 import re
 import subprocess
 import sys
@@ -57,3 +58,13 @@ def test_the_site_builds_without_a_warning(tmp_path):
     for name in mrts.__all__:
         assert f'id="mrts.{name}"' in text, name
     assert not re.findall(r'<(?:script|link|img)[^>]+(?:src|href)="https?:', text)  # nothing is fetched to read it
+
+
+def test_users_import_from_mrts_or_a_package_of_it():
+    """Never from a file: those may move. What contributors read names files."""
+    for page in {*DOCS.rglob("*.md"), ROOT / "README.md"} - {DOCS / "extending.md", DOCS / "notation.md"}:
+        text = page.read_text(encoding="utf-8")
+        for name in re.findall(r"(?<![\w./@-])(mrts(?:\.[A-Za-z_]\w*)+)", text):
+            assert name.count(".") == 1 or name.startswith("mrts.figures.") or name.split(".")[1] in mrts.__all__, name
+        for package in re.findall(r"^from (mrts\.\w[\w.]*) import", text, re.MULTILINE):
+            assert hasattr(importlib.import_module(package), "__all__"), package

@@ -9,9 +9,10 @@ import pytest
 import toppra
 import toppra.constraint
 import yaml
+from cell_bank import random_spatial_cell
 from conftest import DATA
 from published_robots import CASES, ROBOTS
-from random_cells import chain_model, configuration, random_spatial_cell
+from random_cells import chain_model, configuration
 from scipy.integrate import cumulative_simpson
 
 import mrts
@@ -106,6 +107,7 @@ def test_given_joints_of_redundant_arms_are_moved_as_little_as_needed(two_pandas
             assert np.max(np.abs(changed)) < 1e-9
 
 
+@pytest.mark.quick
 def test_unreachable_names_robot_sample_and_distance(dual_ur5):
     with pytest.raises(mrts.MotionError, match=r"robot 'left' cannot reach .* sample \d+ .* no nearer than .* m and"):
         mrts.follow_object(dual_ur5, motion([0.9, 0.1, 0.35]))
@@ -169,14 +171,14 @@ def test_whole_turns_bring_a_joint_inside_its_limits(dual_ur5):
 
 
 def test_too_few_joints_are_refused(tmp_path):
-    paths = random_spatial_cell(np.random.default_rng(1), tmp_path, 1, joints=6)
-    description = yaml.safe_load(paths[0].read_text())
+    case = random_spatial_cell(np.random.default_rng(1), tmp_path, 1)
+    description = yaml.safe_load(case.cell_file.read_text())
     robot = description["robots"][0]
     robot |= {"tip_link": "l3", "posture": [0.0] * 4, "torque": [10.0] * 4}
     robot.pop("wrench", None)
-    paths[0].write_text(yaml.safe_dump(description))
+    case.cell_file.write_text(yaml.safe_dump(description))
     with pytest.raises(mrts.InputError, match="4 moving joints, but holding the object takes 6"):
-        mrts.follow_object(mrts.load_cell(paths[0], backend="vm"), mrts.load_motion(paths[1]))
+        mrts.follow_object(mrts.load_cell(case.cell_file, backend="vm"), case.motion)
 
 
 GIVEN_MISTAKES = {
@@ -188,6 +190,7 @@ GIVEN_MISTAKES = {
 }
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("mistake", GIVEN_MISTAKES)
 def test_a_motion_given_by_hand_is_checked(dual_ur5, mistake):
     followed = mrts.follow_object(dual_ur5, motion([0.03, 0.2, 0.5]))
@@ -221,12 +224,11 @@ def test_an_object_motion_given_by_hand_is_checked(mistake):
 
 def test_one_arm_equals_hollerbachs_scaling(tmp_path):
     """n = 1 without wrench limits: c² from the torque rows of inverse dynamics alone, object welded to the hand."""
-    paths = random_spatial_cell(np.random.default_rng(3), tmp_path, 1)
-    cell = mrts.load_cell(paths[0], backend="vm").without_wrench_limits().without_velocity_limits()
+    case = random_spatial_cell(np.random.default_rng(3), tmp_path, 1)
+    cell = case.cell.without_wrench_limits().without_velocity_limits()
     strong = np.array([60.0, 60, 60, 60, 60, 60])
     cell = replace(cell, robots=(replace(cell.robots[0], torque_lower=-strong, torque_upper=strong),))
-    given = mrts.load_motion(paths[1])
-    followed = mrts.follow_object(cell, given)
+    followed = mrts.follow_object(cell, case.motion)
     robot = cell.robots[0]
     model = chain_model(tmp_path / "arm0.urdf")
     model.gravity.linear = robot.T_world_base.R.T @ cell.gravity
@@ -256,8 +258,7 @@ def test_one_arm_equals_hollerbachs_scaling(tmp_path):
 
 def test_torque_coefficients_equal_toppras(tmp_path):
     """toppra's own constraint coefficients on the same arm and path: a u + b x + c is A r̈ + E ṙ² + G."""
-    paths = random_spatial_cell(np.random.default_rng(5), tmp_path, 1)
-    cell = mrts.load_cell(paths[0], backend="vm")
+    cell = random_spatial_cell(np.random.default_rng(5), tmp_path, 1).cell
     model = chain_model(tmp_path / "arm0.urdf")
     robot = cell.robots[0]
     model.gravity.linear = robot.T_world_base.R.T @ cell.gravity

@@ -6,8 +6,10 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.spatial.transform import Rotation
 
 import mrts
-from mrts.inverse_kinematics.planar import planar_branches
+from mrts.inverse_kinematics.planar_closed_form import planar_branches
 from mrts.motion.velocity_profile import PROFILES
+
+pytestmark = pytest.mark.quick
 
 G = 9.8
 

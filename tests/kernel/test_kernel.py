@@ -3,7 +3,6 @@
 import hashlib
 import json
 import os
-import shutil
 import subprocess
 import sys
 import threading
@@ -17,38 +16,35 @@ from conftest import DATA, ROOT
 from random_programs import cell_programs, hard_programs
 
 import mrts
+from mrts.kernel.c_text import programs_source
 from mrts.kernel.compiler import find_compiler
-from mrts.kernel.kernel_library import (
-    CHUNK,
-    INFEASIBLE,
-    KERNEL_FILES,
-    MARGINAL,
-    OPTIMAL,
-    default_kernel,
-    kernel_library,
-    kernel_text,
-)
+from mrts.kernel.foreign_arrays import work_arrays
 from mrts.kernel.library_cache import library_in_cache
-from mrts.limits import limit_rows
+from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, _programs_alone, compiled_programs
 from mrts.output.trajectory_table import write_trajectory_csv
+from mrts.samples.trajectory_programs import _compiled
 from mrts.solvers.convex_program import ConvexPrograms, optimality_error, solve_programs
 
 LINEAR_PROGRAMS = 100_000
+
 QUADRATIC_PROGRAMS = 10_000
+
 SAMPLES = 250  # of one sequence of slowly changing programs
+
 UNBOUNDED = 1e9
+
 OBJECTIVE_TOLERANCE = 1e-9
+
 RESIDUAL_TOLERANCE = 1e-9
+
 COMBINATION_TOLERANCE = 1e-9
-GCC = shutil.which("gcc") or "gcc"
-CLANG = shutil.which("clang") or "clang"
+
 SHAPES = [(arms, size) for size in (3, 6) for arms in (2, 3, 4)]
 
 
 @pytest.fixture(scope="module")
-def kernel(private_cache):
-    assert private_cache.is_dir()
-    return kernel_library(find_compiler())
+def kernel():
+    return compiled_programs(find_compiler())
 
 
 class Highs:
@@ -162,6 +158,7 @@ def test_hard_linear_programs_equal_highs(k, rows, kernel):
     assert seen["infeasible by 1e-6", INFEASIBLE] >= 115
 
 
+@pytest.mark.quick
 def test_limits_that_miss_each_other_by_less_than_rounding_are_marginal(kernel):
     """x >= 1 + gap and x <= 1: a certificate from 1e-8 on, feasible below 1e-10, marginal between."""
     wanted = {1e-6: {INFEASIBLE}, 1e-8: {INFEASIBLE}, 1e-9: {INFEASIBLE, MARGINAL}, 1e-12: {OPTIMAL}, 0.0: {OPTIMAL}}
@@ -237,17 +234,18 @@ def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch
     folder = DATA.parent / name
     cell = mrts.load_cell(folder / "cell.yaml")
     motion_file = "lift.yaml" if name == "planar_dual_arm" else "lift_and_turn.yaml"
-    text = (folder / motion_file).read_text().replace("samples: 101", f"samples: {5 * CHUNK + 7}")
+    text = (folder / motion_file).read_text().replace("samples: 101", f"samples: {5 * 256 + 7}")
     description = mrts.MotionDescription.model_validate(__import__("yaml").safe_load(text))
     motion = mrts.follow_object(cell, mrts.sample_motion(description))
     results = []
     for threads in (1, 2, 3):
-        monkeypatch.setattr("mrts.kernel.compiled_cell.MOST_THREADS", threads)
+        monkeypatch.setattr("mrts.kernel.foreign_arrays.MOST_THREADS", threads)
         monkeypatch.setattr("os.cpu_count", lambda: 8)
         result = mrts.scale(cell, motion)
         assert result.fallbacks == 0
+        limits = _compiled(cell.without_velocity_limits(), motion, "wrench", None, "kernel").sparse()
         ends = cell.functions.compiled.ranges(
-            motion.samples, motion.inputs(cell.load), limit_rows(cell, motion), np.full(motion.samples, np.inf)
+            motion.samples, motion.inputs(cell.load), limits, np.full(motion.samples, np.inf)
         )
         results.append(
             (ends.lower, ends.upper, ends.basis, ends.dual, result.trajectory.torque, result.trajectory.wrench)
@@ -289,6 +287,7 @@ def test_ten_samples_are_not_taken_for_ten_entries_of_a_load(samples, planar_cel
         assert ours.range.samples.status == theirs.range.samples.status
 
 
+@pytest.mark.quick
 def test_inputs_of_a_wrong_shape_never_reach_the_compiled_code(planar_cell):
     for q in (np.zeros((1, 6)), np.zeros((50, 5)), np.zeros(7), np.zeros((51, 6))):
         with pytest.raises(ValueError, match="q has Shape"):
@@ -300,14 +299,13 @@ def test_a_failing_thread_is_an_error_and_not_a_result(planar_cell, lift, monkey
     longer = np.linspace(0, lift.time[-1], 1000)
     motion = mrts.ObjectMotion(longer, *(interpolated(field, longer, lift.time) for field in fields[1:]))
     whole = mrts.follow_object(planar_cell, motion)
-    workspace = planar_cell.functions.compiled._workspace  # noqa: SLF001 (stands in for memory running out)
 
-    def fails_elsewhere(rows):
+    def fails_elsewhere(*asked):
         if threading.current_thread() is not threading.main_thread():
             raise MemoryError
-        return workspace(rows)
+        return work_arrays(*asked)
 
-    monkeypatch.setattr(planar_cell.functions.compiled, "_workspace", fails_elsewhere)
+    monkeypatch.setattr("mrts.kernel.cell_library.work_arrays", fails_elsewhere)
     monkeypatch.setattr("os.cpu_count", lambda: 2)
     with pytest.raises(MemoryError):
         mrts.scale(planar_cell, whole, "nominal")
@@ -318,6 +316,7 @@ def interpolated(field, at, time):
     return np.column_stack([np.interp(at, time, column) for column in flat.T]).reshape(len(at), *field.shape[1:])
 
 
+@pytest.mark.quick
 def test_what_is_no_number_gets_no_answer(kernel, planar_cell):
     A = np.ones((1, 3, 2))
     A[0, 1, 0] = np.nan
@@ -328,30 +327,6 @@ def test_what_is_no_number_gets_no_answer(kernel, planar_cell):
     assert status[0] != OPTIMAL
     with pytest.raises(mrts.InputError, match="at most 1e"):
         planar_cell.with_mass(1.7e308)
-
-
-HOSTILE = (np.nan, np.inf, -np.inf, 1e308, -1e308, 1e-300, 1e-320, 5e-324, 0.0)
-
-RUN = """
-import sys
-import numpy as np
-from mrts.kernel.kernel_library import default_kernel
-programs = [array for _, array in np.load(sys.argv[1]).items()]
-for program in range(len(programs[0])):
-    default_kernel().linear_programs(*(array[program][None] for array in programs))
-"""
-
-
-def test_programs_of_any_numbers_end(tmp_path):
-    """In a process of its own: one that does not end would not end the test either."""
-    rng = np.random.default_rng(3)
-    k, rows, count = 3, 6, 5000
-    g, A = rng.normal(size=(count, k)), rng.normal(size=(count, rows, k))
-    low, high = -np.abs(rng.normal(size=(count, rows + k))), np.abs(rng.normal(size=(count, rows + k)))
-    for array in (g, A, low, high):
-        array[rng.random(array.shape) < 0.1] = rng.choice(HOSTILE)
-    np.savez(tmp_path / "programs.npz", g=g, A=A, low=low, high=high)
-    subprocess.run([sys.executable, "-c", RUN, tmp_path / "programs.npz"], check=True, timeout=120)
 
 
 def test_a_motion_too_small_to_scale_by_is_at_rest(lift, planar_cell, tmp_path):
@@ -377,87 +352,31 @@ def test_a_motion_too_small_to_scale_by_is_at_rest(lift, planar_cell, tmp_path):
 def test_a_library_that_does_not_load_is_compiled_again(tmp_path, monkeypatch):
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
     command = find_compiler()
-    library = library_in_cache(command, "mrts_kernel", kernel_text(KERNEL_FILES))
+    library = library_in_cache(command, "mrts_programs", programs_source())
     library.write_bytes(b"of another machine")
     library.with_suffix(".sha256").write_text(hashlib.sha256(b"of another machine").hexdigest())
-    x, _, status = kernel_library(command).linear_programs(
+    x, _, status = compiled_programs(command).linear_programs(
         np.ones((1, 1)), np.ones((1, 1, 1)), np.array([[2.0, 0.0]]), np.array([[3.0, np.inf]])
     )
     assert status[0] == OPTIMAL
     assert x[0, 0] == 2
 
 
+def test_the_first_answer_compiles_one_library(tmp_path):
+    """The cell's library holds all of the kernel: rows of an end and fallbacks need no other."""
+    words = ["scale", ROOT / "generated" / "planar_dual_arm", DATA / "lift.yaml"]
+    environment = os.environ | {"MRTS_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-m", "mrts", *words], capture_output=True, text=True, check=False, env=environment
+    )
+    assert done.returncode == 0, done.stderr
+    assert [path.name for path in tmp_path.rglob("*.so")] == ["planar_dual_arm.so"]
+
+
 def test_a_broken_compiler_does_not_stop_the_virtual_machine(monkeypatch, lift):
     monkeypatch.setenv("CC", "false")
-    default_kernel.cache_clear()
+    monkeypatch.setattr("mrts.kernel.programs._of_a_cell", [])
+    _programs_alone.cache_clear()
     cell = mrts.load_cell(DATA / "cell.yaml", backend="vm")
     assert mrts.scale(cell, lift).range.upper.c2 == pytest.approx(3.0618, abs=1e-4)
-    default_kernel.cache_clear()
-
-
-SANITIZED = """
-import sys
-sys.path.insert(0, sys.argv[1])
-import numpy as np
-from random_programs import cell_programs, hard_programs
-from mrts.cli import main
-from mrts.kernel.compiler import find_compiler
-from mrts.kernel.kernel_library import kernel_library
-kernel = kernel_library(find_compiler())
-rng = np.random.default_rng(0)
-for arms, size in ((2, 3), (2, 6), (3, 6)):
-    A, lower, upper = cell_programs(rng, 200, arms, size)
-    free = np.full((200, A.shape[2]), np.inf)
-    ends = np.hstack([lower, -free]), np.hstack([upper, free])
-    ends[0][:, -1], ends[1][:, -1] = 0, 1e9
-    kernel.linear_programs(np.eye(A.shape[2])[-1] * np.ones((200, 1)), A, *ends)
-    kernel.quadratic_programs(np.tile(np.eye(A.shape[2]), (200, 1, 1)), np.ones((200, A.shape[2])), A, *ends)
-for k, rows in ((1, 3), (3, 12), (31, 120)):
-    for A, lower, upper, _ in hard_programs(rng, max(k, 3), max(rows, 12)).values():
-        free = np.full(A.shape[1], np.inf)
-        ends = np.concatenate([lower, -free])[None], np.concatenate([upper, free])[None]
-        kernel.quadratic_programs(np.eye(A.shape[1])[None], np.ones((1, A.shape[1])), A[None], *ends)
-        ends[0][0, -1], ends[1][0, -1] = 0, 1e9
-        kernel.linear_programs(np.eye(A.shape[1])[-1:], A[None], *ends)
-for cell, motion in (("planar_dual_arm", "lift"), ("dual_ur5", "lift_and_turn")):
-    assert main(["scale", f"{sys.argv[2]}/{cell}/cell.yaml", f"{sys.argv[2]}/{cell}/{motion}.yaml", "--json", "-"]) == 0
-"""
-
-
-def test_the_library_is_clean_under_sanitizers(tmp_path):
-    """The same library, compiled with AddressSanitizer and UndefinedBehaviorSanitizer, under the whole Python path."""
-    asan = subprocess.run([GCC, "-print-file-name=libasan.so"], capture_output=True, text=True, check=True).stdout
-    environment = os.environ | {
-        "CC": f"{GCC} -fsanitize=address,undefined -fno-sanitize-recover=all -g",
-        "LD_PRELOAD": asan.strip(),
-        "ASAN_OPTIONS": "detect_leaks=0",  # Python's own
-        "MRTS_CACHE_DIR": str(tmp_path),
-    }
-    done = subprocess.run(
-        [sys.executable, "-c", SANITIZED, str(ROOT / "tests"), str(DATA.parent)],
-        capture_output=True, text=True, check=False, env=environment,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr[-3000:]
-    assert "runtime error" not in done.stderr
-    assert any(b"__asan" in library.read_bytes() for library in tmp_path.rglob("*.so"))
-
-
-def test_a_fuzzer_finds_no_wrong_answer(tmp_path):
-    """Coverage-guided (libFuzzer) for a bounded number of runs; the target checks every answer by substitution."""
-    target = tmp_path / "fuzz"
-    source, include = ROOT / "tests" / "c" / "fuzz_programs.c", ROOT / "mrts" / "kernel"
-    need_clang = "needs clang with its runtime: apt-get install clang libclang-rt-14-dev (the version of your clang)"
-    command = [CLANG, "-g", "-O1", "-fsanitize=fuzzer,address,undefined", "-fno-sanitize-recover=all"]
-    try:
-        built = subprocess.run([*command, f"-I{include}", str(source), "-o", str(target), "-lm"],
-                               capture_output=True, text=True, check=False)  # fmt: skip
-    except FileNotFoundError:
-        built = None
-    if built is None or "cannot find" in built.stderr:
-        assert "MRTS_ALL_TOOLS" not in os.environ, need_clang
-        pytest.skip(need_clang)
-    assert built.returncode == 0, built.stderr
-    done = subprocess.run([str(target), "-runs=150000", "-seed=1", "-max_len=400", f"-artifact_prefix={tmp_path}/"],
-                          capture_output=True, text=True, check=False)  # fmt: skip
-    assert done.returncode == 0, done.stderr[-3000:]
-    assert "Done 150000 runs" in done.stderr
+    _programs_alone.cache_clear()

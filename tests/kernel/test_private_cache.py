@@ -17,6 +17,8 @@ from mrts.kernel.cache_folder import cache_folder, only_ours
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.library_cache import library_in_cache
 
+pytestmark = pytest.mark.quick
+
 GENERATED = ROOT / "generated" / "planar_dual_arm"
 SAYS = "import sys, mrts; from mrts.kernel.cache_folder import cache_folder; print(cache_folder(*sys.argv[1:]))"
 ANSWER = '__attribute__((visibility("default"))) int answer(void) { return 42; }\n'

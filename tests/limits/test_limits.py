@@ -8,7 +8,7 @@ import mrts
 from mrts.limits import LIMITS
 from mrts.limits.rows import LimitRows, RowName
 from mrts.limits.squared_rows import squared
-from mrts.output.text_report import report_lines
+from mrts.output.summary_lines import scaling_lines
 from mrts.report.page import report_html
 from mrts.scaling.limit_use import limit_uses
 from mrts.viewer.player_state import PlayerState
@@ -177,7 +177,7 @@ def test_it_is_shown_wherever_limits_are(kind, limit, planar_cell, lift, monkeyp
     use = next(use for use in limit_uses(result) if use.name.kind == kind)
     assert use.share == pytest.approx(largest(kind, result) / limit, rel=1e-9)
     assert f"left/mine {kind}" in report_html(result)
-    assert any(line.startswith(f"left/mine {kind}") for line in report_lines(result))
+    assert any(line.startswith(f"left/mine {kind}") for line in scaling_lines(result))
     state = PlayerState(planar_cell, lift)
     state.sample = 50
     (bar,) = state.further_bars()[kind]["left"]

@@ -10,6 +10,8 @@ from scipy.spatial.transform import Rotation
 import mrts
 from mrts.cli import main
 
+pytestmark = pytest.mark.quick
+
 UR5 = DATA.parent / "dual_ur5"
 WAYPOINTS = [
     {"xyz": [0.0, 0.1, 0.35], "rpy": [0, 0, 0]},

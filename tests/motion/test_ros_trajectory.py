@@ -7,9 +7,9 @@ import sys
 import numpy as np
 import pytest
 import yaml
+from cell_bank import random_planar_cell
 from conftest import DATA
 from mcap_ros2.writer import Writer as IndependentWriter
-from random_cells import random_planar_cell
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 from test_motion_files import joint_table, object_table
@@ -169,11 +169,12 @@ def test_points_without_accelerations_lie_on_the_splines_of_a_table(dual_ur5, fo
             np.testing.assert_allclose(bag.accelerations[joint], table.accelerations[joint], atol=1e-3 * size)
 
 
+@pytest.mark.quick
 def test_a_topic_that_names_no_robot_is_told_by_its_joints(dual_ur5, given, tmp_path):
     """One arm has each name: it is meant. Two arms have it: the topic must say which."""
-    files = random_planar_cell(np.random.default_rng(3), tmp_path, 1)
-    alone = mrts.load_cell(files[0], backend="vm")
-    lift = mrts.follow_object(alone, mrts.load_motion(files[1]))
+    case = random_planar_cell(np.random.default_rng(3), tmp_path, 1)
+    alone = case.cell
+    lift = mrts.follow_object(alone, case.motion)
     points = trajectory(alone.robots[0], lift, slice(0, 3))
     write_bag(tmp_path / "one", [("/joint_trajectory_controller/joint_trajectory", message(*points))])
     write_bag(tmp_path / "bare", [("/joint_trajectory", message(*points))])

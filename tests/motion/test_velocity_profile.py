@@ -8,6 +8,8 @@ import mrts
 from mrts.motion.object_motion import geodesic_motion
 from mrts.motion.velocity_profile import PROFILES, trapezoid
 
+pytestmark = pytest.mark.quick
+
 INTEGRATION = 1e-9  # of scipy's adaptive quadrature
 TOP_ACCELERATION = 4.5  # 1 / (ramp (1 - ramp)) with a ramp of a third
 ROUNDING = 1e-8  # of c² by rounding of u

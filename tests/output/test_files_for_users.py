@@ -14,15 +14,17 @@ from mcap_ros2.decoder import DecoderFactory
 
 import mrts
 from mrts.cli import main
+from mrts.output import TRAJECTORY_FORMATS
 from mrts.output.ros_bag import write_ros_bag
 from mrts.output.trajectory_table import played_rows, trajectory_csv, write_trajectory_csv
+
+pytestmark = pytest.mark.quick
 
 UR5 = DATA.parent / "dual_ur5"
 
 
 @pytest.fixture(scope="module")
-def result(private_cache):
-    assert private_cache.is_dir()
+def result():
     return mrts.scale(mrts.load_cell(UR5 / "cell.yaml"), mrts.load_motion(UR5 / "lift_and_turn.yaml"))
 
 
@@ -99,6 +101,19 @@ def test_what_cannot_be_written_is_refused(result, planar_cell, lift, tmp_path):
         with pytest.raises(mrts.InputError, match="none to write"):
             write(infeasible)
     assert not (tmp_path / "bag").exists()
+
+
+@pytest.mark.parametrize("name", TRAJECTORY_FORMATS)
+def test_every_format_is_written_whole_or_not_at_all(name, result, planar_cell, lift, tmp_path):
+    form = TRAJECTORY_FORMATS[name]
+    form.write(result, tmp_path / "written")
+    assert (tmp_path / "written").is_dir() == form.is_folder
+    with pytest.raises(mrts.InputError, match="none to write"):
+        form.write(mrts.scale(planar_cell.with_mass(100.0), lift), tmp_path / "nothing")
+    (tmp_path / "file").write_text("")
+    with pytest.raises(mrts.InputError, match="cannot be written"):
+        form.write(result, tmp_path / "file" / "below")
+    assert {path.name for path in tmp_path.iterdir()} == {"written", "file"}
 
 
 def test_the_command_line_writes_both(tmp_path):

@@ -192,6 +192,7 @@ def test_the_page_loads_nothing(result):
     assert "default-src 'none'" in text
 
 
+@pytest.mark.quick
 def test_names_stay_text(planar_cell, lift):
     text = own_text(report_html(mrts.scale(with_awkward_names(planar_cell), lift)))
     assert text.count("</script>") == 2  # of the data and of our own script
@@ -218,6 +219,7 @@ def test_plots_hold_the_numbers_of_the_result(dual_ur5):
     assert plots["plot-energy"]["data"][-1]["y"][-1] == pytest.approx(found.trajectory.energy, rel=1e-5)
 
 
+@pytest.mark.quick
 def test_the_text_says_what_was_given_and_found(planar_cell, lift, result):
     text = report_html(result)
     for words in (
@@ -283,6 +285,7 @@ def test_a_result_without_a_trajectory_is_reported_when_the_speed_is_refused(tmp
     assert set(data_of(target.read_text(encoding="utf-8"))["plots"]) == {"plot-c2-range"}
 
 
+@pytest.mark.quick
 def test_a_saved_result_is_reported(result, tmp_path, capsys):
     from mrts.output.saved_result import save_result  # noqa: PLC0415 (only this test needs it)
 

@@ -94,6 +94,7 @@ def largest_multipliers(problem):
     return found
 
 
+@pytest.mark.quick
 def test_all_rows_with_a_multiplier_in_some_dual_solution_are_named_for_every_solver():
     rng = np.random.default_rng(7)
     checked = differing = 0
@@ -127,6 +128,7 @@ def test_at_rest_the_end_is_standing_still():
     assert [row.name for row in rows_at_end(problem, 0.0, "lower")] == [STANDSTILL]
 
 
+@pytest.mark.quick
 def test_limits_without_room_set_no_end():
     A = np.array([[[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]])
     problem = problem_of(A, np.array([[0.0, -np.inf, -5.0]]), np.array([[0.0, 1.0, 5.0]]))

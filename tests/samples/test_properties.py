@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-from random_cells import random_planar_cell
+from cell_bank import drawn_until, random_planar_cell
 
 import mrts
 from mrts.base.errors import SolverError
 from mrts.limits import limit_rows
-from mrts.samples.range_status import SampleStatus
 from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.sample_ranges import sample_ranges
+from mrts.samples.sample_ranges import SampleStatus, sample_ranges
 from mrts.samples.torque_distribution import distribute_torques
 from mrts.solvers import DEFAULT_SOLVER
 
@@ -18,92 +17,94 @@ LIMIT_TOLERANCE = 3e-9  # the quadratic program widens limits by 1e-9 of their s
 BEYOND = 1 + 1e-6
 
 
-def random_cells(folder, count, seed):
-    for index in range(count):
-        place = folder / str(index)
-        place.mkdir()
-        paths = random_planar_cell(np.random.default_rng([seed, index]), place, arms=2 + index % 3)
-        yield mrts.load_cell(paths[0], backend="vm"), mrts.load_motion(paths[1])
+MOTIONS = 40  # with two feasible samples or more each, so that there are 1000 speeds between the ends
+
+
+def draws(folder, family, seed):
+    """Draws random cells of two to four arms."""
+    rng = np.random.default_rng([family, seed])
+    return lambda: random_planar_cell(rng, folder, arms=2 + seed % 3)
 
 
 def feasible_samples(ranges):
     return np.flatnonzero([status is SampleStatus.FEASIBLE for status in ranges.status])
 
 
-def limit_violation(cell, motion, torque, wrench, c2):
-    rows = limit_rows(cell, motion)
-    value = rows.value(torque, wrench, 0.0, np.sqrt(c2))
+def limit_violation(rows, torque, wrench, c2):
+    value = rows.value(torque[None], wrench[None], 0.0, np.sqrt(c2))
     size = 1 + np.where(np.isfinite(rows.upper), np.abs(rows.upper), np.abs(rows.lower))
     return float(np.max(np.maximum(rows.lower - value, value - rows.upper) / size))
 
 
-def test_appendix_a_every_speed_between_the_ends_is_feasible_and_c_torques_satisfy_all_equations(tmp_path):
-    """1000 random (sample, c²): the quadratic program has a solution, and it satisfies (8), (13), (20), (24)."""
-    rng = np.random.default_rng(1)
-    checked = 0
-    for cell, motion in random_cells(tmp_path, 40, seed=101):
-        joint_motion = mrts.follow_object(cell, motion)
-        problem = build_sample_problem(cell, joint_motion)
-        ranges = sample_ranges(problem, motion.time, DEFAULT_SOLVER)
-        terms = cell.functions("terms", joint_motion.samples, joint_motion.inputs(cell.load))
-        for k in feasible_samples(ranges):
-            for share in [0.0, 1.0, *rng.uniform(0, 1, 12)]:
-                c2 = float(ranges.lower[k] + share * (ranges.upper[k] - ranges.lower[k]))
-                one = problem.at(np.array([k]))
-                x, _ = distribute_torques(one, c2, np.eye(sum(len(r.joints) for r in cell.robots)), DEFAULT_SOLVER)
-                torque, wrench = one.torque(x)[0], one.wrench(x)[0]
-                here = joint_motion.at(np.array([k]))
-                assert limit_violation(cell, here, one.torque(x), one.wrench(x), c2) <= LIMIT_TOLERANCE
-                scale = 1 + np.max(np.abs(torque)) + np.max(np.abs(wrench))
-                balance = terms["B"][k] @ wrench - c2 * terms["P"][k] - terms["Q"][k]
-                assert np.max(np.abs(balance)) <= 1e-10 * scale
-                for name, joints in cell.joint_slices.items():
-                    J, F = terms["J"][k][:, joints], wrench[cell.wrench_slices[name]]
-                    arm = torque[joints] - c2 * terms["E"][k, joints] - terms["G"][k, joints] - J.T @ F
-                    assert np.max(np.abs(arm)) <= 1e-10 * scale
-                checked += 1
-    assert checked >= 1000
+def feasible_problem(case):
+    """Its motion, sample problem and ranges, if at least two samples are feasible."""
+    motion = mrts.follow_object(case.cell, case.motion)
+    problem = build_sample_problem(case.cell, motion)
+    ranges = sample_ranges(problem, case.motion.time, DEFAULT_SOLVER)
+    return (motion, problem, ranges) if len(feasible_samples(ranges)) > 1 else None
 
 
-def test_appendix_b_nothing_faster_or_slower_than_the_range_is_feasible(tmp_path):
-    checked = 0
-    for cell, motion in random_cells(tmp_path, 25, seed=202):
-        joint_motion = mrts.follow_object(cell, motion)
-        problem = build_sample_problem(cell, joint_motion)
-        ranges = sample_ranges(problem, motion.time, DEFAULT_SOLVER)
-        W = np.eye(sum(len(robot.joints) for robot in cell.robots))
-        for k in feasible_samples(ranges):
-            outside = [ranges.upper[k] * BEYOND + 1e-6]
-            if ranges.lower[k] > 1e-3:
-                outside.append(ranges.lower[k] / BEYOND - 1e-6)
-            for c2 in outside:
-                with pytest.raises(SolverError):
-                    distribute_torques(problem.at(np.array([k])), float(c2), W, DEFAULT_SOLVER)
-                checked += 1
-    assert checked >= 60
+def all_joints(cell):
+    return np.eye(sum(len(robot.joints) for robot in cell.robots))
 
 
-def test_both_formulations_agree(tmp_path):
-    compared = 0
-    for cell, motion in random_cells(tmp_path, 25, seed=303):
-        results = {}
-        for formulation in ("wrench", "torque"):
-            results[formulation] = mrts.scale(cell, motion, formulation=formulation)
-        wrench, torque = (results[name].range for name in ("wrench", "torque"))
-        assert wrench.samples.status == torque.samples.status
-        for ours, theirs in (
-            (wrench.samples.lower, torque.samples.lower),
-            (wrench.samples.upper, torque.samples.upper),
-        ):
-            np.testing.assert_allclose(ours, theirs, rtol=FORMULATION_TOLERANCE, atol=FORMULATION_TOLERANCE)
-        if wrench.status.admits_motion:
-            a, b = (results[name].trajectory.torque for name in ("wrench", "torque"))
-            # the slack of 1e-9 on the limits moves a degenerate optimum by more than itself
-            np.testing.assert_allclose(a, b, atol=1e-6 * (1 + np.max(np.abs(a))))
-            compared += 1
-    assert compared >= 5
+@pytest.mark.parametrize("seed", range(MOTIONS))
+def test_appendix_a_every_speed_between_the_ends_is_feasible_and_c_torques_satisfy_all_equations(seed, tmp_path):
+    """At 14 c² of every feasible sample the quadratic program has a solution; it satisfies (8), (13), (20), (24)."""
+    rng = np.random.default_rng(seed)
+    case, (joint_motion, problem, ranges) = drawn_until(feasible_problem, draws(tmp_path, 101, seed))
+    cell = case.cell
+    terms = cell.functions("terms", joint_motion.samples, joint_motion.inputs(cell.load))
+    limits = limit_rows(cell, joint_motion)
+    for k in feasible_samples(ranges):
+        for share in [0.0, 1.0, *rng.uniform(0, 1, 12)]:
+            c2 = float(ranges.lower[k] + share * (ranges.upper[k] - ranges.lower[k]))
+            one = problem.at(np.array([k]))
+            x, _ = distribute_torques(one, c2, all_joints(cell), DEFAULT_SOLVER)
+            torque, wrench = one.torque(x)[0], one.wrench(x)[0]
+            assert limit_violation(limits.at(np.array([k])), torque, wrench, c2) <= LIMIT_TOLERANCE
+            scale = 1 + np.max(np.abs(torque)) + np.max(np.abs(wrench))
+            balance = terms["B"][k] @ wrench - c2 * terms["P"][k] - terms["Q"][k]
+            assert np.max(np.abs(balance)) <= 1e-10 * scale
+            for name, joints in cell.joint_slices.items():
+                J, F = terms["J"][k][:, joints], wrench[cell.wrench_slices[name]]
+                arm = torque[joints] - c2 * terms["E"][k, joints] - terms["G"][k, joints] - J.T @ F
+                assert np.max(np.abs(arm)) <= 1e-10 * scale
 
 
+@pytest.mark.parametrize("seed", range(MOTIONS))
+def test_appendix_b_nothing_faster_or_slower_than_the_range_is_feasible(seed, tmp_path):
+    case, (_, problem, ranges) = drawn_until(feasible_problem, draws(tmp_path, 202, seed))
+    for k in feasible_samples(ranges):
+        outside = [ranges.upper[k] * BEYOND + 1e-6]
+        if ranges.lower[k] > 1e-3:
+            outside.append(ranges.lower[k] / BEYOND - 1e-6)
+        for c2 in outside:
+            with pytest.raises(SolverError):
+                distribute_torques(problem.at(np.array([k])), float(c2), all_joints(case.cell), DEFAULT_SOLVER)
+
+
+@pytest.mark.parametrize("seed", range(MOTIONS))
+def test_both_formulations_agree(seed, tmp_path):
+    case = draws(tmp_path, 303, seed)()
+    results = [mrts.scale(case.cell, case.motion, formulation=name) for name in ("wrench", "torque")]
+    wrench, torque = (result.range for result in results)
+    assert wrench.samples.status == torque.samples.status
+    for end in ("lower", "upper"):
+        ours, theirs = getattr(wrench.samples, end), getattr(torque.samples, end)
+        np.testing.assert_allclose(ours, theirs, rtol=FORMULATION_TOLERANCE, atol=FORMULATION_TOLERANCE)
+    if wrench.status.admits_motion:
+        a, b = (result.trajectory.torque for result in results)
+        # the slack of 1e-9 on the limits moves a degenerate optimum by more than itself
+        np.testing.assert_allclose(a, b, atol=1e-6 * (1 + np.max(np.abs(a))))
+
+
+def test_many_of_them_may_be_played(tmp_path):
+    cases = (draws(tmp_path, 303, seed)() for seed in range(MOTIONS))
+    assert sum(mrts.scale(case.cell, case.motion).range.status.admits_motion for case in cases) >= 5
+
+
+@pytest.mark.quick
 def test_energy_of_the_motors_is_the_change_of_mechanical_energy(planar_cell, lift):
     """∫ q̇ᵀτ dt = Δ(kinetic + potential): contact forces do no net work on the whole."""
     result = mrts.scale(planar_cell, lift)
@@ -129,6 +130,7 @@ def test_energy_of_the_motors_is_the_change_of_mechanical_energy(planar_cell, li
     assert slower.energy == pytest.approx(done.energy, rel=1e-4)  # at rest at both ends: gravity's work only
 
 
+@pytest.mark.quick
 def test_chosen_speed_scales_time_rates_and_power(planar_cell, lift):
     given = mrts.scale(planar_cell, lift, "nominal").trajectory
     fast = mrts.scale(planar_cell, lift, 2.25).trajectory
@@ -140,6 +142,7 @@ def test_chosen_speed_scales_time_rates_and_power(planar_cell, lift):
     np.testing.assert_array_equal(fast.q, given.q)
 
 
+@pytest.mark.quick
 def test_internal_wrench_does_not_move_the_object(planar_cell, lift):
     result = mrts.scale(planar_cell.without_wrench_limits(), lift)
     B = planar_cell.functions("terms", result.motion.samples, result.motion.inputs(planar_cell.load))["B"]

@@ -8,6 +8,8 @@ from reference import ReferenceCell
 
 import mrts
 
+pytestmark = pytest.mark.quick
+
 COST_TOLERANCE = 1e-6  # HiGHS's active-set solver stops near 1e-7
 
 

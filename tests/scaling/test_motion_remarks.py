@@ -12,9 +12,11 @@ import mrts
 from mrts.base.remark import Remark
 from mrts.motion.object_motion import ObjectMotion, geodesic_motion, spline_motion
 from mrts.motion.velocity_profile import PROFILES
-from mrts.output.text_report import report_lines, retiming_lines
+from mrts.output.summary_lines import retiming_lines, scaling_lines
 from mrts.report import report_html
 from mrts.scaling.motion_remarks import noise_share
+
+pytestmark = pytest.mark.quick
 
 SAID = Remark("told-by-a-test", "the <cell> says something.", 3)
 
@@ -143,7 +145,7 @@ def test_a_warning_is_wherever_the_result_is(planar_cell, lift, tmp_path):
     result = mrts.scale(cell, lift)
     assert result.warnings == (SAID,)
     assert result.summary().splitlines() == [result.sentence(), f"warning: {SAID.text}"]
-    assert list(report_lines(result))[:2] == [f"{cell.name}: {result.sentence()}", f"warning: {SAID.text}"]
+    assert list(scaling_lines(result))[:2] == [f"{cell.name}: {result.sentence()}", f"warning: {SAID.text}"]
     assert result.to_json()["warnings"] == [{"code": SAID.code, "text": SAID.text, "sample": 3}]
     assert "the &lt;cell&gt; says something." in result._repr_html_()
     assert "the &lt;cell&gt; says something." in report_html(result)

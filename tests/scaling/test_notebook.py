@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_cells import random_spatial_cell
+from cell_bank import random_spatial_cell
 from shown_results import renamed
 
 import mrts
@@ -71,8 +71,8 @@ def test_the_table_has_outcome_range_speed_and_margins(results):
 
 
 def test_sliding_joints_have_forces_and_names_are_escaped(tmp_path):
-    files = random_spatial_cell(np.random.default_rng([1, 2]), tmp_path, 1)
-    result = mrts.scale(mrts.load_cell(files[0], backend="vm"), mrts.load_motion(files[1]))
+    case = random_spatial_cell(np.random.default_rng(2), tmp_path, 1)
+    result = mrts.scale(case.cell, case.motion)
     rows = table(result)[0]
     assert rows["arm0/j2"].endswith("] N")
     assert rows["arm0/j1"].endswith("] N m")

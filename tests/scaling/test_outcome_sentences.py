@@ -9,10 +9,12 @@ from conftest import DATA
 from shown_results import braking_only, result_of
 
 import mrts
-import mrts.output.text_report
+import mrts.output.summary_lines
 from mrts.base.interval_text import interval_text
-from mrts.output.text_report import report_lines
+from mrts.output.summary_lines import scaling_lines
 from mrts.scaling.result import _speed_advice
+
+pytestmark = pytest.mark.quick
 
 AT_REST = {"duration": 1.0, "samples": 11, "profile": "quintic", "start": {"xyz": [1.25, 1, 0]}}
 
@@ -130,7 +132,7 @@ def test_an_interval(low, high, text):
 def test_no_crossed_and_no_infinite_interval_is_shown(planar_cell, lift, tmp_path):
     kinds = ("planar", "infeasible", "empty", "unbounded", "guaranteed", "infeasible load", "fixed rule")
     results = {kind: result_of(kind, planar_cell, None, lift, tmp_path) for kind in kinds}
-    lines = {kind: "\n".join([*report_lines(result), repr(result.range)]) for kind, result in results.items()}
+    lines = {kind: "\n".join([*scaling_lines(result), repr(result.range)]) for kind, result in results.items()}
     assert all("inf]" not in text and ", inf" not in text for text in lines.values())
     assert "c² ∈ [0, ∞)" in lines["unbounded"]
     for text in lines.values():
@@ -139,8 +141,8 @@ def test_no_crossed_and_no_infinite_interval_is_shown(planar_cell, lift, tmp_pat
 
 
 def test_columns_of_joint_names_that_are_longer_stay_aligned(planar_cell, lift, monkeypatch):
-    monkeypatch.setattr(mrts.output.text_report, "NAME_WIDTH", len("left/elbow"))
-    table = report_lines(mrts.scale(planar_cell, lift))
+    monkeypatch.setattr(mrts.output.summary_lines, "NAME_WIDTH", len("left/elbow"))
+    table = scaling_lines(mrts.scale(planar_cell, lift))
     head, *rows = [line for line in table if line.startswith(("joint ", "left/", "right/"))]
     assert {len(row) for row in rows} == {len(head)}
 
@@ -148,7 +150,7 @@ def test_columns_of_joint_names_that_are_longer_stay_aligned(planar_cell, lift, 
 def test_a_load_without_a_common_speed_is_said_with_both_samples(planar_cell, lift):
     slow = braking_only(planar_cell, lift, 53)
     result = mrts.scale(slow.cell.with_variation(mass=(0.9, 1.1)), slow.motion)
-    lines = list(report_lines(result))
+    lines = list(scaling_lines(result))
     empty = [line for line in lines if line.startswith("  empty (at least")]
     assert len(empty) > 0
     found = result.load.ranges[0]

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
+from cell_bank import random_planar_cell
 from conftest import DATA
-from random_cells import random_planar_cell
 
 import mrts
 from mrts.limits.rows import ActiveRow, RowName
@@ -18,6 +18,8 @@ from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.scaling.range import intersect
 from mrts.scaling.scale import choose_c2
+
+pytestmark = pytest.mark.quick
 
 
 def stronger(cell, factor):
@@ -279,10 +281,9 @@ def test_a_result_judges_itself(planar_cell, lift):
 
 def test_one_arm_needs_no_program(tmp_path):
     """n = 1: the wrench follows from the motion, so the closed form of a share of 1 is the same."""
-    cell_path, motion_path = random_planar_cell(np.random.default_rng(4), tmp_path, 1)
-    cell, motion = mrts.load_cell(cell_path, backend="vm"), mrts.load_motion(motion_path)
-    assert build_sample_problem(cell, mrts.follow_object(cell, motion)).unknowns == 1
-    alone, shared = (mrts.scale(cell, motion, sharing=s).range.samples for s in (None, mrts.LoadSharing()))
+    case = random_planar_cell(np.random.default_rng(4), tmp_path, 1)
+    assert build_sample_problem(case.cell, mrts.follow_object(case.cell, case.motion)).unknowns == 1
+    alone, shared = (mrts.scale(case.cell, case.motion, sharing=s).range.samples for s in (None, mrts.LoadSharing()))
     np.testing.assert_allclose(alone.upper, shared.upper)
     np.testing.assert_allclose(alone.lower, shared.lower)
 

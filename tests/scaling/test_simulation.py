@@ -106,6 +106,7 @@ def run():
     return {name: np.array(values) for name, values in log.items()} | {"turn": final}
 
 
+@pytest.mark.quick
 def test_the_object_follows_its_path(run):
     print("largest path error [m]", np.max(np.linalg.norm(run["path"], axis=1)), "final turn [rad]", run["turn"])
     assert np.max(np.linalg.norm(run["path"], axis=1)) < 5e-4

@@ -10,7 +10,7 @@ from conftest import DATA, ROOT
 import mrts
 import mrts.studies.configurations
 from mrts.cli import main
-from mrts.inverse_kinematics.analytic import analytic_branches
+from mrts.inverse_kinematics.six_joint_closed_form import six_joint_branches
 
 UR5 = DATA.parent / "dual_ur5"
 
@@ -84,8 +84,8 @@ def test_every_branch_holds_the_grasp(study, dual_ur5, lift_and_turn):
 
 
 def test_random_starts_find_what_the_analytic_inverse_finds(study, unhurried, lift_and_turn, monkeypatch):
-    assert len(analytic_branches(unhurried, unhurried.robots[0], lift_and_turn)) == 8
-    monkeypatch.setattr(mrts.studies.configurations, "analytic_branches", lambda *_: None)
+    assert len(six_joint_branches(unhurried, unhurried.robots[0], lift_and_turn)) == 8
+    monkeypatch.setattr(mrts.studies.configurations, "six_joint_branches", lambda *_: None)
     again = mrts.rank_configurations(unhurried, lift_and_turn)
     ours, theirs = ([c.c2_upper for c in s.ranked] for s in (study, again))
     np.testing.assert_allclose(ours, theirs, rtol=1e-9)
@@ -107,6 +107,7 @@ def test_the_cap_keeps_the_best_of_the_even_distribution(study, unhurried, lift_
         mrts.rank_configurations(unhurried, lift_and_turn, cap=0)
 
 
+@pytest.mark.quick
 def test_the_papers_configurations(planar_cell, lift):
     """Section 6.3: up-up before the two mixed ones before down-down; flipped arms agree with `mrts demo`."""
     study = mrts.rank_configurations(planar_cell, lift)
@@ -166,6 +167,7 @@ def test_an_object_out_of_everyones_reach(dual_ur5):
     assert "cannot reach" in study.table(5)
 
 
+@pytest.mark.quick
 def test_the_command(tmp_path, capsys):
     target = tmp_path / "study.json"
     arguments = ["configurations", str(UR5 / "cell.yaml"), str(UR5 / "lift_and_turn.yaml"), "--show", "3"]

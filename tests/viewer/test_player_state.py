@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA
-from random_cells import random_planar_cell, random_spatial_cell
 from scipy.optimize import linprog
 
 import mrts
@@ -55,6 +55,7 @@ def test_torques_inside_the_range_are_those_of_mrts(dual_ur5, turning, share):
     np.testing.assert_array_equal(state.excess, 0)
 
 
+@pytest.mark.quick
 def test_it_starts_at_the_fastest_admissible_speed(planar_cell, lift):
     state, result = PlayerState(planar_cell, lift), mrts.scale(planar_cell, lift)
     np.testing.assert_array_equal(state.trajectory.torque, result.trajectory.torque)
@@ -70,8 +71,8 @@ def test_it_starts_at_the_fastest_admissible_speed(planar_cell, lift):
 def test_a_sample_is_red_exactly_outside_its_own_range(make, arms, tmp_path):
     """Any number of arms, planar and spatial, with sliding joints; the oracle is the range."""
     rng = np.random.default_rng([7, arms])
-    cell_path, motion_path = make(rng, tmp_path, arms)
-    state = PlayerState(mrts.load_cell(cell_path, backend="vm"), mrts.load_motion(motion_path))
+    case = make(rng, tmp_path, arms)
+    state = PlayerState(case.cell, case.motion)
     samples = state.result.range.samples
     finite = samples.upper[np.isfinite(samples.upper) & (samples.upper > 0)]
     seen = set()
@@ -94,6 +95,7 @@ def test_a_sample_is_red_exactly_outside_its_own_range(make, arms, tmp_path):
     assert True in seen
 
 
+@pytest.mark.quick
 def test_beyond_the_range_limits_are_passed_by_the_least_share(planar_cell, lift):
     state = PlayerState(planar_cell, lift)
     state.choose_speed(1.1 * state.trajectory.c)

@@ -10,9 +10,9 @@ import pytest
 import viser
 import yaml
 import yourdfpy
+from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA, ROOT
 from published_robots import ROBOTS
-from random_cells import random_planar_cell, random_spatial_cell
 from scipy.spatial.transform import Rotation
 from shown_results import as_if_generated
 from viewer_browser import SIZE, chromium, interrupt, open_page, running_viewer
@@ -147,8 +147,8 @@ def test_an_arm_without_its_meshes_is_drawn_simply(spoil, tmp_path):
 @pytest.mark.parametrize("arms", [1, 2, 3, 4])
 def test_what_is_drawn_follows_the_time(make, arms, tmp_path):
     """Balls at the tips, and arrows that start there, at the contacts of the moving object; sliding joints too."""
-    paths = make(np.random.default_rng([11, arms]), tmp_path, arms)
-    state = PlayerState(mrts.load_cell(paths[0], backend="vm"), mrts.load_motion(paths[1]))
+    case = make(np.random.default_rng([11, arms]), tmp_path, arms)
+    state = PlayerState(case.cell, case.motion)
     moved = state.result.motion.object
     server = open_server("127.0.0.1", 0, "test")
     try:
@@ -207,9 +207,9 @@ def in_picture(view, points, aspect):
 @pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
 @pytest.mark.parametrize("arms", [1, 2, 4])
 def test_the_cell_is_in_the_picture_and_upright(make, arms, tmp_path):
-    paths = make(np.random.default_rng([9, arms]), tmp_path, arms)
-    cell = mrts.load_cell(paths[0], backend="vm")
-    motion = mrts.follow_object(cell, mrts.load_motion(paths[1]))
+    case = make(np.random.default_rng([9, arms]), tmp_path, arms)
+    cell = case.cell
+    motion = mrts.follow_object(cell, case.motion)
     view = look_at_cell(cell, motion)
     np.testing.assert_allclose(view.up, -cell.gravity / np.linalg.norm(cell.gravity))
     lines = [joint_points(robot, motion.q[:, cell.joint_slices[robot.name]]) for robot in cell.robots]
@@ -248,6 +248,7 @@ def test_a_wrong_address_is_refused(host, port, match):
         open_server(host, port, "test")
 
 
+@pytest.mark.quick
 def test_bad_input_ends_before_any_server(tmp_path, capsys):
     assert main(["view", str(tmp_path / "no.yaml"), str(DATA / "lift.yaml")]) == 2
     assert "no.yaml" in capsys.readouterr().err
@@ -272,6 +273,7 @@ def red(page):
     return page.locator('[data-over="true"]').evaluate_all("rows => rows.map(row => row.dataset.bar)")
 
 
+@pytest.mark.quick
 def test_the_page_follows_the_speed_slider(chromium):
     """The planar lift binds at its first sample, so there the bars turn red as soon as c passes c⁺."""
     with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (process, url), open_page(chromium, url) as page:

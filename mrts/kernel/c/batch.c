@@ -3,6 +3,10 @@
  * Whole batches in one call from Python: maps of generated functions, linear and quadratic programs.
  * Work is cut into chunks of fixed length by the caller, so results do not depend on the number of threads.
  */
+#include "quadratic_programs.h"
+
+/* Samples between cold starts. */
+MRTS_EXPORT int mrts_chunk(void) { return MRTS_CHUNK; }
 
 typedef int (*mrts_function)(const double **arg, double **res, long long *iw, double *w, int mem);
 
@@ -16,6 +20,17 @@ MRTS_EXPORT int mrts_map(mrts_function function, long long count, int inputs, co
         if (function(arg, res, iw, w, 0)) return 1;
     }
     return 0;
+}
+
+/* Reals and ints of work of the batches below. */
+MRTS_EXPORT void mrts_lp_batch_work(int k, int rows, long long *reals, long long *ints) {
+    *reals = MRTS_LP_WORK(k) + k;
+    *ints = MRTS_LP_IWORK(k, rows) + k;
+}
+
+MRTS_EXPORT void mrts_qp_batch_work(int k, int rows, long long *reals, long long *ints) {
+    *reals = MRTS_QP_WORK(k) + k;
+    *ints = MRTS_QP_IWORK(k, rows) + k;
 }
 
 /* `count` linear programs, each started from the answer of the one before. Limits of rows and, after them, of the

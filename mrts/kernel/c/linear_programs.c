@@ -4,14 +4,9 @@
  * of the Simplex Method, 2003, chapter 10; Koberstein, The dual simplex method, 2005), in its row form: k rows that hold
  * with equality determine x. Free unknowns start as rows without limits and leave first. Bland's rule (1977) ends cycles.
  */
+#include "linear_programs.h"
 
 enum { MRTS_AT_LOWER = -1, MRTS_FREE = 0, MRTS_AT_UPPER = 1 };
-
-static mrts_real mrts_dot(int k, const mrts_real *a, const mrts_real *b) {
-    mrts_real sum = 0;
-    for (int i = 0; i < k; ++i) sum += a[i] * b[i];
-    return sum;
-}
 
 /* alpha_j = a_row' c_j: how the row is made of the basis rows */
 static void mrts_lp_alpha(int k, int rows, const mrts_real *A, int row, const mrts_real *C, mrts_real *alpha) {
@@ -33,7 +28,7 @@ static void mrts_lp_exchange(int k, int q, const mrts_real *alpha, mrts_real *C)
     }
 }
 
-static mrts_real mrts_lp_value(int rows, const mrts_real *A, int k, int row, const mrts_real *x) {
+MRTS_LOCAL mrts_real mrts_lp_value(int rows, const mrts_real *A, int k, int row, const mrts_real *x) {
     return row < rows ? mrts_dot(k, A + row * k, x) : x[row - rows];
 }
 
@@ -64,6 +59,7 @@ static int mrts_lp_choose_sides(int k, const mrts_real *lower, const mrts_real *
     return changed;
 }
 
+/* The limit on one side of a row; a free row is held at 0. */
 static mrts_real mrts_limit(const mrts_real *lower, const mrts_real *upper, int row, int side) {
     return side == MRTS_AT_LOWER ? lower[row] : side == MRTS_AT_UPPER ? upper[row] : 0;
 }
@@ -80,9 +76,10 @@ static void mrts_lp_place(int k, const mrts_real *lower, const mrts_real *upper,
     }
 }
 
-/* x of a basis, refined once against its own rows; the largest residual that is left, relative to 1 and the limit */
+/* x of a basis, refined once against its own rows; the largest residual that is left, relative to 1 and the limit, and in
+ * *before the one that was there */
 static mrts_real mrts_lp_refine(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
-                               const int *row, const int *side, const mrts_real *C, mrts_real *x) {
+                                const int *row, const int *side, const mrts_real *C, mrts_real *x, mrts_real *before) {
     mrts_real worst = 0;
     for (int pass = 0; pass < 2; ++pass) {
         worst = 0;
@@ -95,6 +92,7 @@ static mrts_real mrts_lp_refine(int k, int rows, const mrts_real *A, const mrts_
                 for (int i = 0; i < k; ++i) x[i] += missing * C[j * k + i];
             }
         }
+        if (pass == 0) *before = worst;
         if (worst <= MRTS_FEASIBLE / 100) break; /* nothing to gain */
     }
     return worst;
@@ -185,13 +183,12 @@ static void mrts_lp_factor(int k, int rows, const mrts_real *A, int *row, int *s
     }
 }
 
-/* The row that oversteps its limits most (Bland: the first), signed +-(row + 1); 0 if none does. */
-static int mrts_lp_price(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
-                         const mrts_real *x, const int *in_basis, int bland, mrts_real *excess) {
+MRTS_LOCAL int mrts_lp_price(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
+                             const mrts_real *x, const int *skipped, int bland, mrts_real *excess) {
     int found = 0;
     mrts_real most = 0;
     for (int row = 0; row < rows + k; ++row) {
-        if (in_basis[row]) continue;
+        if (skipped[row]) continue;
         const mrts_real value = mrts_lp_value(rows, A, k, row, x);
         const mrts_real above = value - upper[row], below = lower[row] - value;
         const mrts_real over = above > below ? above : below;
@@ -289,9 +286,9 @@ static int mrts_lp_certificate(int k, int rows, const mrts_real *A, const mrts_r
                                                                                                  : MRTS_STOPPED;
 }
 
-static int mrts_lp(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
-                   const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering, mrts_real *work,
-                   int *iwork) {
+MRTS_LOCAL int mrts_lp(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
+                       const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering, mrts_real *work,
+                       int *iwork) {
     mrts_real *C = work, *alpha = C + k * k;
     int *in_basis = iwork, *passed = in_basis + rows + k, *row = passed + k, *side = row + k, *wanted = side + k;
     const int bland_from = 10 + 2 * (k + rows), limit = 2 * bland_from;
@@ -330,8 +327,12 @@ restart:
             int changed = turns < k ? mrts_lp_choose_sides(k, lower, upper, row, side, y, MRTS_SEPARATED) : 0;
             if (changed < 0) goto start_cold;
             if (changed == 0) {
-                const mrts_real left = mrts_lp_refine(k, rows, A, lower, upper, row, side, C, x);
-                if (!(left <= MRTS_FEASIBLE) || !(uneven <= MRTS_FEASIBLE)) { /* try a fresh inverse */
+                mrts_real before;
+                const mrts_real left = mrts_lp_refine(k, rows, A, lower, upper, row, side, C, x, &before);
+                /* refined so far that another row may now be overstepped */
+                const int astray = !(before <= MRTS_FEASIBLE) &&
+                                   mrts_lp_price(k, rows, A, lower, upper, x, in_basis, bland, &excess) != 0;
+                if (astray || !(left <= MRTS_FEASIBLE) || !(uneven <= MRTS_FEASIBLE)) { /* try a fresh inverse */
                     if (!updates || ++tried_again > 3) goto done;
                     goto restart;
                 }

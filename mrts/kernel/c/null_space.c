@@ -1,37 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * The joint positions that redundant arms prefer of all that hold their grasps; mrts/inverse_kinematics/null_space.py has the mathematics.
- * Macros, besides those of tracking.c:
- *     MRTS_FIRST_JOINTS                                           where each arm's joints begin, and their number last
- *     MRTS_MOST_JOINTS                                            joints of the longest arm
- *     MRTS_REDUNDANT                                              defined if an arm is redundant, and only then:
- *     MRTS_GEOMETRIC_STIFFNESS, MRTS_GEOMETRIC_STIFFNESS_RATE     the generated functions
+ * The null spaces of redundant arms and what they prefer in them. Empty where no arm is redundant.
  */
-
-/* Where an arm's joints begin: a constant of the compiler where no arm is redundant, which is faster. */
-#ifdef MRTS_REDUNDANT
-static const int mrts_first_joints[MRTS_ROBOTS + 1] = MRTS_FIRST_JOINTS;
-#define MRTS_FIRST(robot) mrts_first_joints[robot]
-#else
-#define MRTS_FIRST(robot) ((robot) * MRTS_SIZE)
-#endif
-
-/* What the arms of a cell prefer. */
-typedef struct {
-    const double *lower; /* position limits, infinite where there are none */
-    const double *upper;
-    const double *zone; /* widths beside them */
-    double push;        /* what h adds at a limit */
-} mrts_preference;
+#include "null_space.h"
 
 #ifdef MRTS_REDUNDANT
-
-/* One redundant arm at given joint positions. */
-typedef struct {
-    double gradient[MRTS_MOST_JOINTS];                   /* h(q) - h(reference) */
-    double hessian[MRTS_MOST_JOINTS * MRTS_MOST_JOINTS]; /* h' minus the geometric stiffness, by rows */
-    double bend[MRTS_MOST_JOINTS];                       /* h'' */
-} mrts_null_space;
 
 /* h, h' and h'' of joint j at q. */
 static double mrts_stretched(const mrts_preference *wish, int j, double q, double *slope, double *bend) {
@@ -78,9 +51,8 @@ static double mrts_solve(int size, double *matrix, double *rhs) {
     return determinant;
 }
 
-/* x with J x + damping F = along and hessian x - J'F = change, J by columns; returns the determinant. */
-static double mrts_preferred(int joints, const double *J, const mrts_null_space *space, double damping,
-                             const double *along, const double *change, double *x, double *F) {
+MRTS_LOCAL double mrts_preferred(int joints, const double *J, const mrts_null_space *space, double damping,
+                                 const double *along, const double *change, double *x, double *F) {
     enum { W = MRTS_SIZE, MOST = MRTS_MOST_JOINTS + MRTS_SIZE };
     const int size = joints + W;
     double matrix[MOST * MOST], rhs[MOST];
@@ -100,8 +72,7 @@ static double mrts_preferred(int joints, const double *J, const mrts_null_space 
     return determinant;
 }
 
-/* J J' of an arm, J by columns. */
-static void mrts_square(int joints, const double *J, double *square) {
+MRTS_LOCAL void mrts_square(int joints, const double *J, double *square) {
     enum { W = MRTS_SIZE };
     for (int i = 0; i < W; ++i) {
         for (int j = 0; j < W; ++j) {
@@ -111,10 +82,9 @@ static void mrts_square(int joints, const double *J, double *square) {
     }
 }
 
-/* The null spaces of the redundant arms at q, and their multipliers F of least squares; 0 if an arm is singular. */
-static int mrts_null_spaces(const mrts_preference *wish, const double *q, const double *reference, const double *J_all,
-                            mrts_null_space *spaces, double *F, const double **arg, double **res, long long *iw,
-                            double *w) {
+MRTS_LOCAL int mrts_null_spaces(const mrts_preference *wish, const double *q, const double *reference, const double *J_all,
+                                mrts_null_space *spaces, double *F, const double **arg, double **res, long long *iw,
+                                double *w) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double stiffness[M * M], slope[M], unused;
     for (int robot = 0; robot < R; ++robot) {
@@ -149,10 +119,9 @@ static int mrts_null_spaces(const mrts_preference *wish, const double *q, const 
     return 1;
 }
 
-/* hessian q'' - J'F'' of the redundant arms from the rates F' of their multipliers, Shape (M,). */
-static int mrts_change_along(const double *q, const double *dq, const mrts_null_space *spaces, const double *F,
-                             const double *dF, double *change, const double **arg, double **res, long long *iw,
-                             double *w) {
+MRTS_LOCAL int mrts_change_along(const double *q, const double *dq, const mrts_null_space *spaces, const double *F,
+                                 const double *dF, double *change, const double **arg, double **res, long long *iw,
+                                 double *w) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double stiffness[M * M];
     arg[0] = q;
@@ -175,8 +144,7 @@ static int mrts_change_along(const double *q, const double *dq, const mrts_null_
     return 1;
 }
 
-/* A product of the curvatures of H on the set that holds the grasp, from both determinants. */
-static double mrts_curvature(int joints, const double *J, double determinant) {
+MRTS_LOCAL double mrts_curvature(int joints, const double *J, double determinant) {
     enum { W = MRTS_SIZE };
     double square[W * W], unused[W] = {0};
     mrts_square(joints, J, square);

@@ -3,6 +3,7 @@
  * The projection of a polytope onto two of its unknowns, from inside: the corners are the projections of linear
  * programs' answers, so whatever is a mixture of them is feasible.
  */
+#include "linear_programs.h"
 
 /* Most corners of one projection; a polygon with more is replaced by one inside it. */
 #define MRTS_CORNERS 64
@@ -17,6 +18,7 @@ typedef struct {
     int *basis;
 } mrts_corner;
 
+/* Corner n in the memory of all. */
 static mrts_corner mrts_corner_at(int n, int k, double *places, int *bases) {
     const mrts_corner corner = {places + n * (2 + 2 * k), places + n * (2 + 2 * k) + 2, bases + n * k};
     return corner;
@@ -79,8 +81,10 @@ static int mrts_is_furthest(int k, const double *lower, const double *upper, mrt
     return 1;
 }
 
+/* What rounding of a corner is measured by. */
 static double mrts_corner_size(const double *p) { return 1 + MRTS_ABS(p[0]) + MRTS_ABS(p[1]); }
 
+/* Whether two corners differ by no more than rounding. */
 static int mrts_same_corner(const double *p, const double *q) {
     return MRTS_ABS(p[0] - q[0]) + MRTS_ABS(p[1] - q[1]) <= MRTS_OUTSIDE * mrts_corner_size(p);
 }
@@ -137,15 +141,21 @@ static int mrts_project(int k, int rows, const double *A, const double *lower, c
     return MRTS_OPTIMAL;
 }
 
+/* Reals and ints of work of the projections below. */
+MRTS_EXPORT void mrts_project_batch_work(int k, int rows, long long *reals, long long *ints) {
+    *reals = MRTS_LP_WORK(k) + 3 * k + (MRTS_CORNERS + 1) * (2 + 2 * k);
+    *ints = MRTS_LP_IWORK(k, rows) + (MRTS_CORNERS + 1) * k;
+}
+
 /* `count` projections of { z : lower <= (A z, z) <= upper }, limits of the rows and then of the unknowns; each starts from
- * the first corner of the one before. */
+ * the first corner of the one before, the first of a chunk cold. */
 MRTS_EXPORT void mrts_project_batch(long long count, int k, int rows, const double *A, const double *lower,
                                     const double *upper, int *corner_count, double *corners, unsigned char *status,
                                     double *work, int *iwork) {
     double *places = work + MRTS_LP_WORK(k) + 3 * k;
     int *bases = iwork + MRTS_LP_IWORK(k, rows);
-    bases[0] = 0;
     for (long long n = 0; n < count; ++n) {
+        if (n % MRTS_CHUNK == 0) bases[0] = 0;
         corner_count[n] = 0;
         status[n] = (unsigned char)mrts_project(k, rows, A + n * rows * k, lower + n * (rows + k), upper + n * (rows + k),
                                                 corner_count + n, corners + n * 2 * MRTS_CORNERS, places, bases, work,

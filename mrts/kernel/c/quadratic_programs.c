@@ -2,8 +2,9 @@
  *
  * Quadratic programs: the dual method of Goldfarb and Idnani, A numerically stable dual method for solving strictly
  * convex quadratic programs, Mathematical Programming 27, 1983; two-sided rows and a final refinement are added. The
- * rows are looked through as in linear_programs.c, which comes first.
+ * rows are looked through as in linear programs.
  */
+#include "quadratic_programs.h"
 
 /* Cholesky factor of H and the inverse of its transpose, upper triangular, by columns in J; 0 if H is not definite. */
 static int mrts_qp_factor(int k, const mrts_real *H, mrts_real *L, mrts_real *J) {
@@ -31,6 +32,7 @@ static int mrts_qp_factor(int k, const mrts_real *H, mrts_real *L, mrts_real *J)
     return 1;
 }
 
+/* Rotates the pair of vectors a, b by the angle of cosine c and sine s. */
 static void mrts_rotate(int k, mrts_real c, mrts_real s, mrts_real *a, mrts_real *b) {
     for (int i = 0; i < k; ++i) {
         const mrts_real t = c * a[i] + s * b[i];
@@ -70,6 +72,7 @@ static void mrts_qp_drop(int k, int count, int out, mrts_real *J, mrts_real *R) 
     }
 }
 
+/* A row, or the unit vector of the unknown row - rows, with a sign. */
 static void mrts_row_of(int k, int rows, const mrts_real *A, int row, mrts_real sign, mrts_real *a) {
     for (int i = 0; i < k; ++i) a[i] = row < rows ? sign * A[row * k + i] : 0;
     if (row >= rows) a[row - rows] = sign;
@@ -133,9 +136,9 @@ static mrts_real mrts_qp_error(int k, int rows, const mrts_real *H, const mrts_r
     return worst;
 }
 
-static int mrts_qp(int k, int rows, const mrts_real *H, const mrts_real *A, const mrts_real *lower,
-                   const mrts_real *upper, const mrts_real *g, mrts_real *x, int *active, mrts_real *u, int *count,
-                   mrts_real *work, int *iwork) {
+MRTS_LOCAL int mrts_qp(int k, int rows, const mrts_real *H, const mrts_real *A, const mrts_real *lower,
+                       const mrts_real *upper, const mrts_real *g, mrts_real *x, int *active, mrts_real *u, int *count,
+                       mrts_real *work, int *iwork) {
     mrts_real *L = work, *J = L + k * k, *R = J + k * k, *a = R + k * k, *d = a + k, *z = d + k, *r = z + k;
     mrts_real *scratch = r + k;
     int *is_active = iwork;

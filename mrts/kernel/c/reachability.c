@@ -5,6 +5,7 @@
  * on each segment: x_(i+1) = x_i + 2 step_i u. Each sample has half-planes n_u u + n_x x <= h, which hold at both ends of
  * every segment (the interpolation scheme).
  */
+#include "numbers.h"
 
 /* Rounding of a speed on a limit, relative to 1 and the limit, so that a region of one point does not miss itself. */
 #define MRTS_ON_LIMIT 2e-10
@@ -36,6 +37,7 @@ typedef struct {
     double least, least_start, least_slope, most, most_start, most_slope;
 } mrts_rates;
 
+/* The interval of u that the half-planes leave at one x. */
 static mrts_rates mrts_rates_at(int rows, const double *A, const double *upper, double x) {
     mrts_rates u = {-MRTS_INFINITY, -MRTS_INFINITY, 0, MRTS_INFINITY, MRTS_INFINITY, 0};
     for (int row = 0; row < rows; ++row) {
@@ -101,6 +103,9 @@ MRTS_EXPORT long long mrts_backward(long long last, const double *step, const lo
     }
     return -1;
 }
+
+/* Reals of work of both passes, where no two samples in a row have more than so many half-planes. */
+MRTS_EXPORT long long mrts_segment_work(long long planes) { return 3 * (planes + 2); }
 
 /* Forward: from x[0] the largest controllable speed at each next sample. */
 MRTS_EXPORT void mrts_forward(long long last, const double *step, const long long *start, const double *planes,

@@ -2,30 +2,32 @@
  *
  * Inverse kinematics along a whole path: damped Newton steps (Sugihara, Solvability-unconcerned inverse kinematics by
  * the Levenberg-Marquardt method, IEEE Transactions on Robotics 27, 2011) from positions predicted by the sample before,
- * for arms with as many joints as wrench components, and those that null_space.c prefers for arms with more.
- *
- * The cell's generated C and these macros come first:
- *     MRTS_JOINTS, MRTS_ROBOTS, MRTS_SIZE         joints in all, arms, wrench components
- *     MRTS_KINEMATICS, MRTS_BIAS_ACCELERATION     the generated functions
+ * for arms with as many joints as wrench components, and those that null_space.h prefers for arms with more.
  */
+#include "null_space.h"
+
+/* Sine of an angle below which a turn has no axis: it is none, or half a turn. */
+#define MRTS_NO_TURN 1e-9
 
 /* One arm in its place: rotation matrices by rows. */
 typedef struct {
     double base_rotation[9];
     double tip_rotation[9]; /* of the grasp in the object frame */
-    double tip_position[3];
+    double tip_position[3]; /* likewise [m] */
 } mrts_arm;
 
+/* What the arms of a cell are to hold, and how, at every sample. */
 typedef struct {
-    int steps;       /* most Newton steps at a sample */
-    double settled;  /* joint step at which the iteration ends */
-    double longest;  /* largest joint step */
-    double reached;  /* remaining error at which a grasp counts as held */
-    int components[6]; /* rows of a six-component twist that this cell uses */
+    int steps;            /* most Newton steps at a sample */
+    double settled;       /* joint step at which the iteration ends [rad or m] */
+    double longest;       /* largest joint step [rad or m] */
+    double reached;       /* remaining error at which a grasp counts as held [m, rad] */
+    int components[6];    /* rows of a six-component twist that this cell uses */
     mrts_preference wish; /* of redundant arms */
     mrts_arm arm[MRTS_ROBOTS];
 } mrts_tracking;
 
+/* R v and R'v of a rotation matrix by rows. */
 static void mrts_times(const double *R, const double *v, double *out) {
     for (int i = 0; i < 3; ++i) out[i] = R[3 * i] * v[0] + R[3 * i + 1] * v[1] + R[3 * i + 2] * v[2];
 }
@@ -53,8 +55,8 @@ static void mrts_turn_between(const double *target, const double *tip, double *t
     axis[2] = (E[3] - E[1]) / 2;
     sine = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
     cosine = (E[0] + E[4] + E[8] - 1) / 2;
-    for (int i = 0; i < 3; ++i) turn[i] = sine > 1e-9 ? axis[i] * (atan2(sine, cosine) / sine) : axis[i];
-    if (sine <= 1e-9 && cosine < 0) turn[0] = 3.14159265358979; /* half a turn: its axis does not matter here */
+    for (int i = 0; i < 3; ++i) turn[i] = sine > MRTS_NO_TURN ? axis[i] * (atan2(sine, cosine) / sine) : axis[i];
+    if (sine <= MRTS_NO_TURN && cosine < 0) turn[0] = 3.14159265358979; /* half a turn: its axis does not matter here */
 }
 
 /* Inverse of a matrix by Gauss-Jordan elimination with row exchanges; 0 if it is singular. */
@@ -182,7 +184,8 @@ static int mrts_hold_grasps(const mrts_tracking *task, const double *position, c
                             const double **arg, double **res, long long *iw, double *w) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double tips[3 * R], rotations[9 * R], J_all[W * M], off[3], turned[3], error[W], step[M], least[R];
-    for (int robot = 0; robot < R; ++robot) gap[robot] = turn[robot] = drift[robot] = least[robot] = 1e300;
+    (void)reference; /* of redundant arms */
+    for (int robot = 0; robot < R; ++robot) gap[robot] = turn[robot] = drift[robot] = least[robot] = MRTS_INFINITY;
     for (int iteration = 0; iteration < task->steps; ++iteration) {
         double largest = 0;
         arg[0] = now;
@@ -264,7 +267,7 @@ static int mrts_rates_of_tips(const mrts_tracking *task, const double *rotation,
     return 1;
 }
 
-/* q' = J^-1 v and q'' = J^-1 (a - J' q') of all arms, of redundant ones as null_space.c prefers. 0 if one is singular. */
+/* q' = J^-1 v and q'' = J^-1 (a - J' q') of all arms, of redundant ones as null_space.h prefers. 0 if one is singular. */
 static int mrts_joint_rates(const mrts_tracking *task, const double *rotation, const double *twist,
                             const double *acceleration, const double *reference, const double *q, double *dq, double *ddq,
                             double *condition, double *curvature, const double **arg, double **res, long long *iw,
@@ -272,6 +275,7 @@ static int mrts_joint_rates(const mrts_tracking *task, const double *rotation, c
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double tips[3 * R], rotations[9 * R], J[W * M], bias[W * R];
     mrts_task_rates rates[R];
+    (void)reference; /* of redundant arms */
     arg[0] = q;
     res[0] = tips;
     res[1] = rotations;

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "dense_programs.h"
+#define MRTS_LOCAL static
 #include "linear_programs.c"
 #include "quadratic_programs.c"
 

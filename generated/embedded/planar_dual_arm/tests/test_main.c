@@ -7,16 +7,34 @@
 #include "planar_dual_arm.h"
 #include "planar_dual_arm_vectors.h"
 
-#define TOLERANCE 1e-8 /* relative, for c^2; torques likewise against the largest limit */
+/* Relative, for c^2; of torques 10 times that, against their limits. */
+#define TOLERANCE (sizeof(planar_dual_arm_real) > 4 ? 1e-8 : 1e-4)
+
+#define ALLOWED (sizeof(planar_dual_arm_real) > 4 ? 0 : PLANAR_DUAL_ARM_VECTORS / 4) /* answers left undecided */
 
 static int failures = 0;
 
-static int close_to(double ours, double theirs) { return fabs(ours - theirs) <= TOLERANCE * (fabs(theirs) + TOLERANCE); }
+static int close_to(double ours, double theirs) {
+    return fabs(ours - theirs) <= TOLERANCE * (fabs(theirs) + TOLERANCE);
+}
 
 static void demand(int holds, int vector, const char *what, double ours, double theirs) {
     if (holds) return;
     ++failures;
     if (failures <= 10) printf("vector %d: %s is %.10g, expected %.10g\n", vector, what, ours, theirs);
+}
+
+/* The larger side of a torque's limit; of the largest torque if it has none or is zero. */
+static double unit_of(const planar_dual_arm_settings *settings, int joint) {
+    double own = 0, largest = 0;
+    for (int i = 0; i < PLANAR_DUAL_ARM_JOINTS; ++i) {
+        const double low = fabs((double)settings->lower[i]), high = fabs((double)settings->upper[i]);
+        double size = low < (double)PLANAR_DUAL_ARM_UNLIMITED ? low : 0;
+        if (high < (double)PLANAR_DUAL_ARM_UNLIMITED && high > size) size = high;
+        if (i == joint) own = size;
+        if (size > largest) largest = size;
+    }
+    return own > 0 ? own : largest;
 }
 
 static void compare(int k, const char *what, const planar_dual_arm_range *range, int status, double lower, double upper,
@@ -59,12 +77,11 @@ int main(void) {
             continue;
         }
         for (int joint = 0; joint < PLANAR_DUAL_ARM_JOINTS; ++joint) {
-            const double limit = (double)settings.upper[joint];
-            demand(fabs((double)torque[joint] - vector->torque[joint]) <= 10 * TOLERANCE * limit, k, "torque",
+            demand(fabs((double)torque[joint] - vector->torque[joint]) <= 10 * TOLERANCE * unit_of(&settings, joint), k, "torque",
                    (double)torque[joint], vector->torque[joint]);
         }
     }
     printf("%d vectors: %d ok, %d unbounded, %d infeasible, %d undecided; %d mismatches\n", PLANAR_DUAL_ARM_VECTORS,
            seen[PLANAR_DUAL_ARM_OK], seen[PLANAR_DUAL_ARM_UNBOUNDED], seen[PLANAR_DUAL_ARM_INFEASIBLE], undecided, failures);
-    return failures != 0 || undecided > 0 || seen[PLANAR_DUAL_ARM_OK] == 0;
+    return failures != 0 || undecided > ALLOWED || seen[PLANAR_DUAL_ARM_OK] == 0;
 }

@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: MIT
+"""The cell file: n arms, their bases and grasps, the object, the limits."""
+
+import re
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.input_file import (
+    IDENTIFIER,
+    Angle,
+    Finite,
+    Name,
+    Pose,
+    Positive,
+    StrictModel,
+    Vector3,
+    broken_rule,
+    read_model,
+)
+from mrts.base.load_box import PARAMETERS, range_problem
+
+INERTIA_TOLERANCE = 1e-9
+"""Share by which an inertia may miss symmetry, the triangle inequality, and 0: printed with few digits."""
+
+ROBOT_NAMES_TAKEN = frozenset({"time", "components"})
+"""Keys that stand beside the robots' names in the JSON result."""
+
+
+Range = Annotated[list[Finite], Field(min_length=2, max_length=2)]
+"""Least and largest value."""
+
+
+class Bounds(StrictModel):
+    """Two-sided bounds; null or an absent side is unbounded."""
+
+    lower: list[Finite | None] | None = None
+    upper: list[Finite | None] | None = None
+
+
+class TorqueBounds(StrictModel):
+    """Torque limits that differ by side [N m, N for prismatic joints]."""
+
+    lower: Annotated[list[Finite], Field(min_length=1)]
+    upper: Annotated[list[Finite], Field(min_length=1)]
+
+
+class VariationDescription(StrictModel):
+    """Ranges of what is uncertain of the load; see docs/uncertain_load.md.
+
+    Attributes:
+        mass, ixx, iyy, izz: Factors of the mass and of the principal moments.
+        mx, my, mz: First moments [kg m].
+        com_x, com_y, com_z: Offsets of the com [m], with `hull: outer`.
+        hull: How offsets are made linear.
+    """
+
+    mass: Range | None = None
+    ixx: Range | None = None
+    iyy: Range | None = None
+    izz: Range | None = None
+    mx: Range | None = None
+    my: Range | None = None
+    mz: Range | None = None
+    com_x: Range | None = None
+    com_y: Range | None = None
+    com_z: Range | None = None
+    hull: Literal["outer"] | None = None
+
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """The ranges that are given, by parameter."""
+        return {name: (given[0], given[1]) for name in PARAMETERS if (given := getattr(self, name)) is not None}
+
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        problem = range_problem(self.ranges(), outer_hull=self.hull is not None)
+        if problem:
+            raise broken_rule(problem)
+        return self
+
+
+class ObjectVelocity(StrictModel):
+    """Velocity limits of the object's frame; what is absent is unbounded.
+
+    Attributes:
+        linear: [m/s].
+        angular: [rad/s].
+    """
+
+    linear: Positive | None = None
+    angular: Positive | None = None
+
+
+class ObjectDescription(StrictModel):
+    """The carried object.
+
+    Attributes:
+        mass: [kg].
+        inertia: At the com in the object frame: principal moments, Shape (3,), or matrix, Shape (3, 3) [kg m²].
+        variation: What is uncertain of it.
+        velocity: How fast it may move.
+    """
+
+    mass: Positive
+    inertia: Annotated[list[Finite | Vector3], Field(min_length=3, max_length=3)]
+    variation: VariationDescription | None = None
+    velocity: ObjectVelocity = ObjectVelocity()
+
+    def inertia_matrix(self) -> Array:
+        """Inertia at the com in the object frame, Shape (3, 3) [kg m²]."""
+        inertia = np.array(self.inertia, dtype=float)
+        return inertia if inertia.ndim == 2 else np.diag(inertia)  # noqa: PLR2004 (a matrix)
+
+    @model_validator(mode="after")
+    def _physical(self) -> Self:
+        if len({isinstance(entry, list) for entry in self.inertia}) > 1:
+            raise broken_rule("its inertia must be three moments or three rows of three values")
+        problem = inertia_problem(self.inertia_matrix())
+        if problem:
+            raise broken_rule(f"its inertia {problem}")
+        return self
+
+
+class RobotDescription(StrictModel):
+    """One arm of the cell; see docs/cell_file.md for every key."""
+
+    name: Name
+    urdf: Annotated[str, Field(min_length=1)]
+    base_link: str | None = None
+    tip_link: str
+    base: Pose = Pose()
+    grasp: Pose = Pose()
+    posture: Annotated[list[Angle], Field(min_length=1)]
+    torque: Annotated[list[Finite], Field(min_length=1)] | TorqueBounds | None = None
+    wrench: Bounds = Bounds()
+    fixed: dict[str, Angle] = Field(default_factory=dict)
+
+
+class CellDescription(StrictModel):
+    """A validated cell file."""
+
+    name: Name
+    gravity: Vector3
+    plane: Literal["xy", "xz", "yz"] | None = None
+    object: ObjectDescription
+    robots: Annotated[list[RobotDescription], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _robots_differ(self) -> Self:
+        names = [robot.name for robot in self.robots]
+        for name in names:
+            if names.count(name) > 1:
+                raise broken_rule(f"two robots are called '{name}'; each needs a name of its own")
+            if name in ROBOT_NAMES_TAKEN:
+                raise broken_rule(f"a robot cannot be called '{name}': results use that key")
+        return self
+
+
+def read_cell_description(path: Path) -> CellDescription:
+    """Read and validate a cell file.
+
+    Raises:
+        InputError: If the file is missing, not YAML, or breaks a rule.
+    """
+    return read_model(path, CellDescription, "cell file")
+
+
+def inertia_problem(inertia: Array, *, triangle: float = INERTIA_TOLERANCE, rods: bool = False) -> str:
+    """Why an inertia matrix, Shape (3, 3) [kg m²], is not that of a body; empty if it is.
+
+    A body's inertia is symmetric and positive definite, and no principal moment exceeds the sum of the others.
+
+    Args:
+        inertia: At the com.
+        triangle: Share by which the largest moment may exceed that sum.
+        rods: Whether the least moment may be 0, as that of a rod without thickness.
+    """
+    if not np.all(np.isfinite(inertia)):
+        return "holds a value that is not a finite number."
+    scale = float(np.max(np.abs(inertia)))
+    if np.max(np.abs(inertia - inertia.T)) > INERTIA_TOLERANCE * scale:
+        return "is not symmetric; give ixy = iyx, ixz = izx, iyz = izy."
+    moments = np.linalg.eigvalsh(inertia)
+    shown = ", ".join(f"{moment:.6g}" for moment in moments)
+    if moments[0] < -INERTIA_TOLERANCE * scale or (moments[0] <= 0 and not rods):
+        return f"is not positive definite: its principal moments are {shown} kg m². All must be > 0."
+    if triangle_excess(inertia) > triangle:
+        return (
+            f"breaks the triangle inequality: its principal moments are {shown} kg m², and no body has one "
+            "larger than the sum of the other two."
+        )
+    return ""
+
+
+def triangle_excess(inertia: Array) -> float:
+    """Share by which the largest principal moment exceeds the sum of the others; negative if it does not."""
+    least, middle, largest = np.linalg.eigvalsh(inertia)
+    total = float(least + middle)
+    return float(largest) / total - 1 if total > 0 else np.inf
+
+
+def resolve_urdf(cell_path: Path, reference: str) -> Path:
+    """Path of a robot's URDF: relative to the cell file, absolute, or `package://NAME/…` of an installed package.
+
+    Raises:
+        InputError: If a `package://` name is not an installed Python package.
+    """
+    match = re.fullmatch(r"package://([^/]+)/(.+)", reference)
+    if not match:
+        return cell_path.resolve().parent / reference
+    from importlib.util import find_spec  # noqa: PLC0415 (only for package:// references)
+
+    package, inside = match.groups()
+    spec = find_spec(package) if re.fullmatch(IDENTIFIER, package) else None
+    if spec is None or not spec.submodule_search_locations:
+        raise InputError(
+            cell_path,
+            f"'{package}' is not an installed Python package. Install it, or give a file path.",
+            key="robots[].urdf",
+            value=reference,
+        )
+    return Path(next(iter(spec.submodule_search_locations))) / inside

@@ -1,0 +1,11 @@
+
+if(CMAKE_SOURCE_DIR STREQUAL CMAKE_CURRENT_SOURCE_DIR)
+  enable_testing()
+  add_executable(@NAME@_test tests/test_main.c)
+  target_include_directories(@NAME@_test PRIVATE tests)
+  target_link_libraries(@NAME@_test PRIVATE @NAME@)
+  add_test(NAME vectors COMMAND @NAME@_test)
+  add_executable(@NAME@_example examples/main.c)
+  target_include_directories(@NAME@_example PRIVATE tests)
+  target_link_libraries(@NAME@_example PRIVATE @NAME@)
+endif()

@@ -1,0 +1,6 @@
+/* @NOTICE@ */
+#include "@NAME@_model.h"
+
+#include <math.h>
+
+@MODEL@

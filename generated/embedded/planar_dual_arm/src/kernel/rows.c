@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Building and scaling the rows of one sample.
+ */
+#include "rows.h"
+
+/* Size of a limit: its larger finite side. */
+static mrts_real mrts_limit_size(mrts_real lower, mrts_real upper) {
+    const mrts_real below = lower > -MRTS_INFINITY ? MRTS_ABS(lower) : 0;
+    const mrts_real above = upper < MRTS_INFINITY ? MRTS_ABS(upper) : 0;
+    return below > above ? below : above;
+}
+
+/* What a limit of zero is measured by: the largest limit of its group, or 1. */
+static mrts_real mrts_group_size(const mrts_limits *limits, int group) {
+    mrts_real largest = 0;
+    for (int row = 0; row < limits->rows; ++row) {
+        const mrts_real size = mrts_limit_size(limits->lower[row], limits->upper[row]);
+        if (limits->group[row] == group && size > largest) largest = size;
+    }
+    return largest > 0 ? largest : 1;
+}
+
+MRTS_LOCAL int mrts_rows_over(int k, const mrts_limits *limits, mrts_real *work, int *iwork, mrts_rows *rows) {
+    rows->count = 0;
+    rows->which = iwork;
+    rows->unit = work;
+    rows->A = rows->unit + limits->rows;
+    rows->lower = rows->A + limits->rows * k;
+    rows->upper = rows->lower + limits->rows + k;
+    for (int row = 0; row < limits->rows; ++row) {
+        const mrts_real lower = limits->lower[row], upper = limits->upper[row], size = mrts_limit_size(lower, upper);
+        if (!(lower <= upper)) return 0;
+        if (lower <= -MRTS_INFINITY && upper >= MRTS_INFINITY) continue;
+        rows->unit[rows->count] = size > 0 ? size : mrts_group_size(limits, limits->group[row]);
+        rows->which[rows->count++] = row;
+    }
+    return 1;
+}
+
+static int mrts_all_finite(int count, const mrts_real *values) {
+    for (int i = 0; i < count; ++i) {
+        if (!(MRTS_ABS(values[i]) < MRTS_INFINITY)) return 0;
+    }
+    return 1;
+}
+
+MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form *form, const mrts_limits *limits,
+                               const mrts_real *square, mrts_rows *rows) {
+    for (int i = 0; i < rows->count; ++i) {
+        const int row = rows->which[i];
+        const mrts_real low = limits->lower[row], high = limits->upper[row], per_unit = 1 / rows->unit[i];
+        mrts_real offset = 0, *a = rows->A + i * k;
+        for (int j = 0; j < k; ++j) a[j] = 0;
+        for (int entry = limits->start[row]; entry < limits->start[row + 1]; ++entry) {
+            const int column = limits->column[entry], is_torque = column < joints;
+            const int place = is_torque ? column : column - joints, size = is_torque ? joints : wrenches;
+            const mrts_real *map = is_torque ? form->torque_map : form->wrench_map;
+            const mrts_real value = limits->value[entry] * per_unit;
+            for (int j = 0; j < k; ++j) a[j] += value * map[j * size + place];
+            offset += value * (is_torque ? form->torque_offset[place] : form->wrench_offset[place]);
+        }
+        if (square) a[k - 1] += square[row] * per_unit;
+        rows->lower[i] = low <= -MRTS_INFINITY ? -MRTS_INFINITY : low * per_unit - offset;
+        rows->upper[i] = high >= MRTS_INFINITY ? MRTS_INFINITY : high * per_unit - offset;
+    }
+    return mrts_all_finite(rows->count * k, rows->A);
+}
+
+MRTS_LOCAL void mrts_fix_speed(int k, const mrts_limits *limits, mrts_real c2, mrts_real slack, mrts_rows *rows) {
+    const int left = k - 1;
+    for (int i = 0; i < rows->count; ++i) {
+        const int row = rows->which[i];
+        const mrts_real given = rows->A[i * k + left] * c2;
+        const mrts_real gap = limits->lower[row] < limits->upper[row] ? slack : 0;
+        if (rows->lower[i] > -MRTS_INFINITY) rows->lower[i] -= given + gap;
+        if (rows->upper[i] < MRTS_INFINITY) rows->upper[i] += gap - given;
+        for (int j = 0; j < left; ++j) rows->A[i * left + j] = rows->A[i * k + j]; /* to a place before its own */
+    }
+}
+
+MRTS_LOCAL void mrts_scale_columns(int k, mrts_rows *rows, mrts_real *column) {
+    for (int j = 0; j < k; ++j) {
+        mrts_real size = 0;
+        for (int i = 0; i < rows->count; ++i) {
+            const mrts_real value = MRTS_ABS(rows->A[i * k + j]);
+            if (value > size) size = value;
+        }
+        const int moves = size > MRTS_NO_EFFECT;
+        column[j] = moves ? 1 / size : 1;
+        for (int i = 0; i < rows->count; ++i) rows->A[i * k + j] = moves ? rows->A[i * k + j] * column[j] : 0;
+    }
+}
+
+MRTS_LOCAL void mrts_free_unknowns(int k, mrts_rows *rows) {
+    for (int j = 0; j < k; ++j) {
+        rows->lower[rows->count + j] = -MRTS_INFINITY;
+        rows->upper[rows->count + j] = MRTS_INFINITY;
+    }
+}
+
+MRTS_LOCAL void mrts_bound_speed(int k, mrts_real most, const mrts_real *column, mrts_rows *rows) {
+    const int speed = rows->count + k - 1;
+    rows->lower[speed] = 0;
+    rows->upper[speed] = most / column[k - 1] < MRTS_UNBOUNDED ? most / column[k - 1] : MRTS_UNBOUNDED;
+}
+
+MRTS_LOCAL mrts_real mrts_speed_cap(int joints, const mrts_real *dq, const mrts_real *twist, const mrts_real *limit,
+                                    int *binding) {
+    mrts_real fastest = 0;
+    *binding = -1;
+    for (int i = 0; i < joints + 2; ++i) {
+        const mrts_real *part = twist + (i == joints ? 0 : 3);
+        const mrts_real speed = i < joints ? MRTS_ABS(dq[i]) : MRTS_SQRT(mrts_dot(3, part, part));
+        if (limit[i] < MRTS_INFINITY && speed > fastest * limit[i]) {
+            fastest = speed / limit[i];
+            *binding = i;
+        }
+    }
+    return fastest * fastest > 0 ? 1 / (fastest * fastest) : MRTS_INFINITY;
+}

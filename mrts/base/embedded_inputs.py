@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: MIT
+"""What an exported library takes from the run time: the cell's limits, and the answers that it is tested with."""
+
+from dataclasses import dataclass
+
+from mrts.base.arrays import Array
+
+
+@dataclass(frozen=True)
+class EmbeddedLimits:
+    """Rows lower <= M [τ; F] <= upper over m torques and then all wrenches, and velocity limits.
+
+    Attributes:
+        texts: One a row, such as "left/elbow torque".
+        matrix: M, Shape (r, m + n w).
+        lower: Shape (r,), minus infinity where unbounded.
+        upper: Shape (r,), infinity where unbounded.
+        group: Alike for rows of one physical unit: what a limit of zero is measured by; one a row.
+        velocity_texts: One a velocity.
+        velocity: Of all joints, then of the object's linear and angular velocity, infinity where none is enforced,
+            Shape (m + 2,) [rad/s or m/s].
+    """
+
+    texts: tuple[str, ...]
+    matrix: Array
+    lower: Array
+    upper: Array
+    group: tuple[int, ...]
+    velocity_texts: tuple[str, ...]
+    velocity: Array
+
+
+@dataclass(frozen=True)
+class EmbeddedVector:
+    """One sample, a mass, and the answers; statuses are those of the exported header.
+
+    Attributes:
+        inputs: q, dq, ddq, rotation of the object, twist, acceleration.
+        mass: [kg].
+        status: 0 feasible, 1 unbounded, 2 infeasible; likewise `share_status`.
+        ends: c²⁻, c²⁺; infinite where there is none.
+        share_status: Of an equal distribution.
+        share_ends: Its ends.
+        c2: Where torques are compared; 0 for no comparison.
+        torque: Shape (m,) [N m or N].
+    """
+
+    inputs: tuple[Array, ...]
+    mass: float
+    status: int
+    ends: tuple[float, float]
+    share_status: int
+    share_ends: tuple[float, float]
+    c2: float
+    torque: Array

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Sizes of a cell and its generated functions. A cell's library defines them before; where a file is read or checked
+ * alone, they are those of a sample: two spatial arms of seven joints.
+ */
+#ifndef MRTS_CELL_SIZES_H
+#define MRTS_CELL_SIZES_H
+
+#ifndef MRTS_JOINTS
+#define MRTS_ROBOTS 2                  /* arms */
+#define MRTS_SIZE 6                    /* components of one wrench */
+#define MRTS_JOINTS 14                 /* of all arms */
+#define MRTS_WRENCHES 12               /* components of all wrenches */
+#define MRTS_UNKNOWNS 7                /* of the range: wrenches of all arms but the last, and c^2 */
+#define MRTS_MOST_JOINTS 7             /* of the longest arm */
+#define MRTS_FIRST_JOINTS {0, 7, 14}   /* where each arm's joints begin, and their number last */
+#define MRTS_REDUNDANT 1               /* defined if an arm has more joints than a wrench components */
+#define MRTS_WRENCH_FORM sample_wrench_form
+#define MRTS_KINEMATICS sample_kinematics
+#define MRTS_BIAS_ACCELERATION sample_bias_acceleration
+#define MRTS_GEOMETRIC_STIFFNESS sample_geometric_stiffness
+#define MRTS_GEOMETRIC_STIFFNESS_RATE sample_geometric_stiffness_rate
+#endif
+
+/* A generated function: inputs, outputs, work, and a memory that is not used; 0 if it worked. Matrices by columns. */
+#define MRTS_GENERATED(name) int name(const double **arg, double **res, long long *iw, double *w, int mem)
+
+/* q, q', q'', rotation, twist, acceleration, load to the affine maps of torques and wrenches, see rows.h. */
+MRTS_GENERATED(MRTS_WRENCH_FORM);
+/* q to positions and rotations of the tips and the Jacobians of all arms side by side. */
+MRTS_GENERATED(MRTS_KINEMATICS);
+/* q, q' to J' q' of each arm. */
+MRTS_GENERATED(MRTS_BIAS_ACCELERATION);
+#ifdef MRTS_REDUNDANT
+/* q, F to d(J'F)/dq, and q, q', F to the second derivative along q'. */
+MRTS_GENERATED(MRTS_GEOMETRIC_STIFFNESS);
+MRTS_GENERATED(MRTS_GEOMETRIC_STIFFNESS_RATE);
+#endif
+
+#endif

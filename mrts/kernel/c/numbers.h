@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What every file of the kernel shares: the type of its numbers, how functions are linked, and the tolerances.
+ *
+ * The kernel is C99, without allocation, input, output or static data that change: the caller owns every array, and a
+ * function's *_work says how long its work arrays must be. Matrices are by rows unless said otherwise.
+ */
+#ifndef MRTS_NUMBERS_H
+#define MRTS_NUMBERS_H
+
+#include <math.h>
+
+/* The type of all numbers. A library in float defines MRTS_REAL and MRTS_SINGLE: tolerances and literals follow. */
+#ifndef MRTS_REAL
+#define MRTS_REAL double
+#endif
+typedef MRTS_REAL mrts_real;
+
+/* Linkage of what one file offers to the others: `static` where all files are one text, external where each is read or
+ * compiled alone; `static inline` where a text takes only some of it. */
+#ifndef MRTS_LOCAL
+#define MRTS_LOCAL
+#endif
+
+/* What Python calls. */
+#ifndef MRTS_EXPORT
+#define MRTS_EXPORT __attribute__((visibility("default")))
+#endif
+
+/* Samples between cold starts. Threads take whole chunks, so their number does not change a result. */
+#ifndef MRTS_CHUNK
+#define MRTS_CHUNK 256
+#endif
+
+#define MRTS_ABS(value) ((value) < 0 ? -(value) : (value))
+
+#ifdef MRTS_SINGLE
+#define MRTS_C(value) value##f
+#define MRTS_SQRT(value) sqrtf(value)
+#define MRTS_FEASIBLE MRTS_C(4e-6)
+#define MRTS_SEPARATED MRTS_C(2e-5)
+#define MRTS_PIVOT MRTS_C(1e-4)
+#define MRTS_ZERO MRTS_C(1e-6)
+#define MRTS_ROUNDING MRTS_C(1e-6)
+#define MRTS_GAP MRTS_C(3e-5)
+#define MRTS_SMALL MRTS_C(1e-2)
+#define MRTS_INFINITY MRTS_C(1e30)
+#define MRTS_UNBOUNDED MRTS_C(1e6)
+#define MRTS_NO_EFFECT MRTS_C(1e-30)
+#else
+#define MRTS_C(value) value
+#define MRTS_SQRT(value) sqrt(value)
+#define MRTS_FEASIBLE 1e-10 /* overstepping of a limit, relative to 1 and to it, that is rounding */
+#define MRTS_SEPARATED 1e-9 /* a certificate must separate the limits by this share, or proves nothing */
+#define MRTS_PIVOT 1e-8     /* smallest pivot, relative to its row */
+#define MRTS_ZERO 1e-13     /* a multiplier below this share of the largest is rounding */
+#define MRTS_ROUNDING 1e-15 /* of a limit's row, relative to 1 and the limit */
+#define MRTS_GAP 1e-9       /* of an objective, relative to it and MRTS_SMALL */
+#define MRTS_SMALL 1e-3
+#define MRTS_INFINITY 1e300 /* an absent limit is this or its negative */
+#define MRTS_UNBOUNDED 1e9  /* c^2 may grow until it moves some row by this many limits: beyond, nothing bounds it, and
+                             * rounding of a limit (1e-16) may still be told from what c^2 adds to it */
+#define MRTS_NO_EFFECT 1e-300 /* an unknown that moves no row by more than this share of a limit moves none: the scale
+                               * that makes its effect 1 would not be finite */
+#endif
+
+static inline mrts_real mrts_dot(int k, const mrts_real *a, const mrts_real *b) {
+    mrts_real sum = 0;
+    for (int i = 0; i < k; ++i) sum += a[i] * b[i];
+    return sum;
+}
+
+#endif

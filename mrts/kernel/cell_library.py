@@ -1,0 +1,286 @@
+# SPDX-License-Identifier: MIT
+"""A cell's generated C and our kernel in one shared library: whole trajectories in one foreign call."""
+
+import ctypes
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.manifest import FunctionRecord, Manifest
+from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
+from mrts.kernel.function_shapes import work_sizes
+from mrts.kernel.programs import STOPPED, Programs, offer_programs
+
+
+class _Limits(ctypes.Structure):
+    """`mrts_limits` of rows.h."""
+
+    _fields_ = [
+        ("rows", ctypes.c_int),
+        ("start", ctypes.c_void_p),
+        ("column", ctypes.c_void_p),
+        ("value", ctypes.c_void_p),
+        ("lower", ctypes.c_void_p),
+        ("upper", ctypes.c_void_p),
+        ("group", ctypes.c_void_p),
+    ]
+
+
+class SparseLimits:
+    """Rows over torques and wrenches in compressed form, as C reads them.
+
+    Args:
+        matrix: Of all torques, then all wrenches, Shape (r, m + n w).
+        lower: Shape (r,), minus infinity where unbounded.
+        upper: Shape (r,), infinity where unbounded.
+        group: Physical unit of each row, such as "N m": a limit of zero is measured by the largest of its unit.
+        square: What c² adds to each row itself at every sample, in the unit of the row, Shape (N, r); None is nothing.
+
+    Raises:
+        ValueError: If a lower limit is not at most the upper one.
+    """
+
+    def __init__(
+        self, *, matrix: Array, lower: Array, upper: Array, group: Sequence[str], square: Array | None = None
+    ) -> None:
+        if not np.all(lower <= upper):
+            raise ValueError(f"rows {np.flatnonzero(~(lower <= upper)).tolist()}: a lower limit is above its upper one")
+        self.rows = len(matrix)
+        row, column = np.nonzero(matrix)
+        start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=self.rows))])
+        units = list(dict.fromkeys(group))
+        self._arrays: list[NDArray[Any]] = [
+            np.ascontiguousarray(start, dtype=np.int32),
+            np.ascontiguousarray(column, dtype=np.int32),
+            np.ascontiguousarray(matrix[row, column]),
+            np.ascontiguousarray(np.maximum(lower, -INFINITY)),
+            np.ascontiguousarray(np.minimum(upper, INFINITY)),
+            np.array([units.index(unit) for unit in group], dtype=np.int32),
+        ]
+        self.structure = _Limits(self.rows, *(pointer(array) for array in self._arrays))
+        self._square = None if square is None else np.ascontiguousarray(square, dtype=np.float64)
+
+    def square_from(self, sample: int) -> ctypes.c_void_p | None:
+        """Address of a sample's row of `square`."""
+        return None if self._square is None else pointer(self._square[sample:])
+
+
+@dataclass(frozen=True)
+class KernelRanges:
+    """What the kernel found at N samples; k unknowns, c² last.
+
+    Attributes:
+        lower: c²⁻(t), Shape (N,).
+        upper: c²⁺(t), Shape (N,), infinity where nothing bounds it.
+        status: Of the two programs, Shape (2, N).
+        effect: Largest effect of c² = 1 on a row in its unit, Shape (N,).
+        basis: Rows that determine each end, Shape (2, N, k): 1 + row at an upper, -1 - row at a lower limit.
+        dual: Their multipliers, Shape (2, N, k).
+    """
+
+    lower: Array
+    upper: Array
+    status: NDArray[np.uint8]
+    effect: Array
+    basis: NDArray[np.int16]
+    dual: NDArray[np.float32]
+
+
+class CellLibrary:
+    """The library of one cell.
+
+    Args:
+        manifest: Manifest of the cell.
+        library: Path of the shared library.
+
+    Attributes:
+        opened: The library.
+        programs: The programs that it holds.
+        records: Its generated functions by short name.
+        unknowns: Wrenches of all arms but the last, and c².
+        joints: Of all arms.
+        wrenches: Components of all wrenches.
+
+    Raises:
+        OSError: If it cannot be opened.
+        AttributeError: If it lacks a function.
+    """
+
+    def __init__(self, manifest: Manifest, library: Path) -> None:
+        self.opened = ctypes.CDLL(str(library))
+        self.programs = Programs(self.opened)
+        self.records = manifest.functions
+        self.unknowns = len(manifest.wrench_components) * (len(manifest.robots) - 1) + 1
+        self.joints = sum(len(robot.joints) for robot in manifest.robots)
+        self.wrenches = len(manifest.wrench_components) * len(manifest.robots)
+        offer_programs(self.programs)
+
+    def map(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
+        """Evaluate a generated function at all samples; see `mrts.cell.functions.CellFunctions`."""
+        record = self.records[name]
+        given, strides = _inputs(record, samples, inputs)
+        outputs = {item.name: np.zeros((samples, item.shape[1], item.shape[0])) for item in record.outputs}
+        scratch = Scratch(self.opened, record)
+        failed = self.opened.mrts_map(
+            ctypes.cast(getattr(self.opened, record.symbol), ctypes.c_void_p),
+            ctypes.c_longlong(samples),
+            len(given),
+            _pointers(given),
+            strides,
+            len(outputs),
+            _pointers(list(outputs.values())),
+            (ctypes.c_longlong * len(outputs))(*(item.shape[0] * item.shape[1] for item in record.outputs)),
+            *scratch.pointers(),
+        )
+        assert failed == 0  # noqa: S101 (generated functions of smooth expressions cannot fail)
+        return {name: _by_rows(value) for name, value in outputs.items()}
+
+    def ranges(self, samples: int, inputs: dict[str, Array], limits: SparseLimits, most: Array) -> KernelRanges:
+        """Least and largest c² at every sample.
+
+        Args:
+            samples: N.
+            inputs: Of the wrench form, by name.
+            limits: Rows over torques and wrenches.
+            most: Largest c² that the velocities allow, Shape (N,), infinity where they do not bound it.
+        """
+        k, N = self.unknowns, samples
+        found = KernelRanges(
+            np.zeros(N),
+            np.zeros(N),
+            np.full((2, N), STOPPED, dtype=np.uint8),
+            np.zeros(N),
+            np.zeros((2, N, k), dtype=np.int16),
+            np.zeros((2, N, k), dtype=np.float32),
+        )
+        outputs = [found.lower, found.upper, *found.status, found.effect, *found.basis, *found.dual]
+        bound = np.ascontiguousarray(np.minimum(most, INFINITY))
+
+        given, strides = _inputs(self.records["wrench_form"], samples, inputs)
+
+        def run(first: int, count: int) -> None:
+            scratch = Scratch(self.opened, self.records["wrench_form"])
+            work = work_arrays(self.opened, "mrts_ranges", limits.rows)
+            failed = self.opened.mrts_ranges(
+                ctypes.c_longlong(count),
+                _pointers(given, first, strides),
+                strides,
+                ctypes.byref(limits.structure),
+                limits.square_from(first),
+                pointer(bound[first:]),
+                *(pointer(output[first:]) for output in outputs),
+                *scratch.pointers(),
+                *(pointer(array) for array in work),
+            )
+            assert failed == 0  # noqa: S101 (as in `map`)
+
+        over_chunks(self.opened, samples, run)
+        return found
+
+    def torques(
+        self, samples: int, inputs: dict[str, Array], limits: SparseLimits, c2: Array, weights: Array, slack: float
+    ) -> tuple[Array, Array, NDArray[np.uint8]]:
+        """Torques τ, Shape (N, m), wrenches F, Shape (N, n w), that minimise τᵀWτ at c², and statuses, Shape (N,).
+
+        Args:
+            samples: N.
+            inputs: Of the wrench form, by name.
+            limits: Rows over torques and wrenches.
+            c2: Shape (N,).
+            weights: W, Shape (m, m).
+            slack: Widening of each limit, as a share of it.
+        """
+        torque, wrench = np.zeros((samples, self.joints)), np.zeros((samples, self.wrenches))
+        status = np.full(samples, STOPPED, dtype=np.uint8)
+        W, speed = np.ascontiguousarray(weights), np.ascontiguousarray(c2)
+
+        given, strides = _inputs(self.records["wrench_form"], samples, inputs)
+
+        def run(first: int, count: int) -> None:
+            scratch = Scratch(self.opened, self.records["wrench_form"])
+            work = work_arrays(self.opened, "mrts_torques", limits.rows)
+            failed = self.opened.mrts_torques(
+                ctypes.c_longlong(count),
+                _pointers(given, first, strides),
+                strides,
+                ctypes.byref(limits.structure),
+                limits.square_from(first),
+                pointer(speed[first:]),
+                1,
+                pointer(W),
+                ctypes.c_double(slack),
+                pointer(torque[first:]),
+                pointer(wrench[first:]),
+                pointer(status[first:]),
+                *scratch.pointers(),
+                *(pointer(array) for array in work),
+            )
+            assert failed == 0  # noqa: S101 (as in `map`)
+
+        over_chunks(self.opened, samples, run)
+        return torque, wrench, status
+
+
+class Scratch:
+    """The work arrays that a generated function wants.
+
+    Args:
+        library: The cell's library.
+        record: The function.
+    """
+
+    def __init__(self, library: ctypes.CDLL, record: FunctionRecord) -> None:
+        self.sizes = work_sizes(library, record)
+        self._allocate()
+
+    def _allocate(self) -> None:
+        *words, reals = self.sizes
+        self._arrays: list[NDArray[Any]] = [np.zeros(size + 1, dtype=np.int64) for size in words]
+        self._arrays.append(np.zeros(reals + 1))
+
+    def at_least(self, *others: "Scratch") -> "Scratch":
+        """The same with room for other functions' work as well."""
+        self.sizes = tuple(max(sizes) for sizes in zip(self.sizes, *(other.sizes for other in others), strict=True))
+        self._allocate()
+        return self
+
+    def pointers(self) -> list[ctypes.c_void_p]:
+        """arg, res, iw, w."""
+        return [pointer(array) for array in self._arrays]
+
+
+def _inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]) -> tuple[list[Array], Any]:
+    """Inputs as the generated C reads them (matrices by columns), and how far apart samples lie (0: one for all).
+
+    Raises:
+        ValueError: If an input has another shape: the C would read past its end.
+    """
+    given, strides = [], []
+    for argument in record.inputs:
+        rows, columns = argument.shape
+        value = np.asarray(inputs[argument.name], dtype=np.float64)
+        alone = value.shape == (rows,) and columns == 1
+        if not alone:
+            if value.size != samples * rows * columns or len(value) != samples:
+                raise ValueError(f"{argument.name} has Shape {value.shape}, not {(samples, rows, columns)}")
+            value = value.reshape(samples, rows, columns).transpose(0, 2, 1)
+        given.append(np.ascontiguousarray(value))
+        strides.append(0 if alone else rows * columns)
+    return given, (ctypes.c_longlong * len(strides))(*strides)
+
+
+def _by_rows(value: Array) -> Array:
+    """An output by columns, Shape (N, columns, rows), as (N, rows, columns), or (N, rows) for a column."""
+    return value[:, 0, :] if value.shape[1] == 1 else np.ascontiguousarray(value.transpose(0, 2, 1))
+
+
+def _pointers(arrays: list[Array], first: int = 0, strides: Any = None) -> Any:
+    """An array of pointers, each moved on to sample `first`."""
+    steps = [8 * first * stride for stride in strides] if strides is not None else [0] * len(arrays)
+    addresses = [array.ctypes.data + step for array, step in zip(arrays, steps, strict=True)]
+    return (ctypes.c_void_p * len(arrays))(*addresses)

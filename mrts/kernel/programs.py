@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: MIT
+"""Small dense programs in C: batches of any size in one foreign call."""
+
+import ctypes
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.errors import CompilerError
+from mrts.kernel.c_text import programs_source
+from mrts.kernel.compiler import find_compiler
+from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
+from mrts.kernel.library_cache import library_or_rebuilt
+
+CORNERS = 64
+"""Most corners of a projection, `MRTS_CORNERS` of projection.c."""
+
+OPTIMAL, INFEASIBLE, MARGINAL, STOPPED = range(4)
+"""The kernel's statuses, see linear_programs.h."""
+
+
+class Programs:
+    """The programs of a library that holds them, its own or a cell's.
+
+    Args:
+        library: The library.
+
+    Raises:
+        AttributeError: If it lacks a function.
+    """
+
+    def __init__(self, library: ctypes.CDLL) -> None:
+        self._library = library
+        for name in ("mrts_lp_batch", "mrts_qp_batch", "mrts_project_batch", "mrts_backward", "mrts_forward"):
+            getattr(library, name)
+
+    def linear_programs(self, g: Array, A: Array, lower: Array, upper: Array) -> tuple[Array, Array, NDArray[np.uint8]]:
+        """Minimise gᵀx in every program of a batch; shapes as in `quadratic_programs`."""
+        return self._batch("mrts_lp_batch", [g, A, lower, upper])
+
+    def quadratic_programs(
+        self, H: Array, g: Array, A: Array, lower: Array, upper: Array
+    ) -> tuple[Array, Array, NDArray[np.uint8]]:
+        """Minimise ½ xᵀHx + gᵀx in every program of a batch.
+
+        Args:
+            H: Positive definite, Shape (N, k, k).
+            g: Shape (N, k).
+            A: Shape (N, r, k).
+            lower: Of the rows and then the unknowns, Shape (N, r + k).
+            upper: Likewise.
+
+        Returns:
+            Minimisers, Shape (N, k), multipliers of rows and unknowns, Shape (N, r + k), positive at an upper limit,
+            and statuses, Shape (N,).
+        """
+        return self._batch("mrts_qp_batch", [H, g, A, lower, upper])
+
+    def projections(self, A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+        """Project every polytope of a batch onto its last two unknowns, from inside.
+
+        Args:
+            A: Shape (N, r, k).
+            lower: Of the rows and then the unknowns, Shape (N, r + k); the last two unknowns need limits.
+            upper: Likewise.
+
+        Returns:
+            Numbers of corners, Shape (N,), the corners counter-clockwise, Shape (N, 64, 2), and statuses, Shape (N,).
+        """
+        count, rows, k = A.shape
+        arrays = [np.ascontiguousarray(np.clip(array, -INFINITY, INFINITY)) for array in (A, lower, upper)]
+        number, corners = np.zeros(count, dtype=np.int32), np.zeros((count, CORNERS, 2))
+        status = np.full(count, STOPPED, dtype=np.uint8)
+
+        def project(first: int, samples: int) -> None:
+            outputs: list[NDArray[Any]] = [number, corners, status]
+            pointers = [pointer(array[first:]) for array in [*arrays, *outputs]]
+            work = work_arrays(self._library, "mrts_project_batch", k, rows)
+            self._library.mrts_project_batch(
+                ctypes.c_longlong(samples), k, rows, *pointers, *(pointer(array) for array in work)
+            )
+
+        over_chunks(self._library, count, project)
+        return number, corners, status
+
+    def backward(self, step: Array, start: NDArray[np.int64], planes: Array, low: Array, high: Array) -> int:
+        """Shrink bounds of x to the controllable sets, from the last sample back to the first.
+
+        Args:
+            step: Length of each segment, Shape (n - 1,).
+            start: The half-planes of sample i are start[i] .. start[i + 1] - 1, Shape (n + 1,).
+            planes: Shape (E, 3).
+            low: Least x; changed in place, Shape (n,).
+            high: Largest x; changed in place, Shape (n,).
+
+        Returns:
+            The sample that has none, -1 if all have one.
+        """
+        run = self._library.mrts_backward
+        run.restype = ctypes.c_longlong
+        arrays = (step, start, planes, low, high, self._segment_work(start))
+        return int(run(ctypes.c_longlong(len(step)), *(pointer(array) for array in arrays)))
+
+    def forward(
+        self, step: Array, start: NDArray[np.int64], planes: Array, low: Array, high: Array, first: float
+    ) -> Array:
+        """The largest controllable x at every sample, from `first` on, Shape (n,); arguments as in `backward`."""
+        x = np.zeros(len(step) + 1)
+        x[0] = first
+        arrays = (step, start, planes, low, high, x, self._segment_work(start))
+        self._library.mrts_forward(ctypes.c_longlong(len(step)), *(pointer(array) for array in arrays))
+        return x
+
+    def _batch(self, name: str, arrays: list[Array]) -> tuple[Array, Array, NDArray[np.uint8]]:
+        count, rows, k = arrays[-3].shape
+        arrays = [np.ascontiguousarray(np.clip(array, -INFINITY, INFINITY)) for array in arrays]
+        x, dual, status = np.zeros((count, k)), np.zeros((count, rows + k)), np.zeros(count, dtype=np.uint8)
+        work = work_arrays(self._library, name, k, rows)
+        pointers = [pointer(array) for array in (*arrays, x, dual, status, *work)]
+        getattr(self._library, name)(ctypes.c_longlong(count), k, rows, *pointers)
+        return x, dual, status
+
+    def _segment_work(self, start: NDArray[np.int64]) -> Array:
+        """Work of both passes, from how many half-planes each sample has."""
+        run = self._library.mrts_segment_work
+        run.restype = ctypes.c_longlong
+        return np.zeros(run(ctypes.c_longlong(2 * int(np.max(np.diff(start))))))
+
+
+def compiled_programs(command: tuple[str, ...]) -> Programs:
+    """The programs in a library of their own, compiled on first use.
+
+    Raises:
+        CompilerError: If the compiler fails.
+    """
+    return library_or_rebuilt(
+        command, "mrts_programs", programs_source(), lambda library: Programs(ctypes.CDLL(str(library)))
+    )
+
+
+_of_a_cell: list[Programs] = []
+
+
+def offer_programs(programs: Programs) -> None:
+    """Let `default_programs` take those of a cell's library: what is compiled once need not be compiled again."""
+    if not _of_a_cell:
+        _of_a_cell.append(programs)
+
+
+def default_programs() -> Programs:
+    """The programs of a cell's library that is open, else those of a library of their own.
+
+    Raises:
+        CompilerError: If there is no compiler, or it fails.
+    """
+    return _of_a_cell[0] if _of_a_cell else _programs_alone()
+
+
+@lru_cache(maxsize=1)
+def _programs_alone() -> Programs:
+    command = find_compiler()
+    if command is None:
+        raise CompilerError(
+            "our kernel needs a C compiler. Install one (Debian: apt-get install gcc libc6-dev) or set CC."
+        )
+    return compiled_programs(command)

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: MIT
+"""Inverse kinematics along a whole path in one foreign call (mrts/kernel/c/tracking.c)."""
+
+import ctypes
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.kernel.cell_library import CellLibrary, Scratch
+from mrts.kernel.foreign_arrays import pointer
+
+
+class _Arm(ctypes.Structure):
+    """`mrts_arm` of tracking.c."""
+
+    _fields_ = [
+        ("base_rotation", ctypes.c_double * 9),
+        ("tip_rotation", ctypes.c_double * 9),
+        ("tip_position", ctypes.c_double * 3),
+    ]
+
+
+class _Preference(ctypes.Structure):
+    """`mrts_preference` of null_space.h."""
+
+    _fields_ = [
+        ("lower", ctypes.c_void_p),
+        ("upper", ctypes.c_void_p),
+        ("zone", ctypes.c_void_p),
+        ("push", ctypes.c_double),
+    ]
+
+
+@dataclass(frozen=True)
+class NewtonRule:
+    """How the iteration at a sample goes.
+
+    Attributes:
+        steps: Most steps.
+        settled: Joint step at which it ends [rad or m].
+        longest: Largest joint step [rad or m].
+        reached: Remaining error at which a grasp counts as held [m, rad].
+    """
+
+    steps: int
+    settled: float
+    longest: float
+    reached: float
+
+
+class GraspTask:
+    """What the n arms of a cell, m joints in all, are to hold, and how: the same at every sample.
+
+    Args:
+        newton: How the iteration at a sample goes.
+        components: Rows of a six-component twist that the cell uses.
+        base_rotation: Of the arms in the world, Shape (n, 3, 3).
+        tip_rotation: Of the grasps in the object frame, Shape (n, 3, 3).
+        tip_position: Likewise, Shape (n, 3) [m].
+        lower: Least joint positions, minus infinity where there is none, Shape (m,) [rad or m].
+        upper: Largest ones, Shape (m,).
+        zone: Widths of the zones beside them, Shape (m,).
+        push: What h adds at a limit [rad or m], see `mrts.inverse_kinematics.null_space`.
+    """
+
+    def __init__(
+        self,
+        *,
+        newton: NewtonRule,
+        components: Sequence[int],
+        base_rotation: Array,
+        tip_rotation: Array,
+        tip_position: Array,
+        lower: Array,
+        upper: Array,
+        zone: Array,
+        push: float,
+    ) -> None:
+        class Tracking(ctypes.Structure):
+            """`mrts_tracking` of tracking.c."""
+
+            _fields_ = [
+                ("steps", ctypes.c_int),
+                ("settled", ctypes.c_double),
+                ("longest", ctypes.c_double),
+                ("reached", ctypes.c_double),
+                ("components", ctypes.c_int * 6),
+                ("wish", _Preference),
+                ("arm", _Arm * len(tip_position)),
+            ]
+
+        self.robots = len(tip_position)
+        self._limits = [np.ascontiguousarray(array) for array in (lower, upper, zone)]
+        wish = _Preference(*(pointer(array) for array in self._limits), push)
+        used = (ctypes.c_int * 6)(*components)
+        self.structure = Tracking(newton.steps, newton.settled, newton.longest, newton.reached, used, wish)
+        places = zip(self.structure.arm, base_rotation, tip_rotation, tip_position, strict=True)
+        for arm, base, tip, position in places:
+            arm.base_rotation[:] = base.ravel().tolist()
+            arm.tip_rotation[:] = tip.ravel().tolist()
+            arm.tip_position[:] = position.tolist()
+
+
+@dataclass(frozen=True)
+class TrackedJoints:
+    """Joints along a path of N samples, n robots.
+
+    Attributes:
+        done: How many samples were followed; fewer than N where an arm is singular.
+        q: Shape (N, m); likewise `dq` and `ddq`.
+        gap: Remaining error of position, Shape (N, n) [m].
+        turn: Remaining error of rotation, Shape (N, n) [rad].
+        jump: Largest correction of a predicted joint, Shape (N, n) [rad or m].
+        condition: At least the condition number of the Jacobian, Shape (N, n).
+        drift: Step still to go of a redundant arm, Shape (N, n) [rad or m]; zero for others.
+        curvature: Product of the curvatures of H (`mrts.inverse_kinematics.null_space`), Shape (N, n); one for others.
+    """
+
+    done: int
+    q: Array
+    dq: Array
+    ddq: Array
+    gap: Array
+    turn: Array
+    jump: Array
+    condition: Array
+    drift: Array
+    curvature: Array
+
+
+def track_path(library: CellLibrary, task: GraspTask, path: Sequence[Array], start: Array) -> TrackedJoints:
+    """Follow the grasps from joint positions that hold them.
+
+    Args:
+        library: Of the cell.
+        task: What its arms are to hold.
+        path: Of the object: time, Shape (N,) [s], position, Shape (N, 3) [m], rotation, Shape (N, 3, 3), twist and
+            acceleration, Shape (N, 6).
+        start: Positions at the first sample, Shape (m,) [rad or m].
+    """
+    given = [np.ascontiguousarray(part) for part in path]
+    samples = len(given[0])
+    q, dq, ddq = (np.zeros((samples, len(start))) for _ in range(3))
+    about = [np.zeros((samples, task.robots)) for _ in range(6)]
+    q[0] = start
+    used = ("kinematics", "bias_acceleration", "geometric_stiffness", "geometric_stiffness_rate")
+    scratch = [Scratch(library.opened, library.records[name]) for name in used if name in library.records]
+    run = library.opened.mrts_track
+    run.restype = ctypes.c_longlong
+    done = run(
+        ctypes.c_longlong(samples),
+        ctypes.byref(task.structure),
+        *(pointer(array) for array in (*given, q, dq, ddq, *about)),
+        *scratch[0].at_least(*scratch[1:]).pointers(),
+    )
+    return TrackedJoints(int(done), q, dq, ddq, *about)

@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: MIT
+"""CSV tables of motion: the object's pose, or the joints' positions, over time."""
+
+import csv
+import re
+from array import array
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.input_file import LARGEST_NUMBER, read_text
+from mrts.motion.joint_table import JointTable, joint_motion
+from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion, spline_motion
+from mrts.motion.rounded_samples import derivative
+
+POSE_COLUMNS = ("px", "py", "pz", "qx", "qy", "qz", "qw")
+VELOCITY_COLUMNS = ("vx", "vy", "vz", "wx", "wy", "wz")
+RATE_COLUMNS = (*VELOCITY_COLUMNS, "ax", "ay", "az", "alphax", "alphay", "alphaz")
+
+MAX_SAMPLES = 1_000_000
+MAX_COLUMNS = 1000
+"""Position, velocity, acceleration and torque of some two hundred joints."""
+
+QUATERNION_TOLERANCE = 1e-3
+"""How far from 1 a quaternion's length may be: tables carry few digits."""
+
+
+def read_table(path: Path, samples: int | None) -> ObjectMotion | JointTable:
+    """Read a table of either kind, told apart by its columns.
+
+    Args:
+        path: The file.
+        samples: Number of samples on the C² spline through a table without velocities; None takes its own times.
+
+    Raises:
+        InputError: As `read_object_table` and `read_joint_table`, or if it looks like neither.
+    """
+    columns = _read_columns(path)
+    if any(name.startswith("q.") for name in columns):
+        return _joint_table(path, columns, samples)
+    if any(name in columns for name in POSE_COLUMNS):
+        return _object_table(path, columns, samples)
+    raise InputError(
+        path,
+        f"is no table of motion: it has neither columns of the object ({', '.join(POSE_COLUMNS)}) nor of joints "
+        "(q.ROBOT/JOINT).",
+    )
+
+
+def read_object_table(path: Path, samples: int | None) -> ObjectMotion:
+    """Read a table with t, px, py, pz, qx, qy, qz, qw and maybe velocities, maybe accelerations too, in world axes.
+
+    Args:
+        path: The file.
+        samples: Number of samples on the C² spline through a table without velocities; None takes its own times.
+
+    Raises:
+        InputError: If a column is missing or unknown, a value is not a finite number, the times do not increase, a
+            quaternion is not of length 1, or the velocities contradict the positions.
+    """
+    return _object_table(path, _read_columns(path), samples)
+
+
+def _object_table(path: Path, columns: dict[str, Array], samples: int | None) -> ObjectMotion:
+    time = _time(path, columns)
+    rates = tuple(name for name in RATE_COLUMNS if name in columns)
+    missing = [name for name in POSE_COLUMNS if name not in columns]
+    if missing:
+        raise InputError(path, f"these columns are needed too: {', '.join(missing)}.")
+    if rates and rates not in (VELOCITY_COLUMNS, RATE_COLUMNS):
+        lacking = ", ".join(name for name in RATE_COLUMNS if name not in columns)
+        raise InputError(
+            path, f"give all velocities and accelerations, all velocities, or none; these are missing: {lacking}."
+        )
+    unknown = set(columns) - {"t", *POSE_COLUMNS, *RATE_COLUMNS}
+    if unknown:
+        raise InputError(
+            path, f"unknown column '{min(unknown)}'. Columns are t, {', '.join((*POSE_COLUMNS, *RATE_COLUMNS))}."
+        )
+    pose = np.column_stack([columns[name] for name in POSE_COLUMNS])
+    lengths = np.linalg.norm(pose[:, 3:], axis=1)
+    if np.max(np.abs(lengths - 1)) > QUATERNION_TOLERANCE:
+        row = int(np.argmax(np.abs(lengths - 1)))
+        raise InputError(
+            path, f"must have length 1, it has {lengths[row]:.6g}. The order is x, y, z, w.",
+            key=f"row {row + 1}, quaternion", value=pose[row, 3:].tolist(),
+        )  # fmt: skip
+    if not rates:
+        at = time if samples is None else np.linspace(0.0, time[-1], samples)
+        try:
+            return spline_motion(time, pose[:, :3], pose[:, 3:], at)
+        except InputError as error:
+            raise InputError(path, error.rule, key=error.where) from None
+    if samples is not None:
+        raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
+    rotation = np.asarray(Rotation.from_quat(pose[:, 3:]).as_matrix(), dtype=np.float64)
+    given = np.column_stack([columns[name] for name in rates])
+    twist, acceleration = given[:, :6], given[:, 6:]
+    if rates == VELOCITY_COLUMNS:
+        acceleration = derivative(time, twist)
+    try:
+        return ObjectMotion(time, pose[:, :3], rotation, twist, acceleration)
+    except InputError as error:
+        raise InputError(path, error.rule, key=error.where) from None
+
+
+def read_joint_table(path: Path, samples: int | None) -> JointTable:
+    """Read a table with t and, for every joint, `q.ROBOT/JOINT`, and maybe `dq.…`, and with these maybe `ddq.…`.
+
+    The torques `tau.…` and wrenches `F.…` that `mrts scale --csv` writes are passed over.
+
+    Args:
+        path: The file.
+        samples: Number of samples on the C² spline through a table without velocities; None takes its own times.
+
+    Raises:
+        InputError: If a column is malformed, a value is not a finite number, or the times do not increase.
+    """
+    return _joint_table(path, _read_columns(path), samples)
+
+
+def _joint_table(path: Path, columns: dict[str, Array], samples: int | None) -> JointTable:
+    time = _time(path, columns)
+    parts: dict[str, dict[str, Array]] = {"q": {}, "dq": {}, "ddq": {}}
+    for name, values in columns.items():
+        part, _, joint = name.partition(".")
+        if name == "t" or part in {"tau", "F"}:
+            continue
+        if part not in parts or not joint:
+            raise InputError(path, f"unknown column '{name}'. Columns are t, q.ROBOT/JOINT, dq.…, ddq.….")
+        parts[part][joint] = values
+    if not parts["q"]:
+        raise InputError(path, "holds no column q.ROBOT/JOINT.")
+    for below, part in (("q", "dq"), ("dq", "ddq")):
+        for joint in parts[part]:
+            if joint not in parts[below]:
+                raise InputError(path, f"the column '{part}.{joint}' needs a column '{below}.{joint}'.")
+    return joint_motion(path, time, parts["q"], parts["dq"], parts["ddq"], samples)
+
+
+def _read_columns(path: Path) -> dict[str, Array]:
+    text = read_text(path, "table").removeprefix("\ufeff")  # the mark that spreadsheets put in front of UTF-8
+    rows = _rows(path, text)
+    try:
+        names = _column_names(path, next(rows, None))
+        values = array("d")
+        for number, row in enumerate(rows, start=1):
+            if len(row) != len(names):
+                raise InputError(path, f"has {len(row)} values for {len(names)} columns.", key=f"row {number}")
+            values.extend(_numbers(path, number, names, row))
+    except csv.Error as error:
+        raise InputError(path, f"is no CSV table: {error}.") from None
+    count = len(values) // len(names)
+    if count < 2:  # noqa: PLR2004 (both ends)
+        raise InputError(path, f"holds {count} rows of values; a motion has at least 2.")
+    columns = np.frombuffer(values).reshape(count, len(names)).T.copy()
+    return dict(zip(names, columns, strict=True))
+
+
+def _rows(path: Path, text: str) -> Iterator[list[str]]:
+    """Rows that hold something."""
+    lines = (line.group() for line in re.finditer(r"[^\n]+\n?", text))
+    for number, row in enumerate(csv.reader(lines)):
+        if number > MAX_SAMPLES:
+            raise InputError(path, f"a motion has at most {MAX_SAMPLES} samples.")
+        if "".join(row).strip():
+            yield row
+
+
+def _numbers(path: Path, row: int, names: list[str], texts: list[str]) -> list[float]:
+    """Values of a row."""
+    try:
+        values = [float(text) for text in texts]
+        if all(-LARGEST_NUMBER <= value <= LARGEST_NUMBER for value in values) and "_" not in "".join(texts):
+            return values
+    except ValueError:
+        pass
+    wrong = next(place for place, text in enumerate(texts) if not _is_number(text))
+    raise InputError(path, "must be a finite number.", key=f"row {row}, column {names[wrong]}", value=texts[wrong])
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return "_" not in text and abs(float(text)) <= LARGEST_NUMBER
+    except ValueError:
+        return False
+
+
+def _column_names(path: Path, row: list[str] | None) -> list[str]:
+    """Names from the first line, which is None in an empty file."""
+    if row is None:
+        raise InputError(path, "is empty: the first line names the columns.")
+    names = [name.strip() for name in row]
+    if len(names) == 1:
+        raise InputError(path, "has one column; separate columns by commas.", value=names[0])
+    if len(names) > MAX_COLUMNS:
+        raise InputError(path, f"has {len(names)} columns; a table has at most {MAX_COLUMNS}.")
+    seen: set[str] = set()
+    for name in names:
+        if not name:
+            raise InputError(path, "a column has no name: is there a comma too many in the first line?")
+        if name in seen:
+            raise InputError(path, f"the column '{name}' stands twice.")
+        seen.add(name)
+    return names
+
+
+def _time(path: Path, columns: dict[str, Array]) -> Array:
+    if "t" not in columns:
+        raise InputError(path, f"a column 't' in s is needed; there are {', '.join(columns)}.")
+    time = columns["t"]
+    steps = np.diff(time)
+    if np.min(steps) <= 0:
+        row = int(np.argmax(steps <= 0)) + 2
+        raise InputError(path, "must be later than the row before.", key=f"row {row}, column t", value=time[row - 1])
+    if np.min(steps) < SHORTEST_STEP:
+        row = int(np.argmin(steps)) + 2
+        raise InputError(path, f"is less than {SHORTEST_STEP:g} s after the row before.", key=f"row {row}, column t")
+    return np.asarray(time - time[0], dtype=np.float64)

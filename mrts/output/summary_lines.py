@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: MIT
+"""The outcome of scaling as lines of text."""
+
+from collections.abc import Iterator
+
+from mrts.base.interval_text import interval_text
+from mrts.drawing.range_sentences import range_text
+from mrts.retiming.result import RetimingResult
+from mrts.scaling.limit_use import limit_uses
+from mrts.scaling.load_study import LoadStudy
+from mrts.scaling.range import ScalingRange
+from mrts.scaling.result import ScalingResult
+
+LOADS_SHOWN = 8
+"""Loads of a box that are printed."""
+
+LIMITS_SHOWN = 4
+"""Limits that are printed of a timing."""
+
+OWN_KINDS = ("torque", "wrench", "velocity")
+"""What a cell file limits; of these, torques are printed."""
+
+NAME_WIDTH = 28
+"""Of the column of joints, unless a name is longer [characters]."""
+
+LIMIT_DIGITS = 6
+"""Significant digits of a limit: as many as it is given with."""
+
+
+def scaling_lines(result: ScalingResult) -> Iterator[str]:
+    """What the command line says of a result.
+
+    Args:
+        result: The result.
+    """
+    yield f"{result.cell.name}: {result.sentence()}"
+    yield from map(str, result.warnings)
+    if result.load is not None:
+        yield from _load_lines(result.load)
+    done = result.trajectory
+    if done is None:
+        return
+    given = result.motion.object.time[-1]
+    yield f"chosen c² = {done.c2:.6g}: {given:.4g} s become {done.duration:.4g} s, energy {done.energy:.4g} J"
+    yield f"torques for a load of {result.cell.mass:.4g} kg\n" if result.load is not None else ""
+    yield from _torque_lines(result)
+    for note in result.too_fast():
+        yield f"note: {note}"
+
+
+def retiming_lines(found: RetimingResult) -> Iterator[str]:
+    """What the command line says of the fastest timing.
+
+    Args:
+        found: The outcome.
+    """
+    yield f"{found.cell.name}: {found.sentence()}"
+    yield from map(str, found.warnings)
+    if found.retimed is None or found.retimed.trajectory is None or found.excess is None:
+        return
+    limits = "; ".join(f"{name} {100 * share:.0f} % of the time" for name, share in found.limits[:LIMITS_SHOWN])
+    yield f"limited by {limits}"
+    loads = f"for each of {len(found.loads)} corners of the load's box, " if len(found.loads) > 1 else ""
+    if found.excess.share > 0:
+        yield f"between the samples, {loads}limits are overstepped by at most {100 * found.excess.share:.2g} %"
+    else:
+        yield f"between the samples, {loads}no limit is overstepped"
+    yield f"energy {found.retimed.trajectory.energy:.4g} J; torques for a load of {found.cell.mass:.4g} kg\n"
+    yield from _torque_lines(found.retimed)
+
+
+def _torque_lines(result: ScalingResult) -> Iterator[str]:
+    """Least and largest torque of every joint, and of what limits beside those of a cell file bound."""
+    robots = result.cell.robots
+    names = max(NAME_WIDTH, *(len(f"{robot.name}/{joint}") for robot in robots for joint in robot.joints))
+    yield f"{'joint':<{names}} {'least torque':>14} {'largest torque':>15} {'limits':>22}"
+    further = [use for use in limit_uses(result) if use.name.kind not in OWN_KINDS]
+    for use in [*limit_uses(result, "torque"), *further]:
+        name, unit = use.name.short, use.name.unit
+        least, largest = (f"{value:.4g} {unit}" for value in (use.least, use.largest))
+        limits = interval_text(use.lower, use.upper, unit, LIMIT_DIGITS)
+        yield f"{name:<{names}} {least:>14} {largest:>15} {limits:>22}"
+
+
+def _load_lines(study: LoadStudy) -> Iterator[str]:
+    """Ranges by load, the worst first, and what the factors of inertia refer to."""
+
+    def end(found: ScalingRange) -> float:
+        return found.upper.c2 if found.upper else 0
+
+    ordered = sorted(zip(study.points, study.ranges, strict=True), key=lambda pair: end(pair[1]))
+    for point, found in ordered[:LOADS_SHOWN]:
+        yield f"  {range_text(found):<20} {point}"
+    if len(ordered) > LOADS_SHOWN:
+        yield f"  … and {len(ordered) - LOADS_SHOWN} more loads (--json has all)"
+    if not study.box.axes_are_the_objects:
+        columns = zip("xyz", study.box.principal_axes.T, strict=True)
+        axes = "; ".join(f"{name} {column.round(4).tolist()}" for name, column in columns)
+        yield f"  factors of ixx, iyy, izz are about the principal axes, in the object frame: {axes}"

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: MIT
+"""Torques and wrenches that hold the object still where a motion starts from rest and comes to rest."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.remark import Remark
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.motion.rows_at_rest import pushing_ends
+from mrts.samples import FormulationName
+from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.sample_ranges import SampleRanges
+from mrts.samples.trajectory_programs import motion_torques
+
+
+@dataclass(frozen=True)
+class Holding:
+    """What a controller needs before the first and after the last sample, at both ends of a motion.
+
+    Attributes:
+        ends: Whether there are such torques at the start, and at the end: only where the motion is at rest there but
+            accelerates, and the limits let the cell hold still.
+        torque: Shape (2, m) [N m or N]; zero where there are none.
+        wrench: Robot after robot in base axes, Shape (2, n w) [N, N m]; likewise.
+    """
+
+    ends: tuple[bool, bool]
+    torque: Array
+    wrench: Array
+
+
+def holding_at_ends(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    samples: SampleRanges,
+    sharing: LoadSharing | None,
+    formulation: FormulationName,
+    weights: Array,
+    solver: str,
+) -> tuple[Holding, tuple[Remark, ...]]:
+    """The quadratic program (31) to (34) at both ends at rest, which is c² = 0.
+
+    Args:
+        cell: The cell, with its load.
+        motion: Its motion.
+        samples: The ranges of c²: where 0 is in none, the limits do not let the cell hold still.
+        sharing: A fixed distribution of the load, None for a free one.
+        formulation: Unknowns of the programs.
+        weights: W, Shape (m, m).
+        solver: Name in the registry.
+
+    Returns:
+        The torques, and what to say where there are none although a controller needs them.
+
+    Raises:
+        SolverError: If no solver answers.
+    """
+    pushing, places = pushing_ends(motion.dq, motion.ddq), (0, motion.samples - 1)
+    free = [bool(samples.lower[place] <= 0) for place in places]
+    ends = (pushing[0] and free[0], pushing[1] and free[1])
+    remarks = tuple(
+        Remark(
+            "no-row-at-rest",
+            f"the limits do not let the cell hold still where the motion {('starts', 'ends')[end]}, so tables and bags "
+            f"{('begin', 'end')[end]} with the torques of the motion: a controller must not stay there.",
+            places[end],
+        )
+        for end in (0, 1)
+        if pushing[end] and not free[end]
+    )
+    none = Holding(
+        ends, np.zeros((2, motion.q.shape[1])), np.zeros((2, len(cell.robots) * len(cell.wrench_components)))
+    )
+    if not any(ends):
+        return none, remarks
+    held = [place for place, end in zip(places, ends, strict=True) if end]
+    chosen = np.array([held[0], held[-1]])
+    internal = None if sharing is None else sharing.internal_wrench
+    if sharing is not None and internal is not None and np.ndim(internal) > 1:
+        sharing = replace(sharing, internal_wrench=np.asarray(internal)[chosen])
+    torque, wrench, _ = motion_torques(cell, motion.at(chosen), formulation, sharing, solver, 0.0, weights)
+    kept = np.array(ends)[:, None]
+    return replace(none, torque=np.where(kept, torque, 0.0), wrench=np.where(kept, wrench, 0.0)), remarks

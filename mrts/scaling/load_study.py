@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: MIT
+"""What is asked of an uncertain load, the ranges of c² of single loads, and the answer."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.argument_types import Progress
+from mrts.base.arrays import Array
+from mrts.base.load_box import LoadBox, LoadPoint
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.samples import FormulationName
+from mrts.samples.end_rows import with_end_rows
+from mrts.samples.infeasibility import Conflict
+from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.range_ends import SelectedRows
+from mrts.samples.sample_problem import SampleProblem, build_sample_problem
+from mrts.samples.sample_ranges import SampleRanges, statuses
+from mrts.samples.trajectory_programs import motion_ranges
+from mrts.scaling.range import ScalingRange, intersect
+
+
+@dataclass(frozen=True, repr=False)
+class LoadStudy:
+    """What was asked of an uncertain load, and the answer for each load that was looked at.
+
+    Attributes:
+        question: "guaranteed" (every load of the box), "possible" (some load, sample by sample) or "grid:N".
+        box: The box.
+        points: Loads that were evaluated one by one; empty where a fixed distribution was answered in closed form.
+        ranges: Their ranges over the motion.
+        not_converged: Samples where the search of `possible` was not verified and a corner's range stands.
+    """
+
+    question: str
+    box: LoadBox
+    points: tuple[LoadPoint, ...]
+    ranges: tuple[ScalingRange, ...]
+    not_converged: tuple[int, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<LoadStudy {self.sentence()}>"
+
+    def sentence(self) -> str:
+        """The question and the box in words."""
+        what = self.box.description()
+        if self.question == "guaranteed":
+            return f"for every load of the box ({what})"
+        if self.question == "possible":
+            missed = f"; {len(self.not_converged)} samples not converged" if self.not_converged else ""
+            return f"at best, for some load of the box at each sample ({what}{missed})"
+        low, high = (self.box.mass * factor for factor in self.box.ranges["mass"])
+        return f"for {len(self.points)} masses from {low:.4g} to {high:.4g} kg, all else nominal"
+
+    def to_json(self) -> dict[str, Any]:
+        """The study as JSON values."""
+        return {
+            "question": self.question,
+            "ranges": {name: list(pair) for name, pair in self.box.ranges.items()},
+            "outer_hull": self.box.outer_hull,
+            "principal_axes": self.box.principal_axes.tolist(),
+            "principal_moments": self.box.principal_moments.tolist(),
+            "points": [
+                point.to_json() | found.to_json() for point, found in zip(self.points, self.ranges, strict=True)
+            ],
+            "not_converged": list(self.not_converged),
+        }
+
+
+@dataclass(frozen=True)
+class LoadQuestion:
+    """What every question of an uncertain load shares.
+
+    Attributes:
+        cell: The cell.
+        motion: Its motion.
+        formulation: As in `build_sample_problem`.
+        sharing: Likewise.
+        solver: Name in the registry.
+        progress: Told how many of how many loads are done.
+    """
+
+    cell: Cell
+    motion: CoordinatedMotion
+    formulation: FormulationName
+    sharing: LoadSharing | None
+    solver: str
+    progress: Progress
+
+    def problem(self, load: Array) -> SampleProblem:
+        """Rows with a load, Shape (10,), or one a sample, Shape (N, 10)."""
+        return build_sample_problem(
+            self.cell, self.motion, formulation=self.formulation, sharing=self.sharing, load=load
+        )
+
+    def ranges(self, points: Sequence[LoadPoint]) -> list[SampleRanges]:
+        """Ranges of each load."""
+        found = []
+        for number, point in enumerate(points):
+            self.progress(number, len(points))
+            found.append(motion_ranges(self.cell, self.motion, self.formulation, self.sharing, self.solver, point.load))
+        self.progress(len(points), len(points))
+        return found
+
+    def whole(self, samples: SampleRanges) -> ScalingRange:
+        """The range over the motion of samples each of whose ends is that of some load."""
+        if self.sharing is None and samples.lower_loads is not None and samples.upper_loads is not None:
+            loads = {"lower": samples.lower_loads, "upper": samples.upper_loads}
+            samples = with_end_rows(self.cell, self.motion, samples, lambda sample, side: loads[side][sample].load)
+        return intersect(samples)
+
+
+def ends_of_loads(
+    points: Sequence[LoadPoint],
+    ranges: Sequence[SampleRanges],
+    ends: tuple[Array, Array],
+    places: tuple[NDArray[np.int_], NDArray[np.int_]],
+    conflicts: tuple[Conflict, ...],
+) -> SampleRanges:
+    """Ranges of which the lower and the upper end of each sample are those of some load.
+
+    Args:
+        points: The loads.
+        ranges: Their ranges.
+        ends: Lower and upper end, each Shape (N,).
+        places: Which load sets each, likewise.
+        conflicts: Of the samples that have no range.
+    """
+    (lower, upper), (at_low, at_high) = ends, places
+    return SampleRanges(
+        ranges[0].time,
+        statuses(lower, upper, conflicts),
+        lower,
+        upper,
+        SelectedRows(tuple(found.lower_rows for found in ranges), at_low),
+        SelectedRows(tuple(found.upper_rows for found in ranges), at_high),
+        conflicts,
+        sum(found.fallbacks for found in ranges),
+        tuple(points[index] for index in at_low),
+        tuple(points[index] for index in at_high),
+    )

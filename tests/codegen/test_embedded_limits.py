@@ -1,0 +1,151 @@
+"""Limits in exported libraries: velocities, limits of the registry, limits of zero; what cannot go in is refused."""
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+from exported_library import answers, run
+
+import mrts
+from mrts.cli import main
+from mrts.limits import LIMITS
+from mrts.limits.rows import LimitRows, RowName
+
+LIFT = DATA / "lift.yaml"
+
+SAME = 1e-9
+"""Of c² by the library and by Python, relative: both solve to rounding."""
+
+HORIZON = """
+#include <stdio.h>
+#include "planar_dual_arm.h"
+#include "planar_dual_arm_vectors.h"
+int main(void) {
+    static planar_dual_arm_workspace w;
+    planar_dual_arm_settings s;
+    planar_dual_arm_range r, least = {0};
+    planar_dual_arm_horizon h;
+    planar_dual_arm_default_settings(&s);
+    CHANGE
+    planar_dual_arm_horizon_start(&h);
+    for (int k = 0; k < PLANAR_DUAL_ARM_PATH_SAMPLES; ++k) {
+        planar_dual_arm_CALL;
+        planar_dual_arm_horizon_add(&h, &r);
+        if (h.upper_sample == k) least = r;
+    }
+    printf("%d %.17g %ld %s", (int)h.status, h.upper, h.upper_sample, planar_dual_arm_row_text(least.upper_rows[0]));
+    return 0;
+}
+"""
+
+FREE = "range_of_sample(&planar_dual_arm_vectors[k].sample, &s, &r, &w)"
+EVEN = "equal_share_range(&planar_dual_arm_vectors[k].sample, &s, &r, &w)"
+FOR_ALL = (
+    "guaranteed_range(&planar_dual_arm_vectors[k].sample, &s, planar_dual_arm_load_corners, "
+    "PLANAR_DUAL_ARM_CORNERS, &r, 0, 0, &w)"
+)
+
+
+def changed_cell(place, change):
+    """The planar cell after a change of its description."""
+    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
+    for robot in cell["robots"]:
+        robot["urdf"] = str(DATA / "planar_arm.urdf")
+    change(cell)
+    (place / "cell.yaml").write_text(yaml.safe_dump(cell))
+    return place / "cell.yaml"
+
+
+def exported(path, place):
+    """Its library, whose own tests pass."""
+    folder = place / "library"
+    assert main(["export", str(path), "-o", str(folder), "--motion", str(LIFT)]) == 0
+    assert "0 mismatches" in run("make", "test", cwd=folder)
+    return folder
+
+
+def horizon(folder, place, call=FREE, change=""):
+    """Status, upper end, its sample and row, over the motion of the vectors."""
+    said = answers(folder, HORIZON.replace("CALL", call).replace("CHANGE", change), place)
+    status, upper, sample, row = said.split(maxsplit=3)
+    return int(status), float(upper), int(sample), row
+
+
+def slow_object(cell):
+    cell["object"]["velocity"] = {"linear": 0.8}
+
+
+def test_velocity_limits_bound_every_range(tmp_path):
+    path = changed_cell(tmp_path, slow_object)
+    folder = exported(path, tmp_path)
+    cell, motion = mrts.load_cell(path), mrts.load_motion(LIFT)
+    free = mrts.scale(cell, motion).range.upper
+    assert str(free.rows[0].name) == "object/linear velocity"
+    even = mrts.scale(cell, motion, sharing=mrts.LoadSharing()).range.upper
+    for call, wanted in ((FREE, free), (FOR_ALL, free), (EVEN, even)):
+        status, upper, sample, row = horizon(folder, tmp_path, call)
+        assert (status, sample, row) == (0, wanted.sample, "object/linear velocity")
+        assert upper == pytest.approx(wanted.c2, rel=SAME)
+    unlimited = mrts.scale(cell.without_velocity_limits(), motion).range.upper
+    lifted = "for (int i = 0; i < PLANAR_DUAL_ARM_VELOCITIES; ++i) s.velocity[i] = PLANAR_DUAL_ARM_UNLIMITED;"
+    _, upper, _, row = horizon(folder, tmp_path, change=lifted)
+    assert upper == pytest.approx(unlimited.c2, rel=SAME)
+    assert "velocity" not in row
+    _, upper, _, row = horizon(folder, tmp_path, change="s.velocity[1] = 0.01;")
+    assert upper < free.c2
+    assert row == "left/elbow velocity"
+
+
+def test_torques_beyond_a_velocity_limit_are_no_answer(tmp_path):
+    folder = exported(changed_cell(tmp_path, slow_object), tmp_path)
+    program = HORIZON.replace("CALL", FREE).replace("CHANGE", "planar_dual_arm_real t[6], f[6];")
+    sample = "&planar_dual_arm_vectors[h.upper_sample].sample"
+    asked = "".join(
+        f'printf(" %d", (int)planar_dual_arm_torques({sample}, &s, {share} * h.upper, t, f, &w));'
+        for share in (0.5, 1, 1.001)
+    )
+    assert answers(folder, program.replace("    return 0;", asked + " return 0;"), tmp_path).endswith(" 0 0 2")
+
+
+def supply(_cell, _motion):
+    """Two torques together may not exceed a limit, such as that of a supply that two motors share."""
+    matrix = np.zeros((1, 6))
+    matrix[0, [0, 4]] = 1.0
+    name = RowName("supply", "left shoulder and right", "elbow", "N m")
+    return LimitRows(
+        names=(name,),
+        lower=np.array([-150.0]),
+        upper=np.array([np.inf]),
+        torque_matrix=matrix,
+        wrench_matrix=np.zeros((1, 6)),
+    )
+
+
+SUPPLY = "left shoulder and right/elbow supply"
+
+
+def test_a_limit_of_the_registry_reaches_the_library_and_binds(tmp_path, monkeypatch):
+    monkeypatch.setitem(LIMITS, "supply", supply)
+    path = changed_cell(tmp_path, lambda _cell: None)
+    wanted = mrts.scale(mrts.load_cell(path), mrts.load_motion(LIFT)).range.upper
+    assert SUPPLY in {str(row.name) for row in wanted.rows}
+    folder = exported(path, tmp_path)
+    status, upper, sample, row = horizon(folder, tmp_path)
+    assert (status, sample, row) == (0, wanted.sample, SUPPLY)
+    assert upper == pytest.approx(wanted.c2, rel=SAME)
+    _, upper, _, row = horizon(folder, tmp_path, change="s.lower[PLANAR_DUAL_ARM_ROWS - 1] = -1000;")
+    assert upper > wanted.c2
+    assert row != SUPPLY
+
+
+def zero_wrench(cell):
+    for robot in cell["robots"]:
+        robot["wrench"] = {"lower": [None, None, 0], "upper": [2, None, 0]}
+
+
+def test_a_limit_of_zero_means_the_same_in_both(tmp_path):
+    path = changed_cell(tmp_path, zero_wrench)
+    wanted = mrts.scale(mrts.load_cell(path), mrts.load_motion(LIFT)).range.upper
+    status, upper, sample, _ = horizon(exported(path, tmp_path), tmp_path)
+    assert (status, sample) == (0, wanted.sample)
+    assert upper == pytest.approx(wanted.c2, rel=SAME)

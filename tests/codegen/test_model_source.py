@@ -1,0 +1,83 @@
+"""Generated functions as an exported library writes them: the numbers of CasADi's virtual machine."""
+
+import ctypes
+from functools import cache
+
+import casadi as ca
+import numpy as np
+import pytest
+from conftest import DATA
+from exported_library import run, tool
+from mrts_codegen.embedded.model_source import FUNCTIONS, OPERATIONS, function_body, model_source
+from mrts_codegen.generate import generate_cell
+
+import mrts
+
+ROUNDING = {"double": 1e-13, "float": 1e-4}
+"""Of some thousand operations, relative to the largest entry."""
+
+TYPES = {"double": (ctypes.c_double, np.float64), "float": (ctypes.c_float, np.float32)}
+
+
+@cache
+def functions_of(cell):
+    return generate_cell(DATA.parent / cell / "cell.yaml").functions
+
+
+def compiled(functions, precision, folder):
+    """The functions as a shared library."""
+    source = f"#include <math.h>\ntypedef {precision} x_real;\n{model_source(functions, 'x', precision)}"
+    (folder / "model.c").write_text(source)
+    run(tool("gcc", "gcc"), "-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion",
+        "-Wdouble-promotion", "-Werror", "-Wno-missing-prototypes", "-shared", "-fPIC", folder / "model.c", "-lm",
+        "-o", folder / "model.so")  # fmt: skip
+    return ctypes.CDLL(str(folder / "model.so"))
+
+
+def pointers(arrays, kind):
+    return (ctypes.POINTER(kind) * len(arrays))(*(array.ctypes.data_as(ctypes.POINTER(kind)) for array in arrays))
+
+
+def called(library, short, function, given, precision):
+    """Outputs of one function, by columns."""
+    kind, dtype = TYPES[precision]
+    arrays = [np.asfortranarray(value, dtype=dtype).ravel(order="F") for value in given]
+    found = [np.zeros(function.numel_out(i), dtype=dtype) for i in range(function.n_out())]
+    getattr(library, f"x_model_{short}")(pointers(arrays, kind), pointers(found, kind))
+    return found
+
+
+def agree(library, functions, precision, rng):
+    for short, function in functions.items():
+        for _ in range(5):
+            given = [rng.uniform(-1, 1, function.size_in(i)) for i in range(function.n_in())]
+            wanted = [np.asarray(value).ravel(order="F") for value in function.call(given)]
+            for ours, theirs in zip(called(library, short, function, given, precision), wanted, strict=True):
+                assert np.max(np.abs(ours - theirs)) <= ROUNDING[precision] * (1 + np.max(np.abs(theirs))), short
+
+
+@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.parametrize("cell", ["planar_dual_arm", "dual_ur5"])
+def test_the_functions_of_a_cell_are_those_of_the_virtual_machine(cell, precision, tmp_path):
+    functions = functions_of(cell)
+    agree(compiled(functions, precision, tmp_path), functions, precision, np.random.default_rng(1))
+
+
+@pytest.mark.parametrize("precision", ["double", "float"])
+def test_every_operation_is_that_of_the_virtual_machine(precision, tmp_path):
+    x = ca.SX.sym("x", 3)
+    y = x + 2.5
+    parts = [y[0] + y[1], y[0] - y[2], y[0] * y[1], y[0] / y[1], -y[0], 1 / y[1], y[2] ** 2, 2 * y[0], x[1], 3, 1e-300]
+    parts += [ca.sin(x[0]), ca.cos(x[1]), ca.sqrt(y[2])]
+    function = ca.Function("each", [x], [ca.densify(ca.vertcat(*parts))])
+    used = {function.instruction_id(k) for k in range(function.n_instructions())}
+    assert OPERATIONS.keys() | FUNCTIONS.keys() <= used | {ca.OP_ASSIGN}  # an assignment is optimised away
+    agree(compiled({"each": function}, precision, tmp_path), {"each": function}, precision, np.random.default_rng(2))
+
+
+def test_what_it_does_not_know_is_refused():
+    x = ca.SX.sym("x", 2)
+    with pytest.raises(mrts.InputError, match="which an exported library does not know"):
+        function_body(ca.Function("angle", [x], [ca.atan2(x[0], x[1])]), "double", "double")
+    with pytest.raises(mrts.InputError, match="holds a number that is not finite"):
+        function_body(ca.Function("endless", [x], [x[0] + ca.inf]), "double", "double")

@@ -1,0 +1,42 @@
+"""Exported libraries as a user compiles them."""
+
+import os
+import shutil
+import subprocess
+
+import pytest
+
+
+def tool(name, package):
+    """Path of a tool; without it the test fails where all are promised, and is skipped with advice elsewhere."""
+    found = shutil.which(name)
+    if found is None:
+        assert "MRTS_ALL_TOOLS" not in os.environ, f"apt-get install {package}"
+        pytest.skip(f"needs {name}: apt-get install {package}")
+    return found
+
+
+def run(*command, **options):
+    """What a command prints; it must succeed."""
+    done = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False, **options)
+    assert done.returncode == 0, f"{' '.join(map(str, command))}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
+    return done.stdout
+
+
+def sources(folder):
+    """C files of a library."""
+    return sorted((folder / "src").glob("*.c"))
+
+
+def link(folder, main, program, *flags):
+    """Compile a main program with a library."""
+    given = [*sources(folder), main, "-lm"]
+    run(tool("gcc", "gcc"), "-std=c99", *flags, f"-I{folder}/include", f"-I{folder}/tests", *given, "-o", program)
+    return program
+
+
+def answers(folder, text, place):
+    """What a C program prints that uses a library."""
+    (place / "main.c").write_text(text)
+    return run(link(folder, place / "main.c", place / "main", "-g", "-fsanitize=address,undefined",
+                    "-fno-sanitize-recover=all"))  # fmt: skip

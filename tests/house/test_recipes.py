@@ -1,0 +1,32 @@
+"""The recipes of docs/extending.md: each is followed as it stands, in a copy of the repository."""
+
+import re
+
+import pytest
+from conftest import ROOT
+from recipe import Recipe
+
+PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+RECIPES = dict(re.findall(r"^## (\d\. [^\n]+)\n(.*?)(?=^## |\Z)", PAGE, re.MULTILINE | re.DOTALL))
+MOST_FILES = 3
+
+
+@pytest.mark.parametrize("title", RECIPES)
+def test_a_recipe_does_what_it_promises_in_three_files(title, tmp_path):
+    followed = Recipe(RECIPES[title], tmp_path).copy(ROOT).follow()
+    assert followed.ran > 0
+    assert 1 <= len(followed.touched) <= MOST_FILES, followed.touched
+    followed.check()
+
+
+def test_a_recipe_that_does_not_fit_or_prints_something_else_is_found_out(tmp_path):
+    (tmp_path / "old.py").write_text("one = 1\none = 1\n")
+    for blocks in (
+        '```diff title="old.py"\n one = 1\n+two = 2\n```\n',
+        '```diff title="old.py"\n-three = 3\n+two = 2\n```\n',
+        '```python title="old.py"\none = 2\n```\n',
+        "```python\nprint(3.25)\n```\n\n```text\n3.24\n```\n",
+        "```sh\nfalse\n```\n",
+    ):
+        with pytest.raises(AssertionError):
+            Recipe(blocks, tmp_path).follow()

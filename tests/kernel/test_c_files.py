@@ -1,0 +1,51 @@
+"""Every C file of the kernel alone: what it includes is all that it needs, with both compilers, in double and float."""
+
+import shutil
+import subprocess
+
+import pytest
+from conftest import ROOT
+
+C = ROOT / "mrts" / "kernel" / "c"
+WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-fsyntax-only"]
+PLANAR = {
+    "MRTS_ROBOTS": "2",
+    "MRTS_SIZE": "3",
+    "MRTS_JOINTS": "6",
+    "MRTS_WRENCHES": "6",
+    "MRTS_UNKNOWNS": "4",
+    "MRTS_MOST_JOINTS": "3",
+    "MRTS_FIRST_JOINTS": "{0, 3, 6}",
+    "MRTS_WRENCH_FORM": "wrench_form",
+    "MRTS_KINEMATICS": "kinematics",
+    "MRTS_BIAS_ACCELERATION": "bias_acceleration",
+}
+EXPORTED = ("linear_programs.c", "quadratic_programs.c", "rows.c")
+FILES = sorted(path.name for path in C.glob("*.c"))
+
+
+def check(compiler, file, *flags):
+    found = shutil.which(compiler)
+    if found is None:
+        pytest.skip(f"needs {compiler}: apt-get install {compiler}")
+    done = subprocess.run([found, *WARNINGS, *flags, C / file], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("file", FILES)
+def test_a_file_can_be_checked_alone(file, compiler):
+    check(compiler, file)
+    check(compiler, file, *(f"-D{name}={value}" for name, value in PLANAR.items()))
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("file", EXPORTED)
+def test_what_an_export_carries_is_also_float(file, compiler):
+    check(compiler, file, "-DMRTS_REAL=float", "-DMRTS_SINGLE", "-Wdouble-promotion")
+
+
+def test_headers_are_guarded():
+    for path in C.glob("*.h"):
+        guard = f"MRTS_{path.stem.upper()}_H"
+        assert f"#ifndef {guard}\n#define {guard}\n" in path.read_text(), path

@@ -1,0 +1,119 @@
+"""The kernel's memory and end: numbers of any size, sanitizers, a fuzzer."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import DATA, ROOT
+
+UR5 = DATA.parent / "dual_ur5"
+GCC = shutil.which("gcc") or "gcc"
+CLANG = shutil.which("clang") or "clang"
+HOSTILE = (np.nan, np.inf, -np.inf, 1e308, -1e308, 1e-300, 1e-320, 5e-324, 0.0)
+RUN = """
+import sys
+import numpy as np
+from mrts.kernel.programs import default_programs
+programs = [array for _, array in np.load(sys.argv[1]).items()]
+for program in range(len(programs[0])):
+    default_programs().linear_programs(*(array[program][None] for array in programs))
+"""
+
+
+def test_programs_of_any_numbers_end(tmp_path):
+    """In a process of its own: one that does not end would not end the test either."""
+    rng = np.random.default_rng(3)
+    k, rows, count = 3, 6, 5000
+    g, A = rng.normal(size=(count, k)), rng.normal(size=(count, rows, k))
+    low, high = -np.abs(rng.normal(size=(count, rows + k))), np.abs(rng.normal(size=(count, rows + k)))
+    for array in (g, A, low, high):
+        array[rng.random(array.shape) < 0.1] = rng.choice(HOSTILE)
+    np.savez(tmp_path / "programs.npz", g=g, A=A, low=low, high=high)
+    subprocess.run([sys.executable, "-c", RUN, tmp_path / "programs.npz"], check=True, timeout=120)
+
+
+SANITIZED = """
+import sys
+sys.path.insert(0, sys.argv[1])
+import numpy as np
+from random_programs import cell_programs, hard_programs
+from mrts.kernel.compiler import find_compiler
+from mrts.kernel.programs import compiled_programs
+kernel = compiled_programs(find_compiler())
+rng = np.random.default_rng(0)
+for arms, size in ((2, 3), (2, 6), (3, 6)):
+    A, lower, upper = cell_programs(rng, 200, arms, size)
+    free = np.full((200, A.shape[2]), np.inf)
+    ends = np.hstack([lower, -free]), np.hstack([upper, free])
+    ends[0][:, -1], ends[1][:, -1] = 0, 1e9
+    kernel.linear_programs(np.eye(A.shape[2])[-1] * np.ones((200, 1)), A, *ends)
+    kernel.quadratic_programs(np.tile(np.eye(A.shape[2]), (200, 1, 1)), np.ones((200, A.shape[2])), A, *ends)
+for k, rows in ((1, 3), (3, 12), (31, 120)):
+    for A, lower, upper, _ in hard_programs(rng, max(k, 3), max(rows, 12)).values():
+        free = np.full(A.shape[1], np.inf)
+        ends = np.concatenate([lower, -free])[None], np.concatenate([upper, free])[None]
+        kernel.quadratic_programs(np.eye(A.shape[1])[None], np.ones((1, A.shape[1])), A[None], *ends)
+        ends[0][0, -1], ends[1][0, -1] = 0, 1e9
+        kernel.linear_programs(np.eye(A.shape[1])[-1:], A[None], *ends)
+"""
+
+
+SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scale', *sys.argv[1:], '--json', '-']))"
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        [SANITIZED, ROOT / "tests" / "helpers"],
+        [SANITIZED_SCALING, DATA / "cell.yaml", DATA / "lift.yaml"],
+        [SANITIZED_SCALING, UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml"],
+    ],
+    ids=["programs", "planar", "spatial"],
+)
+def test_the_library_is_clean_under_sanitizers(command, private_cache):
+    """The same library, compiled with AddressSanitizer and UndefinedBehaviorSanitizer, under the whole Python path."""
+    asan = subprocess.run([GCC, "-print-file-name=libasan.so"], capture_output=True, text=True, check=True).stdout
+    environment = os.environ | {
+        "CC": f"{GCC} -fsanitize=address,undefined -fno-sanitize-recover=all -g1",
+        "LD_PRELOAD": asan.strip(),
+        "ASAN_OPTIONS": "detect_leaks=0",  # Python's own
+        "MRTS_CACHE_DIR": str(private_cache / "sanitized"),
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", *map(str, command)],
+        capture_output=True, text=True, check=False, env=environment,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert "runtime error" not in done.stderr
+    assert any(b"__asan" in library.read_bytes() for library in (private_cache / "sanitized").rglob("*.so"))
+
+
+ONCE_FOUND = bytes.fromhex("0f8009493e3e3e3e3e3e3e28ff08fff90809643e3e3e3e3e3e3e3e3e3e3e00004949")
+"""A program whose answer was refined past a limit that had been looked at before."""
+
+
+def test_a_fuzzer_finds_no_wrong_answer(tmp_path):
+    """Coverage-guided (libFuzzer) for a bounded number of runs; the target checks every answer by substitution."""
+    target = tmp_path / "fuzz"
+    source, include = ROOT / "tests" / "helpers" / "c" / "fuzz_programs.c", ROOT / "mrts" / "kernel" / "c"
+    need_clang = "needs clang with its runtime: apt-get install clang libclang-rt-14-dev (the version of your clang)"
+    command = [CLANG, "-g", "-O1", "-fsanitize=fuzzer,address,undefined", "-fno-sanitize-recover=all"]
+    try:
+        built = subprocess.run([*command, f"-I{include}", str(source), "-o", str(target), "-lm"],
+                               capture_output=True, text=True, check=False)  # fmt: skip
+    except FileNotFoundError:
+        built = None
+    if built is None or "cannot find" in built.stderr:
+        assert "MRTS_ALL_TOOLS" not in os.environ, need_clang
+        pytest.skip(need_clang)
+    assert built.returncode == 0, built.stderr
+    (tmp_path / "known").write_bytes(ONCE_FOUND)
+    done = subprocess.run([str(target), str(tmp_path / "known")], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-3000:]
+    done = subprocess.run([str(target), "-runs=150000", "-seed=1", "-max_len=400", f"-artifact_prefix={tmp_path}/"],
+                          capture_output=True, text=True, check=False)  # fmt: skip
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert "Done 150000 runs" in done.stderr

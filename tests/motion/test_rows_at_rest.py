@@ -1,0 +1,152 @@
+"""Tables and bags begin and end with torques that hold still, and are the same motion when read again."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from gantries import gantries
+from scaled_paths import scaled_path
+
+import mrts
+from mrts.limits import limit_rows
+from mrts.motion.csv_motion import read_table
+from mrts.motion.rows_at_rest import HOLDING_STEP, motion_rows, pushing_ends
+from mrts.output.ros_bag import write_ros_bag
+from mrts.output.trajectory_table import played_rows, trajectory_csv, write_trajectory_csv
+
+STATICS = 1e-9
+
+
+def plan(cell, motion, way):
+    return mrts.retime(cell, motion).retimed if way == "optimal" else mrts.scale(cell, motion, sharing=way)
+
+
+@pytest.mark.parametrize("way", ["optimal", None, mrts.LoadSharing()])
+@pytest.mark.parametrize("name", ["planar", "spatial"])
+def test_the_first_and_the_last_row_hold_still(name, way, planar_cell, dual_ur5):
+    """By the terms at rest, G + JᵀF and Σ B F = Q, within all limits."""
+    cell, folder = (planar_cell, "planar_dual_arm") if name == "planar" else (dual_ur5, "dual_ur5")
+    result = plan(cell, scaled_path(folder, 0.15, 101, "cubic"), way)
+    rows, done = played_rows(result.trajectory), result.trajectory
+    assert len(rows.time) == 103
+    assert rows.time[0] == 0
+    step = min(HOLDING_STEP, np.min(np.diff(done.time)))
+    np.testing.assert_allclose(np.diff(rows.time)[[0, -1]], step, rtol=1e-9)
+    np.testing.assert_allclose(np.diff(rows.time)[1:-1], np.diff(done.time), rtol=1e-9)
+    assert np.any(np.abs(done.ddq[-1]) > 1)  # what a controller would hold for ever
+    terms = cell.functions("terms", done.motion.samples, done.motion.inputs(cell.load))
+    limits = limit_rows(cell, done.motion)
+    for row in (0, -1):
+        assert not np.any(rows.dq[row])
+        assert not np.any(rows.ddq[row])
+        np.testing.assert_array_equal(rows.q[row], done.q[row])
+        rest = rows.torque[row] - terms["G"][row]
+        for robot, joints in cell.joint_slices.items():
+            rest[joints] -= terms["J"][row][:, joints].T @ rows.wrench[row, cell.wrench_slices[robot]]
+        np.testing.assert_allclose(rest, 0, atol=STATICS)
+        np.testing.assert_allclose(terms["B"][row] @ rows.wrench[row], terms["Q"][row], atol=STATICS)
+        value = limits.at(np.array([row])).value(rows.torque[[row]], rows.wrench[[row]], 0.0, 0.0)
+        assert np.max(limits.excess(value)) <= 1e-8
+    np.testing.assert_array_equal(rows.torque[1:-1], done.torque)
+
+
+def test_a_motion_that_ends_without_acceleration_has_its_own_rows(planar_cell):
+    done = mrts.scale(planar_cell, scaled_path("planar_dual_arm", 0.3, 101, "quintic")).trajectory
+    assert done.holding.ends == (False, False)
+    np.testing.assert_array_equal(played_rows(done).time, done.time)
+
+
+@pytest.mark.parametrize("samples", [31, 2001])
+@pytest.mark.parametrize("length", [1e-6, 0.3])
+def test_a_fastest_timing_read_again_is_the_fastest(length, samples, planar_cell, tmp_path):
+    found = mrts.retime(planar_cell, scaled_path("planar_dual_arm", length, samples, "trapezoid"))
+    write_trajectory_csv(found.retimed, tmp_path / "plan.csv")
+    files = [tmp_path / "plan.csv"]
+    if length > 1e-3:  # a bag counts whole nanoseconds
+        write_ros_bag(found.retimed, tmp_path / "bag")
+        files.append(tmp_path / "bag")
+    for file in files:
+        table = mrts.load_motion(file)
+        assert len(table.time) == samples
+        again = mrts.scale(planar_cell, table, "fastest")
+        assert again.trajectory.duration == pytest.approx(found.duration, rel=1e-6)
+        assert again.range.upper.c2 == pytest.approx(1, rel=1e-6)
+        np.testing.assert_allclose(again.trajectory.torque, found.retimed.trajectory.torque, atol=1e-3)
+        np.testing.assert_allclose(again.trajectory.holding.torque, found.retimed.trajectory.holding.torque, atol=1e-6)
+        assert mrts.retime(planar_cell, table).duration == pytest.approx(found.duration, rel=1e-3)
+
+
+@pytest.mark.parametrize("profile", ["sinusoid", "cubic"])
+@pytest.mark.parametrize("kept", [("q",), ("q", "dq")])
+def test_tables_without_accelerations_leave_them_out_too(kept, profile, planar_cell, tmp_path):
+    """A spline through a wait of a millisecond overshoots: c² would fall by up to 14 %."""
+    result = mrts.scale(planar_cell, scaled_path("planar_dual_arm", 0.3, 101, profile))
+    rows = [line.split(",") for line in trajectory_csv(result).splitlines()]
+    columns = [place for place, name in enumerate(rows[0]) if name.partition(".")[0] in {"t", *kept}]
+    table = tmp_path / "plan.csv"
+    table.write_text("\n".join(",".join(row[place] for place in columns) for row in rows))
+    again = mrts.scale(planar_cell, mrts.load_motion(table))
+    assert again.motion.samples == 101
+    assert again.range.upper.c2 == pytest.approx(1, rel=2e-3)
+
+
+@pytest.mark.parametrize("profile", ["sinusoid", "quintic"])
+@pytest.mark.parametrize("samples", [11, 31])
+@pytest.mark.parametrize("name", ["planar", "spatial"])
+def test_a_fastest_timing_is_played_as_it_was_planned(name, samples, profile, planar_cell, dual_ur5, tmp_path):
+    """Near rest the derivatives of the path are continued: those of both arms must carry the same object."""
+    cell, folder = (planar_cell, "planar_dual_arm") if name == "planar" else (dual_ur5, "dual_ur5")
+    found = mrts.retime(cell, scaled_path(folder, 0.1, samples, profile)).retimed
+    write_trajectory_csv(found, tmp_path / "plan.csv")
+    again = mrts.scale(cell, mrts.load_motion(tmp_path / "plan.csv"), "nominal")
+    assert again.range.upper.c2 == pytest.approx(found.range.upper.c2, rel=1e-9)
+    np.testing.assert_allclose(again.trajectory.torque, found.trajectory.torque, atol=1e-6)
+
+
+def test_only_rows_at_rest_beside_an_acceleration_are_left_out():
+    """A wait that somebody recorded is part of his motion."""
+    q, dq, ddq = np.array([[0.0], [0.0], [0.5], [1.0], [1.0]]), np.zeros((5, 1)), np.zeros((5, 1))
+    dq[2], ddq[[1, 3], 0] = 1.0, (2.0, -2.0)
+    time, none = np.array([0.0, 1e-3, 0.1, 0.2, 0.201]), np.zeros((5, 0))
+    assert motion_rows(time, q, dq, ddq) == slice(1, 4)
+    assert pushing_ends(dq[1:4], ddq[1:4]) == (True, True)
+    assert motion_rows(time, q, dq, np.zeros((5, 1))) == slice(0, 5)
+    assert motion_rows(time, q, dq, none) == motion_rows(time, q, none, none) == slice(1, 4)
+    assert motion_rows(time * 1.1, q, none, none) == slice(0, 5)
+    moved = q.copy()
+    moved[0] = -1e-9
+    assert motion_rows(time, moved, dq, ddq) == slice(0, 4)
+    assert motion_rows(time[:2], q[:2], dq[:2], ddq[:2]) == slice(0, 2)
+
+
+def test_a_cell_that_cannot_hold_still_says_so(tmp_path):
+    """Two gantries whose contacts must push: at rest nothing takes the push."""
+    cell = gantries(tmp_path)
+    pushed = tuple(
+        replace(robot, wrench_lower=np.array([0.5, -np.inf, -np.inf]), wrench_upper=np.array([10.0, np.inf, np.inf]))
+        for robot in cell.robots
+    )
+    time = np.linspace(0, 1, 101)
+    columns = np.zeros((3, 101, 6))
+    columns[0, :, 0], columns[1, :, 0], columns[2, :, 0] = time**2 / 2, time, 1.0
+    eye = np.broadcast_to(np.eye(3), (101, 3, 3))
+    motion = mrts.ObjectMotion(time, columns[0, :, :3], eye, columns[1], columns[2])
+    result = mrts.scale(replace(cell, robots=pushed), motion)
+    (remark,) = [warning for warning in result.warnings if warning.code == "no-row-at-rest"]
+    assert remark.sample == 0
+    assert "do not let the cell hold still where the motion starts" in remark.text
+    assert remark.text in result.summary()
+    assert result.motion.remarks == ()
+    carried = mrts.torques_for_load(result, result.cell.load)
+    assert carried.warnings == result.warnings
+    np.testing.assert_array_equal(played_rows(result.trajectory).time, result.trajectory.time)
+
+
+def test_a_saved_result_keeps_them(planar_cell, lift, tmp_path):
+    result = mrts.scale(planar_cell, lift)
+    mrts.save_result(result, tmp_path / "result.npz")
+    again = mrts.load_result(tmp_path / "result.npz")
+    write_trajectory_csv(again, tmp_path / "plan.csv")
+    assert again.trajectory.holding.ends == (True, True)
+    np.testing.assert_array_equal(again.trajectory.holding.torque, result.trajectory.holding.torque)
+    assert len(read_table(tmp_path / "plan.csv", None).time) == 101

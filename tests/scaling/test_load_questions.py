@@ -1,0 +1,113 @@
+"""Questions about an uncertain load: what the command line says, what is refused."""
+
+import json
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+
+import mrts
+from mrts.base.load_box import LoadBox
+from mrts.cli import main
+
+
+def test_the_command_line_asks_what_the_cell_file_says(tmp_path, capsys):
+    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
+    cell["object"]["variation"] = {"mass": [0.2, 6.0], "izz": [0.5, 2.0]}
+    cell["object"]["inertia"] = [[0.02, 0.004, 0], [0.004, 0.2, 0], [0, 0, 0.2]]
+    for robot in cell["robots"]:
+        robot["urdf"] = str(DATA / "planar_arm.urdf")
+    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
+    command = ["scale", str(tmp_path / "cell.yaml"), str(DATA / "lift.yaml")]
+    assert main([*command, "--carry", "mass=6", "--json", str(tmp_path / "out.json")]) == 0
+    said = capsys.readouterr().out
+    assert "for every load of the box (mass 0.1 … 3 kg" in said
+    assert "torques for a load of 3 kg" in said
+    assert "about the principal axes" in said
+    result = json.loads((tmp_path / "out.json").read_text())
+    assert result["load"]["question"] == "guaranteed"
+    assert result["binding"]["upper"]["load"]["parameters"] == {"mass": 6.0}
+    assert [point["c2"]["upper"] for point in result["load"]["points"]] == pytest.approx([3.352, 1.516], abs=1e-3)
+    assert result["selected"]["load"]["mass"] == 3.0
+    assert main([*command, "--load", "possible", "--carry", "mass=6"]) == 2
+    assert "chooses no c²" in capsys.readouterr().err
+    assert main([*command, "--carry", "mass=6,mass=2"]) == 2
+    assert "gives mass twice" in capsys.readouterr().err
+    assert main([*command, "--load", "possible"]) == 0
+    assert "for some load of the box at each sample" in capsys.readouterr().out
+    assert main([*command, "--load", "nominal"]) == 0
+    assert "c² ∈ [0, 3.062]" in capsys.readouterr().out
+
+
+VARIATION_MISTAKES = {
+    "reversed": ({"mass": [2.0, 0.5]}, "lower value exceeds"),
+    "negative": ({"izz": [-1.0, 2.0]}, "must be >= 0"),
+    "zero mass": ({"mass": [0.0, 2.0]}, "must be > 0"),
+    "nan": ({"mass": [float("nan"), 2.0]}, "finite"),
+    "unknown": ({"masss": [0.5, 2.0]}, "unknown key 'masss'; did you mean 'mass'?"),
+    "one value": ({"mass": [0.5]}, "has 1 values"),
+    "a word": ({"mass": "heavy"}, "must be a list"),
+    "without the nominal": ({"mass": [2.0, 3.0]}, "must contain 1"),
+    "moment without zero": ({"mx": [0.1, 0.3]}, "must contain 0"),
+    "nothing": ({}, "at least one range"),
+    "offsets": ({"mass": [0.5, 2.0], "com_x": [-0.1, 0.1]}, "'hull: outer'"),
+    "offsets and moments": ({"com_x": [-0.1, 0.1], "mx": [-1, 1], "hull": "outer"}, "exclude each other"),
+    "hull alone": ({"mass": [0.5, 2.0], "hull": "outer"}, "is for ranges of com_x"),
+}
+
+
+@pytest.mark.parametrize("mistake", VARIATION_MISTAKES)
+def test_a_bad_variation_is_refused(mistake, tmp_path, capsys):
+    variation, words = VARIATION_MISTAKES[mistake]
+    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
+    cell["object"]["variation"] = variation
+    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
+    assert main(["scale", str(tmp_path / "cell.yaml"), str(DATA / "lift.yaml")]) == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert "cell.yaml: object.variation" in said
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--load", "guaranteed"], "add 'variation' under 'object'"),
+        (["--load", "sometimes"], "add 'variation' under 'object'"),
+        (["--carry", "mass=2"], "gives no object.variation"),
+        (["--carry", "mass"], "gives no object.variation"),
+    ],
+)
+def test_questions_without_a_box_are_refused(options, words, capsys):
+    assert main(["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), *options]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_bad_questions_and_loads_are_refused(planar_cell, lift):
+    cell = planar_cell.with_variation(mass=(0.2, 6.0))
+    for load in ("grid:1", "grid:99999", "sometimes", "grid:x", 3):
+        with pytest.raises(mrts.InputError, match="load"):
+            mrts.scale(cell, lift, load=load)
+    with pytest.raises(mrts.InputError, match="leaves open which load"):
+        mrts.scale(cell, lift, "fastest", load="possible")
+    with pytest.raises(mrts.InputError, match="does not vary"):
+        mrts.scale(planar_cell.with_variation(izz=(0.5, 2)), lift, load="grid:5")
+    for parameters in ({"mass": 7.0}, {"izz": 1.0}, {"mass": True}, {"mass": float("nan")}):
+        with pytest.raises(mrts.InputError):
+            cell.load_box.load_at(parameters)
+    for load in (np.zeros(10), np.ones(7), np.full(10, np.nan), "heavy"):
+        with pytest.raises(mrts.InputError):
+            planar_cell.with_load(load)
+    with pytest.raises(mrts.InputError, match="has first moments"):
+        planar_cell.with_load(cell.load + np.eye(10)[1]).with_variation(mass=(0.9, 1.1))
+    with pytest.raises(mrts.InputError, match="at least one range"):
+        planar_cell.with_variation(outer_hull=True)
+    with pytest.raises(mrts.InputError, match="two finite numbers"):
+        planar_cell.with_variation(mass=(True, 2))
+    with pytest.raises(mrts.InputError, match="Shape"):
+        LoadBox(1.0, np.ones(3), {"mass": (0.5, 2)})
+    assert planar_cell.with_variation(mass=(np.int64(1), np.float32(2))).load_box.ranges == {"mass": (1.0, 2.0)}
+    with pytest.raises(mrts.InputError, match="unknown parameter 'weight'"):
+        planar_cell.with_variation(weight=(1, 2))
+    with pytest.raises(mrts.InputError, match="no trajectory"):
+        mrts.torques_for_load(mrts.scale(cell, lift, load="possible"), cell.load)
