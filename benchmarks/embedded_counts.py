@@ -9,7 +9,7 @@ from pathlib import Path
 from mrts.cli import main as mrts_main
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpers"))
-from embedded_target import FOLDER, cross_compile, missing_tools, run_on_target, section_sizes
+from embedded_target import FOLDER, code_size, cross_compile, missing_tools, run_on_target
 
 DATA = Path(str(files("mrts") / "data"))
 
@@ -26,7 +26,7 @@ def main() -> None:
                 headers = (f'-DLIBRARY_HEADER="{cell}.h"', f'-DVECTORS_HEADER="{cell}_vectors.h"')
                 defines = (f"-DPREFIX={cell}", f"-DMACRO={cell.upper()}", *headers)
                 image = cross_compile(library, FOLDER / "count_main.c", library / "image.elf", *defines)
-                print(f"\n{cell}, {precision}: code and tables {section_sizes(image, cell)} bytes (-O2)")
+                print(f"\n{cell}, {precision}: code and tables {code_size(library)} bytes (-O2)")
                 print(f"{'call':<22} {'mean':>9} {'most':>9} {'stack':>7}   instructions, instructions, bytes")
                 print(run_on_target(image).stdout)
 

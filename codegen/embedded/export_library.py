@@ -12,9 +12,9 @@ from mrts_codegen.embedded.model_source import model_prototypes, model_source
 from mrts_codegen.embedded.parts import (
     DECLARATIONS,
     KERNEL_FILES,
+    LIBRARY_PARTS,
     MODEL_FUNCTIONS,
     PARTS,
-    SOURCES,
     check_parts,
     chosen,
     is_whole,
@@ -27,7 +27,7 @@ from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
 from mrts.base.errors import InputError
 from mrts.base.manifest import Manifest
 
-GENERATED = ("include/*.h", "src/*.[ch]", "tests/*.[ch]", "examples/*.c")
+GENERATED = ("include/*.h", "src/*.[ch]", "src/parts/*.c", "tests/*.[ch]", "examples/*.c")
 """Where an export writes files that start with its notice."""
 
 
@@ -64,7 +64,8 @@ def export_library(
     check_library_name(manifest.name)
     name, with_tests = manifest.name, is_whole(parts)
     model = {short: functions[short] for short in chosen(MODEL_FUNCTIONS, parts)}
-    carried = chosen(KERNEL_FILES, parts)
+    carried, own = chosen(KERNEL_FILES, parts), chosen(LIBRARY_PARTS, parts)
+    included = [*(f"kernel/{file}" for file in carried if file.endswith(".c")), *(f"parts/{file}" for file in own)]
     words = (
         cell_words(manifest, limits, precision)
         | memory_words(manifest, limits, precision)
@@ -72,15 +73,18 @@ def export_library(
         | {
             "MODEL": model_source(model, name, precision),
             "MODEL_PROTOTYPES": model_prototypes(model, name),
-            "KERNEL_INCLUDES": "\n".join(f'#include "kernel/{file}"' for file in carried if file.endswith(".c")),
+            "LINKAGE": "static" if with_tests else "static inline",  # of which some may be unused
+            "INCLUDES": "\n".join(f'#include "{file}"' for file in included),
         }
     )
     words["DECLARATIONS"] = "\n".join(filled(f"include/{file}", words) for file in chosen(DECLARATIONS, parts))
     for word, template in (("MAKE_TESTS", "tests.mk"), ("CMAKE_TESTS", "tests.cmake"), ("README_TESTS", "tests.md")):
         words[word] = filled(f"build/{template}", words) if with_tests else ""
     texts = {f"include/{name}.h": filled("include/library.h", words)}
-    for file in (*chosen(SOURCES, parts), "model.h", "internal.h", "config.h"):
-        texts[f"src/{name}.c" if file == "library.c" else f"src/{name}_{file}"] = filled(f"src/{file}", words)
+    for file in ("model.c", "model.h", "config.h"):
+        texts[f"src/{name}_{file}"] = filled(f"src/{file}", words)
+    texts[f"src/{name}.c"] = filled("src/library.c", words)
+    texts |= {f"src/parts/{file}": filled(f"parts/{file}", words) for file in own}
     texts |= {f"src/kernel/{file}": kernel(file) for file in carried}
     if with_tests:
         texts["examples/main.c"] = filled("tests/example.c", words)
@@ -110,12 +114,10 @@ def _is_generated(path: Path) -> bool:
 
 def _file_words(files: list[str]) -> dict[str, str]:
     """Lists of files for the build."""
-    sources = [file for file in files if file.startswith("src/") and file.endswith(".c") and file.count("/") == 1]
-    headers = [file for file in files if file.endswith(".h") and not file.startswith("tests/")]
-    kernel = [file for file in files if file.startswith("src/kernel/") and file.endswith(".c")]
-    objects = [f"build/{Path(file).stem}.o" for file in sources]
+    compiled = [file for file in files if Path(file).parent == Path("src") and file.endswith(".c")]
+    needed = [file for file in files if Path(file).parts[0] in {"include", "src"} and file not in compiled]
     return {
-        "SOURCES": "\n".join(f"  {file}" for file in sources),
-        "OBJECTS": " \\\n  ".join(objects),
-        "HEADERS": " ".join([*headers, *kernel]),
+        "SOURCES": " ".join(compiled),
+        "OBJECTS": " ".join(f"build/{Path(file).stem}.o" for file in compiled),
+        "HEADERS": " ".join(needed),
     }

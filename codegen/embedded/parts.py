@@ -21,13 +21,11 @@ MODEL_FUNCTIONS: dict[str, frozenset[str]] = {
 
 DECLARATIONS: dict[str, frozenset[str]] = {f"{part}.h": frozenset({part}) for part in PARTS}
 
-SOURCES: dict[str, frozenset[str]] = {
-    "library.c": ALL,
-    "tables.c": ALL,
+LIBRARY_PARTS: dict[str, frozenset[str]] = {
     "sample.c": ALL,
-    "model.c": ALL,
+    "settings.c": ALL,
+    "horizon.c": ALL,
     "terms.c": frozenset({"terms"}),
-    "kernel.c": WITH_ROWS,
     "limits.c": WITH_ROWS,
     "wrench_form.c": OF_WRENCH_FORM,
     "range.c": frozenset({"range"}),
@@ -35,10 +33,11 @@ SOURCES: dict[str, frozenset[str]] = {
     "share.c": frozenset({"share"}),
     "torques.c": frozenset({"torques"}),
 }
+"""In the order in which one text includes them."""
 
 KERNEL_FILES: dict[str, frozenset[str]] = {
     "numbers.h": ALL,
-    "rows.h": ALL,
+    "rows.h": WITH_ROWS,
     "rows.c": WITH_ROWS,
     "linear_programs.h": OF_WRENCH_FORM,
     "linear_programs.c": OF_WRENCH_FORM,

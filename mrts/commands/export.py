@@ -49,6 +49,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(options.cell, "an export starts from the cell file, not from a generated folder.")
     check_outputs({}, {"--output": options.output})
     cell = cell_option(options.cell)
+    limits = embedded_limits(cell)
     parts = tuple(part for part in options.functions.split(",") if part)
     vectors, samples = [], 0
     if not parts:  # tests and example go with a library of all parts only
@@ -61,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
         written = export_to(
             options.cell,
             options.output,
-            limits=embedded_limits(cell),
+            limits=limits,
             vectors=vectors,
             path_samples=samples,
             precision=options.precision,

@@ -14,8 +14,8 @@ from mrts.drawing.colours import COLOURS
 from mrts.drawing.labels import shortened
 from mrts.drawing.load_envelope import load_envelope
 from mrts.report.markup import plot_text
-from mrts.scaling.accumulated_energy import accumulated_energy
 from mrts.scaling.result import ScalingResult
+from mrts.scaling.scaled_trajectory import accumulated_energy
 
 DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot", "2px,6px")
 """A second difference between lines, for print without colour."""

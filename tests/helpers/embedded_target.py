@@ -2,6 +2,7 @@
 
 import shutil
 import subprocess
+import tempfile
 from pathlib import Path
 
 FOLDER = Path(__file__).resolve().parent / "cortex_m7"
@@ -44,10 +45,15 @@ def run_on_target(image: Path):
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=SECONDS)
 
 
-def section_sizes(image: Path, prefix: str):
-    """Bytes of code and constants of the library's own functions in an image."""
-    command = [shutil.which("arm-none-eabi-nm"), "--print-size", "--defined-only", str(image)]
-    text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    sizes = [line.split() for line in text.splitlines() if len(line.split()) == 4]
-    own = [(int(size, 16), symbol) for _, size, _, symbol in sizes if symbol.startswith((prefix, "mrts_"))]
-    return sum(size for size, symbol in own if "vectors" not in symbol)
+def code_size(library: Path) -> int:
+    """Bytes of code and constants of an exported library."""
+    total = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for source in sorted((library / "src").glob("*.c")):
+            compiled = Path(folder) / f"{source.stem}.o"
+            command = [shutil.which("arm-none-eabi-gcc"), *CPU, "-O2", "-std=c99", "-ffp-contract=off"]
+            subprocess.run([*command, f"-I{library / 'include'}", "-c", str(source), "-o", str(compiled)], check=True)
+            command = [shutil.which("arm-none-eabi-size"), "--format=berkeley", str(compiled)]
+            text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+            total += sum(int(number) for number in text.splitlines()[1].split()[:2])
+    return total

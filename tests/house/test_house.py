@@ -173,6 +173,12 @@ def test_files_and_functions_fit_one_sitting():
                 assert node.end_lineno - node.lineno - documented <= 60, (path, node.name)
 
 
+def test_files_of_c_fit_one_sitting():
+    templates = (ROOT / "codegen" / "embedded" / "templates").rglob("*.*")
+    for path in (*templates, *(ROOT / "mrts" / "kernel" / "c").iterdir()):
+        assert len(path.read_text(encoding="utf-8").splitlines()) <= 400, path
+
+
 def test_links_of_the_readme_lead_somewhere():
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     for link in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text):

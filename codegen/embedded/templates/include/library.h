@@ -1,7 +1,8 @@
 /* @NOTICE@
  *
  * Time scaling of the cell "@NAME@" on a controller: @ROBOTS@ arms hold one object, a motion q(r), r = c t, is
- * given, and c^2 must keep torques, contact wrenches and velocities inside their limits. Link with the files of src/.
+ * given, and c^2 must keep torques, contact wrenches and velocities inside their limits. Link with
+ * src/@NAME@.c and src/@NAME@_model.c.
  *
  * Units: m, rad, s, kg, N, N m. Derivatives q', q'' are those of the motion as given (c = 1). World axes unless said
  * otherwise; contact wrenches are what an arm exerts on the object at its contact, in the axes of that arm's base.

@@ -1,6 +1,5 @@
 /* @NOTICE@
- * What the kernel's files in kernel/ are compiled with: the type of their numbers, and names of this library's own, so
- * that several libraries can be linked together. */
+ * What the kernel's files in kernel/ are compiled with, and the sizes of the cell. */
 #ifndef @MACRO@_CONFIG_H
 #define @MACRO@_CONFIG_H
 
@@ -10,17 +9,18 @@
 #if @SINGLE@
 #define MRTS_SINGLE
 #endif
+#define MRTS_LOCAL @LINKAGE@
 
-#define mrts_lp @NAME@_kernel_lp
-#define mrts_lp_value @NAME@_kernel_lp_value
-#define mrts_lp_price @NAME@_kernel_lp_price
-#define mrts_qp @NAME@_kernel_qp
-#define mrts_rows_over @NAME@_kernel_rows_over
-#define mrts_build_rows @NAME@_kernel_build_rows
-#define mrts_fix_speed @NAME@_kernel_fix_speed
-#define mrts_scale_columns @NAME@_kernel_scale_columns
-#define mrts_free_unknowns @NAME@_kernel_free_unknowns
-#define mrts_bound_speed @NAME@_kernel_bound_speed
-#define mrts_speed_cap @NAME@_kernel_speed_cap
+enum {
+    JOINTS = @MACRO@_JOINTS,
+    WRENCHES = @MACRO@_WRENCHES,
+    ROWS = @MACRO@_ROWS,
+    VELOCITIES = @MACRO@_VELOCITIES,
+    K = @MACRO@_UNKNOWNS,
+    F = @MACRO@_UNKNOWNS - 1
+};
+
+/* Size of an array, or an error at compile time where the workspace does not hold what the kernel asks for. */
+#define HOLDS(field, type, count) (sizeof(((@NAME@_workspace *)0)->field) >= (count) * sizeof(type) ? 1 : -1)
 
 #endif

@@ -1,12 +1,9 @@
 /* @NOTICE@ */
-#include "@NAME@_internal.h"
-#include "@NAME@_model.h"
-
 void @NAME@_terms(const @NAME@_sample *sample, const @NAME@_settings *settings, @NAME@_terms_of_sample *terms) {
     mrts_real turned[9];
     const mrts_real *arg[7];
     mrts_real *res[8];
-    @NAME@_point_to(sample, settings->load, turned, arg);
+    point_to(sample, settings->load, turned, arg);
     res[0] = terms->E;
     res[1] = terms->A;
     res[2] = terms->G;

@@ -1,23 +1,26 @@
 /* @NOTICE@ */
-#include "@NAME@_internal.h"
-#include "kernel/quadratic_programs.h"
+#ifdef MRTS_SINGLE
+#define SLACK MRTS_C(1e-5) /* widening of limits: at the end of a range the feasible set is a point */
+#else
+#define SLACK 1e-9
+#endif
 
-typedef char work_holds[HOLDS(work, mrts_real, MRTS_QP_WORK(F))];
-typedef char integers_hold[HOLDS(integers, int, MRTS_QP_IWORK(F, ROWS))];
+typedef char qp_work_holds[HOLDS(work, mrts_real, MRTS_QP_WORK(F))];
+typedef char qp_integers_hold[HOLDS(integers, int, MRTS_QP_IWORK(F, ROWS))];
 
 @NAME@_status @NAME@_torques(const @NAME@_sample *sample, const @NAME@_settings *settings, mrts_real c2,
                          mrts_real torque[@MACRO@_JOINTS], mrts_real wrench[@MACRO@_WRENCHES],
                          @NAME@_workspace *workspace) {
-    const mrts_limits limits = @NAME@_limits(settings);
+    const mrts_limits limits = limits_of(settings);
     mrts_real column[K], x[K], u[K], g[K], H[K * K], at_rest[JOINTS], largest = 0;
     mrts_rows rows;
     int active[K], count = 0, fastest, status = MRTS_OPTIMAL;
     for (int i = 0; i < JOINTS; ++i) torque[i] = 0;
     for (int i = 0; i < WRENCHES; ++i) wrench[i] = 0;
-    if (!(c2 >= 0 && c2 < MRTS_INFINITY) || !@NAME@_is_sound(sample, settings->load)) return @MACRO@_BAD_ARGUMENT;
-    const mrts_real most = @NAME@_velocity_cap(sample, settings, &fastest);
-    const mrts_form form = @NAME@_wrench_form(sample, settings->load, workspace);
-    if (most < 0 || !@NAME@_rows(&limits, K, &form, workspace, &rows)) return @MACRO@_BAD_ARGUMENT;
+    if (!(c2 >= 0 && c2 < MRTS_INFINITY) || !is_sound(sample, settings->load)) return @MACRO@_BAD_ARGUMENT;
+    const mrts_real most = velocity_cap(sample, settings, &fastest);
+    const mrts_form form = wrench_form(sample, settings->load, workspace);
+    if (most < 0 || !build_rows(&limits, K, &form, workspace, &rows)) return @MACRO@_BAD_ARGUMENT;
     mrts_fix_speed(K, &limits, c2, SLACK, &rows);
     mrts_scale_columns(F, &rows, column);
     mrts_free_unknowns(F, &rows);
@@ -55,6 +58,6 @@ typedef char integers_hold[HOLDS(integers, int, MRTS_QP_IWORK(F, ROWS))];
         wrench[i] = form.wrench_map[F * WRENCHES + i] * c2 + form.wrench_offset[i];
         for (int j = 0; j < F; ++j) wrench[i] += x[j] * column[j] * form.wrench_map[j * WRENCHES + i];
     }
-    if (!@NAME@_all_finite(JOINTS, torque) || !@NAME@_all_finite(WRENCHES, wrench)) return @MACRO@_UNDECIDED;
+    if (!all_finite(JOINTS, torque) || !all_finite(WRENCHES, wrench)) return @MACRO@_UNDECIDED;
     return status == MRTS_OPTIMAL ? @MACRO@_OK : status == MRTS_INFEASIBLE ? @MACRO@_INFEASIBLE : @MACRO@_UNDECIDED;
 }
