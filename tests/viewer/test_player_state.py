@@ -16,7 +16,7 @@ from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.trajectory_programs import motion_torques
 from mrts.scaling.range import intersect
-from mrts.scaling.stretched_limits import stretched_torques
+from mrts.scaling.widened_limits import widened_torques
 from mrts.viewer.panel import bars_html, moment_html, outcome_html, speed_html
 from mrts.viewer.player_state import Bar, PlayerState, offered_speeds
 
@@ -118,7 +118,7 @@ def test_beyond_the_range_limits_are_passed_by_the_least_share(planar_cell, lift
 def test_torques_pass_the_end_of_the_range_without_a_jump(dual_ur5, turning):
     state = PlayerState(dual_ur5, turning)
     end, rule = state.trajectory, state.result.rule
-    torque, wrench = stretched_torques(dual_ur5, state.result.motion, rule, end.c2 * (1 + 1e-7), "kernel")
+    torque, wrench = widened_torques(dual_ur5, state.result.motion, rule, end.c2 * (1 + 1e-7), "kernel")
     np.testing.assert_allclose(torque, end.torque, atol=0.01)
     np.testing.assert_allclose(wrench, end.wrench, atol=0.01)
 
