@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 
 from mrts.figures.style import finish, legend_below, line_style, plain, plain_text
 from mrts.figures.trajectory import SIDE_BY_SIDE
-from mrts.scaling.accumulated_energy import accumulated_energy
 from mrts.scaling.result import ScalingResult
+from mrts.scaling.scaled_trajectory import accumulated_energy
 
 
 def draw_power(axes: Axes, result: ScalingResult, robot: str) -> None:

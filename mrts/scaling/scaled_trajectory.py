@@ -10,7 +10,6 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.scaling.accumulated_energy import accumulated_energy
 from mrts.scaling.holding_torques import Holding
 
 
@@ -91,3 +90,15 @@ class ScaledTrajectory:
         done = replace(self)
         object.__setattr__(done, "internal_wrench", internal)
         return done
+
+
+def accumulated_energy(time: Array, power: Array) -> Array:
+    """Energy Σ ∫ q̇ᵀ τ dt that some joints give from the start to every sample, by the trapezoidal rule, Shape (N,) [J].
+
+    Args:
+        time: Shape (N,) [s].
+        power: Of some joints, Shape (N, joints) [W].
+    """
+    total = np.sum(power, axis=1)
+    steps = np.diff(time) * (total[1:] + total[:-1]) / 2
+    return np.concatenate([[0.0], np.cumsum(steps)])

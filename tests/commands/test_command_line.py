@@ -8,17 +8,13 @@ from pathlib import Path
 
 import pytest
 import yaml
+from command_line import mrts_command
 from conftest import DATA
 
 import mrts
 from mrts.cli import main
 
 PICTURES = ["c2_range.png", "power_and_energy.png", "torques_and_wrenches.png"]
-
-
-def mrts_command(*arguments, **options):
-    command = [sys.executable, "-m", "mrts", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
 
 
 @pytest.mark.quick

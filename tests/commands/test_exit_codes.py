@@ -10,8 +10,8 @@ import time
 from pathlib import Path
 
 import pytest
+from command_line import mrts_command
 from conftest import DATA, ROOT
-from test_command_line import mrts_command
 
 from mrts.base.atomic_file import text_writer, write_together
 from mrts.base.errors import InputError

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 import yaml
+from command_line import mrts_command
 from conftest import DATA, ROOT
 from terminal_session import at_terminal
-from test_command_line import mrts_command
 
 import mrts
 from mrts.cli import VERBS, main
@@ -29,6 +29,8 @@ WITHOUT_RICH = (
     "from mrts.cli import main; sys.exit(main(sys.argv[1:]))"
 )
 HEAVY = ("numpy", "casadi", "scipy", "pydantic", "yaml", "matplotlib", "rich", "argcomplete", "mrts_codegen")
+
+LOADS = 1500  # seconds of work, so that it is shown
 
 
 def varied(folder, **variation):
@@ -62,18 +64,18 @@ def test_generation_shows_a_sign_of_life_that_goes_away(tmp_path):
 
 
 def test_loads_are_counted_while_they_are_scaled(uncertain):
-    done = at_terminal([*MRTS, "scale", uncertain, UR5 / "lift_and_turn.yaml", "--load", "grid:3000"])
+    done = at_terminal([*MRTS, "scale", uncertain, UR5 / "lift_and_turn.yaml", "--load", f"grid:{LOADS}"])
     assert done.code == 0, done.shown
-    assert re.search(r"\d+ of 3000", done.shown)
-    assert "of 3000" not in done.shown.rsplit(CLEARED, 1)[1]
+    assert re.search(rf"\d+ of {LOADS}", done.shown)
+    assert f"of {LOADS}" not in done.shown.rsplit(CLEARED, 1)[1]
 
 
 def test_without_rich_one_line_is_rewritten(uncertain):
     command = [sys.executable, "-c", WITHOUT_RICH, "scale", uncertain, UR5 / "lift_and_turn.yaml", "--load"]
-    done = at_terminal([*command, "grid:3000"])
+    done = at_terminal([*command, f"grid:{LOADS}"])
     assert done.code == 0, done.shown
     lines = done.shown.split("\r\x1b[K")
-    assert any(re.fullmatch(r"scaling .*… \d+ of 3000", line) for line in lines)
+    assert any(re.fullmatch(rf"scaling .*… \d+ of {LOADS}", line) for line in lines)
     assert all(len(line) < 80 for line in lines[:-1])
     assert "\r\n" in lines[-1]  # the answer comes after the line is gone
     assert "\n" not in "".join(lines[:-1])
@@ -87,7 +89,7 @@ def test_work_of_less_than_a_second_shows_nothing(planar_cell):
 
 
 def test_pipes_get_neither_progress_nor_colours(uncertain):
-    done = mrts_command("scale", uncertain, UR5 / "lift_and_turn.yaml", "--load", "grid:3000")
+    done = mrts_command("scale", uncertain, UR5 / "lift_and_turn.yaml", "--load", f"grid:{LOADS}")
     assert done.returncode == 0
     assert done.stderr == ""
     assert "\x1b" not in done.stdout
@@ -142,7 +144,6 @@ def test_control_c_ends_the_work_tidily(arguments, shows, uncertain, tmp_path, p
     assert list(tmp_path.rglob(".*")) == []  # no file is left half written
 
 
-@pytest.mark.quick
 def test_quiet_says_nothing_but_writes_the_files(tmp_path, capsys):
     target = tmp_path / "result.json"
     for words in ([*LIFT, "-q", "--json", target], ["--quiet", *LIFT, "--json", target]):
@@ -167,6 +168,7 @@ def test_quiet_also_silences_what_the_library_remarks(tmp_path):
     assert (silent.returncode, silent.stdout, silent.stderr) == (0, "", "")
 
 
+@pytest.mark.quick
 def test_help_has_examples_and_imports_nothing_heavy():
     names = [name for verb in VERBS for name in re.findall(r"`mrts (\w+)`", verb.__doc__)]
     assert len(names) == len(VERBS)

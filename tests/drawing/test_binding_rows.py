@@ -12,8 +12,8 @@ from mrts.drawing.axis_reach import c2_reach, value_reach
 from mrts.drawing.labels import row_label
 from mrts.drawing.lanes import MOST_LANES, binding_lanes, spans
 from mrts.limits.rows import STANDSTILL, ActiveRow, RowName
-from mrts.scaling.accumulated_energy import accumulated_energy
 from mrts.scaling.limit_use import limit_uses
+from mrts.scaling.scaled_trajectory import accumulated_energy
 
 TOO_HARD = np.array([2.5, 0, 0, -2.5, 0, 0])
 """A squeeze above the limit of 2 N."""

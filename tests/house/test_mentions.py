@@ -8,6 +8,8 @@ import tokenize
 import pytest
 from conftest import ROOT
 
+pytestmark = pytest.mark.quick
+
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 SOURCES = [path for folder in ("mrts", "codegen") for path in sorted((ROOT / folder).rglob("*.py"))]
 OTHERS = [ROOT / "Makefile", ROOT / "mkdocs.yml", ROOT / "pyproject.toml", *sorted((ROOT / "mrts/kernel/c").iterdir())]

@@ -98,6 +98,13 @@ def test_a_room_says_what_it_is_what_it_may_import_and_where_to_start():
         assert (PACKAGE / name / start).is_file(), name
 
 
+def test_the_picture_of_the_readme_leads_through_the_rooms_in_order():
+    picture = (ROOT / "README.md").read_text(encoding="utf-8").split("## Inside")[1].split("[docs/extending.md]")[0]
+    column = [line[24:44] for line in picture.splitlines() if line.startswith("    ")]
+    shown = [name for cell in column for name in re.findall(r"\w+", cell) if name in ROOMS]
+    assert shown == list(ROOMS[1:])  # base is everywhere
+
+
 def test_a_room_imports_only_what_stands_above_it():
     known = modules()
     wrong = [

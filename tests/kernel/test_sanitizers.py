@@ -98,7 +98,7 @@ ONCE_FOUND = bytes.fromhex("0f8009493e3e3e3e3e3e3e28ff08fff90809643e3e3e3e3e3e3e
 def test_a_fuzzer_finds_no_wrong_answer(tmp_path):
     """Coverage-guided (libFuzzer) for a bounded number of runs; the target checks every answer by substitution."""
     target = tmp_path / "fuzz"
-    source, include = ROOT / "tests" / "c" / "fuzz_programs.c", ROOT / "mrts" / "kernel"
+    source, include = ROOT / "tests" / "helpers" / "c" / "fuzz_programs.c", ROOT / "mrts" / "kernel" / "c"
     need_clang = "needs clang with its runtime: apt-get install clang libclang-rt-14-dev (the version of your clang)"
     command = [CLANG, "-g", "-O1", "-fsanitize=fuzzer,address,undefined", "-fno-sanitize-recover=all"]
     try:

@@ -13,8 +13,9 @@ from conftest import DATA
 import mrts
 from mrts.limits.rows import ActiveRow, RowName
 from mrts.samples.infeasibility import separation
+from mrts.samples.range_status import SampleStatus
 from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.sample_ranges import SampleRanges, SampleStatus
+from mrts.samples.sample_ranges import SampleRanges
 from mrts.scaling.range import intersect
 from mrts.scaling.scale import choose_c2
 

@@ -59,6 +59,7 @@ static int mrts_lp_choose_sides(int k, const mrts_real *lower, const mrts_real *
     return changed;
 }
 
+/* The limit on one side of a row; a free row is held at 0. */
 static mrts_real mrts_limit(const mrts_real *lower, const mrts_real *upper, int row, int side) {
     return side == MRTS_AT_LOWER ? lower[row] : side == MRTS_AT_UPPER ? upper[row] : 0;
 }

@@ -18,6 +18,7 @@ typedef struct {
     int *basis;
 } mrts_corner;
 
+/* Corner n in the memory of all. */
 static mrts_corner mrts_corner_at(int n, int k, double *places, int *bases) {
     const mrts_corner corner = {places + n * (2 + 2 * k), places + n * (2 + 2 * k) + 2, bases + n * k};
     return corner;
@@ -80,8 +81,10 @@ static int mrts_is_furthest(int k, const double *lower, const double *upper, mrt
     return 1;
 }
 
+/* What rounding of a corner is measured by. */
 static double mrts_corner_size(const double *p) { return 1 + MRTS_ABS(p[0]) + MRTS_ABS(p[1]); }
 
+/* Whether two corners differ by no more than rounding. */
 static int mrts_same_corner(const double *p, const double *q) {
     return MRTS_ABS(p[0] - q[0]) + MRTS_ABS(p[1] - q[1]) <= MRTS_OUTSIDE * mrts_corner_size(p);
 }

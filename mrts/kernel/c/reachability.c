@@ -37,6 +37,7 @@ typedef struct {
     double least, least_start, least_slope, most, most_start, most_slope;
 } mrts_rates;
 
+/* The interval of u that the half-planes leave at one x. */
 static mrts_rates mrts_rates_at(int rows, const double *A, const double *upper, double x) {
     mrts_rates u = {-MRTS_INFINITY, -MRTS_INFINITY, 0, MRTS_INFINITY, MRTS_INFINITY, 0};
     for (int row = 0; row < rows; ++row) {

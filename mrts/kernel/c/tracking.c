@@ -13,19 +13,21 @@
 typedef struct {
     double base_rotation[9];
     double tip_rotation[9]; /* of the grasp in the object frame */
-    double tip_position[3];
+    double tip_position[3]; /* likewise [m] */
 } mrts_arm;
 
+/* What the arms of a cell are to hold, and how, at every sample. */
 typedef struct {
-    int steps;       /* most Newton steps at a sample */
-    double settled;  /* joint step at which the iteration ends */
-    double longest;  /* largest joint step */
-    double reached;  /* remaining error at which a grasp counts as held */
-    int components[6]; /* rows of a six-component twist that this cell uses */
+    int steps;            /* most Newton steps at a sample */
+    double settled;       /* joint step at which the iteration ends [rad or m] */
+    double longest;       /* largest joint step [rad or m] */
+    double reached;       /* remaining error at which a grasp counts as held [m, rad] */
+    int components[6];    /* rows of a six-component twist that this cell uses */
     mrts_preference wish; /* of redundant arms */
     mrts_arm arm[MRTS_ROBOTS];
 } mrts_tracking;
 
+/* R v and R'v of a rotation matrix by rows. */
 static void mrts_times(const double *R, const double *v, double *out) {
     for (int i = 0; i < 3; ++i) out[i] = R[3 * i] * v[0] + R[3 * i + 1] * v[1] + R[3 * i + 2] * v[2];
 }

@@ -32,6 +32,7 @@ static int mrts_qp_factor(int k, const mrts_real *H, mrts_real *L, mrts_real *J)
     return 1;
 }
 
+/* Rotates the pair of vectors a, b by the angle of cosine c and sine s. */
 static void mrts_rotate(int k, mrts_real c, mrts_real s, mrts_real *a, mrts_real *b) {
     for (int i = 0; i < k; ++i) {
         const mrts_real t = c * a[i] + s * b[i];
@@ -71,6 +72,7 @@ static void mrts_qp_drop(int k, int count, int out, mrts_real *J, mrts_real *R) 
     }
 }
 
+/* A row, or the unit vector of the unknown row - rows, with a sign. */
 static void mrts_row_of(int k, int rows, const mrts_real *A, int row, mrts_real sign, mrts_real *a) {
     for (int i = 0; i < k; ++i) a[i] = row < rows ? sign * A[row * k + i] : 0;
     if (row >= rows) a[row - rows] = sign;
