@@ -48,7 +48,9 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
     duals = [np.zeros(problem.A.shape[:2]) for _ in range(2)]
     duals[0][:, ~caps], duals[1][:, ~caps], duals[1][:, caps] = least.row_dual, largest.row_dual, at_most
     lower_rows = [active_rows(problem, duals[0][k], float(least.bound_dual[k, -1])) for k in range(count)]
-    upper_rows = [active_rows(problem, dual, 0.0) for dual in duals[1]]
+    upper_rows = [
+        () if unbounded else active_rows(problem, dual, 0.0) for dual, unbounded in zip(duals[1], free, strict=True)
+    ]
     undecided = ~(least.verified & largest.verified)
     return RangeEnds(
         ends[0], np.where(free, np.inf, ends[1]), lower_rows, upper_rows, undecided, least.fallbacks + largest.fallbacks
