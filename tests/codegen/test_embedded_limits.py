@@ -9,7 +9,7 @@ from exported_library import answers, run
 import mrts
 from mrts.cli import main
 from mrts.limits import CONSTRAINTS
-from mrts.limits.rows import LimitRows, RowName
+from mrts.limits.rows import LimitRows
 
 LIFT = DATA / "lift.yaml"
 
@@ -111,7 +111,7 @@ def supply(_cell):
     """Two torques together may not exceed a limit, such as that of a supply that two motors share."""
     matrix = np.zeros((1, 6))
     matrix[0, [0, 4]] = 1.0
-    name = RowName("supply", "left shoulder and right", "elbow", "N m")
+    name = mrts.RowName("supply", "left shoulder and right", "elbow", "N m")
     return LimitRows((name,), matrix, np.zeros((1, 6)), np.array([-150.0]), np.array([np.inf]))
 
 
