@@ -16,7 +16,7 @@ import mrts
 from mrts.cell.generation import generated_in_cache
 from mrts.kernel.c_text import cell_source
 from mrts.kernel.compiler import FLAGS
-from mrts.limits import cell_rows
+from mrts.limits import limit_rows
 
 DATA = Path(str(files("mrts") / "data"))
 HERE = Path(__file__).resolve().parent
@@ -26,7 +26,7 @@ COUNTED = ("mrts_rows_of_sample", "mrts_scale_columns", "mrts_ranges", "mrts_tor
 
 def samples_file(path: Path, cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> None:
     """Write what instructions.c reads."""
-    limits = cell_rows(cell)
+    limits = limit_rows(cell.without_velocity_limits(), motion)
     matrix = np.hstack([limits.torque_matrix, limits.wrench_matrix])
     row, column = np.nonzero(matrix)
     start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(matrix)))])

@@ -32,9 +32,9 @@ import mrts
 from mrts.base.arrays import Array
 from mrts.coordination.coordinated_motion import carried_by_first
 from mrts.retiming.path_pieces import PathPiece, path_pieces
-from mrts.retiming.path_rows import build_path_problem
 from mrts.retiming.reachability import SpeedProfile, fastest_profile
 from mrts.retiming.speed_regions import speed_regions
+from mrts.samples.sample_problem import build_sample_problem
 
 CELL = Path(str(files("mrts") / "data")) / "dual_ur5"
 POINTS = 1000
@@ -185,7 +185,7 @@ def main() -> None:
             raise TypeError(pieces)
 
         def profile(piece: PathPiece = pieces[0]) -> float:
-            regions = speed_regions(build_path_problem(cell, piece.path), float(np.sum(piece.step)))
+            regions = speed_regions(build_sample_problem(cell, piece.path, varying=True), float(np.sum(piece.step)))
             found = fastest_profile(piece.step, regions, (0.0, 0.0))
             if not isinstance(found, SpeedProfile):
                 raise TypeError(found)

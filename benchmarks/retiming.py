@@ -18,9 +18,9 @@ from interleaved import median_times, on_one_processor
 
 import mrts
 from mrts.retiming.path_pieces import PathPiece, path_pieces
-from mrts.retiming.path_rows import build_path_problem
 from mrts.retiming.reachability import fastest_profile
 from mrts.retiming.speed_regions import speed_regions
+from mrts.samples.sample_problem import build_sample_problem
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "oracles"))
 from transcription import transcribed  # the check of the tests, built outside the measured calls
@@ -40,7 +40,7 @@ def lift(points: int) -> mrts.ObjectMotion:
 
 def profile(cell: mrts.Cell, piece: PathPiece) -> Any:
     """Rows, regions and profile: the answer without its torques, its comparison and its check between the samples."""
-    regions = speed_regions(build_path_problem(cell, piece.path), float(np.sum(piece.step)))
+    regions = speed_regions(build_sample_problem(cell, piece.path, varying=True), float(np.sum(piece.step)))
     return fastest_profile(piece.step, regions, (0.0, 0.0))
 
 

@@ -30,11 +30,12 @@ if TYPE_CHECKING:
     from mrts.retiming.retime import retime
     from mrts.samples.infeasibility import Conflict
     from mrts.samples.load_sharing import LoadSharing
-    from mrts.samples.sample_ranges import SampleRanges, SampleStatus
+    from mrts.samples.range_status import SampleStatus, ScalingStatus
+    from mrts.samples.sample_ranges import SampleRanges
     from mrts.scaling.holding_torques import Holding
     from mrts.scaling.known_load import torques_for_load
     from mrts.scaling.load_study import LoadStudy
-    from mrts.scaling.range import RangeEnd, ScalingRange, ScalingStatus
+    from mrts.scaling.range import RangeEnd, ScalingRange
     from mrts.scaling.result import DistributionRule, Residuals, ScalingResult
     from mrts.scaling.scale import SelectionError, scale
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
@@ -71,11 +72,11 @@ _HOMES = {
     "Robot": "cell.robot",
     "RowName": "limits.rows",
     "SampleRanges": "samples.sample_ranges",
-    "SampleStatus": "samples.sample_ranges",
+    "SampleStatus": "samples.range_status",
     "ScaledTrajectory": "scaling.scaled_trajectory",
     "ScalingRange": "scaling.range",
     "ScalingResult": "scaling.result",
-    "ScalingStatus": "scaling.range",
+    "ScalingStatus": "samples.range_status",
     "SelectionError": "scaling.scale",
     "SolverError": "base.errors",
     "follow_object": "coordination.coordinated_motion",

@@ -79,7 +79,7 @@ def export_library(
     )
     words["DECLARATIONS"] = "\n".join(filled(f"include/{file}", words) for file in chosen(DECLARATIONS, parts))
     for word, template in (("MAKE_TESTS", "tests.mk"), ("CMAKE_TESTS", "tests.cmake"), ("README_TESTS", "tests.md")):
-        words[word] = filled(f"build/{template}", words) if with_tests else ""
+        words[word] = filled(f"project/{template}", words) if with_tests else ""
     texts = {f"include/{name}.h": filled("include/library.h", words)}
     for file in ("model.c", "model.h", "config.h"):
         texts[f"src/{name}_{file}"] = filled(f"src/{file}", words)
@@ -91,7 +91,7 @@ def export_library(
         texts["tests/test_main.c"] = filled("tests/test_main.c", words)
         texts[f"tests/{name}_vectors.h"] = filled("tests/vectors.h", words)
     words |= _file_words(list(texts))
-    return texts | {file: filled(f"build/{file}", words) for file in ("Makefile", "CMakeLists.txt", "README.md")}
+    return texts | {file: filled(f"project/{file}", words) for file in ("Makefile", "CMakeLists.txt", "README.md")}
 
 
 def write_library(folder: Path, texts: dict[str, str]) -> None:

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.drawing.labels import row_label
 from mrts.limits.rows import STANDSTILL, ActiveRow
-from mrts.samples.sample_ranges import SampleRanges, SampleStatus
+from mrts.samples.range_status import RangeStatus
+from mrts.samples.sample_ranges import SampleRanges
 from mrts.scaling.range import ScalingRange
 
 MOST_LANES = 14
@@ -73,7 +74,7 @@ def _lanes(kind: LaneKind, rows: Sequence[tuple[ActiveRow, ...]], first: tuple[A
 
 def infeasible_spans(samples: SampleRanges) -> list[tuple[float, float]]:
     """Spans of time where no c² keeps the limits [s]."""
-    return spans(samples.time, np.array([status is SampleStatus.INFEASIBLE for status in samples.status]))
+    return spans(samples.time, np.array([status is RangeStatus.INFEASIBLE for status in samples.status]))
 
 
 def spans(time: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:

@@ -13,7 +13,7 @@ from mrts.drawing.labels import LANE_LETTERS
 from mrts.drawing.lanes import Lane, binding_lanes, infeasible_spans, spans
 from mrts.drawing.range_sentences import range_facts, range_text
 from mrts.figures.style import finish, plain, plain_text
-from mrts.scaling.range import ScalingStatus
+from mrts.samples.range_status import RangeStatus
 from mrts.scaling.result import ScalingResult
 
 FACT_LETTERS = 110
@@ -50,7 +50,7 @@ def draw_range(axes: Axes, result: ScalingResult) -> None:
         label = "" if number else "no c² at all"
         axes.axvspan(start, end, facecolor="#e4e4e4", edgecolor="#9a9a9a", hatch="///", linewidth=0, label=label)
     _mark_what_sets_it(axes, result)
-    if found.status is ScalingStatus.UNBOUNDED:
+    if found.status is RangeStatus.UNBOUNDED:
         axes.text(0.5, 0.5, "no limit depends on the speed", transform=axes.transAxes, ha="center", va="center")
     axes.set_ylim(low, high)
     finish(axes, "time of the given motion [s]", "c² [1]")
@@ -63,7 +63,7 @@ def _mark_what_sets_it(axes: Axes, result: ScalingResult) -> None:
         if end is None or end.time is None or (kind == "lower" and end.c2 <= 0):
             continue
         axes.plot(end.time, end.c2, "o", color=END_COLOURS[kind], markersize=7, clip_on=False, zorder=5)
-        if found.status is ScalingStatus.EMPTY:
+        if found.status is RangeStatus.EMPTY:
             axes.axhline(end.c2, color=END_COLOURS[kind], linestyle=":")
         right = end.time > np.mean(axes.get_xlim())
         axes.annotate(

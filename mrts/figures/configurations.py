@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from mrts.drawing.colours import CONFLICT, END_COLOURS
 from mrts.drawing.labels import row_labels
 from mrts.figures.style import plain, plain_text
-from mrts.scaling.range import ScalingStatus
+from mrts.samples.range_status import RangeStatus
 from mrts.studies.configurations import Configuration, ConfigurationStudy
 
 MOST_BARS = 64
@@ -51,12 +51,12 @@ def draw_ranking(axes: Axes, study: ConfigurationStudy) -> None:
 def _reason(configuration: Configuration) -> str:
     """What limits a configuration, in a few words."""
     found = configuration.range
-    if found.status is ScalingStatus.INFEASIBLE:
+    if found.status is RangeStatus.INFEASIBLE:
         worst = max(found.samples.conflicts, key=lambda conflict: conflict.widening)
         return f"infeasible: {row_labels(worst.rows)}"
     if found.upper is None or found.upper.time is None:
         return str(found.status.value)
-    if found.status is ScalingStatus.EMPTY:
+    if found.status is RangeStatus.EMPTY:
         return f"empty: {row_labels(found.upper.rows)}"
     return f"{found.upper.time:.3g} s: {row_labels(found.upper.rows)}"
 

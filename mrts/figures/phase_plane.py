@@ -44,8 +44,8 @@ def draw_phase_plane(axes: Axes, found: RetimingResult) -> None:
     for number, part in enumerate(found.pieces):
         s = before + part.piece.path.object.time
         before = float(s[-1])
-        most = np.sqrt(np.where(np.isfinite(part.regions.high), part.regions.high, np.nan))
-        speed, controllable = np.sqrt(part.profile.x), np.sqrt(part.profile.high)
+        most = np.sqrt(np.where(np.isfinite(part.regions.upper), part.regions.upper, np.nan))
+        speed, controllable = np.sqrt(part.profile.x), np.sqrt(part.profile.upper)
         labels = [
             "maximum velocity curve" if _in_view(found) else "_",
             "controllable",
@@ -54,7 +54,7 @@ def draw_phase_plane(axes: Axes, found: RetimingResult) -> None:
         ]
         labels = [label if number == 0 else "_" for label in labels]
         axes.plot(s, most, color=COLOURS[6], linewidth=1, linestyle=":", label=labels[0])
-        axes.fill_between(s, np.sqrt(part.profile.low), controllable, color=COLOURS[2], alpha=0.15, label=labels[1])
+        axes.fill_between(s, np.sqrt(part.profile.lower), controllable, color=COLOURS[2], alpha=0.15, label=labels[1])
         axes.plot(s, speed, color=COLOURS[1], label=labels[2])
         top = max(top, float(np.max(speed)))
         if best is not None:
@@ -74,4 +74,4 @@ def draw_phase_plane(axes: Axes, found: RetimingResult) -> None:
 def _in_view(found: RetimingResult) -> bool:
     """Whether some of the maximum velocity curve is within the picture."""
     top = max(float(np.max(part.profile.x)) for part in found.pieces)
-    return any(bool(np.any(part.regions.high <= HEADROOM**2 * top)) for part in found.pieces)
+    return any(bool(np.any(part.regions.upper <= HEADROOM**2 * top)) for part in found.pieces)

@@ -6,9 +6,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from mrts.base.arrays import Array
-from mrts.cell.robot import Robot
 from mrts.drawing.axis_reach import value_reach
 from mrts.figures.style import finish, legend_below, line_style, plain, plain_text
+from mrts.scaling.limit_use import limited_quantities
 from mrts.scaling.result import ScalingResult
 
 SIDE_BY_SIDE = 2
@@ -26,14 +26,14 @@ def draw_torques(axes: Axes, result: ScalingResult, robot: str) -> None:
     Raises:
         ValueError: If there is no trajectory.
     """
-    arm = _robot(result, robot)
-    units = set(arm.torque_units)
+    torques = limited_quantities(result, "torque", robot)
+    units = set(torques.units)
     names = [
         plain(joint) if len(units) == 1 else f"{plain(joint)} [{unit}]"
-        for joint, unit in zip(arm.joints, arm.torque_units, strict=True)
+        for joint, unit in zip(torques.names, torques.units, strict=True)
     ]
-    limits = np.stack([arm.torque_lower, arm.torque_upper])
-    _draw(axes, result, result.torque[robot], names, limits, f"joint torque [{', '.join(sorted(units, reverse=True))}]")
+    limits = np.stack([torques.lower, torques.upper])
+    _draw(axes, result, torques.values, names, limits, f"joint torque [{', '.join(sorted(units, reverse=True))}]")
 
 
 def draw_contact_forces(axes: Axes, result: ScalingResult, robot: str) -> None:
@@ -77,18 +77,11 @@ def trajectory_figure(result: ScalingResult, title: str) -> Figure:
     return figure
 
 
-def _robot(result: ScalingResult, name: str) -> Robot:
-    if result.trajectory is None:
-        raise ValueError("there is no trajectory to draw")
-    return next(robot for robot in result.cell.robots if robot.name == name)
-
-
 def _draw_wrench(axes: Axes, result: ScalingResult, robot: str, first: str, label: str) -> None:
-    arm = _robot(result, robot)
-    names = result.cell.wrench_components
-    part = [index for index, name in enumerate(names) if name.startswith(first)]
-    limits = np.stack([arm.wrench_lower, arm.wrench_upper])[:, part]
-    _draw(axes, result, result.wrench[robot][:, part], [names[index] for index in part], limits, label)
+    wrenches = limited_quantities(result, "wrench", robot)
+    part = [index for index, name in enumerate(wrenches.names) if name.startswith(first)]
+    limits = np.stack([wrenches.lower, wrenches.upper])[:, part]
+    _draw(axes, result, wrenches.values[:, part], [wrenches.names[index] for index in part], limits, label)
 
 
 def _draw(axes: Axes, result: ScalingResult, values: Array, names: list[str], limits: Array, label: str) -> None:

@@ -75,16 +75,16 @@ class KernelRanges:
     """What the kernel found at N samples; k unknowns, c² last.
 
     Attributes:
-        low: c²⁻(t), Shape (N,).
-        high: c²⁺(t), Shape (N,), infinity where nothing bounds it.
+        lower: c²⁻(t), Shape (N,).
+        upper: c²⁺(t), Shape (N,), infinity where nothing bounds it.
         status: Of the two programs, Shape (2, N).
         effect: Largest effect of c² = 1 on a row in its unit, Shape (N,).
         basis: Rows that determine each end, Shape (2, N, k): 1 + row at an upper, -1 - row at a lower limit.
         dual: Their multipliers, Shape (2, N, k).
     """
 
-    low: Array
-    high: Array
+    lower: Array
+    upper: Array
     status: NDArray[np.uint8]
     effect: Array
     basis: NDArray[np.int16]
@@ -158,7 +158,7 @@ class CellLibrary:
             np.zeros((2, N, k), dtype=np.int16),
             np.zeros((2, N, k), dtype=np.float32),
         )
-        outputs = [found.low, found.high, *found.status, found.effect, *found.basis, *found.dual]
+        outputs = [found.lower, found.upper, *found.status, found.effect, *found.basis, *found.dual]
         bound = np.ascontiguousarray(np.minimum(most, INFINITY))
 
         given, strides = _inputs(self.records["wrench_form"], samples, inputs)

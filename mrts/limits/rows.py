@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""The canonical form of every constraint: named two-sided rows `lower <= M_τ τ + M_F F <= upper`."""
+"""The canonical form of every limit: named two-sided rows `lower <= M_τ τ + M_F F + a r̈ + b ṙ + e ṙ² <= upper`."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 
@@ -16,9 +18,8 @@ class RowName:
     """What a row limits.
 
     Attributes:
-        kind: "torque", "wrench", "velocity", "balance" (of the object), "c2" (c² >= 0), "speed"
-            (along the path), or what a constraint of yours
-            limits.
+        kind: "torque", "wrench", "velocity", "balance" (of the object), "c2" (c² >= 0), "speed" (along the path), or
+            what a limit of yours bounds.
         robot: Robot's name; "object" for its velocity; empty for its balance and for c².
         element: Joint, wrench component, "linear" or "angular", or empty.
         unit: "N m", "N", "rad/s", "m/s", or empty.
@@ -83,23 +84,32 @@ class ActiveRow:
         }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LimitRows:
-    """r rows over all torques τ, Shape (m,), and all wrenches F, Shape (n w,).
+    """r rows lower <= M_τ τ + M_F F + a r̈ + b ṙ + e ṙ² <= upper along a motion of N samples that is played with r(t).
+
+    τ are all torques, Shape (m,), F all wrenches in base axes, Shape (n w,). A constant factor c is ṙ = c, r̈ = 0. The
+    three columns of the speed are None where no row has such a term.
 
     Attributes:
         names: One a row.
-        torque_matrix: M_τ, Shape (r, m).
-        wrench_matrix: M_F, Shape (r, n w).
         lower: Shape (r,), minus infinity where unbounded.
         upper: Shape (r,), infinity where unbounded.
+        torque_matrix: M_τ, Shape (r, m).
+        wrench_matrix: M_F, Shape (r, n w).
+        rate: a, Shape (N, r).
+        speed: b, Shape (N, r); a row with it has no other term.
+        square: e, Shape (N, r).
     """
 
     names: tuple[RowName, ...]
-    torque_matrix: Array
-    wrench_matrix: Array
     lower: Array
     upper: Array
+    torque_matrix: Array
+    wrench_matrix: Array
+    rate: Array | None = None
+    speed: Array | None = None
+    square: Array | None = None
 
     def units(self) -> Array:
         """What 100 % of each limit is, Shape (r,): its larger side; for a zero, the largest of its unit, or 1."""
@@ -110,19 +120,123 @@ class LimitRows:
             size[row] = max(alike) or 1.0
         return np.asarray(size, dtype=np.float64)
 
+    def value(self, torque: Array, wrench: Array, rate: Array | float, speed: Array | float) -> Array:
+        """What each row is of its quantity at all samples, Shape (N, r).
+
+        Args:
+            torque: τ, Shape (N, m).
+            wrench: F, Shape (N, n w).
+            rate: r̈, one for all samples, or Shape (N,).
+            speed: ṙ, likewise.
+        """
+        value: Array = torque @ self.torque_matrix.T + wrench @ self.wrench_matrix.T
+        speeds = np.reshape(np.asarray(speed, dtype=np.float64), (-1, 1))
+        rates = np.reshape(np.asarray(rate, dtype=np.float64), (-1, 1))
+        for column, factor in ((self.rate, rates), (self.speed, speeds), (self.square, speeds**2)):
+            if column is not None:
+                value += column * factor
+        return value
+
+    def share(self, value: Array) -> Array:
+        """The share of its limit that each value uses, Shape (N, r): 1 is at the limit, the nearer of both sides.
+
+        Args:
+            value: From `value`.
+        """
+        used = []
+        for limit, distance in ((self.lower, value - self.lower), (self.upper, self.upper - value)):
+            size = np.where(limit == 0, self.units(), np.abs(limit))
+            bounded = np.isfinite(limit)
+            share = np.full_like(value, -np.inf)
+            share[:, bounded] = 1 - distance[:, bounded] / size[bounded]
+            used.append(share)
+        return np.asarray(np.maximum(*used), dtype=np.float64)
+
+    def excess(self, value: Array) -> Array:
+        """How far each value is beyond its limits in `units`, below 0 within them, Shape (N, r).
+
+        Args:
+            value: From `value`.
+        """
+        return np.asarray(np.maximum(self.lower - value, value - self.upper) / self.units(), dtype=np.float64)
+
+    def active(self, row: int, *, upper: bool) -> ActiveRow:
+        """A row at one of its limits; a speed that is limited alike in both directions is at its upper one."""
+        alike = self.speed is not None and self.lower[row] == -self.upper[row] and np.any(self.speed[:, row])
+        limit = self.upper[row] if upper or alike else self.lower[row]
+        return ActiveRow(self.names[row], "upper" if upper or alike else "lower", float(limit))
+
+    def at(self, samples: NDArray[np.int_] | slice) -> "LimitRows":
+        """The same rows at some samples only."""
+        rate, speed, square = (None if c is None else c[samples] for c in (self.rate, self.speed, self.square))
+        return replace(self, rate=rate, speed=speed, square=square)
+
+    def only(self, kept: NDArray[np.bool_]) -> "LimitRows":
+        """Some of the rows; a column of the speed in which they have nothing is None.
+
+        Args:
+            kept: Which, Shape (r,).
+        """
+        if np.all(kept):
+            return self
+        places = np.flatnonzero(kept)
+        columns = (None if c is None or not places.size else c[:, places] for c in (self.rate, self.speed, self.square))
+        rate, speed, square = (None if c is None or not np.any(c) else c for c in columns)
+        return LimitRows(
+            names=tuple(self.names[place] for place in places.tolist()),
+            lower=self.lower[places],
+            upper=self.upper[places],
+            torque_matrix=self.torque_matrix[places],
+            wrench_matrix=self.wrench_matrix[places],
+            rate=rate,
+            speed=speed,
+            square=square,
+        )
+
     def bounded(self) -> "LimitRows":
         """Only the rows that have a limit on some side."""
-        keep = np.isfinite(self.lower) | np.isfinite(self.upper)
-        names = tuple(name for name, kept in zip(self.names, keep, strict=True) if kept)
-        return LimitRows(names, self.torque_matrix[keep], self.wrench_matrix[keep], self.lower[keep], self.upper[keep])
+        return self.only(np.isfinite(self.lower) | np.isfinite(self.upper))
+
+    @property
+    def depends_on_motion(self) -> bool:
+        """Whether some row may have a term in r̈, ṙ or ṙ²."""
+        return not (self.rate is None and self.speed is None and self.square is None)
+
+    @property
+    def is_of_speed(self) -> NDArray[np.bool_]:
+        """Rows that nothing but the speed moves, Shape (r,)."""
+        others = self.torque_matrix.any(axis=1) | self.wrench_matrix.any(axis=1)
+        return np.asarray(~(others if self.rate is None else others | moved(self.rate, len(self.names))))
 
 
-def stack_rows(pieces: list[LimitRows]) -> LimitRows:
-    """All rows of several constraints, in order."""
+def moved(column: Array | None, rows: int) -> NDArray[np.bool_]:
+    """Rows with a term in one column of the speed, Shape (r,)."""
+    return np.zeros(rows, dtype=bool) if column is None else np.any(column, axis=0)
+
+
+def stack_rows(pieces: Sequence[LimitRows]) -> LimitRows:
+    """All rows of several limits along one motion, in order."""
+
+    def column(parts: list[Array | None]) -> Array | None:
+        given = [part for part in parts if part is not None]
+        if not given:
+            return None
+        whole = np.zeros((sum(len(piece.names) for piece in pieces), len(given[0])))
+        start = 0
+        for piece, part in zip(pieces, parts, strict=True):
+            stop = start + len(piece.names)
+            if part is not None:
+                whole[start:stop] = part.T
+            start = stop
+        return whole.T  # row by row in memory: rows without the term cost nothing
+
     return LimitRows(
-        tuple(name for piece in pieces for name in piece.names),
-        np.concatenate([piece.torque_matrix for piece in pieces]),
-        np.concatenate([piece.wrench_matrix for piece in pieces]),
-        np.concatenate([piece.lower for piece in pieces]),
-        np.concatenate([piece.upper for piece in pieces]),
+        names=tuple(name for piece in pieces for name in piece.names),
+        lower=np.concatenate([piece.lower for piece in pieces]),
+        upper=np.concatenate([piece.upper for piece in pieces]),
+        torque_matrix=np.concatenate([piece.torque_matrix for piece in pieces]),
+        wrench_matrix=np.concatenate([piece.wrench_matrix for piece in pieces]),
+        rate=column([piece.rate for piece in pieces]),
+        speed=column([piece.speed for piece in pieces]),
+        square=column([piece.square for piece in pieces]),
     )

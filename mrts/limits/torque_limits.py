@@ -4,10 +4,11 @@
 import numpy as np
 
 from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import LimitRows, RowName
 
 
-def torque_limits(cell: Cell) -> LimitRows:
+def torque_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
     """Eq. (8): τ⁻ <= τ <= τ⁺, one row a joint."""
     names = tuple(
         RowName("torque", robot.name, joint, unit)
@@ -15,9 +16,9 @@ def torque_limits(cell: Cell) -> LimitRows:
         for joint, unit in zip(robot.joints, robot.torque_units, strict=True)
     )
     return LimitRows(
-        names,
-        np.eye(len(names)),
-        np.zeros((len(names), len(cell.robots) * len(cell.wrench_components))),
-        np.concatenate([robot.torque_lower for robot in cell.robots]),
-        np.concatenate([robot.torque_upper for robot in cell.robots]),
+        names=names,
+        lower=np.concatenate([robot.torque_lower for robot in cell.robots]),
+        upper=np.concatenate([robot.torque_upper for robot in cell.robots]),
+        torque_matrix=np.eye(len(names)),
+        wrench_matrix=np.zeros((len(names), len(cell.robots) * len(cell.wrench_components))),
     )

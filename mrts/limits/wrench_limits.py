@@ -4,10 +4,11 @@
 import numpy as np
 
 from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import LimitRows, RowName
 
 
-def wrench_limits(cell: Cell) -> LimitRows:
+def wrench_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
     """Eq. (24): F_min <= F_i <= F_max in the axes of robot i's base, one row a component."""
     names = tuple(
         RowName("wrench", robot.name, component, "N" if component.startswith("f") else "N m")
@@ -16,9 +17,9 @@ def wrench_limits(cell: Cell) -> LimitRows:
     )
     joints = sum(len(robot.joints) for robot in cell.robots)
     return LimitRows(
-        names,
-        np.zeros((len(names), joints)),
-        np.eye(len(names)),
-        np.concatenate([robot.wrench_lower for robot in cell.robots]),
-        np.concatenate([robot.wrench_upper for robot in cell.robots]),
+        names=names,
+        lower=np.concatenate([robot.wrench_lower for robot in cell.robots]),
+        upper=np.concatenate([robot.wrench_upper for robot in cell.robots]),
+        torque_matrix=np.zeros((len(names), joints)),
+        wrench_matrix=np.eye(len(names)),
     )

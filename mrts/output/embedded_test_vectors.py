@@ -10,8 +10,9 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.sample_ranges import SampleRanges, SampleStatus
+from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.torque_distribution import distribute_torques
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.solvers import DEFAULT_SOLVER
@@ -26,7 +27,7 @@ LIFTS = (0.05, 0.02, 0.005)
 SHARE_OF_END = 0.5
 """Torques are compared at this share of c²⁺: at the end itself the feasible set is a point, and rounding decides."""
 
-STATUS = {SampleStatus.FEASIBLE: 0, SampleStatus.UNBOUNDED: 1, SampleStatus.INFEASIBLE: 2}
+STATUS = {RangeStatus.FEASIBLE: 0, RangeStatus.UNBOUNDED: 1, RangeStatus.INFEASIBLE: 2}
 """Of the exported header."""
 
 
@@ -42,7 +43,7 @@ def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
         heavy = cell.with_mass(cell.mass * factor)
         free = motion_ranges(heavy, motion, "wrench", None, DEFAULT_SOLVER)
         even = motion_ranges(heavy, motion, "wrench", LoadSharing(), DEFAULT_SOLVER)
-        speeds = np.where([status is SampleStatus.FEASIBLE for status in free.status], SHARE_OF_END * free.upper, 0.0)
+        speeds = np.where([status is RangeStatus.FEASIBLE for status in free.status], SHARE_OF_END * free.upper, 0.0)
         speeds = np.where(speeds >= free.lower, speeds, 0.0)
         compared = np.flatnonzero(speeds > 0)
         torque = np.zeros((motion.samples, motion.q.shape[1]))

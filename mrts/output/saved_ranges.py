@@ -15,9 +15,10 @@ from mrts.base.load_box import LoadPoint
 from mrts.limits.rows import ActiveRow
 from mrts.output.saved_json import DAMAGED, ConflictEntry, Description, LoadEntry, RowEntry
 from mrts.samples.infeasibility import Conflict
-from mrts.samples.sample_ranges import SampleRanges, SampleStatus
+from mrts.samples.range_status import RangeStatus
+from mrts.samples.sample_ranges import SampleRanges
 
-STATUSES = tuple(SampleStatus)
+STATUSES = tuple(RangeStatus)
 """A sample's status is saved as its place in this order."""
 
 Arrays = dict[str, NDArray[Any]]

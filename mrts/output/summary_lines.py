@@ -3,11 +3,10 @@
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from mrts.base.interval_text import interval_text
 from mrts.drawing.range_sentences import range_text
 from mrts.retiming.result import RetimingResult
+from mrts.scaling.limit_use import limit_uses
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
@@ -17,6 +16,9 @@ LOADS_SHOWN = 8
 
 LIMITS_SHOWN = 4
 """Limits that are printed of a timing."""
+
+OWN_KINDS = ("torque", "wrench", "velocity")
+"""What a cell file limits; of these, torques are printed."""
 
 NAME_WIDTH = 28
 """Of the column of joints, unless a name is longer [characters]."""
@@ -68,17 +70,16 @@ def retiming_lines(found: RetimingResult) -> Iterator[str]:
 
 
 def _torque_lines(result: ScalingResult) -> Iterator[str]:
-    """Least and largest torque of every joint."""
+    """Least and largest torque of every joint, and of what limits beside those of a cell file bound."""
     robots = result.cell.robots
     names = max(NAME_WIDTH, *(len(f"{robot.name}/{joint}") for robot in robots for joint in robot.joints))
     yield f"{'joint':<{names}} {'least torque':>14} {'largest torque':>15} {'limits':>22}"
-    for robot in robots:
-        torque = result.torque[robot.name]
-        for index, joint in enumerate(robot.joints):
-            unit = robot.torque_units[index]
-            limits = interval_text(robot.torque_lower[index], robot.torque_upper[index], unit, LIMIT_DIGITS)
-            least, largest = (f"{value:.4g} {unit}" for value in (np.min(torque[:, index]), np.max(torque[:, index])))
-            yield f"{f'{robot.name}/{joint}':<{names}} {least:>14} {largest:>15} {limits:>22}"
+    further = [use for use in limit_uses(result) if use.name.kind not in OWN_KINDS]
+    for use in [*limit_uses(result, "torque"), *further]:
+        name, unit = use.name.short, use.name.unit
+        least, largest = (f"{value:.4g} {unit}" for value in (use.least, use.largest))
+        limits = interval_text(use.lower, use.upper, unit, LIMIT_DIGITS)
+        yield f"{name:<{names}} {least:>14} {largest:>15} {limits:>22}"
 
 
 def _load_lines(study: LoadStudy) -> Iterator[str]:

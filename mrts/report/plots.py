@@ -14,6 +14,7 @@ from mrts.drawing.colours import COLOURS
 from mrts.drawing.labels import shortened
 from mrts.drawing.load_envelope import load_envelope
 from mrts.report.markup import plot_text
+from mrts.scaling.limit_use import limited_quantities
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import accumulated_energy
 
@@ -131,12 +132,12 @@ def torque_plots(result: ScalingResult) -> list[Plot]:
         return []
     plots = []
     for number, robot in enumerate(result.cell.robots):
-        unit = ", ".join(sorted(set(robot.torque_units), reverse=True))
-        names = list(zip(robot.joints, robot.torque_units, strict=True))
-        limits = np.stack([robot.torque_lower, robot.torque_upper])
-        values = result.torque[robot.name]
+        torques = limited_quantities(result, "torque", robot.name)
+        unit = ", ".join(sorted(set(torques.units), reverse=True))
+        names = list(zip(torques.names, torques.units, strict=True))
+        limits = np.stack([torques.lower, torques.upper])
         title, time = f"{robot.name}: joint torques", result.trajectory.time
-        plots.append(_limited(f"torque-{number}", title, f"torque [{unit}]", time, values, names, limits))
+        plots.append(_limited(f"torque-{number}", title, f"torque [{unit}]", time, torques.values, names, limits))
     return plots
 
 
@@ -146,11 +147,12 @@ def wrench_plots(result: ScalingResult) -> list[Plot]:
         return []
     plots = []
     for number, robot in enumerate(result.cell.robots):
-        limits = np.stack([robot.wrench_lower, robot.wrench_upper])
+        wrenches = limited_quantities(result, "wrench", robot.name)
+        limits = np.stack([wrenches.lower, wrenches.upper])
         for first, what, unit in (("f", "force", "N"), ("n", "moment", "N m")):
-            part = [i for i, name in enumerate(result.cell.wrench_components) if name.startswith(first)]
-            names = [(result.cell.wrench_components[index], unit) for index in part]
-            values = result.wrench[robot.name][:, part]
+            part = [index for index, name in enumerate(wrenches.names) if name.startswith(first)]
+            names = [(wrenches.names[index], unit) for index in part]
+            values = wrenches.values[:, part]
             title, time = f"{robot.name}: contact {what} on the object", result.trajectory.time
             name, ytitle = f"{what}-{number}", f"{what} [{unit}]"
             plots.append(_limited(name, title, ytitle, time, values, names, limits[:, part]))

@@ -16,7 +16,8 @@ from mrts.drawing.range_sentences import range_text
 from mrts.limits.rows import ActiveRow
 from mrts.report.markup import plot_text
 from mrts.report.plots import Plot, layout, line, numbers, shown_samples
-from mrts.scaling.range import ScalingRange, ScalingStatus
+from mrts.samples.range_status import RangeStatus
+from mrts.scaling.range import ScalingRange
 
 CURVES_HEIGHT = 380
 LANE_HEIGHT = 22
@@ -43,11 +44,11 @@ def range_plot(found: ScalingRange) -> Plot:
     if samples.conflicts:
         widest = max(infeasible_spans(samples), key=lambda span: span[1] - span[0])
         shape["annotations"].append(word | {"x": sum(widest) / 2, "text": "no c² at all"})
-    if found.status is ScalingStatus.EMPTY and found.lower is not None and found.upper is not None:
+    if found.status is RangeStatus.EMPTY and found.lower is not None and found.upper is not None:
         for kind, c2 in (("lower", found.lower.c2), ("upper", found.upper.c2)):
             level = {"type": "line", "x0": 0, "x1": 1, "xref": "x domain", "y0": c2, "y1": c2}
             shape["shapes"].append(level | {"line": {"color": END_COLOURS[kind], "dash": "dot", "width": 1.5}})
-    if found.status is ScalingStatus.UNBOUNDED:
+    if found.status is RangeStatus.UNBOUNDED:
         shape["annotations"].append(word | {"x": 0.5, "xref": "paper", "text": "no limit depends on the speed"})
     traces = [*_admissible(found, high), *_curves(found), *_ends(found)]
     lanes = binding_lanes(found)

@@ -20,13 +20,13 @@ class SpeedProfile:
 
     Attributes:
         x: The fastest, Shape (n,).
-        low: Least controllable x, Shape (n,).
-        high: Largest controllable x, Shape (n,).
+        lower: Least controllable x, Shape (n,).
+        upper: Largest controllable x, Shape (n,).
     """
 
     x: Array
-    low: Array
-    high: Array
+    lower: Array
+    upper: Array
 
 
 @dataclass(frozen=True)
@@ -54,23 +54,23 @@ def fastest_profile(step: Array, regions: SpeedRegions, ends: tuple[float, float
         regions: Regions of the n samples.
         ends: x at the first and the last sample.
     """
-    low, high = regions.low.copy(), np.minimum(regions.high, regions.bound)
+    lower, upper = regions.lower.copy(), np.minimum(regions.upper, regions.bound)
     last = len(step)
-    if not _within(ends[1], low[last], high[last]):
-        return Obstacle("end", last, (float(low[last]), float(high[last])))
-    low[last] = high[last] = ends[1]
+    if not _within(ends[1], lower[last], upper[last]):
+        return Obstacle("end", last, (float(lower[last]), float(upper[last])))
+    lower[last] = upper[last] = ends[1]
     planes = np.ascontiguousarray(regions.planes)
     steps = np.ascontiguousarray(step)
     kernel = speed_kernel()
-    failed = kernel.backward(steps, regions.start, planes, low, high)
+    failed = kernel.backward(steps, regions.start, planes, lower, upper)
     if failed >= 0:
-        return Obstacle("segment", failed, (float(low[failed + 1]), float(high[failed + 1])))
-    if not _within(ends[0], low[0], high[0]):
-        return Obstacle("start", 0, (float(low[0]), float(high[0])), (float(low[1]), float(high[1])))
-    first = min(max(ends[0], low[0]), high[0])
-    return SpeedProfile(kernel.forward(steps, regions.start, planes, low, high, first), low, high)
+        return Obstacle("segment", failed, (float(lower[failed + 1]), float(upper[failed + 1])))
+    if not _within(ends[0], lower[0], upper[0]):
+        return Obstacle("start", 0, (float(lower[0]), float(upper[0])), (float(lower[1]), float(upper[1])))
+    first = min(max(ends[0], lower[0]), upper[0])
+    return SpeedProfile(kernel.forward(steps, regions.start, planes, lower, upper, first), lower, upper)
 
 
-def _within(value: float, low: float, high: float) -> bool:
-    tolerance = END_SPEED_TOLERANCE * max(abs(low), abs(high), abs(value))
-    return low - tolerance <= value <= high + tolerance
+def _within(value: float, lower: float, upper: float) -> bool:
+    tolerance = END_SPEED_TOLERANCE * max(abs(lower), abs(upper), abs(value))
+    return lower - tolerance <= value <= upper + tolerance

@@ -21,8 +21,8 @@ from mrts.retiming.between_samples import Excess, largest_excess
 from mrts.retiming.profile_limits import profile_limits
 from mrts.retiming.retimed_motion import TimedPiece
 from mrts.samples.infeasibility import Conflict
+from mrts.samples.range_status import RangeStatus
 from mrts.scaling.motion_remarks import lasting
-from mrts.scaling.range import ScalingStatus
 from mrts.scaling.result import ScalingResult
 
 
@@ -84,7 +84,7 @@ class RetimingResult:
     def saving(self) -> float | None:
         """Share of the best constant factor's duration that is saved; None where that motion starts or ends moving."""
         best, duration = self.constant.trajectory, self.duration
-        if best is None or duration is None or self.constant.status is ScalingStatus.UNBOUNDED:
+        if best is None or duration is None or self.constant.status is RangeStatus.UNBOUNDED:
             return None
         if not (self.pieces[0].piece.rests[0] and self.pieces[-1].piece.rests[1]):
             return None
@@ -154,9 +154,9 @@ class RetimingResult:
                 "r": time[part.piece.first :][: len(part.profile.x)].tolist(),
                 "s": part.piece.path.object.time.tolist(),
                 "speed": np.sqrt(part.profile.x).tolist(),
-                "least_controllable": np.sqrt(part.profile.low).tolist(),
-                "largest_controllable": np.sqrt(part.profile.high).tolist(),
-                "largest": [float(np.sqrt(x)) if np.isfinite(x) else None for x in part.regions.high],
+                "least_controllable": np.sqrt(part.profile.lower).tolist(),
+                "largest_controllable": np.sqrt(part.profile.upper).tolist(),
+                "largest": [float(np.sqrt(x)) if np.isfinite(x) else None for x in part.regions.upper],
             }
             for part in self.pieces
         ]

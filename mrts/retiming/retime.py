@@ -18,7 +18,6 @@ from mrts.coordination.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.retiming.path_pieces import NoPath, PathPiece, closed_piece, path_pieces
-from mrts.retiming.path_rows import build_path_problem
 from mrts.retiming.reachability import Obstacle, SpeedProfile, fastest_profile
 from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import TimedPiece, retimed_motion
@@ -26,16 +25,14 @@ from mrts.retiming.speed_conflict import sample_conflict, segment_conflict
 from mrts.retiming.speed_regions import SpeedRegions, intersect_regions, speed_regions
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.sample_problem import SampleProblem
-from mrts.samples.torque_distribution import torque_weights
-from mrts.samples.trajectory_programs import motion_ranges, motion_torques
+from mrts.samples.sample_problem import SampleProblem, build_sample_problem
+from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.guaranteed_range import effective_parameters
-from mrts.scaling.holding_torques import holding_at_ends
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.range import intersect
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import SelectionError, load_question, scale
-from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scaling.with_torques import with_torques
 from mrts.solvers import DEFAULT_SOLVER
 
 UNBOUNDED_SHARE = 0.5
@@ -170,16 +167,12 @@ def _no_path(found: NoPath, time: Array) -> tuple[RetimingStatus, str]:
 def _with_torques(constant: ScalingResult, pieces: Sequence[TimedPiece]) -> ScalingResult:
     """The retimed motion with the torques of the quadratic program (31) to (34), as a result at c² = 1."""
     cell, motion, rule = constant.cell, retimed_motion(constant.motion, pieces), constant.rule
-    W = torque_weights(rule.weights, motion.q.shape[1])
-    torque, wrench, fallbacks = motion_torques(cell, motion, "wrench", rule.sharing, DEFAULT_SOLVER, 1.0, W)
-    found = intersect(motion_ranges(cell, motion, "wrench", rule.sharing, DEFAULT_SOLVER))
-    holding, unheld = holding_at_ends(cell, motion, found.samples, rule.sharing, "wrench", W, DEFAULT_SOLVER)
-    trajectory = ScaledTrajectory(cell, motion, 1.0, torque, wrench, holding)
-    given = constant.motion.object.time[-1]
-    origin = f"fastest timing of a path that was given {given:.4g} s: {trajectory.duration:.4g} s"
-    fallbacks += found.samples.fallbacks
-    warnings = tuple(dict.fromkeys(lasting(constant.warnings) + unheld))
-    return ScalingResult(cell, motion, found, trajectory, fallbacks, None, rule, origin, warnings).checked()
+    found = intersect(motion_ranges(cell, motion, rule.formulation, rule.sharing, DEFAULT_SOLVER))
+    given, duration = constant.motion.object.time[-1], motion.object.time[-1]
+    origin = f"fastest timing of a path that was given {given:.4g} s: {duration:.4g} s"
+    warnings = lasting(constant.warnings)
+    played = ScalingResult(cell, motion, found, None, found.samples.fallbacks, None, rule, origin, warnings)
+    return with_torques(played, 1.0, found.samples, DEFAULT_SOLVER)
 
 
 @dataclass(frozen=True)
@@ -274,7 +267,8 @@ class _Search:
 
     def _problem(self, point: LoadPoint | None) -> SampleProblem:
         load = None if point is None else point.load
-        return build_path_problem(self.constant.cell, self.piece.path, self.constant.rule.sharing, load)
+        cell, sharing = self.constant.cell, self.constant.rule.sharing
+        return build_sample_problem(cell, self.piece.path, sharing=sharing, load=load, varying=True)
 
     def _conflict(
         self, sample: int, reach: tuple[float, float] | None = None, x: float | None = None

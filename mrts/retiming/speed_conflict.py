@@ -55,19 +55,19 @@ def segment_conflict(
     A[0, :rows, :free], A[0, :rows, -2:] = here.A[0, :, :free], here.A[0, :, -2:]
     A[0, rows:, free:-2], A[0, rows:, -1] = there.A[0, :, :free], there.A[0, :, -1]
     A[0, rows:, -2] = there.A[0, :, -2] + 2 * step * there.A[0, :, -1]
+    nothing = {"torque_map": np.zeros((1, 0, 2 * free + 2)), "torque_offset": np.zeros((1, 0))}
+    nothing |= {"wrench_map": nothing["torque_map"], "wrench_offset": nothing["torque_offset"]}
     both = SampleProblem(
-        np.zeros((1, 0, 2 * free + 2)),
-        np.zeros((1, 0)),
-        np.zeros((1, 0, 2 * free + 2)),
-        np.zeros((1, 0)),
-        (*problem.names, *problem.names),
-        np.concatenate([problem.unit, problem.unit]),
-        np.concatenate([problem.is_limit, problem.is_limit]),
-        A,
-        np.concatenate([here.lower, there.lower], axis=1),
-        np.concatenate([here.upper, there.upper], axis=1),
-        np.concatenate([problem.limit_lower, problem.limit_lower]),
-        np.concatenate([problem.limit_upper, problem.limit_upper]),
+        **nothing,
+        names=(*problem.names, *problem.names),
+        unit=np.tile(problem.unit, 2),
+        is_limit=np.tile(problem.is_limit, 2),
+        is_cap=np.zeros(2 * rows, dtype=bool),  # at the end of the segment u moves them, too
+        A=A,
+        lower=np.concatenate([here.lower, there.lower], axis=1),
+        upper=np.concatenate([here.upper, there.upper], axis=1),
+        limit_lower=np.tile(problem.limit_lower, 2),
+        limit_upper=np.tile(problem.limit_upper, 2),
     )
     column = np.zeros(2 * free + 2)
     column[-1] = 1.0
@@ -82,14 +82,15 @@ def segment_conflict(
 def _with_law(problem: SampleProblem, name: RowName, column: Array, lower: float, upper: float) -> SampleProblem:
     """One sample's rows with one more, which is no limit that could be widened."""
     size = max(abs(lower), abs(upper)) or 1.0
-    return replace(
-        problem,
-        names=(*problem.names, name),
-        unit=np.append(problem.unit, size),
-        is_limit=np.append(problem.is_limit, values=False),
-        A=np.concatenate([problem.A, column[None, None] / size], axis=1),
-        lower=np.append(problem.lower, [[lower / size]], axis=1),
-        upper=np.append(problem.upper, [[upper / size]], axis=1),
-        limit_lower=np.append(problem.limit_lower, lower),
-        limit_upper=np.append(problem.limit_upper, upper),
+    no = np.zeros(1, dtype=bool)
+    return problem.with_rows(
+        [name],
+        unit=np.array([size]),
+        is_limit=no,
+        is_cap=no,
+        A=column[None, None] / size,
+        lower=np.array([[lower / size]]),
+        upper=np.array([[upper / size]]),
+        limit_lower=np.array([lower]),
+        limit_upper=np.array([upper]),
     )

@@ -37,16 +37,16 @@ class SpeedRegions:
     Attributes:
         start: The half-planes of sample i are start[i] .. start[i + 1] - 1, Shape (N + 1,).
         planes: n_u, n_x, h, Shape (E, 3).
-        low: Least x, Shape (N,).
-        high: Largest x: the maximum velocity curve, infinity where nothing bounds it, Shape (N,).
+        lower: Least x, Shape (N,).
+        upper: Largest x: the maximum velocity curve, infinity where nothing bounds it, Shape (N,).
         bound: An x that no profile within limits reaches.
         undecided: Samples whose region is empty, or was not found.
     """
 
     start: NDArray[np.int64]
     planes: Array
-    low: Array
-    high: Array
+    lower: Array
+    upper: Array
     bound: float
     undecided: tuple[int, ...]
 
@@ -59,12 +59,12 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
     path, and so are well scaled however short it is.
 
     Args:
-        problem: Rows of [F, u, x], from `build_path_problem`.
+        problem: Rows of [F, u, x], from `build_sample_problem` with a varying speed.
         length: Of the path: over it u changes x by 2 u times that.
         ends: x at the first and the last sample.
     """
-    velocity, most = problem.is_velocity, problem.velocity_cap()
-    A, lower, upper = problem.A[:, ~velocity], problem.lower[:, ~velocity], problem.upper[:, ~velocity]
+    caps, most = problem.is_cap, problem.cap()
+    A, lower, upper = problem.A[:, ~caps], problem.lower[:, ~caps], problem.upper[:, ~caps]
     effect = np.max(np.abs(A), axis=1, initial=0.0)
     effect[effect[:, -2] <= REST_TOLERANCE * np.max(effect[:, -2]), -2] = 0.0
     likely = _likely_speed(A, lower, upper, effect[:, -2], length)
@@ -83,13 +83,13 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
 
 def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
     """What is admissible in all of several regions of the same samples."""
-    samples = np.concatenate([np.repeat(np.arange(len(part.low)), np.diff(part.start)) for part in regions])
+    samples = np.concatenate([np.repeat(np.arange(len(part.lower)), np.diff(part.start)) for part in regions])
     order = np.argsort(samples, kind="stable")
     return SpeedRegions(
-        _starts(np.bincount(samples, minlength=len(regions[0].low))),
+        _starts(np.bincount(samples, minlength=len(regions[0].lower))),
         np.concatenate([part.planes for part in regions])[order],
-        np.max([part.low for part in regions], axis=0),
-        np.min([part.high for part in regions], axis=0),
+        np.max([part.lower for part in regions], axis=0),
+        np.min([part.upper for part in regions], axis=0),
         min(part.bound for part in regions),
         tuple(sorted({sample for part in regions for sample in part.undecided})),
     )

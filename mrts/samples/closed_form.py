@@ -55,19 +55,19 @@ def ends_in_closed_form(problem: SampleProblem, sensitivity: LoadSensitivity | N
     slope = problem.A[:, :, 0]
     none = np.zeros((0, *slope.shape))
     c2, offset = (none, none) if sensitivity is None else (sensitivity.c2, sensitivity.offset)
-    upper_low, upper_high = _worst_below_zero(slope, -problem.upper, c2, offset)
-    lower_low, lower_high = _worst_below_zero(-slope, problem.lower, -c2, -offset)
-    least, most = np.maximum(upper_low, lower_low), np.minimum(upper_high, lower_high)
-    low, high = np.max(least, axis=1, initial=0.0), np.min(most, axis=1, initial=np.inf)
-    low_rows, high_rows = [], []
+    least_by_upper, most_by_upper = _worst_below_zero(slope, -problem.upper, c2, offset)
+    least_by_lower, most_by_lower = _worst_below_zero(-slope, problem.lower, -c2, -offset)
+    least, most = np.maximum(least_by_upper, least_by_lower), np.minimum(most_by_upper, most_by_lower)
+    lower, upper = np.max(least, axis=1, initial=0.0), np.min(most, axis=1, initial=np.inf)
+    lower_rows, upper_rows = [], []
     for sample in range(problem.samples):
-        by_upper = np.where(upper_low[sample] >= lower_low[sample], 1.0, -1.0)
-        standstill = low[sample] == 0
-        rows = _closest_rows(problem, least[sample], low[sample], by_upper)
-        low_rows.append((ActiveRow(STANDSTILL, "lower", 0.0),) if standstill else rows)
-        by_upper = np.where(upper_high[sample] <= lower_high[sample], 1.0, -1.0)
-        high_rows.append(_closest_rows(problem, most[sample], high[sample], by_upper))
-    return RangeEnds(low, high, low_rows, high_rows, low > high, 0)
+        by_upper = np.where(least_by_upper[sample] >= least_by_lower[sample], 1.0, -1.0)
+        standstill = lower[sample] == 0
+        rows = _closest_rows(problem, least[sample], lower[sample], by_upper)
+        lower_rows.append((ActiveRow(STANDSTILL, "lower", 0.0),) if standstill else rows)
+        by_upper = np.where(most_by_upper[sample] <= most_by_lower[sample], 1.0, -1.0)
+        upper_rows.append(_closest_rows(problem, most[sample], upper[sample], by_upper))
+    return RangeEnds(lower, upper, lower_rows, upper_rows, lower > upper, 0)
 
 
 def worst_parameters(problem: SampleProblem, sensitivity: LoadSensitivity, sample: int, c2: float) -> NDArray[np.bool_]:
@@ -103,7 +103,7 @@ def _worst_below_zero(a: Array, b: Array, d: Array, e: Array) -> tuple[Array, Ar
     turns = np.sort(np.where(np.isfinite(turns) & (turns > 0), turns, 0.0), axis=0)
     corners = np.concatenate([np.zeros((1, *a.shape)), turns])
     values = a * corners + b + np.sum(np.maximum(0.0, d[:, None] * corners + e[:, None]), axis=0)
-    low, high = np.full(a.shape, np.inf), np.full(a.shape, -np.inf)
+    lower, upper = np.full(a.shape, np.inf), np.full(a.shape, -np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
         for index in range(len(corners)):
             start, at_start = corners[index], values[index]
@@ -115,9 +115,9 @@ def _worst_below_zero(a: Array, b: Array, d: Array, e: Array) -> tuple[Array, Ar
                 stop, at_stop = np.full(a.shape, np.inf), np.where(growth == 0, at_start, growth)
                 root = start - at_start / growth
             inside, ends_inside = at_start <= 0, at_stop <= 0
-            low = np.minimum(low, np.where(inside, start, np.where(ends_inside, root, np.inf)))
-            high = np.maximum(high, np.where(ends_inside, stop, np.where(inside, root, -np.inf)))
-    return low, high
+            lower = np.minimum(lower, np.where(inside, start, np.where(ends_inside, root, np.inf)))
+            upper = np.maximum(upper, np.where(ends_inside, stop, np.where(inside, root, -np.inf)))
+    return lower, upper
 
 
 def _closest_rows(problem: SampleProblem, ends: Array, c2: float, side: Array) -> tuple[ActiveRow, ...]:

@@ -16,8 +16,8 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
+from mrts.limits.squared_rows import TIE
 from mrts.samples.linear_programs import effect_of_speed
-from mrts.samples.range_ends import BINDING_TOLERANCE
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.sample_ranges import SampleRanges, first_least
 from mrts.solvers import DEFAULT_SOLVER
@@ -108,7 +108,7 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
     """
     if end == "lower" and c2 * float(effect_of_speed(problem)[0]) <= WIDER:
         return (ActiveRow(STANDSTILL, "lower", 0.0),)
-    moving = ~problem.is_velocity
+    moving = ~problem.is_cap
     A, offset = problem.A[0, moving, :-1], problem.A[0, moving, -1] * c2
     room = WIDER * problem.is_limit[moving]
     lower, high = problem.lower[0, moving] - offset - room, problem.upper[0, moving] - offset + room
@@ -124,9 +124,8 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
     tight = [(place, sign > 0) for (_, place, sign), far in zip(sides, distance, strict=True) if far <= NEAR]
     named = [problem.active_row(place, upper=side) for place, side in tight]
     if end == "upper":
-        share = problem.A[0, :, -1] * c2
-        fastest = np.flatnonzero(problem.is_velocity & (share >= 1 - 2 * BINDING_TOLERANCE))
-        named += [problem.active_row(row, upper=True) for row in fastest.tolist()]
+        caps = np.flatnonzero(problem.is_cap)[problem.cap_share[0] * c2 >= 1 - TIE]
+        named += [problem.active_row(row, upper=bool(problem.A[0, row, -1] > 0)) for row in caps.tolist()]
     return tuple(named)
 
 

@@ -4,7 +4,8 @@
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.samples.range_ends import BINDING_TOLERANCE, RangeEnds, active_rows
+from mrts.limits.squared_rows import binds
+from mrts.samples.range_ends import RangeEnds, active_rows
 from mrts.samples.sample_problem import SampleProblem
 from mrts.solvers.convex_program import Answers, ConvexPrograms, solve_programs
 
@@ -21,14 +22,13 @@ NO_EFFECT = 1e-300
 def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
     """Eqs. (26), (29): least and largest c² >= 0 within all limits; c² is scaled to the size of the other unknowns.
 
-    Velocity limits go in as a bound of c²: rows of a motion near rest would spoil its scale.
+    Caps go in as a bound of c²: rows of a motion near rest would spoil its scale.
     """
     count, _, unknowns = problem.A.shape
     effect = effect_of_speed(problem)
     unit = 1 / np.where(effect > 0, effect, 1.0)  # c² = unit · y, where y = 1 moves some row by a whole limit
-    velocity, most = problem.is_velocity, problem.velocity_cap()
-    share = problem.A[:, velocity, -1]
-    A, lower, upper = problem.A[:, ~velocity], problem.lower[:, ~velocity], problem.upper[:, ~velocity]
+    caps, most = problem.is_cap, problem.cap()
+    A, lower, upper = problem.A[:, ~caps], problem.lower[:, ~caps], problem.upper[:, ~caps]
     A[:, :, -1] *= unit[:, None]
     x_lower = np.full((count, unknowns), -np.inf)
     x_lower[:, -1] = 0.0
@@ -42,16 +42,19 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
         return solve_programs(programs, solver)
 
     least, largest = solve(1.0), solve(-1.0)
-    low, high = np.maximum(least.x[:, -1], 0.0) * unit, largest.x[:, -1] * unit
+    ends = np.maximum(least.x[:, -1], 0.0) * unit, largest.x[:, -1] * unit
     free = (largest.x[:, -1] >= UNBOUNDED * (1 - UNBOUNDED_SLACK)) | (effect == 0)
-    high = np.where(free, np.inf, high)
-    at_most = (share >= (1 - BINDING_TOLERANCE) / most[:, None]) * np.maximum(largest.bound_dual[:, -1:], 0.0)
+    at_most = np.sign(problem.A[:, caps, -1]) * binds(problem.cap_share) * np.maximum(largest.bound_dual[:, -1:], 0.0)
     duals = [np.zeros(problem.A.shape[:2]) for _ in range(2)]
-    duals[0][:, ~velocity], duals[1][:, ~velocity], duals[1][:, velocity] = least.row_dual, largest.row_dual, at_most
-    low_rows = [active_rows(problem, duals[0][k], float(least.bound_dual[k, -1])) for k in range(count)]
-    high_rows = [active_rows(problem, dual, 0.0) for dual in duals[1]]
+    duals[0][:, ~caps], duals[1][:, ~caps], duals[1][:, caps] = least.row_dual, largest.row_dual, at_most
+    lower_rows = [active_rows(problem, duals[0][k], float(least.bound_dual[k, -1])) for k in range(count)]
+    upper_rows = [
+        () if unbounded else active_rows(problem, dual, 0.0) for dual, unbounded in zip(duals[1], free, strict=True)
+    ]
     undecided = ~(least.verified & largest.verified)
-    return RangeEnds(low, high, low_rows, high_rows, undecided, least.fallbacks + largest.fallbacks)
+    return RangeEnds(
+        ends[0], np.where(free, np.inf, ends[1]), lower_rows, upper_rows, undecided, least.fallbacks + largest.fallbacks
+    )
 
 
 def effect_of_speed(problem: SampleProblem) -> Array:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
 from mrts.limits.rows import STANDSTILL, ActiveRow, LimitRows
-from mrts.limits.velocity_limits import VelocityLimits
+from mrts.limits.squared_rows import SpeedCaps
 from mrts.samples.sample_problem import SampleProblem
 
 BINDING_TOLERANCE = 1e-7
@@ -22,10 +22,10 @@ BINDING_TOLERANCE = 1e-7
 class RangeEnds:
     """Least and largest c² of a batch, the rows that bind there, and where neither was found."""
 
-    low: Array
-    high: Array
-    low_rows: list[tuple[ActiveRow, ...]]
-    high_rows: list[tuple[ActiveRow, ...]]
+    lower: Array
+    upper: Array
+    lower_rows: list[tuple[ActiveRow, ...]]
+    upper_rows: list[tuple[ActiveRow, ...]]
     undecided: NDArray[np.bool_]
     fallbacks: int
 
@@ -38,9 +38,9 @@ class RangeEnds:
                 "defect of mrts or of extremely scaled data: please report the cell and the motion."
             )
         for index, sample in enumerate(samples):
-            low, high = other.low[index], other.high[index]
-            self.low[sample], self.high[sample] = min(low, high), high
-            self.low_rows[sample], self.high_rows[sample] = other.low_rows[index], other.high_rows[index]
+            lower, upper = other.lower[index], other.upper[index]
+            self.lower[sample], self.upper[sample] = min(lower, upper), upper
+            self.lower_rows[sample], self.upper_rows[sample] = other.lower_rows[index], other.upper_rows[index]
         self.fallbacks += other.fallbacks
 
 
@@ -49,15 +49,18 @@ class KernelRows(Sequence[tuple[ActiveRow, ...]]):
     """The rows that bind at one end of each of N samples, named when they are asked for.
 
     Attributes:
-        limits: The r rows; row r + k - 1 of a basis is c² >= 0 at its lower side, a velocity limit at its upper one.
-        velocity: The velocity limits.
+        limits: The rows of a motion.
+        kept: Those that the kernel has, Shape (r,); row r + k - 1 of a basis is c² >= 0 at its lower side, a cap at its
+            upper one.
+        caps: The rows that bound c² alone.
         basis: As the kernel gives them, Shape (N, k).
         dual: Their multipliers, Shape (N, k).
         settled: By sample, what was found in another way.
     """
 
     limits: LimitRows
-    velocity: VelocityLimits
+    kept: NDArray[np.int_]
+    caps: SpeedCaps
     basis: NDArray[np.int16]
     dual: NDArray[np.float32]
     settled: dict[int, tuple[ActiveRow, ...]]
@@ -74,15 +77,14 @@ class KernelRows(Sequence[tuple[ActiveRow, ...]]):
         sides, size = self.basis[index], np.abs(self.dual[index])
         rows = np.abs(sides.astype(int)) - 1
         strong = size > BINDING_TOLERANCE * np.max(size)
-        of_c2 = rows >= len(self.limits.names)
+        of_c2 = rows >= len(self.kept)
         named = [ActiveRow(STANDSTILL, "lower", 0.0)] if np.any(strong & of_c2 & (sides < 0)) else []
         for place in np.argsort(-size, kind="stable"):
             row, upper = rows[place], bool(sides[place] > 0)
             if strong[place] and of_c2[place] and upper:
-                named += self.velocity.binding(index)
+                named += self.caps.binding(index)
             elif strong[place] and not of_c2[place]:
-                limit = self.limits.upper[row] if upper else self.limits.lower[row]
-                named.append(ActiveRow(self.limits.names[row], "upper" if upper else "lower", float(limit)))
+                named.append(self.limits.active(int(self.kept[row]), upper=upper))
         return tuple(named)
 
 

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""From a cell and its motion to the linear rows of every sample, in any formulation."""
+"""From a cell and its motion to the linear rows of every sample: any formulation, constant and varying speed."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +12,9 @@ from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError, MotionError
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.limits import cell_rows
-from mrts.limits.rows import ActiveRow, RowName
-from mrts.limits.velocity_limits import VelocityLimits, velocity_limits
+from mrts.limits import limit_rows
+from mrts.limits.rows import ActiveRow, LimitRows, RowName
+from mrts.limits.squared_rows import side_share, squared
 from mrts.samples import FORMULATIONS, FormulationName
 from mrts.samples.load_sharing import LoadSharing
 
@@ -20,10 +22,11 @@ TORQUE_FORM_CONDITION_LIMIT = 1e6
 """J^-T is formed explicitly by the torque form: at this condition number ten digits are left."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SampleProblem:
-    """Torques and wrenches as affine functions of the unknowns x, c² last, at N samples.
+    """Torques and wrenches as affine functions of the unknowns x at N samples, and the rows that limit them.
 
+    The last unknown is c², or ṙ² where the speed varies, and then the one before it is r̈; those before are free.
     τ = torque_map x + torque_offset, F = wrench_map x + wrench_offset, and rows lower <= A x <= upper, each divided by
     its unit, so that a limit has the size 1 whatever its unit and magnitude.
 
@@ -35,6 +38,7 @@ class SampleProblem:
         names: One a row.
         unit: What 100 % of a row's limit is; 1 for the object's balance, which is no limit, Shape (r,).
         is_limit: False for the object's balance, Shape (r,).
+        is_cap: Rows that do nothing but bound the last unknown from above, Shape (r,).
         A: Shape (N, r, k).
         lower: Shape (N, r).
         upper: Shape (N, r).
@@ -49,6 +53,7 @@ class SampleProblem:
     names: tuple[RowName, ...]
     unit: Array
     is_limit: NDArray[np.bool_]
+    is_cap: NDArray[np.bool_]
     A: Array
     lower: Array
     upper: Array
@@ -62,18 +67,19 @@ class SampleProblem:
 
     @property
     def unknowns(self) -> int:
-        """Number of unknowns k, c² included."""
+        """Number of unknowns k, those of the speed included."""
         return int(self.A.shape[2])
 
     @property
-    def is_velocity(self) -> NDArray[np.bool_]:
-        """Rows that bound c² (or x) alone: velocity limits, Shape (r,)."""
-        return np.array([name.kind == "velocity" for name in self.names], dtype=bool)
+    def cap_share(self) -> Array:
+        """What each cap is of its limit where the last unknown is 1, Shape (N, s)."""
+        caps = self.is_cap
+        return side_share(self.A[:, caps, -1], self.lower[:, caps], self.upper[:, caps])
 
-    def velocity_cap(self) -> Array:
-        """Largest value of the last unknown that velocities allow, infinity where they do not bound it, Shape (N,)."""
+    def cap(self) -> Array:
+        """Largest value of the last unknown that the caps allow, infinity where they do not bound it, Shape (N,)."""
         with np.errstate(divide="ignore"):
-            return np.asarray(np.min(1 / self.A[:, self.is_velocity, -1], axis=1, initial=np.inf), dtype=np.float64)
+            return np.asarray(1 / np.max(self.cap_share, axis=1, initial=0.0), dtype=np.float64)
 
     def torque(self, x: Array) -> Array:
         """Torques of unknowns x, Shape (N, k), as Shape (N, m) [N m]."""
@@ -101,28 +107,60 @@ class SampleProblem:
             upper=self.upper[samples],
         )
 
+    def with_rows(self, names: Sequence[RowName], **columns: Any) -> "SampleProblem":
+        """The same problem with more rows.
+
+        Args:
+            names: One a row.
+            **columns: What they add to `unit`, `is_limit`, `is_cap`, `limit_lower`, `limit_upper`, Shape (s,) each, to
+                `A`, Shape (N, s, k), and to `lower` and `upper`, Shape (N, s).
+        """
+        more = {
+            name: np.concatenate([getattr(self, name), part], axis=1 if np.ndim(part) > 1 else 0)
+            for name, part in columns.items()
+        }
+        return replace(self, names=(*self.names, *names), **more)
+
+    def without_caps(self) -> "SampleProblem":
+        """The same problem without the rows that bound the last unknown alone."""
+        kept = ~self.is_cap
+        return replace(
+            self,
+            names=tuple(name for name, keep in zip(self.names, kept, strict=True) if keep),
+            **{
+                name: getattr(self, name)[kept] for name in ("unit", "is_limit", "is_cap", "limit_lower", "limit_upper")
+            },
+            **{name: getattr(self, name)[:, kept] for name in ("A", "lower", "upper")},
+        )
+
 
 def build_sample_problem(
     cell: Cell,
     motion: CoordinatedMotion,
+    *,
     formulation: FormulationName = "wrench",
     sharing: LoadSharing | None = None,
     load: Array | None = None,
     samples: NDArray[np.int_] | None = None,
+    varying: bool = False,
 ) -> SampleProblem:
     """Evaluate the generated formulation along the motion and put every limit into rows.
 
+    Where the speed varies these are eqs. (11) to (18) with r̈: τ = A r̈ + E ṙ² + G + JᵀF and Σ B F = S r̈ + P ṙ² + Q.
+
     Args:
         cell: The cell.
-        motion: Its motion.
-        formulation: "wrench" (unknowns F_1 … F_{n-1}, c²) or "torque" (unknowns τ, c²).
-        sharing: A fixed distribution of the load: the only unknown is c², whatever the formulation.
+        motion: Its motion; where the speed varies, its time is the path parameter r.
+        formulation: "wrench" (free unknowns F_1 … F_{n-1}) or "torque" (τ).
+        sharing: A fixed distribution of the load: nothing is free, whatever the formulation.
         load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
         samples: Indices of the samples to take; None takes all.
+        varying: Whether the speed varies.
 
     Raises:
         InputError: If the formulation does not exist, or the sharing does not fit the cell.
         MotionError: If the torque form meets a Jacobian that is not square or not well-conditioned.
+        MrtsError: If a limit has no form that is linear in the square of the speed.
     """
     inputs = motion.inputs(cell.load if load is None else load)
     if formulation not in FORMULATIONS:
@@ -131,66 +169,85 @@ def build_sample_problem(
         inputs |= sharing.inputs(cell, motion)
     elif formulation == "torque":
         _check_invertible(cell, motion)
+    limits = limit_rows(cell, motion)
     count = motion.samples
     if samples is not None:
         one_for_all = {name for name, value in inputs.items() if value.ndim == 1}
         inputs = {name: value if name in one_for_all else value[samples] for name, value in inputs.items()}
         count = len(samples)
-    maps = cell.functions("fixed_distribution" if sharing else f"{formulation}_form", count, inputs)
-    unknowns = maps["torque_map"].shape[2] if maps["torque_map"].ndim == 3 else 1  # noqa: PLR2004 (N, m, k)
-    torque_map = maps["torque_map"].reshape(count, -1, unknowns)
-    wrench_map = maps["wrench_map"].reshape(count, -1, unknowns)
-
-    rows = cell_rows(cell)
-    offset = maps["torque_offset"] @ rows.torque_matrix.T + maps["wrench_offset"] @ rows.wrench_matrix.T
-    A = rows.torque_matrix @ torque_map + rows.wrench_matrix @ wrench_map
-    lower, upper = rows.lower - offset, rows.upper - offset
-    names, limit_lower, limit_upper, unit = rows.names, rows.lower, rows.upper, rows.units()
-    if "equality_map" in maps:
-        names = (*names, *(RowName("balance", element=part) for part in cell.wrench_components))
-        A = np.concatenate([A, maps["equality_map"]], axis=1)
-        lower = np.concatenate([lower, maps["equality_rhs"]], axis=1)
-        upper = np.concatenate([upper, maps["equality_rhs"]], axis=1)
-        nothing = np.zeros(len(cell.wrench_components))
-        limit_lower = np.concatenate([limit_lower, nothing])
-        limit_upper = np.concatenate([limit_upper, nothing])
-        unit = np.concatenate([unit, nothing + 1])
-    problem = SampleProblem(
-        torque_map,
-        maps["torque_offset"],
-        wrench_map,
-        maps["wrench_offset"],
-        names,
-        unit,
-        np.array([name.kind != "balance" for name in names], dtype=bool),
-        A / unit[:, None],
-        lower / unit,
-        upper / unit,
-        limit_lower,
-        limit_upper,
+    maps = _maps(cell, "fixed_distribution" if sharing else f"{formulation}_form", count, inputs, varying=varying)
+    problem = _problem(limits, maps, slice(None) if samples is None else samples, varying=varying)
+    if "equality_map" not in maps:
+        return problem
+    nothing = np.zeros(len(cell.wrench_components))
+    return problem.with_rows(
+        [RowName("balance", element=part) for part in cell.wrench_components],
+        unit=nothing + 1,
+        is_limit=nothing > 0,
+        is_cap=nothing > 0,
+        A=maps["equality_map"],
+        lower=maps["equality_rhs"],
+        upper=maps["equality_rhs"],
+        limit_lower=nothing,
+        limit_upper=nothing,
     )
-    return _with_velocity_limits(problem, velocity_limits(cell, motion), samples)
 
 
-def _with_velocity_limits(
-    problem: SampleProblem, limits: VelocityLimits, samples: NDArray[np.int_] | None
+def _maps(cell: Cell, name: str, count: int, inputs: dict[str, Array], *, varying: bool) -> dict[str, Array]:
+    """What a generated formulation gives; maps have Shape (count, rows, k), with the column of r̈ where speed varies.
+
+    That column is the one of c² for the motion with velocities as accelerations: at q' = 0 and q'' → q' the terms E and
+    P are A and S, as no term quadratic in velocities is left.
+    """
+
+    def evaluated(given: dict[str, Array]) -> dict[str, Array]:
+        maps = cell.functions(name, count, given)
+        unknowns = maps["torque_map"].shape[2] if maps["torque_map"].ndim == 3 else 1  # noqa: PLR2004 (N, m, k)
+        return {
+            key: value.reshape(count, -1, unknowns) if key.endswith("_map") else value for key, value in maps.items()
+        }
+
+    maps = evaluated(inputs)
+    if not varying:
+        return maps
+    still = {key: np.zeros_like(inputs[key]) for key in ("dq", "object_twist")}
+    by_rate = evaluated(inputs | still | {"ddq": inputs["dq"], "object_acceleration": inputs["object_twist"]})
+    for key in [key for key in maps if key.endswith("_map")]:
+        maps[key] = np.concatenate([maps[key][:, :, :-1], by_rate[key][:, :, -1:], maps[key][:, :, -1:]], axis=2)
+    return maps
+
+
+def _problem(
+    limits: LimitRows, maps: dict[str, Array], samples: NDArray[np.int_] | slice, *, varying: bool
 ) -> SampleProblem:
-    """Add a row a velocity limit: (velocity / limit)² <= 1, linear in c²; 1 % of it are 0.5 % of the velocity."""
-    share = limits.share if samples is None else limits.share[samples]
-    shape = share.shape
-    rows = np.zeros((*shape, problem.unknowns))
-    rows[:, :, -1] = share**2
-    none = np.full(shape, -np.inf)
-    return replace(
-        problem,
-        names=(*problem.names, *limits.names),
-        unit=np.concatenate([problem.unit, limits.limit / 2]),
-        is_limit=np.concatenate([problem.is_limit, np.ones(shape[1], dtype=bool)]),
-        A=np.concatenate([problem.A, rows], axis=1),
-        lower=np.concatenate([problem.lower, none], axis=1),
-        upper=np.concatenate([problem.upper, np.ones(shape)], axis=1),
-        limit_lower=np.concatenate([problem.limit_lower, -limits.limit]),
-        limit_upper=np.concatenate([problem.limit_upper, limits.limit]),
+    """The limits over the unknowns, each row in its unit."""
+    form = squared(limits)
+    rows = form.rows.at(samples)
+    moves = np.any(rows.torque_matrix, axis=1) | np.any(rows.wrench_matrix, axis=1)
+    count, _, unknowns = maps["torque_map"].shape
+    size = limits.units()
+    A, offset = np.zeros((count, len(size), unknowns)), np.zeros((count, len(size)))
+    M_torque, M_wrench = rows.torque_matrix[moves], rows.wrench_matrix[moves]
+    A[:, moves] = M_torque @ maps["torque_map"] + M_wrench @ maps["wrench_map"]
+    offset[:, moves] = maps["torque_offset"] @ M_torque.T + maps["wrench_offset"] @ M_wrench.T
+    if rows.square is not None:
+        A[:, :, -1] += rows.square
+    if rows.rate is not None and varying:
+        A[:, :, -2] += rows.rate
+    return SampleProblem(
+        torque_map=maps["torque_map"],
+        torque_offset=maps["torque_offset"],
+        wrench_map=maps["wrench_map"],
+        wrench_offset=maps["wrench_offset"],
+        names=limits.names,
+        unit=form.unit,
+        is_limit=np.ones(len(size), dtype=bool),
+        is_cap=form.is_cap,
+        A=A / size[:, None],
+        lower=(rows.lower - offset) / size,
+        upper=(rows.upper - offset) / size,
+        limit_lower=limits.lower,
+        limit_upper=limits.upper,
     )
 
 

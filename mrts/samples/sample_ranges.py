@@ -3,7 +3,6 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from mrts.samples.closed_form import ends_in_closed_form
 from mrts.samples.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
 from mrts.samples.linear_programs import ends_by_linear_programs
 from mrts.samples.range_ends import RangeEnds
+from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_problem import SampleProblem
 
 REST_TOLERANCE = 1e-12
@@ -26,15 +26,6 @@ POINT_TOLERANCE = 1e-9
 TIE = 1e-7
 """Relative difference of two samples' ends, or two loads', that may be rounding: the first of them counts as the one
 that sets the end, so that it does not depend on the solver."""
-
-
-class SampleStatus(Enum):
-    """Outcome at one sample; empty if every load of a box has a range there, but no c² is in all."""
-
-    FEASIBLE = "feasible"
-    INFEASIBLE = "infeasible"
-    EMPTY = "empty"
-    UNBOUNDED = "unbounded"
 
 
 @dataclass(frozen=True)
@@ -55,7 +46,7 @@ class SampleRanges:
     """
 
     time: Array
-    status: tuple[SampleStatus, ...]
+    status: tuple[RangeStatus, ...]
     lower: Array
     upper: Array
     lower_rows: Sequence[tuple[ActiveRow, ...]]
@@ -95,30 +86,30 @@ def sample_ranges(problem: SampleProblem, time: Array, solver: str) -> SampleRan
         if marginal.size:
             ends.replace(marginal, find(_relaxed(problem.at(marginal))))
     for sample in conflicts:
-        ends.low[sample], ends.high[sample] = np.inf, -np.inf
-        ends.low_rows[sample] = ends.high_rows[sample] = ()
+        ends.lower[sample], ends.upper[sample] = np.inf, -np.inf
+        ends.lower_rows[sample] = ends.upper_rows[sample] = ()
     return SampleRanges(
         time,
-        statuses(ends.low, ends.high, conflicts.values()),
-        ends.low,
-        ends.high,
-        tuple(ends.low_rows),
-        tuple(ends.high_rows),
+        statuses(ends.lower, ends.upper, conflicts.values()),
+        ends.lower,
+        ends.upper,
+        tuple(ends.lower_rows),
+        tuple(ends.upper_rows),
         tuple(conflicts.values()),
         ends.fallbacks,
     )
 
 
-def statuses(low: Array, high: Array, conflicts: Iterable[Conflict]) -> tuple[SampleStatus, ...]:
+def statuses(lower: Array, upper: Array, conflicts: Iterable[Conflict]) -> tuple[RangeStatus, ...]:
     """The outcome at every sample.
 
     Args:
-        low: c²⁻(t), Shape (N,).
-        high: c²⁺(t), Shape (N,).
+        lower: c²⁻(t), Shape (N,).
+        upper: c²⁺(t), Shape (N,).
         conflicts: Of the infeasible samples.
     """
-    names = np.array([SampleStatus.FEASIBLE, SampleStatus.EMPTY, SampleStatus.UNBOUNDED, SampleStatus.INFEASIBLE])
-    code = np.where(np.isinf(high), 2, np.where(low > high * (1 + POINT_TOLERANCE), 1, 0))
+    names = np.array([RangeStatus.FEASIBLE, RangeStatus.EMPTY, RangeStatus.UNBOUNDED, RangeStatus.INFEASIBLE])
+    code = np.where(np.isinf(upper), 2, np.where(lower > upper * (1 + POINT_TOLERANCE), 1, 0))
     code[[conflict.sample for conflict in conflicts]] = 3
     return tuple(names[code].tolist())
 
@@ -140,7 +131,7 @@ def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> Sampl
         problem: Rows of some samples.
         largest: Largest effect at other samples of the motion.
     """
-    dynamic = ~problem.is_velocity
+    dynamic = ~problem.is_cap
     effect = np.max(np.abs(problem.A[:, dynamic, -1]), axis=1, initial=0.0)
     at_rest = effect <= REST_TOLERANCE * np.max(effect, initial=largest)
     A = problem.A.copy()

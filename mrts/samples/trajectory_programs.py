@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The programs of a whole trajectory: by the compiled kernel in one call, or put together here for another solver."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +11,9 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.programs import OPTIMAL
-from mrts.limits import cell_rows
-from mrts.limits.rows import ActiveRow, LimitRows
-from mrts.limits.velocity_limits import velocity_limits
+from mrts.limits import limit_rows
+from mrts.limits.rows import ActiveRow
+from mrts.limits.squared_rows import SpeedCaps, SquaredRows, squared
 from mrts.samples import FormulationName
 from mrts.samples.end_rows import with_end_rows
 from mrts.samples.infeasibility import Conflict, find_conflicts
@@ -53,13 +53,12 @@ def motion_ranges(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    fast = _compiled(cell, formulation, sharing, solver)
+    fast = _compiled(cell, motion, formulation, sharing, solver)
     if fast is not None:
-        found = _compiled_ranges(cell, motion, *fast, solver, load)
+        found = _compiled_ranges(cell, motion, fast, solver, load)
     else:
-        found = sample_ranges(
-            build_sample_problem(cell, motion, formulation, sharing, load), motion.object.time, solver
-        )
+        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, load=load)
+        found = sample_ranges(problem, motion.object.time, solver)
     if sharing is not None:
         return found
     return with_end_rows(
@@ -68,31 +67,36 @@ def motion_ranges(
 
 
 def _compiled_ranges(
-    cell: Cell, motion: CoordinatedMotion, compiled: CellLibrary, limits: LimitRows, solver: str, load: Array | None
+    cell: Cell, motion: CoordinatedMotion, fast: "_Compiled", solver: str, load: Array | None
 ) -> SampleRanges:
     """The ranges by the kernel; what it does not settle is left to the solvers."""
-    velocity = velocity_limits(cell, motion)
-    inputs = motion.inputs(cell.load if load is None else load)
-    most = velocity.largest_c2()
-    found = compiled.ranges(motion.samples, inputs, _sparse(limits), most)
+    inputs, most = motion.inputs(cell.load if load is None else load), fast.caps.largest()
+    found = fast.compiled.ranges(motion.samples, inputs, fast.sparse(), most)
     at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
-    low, high = found.low, np.where(at_rest, most, found.high)
-    suspects = np.flatnonzero(np.any(found.status != OPTIMAL, axis=0) | (at_rest & (low > 0)))
-    rows = [KernelRows(limits, velocity, found.basis[end], found.dual[end], {}) for end in (0, 1)]
+    lower, upper = found.lower, np.where(at_rest, most, found.upper)
+    suspects = np.flatnonzero(np.any(found.status != OPTIMAL, axis=0) | (at_rest & (lower > 0)))
+    rows = [KernelRows(fast.form.given, fast.kept, fast.caps, found.basis[end], found.dual[end], {}) for end in (0, 1)]
     for sample in np.flatnonzero(at_rest & np.isfinite(most)).tolist():
-        rows[1].settled[sample] = velocity.binding(sample)
+        rows[1].settled[sample] = fast.caps.binding(sample)
     conflicts: list[Conflict] = []
     fallbacks = 0
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
         part = _settle(cell, motion, load, block, float(np.max(found.effect)), solver)
-        low[block], high[block] = part.lower, part.upper
+        lower[block], upper[block] = part.lower, part.upper
         for index, sample in enumerate(block.tolist()):
             rows[0].settled[sample], rows[1].settled[sample] = part.lower_rows[index], part.upper_rows[index]
         conflicts += [replace(conflict, sample=int(block[conflict.sample])) for conflict in part.conflicts]
         fallbacks += part.fallbacks
     return SampleRanges(
-        motion.object.time, statuses(low, high, conflicts), low, high, rows[0], rows[1], tuple(conflicts), fallbacks
+        motion.object.time,
+        statuses(lower, upper, conflicts),
+        lower,
+        upper,
+        rows[0],
+        rows[1],
+        tuple(conflicts),
+        fallbacks,
     )
 
 
@@ -120,14 +124,13 @@ def motion_torques(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    fast = _compiled(cell, formulation, sharing, solver)
+    fast = _compiled(cell, motion, formulation, sharing, solver)
     if fast is None:
-        problem = build_sample_problem(cell, motion, formulation, sharing)
+        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing)
         x, fallbacks = distribute_torques(problem, c2, weights, solver)
         return problem.torque(x), problem.wrench(x), fallbacks
-    compiled, limits = fast
-    torque, wrench, status = compiled.torques(
-        motion.samples, motion.inputs(cell.load), _sparse(limits), np.full(motion.samples, c2), weights, SLACK
+    torque, wrench, status = fast.compiled.torques(
+        motion.samples, motion.inputs(cell.load), fast.sparse(), np.full(motion.samples, c2), weights, SLACK
     )
     missing, fallbacks = np.flatnonzero(status != OPTIMAL), 0
     for start in range(0, len(missing), BLOCK):
@@ -139,23 +142,39 @@ def motion_torques(
     return torque, wrench, fallbacks
 
 
+@dataclass(frozen=True)
+class _Compiled:
+    """The cell's library, all rows, those that it takes, and those that only bound c²."""
+
+    compiled: CellLibrary
+    form: SquaredRows
+    kept: NDArray[np.int_]
+    caps: SpeedCaps
+
+    def sparse(self) -> SparseLimits:
+        """The rows that it takes, as C reads them."""
+        rows = self.form.rows.only(~self.form.is_cap)
+        matrix = np.hstack([rows.torque_matrix, rows.wrench_matrix])
+        units = [name.unit for name in rows.names]
+        return SparseLimits(matrix=matrix, lower=rows.lower, upper=rows.upper, group=units, square=rows.square)
+
+
 def _compiled(
-    cell: Cell, formulation: FormulationName, sharing: LoadSharing | None, solver: str
-) -> tuple[CellLibrary, LimitRows] | None:
-    """The cell's library and limits where it answers: free distribution, wrench form, more than one arm."""
+    cell: Cell, motion: CoordinatedMotion, formulation: FormulationName, sharing: LoadSharing | None, solver: str
+) -> _Compiled | None:
+    """The compiled path where it answers: free distribution, wrench form, more than one arm."""
     check_solver(solver)
     compiled = cell.functions.compiled
     applies = solver == "kernel" and formulation == "wrench" and sharing is None and len(cell.robots) > 1
     if compiled is None or not applies:
         return None
-    limits = cell_rows(cell)
-    return (compiled, limits) if len(limits.names) + compiled.unknowns <= MOST_ROWS else None
-
-
-def _sparse(limits: LimitRows) -> SparseLimits:
-    matrix = np.hstack([limits.torque_matrix, limits.wrench_matrix])
-    units = [name.unit for name in limits.names]
-    return SparseLimits(matrix=matrix, lower=limits.lower, upper=limits.upper, group=units)
+    form = squared(limit_rows(cell, motion))
+    kept = np.flatnonzero(~form.is_cap)
+    return (
+        _Compiled(compiled, form, kept, form.caps(motion.samples))
+        if len(kept) + compiled.unknowns <= MOST_ROWS
+        else None
+    )
 
 
 def _settle(
@@ -172,14 +191,21 @@ def _settle(
     found = find_conflicts(problem, time, np.arange(len(samples)), solver)
     conflicts = tuple(conflict for conflict in found if conflict is not None)
     still = np.array([index for index, conflict in enumerate(found) if conflict is None], dtype=int)
-    low, high = np.full(len(samples), np.inf), np.full(len(samples), -np.inf)
-    low_rows: list[tuple[ActiveRow, ...]] = [()] * len(samples)
-    high_rows, fallbacks = low_rows.copy(), 0
+    lower, upper = np.full(len(samples), np.inf), np.full(len(samples), -np.inf)
+    lower_rows: list[tuple[ActiveRow, ...]] = [()] * len(samples)
+    upper_rows, fallbacks = lower_rows.copy(), 0
     if still.size:
         part = sample_ranges(problem.at(still), time[still], solver)
-        low[still], high[still], fallbacks = part.lower, part.upper, part.fallbacks
+        lower[still], upper[still], fallbacks = part.lower, part.upper, part.fallbacks
         for index, sample in enumerate(still.tolist()):
-            low_rows[sample], high_rows[sample] = part.lower_rows[index], part.upper_rows[index]
+            lower_rows[sample], upper_rows[sample] = part.lower_rows[index], part.upper_rows[index]
     return SampleRanges(
-        time, statuses(low, high, conflicts), low, high, tuple(low_rows), tuple(high_rows), conflicts, fallbacks
+        time,
+        statuses(lower, upper, conflicts),
+        lower,
+        upper,
+        tuple(lower_rows),
+        tuple(upper_rows),
+        conflicts,
+        fallbacks,
     )

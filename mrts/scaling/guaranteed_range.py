@@ -126,15 +126,15 @@ def _in_closed_form(asked: LoadQuestion, box: LoadBox, varying: tuple[str, ...])
 
     return SampleRanges(
         asked.motion.object.time,
-        statuses(ends.low, ends.high, ()),
-        ends.low,
-        ends.high,
-        tuple(ends.low_rows),
-        tuple(ends.high_rows),
+        statuses(ends.lower, ends.upper, ()),
+        ends.lower,
+        ends.upper,
+        tuple(ends.lower_rows),
+        tuple(ends.upper_rows),
         (),
         0,
-        _LoadsOnDemand(ends.low, worst),
-        _LoadsOnDemand(ends.high, worst),
+        _LoadsOnDemand(ends.lower, worst),
+        _LoadsOnDemand(ends.upper, worst),
     )
 
 

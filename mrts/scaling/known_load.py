@@ -8,13 +8,11 @@ import numpy as np
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.samples.torque_distribution import torque_weights
-from mrts.samples.trajectory_programs import motion_ranges, motion_torques
-from mrts.scaling.holding_torques import holding_at_ends
+from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.range import intersect
 from mrts.scaling.result import END_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError
-from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scaling.with_torques import with_torques
 from mrts.solvers import DEFAULT_SOLVER, check_solver
 
 
@@ -41,18 +39,12 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
     if result.trajectory is None:
         raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
     cell, motion, c2 = result.cell.with_load(load), result.motion, result.trajectory.c2
-    sharing, formulation = result.rule.sharing, result.rule.formulation
-    W = torque_weights(result.rule.weights, sum(len(robot.joints) for robot in cell.robots))
-    own = intersect(motion_ranges(cell, motion, formulation, sharing, solver))
+    own = intersect(motion_ranges(cell, motion, result.rule.formulation, result.rule.sharing, solver))
     low, high = (end.c2 if end else np.nan for end in (own.lower, own.upper))
     if not low * (1 - END_TOLERANCE) <= c2 <= high * (1 + END_TOLERANCE):
         refused = replace(result, cell=cell, range=own, trajectory=None, load=None)
         error = SelectionError(f"c² = {c2:g} does not suit this load: {refused.sentence()}")
         error.result = refused
         raise error
-    torque, wrench, fallbacks = motion_torques(cell, motion, formulation, sharing, solver, c2, W)
-    holding, unheld = holding_at_ends(cell, motion, own.samples, sharing, formulation, W, solver)
-    warnings = tuple(dict.fromkeys(result.warnings + unheld))
-    trajectory = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
-    fallbacks += result.fallbacks + own.samples.fallbacks
-    return replace(result, cell=cell, trajectory=trajectory, fallbacks=fallbacks, warnings=warnings).checked()
+    carrying = replace(result, cell=cell, fallbacks=result.fallbacks + own.samples.fallbacks)
+    return with_torques(carrying, c2, own.samples, solver)

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""How much of each limit a trajectory uses."""
+"""What a trajectory makes of the quantities that are limited, and how much of each limit it uses."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.limits import cell_rows
+from mrts.base.arrays import Array
+from mrts.limits import all_rows
 from mrts.limits.rows import RowName
-from mrts.limits.velocity_limits import velocity_limits
-from mrts.scaling.result import ScalingResult
-from mrts.scaling.scaled_trajectory import ScaledTrajectory
+
+if TYPE_CHECKING:
+    from mrts.scaling.result import ScalingResult
 
 
 @dataclass(frozen=True)
@@ -38,25 +38,40 @@ class LimitUse:
     time: float
 
 
-def limit_uses(result: ScalingResult) -> list[LimitUse]:
-    """All rows and velocities of a cell by falling share of the limit; empty if there is no trajectory.
+@dataclass(frozen=True)
+class LimitedQuantities:
+    """Quantities of one kind and one robot along a trajectory, limited or not; k of them at N samples.
+
+    Attributes:
+        names: Joint, wrench component, or what else the rows call their elements.
+        units: One a quantity.
+        values: Shape (N, k).
+        lower: Minus infinity where unbounded, Shape (k,).
+        upper: Infinity where unbounded, Shape (k,).
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    values: Array
+    lower: Array
+    upper: Array
+
+
+def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUse]:
+    """All limits of a cell by falling share, velocities enforced or not; empty if there is no trajectory.
 
     Args:
         result: The result.
+        kind: Only rows of one kind, as in `RowName`, in their own order and with those that have no limit.
     """
     done = result.trajectory
     if done is None:
         return []
-    rows = cell_rows(result.cell)
-    value = done.torque @ rows.torque_matrix.T + done.wrench @ rows.wrench_matrix.T
-    used = []
-    for limit, distance in ((rows.lower, value - rows.lower), (rows.upper, rows.upper - value)):
-        size = np.where(limit == 0, rows.units(), np.abs(limit))
-        bounded = np.isfinite(limit)
-        share = np.full_like(value, -np.inf)
-        share[:, bounded] = 1 - distance[:, bounded] / size[bounded]
-        used.append(share)
-    share = np.maximum(*used)
+    rows = all_rows(result.cell, result.motion)
+    of_kind = np.array([name.kind == kind for name in rows.names], dtype=bool)
+    rows = rows.bounded() if kind is None else rows.only(of_kind)
+    value = rows.value(done.torque, done.wrench, 0.0, done.c)
+    share = rows.share(value)
     at = np.argmax(share, axis=0)
     uses = [
         LimitUse(
@@ -70,17 +85,29 @@ def limit_uses(result: ScalingResult) -> list[LimitUse]:
         )
         for row, name in enumerate(rows.names)
     ]
-    uses += _velocity_uses(result.cell, result.motion, done)
-    return sorted(uses, key=lambda use: -use.share)
+    return uses if kind is not None else sorted(uses, key=lambda use: -use.share)
 
 
-def _velocity_uses(cell: Cell, motion: CoordinatedMotion, done: ScaledTrajectory) -> list[LimitUse]:
-    """Sizes of velocities, enforced or not."""
-    limits = velocity_limits(replace(cell, enforces_velocity_limits=True), motion)
-    share = done.c * limits.share
-    at = np.argmax(share, axis=0)
-    uses = []
-    for row, (name, limit) in enumerate(zip(limits.names, limits.limit.tolist(), strict=True)):
-        least, largest = float(np.min(share[:, row])), float(share[at[row], row])
-        uses.append(LimitUse(name, 0.0, limit, least * limit, largest * limit, largest, float(done.time[at[row]])))
-    return uses
+def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> LimitedQuantities:
+    """Quantities of one kind along the trajectory of a result, such as the torques of a robot, with their limits.
+
+    Args:
+        result: A result with a trajectory.
+        kind: As in `RowName`.
+        robot: Likewise.
+
+    Raises:
+        ValueError: If there is no trajectory.
+    """
+    done = result.trajectory
+    if done is None:
+        raise ValueError("there is no trajectory to draw")
+    rows = all_rows(result.cell, result.motion)
+    rows = rows.only(np.array([name.kind == kind and name.robot == robot for name in rows.names], dtype=bool))
+    return LimitedQuantities(
+        tuple(name.element for name in rows.names),
+        tuple(name.unit for name in rows.names),
+        rows.value(done.torque, done.wrench, 0.0, done.c),
+        rows.lower,
+        rows.upper,
+    )

@@ -93,7 +93,9 @@ class LoadQuestion:
 
     def problem(self, load: Array) -> SampleProblem:
         """Rows with a load, Shape (10,), or one a sample, Shape (N, 10)."""
-        return build_sample_problem(self.cell, self.motion, self.formulation, self.sharing, load)
+        return build_sample_problem(
+            self.cell, self.motion, formulation=self.formulation, sharing=self.sharing, load=load
+        )
 
     def ranges(self, points: Sequence[LoadPoint]) -> list[SampleRanges]:
         """Ranges of each load."""

@@ -3,7 +3,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -11,37 +10,8 @@ import numpy as np
 from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
 from mrts.limits.rows import ActiveRow
+from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
-
-
-class ScalingStatus(Enum):
-    """Outcome over the motion; the text says what it means and what to do."""
-
-    FEASIBLE = "feasible"
-    INFEASIBLE = "infeasible"
-    EMPTY = "empty"
-    UNBOUNDED = "unbounded"
-
-    @property
-    def advice(self) -> str:
-        """What this outcome means and what to do."""
-        return {
-            "feasible": "Every c² in the range keeps all limits.",
-            "infeasible": (
-                "Some sample is infeasible at every speed. Move the path, raise a limit, lighten the load, or try "
-                "another configuration."
-            ),
-            "empty": (
-                "Every sample, and every load, is feasible at some speed, but no constant c² suits all. Change the "
-                "velocity profile, split the motion between the two samples, or narrow the load."
-            ),
-            "unbounded": "No limit depends on the speed at the samples: you may play it as fast as you like.",
-        }[self.value]
-
-    @property
-    def admits_motion(self) -> bool:
-        """Whether some c² is admissible."""
-        return self in {ScalingStatus.FEASIBLE, ScalingStatus.UNBOUNDED}
 
 
 @dataclass(frozen=True)
@@ -87,7 +57,7 @@ class ScalingRange:
         samples: The ranges that were intersected.
     """
 
-    status: ScalingStatus
+    status: RangeStatus
     lower: RangeEnd | None
     upper: RangeEnd | None
     samples: SampleRanges
@@ -107,11 +77,11 @@ class ScalingRange:
 
     def explain(self) -> str:
         """Why no c² is admissible (the message of step 3.2); empty if some is."""
-        if self.status is ScalingStatus.INFEASIBLE:
+        if self.status is RangeStatus.INFEASIBLE:
             conflicts = self.samples.conflicts
             worst = max(conflicts, key=lambda conflict: conflict.widening)
             text = f"{len(conflicts)} of {len(self.samples.time)} samples are infeasible. The worst: {worst}."
-        elif self.status is ScalingStatus.EMPTY and self.lower and self.upper:
+        elif self.status is RangeStatus.EMPTY and self.lower and self.upper:
             slow, fast = self.lower, self.upper
             text = f"c² must be at least {slow.c2:.6g} {slow.place()}, but at most {fast.c2:.6g} {fast.place()}."
         else:
@@ -126,16 +96,16 @@ def intersect(samples: SampleRanges) -> ScalingRange:
         samples: Ranges of all samples.
     """
     if samples.conflicts:
-        return ScalingRange(ScalingStatus.INFEASIBLE, None, None, samples)
+        return ScalingRange(RangeStatus.INFEASIBLE, None, None, samples)
     at_low, at_high = int(first_least(-samples.lower)), int(first_least(samples.upper))
     low, high = float(np.max(samples.lower)), float(np.min(samples.upper))
     if high < low <= high * (1 + POINT_TOLERANCE):
         low = high
     lower = _end(samples, at_low, low, samples.lower_rows, samples.lower_loads)
     if np.isinf(high):
-        return ScalingRange(ScalingStatus.UNBOUNDED, lower, RangeEnd(high, None, None, ()), samples)
+        return ScalingRange(RangeStatus.UNBOUNDED, lower, RangeEnd(high, None, None, ()), samples)
     upper = _end(samples, at_high, high, samples.upper_rows, samples.upper_loads)
-    status = ScalingStatus.FEASIBLE if low <= high else ScalingStatus.EMPTY
+    status = RangeStatus.FEASIBLE if low <= high else RangeStatus.EMPTY
     return ScalingRange(status, lower, upper, samples)
 
 

@@ -2,7 +2,7 @@
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
@@ -18,12 +18,13 @@ from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.limits import cell_rows
-from mrts.limits.velocity_limits import velocity_limits
+from mrts.limits import limit_rows
 from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.range_status import RangeStatus
+from mrts.scaling.limit_use import limit_uses
 from mrts.scaling.load_study import LoadStudy
-from mrts.scaling.range import ScalingRange, ScalingStatus
+from mrts.scaling.range import ScalingRange
 from mrts.scaling.result_html import result_html
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
@@ -102,7 +103,7 @@ class ScalingResult:
         return result_html(self)
 
     @property
-    def status(self) -> ScalingStatus:
+    def status(self) -> RangeStatus:
         """The outcome."""
         return self.range.status
 
@@ -127,16 +128,12 @@ class ScalingResult:
         """
         if self.trajectory is None:
             return []
-        limits = velocity_limits(replace(self.cell, enforces_velocity_limits=True), self.motion)
-        fastest = self.trajectory.c * np.max(limits.share, axis=0)
-        notes = []
-        for index in np.flatnonzero(fastest > 1 + LIMIT_TOLERANCE):
-            name, limit = limits.names[index], limits.limit[index]
-            notes.append(
-                f"{name.robot}/{name.element} reaches {fastest[index] * limit:.3g} {name.unit}, its limit is "
-                f"{limit:.3g} {name.unit}: for that, c² may be at most {self.trajectory.c2 / fastest[index] ** 2:.4g}"
-            )
-        return notes
+        return [
+            f"{use.name.robot}/{use.name.element} reaches {use.share * use.upper:.3g} {use.name.unit}, its limit is "
+            f"{use.upper:.3g} {use.name.unit}: for that, c² may be at most {self.trajectory.c2 / use.share**2:.4g}"
+            for use in limit_uses(self, "velocity")
+            if use.share > 1 + LIMIT_TOLERANCE
+        ]
 
     def summary(self) -> str:
         """The outcome in one or two sentences, and a line for each warning."""
@@ -275,15 +272,12 @@ class ScalingResult:
 
 def _overstep(cell: Cell, done: ScaledTrajectory) -> float:
     """Largest overstepping of a limit, as a share of it."""
-    rows = cell_rows(cell)
-    worst = done.c * float(np.max(velocity_limits(cell, done.motion).share, initial=0.0)) - 1
-    worst = max(worst, 0.0)
+    rows, worst = limit_rows(cell, done.motion), 0.0
     for start in range(0, len(done.torque), BLOCK):
         part = slice(start, start + BLOCK)
-        value = done.torque[part] @ rows.torque_matrix.T + done.wrench[part] @ rows.wrench_matrix.T
-        beyond = np.max(np.maximum(rows.lower - value, value - rows.upper), axis=0)
-        # not max: it would drop what is no number
-        worst = float(np.maximum(worst, np.max(beyond / rows.units(), initial=0.0)))
+        here = rows.at(part)
+        excess = here.excess(here.value(done.torque[part], done.wrench[part], 0.0, done.c))
+        worst = float(np.maximum(worst, np.max(excess, initial=0.0)))  # not max: it would drop what is no number
     return worst
 
 

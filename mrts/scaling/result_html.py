@@ -8,6 +8,7 @@ import numpy as np
 
 from mrts.base.interval_text import interval_text
 from mrts.base.printable import html_text
+from mrts.scaling.limit_use import limited_quantities
 
 if TYPE_CHECKING:
     from mrts.scaling.result import ScalingResult
@@ -42,10 +43,10 @@ def _rows(result: "ScalingResult") -> Iterator[tuple[str, str]]:
     yield "chosen c²", f"{done.c2:.4g}"
     yield "duration", f"{done.duration:.4g} s, as given {result.motion.object.time[-1]:.4g} s"
     for robot in result.cell.robots:
-        torque = result.torque[robot.name]
-        margins = np.min(np.minimum(torque - robot.torque_lower, robot.torque_upper - torque), axis=0)
-        for joint, margin, low_limit, high_limit, unit in zip(
-            robot.joints, margins, robot.torque_lower, robot.torque_upper, robot.torque_units, strict=True
+        torques = limited_quantities(result, "torque", robot.name)
+        margins = np.min(np.minimum(torques.values - torques.lower, torques.upper - torques.values), axis=0)
+        for joint, margin, lower, upper, unit in zip(
+            torques.names, margins, torques.lower, torques.upper, torques.units, strict=True
         ):
-            limits = f"limits [{low_limit:g}, {high_limit:g}] {unit}"
+            limits = f"limits [{lower:g}, {upper:g}] {unit}"
             yield f"{robot.name}/{joint}", f"margin {max(round(margin, ROUNDING), 0.0):.3g} {unit}, {limits}"

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """MMTSF, the paper's algorithm, whole: range, choice of c², torques."""
 
-from dataclasses import replace
 from types import NoneType
 from typing import Literal
 
@@ -19,14 +18,14 @@ from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.range_status import RangeStatus
 from mrts.samples.torque_distribution import torque_weights
-from mrts.samples.trajectory_programs import motion_ranges, motion_torques
-from mrts.scaling.holding_torques import holding_at_ends
+from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.motion_remarks import motion_remarks
-from mrts.scaling.range import ScalingRange, ScalingStatus, intersect
+from mrts.scaling.range import ScalingRange, intersect
 from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult
-from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scaling.uncertain_load import study_load
+from mrts.scaling.with_torques import with_torques
 from mrts.solvers import DEFAULT_SOLVER, check_solver
 
 LARGEST_C2 = 1e300
@@ -92,7 +91,7 @@ def scale(
     check_callable("progress", progress)
     check_solver(solver)
     question = load_question(cell, load, select)
-    W = torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
+    torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
     motion = coordinate(cell, motion, closure)
     study = None
     if question == "nominal":
@@ -109,11 +108,7 @@ def scale(
     except SelectionError as error:
         error.result = untouched
         raise
-    torque, wrench, fallbacks = motion_torques(cell, motion, formulation, sharing, solver, c2, W)
-    holding, unheld = holding_at_ends(cell, motion, found.samples, sharing, formulation, W, solver)
-    untouched = replace(untouched, warnings=remarks + unheld)
-    trajectory = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
-    return replace(untouched, trajectory=trajectory, fallbacks=untouched.fallbacks + fallbacks).checked()
+    return with_torques(untouched, c2, found.samples, solver)
 
 
 def _check_select(select: object) -> None:
@@ -159,7 +154,7 @@ def choose_c2(found: ScalingRange, select: Selection) -> float:
     assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
     low, high = found.lower.c2, found.upper.c2
     interval = interval_text(low, high, digits=6)
-    unlimited = found.status is ScalingStatus.UNBOUNDED
+    unlimited = found.status is RangeStatus.UNBOUNDED
     if select == "auto":
         select = "nominal" if unlimited else "fastest"
     if select == "fastest":

@@ -41,8 +41,9 @@ def stretched_torques(
     torques, wrenches = [], []
     for start in range(0, motion.samples, BLOCK):
         block = np.arange(start, min(start + BLOCK, motion.samples))
-        free = cell.without_velocity_limits()  # no torques change a velocity
-        problem = build_sample_problem(free, motion, rule.formulation, rule.sharing, samples=block)
+        problem = build_sample_problem(
+            cell, motion, formulation=rule.formulation, sharing=rule.sharing, samples=block
+        ).without_caps()  # no torques change what the speed alone moves
         room = _least_stretch(problem, c2, solver)[:, None] * problem.is_limit
         problem = replace(problem, lower=problem.lower - room, upper=problem.upper + room)
         x, _ = distribute_torques(problem, c2, W, solver)

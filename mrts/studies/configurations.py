@@ -34,8 +34,9 @@ from mrts.inverse_kinematics.six_joint_closed_form import six_joint_branches
 from mrts.inverse_kinematics.starting_positions import starting_reference
 from mrts.motion.object_motion import ObjectMotion
 from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.range_status import RangeStatus
 from mrts.samples.trajectory_programs import motion_ranges
-from mrts.scaling.range import ScalingRange, ScalingStatus, intersect
+from mrts.scaling.range import ScalingRange, intersect
 from mrts.scaling.uncertain_load import study_load
 from mrts.solvers import DEFAULT_SOLVER, check_solver
 
@@ -346,7 +347,7 @@ def outcome(configuration: Configuration) -> str:
     found = configuration.range
     if found.upper is None or not found.status.admits_motion:
         return f"{found.status.value}: {found.explain()}"
-    if found.status is ScalingStatus.UNBOUNDED or found.upper.time is None:
+    if found.status is RangeStatus.UNBOUNDED or found.upper.time is None:
         return "unbounded"
     rows = ", ".join(row.name.short for row in found.upper.rows)
     return f"t = {found.upper.time:.3g} s: {rows}"

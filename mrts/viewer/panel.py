@@ -9,7 +9,7 @@ from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
 from mrts.base.printable import html_text
 from mrts.limits.rows import ActiveRow
-from mrts.samples.sample_ranges import SampleStatus
+from mrts.samples.range_status import RangeStatus
 from mrts.viewer.player_state import Bar, PlayerState
 
 WITHIN, OVER, PASSED = "#0072B2", "#D40000", "#B36B00"
@@ -76,7 +76,7 @@ def moment_html(state: PlayerState) -> str:
     if np.isinf(high):
         return _paragraph("moment", f"{text}Nothing limits the speed of this sample: c² ∈ {interval_text(low, high)}.")
     reach = f"This sample alone admits c² ∈ {interval_text(low, high)}"
-    empty = found.status[sample] is SampleStatus.EMPTY
+    empty = found.status[sample] is RangeStatus.EMPTY
     text += f"No c² suits every load here: {interval_text(low, high)}; " if empty else f"{reach}; "
     text += f"faster is forbidden by {_rows(found.upper_rows, found.upper_loads, sample)}"
     if low > 0:

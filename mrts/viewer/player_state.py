@@ -11,8 +11,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.coordination.grasp_closure import ClosureBound
-from mrts.limits import cell_rows
-from mrts.limits.velocity_limits import velocity_limits
+from mrts.limits import all_rows, limit_rows
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.samples.load_sharing import LoadSharing
@@ -35,6 +34,9 @@ FASTEST_INFEASIBLE, FASTEST_UNBOUNDED = 2.0, 3.0
 SLOWEST = 0.02
 """Least offered c, as a share of the largest, where the cell may stand still."""
 
+OWN_BARS = ("torque", "wrench", "velocity")
+"""Kinds of limits that have bars of their own; others stand below them."""
+
 STEPS = 400
 """Least number of speeds on offer."""
 
@@ -45,15 +47,15 @@ class Speeds:
 
     Attributes:
         ends: c² of "c⁻" and "c⁺", as far as they are finite and > 0.
-        low: Least c on offer.
-        high: Largest.
-        step: Between neighbours, a power of ten; `low` and `high` are multiples of it.
+        lower: Least c on offer.
+        upper: Largest.
+        step: Between neighbours, a power of ten; `lower` and `upper` are multiples of it.
         start: First choice.
     """
 
     ends: dict[str, float]
-    low: float
-    high: float
+    lower: float
+    upper: float
     step: float
     start: float
 
@@ -190,7 +192,7 @@ class PlayerState:
             InputError: Unless it is finite, > 0, and at least a thousandth of the least on offer.
             SolverError: If no solver answers.
         """
-        least = 1e-3 * self.speeds.low  # far below, c² and what is divided by it leave the range of numbers
+        least = 1e-3 * self.speeds.lower  # far below, c² and what is divided by it leave the range of numbers
         if not (isfinite(c) and c >= least):
             raise InputError("c", f"must be finite and >= {least:.3g}.", value=c)
         self.trajectory, self.excess = self._distribute(self.result, self.speeds.c2(c))
@@ -230,43 +232,39 @@ class PlayerState:
 
     def torque_bars(self) -> dict[str, list[Bar]]:
         """Joint torques at the chosen time, by robot."""
-        torque, cell = self.trajectory.torque[self.sample], self.result.cell
-        return {
-            robot.name: _bars(
-                robot.joints, torque[joints], robot.torque_lower, robot.torque_upper, list(robot.torque_units)
-            )
-            for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True)
-        }
+        return self._bars("torque")
 
     def wrench_bars(self) -> dict[str, list[Bar]]:
         """Contact wrenches at the chosen time, by robot."""
-        wrench, cell = self.trajectory.wrench[self.sample], self.result.cell
-        names = cell.wrench_components
-        units = ["N" if name.startswith("f") else "N m" for name in names]
-        return {
-            robot.name: _bars(names, wrench[part], robot.wrench_lower, robot.wrench_upper, units)
-            for robot, part in zip(cell.robots, cell.wrench_slices.values(), strict=True)
-        }
+        return self._bars("wrench")
 
     def velocity_bars(self) -> dict[str, list[Bar]]:
         """Joint velocities at the chosen time, by robot."""
-        speed, cell = self.trajectory.dq[self.sample], self.result.cell
-        return {
-            robot.name: _bars(
-                robot.joints,
-                speed[joints],
-                -robot.velocity_limit,
-                robot.velocity_limit,
-                ["m/s" if kind == "prismatic" else "rad/s" for kind in robot.joint_types],
-            )
-            for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True)
-        }
+        return {robot: bars for robot, bars in self._bars("velocity").items() if robot != "object"}
+
+    def further_bars(self) -> dict[str, dict[str, list[Bar]]]:
+        """What limits beside those of a cell file bound at the chosen time, by kind and robot."""
+        kinds = dict.fromkeys(name.kind for name in self._rows.names if name.kind not in OWN_BARS)
+        return {kind: self._bars(kind) for kind in kinds}
 
     def joints_beyond_velocity(self) -> int:
         """How many joints pass their velocity limit at some time."""
-        limits = np.concatenate([robot.velocity_limit for robot in self.result.cell.robots])
-        fastest = np.max(np.abs(self.trajectory.dq), axis=0)
-        return int(np.count_nonzero(fastest > limits * (1 + LIMIT_TOLERANCE)))
+        done, names = self.trajectory, self._rows.names
+        rows = self._rows.only(np.array([name.kind == "velocity" and name.robot != "object" for name in names]))
+        excess = rows.excess(rows.value(done.torque, done.wrench, 0.0, done.c))
+        return int(np.count_nonzero(np.any(excess > LIMIT_TOLERANCE, axis=0)))
+
+    def _bars(self, kind: str) -> dict[str, list[Bar]]:
+        """What rows of one kind limit at the chosen time, by robot."""
+        here, done = slice(self.sample, self.sample + 1), self.trajectory
+        rows = self._rows.at(here)
+        value = rows.value(done.torque[here], done.wrench[here], 0.0, done.c)[0]
+        bars: dict[str, list[Bar]] = {}
+        for row, name in enumerate(rows.names):
+            if name.kind == kind:
+                bar = Bar(name.element, float(value[row]), float(rows.lower[row]), float(rows.upper[row]), name.unit)
+                bars.setdefault(name.robot, []).append(bar)
+        return bars
 
     def _play(self, cell: Cell) -> None:
         try:
@@ -286,6 +284,7 @@ class PlayerState:
         trajectory, excess = self._distribute(result, speeds.c2(speeds.start))
         self.result, self.speeds, self.sample = result, speeds, 0
         self.trajectory, self.excess = trajectory, excess
+        self._rows = all_rows(result.cell, result.motion)
 
     def _distribute(self, result: ScalingResult, c2: float) -> tuple[ScaledTrajectory, Array]:
         cell, motion, rule = result.cell, result.motion, result.rule
@@ -294,11 +293,8 @@ class PlayerState:
             torque, wrench, _ = motion_torques(cell, motion, rule.formulation, rule.sharing, self._solver, c2, W)
         else:
             torque, wrench = stretched_torques(cell, motion, rule, c2, self._solver)
-        rows = cell_rows(cell)
-        value = torque @ rows.torque_matrix.T + wrench @ rows.wrench_matrix.T
-        share = np.maximum(rows.lower - value, value - rows.upper) / rows.units()
-        speed = sqrt(c2) * velocity_limits(cell, motion).share - 1
-        excess = np.max(np.concatenate([share, speed], axis=1), axis=1, initial=0.0)
+        rows = limit_rows(cell, motion)
+        excess = np.max(rows.excess(rows.value(torque, wrench, 0.0, sqrt(c2))), axis=1, initial=0.0)
         excess[excess <= LIMIT_TOLERANCE] = 0.0
         return ScaledTrajectory(cell, motion, c2, torque, wrench), excess
 
@@ -315,25 +311,20 @@ def offered_speeds(found: ScalingRange) -> Speeds:
     least = sqrt(both[0]) if both else 0.0
     moves = found.status.admits_motion and both[1] > 0
     if moves and isfinite(both[1]):
-        start = high = sqrt(both[1])
-        high *= BEYOND
+        start = upper = sqrt(both[1])
+        upper *= BEYOND
     else:
         start = max(1.0, least) if moves else 1.0
-        high = FASTEST_UNBOUNDED if moves else FASTEST_INFEASIBLE
-        high = max([high, *(BEYOND * c for c in of_ends)])
-    low = min([start, *of_ends]) / BEYOND if least > 0 else SLOWEST * high
-    power = floor(log10((high - low) / STEPS))
+        upper = FASTEST_UNBOUNDED if moves else FASTEST_INFEASIBLE
+        upper = max([upper, *(BEYOND * c for c in of_ends)])
+    lower = min([start, *of_ends]) / BEYOND if least > 0 else SLOWEST * upper
+    power = floor(log10((upper - lower) / STEPS))
     step = 10.0**power
-    low, high = (round(count * step, -power) for count in (max(floor(low / step), 1), ceil(high / step)))
-    return Speeds(ends, low, high, step, start)
+    lower, upper = (round(count * step, -power) for count in (max(floor(lower / step), 1), ceil(upper / step)))
+    return Speeds(ends, lower, upper, step, start)
 
 
 def _admits(found: ScalingRange, c2: float) -> bool:
     if not found.status.admits_motion or found.lower is None or found.upper is None:
         return False
     return found.lower.c2 <= c2 <= found.upper.c2
-
-
-def _bars(names: tuple[str, ...], values: Array, lower: Array, upper: Array, units: list[str]) -> list[Bar]:
-    numbers = zip(names, values.tolist(), lower.tolist(), upper.tolist(), units, strict=True)
-    return [Bar(*of_bar) for of_bar in numbers]

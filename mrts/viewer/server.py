@@ -227,14 +227,14 @@ class Viewer:
     def _renew_speed_slider(self) -> None:
         """Marks of a slider cannot be moved, so a configuration with other ends gets another slider."""
         speeds, c = self._state.speeds, self._state.trajectory.c
-        self._shown_speed = min(max(round(c, speeds.digits), speeds.low), speeds.high)
+        self._shown_speed = min(max(round(c, speeds.digits), speeds.lower), speeds.upper)
         marks = [(sqrt(c2), name) for name, c2 in speeds.ends.items()]
-        marks += [(end, f"{end:g}") for end in (speeds.low, speeds.high)]
+        marks += [(end, f"{end:g}") for end in (speeds.lower, speeds.upper)]
         self._speed.remove()
         self._speed = self._server.gui.add_slider(
             "speed c",
-            speeds.low,
-            speeds.high,
+            speeds.lower,
+            speeds.upper,
             speeds.step,
             self._shown_speed,
             marks=tuple(marks),
@@ -267,7 +267,9 @@ class Viewer:
         self._moment_text.content = moment_html(state)
         self._torques.content = bars_html("torque", state.torque_bars())
         self._wrenches.content = bars_html("wrench", state.wrench_bars())
-        self._velocities.content = bars_html("velocity", state.velocity_bars(), kept=state.keeps_velocities)
+        further = "".join(bars_html(kind, bars) for kind, bars in state.further_bars().items())
+        velocities = bars_html("velocity", state.velocity_bars(), kept=state.keeps_velocities)
+        self._velocities.content = velocities + further
 
 
 def _set_slider(slider: viser.GuiSliderHandle[float], ends: tuple[float, float], digits: int, value: float) -> None:

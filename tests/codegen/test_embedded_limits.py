@@ -8,7 +8,7 @@ from exported_library import answers, run
 
 import mrts
 from mrts.cli import main
-from mrts.limits import CONSTRAINTS
+from mrts.limits import LIMITS
 from mrts.limits.rows import LimitRows
 
 LIFT = DATA / "lift.yaml"
@@ -107,19 +107,25 @@ def test_torques_beyond_a_velocity_limit_are_no_answer(tmp_path):
     assert answers(folder, program.replace("    return 0;", asked + " return 0;"), tmp_path).endswith(" 0 0 2")
 
 
-def supply(_cell):
+def supply(_cell, _motion):
     """Two torques together may not exceed a limit, such as that of a supply that two motors share."""
     matrix = np.zeros((1, 6))
     matrix[0, [0, 4]] = 1.0
     name = mrts.RowName("supply", "left shoulder and right", "elbow", "N m")
-    return LimitRows((name,), matrix, np.zeros((1, 6)), np.array([-150.0]), np.array([np.inf]))
+    return LimitRows(
+        names=(name,),
+        lower=np.array([-150.0]),
+        upper=np.array([np.inf]),
+        torque_matrix=matrix,
+        wrench_matrix=np.zeros((1, 6)),
+    )
 
 
 SUPPLY = "left shoulder and right/elbow supply"
 
 
 def test_a_limit_of_the_registry_reaches_the_library_and_binds(tmp_path, monkeypatch):
-    monkeypatch.setitem(CONSTRAINTS, "supply", supply)
+    monkeypatch.setitem(LIMITS, "supply", supply)
     path = changed_cell(tmp_path, lambda _cell: None)
     wanted = mrts.scale(mrts.load_cell(path), mrts.load_motion(LIFT)).range.upper
     assert SUPPLY in {str(row.name) for row in wanted.rows}

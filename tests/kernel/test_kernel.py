@@ -21,8 +21,7 @@ from mrts.kernel.compiler import find_compiler
 from mrts.kernel.foreign_arrays import work_arrays
 from mrts.kernel.library_cache import library_in_cache
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, _programs_alone, compiled_programs
-from mrts.limits import cell_rows
-from mrts.samples.trajectory_programs import _sparse
+from mrts.samples.trajectory_programs import _compiled
 from mrts.solvers.convex_program import ConvexPrograms, optimality_error, solve_programs
 
 LINEAR_PROGRAMS = 100_000
@@ -243,10 +242,13 @@ def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch
         monkeypatch.setattr("os.cpu_count", lambda: 8)
         result = mrts.scale(cell, motion)
         assert result.fallbacks == 0
+        limits = _compiled(cell.without_velocity_limits(), motion, "wrench", None, "kernel").sparse()
         ends = cell.functions.compiled.ranges(
-            motion.samples, motion.inputs(cell.load), _sparse(cell_rows(cell)), np.full(motion.samples, np.inf)
+            motion.samples, motion.inputs(cell.load), limits, np.full(motion.samples, np.inf)
         )
-        results.append((ends.low, ends.high, ends.basis, ends.dual, result.trajectory.torque, result.trajectory.wrench))
+        results.append(
+            (ends.lower, ends.upper, ends.basis, ends.dual, result.trajectory.torque, result.trajectory.wrench)
+        )
     for other in results[1:]:
         for one, two in zip(results[0], other, strict=True):
             np.testing.assert_array_equal(one, two)

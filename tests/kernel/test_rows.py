@@ -48,7 +48,9 @@ def some_limits(rng):
     upper = np.array([3.0, 0.0, 0.0, np.inf, 7.0])
     names = tuple(mrts.RowName("torque", "arm", str(place), unit) for place, unit in enumerate(UNITS))
     matrix = rng.normal(size=(len(UNITS), JOINTS + WRENCHES)) * (rng.random((len(UNITS), JOINTS + WRENCHES)) < 0.6)
-    return LimitRows(names, matrix[:, :JOINTS], matrix[:, JOINTS:], lower, upper)
+    return LimitRows(
+        names=names, torque_matrix=matrix[:, :JOINTS], wrench_matrix=matrix[:, JOINTS:], lower=lower, upper=upper
+    )
 
 
 def built(loaded, limits, form, square):

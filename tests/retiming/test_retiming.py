@@ -18,9 +18,9 @@ from transcription import transcription
 import mrts
 from mrts.coordination.coordinated_motion import carried_by_first
 from mrts.retiming.path_pieces import path_pieces
-from mrts.retiming.path_rows import build_path_problem
 from mrts.retiming.reachability import Obstacle, SpeedProfile, fastest_profile
 from mrts.retiming.speed_regions import speed_regions
+from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.trajectory_programs import motion_ranges
 
 UR5 = DATA.parent / "dual_ur5"
@@ -88,7 +88,9 @@ def test_one_arm_equals_toppra_pointwise(seed, tmp_path):
     cell, model, path = one_arm(seed, tmp_path)
     theirs = by_toppra(cell, model, path, grid)
     motion = carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
-    ours = fastest_profile(np.diff(grid), speed_regions(build_path_problem(cell, motion), 1.0), (0.0, 0.0))
+    ours = fastest_profile(
+        np.diff(grid), speed_regions(build_sample_problem(cell, motion, varying=True), 1.0), (0.0, 0.0)
+    )
     assert (theirs is None) == isinstance(ours, Obstacle)
     if theirs is not None:
         assert isinstance(ours, SpeedProfile)
@@ -222,7 +224,7 @@ def test_regions_reach_as_far_as_highs_finds(seed, tmp_path):
     case = random_planar_cell(np.random.default_rng([99, seed]), tmp_path, 3, samples=11)
     cell = case.cell.without_velocity_limits()
     (piece,) = path_pieces(mrts.follow_object(cell, case.motion))
-    problem = build_path_problem(cell, piece.path)
+    problem = build_sample_problem(cell, piece.path, varying=True)
     regions = speed_regions(problem, float(np.sum(piece.step)))
     unit, compared = 1 / np.max(np.abs(problem.A), axis=1)[:, -2:], 0
     for sample in set(range(0, 11, 2)) - set(regions.undecided):
@@ -239,7 +241,7 @@ def test_regions_reach_as_far_as_highs_finds(seed, tmp_path):
                 cost[-2:],
                 planes[:, :2],
                 planes[:, 2],
-                bounds=[(None, None), (regions.low[sample], regions.high[sample])],
+                bounds=[(None, None), (regions.lower[sample], regions.upper[sample])],
             )
             assert (ours.status, theirs.status) in {(0, 0), (3, 3)}, (sample, angle)
             if ours.status == 0:

@@ -8,9 +8,9 @@ from scaled_paths import FILES, scaled_path
 
 import mrts
 from mrts.retiming.path_pieces import path_pieces
-from mrts.retiming.path_rows import build_path_problem
 from mrts.retiming.reachability import SpeedProfile, fastest_profile
 from mrts.retiming.speed_regions import speed_regions
+from mrts.samples.sample_problem import build_sample_problem
 
 PROFILES = ("sinusoid", "trapezoid", "cubic", "quintic")
 SHORT = 1e-6
@@ -69,7 +69,7 @@ def test_arms_that_are_alike_but_for_the_last_digits(difference, planar_cell):
     """Limits that nearly meet in one corner, as where a pose is typed with eight digits."""
     motion = mrts.follow_object(planar_cell, scaled_path("planar_dual_arm", 0.5, 301, "sinusoid"))
     (piece,) = path_pieces(motion)
-    problem, length = build_path_problem(planar_cell, piece.path), float(np.sum(piece.step))
+    problem, length = build_sample_problem(planar_cell, piece.path, varying=True), float(np.sum(piece.step))
     noise = np.random.default_rng(0).uniform(-difference, difference, problem.A.shape)
     durations = []
     for A in (problem.A, problem.A * (1 + noise)):

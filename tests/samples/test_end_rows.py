@@ -27,20 +27,31 @@ CLEAR = 1e-3
 
 def problem_of(A, lower, upper):
     count, rows, unknowns = A.shape
-    torque, wrench = (np.zeros((count, 0, unknowns)), np.zeros((count, 0))), (np.zeros((count, 0, unknowns)),)
     names = tuple(mrts.RowName("torque", "arm", str(row), "N m") for row in range(rows))
     limits = np.ones(rows, dtype=bool)
     return SampleProblem(
-        *torque, *wrench, np.zeros((count, 0)), names, np.ones(rows), limits, A, lower, upper, lower[0], upper[0]
+        torque_map=np.zeros((count, 0, unknowns)),
+        torque_offset=np.zeros((count, 0)),
+        wrench_map=np.zeros((count, 0, unknowns)),
+        wrench_offset=np.zeros((count, 0)),
+        names=names,
+        unit=np.ones(rows),
+        is_limit=limits,
+        is_cap=~limits,
+        A=A,
+        lower=lower,
+        upper=upper,
+        limit_lower=lower[0],
+        limit_upper=upper[0],
     )
 
 
 def binding_at_the_top(problem):
     """Rows with a multiplier at the largest c², each with its side, 1 at the upper limit; None if there is no end."""
     found = ends_by_linear_programs(problem, "scipy:highs")
-    if found.undecided[0] or not np.isfinite(found.high[0]):
+    if found.undecided[0] or not np.isfinite(found.upper[0]):
         return None
-    return [(int(row.name.element), 1.0 if row.side == "upper" else -1.0) for row in found.high_rows[0]]
+    return [(int(row.name.element), 1.0 if row.side == "upper" else -1.0) for row in found.upper_rows[0]]
 
 
 def degenerate_problem(rng):
@@ -93,10 +104,10 @@ def test_all_rows_with_a_multiplier_in_some_dual_solution_are_named_for_every_so
         named, by_solver = set(), set()
         for solver in SOLVERS:
             found = ends_by_linear_programs(problem, solver)
-            rows = rows_at_end(problem, float(found.high[0]), "upper")
-            assert set(found.high_rows[0]) <= set(rows)
+            rows = rows_at_end(problem, float(found.upper[0]), "upper")
+            assert set(found.upper_rows[0]) <= set(rows)
             named.add(rows)
-            by_solver.add(frozenset(found.high_rows[0]))
+            by_solver.add(frozenset(found.upper_rows[0]))
         assert len(named) == 1
         multipliers = largest_multipliers(problem)
         largest = max(multipliers.values())

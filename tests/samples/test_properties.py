@@ -5,7 +5,7 @@ import pytest
 from cell_bank import drawn_until, random_planar_cell
 
 import mrts
-from mrts.limits import cell_rows
+from mrts.limits import limit_rows
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import sample_ranges
 from mrts.samples.torque_distribution import distribute_torques
@@ -29,9 +29,8 @@ def feasible_samples(ranges):
     return np.flatnonzero([status is mrts.SampleStatus.FEASIBLE for status in ranges.status])
 
 
-def limit_violation(cell, torque, wrench):
-    rows = cell_rows(cell)
-    value = torque @ rows.torque_matrix.T + wrench @ rows.wrench_matrix.T
+def limit_violation(rows, torque, wrench, c2):
+    value = rows.value(torque[None], wrench[None], 0.0, np.sqrt(c2))
     size = 1 + np.where(np.isfinite(rows.upper), np.abs(rows.upper), np.abs(rows.lower))
     return float(np.max(np.maximum(rows.lower - value, value - rows.upper) / size))
 
@@ -55,13 +54,14 @@ def test_appendix_a_every_speed_between_the_ends_is_feasible_and_c_torques_satis
     case, (joint_motion, problem, ranges) = drawn_until(feasible_problem, draws(tmp_path, 101, seed))
     cell = case.cell
     terms = cell.functions("terms", joint_motion.samples, joint_motion.inputs(cell.load))
+    limits = limit_rows(cell, joint_motion)
     for k in feasible_samples(ranges):
         for share in [0.0, 1.0, *rng.uniform(0, 1, 12)]:
             c2 = float(ranges.lower[k] + share * (ranges.upper[k] - ranges.lower[k]))
             one = problem.at(np.array([k]))
             x, _ = distribute_torques(one, c2, all_joints(cell), DEFAULT_SOLVER)
             torque, wrench = one.torque(x)[0], one.wrench(x)[0]
-            assert limit_violation(cell, torque, wrench) <= LIMIT_TOLERANCE
+            assert limit_violation(limits.at(np.array([k])), torque, wrench, c2) <= LIMIT_TOLERANCE
             scale = 1 + np.max(np.abs(torque)) + np.max(np.abs(wrench))
             balance = terms["B"][k] @ wrench - c2 * terms["P"][k] - terms["Q"][k]
             assert np.max(np.abs(balance)) <= 1e-10 * scale

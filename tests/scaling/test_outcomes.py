@@ -172,6 +172,17 @@ def test_at_rest_nothing_limits_the_speed(planar_cell, lift):
         mrts.scale(planar_cell, still, "fastest")
 
 
+@pytest.mark.parametrize(
+    ("solver", "formulation"), [("kernel", "wrench"), ("kernel", "torque"), ("qpsol:qpoases", "wrench")]
+)
+def test_where_nothing_bounds_the_speed_no_row_is_named(dual_ur5, solver, formulation):
+    motion = mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
+    samples = mrts.scale(dual_ur5, motion, solver=solver, formulation=formulation).range.samples
+    unbounded = np.flatnonzero(np.isinf(samples.upper))
+    assert unbounded.size
+    assert [samples.upper_rows[sample] for sample in unbounded] == [()] * len(unbounded)
+
+
 def test_a_quintic_is_unbounded_only_at_its_ends(planar_cell, lift):
     description = {
         "duration": 0.5,

@@ -61,7 +61,7 @@ def at_sample(motion, sample, count):
 
 def ends_of_loads(cell, motion, sample, loads, sharing=None):
     repeated = at_sample(motion, sample, max(2, len(loads)))
-    problem = build_sample_problem(cell, repeated, "wrench", sharing, np.resize(loads, (len(repeated.q), 10)))
+    problem = build_sample_problem(cell, repeated, sharing=sharing, load=np.resize(loads, (len(repeated.q), 10)))
     return sample_ranges(problem, repeated.object.time, "qpsol:qpoases")
 
 
@@ -213,7 +213,9 @@ def test_the_closed_form_of_a_fixed_rule_equals_its_corners(seed, tmp_path):
     cell, motion = coordinated(np.random.default_rng(200 + seed), random_planar_cell, 1 + seed % 3, tmp_path)
     rule = mrts.LoadSharing()
     result = mrts.scale(cell, motion, sharing=rule)
-    problems = [build_sample_problem(cell, motion, "wrench", rule, corner.load) for corner in cell.load_box.corners()]
+    problems = [
+        build_sample_problem(cell, motion, sharing=rule, load=corner.load) for corner in cell.load_box.corners()
+    ]
     corners = [sample_ranges(problem, motion.object.time, "qpsol:qpoases") for problem in problems]
     found = result.range.samples
     np.testing.assert_allclose(found.lower, np.max([c.lower for c in corners], axis=0), rtol=1e-9, atol=1e-9)

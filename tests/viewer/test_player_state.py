@@ -9,7 +9,7 @@ from conftest import DATA
 from scipy.optimize import linprog
 
 import mrts
-from mrts.limits import cell_rows
+from mrts.limits import limit_rows
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.trajectory_programs import motion_torques
 from mrts.scaling.range import intersect
@@ -57,7 +57,7 @@ def test_it_starts_at_the_fastest_admissible_speed(planar_cell, lift):
     state, result = PlayerState(planar_cell, lift), mrts.scale(planar_cell, lift)
     np.testing.assert_array_equal(state.trajectory.torque, result.trajectory.torque)
     assert state.trajectory.c2 == result.range.upper.c2
-    assert state.speeds.high == pytest.approx(1.2 * state.trajectory.c, rel=0.01)
+    assert state.speeds.upper == pytest.approx(1.2 * state.trajectory.c, rel=0.01)
     # the slider shows three digits, but its end is the exact one
     state.choose_speed(round(state.trajectory.c, state.speeds.digits))
     assert state.trajectory.c2 == result.range.upper.c2
@@ -144,7 +144,7 @@ def test_at_rest_any_speed_plays(planar_cell, lift):
     description = {"duration": 1.0, "profile": "quintic", "start": {"xyz": here}, "end": {"xyz": here}}
     still = mrts.sample_motion(mrts.MotionDescription.model_validate(description))
     state = PlayerState(planar_cell, still)
-    assert (state.trajectory.c, state.speeds.high) == (1, 3)
+    assert (state.trajectory.c, state.speeds.upper) == (1, 3)
     assert "∞" in moment_html(state)
     state.choose_speed(3.0)
     assert state.admissible
@@ -152,7 +152,7 @@ def test_at_rest_any_speed_plays(planar_cell, lift):
 
 def test_a_fixed_distribution_keeps_its_shares_beyond_the_range(planar_cell, lift):
     state = PlayerState(planar_cell, lift, sharing=mrts.LoadSharing())
-    state.choose_speed(state.speeds.high)
+    state.choose_speed(state.speeds.upper)
     result = mrts.scale(planar_cell.without_wrench_limits(), lift, 1.0, sharing=mrts.LoadSharing())
     # G + (τ(1) - G) c², with G read off at two speeds
     slow = mrts.scale(planar_cell.without_wrench_limits(), lift, 0.25, sharing=mrts.LoadSharing())
@@ -167,7 +167,7 @@ def test_an_uncertain_load_says_which_load_is_shown(planar_cell, lift):
     state = PlayerState(planar_cell.with_variation(mass=(0.5, 3.0)), lift)
     assert state.admissible
     assert "nominal load of 0.5 kg" in outcome_html(state)
-    state.choose_speed(state.speeds.high)
+    state.choose_speed(state.speeds.upper)
     assert not state.admissible
     if not np.any(state.excess):
         assert "no torques are guaranteed" in speed_html(state)
@@ -189,10 +189,10 @@ def test_an_uncertain_load_says_which_load_is_shown(planar_cell, lift):
 def test_speeds_on_offer_pass_both_ends(lower, upper, start, high):
     speeds = offered_speeds(synthetic(lower, upper))
     assert speeds.start == pytest.approx(start)
-    assert speeds.high == pytest.approx(high, rel=0.01)
-    assert 0 < speeds.low < speeds.start <= speeds.high
-    assert all(speeds.low < np.sqrt(c2) < speeds.high for c2 in speeds.ends.values())
-    assert (speeds.high - speeds.low) / speeds.step >= 400
+    assert speeds.upper == pytest.approx(high, rel=0.01)
+    assert 0 < speeds.lower < speeds.start <= speeds.upper
+    assert all(speeds.lower < np.sqrt(c2) < speeds.upper for c2 in speeds.ends.values())
+    assert (speeds.upper - speeds.lower) / speeds.step >= 400
     for c2 in speeds.ends.values():
         assert speeds.c2(round(float(np.sqrt(c2)), speeds.digits)) == c2
     between = speeds.start - 3 * speeds.step
@@ -301,7 +301,7 @@ def test_velocities_beyond_their_limit_are_counted(dual_ur5, turning):
     reported = mrts.scale(free, turning).too_fast()
     assert state.joints_beyond_velocity() == len(reported) > 0
     assert f"{len(reported)} of 12 joints" in speed_html(state)
-    state.choose_speed(state.speeds.low)
+    state.choose_speed(state.speeds.lower)
     assert state.joints_beyond_velocity() == 0
 
 
@@ -309,10 +309,14 @@ def test_every_limit_of_the_cell_is_on_a_bar(dual_ur5, turning):
     state = PlayerState(dual_ur5, turning)
     bars = [
         (kind, robot, bar.name, bar.unit, bar.lower, bar.upper)
-        for kind, groups in (("torque", state.torque_bars()), ("wrench", state.wrench_bars()))
+        for kind, groups in (
+            ("torque", state.torque_bars()),
+            ("wrench", state.wrench_bars()),
+            ("velocity", state.velocity_bars()),
+        )
         for robot, of_robot in groups.items()
         for bar in of_robot
     ]
-    rows = cell_rows(dual_ur5)
+    rows = limit_rows(dual_ur5, state.result.motion)
     for name, lower, upper in zip(rows.names, rows.lower, rows.upper, strict=True):
         assert (name.kind, name.robot, name.element, name.unit, lower, upper) in bars

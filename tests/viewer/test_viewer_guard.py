@@ -252,7 +252,7 @@ def test_values_beyond_the_ends_are_the_ends(viewer):
     state, speeds = viewer.state, viewer.state.speeds
     before = viewer.controls["speed c"][1].value
     with connected(viewer) as opened:
-        for value, shown in ((1e-300, speeds.low), (-5, speeds.low), (0, speeds.low), (1e300, speeds.high)):
+        for value, shown in ((1e-300, speeds.lower), (-5, speeds.lower), (0, speeds.lower), (1e300, speeds.upper)):
             set_speed(viewer, opened, value, shown)
             np.testing.assert_allclose(state.trajectory.c, shown)
         set_speed(viewer, opened, before)

@@ -1,0 +1,243 @@
+"""A limit put into the registry, whatever its columns, holds wherever limits count, and no other file is touched."""
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+import mrts
+from mrts.limits import LIMITS
+from mrts.limits.rows import LimitRows
+from mrts.limits.squared_rows import squared
+from mrts.output.summary_lines import scaling_lines
+from mrts.report.page import report_html
+from mrts.scaling.limit_use import limit_uses
+from mrts.viewer.player_state import PlayerState
+
+KEPT = 1 + 1e-7  # of a limit: rounding, and the slack of the quadratic programs
+SAME = 1e-7  # relative: two solvers, and an oracle with other unknowns
+ADDED_INERTIA = 20.0  # [kg m²] of the torque that grows with the square of a joint's speed
+MASS = 3.0  # [kg] of the kinetic energy
+
+
+def shoulder_and_elbow(_motion, torque, _dq, _ddq):
+    return torque[:, 0] + torque[:, 1]
+
+
+def torque_and_square(_motion, torque, dq, _ddq):
+    return torque[:, 0] + ADDED_INERTIA * dq[:, 0] ** 2
+
+
+def kinetic_energy(motion, _torque, dq, _ddq):
+    given = np.max(np.abs(motion.dq), axis=1)
+    c2 = np.divide(np.max(np.abs(dq), axis=1) ** 2, given**2, out=np.zeros_like(given), where=given > 0)
+    return MASS / 2 * np.sum(motion.object.twist[:, :3] ** 2, axis=1) * c2
+
+
+def acceleration(_motion, _torque, _dq, ddq):
+    return ddq[:, 1]
+
+
+def columns_of(kind, motion):
+    """Columns of each of the quantities above in a row."""
+    torques = np.zeros((1, motion.dq.shape[1]))
+    if kind == "sum of torques":
+        torques[0, :2] = 1
+        return torques, {}
+    if kind == "torque and square":
+        torques[0, 0] = 1
+        return torques, {"square": ADDED_INERTIA * motion.dq[:, :1] ** 2}
+    if kind == "kinetic energy":
+        return torques, {"square": MASS / 2 * np.sum(motion.object.twist[:, :3] ** 2, axis=1)[:, None]}
+    return torques, {"rate": motion.dq[:, 1:2], "square": motion.ddq[:, 1:2]}
+
+
+QUANTITIES = {
+    "sum of torques": shoulder_and_elbow,
+    "torque and square": torque_and_square,
+    "kinetic energy": kinetic_energy,
+    "acceleration": acceleration,
+}
+
+
+def put_in(monkeypatch, kind, limit):
+    """The registry with one more limit, alike in both directions."""
+
+    def more(cell, motion):
+        torques, columns = columns_of(kind, motion)
+        return LimitRows(
+            names=(mrts.RowName(kind, "left", "mine", "X"),),
+            lower=np.array([-limit]),
+            upper=np.array([limit]),
+            torque_matrix=torques,
+            wrench_matrix=np.zeros((1, len(cell.robots) * len(cell.wrench_components))),
+            **columns,
+        )
+
+    monkeypatch.setitem(LIMITS, "mine", more)
+
+
+def largest(kind, result):
+    done = result.trajectory
+    return float(np.max(np.abs(QUANTITIES[kind](result.motion, done.torque, done.dq, done.ddq))))
+
+
+@pytest.fixture(params=QUANTITIES)
+def kind(request):
+    return request.param
+
+
+@pytest.fixture
+def limit(kind, planar_cell, lift):
+    """Less than what the fastest motion makes of it, so that it counts."""
+    return 0.7 * largest(kind, mrts.scale(planar_cell, lift))
+
+
+def by_oracle(cell, motion, sample, kind, limit):
+    """Largest c² of a sample from the terms of the dynamics, with all torques, wrenches and c² as unknowns."""
+    terms = {
+        name: value[sample] for name, value in cell.functions("terms", motion.samples, motion.inputs(cell.load)).items()
+    }
+    joints, wrenches = motion.dq.shape[1], terms["B"].shape[1]
+    torques, columns = columns_of(kind, motion)
+    laws = np.zeros((joints + len(terms["P"]), joints + wrenches + 1))
+    laws[:joints, :joints], laws[:joints, -1] = np.eye(joints), -terms["E"]
+    for name, part in cell.joint_slices.items():
+        where = cell.wrench_slices[name]
+        laws[part, joints + where.start : joints + where.stop] = -terms["J"][:, part].T
+    laws[joints:, joints:-1], laws[joints:, -1] = terms["B"], -terms["P"]
+    row = np.concatenate([torques[0], np.zeros(wrenches), columns.get("square", np.zeros((motion.samples, 1)))[sample]])
+    bounds = [pair for arm in cell.robots for pair in zip(arm.torque_lower, arm.torque_upper, strict=True)]
+    bounds += [pair for arm in cell.robots for pair in zip(arm.wrench_lower, arm.wrench_upper, strict=True)]
+    cost = np.append(np.zeros(joints + wrenches), -1.0)
+    sides, right = np.stack([row, -row]), np.concatenate([terms["G"], terms["Q"]])
+    found = linprog(cost, sides, [limit, limit], laws, right, [*bounds, (0, None)])
+    return found.x[-1]
+
+
+def test_the_range_and_the_torques_keep_it(kind, limit, planar_cell, lift, monkeypatch):
+    free = mrts.scale(planar_cell, lift)
+    put_in(monkeypatch, kind, limit)
+    ours, theirs = (mrts.scale(planar_cell, lift, solver=solver) for solver in ("kernel", "qpsol:qpoases"))
+    assert largest(kind, ours) <= limit * KEPT
+    assert ours.range.upper.c2 <= free.range.upper.c2
+    for end in ("lower", "upper"):
+        one, other = getattr(ours.range.samples, end), getattr(theirs.range.samples, end)
+        np.testing.assert_allclose(one, other, rtol=SAME)
+    moving = range(10, 100, 15)
+    expected = [by_oracle(planar_cell, ours.motion, sample, kind, limit) for sample in moving]
+    np.testing.assert_allclose(ours.range.samples.upper[moving], expected, rtol=SAME)
+    np.testing.assert_allclose(theirs.trajectory.torque, ours.trajectory.torque, atol=1e-5)
+
+
+def test_the_torque_form_and_a_fixed_distribution_keep_it(kind, limit, planar_cell, lift, monkeypatch):
+    put_in(monkeypatch, kind, limit)
+    other = mrts.scale(planar_cell, lift, formulation="torque")
+    assert other.range.upper.c2 == pytest.approx(mrts.scale(planar_cell, lift).range.upper.c2, rel=SAME)
+    cell = planar_cell.without_wrench_limits()
+    monkeypatch.delitem(LIMITS, "mine")
+    free = mrts.scale(cell, lift, sharing=mrts.LoadSharing())
+    limit = 0.9 * largest(kind, free)
+    put_in(monkeypatch, kind, limit)
+    fixed = mrts.scale(cell, lift, sharing=mrts.LoadSharing())
+    assert fixed.range.upper.c2 < free.range.upper.c2
+    assert largest(kind, fixed) <= limit * KEPT
+    assert largest(kind, fixed) == pytest.approx(limit, rel=SAME)
+    assert any(row.name.kind == kind for row in fixed.range.upper.rows)
+
+
+def test_retiming_keeps_it(kind, limit, planar_cell, lift, monkeypatch):
+    free = mrts.retime(planar_cell, lift)
+    put_in(monkeypatch, kind, limit)
+    found = mrts.retime(planar_cell, lift)
+    done = found.retimed.trajectory
+    value = QUANTITIES[kind](found.retimed.motion, done.torque, done.dq, done.ddq)
+    assert np.max(np.abs(value)) <= limit * KEPT
+    assert found.duration >= free.duration * (1 - SAME)
+    if kind != "sum of torques":  # the arms may push against each other instead
+        assert found.duration > free.duration
+        assert any(kind in name for name, _ in found.limits)
+
+
+def test_every_load_of_a_box_keeps_it(kind, limit, planar_cell, lift, monkeypatch):
+    cell = planar_cell.with_variation(mass=(0.5, 1.5))
+    put_in(monkeypatch, kind, limit)
+    result = mrts.scale(cell, lift)
+    corners = [
+        mrts.scale(cell.with_load(corner.load), lift, load="nominal").range.upper.c2
+        for corner in cell.load_box.corners()
+    ]
+    assert result.range.upper.c2 == pytest.approx(min(corners), rel=SAME)
+    for corner in cell.load_box.corners():
+        assert largest(kind, mrts.torques_for_load(result, corner.load)) <= limit * KEPT
+
+
+def test_it_is_shown_wherever_limits_are(kind, limit, planar_cell, lift, monkeypatch):
+    put_in(monkeypatch, kind, limit)
+    result = mrts.scale(planar_cell, lift)
+    use = next(use for use in limit_uses(result) if use.name.kind == kind)
+    assert use.share == pytest.approx(largest(kind, result) / limit, rel=1e-9)
+    assert f"left/mine {kind}" in report_html(result)
+    assert any(line.startswith(f"left/mine {kind}") for line in scaling_lines(result))
+    state = PlayerState(planar_cell, lift)
+    state.sample = 50
+    (bar,) = state.further_bars()[kind]["left"]
+    done = state.trajectory
+    value = QUANTITIES[kind](result.motion, done.torque, done.dq, done.ddq)[50]
+    assert (bar.value, bar.upper) == (pytest.approx(value, rel=1e-9, abs=1e-9), limit)
+    state.choose_speed(1.15 * state.trajectory.c)
+    if kind in {"kinetic energy", "acceleration"}:  # torques change neither
+        assert np.max(state.excess) >= largest(kind, result) / limit * 1.15**2 - 1 - 1e-2
+
+
+def test_an_impossible_one_is_named(planar_cell, lift, monkeypatch):
+    put_in(monkeypatch, "sum of torques", 1e-3)
+    wide = planar_cell.with_mass(30.0)
+    result = mrts.scale(wide, lift)
+    assert not result.status.admits_motion
+    assert "left/mine sum of torques" in result.summary() or result.range.samples.conflicts
+
+
+def test_the_speed_beside_other_terms_is_refused(planar_cell, lift, monkeypatch):
+    motion = mrts.follow_object(planar_cell, lift)
+
+    def friction(cell, motion):
+        rows = LIMITS["torque_limits"](cell, motion)
+        return LimitRows(
+            names=tuple(mrts.RowName("motor", name.robot, name.element, "N m") for name in rows.names),
+            lower=rows.lower,
+            upper=rows.upper,
+            torque_matrix=rows.torque_matrix,
+            wrench_matrix=rows.wrench_matrix,
+            speed=0.1 * motion.dq,
+        )
+
+    monkeypatch.setitem(LIMITS, "friction", friction)
+    for solve in (mrts.scale, mrts.retime):
+        with pytest.raises(mrts.MrtsError, match="left/shoulder motor: a limit of ṙ together with"):
+            solve(planar_cell, motion)
+
+
+def test_limits_of_the_speed_alone_are_squared_exactly():
+    """By membership: b ṙ is between its limits where the squared row is."""
+    rng = np.random.default_rng(5)
+    samples, count = 40, 60
+    lower = rng.choice([-np.inf, -2.0, -0.5, 0.0, 0.3], count)
+    upper = rng.choice([np.inf, 2.0, 0.5, 0.4], count)
+    given = LimitRows(
+        names=tuple(mrts.RowName("any", "arm", str(row), "m/s") for row in range(count)),
+        lower=lower,
+        upper=upper,
+        torque_matrix=np.zeros((count, 2)),
+        wrench_matrix=np.zeros((count, 3)),
+        speed=rng.normal(size=(samples, count)) * (rng.random((samples, count)) < 0.8),
+    )
+    form = squared(given)
+    none = np.zeros((samples, 2)), np.zeros((samples, 3))
+    for speed in rng.uniform(0, 3, 50):
+        inside = given.excess(given.value(*none, 0.0, speed)) <= 0
+        np.testing.assert_array_equal(form.rows.excess(form.rows.value(*none, 0.0, speed)) <= 0, inside)
+        cap = form.caps(samples)
+        np.testing.assert_array_equal(speed**2 <= cap.largest(), np.all(inside[:, form.is_cap], axis=1))
+    assert 0 < np.count_nonzero(form.is_cap) < count
+    sides = {row.side for sample in range(samples) for row in cap.binding(sample)}
+    assert sides == {"lower", "upper"}
