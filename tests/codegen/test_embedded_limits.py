@@ -11,7 +11,7 @@ from exported_library import answers, run
 import mrts
 from mrts.cli import main
 from mrts.limits import LIMITS
-from mrts.limits.rows import LimitRows, RowName
+from mrts.limits.rows import LimitRows
 
 LIFT = DATA / "lift.yaml"
 
@@ -113,7 +113,7 @@ def supply(_cell, _motion):
     """Two torques together may not exceed a limit, such as that of a supply that two motors share."""
     matrix = np.zeros((1, 6))
     matrix[0, [0, 4]] = 1.0
-    name = RowName("supply", "left shoulder and right", "elbow", "N m")
+    name = mrts.RowName("supply", "left shoulder and right", "elbow", "N m")
     return LimitRows(
         names=(name,),
         lower=np.array([-150.0]),

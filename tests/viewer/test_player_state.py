@@ -10,10 +10,7 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.limits import limit_rows
-from mrts.motion.joint_table import JointTable
-from mrts.samples.range_status import SampleStatus
 from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.trajectory_programs import motion_torques
 from mrts.scaling.range import intersect
 from mrts.scaling.widened_limits import widened_torques
@@ -32,9 +29,9 @@ def turning():
 
 def synthetic(lower, upper):
     lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
-    status = tuple(SampleStatus.UNBOUNDED if np.isinf(u) else SampleStatus.FEASIBLE for u in upper)
+    status = tuple(mrts.SampleStatus.UNBOUNDED if np.isinf(u) else mrts.SampleStatus.FEASIBLE for u in upper)
     rows = ((),) * len(lower)
-    return intersect(SampleRanges(np.arange(float(len(lower))), status, lower, upper, rows, rows, (), 0))
+    return intersect(mrts.SampleRanges(np.arange(float(len(lower))), status, lower, upper, rows, rows, (), 0))
 
 
 def red_bars(state):
@@ -256,7 +253,7 @@ def test_a_joint_table_fixes_the_configuration(planar_cell, lift, tmp_path):
     followed = mrts.follow_object(planar_cell, lift)
     names = [f"{robot.name}/{joint}" for robot in planar_cell.robots for joint in robot.joints]
     columns = [dict(zip(names, part.T, strict=True)) for part in (followed.q, followed.dq, followed.ddq)]
-    state = PlayerState(planar_cell, JointTable(tmp_path / "joints.csv", lift.time, *columns))
+    state = PlayerState(planar_cell, mrts.JointTable(tmp_path / "joints.csv", lift.time, *columns))
     assert "fixes the configuration" in state.fixed_configuration
     state.rank()
     assert state.study is None
