@@ -11,7 +11,7 @@ from exported_library import answers, run
 import mrts
 from mrts.cli import main
 from mrts.limits import LIMITS
-from mrts.limits.rows import LimitRows
+from mrts.limits.rows import LimitRows, RowName
 
 LIFT = DATA / "lift.yaml"
 
