@@ -156,7 +156,7 @@ def test_a_limit_of_zero_means_the_same_in_both(tmp_path):
 def friction(cell, motion):
     """A torque that a motor loses with its speed."""
     rows = supply(cell, motion)
-    return replace(rows, names=(mrts.RowName("friction", "left", "shoulder", "N m"),), speed=motion.dq[:, :1])
+    return replace(rows, names=(RowName("friction", "left", "shoulder", "N m"),), speed=motion.dq[:, :1])
 
 
 def soft_start(cell, motion):
