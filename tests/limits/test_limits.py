@@ -114,6 +114,7 @@ def by_oracle(cell, motion, sample, kind, limit):
     return found.x[-1]
 
 
+@pytest.mark.quick
 def test_the_range_and_the_torques_keep_it(kind, limit, planar_cell, lift, monkeypatch):
     free = mrts.scale(planar_cell, lift)
     put_in(monkeypatch, kind, limit)
@@ -189,6 +190,7 @@ def test_it_is_shown_wherever_limits_are(kind, limit, planar_cell, lift, monkeyp
         assert np.max(state.excess) >= largest(kind, result) / limit * 1.15**2 - 1 - 1e-2
 
 
+@pytest.mark.quick
 def test_an_impossible_one_is_named(planar_cell, lift, monkeypatch):
     put_in(monkeypatch, "sum of torques", 1e-3)
     wide = planar_cell.with_mass(30.0)
