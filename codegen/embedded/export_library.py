@@ -30,6 +30,9 @@ from mrts.base.manifest import Manifest
 GENERATED = ("include/*.h", "src/*.[ch]", "src/parts/*.c", "tests/*.[ch]", "examples/*.c")
 """Where an export writes files that start with its notice."""
 
+LONGEST_START = 100
+"""Bytes of a file among which the notice stands."""
+
 
 def export_library(
     manifest: Manifest,
@@ -108,8 +111,12 @@ def write_library(folder: Path, texts: dict[str, str]) -> None:
 
 
 def _is_generated(path: Path) -> bool:
-    with path.open(encoding="utf-8", errors="replace") as file:
-        return NOTICE in file.readline()
+    """Whether a file starts with our notice; what cannot be read is not ours."""
+    try:
+        with path.open("rb") as file:
+            return NOTICE.encode() in file.read(LONGEST_START)
+    except OSError:
+        return False
 
 
 def _file_words(files: list[str]) -> dict[str, str]:
@@ -119,5 +126,5 @@ def _file_words(files: list[str]) -> dict[str, str]:
     return {
         "SOURCES": " ".join(compiled),
         "OBJECTS": " ".join(f"build/{Path(file).stem}.o" for file in compiled),
-        "HEADERS": " ".join(needed),
+        "HEADERS": " \\\n  ".join(needed),
     }

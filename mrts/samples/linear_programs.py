@@ -12,7 +12,7 @@ from mrts.solvers.convex_program import Answers, ConvexPrograms, solve_programs
 UNBOUNDED = 1e9
 """Effect of the speed on some row, as a multiple of its limit, beyond which a range has no upper end."""
 
-UNBOUNDED_SLACK = 1e-9
+AT_UNBOUNDED = 1e-9
 """Rounding of an answer at that bound."""
 
 NO_EFFECT = 1e-300
@@ -43,7 +43,7 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
 
     least, largest = solve(1.0), solve(-1.0)
     ends = np.maximum(least.x[:, -1], 0.0) * unit, largest.x[:, -1] * unit
-    free = (largest.x[:, -1] >= UNBOUNDED * (1 - UNBOUNDED_SLACK)) | (effect == 0)
+    free = (largest.x[:, -1] >= UNBOUNDED * (1 - AT_UNBOUNDED)) | (effect == 0)
     at_most = np.sign(problem.A[:, caps, -1]) * binds(problem.cap_share) * np.maximum(largest.bound_dual[:, -1:], 0.0)
     duals = [np.zeros(problem.A.shape[:2]) for _ in range(2)]
     duals[0][:, ~caps], duals[1][:, ~caps], duals[1][:, caps] = least.row_dual, largest.row_dual, at_most

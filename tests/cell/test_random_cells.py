@@ -7,7 +7,6 @@ import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
 
 import mrts
-from mrts.base.rigid_transform import RigidTransform
 
 
 @pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
@@ -19,6 +18,6 @@ def test_a_random_cell_is_what_its_file_says(make, tmp_path):
     for ours, theirs in zip(case.cell.robots, loaded.robots, strict=True):
         for field in fields(theirs):
             one, other = getattr(ours, field.name), getattr(theirs, field.name)
-            if isinstance(one, RigidTransform):
+            if isinstance(one, mrts.RigidTransform):
                 one, other = np.column_stack([one.R, one.p]), np.column_stack([other.R, other.p])
             np.testing.assert_array_equal(one, other)

@@ -16,7 +16,6 @@ from rosbags.rosbag2 import StoragePlugin
 
 import mrts
 from mrts.cli import main
-from mrts.output.trajectory_table import write_trajectory_csv
 
 UR5 = DATA.parent / "dual_ur5"
 MOTIONS = {"planar_dual_arm": "lift", "dual_ur5": "lift_and_turn"}
@@ -55,7 +54,7 @@ def test_what_scale_writes_it_reads_again(name, tmp_path):
 
 
 def test_the_fastest_plan_leaves_no_room(dual_ur5, followed, tmp_path):
-    write_trajectory_csv(mrts.scale(dual_ur5, followed), tmp_path / "plan.csv")
+    mrts.write_trajectory_csv(mrts.scale(dual_ur5, followed), tmp_path / "plan.csv")
     again = mrts.scale(dual_ur5, mrts.load_motion(tmp_path / "plan.csv"), "fastest")
     assert again.range.upper.c2 == pytest.approx(1.0, rel=1e-9)
 

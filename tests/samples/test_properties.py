@@ -5,10 +5,9 @@ import pytest
 from cell_bank import drawn_until, random_planar_cell
 
 import mrts
-from mrts.base.errors import SolverError
 from mrts.limits import limit_rows
 from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.sample_ranges import SampleStatus, sample_ranges
+from mrts.samples.sample_ranges import sample_ranges
 from mrts.samples.torque_distribution import distribute_torques
 from mrts.solvers import DEFAULT_SOLVER
 
@@ -27,7 +26,7 @@ def draws(folder, family, seed):
 
 
 def feasible_samples(ranges):
-    return np.flatnonzero([status is SampleStatus.FEASIBLE for status in ranges.status])
+    return np.flatnonzero([status is mrts.SampleStatus.FEASIBLE for status in ranges.status])
 
 
 def limit_violation(rows, torque, wrench, c2):
@@ -80,7 +79,7 @@ def test_appendix_b_nothing_faster_or_slower_than_the_range_is_feasible(seed, tm
         if ranges.lower[k] > 1e-3:
             outside.append(ranges.lower[k] / BEYOND - 1e-6)
         for c2 in outside:
-            with pytest.raises(SolverError):
+            with pytest.raises(mrts.SolverError):
                 distribute_torques(problem.at(np.array([k])), float(c2), all_joints(case.cell), DEFAULT_SOLVER)
 
 
