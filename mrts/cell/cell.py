@@ -29,7 +29,7 @@ SAME_NUMBER = 1e-12
 """Largest difference of what is the same number after rounding [m, rad, m/s²]."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Cell:
     """n arms and the object that they hold; m joints in all.
 

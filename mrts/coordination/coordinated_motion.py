@@ -21,7 +21,7 @@ OUT_OF_PLANE = 1e-9
 """Largest velocity and turning rate out of the plane of a planar cell [m/s, rad/s]: rounding of the input."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class CoordinatedMotion:
     """N samples of a given motion of the object and the m joints that carry it.
 

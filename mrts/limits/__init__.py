@@ -6,10 +6,12 @@ May import base to coordination. Start at `rows.py`.
 
 from collections.abc import Callable
 from dataclasses import replace
+from weakref import WeakKeyDictionary
 
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import LimitRows, stack_rows
+from mrts.limits.squared_rows import SquaredRows, squared
 from mrts.limits.torque_limits import torque_limits
 from mrts.limits.velocity_limits import velocity_limits
 from mrts.limits.wrench_limits import wrench_limits
@@ -19,6 +21,29 @@ LIMITS: dict[str, Callable[[Cell, CoordinatedMotion], LimitRows]] = {
     "wrench_limits": wrench_limits,
     "velocity_limits": velocity_limits,
 }
+
+
+_Registered = tuple[Callable[[Cell, CoordinatedMotion], LimitRows], ...]
+_SQUARED: WeakKeyDictionary[CoordinatedMotion, WeakKeyDictionary[Cell, tuple[_Registered, SquaredRows]]] = (
+    WeakKeyDictionary()
+)
+
+
+def squared_limits(cell: Cell, motion: CoordinatedMotion) -> SquaredRows:
+    """`limit_rows` as the programs take them, put together once for a cell and a motion and kept while both live.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+
+    Raises:
+        MrtsError: If a limit has no form that is linear in the square of the speed.
+    """
+    of_motion = _SQUARED.setdefault(motion, WeakKeyDictionary())
+    registered, known = tuple(LIMITS.values()), of_motion.get(cell)
+    if known is None or known[0] != registered:
+        known = of_motion[cell] = registered, squared(limit_rows(cell, motion))
+    return known[1]
 
 
 def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:

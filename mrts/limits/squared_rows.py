@@ -24,6 +24,7 @@ class SquaredRows:
     Attributes:
         given: The r rows as they were given.
         rows: The same rows, linear in ṙ².
+        size: What each row is divided by, Shape (r,).
         unit: What 100 % of a limit is in its own unit; of a squared speed half of it, Shape (r,).
         is_cap: Rows that standstill keeps and nothing but the speed moves: all that they do is bound ṙ² from above,
             Shape (r,).
@@ -31,6 +32,7 @@ class SquaredRows:
 
     given: LimitRows
     rows: LimitRows
+    size: Array
     unit: Array
     is_cap: NDArray[np.bool_]
 
@@ -105,7 +107,7 @@ def squared(given: LimitRows) -> SquaredRows:
     """
     unit = given.units()
     if given.speed is None and given.square is None:
-        return SquaredRows(given=given, rows=given, unit=unit, is_cap=np.zeros(len(unit), dtype=bool))
+        return SquaredRows(given=given, rows=given, size=unit, unit=unit, is_cap=np.zeros(len(unit), dtype=bool))
     count, alone = len(unit), given.is_of_speed
     by_speed = moved(given.speed, count)
     mixed = by_speed & ~alone if given.square is None else by_speed & (moved(given.square, count) | ~alone)
@@ -128,7 +130,7 @@ def squared(given: LimitRows) -> SquaredRows:
     stays = (least <= 0) & (most >= 0)
     is_cap = np.zeros(count, dtype=bool)
     is_cap[places] = stays & ~np.any((part > 0) & (most <= 0) | (part < 0) & (least >= 0), axis=0)
-    return SquaredRows(given=given, rows=rows, unit=np.where(by_speed, unit / 2, unit), is_cap=is_cap)
+    return SquaredRows(given=given, rows=rows, size=unit, unit=np.where(by_speed, unit / 2, unit), is_cap=is_cap)
 
 
 def _with_squares(given: LimitRows, places: NDArray[np.int_], square: Array, lower: Array, upper: Array) -> LimitRows:

@@ -12,9 +12,9 @@ from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError, MotionError
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.limits import limit_rows
-from mrts.limits.rows import ActiveRow, LimitRows, RowName
-from mrts.limits.squared_rows import side_share, squared
+from mrts.limits import squared_limits
+from mrts.limits.rows import ActiveRow, RowName
+from mrts.limits.squared_rows import SquaredRows, side_share
 from mrts.samples import FORMULATIONS, FormulationName
 from mrts.samples.load_sharing import LoadSharing
 
@@ -169,7 +169,7 @@ def build_sample_problem(
         inputs |= sharing.inputs(cell, motion)
     elif formulation == "torque":
         _check_invertible(cell, motion)
-    limits = limit_rows(cell, motion)
+    limits = squared_limits(cell, motion)
     count = motion.samples
     if samples is not None:
         one_for_all = {name for name, value in inputs.items() if value.ndim == 1}
@@ -218,14 +218,13 @@ def _maps(cell: Cell, name: str, count: int, inputs: dict[str, Array], *, varyin
 
 
 def _problem(
-    limits: LimitRows, maps: dict[str, Array], samples: NDArray[np.int_] | slice, *, varying: bool
+    form: SquaredRows, maps: dict[str, Array], samples: NDArray[np.int_] | slice, *, varying: bool
 ) -> SampleProblem:
     """The limits over the unknowns, each row in its unit."""
-    form = squared(limits)
     rows = form.rows.at(samples)
     moves = np.any(rows.torque_matrix, axis=1) | np.any(rows.wrench_matrix, axis=1)
     count, _, unknowns = maps["torque_map"].shape
-    size = limits.units()
+    size = form.size
     A, offset = np.zeros((count, len(size), unknowns)), np.zeros((count, len(size)))
     M_torque, M_wrench = rows.torque_matrix[moves], rows.wrench_matrix[moves]
     A[:, moves] = M_torque @ maps["torque_map"] + M_wrench @ maps["wrench_map"]
@@ -239,15 +238,15 @@ def _problem(
         torque_offset=maps["torque_offset"],
         wrench_map=maps["wrench_map"],
         wrench_offset=maps["wrench_offset"],
-        names=limits.names,
+        names=form.given.names,
         unit=form.unit,
         is_limit=np.ones(len(size), dtype=bool),
         is_cap=form.is_cap,
         A=A / size[:, None],
         lower=(rows.lower - offset) / size,
         upper=(rows.upper - offset) / size,
-        limit_lower=limits.lower,
-        limit_upper=limits.upper,
+        limit_lower=form.given.lower,
+        limit_upper=form.given.upper,
     )
 
 

@@ -11,9 +11,9 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.programs import OPTIMAL
-from mrts.limits import limit_rows
+from mrts.limits import squared_limits
 from mrts.limits.rows import ActiveRow
-from mrts.limits.squared_rows import SpeedCaps, SquaredRows, squared
+from mrts.limits.squared_rows import SpeedCaps, SquaredRows
 from mrts.samples import FormulationName
 from mrts.samples.end_rows import with_end_rows
 from mrts.samples.infeasibility import Conflict, find_conflicts
@@ -168,7 +168,7 @@ def _compiled(
     applies = solver == "kernel" and formulation == "wrench" and sharing is None and len(cell.robots) > 1
     if compiled is None or not applies:
         return None
-    form = squared(limit_rows(cell, motion))
+    form = squared_limits(cell, motion)
     kept = np.flatnonzero(~form.is_cap)
     return (
         _Compiled(compiled, form, kept, form.caps(motion.samples))

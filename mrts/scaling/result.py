@@ -18,7 +18,7 @@ from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.limits import limit_rows
+from mrts.limits import squared_limits
 from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_status import RangeStatus
@@ -272,7 +272,7 @@ class ScalingResult:
 
 def _largest_excess(cell: Cell, done: ScaledTrajectory) -> float:
     """Largest excess over a limit, as a share of it."""
-    rows, worst = limit_rows(cell, done.motion), 0.0
+    rows, worst = squared_limits(cell, done.motion).given, 0.0
     for start in range(0, len(done.torque), BLOCK):
         part = slice(start, start + BLOCK)
         here = rows.at(part)
