@@ -13,6 +13,8 @@ from mrts.report.page import report_html
 from mrts.scaling.limit_use import limit_uses
 from mrts.viewer.player_state import PlayerState
 
+pytestmark = pytest.mark.quick
+
 KEPT = 1 + 1e-7  # of a limit: rounding, and the slack of the quadratic programs
 SAME = 1e-7  # relative: two solvers, and an oracle with other unknowns
 ADDED_INERTIA = 20.0  # [kg m²] of the torque that grows with the square of a joint's speed
