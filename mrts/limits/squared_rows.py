@@ -24,13 +24,15 @@ class SquaredRows:
     Attributes:
         given: The r rows as they were given.
         rows: The same rows, linear in ṙ².
-        unit: What 100 % of a limit is in its own unit; of a squared speed half of it, Shape (r,).
+        size: `LimitRows.units`: what the rows are divided by, Shape (r,).
+        unit: What 100 % of a limit near it is, in its own unit; of a squared speed half its size, Shape (r,).
         is_cap: Rows that standstill keeps and nothing but the speed moves: all that they do is bound ṙ² from above,
             Shape (r,).
     """
 
     given: LimitRows
     rows: LimitRows
+    size: Array
     unit: Array
     is_cap: NDArray[np.bool_]
 
@@ -105,7 +107,7 @@ def squared(given: LimitRows) -> SquaredRows:
     """
     unit = given.units()
     if given.speed is None and given.square is None:
-        return SquaredRows(given=given, rows=given, unit=unit, is_cap=np.zeros(len(unit), dtype=bool))
+        return SquaredRows(given=given, rows=given, size=unit, unit=unit, is_cap=np.zeros(len(unit), dtype=bool))
     count, alone = len(unit), given.is_of_speed
     by_speed = moved(given.speed, count)
     mixed = by_speed & ~alone if given.square is None else by_speed & (moved(given.square, count) | ~alone)
@@ -118,17 +120,18 @@ def squared(given: LimitRows) -> SquaredRows:
     size, least, most = unit[places], given.lower[places] / unit[places], given.upper[places] / unit[places]
     part = np.zeros((1, 1)) if given.square is None else given.square[:, places] / size
     if given.speed is not None:
-        share, alike = given.speed[:, places] / size, by_speed[places] & (least == -most)
-        part = part + share * np.where(alike, share, np.abs(share))
-        least = np.where(alike, -np.inf, np.where(by_speed[places], least * np.abs(least), least))
-        most = np.where(by_speed[places], most * np.abs(most), most)
+        of_speed = by_speed[places]
+        share, alike = given.speed[:, places] / size, of_speed & (least == -most)
+        part = part + share * (share if np.all(alike) else np.where(alike, share, np.abs(share)))
+        least = np.where(alike, -np.inf, np.where(of_speed, least * np.abs(least), least))
+        most = np.where(of_speed, most * np.abs(most), most)
     magnitude = np.abs(part)
     part[magnitude <= REST * np.max(magnitude, axis=0, initial=0.0)] = 0.0
     rows = _with_squares(given, places, size * part, size * least, size * most)
     stays = (least <= 0) & (most >= 0)
     is_cap = np.zeros(count, dtype=bool)
     is_cap[places] = stays & ~np.any((part > 0) & (most <= 0) | (part < 0) & (least >= 0), axis=0)
-    return SquaredRows(given=given, rows=rows, unit=np.where(by_speed, unit / 2, unit), is_cap=is_cap)
+    return SquaredRows(given=given, rows=rows, size=unit, unit=np.where(by_speed, unit / 2, unit), is_cap=is_cap)
 
 
 def _with_squares(given: LimitRows, places: NDArray[np.int_], square: Array, lower: Array, upper: Array) -> LimitRows:

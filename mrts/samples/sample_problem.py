@@ -225,7 +225,7 @@ def _problem(
     rows = form.rows.at(samples)
     moves = np.any(rows.torque_matrix, axis=1) | np.any(rows.wrench_matrix, axis=1)
     count, _, unknowns = maps["torque_map"].shape
-    size = limits.units()
+    size = form.size
     A, offset = np.zeros((count, len(size), unknowns)), np.zeros((count, len(size)))
     M_torque, M_wrench = rows.torque_matrix[moves], rows.wrench_matrix[moves]
     A[:, moves] = M_torque @ maps["torque_map"] + M_wrench @ maps["wrench_map"]

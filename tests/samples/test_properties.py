@@ -7,8 +7,9 @@ from cell_bank import drawn_until, random_planar_cell
 import mrts
 from mrts.base.errors import SolverError
 from mrts.limits import limit_rows
+from mrts.samples.range_status import SampleStatus
 from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.sample_ranges import SampleStatus, sample_ranges
+from mrts.samples.sample_ranges import sample_ranges
 from mrts.samples.torque_distribution import distribute_torques
 from mrts.solvers import DEFAULT_SOLVER
 
