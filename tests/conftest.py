@@ -23,6 +23,7 @@ def pytest_configure(config):
         return  # a worker has it from the process that started it
     if sum(1 for _ in CACHE.glob("*/*")) > MOST_ENTRIES:
         shutil.rmtree(CACHE)
+    CACHE.parent.mkdir(exist_ok=True)
     os.environ["MRTS_CACHE_DIR"] = str(CACHE)
     if cache_folder() != CACHE:  # others can write this checkout
         os.environ["MRTS_CACHE_DIR"] = folder = tempfile.mkdtemp(prefix="mrts-tests-")

@@ -30,6 +30,9 @@ from mrts.base.manifest import Manifest
 GENERATED = ("include/*.h", "src/*.[ch]", "src/parts/*.c", "tests/*.[ch]", "examples/*.c")
 """Where an export writes files that start with its notice."""
 
+LONGEST_START = 100
+"""Bytes of a file among which the notice stands."""
+
 
 def export_library(
     manifest: Manifest,
@@ -79,7 +82,7 @@ def export_library(
     )
     words["DECLARATIONS"] = "\n".join(filled(f"include/{file}", words) for file in chosen(DECLARATIONS, parts))
     for word, template in (("MAKE_TESTS", "tests.mk"), ("CMAKE_TESTS", "tests.cmake"), ("README_TESTS", "tests.md")):
-        words[word] = filled(f"build/{template}", words) if with_tests else ""
+        words[word] = filled(f"project/{template}", words) if with_tests else ""
     texts = {f"include/{name}.h": filled("include/library.h", words)}
     for file in ("model.c", "model.h", "config.h"):
         texts[f"src/{name}_{file}"] = filled(f"src/{file}", words)
@@ -91,7 +94,7 @@ def export_library(
         texts["tests/test_main.c"] = filled("tests/test_main.c", words)
         texts[f"tests/{name}_vectors.h"] = filled("tests/vectors.h", words)
     words |= _file_words(list(texts))
-    return texts | {file: filled(f"build/{file}", words) for file in ("Makefile", "CMakeLists.txt", "README.md")}
+    return texts | {file: filled(f"project/{file}", words) for file in ("Makefile", "CMakeLists.txt", "README.md")}
 
 
 def write_library(folder: Path, texts: dict[str, str]) -> None:
@@ -108,8 +111,12 @@ def write_library(folder: Path, texts: dict[str, str]) -> None:
 
 
 def _is_generated(path: Path) -> bool:
-    with path.open(encoding="utf-8", errors="replace") as file:
-        return NOTICE in file.readline()
+    """Whether a file starts with our notice; what cannot be read is not ours."""
+    try:
+        with path.open("rb") as file:
+            return NOTICE.encode() in file.read(LONGEST_START)
+    except OSError:
+        return False
 
 
 def _file_words(files: list[str]) -> dict[str, str]:
@@ -119,5 +126,5 @@ def _file_words(files: list[str]) -> dict[str, str]:
     return {
         "SOURCES": " ".join(compiled),
         "OBJECTS": " ".join(f"build/{Path(file).stem}.o" for file in compiled),
-        "HEADERS": " ".join(needed),
+        "HEADERS": " \\\n  ".join(needed),
     }

@@ -183,7 +183,7 @@ class CellLibrary:
         return found
 
     def torques(
-        self, samples: int, inputs: dict[str, Array], limits: SparseLimits, c2: Array, weights: Array, slack: float
+        self, samples: int, inputs: dict[str, Array], limits: SparseLimits, c2: Array, weights: Array, widening: float
     ) -> tuple[Array, Array, NDArray[np.uint8]]:
         """Torques τ, Shape (N, m), wrenches F, Shape (N, n w), that minimise τᵀWτ at c², and statuses, Shape (N,).
 
@@ -193,7 +193,7 @@ class CellLibrary:
             limits: Rows over torques and wrenches.
             c2: Shape (N,).
             weights: W, Shape (m, m).
-            slack: Widening of each limit, as a share of it.
+            widening: By which limits are moved outward, as a share of each.
         """
         torque, wrench = np.zeros((samples, self.joints)), np.zeros((samples, self.wrenches))
         status = np.full(samples, STOPPED, dtype=np.uint8)
@@ -213,7 +213,7 @@ class CellLibrary:
                 pointer(speed[first:]),
                 1,
                 pointer(W),
-                ctypes.c_double(slack),
+                ctypes.c_double(widening),
                 pointer(torque[first:]),
                 pointer(wrench[first:]),
                 pointer(status[first:]),

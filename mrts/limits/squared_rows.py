@@ -10,10 +10,10 @@ from mrts.base.arrays import Array
 from mrts.base.errors import MrtsError
 from mrts.limits.rows import ActiveRow, LimitRows, moved
 
-TIE = 2e-7
+CAPS_TIE = 2e-7
 """Caps that bound ṙ² this closely to the one that bounds it most bind with it."""
 
-REST = 1e-24
+SQUARE_AT_REST = 1e-24
 """A squared speed below this share of its largest along the motion is rounding of rest."""
 
 
@@ -90,7 +90,7 @@ def binds(share: Array) -> NDArray[np.bool_]:
         share: As in `SpeedCaps`, of one sample, Shape (s,), or of all, Shape (N, s).
     """
     most = np.max(share, axis=-1, initial=0.0, keepdims=True)
-    return np.asarray((share >= (1 - TIE) * most) & (most > 0))
+    return np.asarray((share >= (1 - CAPS_TIE) * most) & (most > 0))
 
 
 def squared(given: LimitRows) -> SquaredRows:
@@ -126,7 +126,7 @@ def squared(given: LimitRows) -> SquaredRows:
         least = np.where(alike, -np.inf, np.where(of_speed, least * np.abs(least), least))
         most = np.where(of_speed, most * np.abs(most), most)
     magnitude = np.abs(part)
-    part[magnitude <= REST * np.max(magnitude, axis=0, initial=0.0)] = 0.0
+    part[magnitude <= SQUARE_AT_REST * np.max(magnitude, axis=0, initial=0.0)] = 0.0
     rows = _with_squares(given, places, size * part, size * least, size * most)
     stays = (least <= 0) & (most >= 0)
     is_cap = np.zeros(count, dtype=bool)

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: MIT
 """The limits of a cell as an exported library carries them: tables of rows, and velocity limits."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from mrts.base.embedded_inputs import EmbeddedLimits
-from mrts.base.errors import MrtsError
+from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import LIMITS
-from mrts.limits.rows import RowName, stack_rows
+from mrts.limits.rows import LimitRows, RowName, stack_rows
+from mrts.limits.velocity_limits import velocity_limits
 from mrts.motion.object_motion import ObjectMotion
 
 
@@ -19,38 +22,52 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
         cell: The cell; velocity limits that it does not enforce are unlimited.
 
     Raises:
-        MrtsError: If a limit other than of velocities depends on the motion.
+        InputError: If a limit, velocities aside, depends on the motion: the library has tables for those that do not.
     """
-    pieces = [limit(cell, _at_rest(cell)) for limit in LIMITS.values()]
-    fixed = [piece for piece in pieces if not piece.depends_on_motion]
-    for piece in pieces:
-        if piece.depends_on_motion and any(name.kind != "velocity" for name in piece.names):
-            raise MrtsError(
-                f"{piece.names[0]}: this limit depends on the motion, which an exported library is given sample by "
-                "sample; of such limits it has those of velocities only."
-            )
-    rows = stack_rows(fixed)
+    probes = _probe(cell, 1), _probe(cell, 2)
+    pieces = []
+    for name, limit in LIMITS.items():
+        if limit is not velocity_limits:
+            rows, again = (limit(cell, probe) for probe in probes)
+            _check_constant(name, rows, again)
+            pieces.append(rows)
+    rows = stack_rows(pieces)
     units = list(dict.fromkeys(name.unit for name in rows.names))
-    velocity = np.concatenate([*(robot.velocity_limit for robot in cell.robots), cell.object_velocity_limit])
-    joints = [RowName("velocity", robot.name, joint) for robot in cell.robots for joint in robot.joints]
-    parts = [RowName("velocity", "object", part) for part in ("linear", "angular")]
+    velocity = velocity_limits(replace(cell, enforces_velocity_limits=True), probes[0])
+    enforced = cell.enforces_velocity_limits and velocity_limits in LIMITS.values()
     return EmbeddedLimits(
         tuple(_text(name) for name in rows.names),
         np.hstack([rows.torque_matrix, rows.wrench_matrix]),
         rows.lower,
         rows.upper,
         tuple(units.index(name.unit) for name in rows.names),
-        tuple(_text(name) for name in (*joints, *parts)),
-        velocity if cell.enforces_velocity_limits else np.full_like(velocity, np.inf),
+        tuple(_text(name) for name in velocity.names),
+        velocity.upper if enforced else np.full_like(velocity.upper, np.inf),
     )
 
 
-def _at_rest(cell: Cell) -> CoordinatedMotion:
-    """A motion that stands still: which rows depend on the motion is the same for every motion."""
-    q = np.tile(np.concatenate([robot.posture for robot in cell.robots]), (2, 1))
-    none, there = np.zeros((2, 6)), np.tile(np.eye(3), (2, 1, 1))
-    still = ObjectMotion(np.array([0.0, 1.0]), np.zeros((2, 3)), there, none, none, smooth=False)
-    return CoordinatedMotion(still, q, np.zeros_like(q), np.zeros_like(q))
+def _probe(cell: Cell, seed: int) -> CoordinatedMotion:
+    """Two samples in which everything moves; no arm needs to be able to do that."""
+    rng = np.random.default_rng(seed)
+    joints = sum(len(robot.joints) for robot in cell.robots)
+    q, dq, ddq = rng.normal(size=(3, 2, joints))
+    position, twist, acceleration = rng.normal(size=(2, 3)), *rng.normal(size=(2, 2, 6))
+    time, still = np.array([0.0, 1.0]), np.tile(np.eye(3), (2, 1, 1))
+    return CoordinatedMotion(ObjectMotion(time, position, still, twist, acceleration, smooth=False), q, dq, ddq)
+
+
+def _check_constant(limit: str, rows: LimitRows, again: LimitRows) -> None:
+    """Refuse a limit of which a library cannot compute the rows at a sample."""
+    of_speed = any(column is not None and np.any(column) for column in (rows.rate, rows.speed, rows.square))
+    tables = [(each.torque_matrix, each.wrench_matrix, each.lower, each.upper) for each in (rows, again)]
+    alike = rows.names == again.names and all(map(np.array_equal, *tables))
+    if of_speed or not alike:
+        raise InputError(
+            f"limit '{limit}'",
+            f"depends on the {'speed' if of_speed else 'motion'}, which an exported library cannot compute: it carries "
+            "velocity limits, and tables of limits that are constant in torques and wrenches. Take the limit out of "
+            "mrts.limits.LIMITS for the export, and keep it by other means.",
+        )
 
 
 def _text(name: RowName) -> str:

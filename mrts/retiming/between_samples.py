@@ -10,8 +10,8 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.retiming.retimed_motion import TimedPiece, between_samples
 from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.overstep import widening_at
 from mrts.samples.sample_problem import build_sample_problem
+from mrts.samples.widening import widening_at
 from mrts.solvers import DEFAULT_SOLVER
 
 PLACES = np.array([0.125, 0.375, 0.5, 0.625, 0.875])
@@ -20,7 +20,7 @@ PLACES = np.array([0.125, 0.375, 0.5, 0.625, 0.875])
 
 @dataclass(frozen=True)
 class Excess:
-    """The worst overstepping between samples, with the best distribution of the torques there.
+    """The worst excess over a limit between samples, with the best distribution of the torques there.
 
     Attributes:
         share: Of a limit; 0 if all are kept.
@@ -50,7 +50,7 @@ def largest_excess(
         played = between_samples(cell, part, PLACES)
         for load in loads:
             problem = build_sample_problem(cell, played, sharing=sharing, load=load)
-            share = widening_at(problem, 1.0, DEFAULT_SOLVER, "the overstepping between samples")
+            share = widening_at(problem, 1.0, DEFAULT_SOLVER, "the excess between samples")
             place = int(np.argmax(share))
             if share[place] > worst.share:
                 worst = Excess(float(share[place]), part.piece.first + place // len(PLACES))

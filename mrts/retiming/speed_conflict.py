@@ -80,7 +80,7 @@ def segment_conflict(
 
 
 def _with_law(problem: SampleProblem, name: RowName, column: Array, lower: float, upper: float) -> SampleProblem:
-    """One sample's rows with one more, which is no limit that could be widened."""
+    """One sample's rows with one more, which is no limit that could move outward."""
     size = max(abs(lower), abs(upper)) or 1.0
     no = np.zeros(1, dtype=bool)
     return problem.with_rows(

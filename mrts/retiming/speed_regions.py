@@ -172,8 +172,8 @@ def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Arra
     sample, corner = np.nonzero(real & (length > 0) & (number > 1)[:, None] & ~on_box & ~on_bound)
     normals = normal[sample, corner]
     offset = np.sum(normals * corners[sample, corner], axis=1)
-    # a point or a stretch has no edges that bound it along itself
-    thin = np.flatnonzero(found & (number <= 2) & np.isfinite(unit[:, -2]))  # noqa: PLR2004 (a stretch)
+    # a point or a segment has no edges that bound it along itself
+    thin = np.flatnonzero(found & (number <= 2) & np.isfinite(unit[:, -2]))  # noqa: PLR2004 (a segment)
     u = np.where(real, corners[:, :, 0], np.nan)[thin]
     sample = np.concatenate([sample, thin, thin])
     across = np.tile([1.0, 0.0], (len(thin), 1))

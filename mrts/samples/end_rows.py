@@ -16,7 +16,7 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
-from mrts.limits.squared_rows import TIE
+from mrts.limits.squared_rows import CAPS_TIE
 from mrts.samples.linear_programs import effect_of_speed
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.sample_ranges import SampleRanges, first_least
@@ -99,7 +99,7 @@ def with_end_rows(
 def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow, ...]:
     """All rows at their limit in every solution at an end of a sample's range, in the order of the rows.
 
-    A row without room between its limits is at both whatever c² is, and none of them.
+    A row whose limits are equal is at both whatever c² is, and none of them.
 
     Args:
         problem: Rows of one sample, in which the distribution of the load is free.
@@ -110,8 +110,8 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
         return (ActiveRow(STANDSTILL, "lower", 0.0),)
     moving = ~problem.is_cap
     A, offset = problem.A[0, moving, :-1], problem.A[0, moving, -1] * c2
-    room = WIDER * problem.is_limit[moving]
-    lower, high = problem.lower[0, moving] - offset - room, problem.upper[0, moving] - offset + room
+    widening = WIDER * problem.is_limit[moving]
+    lower, high = problem.lower[0, moving] - offset - widening, problem.upper[0, moving] - offset + widening
     places = np.flatnonzero(problem.is_limit & moving)
     at = np.searchsorted(np.flatnonzero(moving), places)
     sides = [
@@ -124,7 +124,7 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
     tight = [(place, sign > 0) for (_, place, sign), far in zip(sides, distance, strict=True) if far <= NEAR]
     named = [problem.active_row(place, upper=side) for place, side in tight]
     if end == "upper":
-        caps = np.flatnonzero(problem.is_cap)[problem.cap_share[0] * c2 >= 1 - TIE]
+        caps = np.flatnonzero(problem.is_cap)[problem.cap_share[0] * c2 >= 1 - CAPS_TIE]
         named += [problem.active_row(row, upper=bool(problem.A[0, row, -1] > 0)) for row in caps.tolist()]
     return tuple(named)
 

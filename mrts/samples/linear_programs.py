@@ -12,7 +12,7 @@ from mrts.solvers.convex_program import Answers, ConvexPrograms, solve_programs
 UNBOUNDED = 1e9
 """Effect of the speed on some row, as a multiple of its limit, beyond which a range has no upper end."""
 
-UNBOUNDED_SLACK = 1e-9
+AT_UNBOUNDED = 1e-9
 """Rounding of an answer at that bound."""
 
 NO_EFFECT = 1e-300
@@ -43,12 +43,14 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
 
     least, largest = solve(1.0), solve(-1.0)
     ends = np.maximum(least.x[:, -1], 0.0) * unit, largest.x[:, -1] * unit
-    free = (largest.x[:, -1] >= UNBOUNDED * (1 - UNBOUNDED_SLACK)) | (effect == 0)
+    free = (largest.x[:, -1] >= UNBOUNDED * (1 - AT_UNBOUNDED)) | (effect == 0)
     at_most = np.sign(problem.A[:, caps, -1]) * binds(problem.cap_share) * np.maximum(largest.bound_dual[:, -1:], 0.0)
     duals = [np.zeros(problem.A.shape[:2]) for _ in range(2)]
     duals[0][:, ~caps], duals[1][:, ~caps], duals[1][:, caps] = least.row_dual, largest.row_dual, at_most
     lower_rows = [active_rows(problem, duals[0][k], float(least.bound_dual[k, -1])) for k in range(count)]
-    upper_rows = [active_rows(problem, dual, 0.0) for dual in duals[1]]
+    upper_rows = [
+        () if unbounded else active_rows(problem, dual, 0.0) for dual, unbounded in zip(duals[1], free, strict=True)
+    ]
     undecided = ~(least.verified & largest.verified)
     return RangeEnds(
         ends[0], np.where(free, np.inf, ends[1]), lower_rows, upper_rows, undecided, least.fallbacks + largest.fallbacks

@@ -84,7 +84,7 @@ def sample_ranges(problem: SampleProblem, time: Array, solver: str) -> SampleRan
         conflicts = {conflict.sample: conflict for conflict in found if conflict is not None}
         marginal = np.array([sample for sample in suspects if sample not in conflicts], dtype=int)
         if marginal.size:
-            ends.replace(marginal, find(_relaxed(problem.at(marginal))))
+            ends.replace(marginal, find(_widened(problem.at(marginal))))
     for sample in conflicts:
         ends.lower[sample], ends.upper[sample] = np.inf, -np.inf
         ends.lower_rows[sample] = ends.upper_rows[sample] = ()
@@ -139,7 +139,7 @@ def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> Sampl
     return replace(problem, A=A)
 
 
-def _relaxed(problem: SampleProblem) -> SampleProblem:
+def _widened(problem: SampleProblem) -> SampleProblem:
     """The same problem with limits wider by what `find_conflicts` cannot tell from nothing."""
-    slack = 2 * CERTIFICATE_TOLERANCE * problem.is_limit
-    return replace(problem, lower=problem.lower - slack, upper=problem.upper + slack)
+    widening = 2 * CERTIFICATE_TOLERANCE * problem.is_limit
+    return replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)

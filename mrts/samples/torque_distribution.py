@@ -8,8 +8,8 @@ from mrts.base.errors import InputError, as_array
 from mrts.samples.sample_problem import SampleProblem
 from mrts.solvers.convex_program import ConvexPrograms, require_verified, solve_programs
 
-SLACK = 1e-9
-"""Widening of each limit, as a share of it: at c = √c²⁺ the feasible set is a point, which rounding may miss."""
+TORQUE_WIDENING = 1e-9
+"""Of each limit, as a share of it: at c = √c²⁺ the feasible set is a point, which rounding may miss."""
 
 
 WEIGHT_SPREAD = 1e6
@@ -70,13 +70,13 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     g = np.einsum("nij,ik,nk->nj", free, weights, at_rest)
     given = problem.A[:, :, -1] * speed
     lower, upper = problem.lower - given, problem.upper - given
-    slack = np.where(problem.is_limit & (problem.limit_lower < problem.limit_upper), SLACK, 0.0)
+    widening = np.where(problem.is_limit & (problem.limit_lower < problem.limit_upper), TORQUE_WIDENING, 0.0)
     programs = ConvexPrograms(
         H,
         g,
         problem.A[:, :, :-1],
-        lower - slack,
-        upper + slack,
+        lower - widening,
+        upper + widening,
         np.full((count, unknowns - 1), -np.inf),
         np.full((count, unknowns - 1), np.inf),
     )

@@ -21,7 +21,7 @@ from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_ends import KernelRows
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses, without_speed_at_rest
-from mrts.samples.torque_distribution import SLACK, distribute_torques
+from mrts.samples.torque_distribution import TORQUE_WIDENING, distribute_torques
 from mrts.solvers import check_solver
 
 BLOCK = 4096
@@ -130,7 +130,7 @@ def motion_torques(
         x, fallbacks = distribute_torques(problem, c2, weights, solver)
         return problem.torque(x), problem.wrench(x), fallbacks
     torque, wrench, status = fast.compiled.torques(
-        motion.samples, motion.inputs(cell.load), fast.sparse(), np.full(motion.samples, c2), weights, SLACK
+        motion.samples, motion.inputs(cell.load), fast.sparse(), np.full(motion.samples, c2), weights, TORQUE_WIDENING
     )
     missing, fallbacks = np.flatnonzero(status != OPTIMAL), 0
     for start in range(0, len(missing), BLOCK):

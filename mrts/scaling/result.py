@@ -32,7 +32,7 @@ END_TOLERANCE = 1e-7
 """Share by which c² may miss a range by rounding: a plan at its fastest read back from a file, another load's range."""
 
 LIMIT_TOLERANCE = 1e-8
-"""Largest overstepping of a limit, as a share of it, that counts as rounding and the programs' own slack."""
+"""Largest excess over a limit that counts as rounding and the widening of the programs, as a share of it."""
 
 BLOCK = 4096
 """Samples whose terms are evaluated at a time: they are many numbers a sample."""
@@ -43,7 +43,7 @@ class Residuals:
     """How far a trajectory is from what it promises: rounding, and at most 1e-9 of a limit.
 
     Attributes:
-        limits: Largest overstepping of (8) and (24), as a share of the limit; up to 1e-9 is the programs' slack.
+        limits: Largest excess over (8) and (24), as a share of the limit; up to 1e-9 is the programs' widening.
         arms: Largest residual of the arms' dynamics (13) [N m].
         object: Largest residual of the object's dynamics (20) [N, N m].
     """
@@ -181,7 +181,7 @@ class ScalingResult:
                 rest[:, joints] -= np.einsum("nwj,nw->nj", J, F)
             balance = np.einsum("nij,nj->ni", terms["B"], wrench) - terms["P"] * done.c2 - terms["Q"]
             arms, carried = max(arms, float(np.max(np.abs(rest)))), max(carried, float(np.max(np.abs(balance))))
-        return Residuals(_overstep(cell, done), arms, carried)
+        return Residuals(_largest_excess(cell, done), arms, carried)
 
     def checked(self) -> Self:
         """This result, if its trajectory keeps every limit.
@@ -189,10 +189,10 @@ class ScalingResult:
         Raises:
             SolverError: If it oversteps one by more than `LIMIT_TOLERANCE`.
         """
-        overstep = 0.0 if self.trajectory is None else _overstep(self.cell, self.trajectory)
-        if not overstep <= LIMIT_TOLERANCE:
+        excess = 0.0 if self.trajectory is None else _largest_excess(self.cell, self.trajectory)
+        if not excess <= LIMIT_TOLERANCE:
             raise SolverError(
-                f"the torques found overstep a limit by {overstep:.2g} of it, more than {LIMIT_TOLERANCE:.0e}: the "
+                f"the torques found overstep a limit by {excess:.2g} of it, more than {LIMIT_TOLERANCE:.0e}: the "
                 "limits or the masses of this cell are too unlike in size to be solved."
             )
         return self
@@ -270,8 +270,8 @@ class ScalingResult:
         write_text_atomically(as_path("path", path), self.json_text() + "\n")
 
 
-def _overstep(cell: Cell, done: ScaledTrajectory) -> float:
-    """Largest overstepping of a limit, as a share of it."""
+def _largest_excess(cell: Cell, done: ScaledTrajectory) -> float:
+    """Largest excess over a limit, as a share of it."""
     rows, worst = limit_rows(cell, done.motion), 0.0
     for start in range(0, len(done.torque), BLOCK):
         part = slice(start, start + BLOCK)

@@ -21,7 +21,7 @@ from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.scaling.stretched_limits import stretched_torques
+from mrts.scaling.widened_limits import widened_torques
 from mrts.solvers import DEFAULT_SOLVER
 from mrts.studies.configurations import ConfigurationStudy, rank_configurations
 
@@ -292,7 +292,7 @@ class PlayerState:
             W = torque_weights(rule.weights, motion.q.shape[1])
             torque, wrench, _ = motion_torques(cell, motion, rule.formulation, rule.sharing, self._solver, c2, W)
         else:
-            torque, wrench = stretched_torques(cell, motion, rule, c2, self._solver)
+            torque, wrench = widened_torques(cell, motion, rule, c2, self._solver)
         rows = limit_rows(cell, motion)
         excess = np.max(rows.excess(rows.value(torque, wrench, 0.0, sqrt(c2))), axis=1, initial=0.0)
         excess[excess <= LIMIT_TOLERANCE] = 0.0

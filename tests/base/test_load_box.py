@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mrts.base.load_box import LoadBox, load_vector
+import mrts
+from mrts.base.load_box import load_vector
 
 
 def test_factors_are_about_the_principal_axes_nearest_to_the_object():
@@ -12,7 +13,7 @@ def test_factors_are_about_the_principal_axes_nearest_to_the_object():
     for _ in range(100):
         R = Rotation.from_rotvec(rng.normal(size=3) * 0.15).as_matrix()
         moments = rng.uniform(1, 1.9, 3)
-        box = LoadBox(2.0, R * moments @ R.T, {"iyy": (0.5, 3.0)})
+        box = mrts.LoadBox(2.0, R * moments @ R.T, {"iyy": (0.5, 3.0)})
         assert np.linalg.det(box.principal_axes) == pytest.approx(1)
         assert np.all(np.diag(box.principal_axes) > 0.5)
         np.testing.assert_allclose(np.abs(np.sum(box.principal_axes * R, axis=0)), 1, atol=1e-6)
@@ -26,7 +27,7 @@ def test_equal_moments_take_the_nearest_of_all_axes():
     for _ in range(300):
         R = Rotation.random(rng=rng).as_matrix()
         moments = np.array([1.0, 2.0, 2.0])
-        axes = LoadBox(1.0, R * moments @ R.T, {"ixx": (0.5, 2)}).principal_axes
+        axes = mrts.LoadBox(1.0, R * moments @ R.T, {"ixx": (0.5, 2)}).principal_axes
         best = 0.0
         for order in ((0, 1, 2), (1, 0, 2), (1, 2, 0)):  # which axis of the object is nearest to the single one
             place = order.index(0)
@@ -39,4 +40,4 @@ def test_equal_moments_take_the_nearest_of_all_axes():
 
 @pytest.mark.parametrize("moments", [[1, 1, 1], [1, 1, 1.5], [1.5, 1, 1], [1, 1.5, 1]])
 def test_equal_moments_leave_the_axes_of_the_object(moments):
-    assert LoadBox(1.0, np.diag(np.array(moments, dtype=float)), {"ixx": (0.5, 2)}).axes_are_the_objects
+    assert mrts.LoadBox(1.0, np.diag(np.array(moments, dtype=float)), {"ixx": (0.5, 2)}).axes_are_the_objects

@@ -19,8 +19,6 @@ from mutations import mutated
 import mrts
 from mrts.base.manifest import read_generated
 from mrts.cli import main
-from mrts.output.ros_bag import write_ros_bag
-from mrts.output.trajectory_table import write_trajectory_csv
 
 CASES = int(os.environ.get("FUZZ_CASES", "2000"))
 SEED = int(os.environ.get("FUZZ_SEED", "0"))
@@ -102,8 +100,8 @@ def originals(planar_cell, tmp_path_factory):
     motion = mrts.load_motion(folder / "lift.yaml")
     result = mrts.scale(planar_cell, motion)
     mrts.save_result(result, folder / "result.npz")
-    write_trajectory_csv(result, folder / "joints.csv")
-    write_ros_bag(result, folder / "bag")
+    mrts.write_trajectory_csv(result, folder / "joints.csv")
+    mrts.write_ros_bag(result, folder / "bag")
     rows = [f"{t!r},{x!r},{y!r},0,0,0,0,1" for t, (x, y, _) in zip(motion.time, motion.position, strict=True)]
     table = "\n".join(["t,px,py,pz,qx,qy,qz,qw", *rows])
     (folder / "object.csv").write_text(table.replace("np.float64(", "").replace(")", ""), encoding="utf-8")

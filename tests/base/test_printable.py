@@ -7,9 +7,7 @@ import pytest
 from conftest import DATA
 
 import mrts
-from mrts.base.errors import CompilerError, InputError, MrtsError
 from mrts.base.printable import LONGEST_MESSAGE, html_text, printable
-from mrts.base.remark import Remark
 from mrts.cli import main
 from mrts.console.terminal import put, say, warn
 from mrts.drawing.labels import shortened
@@ -23,7 +21,7 @@ SHOWN = r"a\u001b[31mb\r\u0007\u202e\u200b\u2028\u009b\u007f\ud800"
 def test_ordinary_letters_stay():
     text = "c² ∈ [0, ∞) µm Ängström 日本 τ̈ \\ {} %s"
     assert printable(text) == text
-    assert str(MrtsError(text)) == text
+    assert str(mrts.MrtsError(text)) == text
 
 
 def test_control_characters_and_invisible_signs_are_escaped_as_json_does():
@@ -33,19 +31,19 @@ def test_control_characters_and_invisible_signs_are_escaped_as_json_does():
 
 
 def test_messages_are_one_paragraph_without_control_characters():
-    message = str(InputError(f"{HOSTILE}\n\n", f"must not\n\nbe {HOSTILE}.", key=f"k\n{HOSTILE}", value=HOSTILE))
+    message = str(mrts.InputError(f"{HOSTILE}\n\n", f"must not\n\nbe {HOSTILE}.", key=f"k\n{HOSTILE}", value=HOSTILE))
     assert message.isprintable()
     assert message.count(SHOWN) == 3
-    assert str(CompilerError("one\ntwo\t\x1b[1m")) == "one\ntwo\\t\\u001b[1m"
+    assert str(mrts.CompilerError("one\ntwo\t\x1b[1m")) == "one\ntwo\\t\\u001b[1m"
 
 
 def test_long_names_lose_their_middle():
-    message = str(InputError("cell.yaml", "must be a robot's joint; say which.", key="j" * 1_000_000))
+    message = str(mrts.InputError("cell.yaml", "must be a robot's joint; say which.", key="j" * 1_000_000))
     assert len(message) < 400
     assert message.startswith("cell.yaml: jjj")
     assert message.endswith("jjj: must be a robot's joint; say which.")
-    assert len(str(InputError("a", "b " * 1_000_000, value=10**5000))) <= LONGEST_MESSAGE
-    assert "\n" not in str(InputError("a", "b", value=[[1.0] * 100] * 100))
+    assert len(str(mrts.InputError("a", "b " * 1_000_000, value=10**5000))) <= LONGEST_MESSAGE
+    assert "\n" not in str(mrts.InputError("a", "b", value=[[1.0] * 100] * 100))
 
 
 @pytest.mark.parametrize("show", [say, put, warn])
@@ -90,7 +88,7 @@ def test_names_of_a_urdf_reach_the_terminal_escaped(tmp_path, capsys):
 
 
 def test_names_of_a_saved_result_are_escaped_in_python_too(planar_cell, lift):
-    hostile = Remark("\x1b[31m", "\x1b[31mall\nis well\u202e")
+    hostile = mrts.Remark("\x1b[31m", "\x1b[31mall\nis well\u202e")
     result = replace(mrts.scale(planar_cell, lift), origin="\x1b[31mevil\nname\u202e", warnings=(hostile,))
     lines = result.summary().split("\n")
     assert len(lines) == 2

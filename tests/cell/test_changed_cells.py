@@ -8,7 +8,7 @@ from cell_bank import random_planar_cell
 from conftest import DATA
 
 import mrts
-from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
+from mrts.base.rigid_transform import rotation_from_rpy
 
 pytestmark = pytest.mark.quick
 
@@ -16,7 +16,7 @@ SIDE = np.array([0.1, 0.0, 0.0])
 
 
 def moved(T):
-    return RigidTransform(T.R, T.p + SIDE)
+    return mrts.RigidTransform(T.R, T.p + SIDE)
 
 
 def with_left(cell, **changes):
@@ -35,7 +35,7 @@ BAKED = {
     "robot 'left' T_world_base": lambda cell: with_left(cell, T_world_base=moved(cell.robots[0].T_world_base)),
     "robot 'left' T_object_tip": lambda cell: with_left(cell, T_object_tip=moved(cell.robots[0].T_object_tip)),
     "robot 'left' T_base_tip": lambda cell: with_left(
-        cell, T_base_tip=RigidTransform(rotation_from_rpy(0, 0, 0.1), cell.robots[0].T_base_tip.p)
+        cell, T_base_tip=mrts.RigidTransform(rotation_from_rpy(0, 0, 0.1), cell.robots[0].T_base_tip.p)
     ),
     "robot 'left' axes": lambda cell: with_left(cell, axes=-cell.robots[0].axes),
     "robot 'left' points": lambda cell: with_left(cell, points=cell.robots[0].points + SIDE),
@@ -60,7 +60,9 @@ def test_functions_of_another_cell_are_refused(planar_cell, tmp_path):
 
 def test_the_same_numbers_again_are_no_change(planar_cell, lift):
     left = planar_cell.robots[0]
-    again = with_left(planar_cell, T_world_base=RigidTransform(left.T_world_base.R.copy(), left.T_world_base.p + 1e-16))
+    again = with_left(
+        planar_cell, T_world_base=mrts.RigidTransform(left.T_world_base.R.copy(), left.T_world_base.p + 1e-16)
+    )
     assert mrts.scale(again, lift).to_json() == mrts.scale(planar_cell, lift).to_json()
 
 

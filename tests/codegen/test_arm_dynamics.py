@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import yaml
-from random_cells import chain_model, configuration, random_spatial_urdf
+from random_cells import chain_model, configuration, spatial_cell
 
 import mrts
 
@@ -12,32 +12,6 @@ STATES = 200
 TOLERANCE = 1e-10  # relative; both sides are exact recursions, 1e-13 is typical
 DIFFERENCE_STEP = 1e-6
 DIFFERENCE_TOLERANCE = 1e-7  # central differences of O(1) quantities: step² plus rounding over step
-
-
-def spatial_cell(folder, seed, joints=(6, 7, 6)):
-    rng = np.random.default_rng(seed)
-    robots = []
-    for index, count in enumerate(joints):
-        (folder / f"arm{index}.urdf").write_text(random_spatial_urdf(rng, count), encoding="utf-8")
-        robots.append(
-            {
-                "name": f"arm{index}",
-                "urdf": f"arm{index}.urdf",
-                "tip_link": "tip",
-                "base": {"xyz": rng.uniform(-1, 1, 3).tolist(), "rpy": rng.uniform(-3, 3, 3).tolist()},
-                "grasp": {"xyz": rng.uniform(-0.5, 0.5, 3).tolist(), "rpy": rng.uniform(-3, 3, 3).tolist()},
-                "posture": [0.0] * count,
-            }
-        )
-    cell = {
-        "name": "spatial",
-        "gravity": [1.0, -2.0, -9.5],
-        "object": {"mass": 2.0, "inertia": [[0.05, 0.01, -0.01], [0.01, 0.06, 0.02], [-0.01, 0.02, 0.07]]},
-        "robots": robots,
-    }
-    path = folder / "cell.yaml"
-    path.write_text(yaml.safe_dump(cell), encoding="utf-8")
-    return path, cell
 
 
 @pytest.fixture(scope="module")

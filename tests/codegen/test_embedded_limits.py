@@ -1,5 +1,7 @@
 """Limits in exported libraries: velocities, limits of the registry, limits of zero; what cannot go in is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import yaml
@@ -111,7 +113,7 @@ def supply(_cell, _motion):
     """Two torques together may not exceed a limit, such as that of a supply that two motors share."""
     matrix = np.zeros((1, 6))
     matrix[0, [0, 4]] = 1.0
-    name = RowName("supply", "left shoulder and right", "elbow", "N m")
+    name = mrts.RowName("supply", "left shoulder and right", "elbow", "N m")
     return LimitRows(
         names=(name,),
         lower=np.array([-150.0]),
@@ -149,3 +151,22 @@ def test_a_limit_of_zero_means_the_same_in_both(tmp_path):
     status, upper, sample, _ = horizon(exported(path, tmp_path), tmp_path)
     assert (status, sample) == (0, wanted.sample)
     assert upper == pytest.approx(wanted.c2, rel=SAME)
+
+
+def friction(cell, motion):
+    """A torque that a motor loses with its speed."""
+    rows = supply(cell, motion)
+    return replace(rows, names=(RowName("friction", "left", "shoulder", "N m"),), speed=motion.dq[:, :1])
+
+
+def soft_start(cell, motion):
+    """A torque that may be the smaller the faster the first joint ever is."""
+    return replace(supply(cell, motion), lower=np.array([-150.0 / (1 + np.max(np.abs(motion.dq[:, 0])))]))
+
+
+@pytest.mark.parametrize(("limit", "what"), [(friction, "speed"), (soft_start, "motion")])
+def test_a_limit_that_a_library_cannot_compute_is_refused(limit, what, tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(LIMITS, limit.__name__, limit)
+    assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path / "x"), "--functions", "range"]) == 2
+    assert f"limit '{limit.__name__}': depends on the {what}, which an exported library" in capsys.readouterr().err
+    assert not (tmp_path / "x").exists()

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from random_cells import spatial_cell
 from scipy.spatial.transform import Rotation
-from test_arm_dynamics import spatial_cell
 
 import mrts
 

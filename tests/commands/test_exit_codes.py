@@ -13,8 +13,8 @@ import pytest
 from command_line import mrts_command
 from conftest import DATA, ROOT
 
+import mrts
 from mrts.base.atomic_file import text_writer, write_together
-from mrts.base.errors import InputError
 from mrts.cli import main
 
 FILES = (DATA / "cell.yaml", DATA / "lift.yaml")
@@ -195,7 +195,7 @@ def test_files_that_belong_together_are_written_all_or_none(tmp_path):
     (tmp_path / "folder").mkdir()
     (tmp_path / "first").write_text("old")
     files = {tmp_path / name: text_writer("new") for name in ("first", "new/second", "folder")}
-    with pytest.raises(InputError, match="folder: cannot be written: it is a folder; name a file"):
+    with pytest.raises(mrts.InputError, match="folder: cannot be written: it is a folder; name a file"):
         write_together(files)
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["first", "folder"]
     assert (tmp_path / "first").read_text() == "old"

@@ -11,7 +11,7 @@ import mrts
 from mrts.drawing.axis_reach import c2_reach, value_reach
 from mrts.drawing.labels import row_label
 from mrts.drawing.lanes import MOST_LANES, binding_lanes, spans
-from mrts.limits.rows import STANDSTILL, ActiveRow, RowName
+from mrts.limits.rows import STANDSTILL
 from mrts.scaling.limit_use import limit_uses
 from mrts.scaling.scaled_trajectory import accumulated_energy
 
@@ -67,9 +67,9 @@ def test_nothing_binds_where_nothing_limits_the_speed(spatial, planar_cell, lift
 
 
 def test_rows_are_named_in_a_few_letters():
-    assert row_label(ActiveRow(RowName("wrench", "left", "fx", "N"), "lower", -2.0)) == "left/fx ↓"
-    assert row_label(ActiveRow(RowName("speed", "left", "elbow"), "upper", 1.0)) == "left/elbow speed ↑"
-    assert row_label(ActiveRow(STANDSTILL, "lower", 0.0)) == "c² ≥ 0"
+    assert row_label(mrts.ActiveRow(mrts.RowName("wrench", "left", "fx", "N"), "lower", -2.0)) == "left/fx ↓"
+    assert row_label(mrts.ActiveRow(mrts.RowName("speed", "left", "elbow"), "upper", 1.0)) == "left/elbow speed ↑"
+    assert row_label(mrts.ActiveRow(STANDSTILL, "lower", 0.0)) == "c² ≥ 0"
 
 
 def test_spans_reach_half_way_to_the_neighbours():

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import yaml
 from scipy.spatial.transform import Rotation
 
 import mrts
@@ -77,3 +78,26 @@ def perturbed(followed, size, turns=2):
 
 def scaled(columns, prefix, factor):
     return {name: values * (factor if name.startswith(prefix) else 1) for name, values in columns.items()}
+
+
+def object_table(motion, *, rates):
+    quaternion = Rotation.from_matrix(motion.rotation).as_quat()
+    columns = [motion.time[:, None] + 3.0, motion.position, quaternion]  # a table may start at any time
+    names = ["t", "px", "py", "pz", "qx", "qy", "qz", "qw"]
+    if rates:
+        columns += [motion.twist, motion.acceleration]
+        names += ["vx", "vy", "vz", "wx", "wy", "wz", "ax", "ay", "az", "alphax", "alphay", "alphaz"]
+    rows = np.concatenate(columns, axis=1)
+    return ",".join(names) + "\n" + "\n".join(",".join(f"{value:.12g}" for value in row) for row in rows) + "\n"
+
+
+def joint_table(cell, followed, parts=("q", "dq", "ddq")):
+    names = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
+    header = ["t", *(f"{part}.{name}" for part in parts for name in names)]
+    rows = np.concatenate([followed.object.time[:, None], *(getattr(followed, part) for part in parts)], axis=1)
+    return ",".join(header) + "\n" + "\n".join(",".join(f"{value:.12g}" for value in row) for row in rows) + "\n"
+
+
+def write_motion(folder, **keys):
+    (folder / "motion.yaml").write_text(yaml.safe_dump(keys), encoding="utf-8")
+    return folder / "motion.yaml"

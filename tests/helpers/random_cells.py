@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
+import yaml
 
 PLANES = {"xy": (0, 1, 2, 1.0), "xz": (0, 2, 1, -1.0), "yz": (1, 2, 0, 1.0)}
 """Plane: its two axes, its normal axis, and the sign of first × second along that axis."""
@@ -201,3 +202,29 @@ def spatial_structure(rng, arms: int, joints: int = 6) -> Structure:
 def spatial_pose(T):
     """A pose of a cell file."""
     return {"xyz": T.translation.tolist(), "rpy": pin.rpy.matrixToRpy(T.rotation).tolist()}
+
+
+def spatial_cell(folder, seed, joints=(6, 7, 6)):
+    rng = np.random.default_rng(seed)
+    robots = []
+    for index, count in enumerate(joints):
+        (folder / f"arm{index}.urdf").write_text(random_spatial_urdf(rng, count), encoding="utf-8")
+        robots.append(
+            {
+                "name": f"arm{index}",
+                "urdf": f"arm{index}.urdf",
+                "tip_link": "tip",
+                "base": {"xyz": rng.uniform(-1, 1, 3).tolist(), "rpy": rng.uniform(-3, 3, 3).tolist()},
+                "grasp": {"xyz": rng.uniform(-0.5, 0.5, 3).tolist(), "rpy": rng.uniform(-3, 3, 3).tolist()},
+                "posture": [0.0] * count,
+            }
+        )
+    cell = {
+        "name": "spatial",
+        "gravity": [1.0, -2.0, -9.5],
+        "object": {"mass": 2.0, "inertia": [[0.05, 0.01, -0.01], [0.01, 0.06, 0.02], [-0.01, 0.02, 0.07]]},
+        "robots": robots,
+    }
+    path = folder / "cell.yaml"
+    path.write_text(yaml.safe_dump(cell), encoding="utf-8")
+    return path, cell

@@ -6,9 +6,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import yaml
+from followed_motions import assert_consistent, motion
 from published_robots import ROBOTS
 from scipy.optimize import minimize
-from test_grasp_tracking import assert_consistent, motion
 
 import mrts
 import mrts.inverse_kinematics.null_space

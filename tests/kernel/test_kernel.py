@@ -21,7 +21,6 @@ from mrts.kernel.compiler import find_compiler
 from mrts.kernel.foreign_arrays import work_arrays
 from mrts.kernel.library_cache import library_in_cache
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, _programs_alone, compiled_programs
-from mrts.output.trajectory_table import write_trajectory_csv
 from mrts.samples.trajectory_programs import _compiled
 from mrts.solvers.convex_program import ConvexPrograms, optimality_error, solve_programs
 
@@ -331,7 +330,7 @@ def test_what_is_no_number_gets_no_answer(kernel, planar_cell):
 
 def test_a_motion_too_small_to_scale_by_is_at_rest(lift, planar_cell, tmp_path):
     """An acceleration of 1e-320 rad/s², whose reciprocal is infinite: likewise in a process of its own."""
-    write_trajectory_csv(mrts.scale(planar_cell, lift), tmp_path / "joints.csv")
+    mrts.write_trajectory_csv(mrts.scale(planar_cell, lift), tmp_path / "joints.csv")
     names, first, *rows = (tmp_path / "joints.csv").read_text().splitlines()
     at = names.split(",").index("ddq.left/wrist")
     small = [*first.split(",")[:at], "1e-320", *first.split(",")[at + 1 :]]

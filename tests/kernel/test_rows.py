@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
+import mrts
 from mrts.kernel.cell_library import SparseLimits
-from mrts.limits.rows import LimitRows, RowName
+from mrts.limits.rows import LimitRows
 
 JOINTS, WRENCHES, K = 4, 3, 5
 UNITS = ("N m", "N m", "N", "N", "N m")
@@ -45,7 +46,7 @@ def some_limits(rng):
     """A zero limit beside others of its unit, one without, one-sided ones, and a row without a limit."""
     lower = np.array([-5.0, 0.0, 0.0, -np.inf, -np.inf])
     upper = np.array([3.0, 0.0, 0.0, np.inf, 7.0])
-    names = tuple(RowName("torque", "arm", str(place), unit) for place, unit in enumerate(UNITS))
+    names = tuple(mrts.RowName("torque", "arm", str(place), unit) for place, unit in enumerate(UNITS))
     matrix = rng.normal(size=(len(UNITS), JOINTS + WRENCHES)) * (rng.random((len(UNITS), JOINTS + WRENCHES)) < 0.6)
     return LimitRows(
         names=names, torque_matrix=matrix[:, :JOINTS], wrench_matrix=matrix[:, JOINTS:], lower=lower, upper=upper

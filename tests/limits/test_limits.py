@@ -6,7 +6,7 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.limits import LIMITS
-from mrts.limits.rows import LimitRows, RowName
+from mrts.limits.rows import LimitRows
 from mrts.limits.squared_rows import squared
 from mrts.output.summary_lines import scaling_lines
 from mrts.report.page import report_html
@@ -65,7 +65,7 @@ def put_in(monkeypatch, kind, limit):
     def more(cell, motion):
         torques, columns = columns_of(kind, motion)
         return LimitRows(
-            names=(RowName(kind, "left", "mine", "X"),),
+            names=(mrts.RowName(kind, "left", "mine", "X"),),
             lower=np.array([-limit]),
             upper=np.array([limit]),
             torque_matrix=torques,
@@ -203,7 +203,7 @@ def test_the_speed_beside_other_terms_is_refused(planar_cell, lift, monkeypatch)
     def friction(cell, motion):
         rows = LIMITS["torque_limits"](cell, motion)
         return LimitRows(
-            names=tuple(RowName("motor", name.robot, name.element, "N m") for name in rows.names),
+            names=tuple(mrts.RowName("motor", name.robot, name.element, "N m") for name in rows.names),
             lower=rows.lower,
             upper=rows.upper,
             torque_matrix=rows.torque_matrix,
@@ -224,7 +224,7 @@ def test_limits_of_the_speed_alone_are_squared_exactly():
     lower = rng.choice([-np.inf, -2.0, -0.5, 0.0, 0.3], count)
     upper = rng.choice([np.inf, 2.0, 0.5, 0.4], count)
     given = LimitRows(
-        names=tuple(RowName("any", "arm", str(row), "m/s") for row in range(count)),
+        names=tuple(mrts.RowName("any", "arm", str(row), "m/s") for row in range(count)),
         lower=lower,
         upper=upper,
         torque_matrix=np.zeros((count, 2)),

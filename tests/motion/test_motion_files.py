@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-import yaml
 from conftest import DATA
+from motion_tables import joint_table, object_table, write_motion
 from scipy.integrate import cumulative_simpson
 from scipy.spatial.transform import Rotation
 
@@ -19,11 +19,6 @@ WAYPOINTS = [
     {"xyz": [0.03, 0.2, 0.5], "rpy": [0.2, 0, 0.3]},
     {"xyz": [0.0, 0.15, 0.45], "rpy": [0.1, 0.1, 0.2]},
 ]
-
-
-def write_motion(folder, **keys):
-    (folder / "motion.yaml").write_text(yaml.safe_dump(keys), encoding="utf-8")
-    return folder / "motion.yaml"
 
 
 def assert_smooth(motion, tolerance):
@@ -52,17 +47,6 @@ def test_waypoints_are_passed_on_a_smooth_path(tmp_path, dual_ur5):
     assert mrts.scale(dual_ur5, mrts.load_motion(short)).status is mrts.ScalingStatus.FEASIBLE
 
 
-def object_table(motion, *, rates):
-    quaternion = Rotation.from_matrix(motion.rotation).as_quat()
-    columns = [motion.time[:, None] + 3.0, motion.position, quaternion]  # a table may start at any time
-    names = ["t", "px", "py", "pz", "qx", "qy", "qz", "qw"]
-    if rates:
-        columns += [motion.twist, motion.acceleration]
-        names += ["vx", "vy", "vz", "wx", "wy", "wz", "ax", "ay", "az", "alphax", "alphay", "alphaz"]
-    rows = np.concatenate(columns, axis=1)
-    return ",".join(names) + "\n" + "\n".join(",".join(f"{value:.12g}" for value in row) for row in rows) + "\n"
-
-
 @pytest.mark.parametrize("rates", [True, False])
 def test_object_tables_give_the_motion_back(tmp_path, dual_ur5, rates):
     given = mrts.load_motion(UR5 / "lift_and_turn.yaml")
@@ -89,13 +73,6 @@ def test_a_coarse_table_is_resampled_on_its_spline(tmp_path):
     assert len(read.time) == 101
     np.testing.assert_allclose(read.position, given.position, atol=2e-3)
     assert_smooth(read, 1e-4)
-
-
-def joint_table(cell, followed, parts=("q", "dq", "ddq")):
-    names = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
-    header = ["t", *(f"{part}.{name}" for part in parts for name in names)]
-    rows = np.concatenate([followed.object.time[:, None], *(getattr(followed, part) for part in parts)], axis=1)
-    return ",".join(header) + "\n" + "\n".join(",".join(f"{value:.12g}" for value in row) for row in rows) + "\n"
 
 
 @pytest.mark.parametrize("rates", [True, False])

@@ -15,12 +15,12 @@ from motion_tables import (
     object_columns,
     read,
     scaled,
+    write_motion,
     write_table,
 )
+from ros_bags import KIND, PARTS, message, trajectory, write_bag
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
-from test_motion_files import write_motion
-from test_ros_trajectory import KIND, PARTS, message, trajectory, write_bag
 
 import mrts
 from mrts.coordination.coordinate import coordinate

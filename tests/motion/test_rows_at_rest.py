@@ -11,8 +11,7 @@ import mrts
 from mrts.limits import limit_rows
 from mrts.motion.csv_motion import read_table
 from mrts.motion.rows_at_rest import HOLDING_STEP, motion_rows, pushing_ends
-from mrts.output.ros_bag import write_ros_bag
-from mrts.output.trajectory_table import played_rows, trajectory_csv, write_trajectory_csv
+from mrts.output.trajectory_table import played_rows, trajectory_csv
 
 STATICS = 1e-9
 
@@ -60,10 +59,10 @@ def test_a_motion_that_ends_without_acceleration_has_its_own_rows(planar_cell):
 @pytest.mark.parametrize("length", [1e-6, 0.3])
 def test_a_fastest_timing_read_again_is_the_fastest(length, samples, planar_cell, tmp_path):
     found = mrts.retime(planar_cell, scaled_path("planar_dual_arm", length, samples, "trapezoid"))
-    write_trajectory_csv(found.retimed, tmp_path / "plan.csv")
+    mrts.write_trajectory_csv(found.retimed, tmp_path / "plan.csv")
     files = [tmp_path / "plan.csv"]
     if length > 1e-3:  # a bag counts whole nanoseconds
-        write_ros_bag(found.retimed, tmp_path / "bag")
+        mrts.write_ros_bag(found.retimed, tmp_path / "bag")
         files.append(tmp_path / "bag")
     for file in files:
         table = mrts.load_motion(file)
@@ -97,7 +96,7 @@ def test_a_fastest_timing_is_played_as_it_was_planned(name, samples, profile, pl
     """Near rest the derivatives of the path are continued: those of both arms must carry the same object."""
     cell, folder = (planar_cell, "planar_dual_arm") if name == "planar" else (dual_ur5, "dual_ur5")
     found = mrts.retime(cell, scaled_path(folder, 0.1, samples, profile)).retimed
-    write_trajectory_csv(found, tmp_path / "plan.csv")
+    mrts.write_trajectory_csv(found, tmp_path / "plan.csv")
     again = mrts.scale(cell, mrts.load_motion(tmp_path / "plan.csv"), "nominal")
     assert again.range.upper.c2 == pytest.approx(found.range.upper.c2, rel=1e-9)
     np.testing.assert_allclose(again.trajectory.torque, found.trajectory.torque, atol=1e-6)
@@ -146,7 +145,7 @@ def test_a_saved_result_keeps_them(planar_cell, lift, tmp_path):
     result = mrts.scale(planar_cell, lift)
     mrts.save_result(result, tmp_path / "result.npz")
     again = mrts.load_result(tmp_path / "result.npz")
-    write_trajectory_csv(again, tmp_path / "plan.csv")
+    mrts.write_trajectory_csv(again, tmp_path / "plan.csv")
     assert again.trajectory.holding.ends == (True, True)
     np.testing.assert_array_equal(again.trajectory.holding.torque, result.trajectory.holding.torque)
     assert len(read_table(tmp_path / "plan.csv", None).time) == 101

@@ -15,8 +15,7 @@ from mcap_ros2.decoder import DecoderFactory
 import mrts
 from mrts.cli import main
 from mrts.output import TRAJECTORY_FORMATS
-from mrts.output.ros_bag import write_ros_bag
-from mrts.output.trajectory_table import played_rows, trajectory_csv, write_trajectory_csv
+from mrts.output.trajectory_table import played_rows, trajectory_csv
 
 pytestmark = pytest.mark.quick
 
@@ -40,7 +39,7 @@ def messages(path, topics=None):
 
 def test_a_bag_holds_what_controllers_expect(result, tmp_path):
     bag = tmp_path / "deep" / "lift"
-    write_ros_bag(result, bag)
+    mrts.write_ros_bag(result, bag)
     assert sorted(path.name for path in bag.iterdir()) == ["lift.mcap", "metadata.yaml"]
     assert [path.name for path in bag.parent.iterdir()] == ["lift"]  # nothing temporary is left
     seen = {}
@@ -71,7 +70,7 @@ def test_a_bag_holds_what_controllers_expect(result, tmp_path):
 
 def test_a_planar_wrench_stands_in_its_own_components(planar_cell, lift, tmp_path):
     result = mrts.scale(planar_cell, lift)
-    write_ros_bag(result, tmp_path / "bag")
+    mrts.write_ros_bag(result, tmp_path / "bag")
     for _, _, message in messages(tmp_path / "bag" / "bag.mcap", ["/left/contact_wrench"]):
         w = message.wrench
         assert (w.force.z, w.torque.x, w.torque.y) == (0, 0, 0)
@@ -79,7 +78,7 @@ def test_a_planar_wrench_stands_in_its_own_components(planar_cell, lift, tmp_pat
 
 
 def test_a_table_gives_every_number_back(result, tmp_path):
-    write_trajectory_csv(result, tmp_path / "trajectory.csv")
+    mrts.write_trajectory_csv(result, tmp_path / "trajectory.csv")
     head, *rows = csv.reader((tmp_path / "trajectory.csv").read_text().splitlines())
     table = dict(zip(head, np.array(rows, dtype=float).T, strict=True))
     done = result.trajectory
@@ -92,12 +91,12 @@ def test_a_table_gives_every_number_back(result, tmp_path):
 
 def test_what_cannot_be_written_is_refused(result, planar_cell, lift, tmp_path):
     with pytest.raises(mrts.InputError, match="exists already"):
-        write_ros_bag(result, tmp_path)
+        mrts.write_ros_bag(result, tmp_path)
     (tmp_path / "file").write_text("")
     with pytest.raises(mrts.InputError, match="cannot be written"):
-        write_ros_bag(result, tmp_path / "file" / "bag")
+        mrts.write_ros_bag(result, tmp_path / "file" / "bag")
     infeasible = mrts.scale(planar_cell.with_mass(100.0), lift)
-    for write in (trajectory_csv, lambda nothing: write_ros_bag(nothing, tmp_path / "bag")):
+    for write in (trajectory_csv, lambda nothing: mrts.write_ros_bag(nothing, tmp_path / "bag")):
         with pytest.raises(mrts.InputError, match="none to write"):
             write(infeasible)
     assert not (tmp_path / "bag").exists()

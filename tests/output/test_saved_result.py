@@ -16,7 +16,6 @@ from saved_files import contents
 import mrts
 from mrts.cli import main
 from mrts.figures import range_figure, trajectory_figure, write_figure
-from mrts.output.ros_bag import write_ros_bag
 from mrts.output.saved_json import Description
 from mrts.output.summary_lines import scaling_lines
 from mrts.output.trajectory_table import trajectory_csv
@@ -152,7 +151,7 @@ def test_what_is_made_of_a_result_is_the_same(dual_ur5, tmp_path):
     np.testing.assert_array_equal(again.trajectory.internal_wrench, result.trajectory.internal_wrench)
     for name, of in (("one", result), ("two", again)):
         (tmp_path / name).mkdir()
-        write_ros_bag(of, tmp_path / name / "bag")
+        mrts.write_ros_bag(of, tmp_path / name / "bag")
         write_figure(range_figure(of), tmp_path / name / "range.png")
         write_figure(trajectory_figure(of, "title"), tmp_path / name / "trajectory.png")
     for file in ("bag/bag.mcap", "range.png", "trajectory.png"):

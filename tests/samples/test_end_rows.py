@@ -8,13 +8,12 @@ from random_programs import cell_programs
 from scipy.optimize import linprog
 
 import mrts
-from mrts.limits.rows import STANDSTILL, RowName
+from mrts.limits.rows import STANDSTILL
 from mrts.samples import end_rows
 from mrts.samples.end_rows import rows_at_end
 from mrts.samples.linear_programs import ends_by_linear_programs
-from mrts.samples.range_status import SampleStatus
 from mrts.samples.sample_problem import SampleProblem
-from mrts.samples.sample_ranges import TIE, SampleRanges
+from mrts.samples.sample_ranges import TIE
 from mrts.scaling.range import intersect
 
 SOLVERS = ("kernel", "qpsol:qpoases", "scipy:highs")
@@ -28,7 +27,7 @@ CLEAR = 1e-3
 
 def problem_of(A, lower, upper):
     count, rows, unknowns = A.shape
-    names = tuple(RowName("torque", "arm", str(row), "N m") for row in range(rows))
+    names = tuple(mrts.RowName("torque", "arm", str(row), "N m") for row in range(rows))
     limits = np.ones(rows, dtype=bool)
     return SampleProblem(
         torque_map=np.zeros((count, 0, unknowns)),
@@ -161,8 +160,8 @@ def test_of_samples_that_differ_by_rounding_the_first_sets_the_end():
         lower, upper = low.copy(), high.copy()
         lower[2] *= 1 + shift
         upper[3] *= 1 + shift
-        status, rows = (SampleStatus.FEASIBLE,) * 4, ((),) * 4
-        found = intersect(SampleRanges(np.arange(4.0), status, lower, upper, rows, rows, (), 0))
+        status, rows = (mrts.SampleStatus.FEASIBLE,) * 4, ((),) * 4
+        found = intersect(mrts.SampleRanges(np.arange(4.0), status, lower, upper, rows, rows, (), 0))
         assert (found.lower.sample, found.upper.sample) == (1, 1)
         assert (found.lower.c2, found.upper.c2) == (np.max(lower), np.min(upper))
 

@@ -5,7 +5,6 @@ import pytest
 from cell_bank import drawn_until, random_planar_cell
 
 import mrts
-from mrts.base.errors import SolverError
 from mrts.limits import limit_rows
 from mrts.samples.range_status import SampleStatus
 from mrts.samples.sample_problem import build_sample_problem
@@ -28,7 +27,7 @@ def draws(folder, family, seed):
 
 
 def feasible_samples(ranges):
-    return np.flatnonzero([status is SampleStatus.FEASIBLE for status in ranges.status])
+    return np.flatnonzero([status is mrts.SampleStatus.FEASIBLE for status in ranges.status])
 
 
 def limit_violation(rows, torque, wrench, c2):
@@ -81,7 +80,7 @@ def test_appendix_b_nothing_faster_or_slower_than_the_range_is_feasible(seed, tm
         if ranges.lower[k] > 1e-3:
             outside.append(ranges.lower[k] / BEYOND - 1e-6)
         for c2 in outside:
-            with pytest.raises(SolverError):
+            with pytest.raises(mrts.SolverError):
                 distribute_torques(problem.at(np.array([k])), float(c2), all_joints(case.cell), DEFAULT_SOLVER)
 
 

@@ -8,7 +8,6 @@ import yaml
 from conftest import DATA
 
 import mrts
-from mrts.base.load_box import LoadBox
 from mrts.cli import main
 
 
@@ -105,7 +104,7 @@ def test_bad_questions_and_loads_are_refused(planar_cell, lift):
     with pytest.raises(mrts.InputError, match="two finite numbers"):
         planar_cell.with_variation(mass=(True, 2))
     with pytest.raises(mrts.InputError, match="Shape"):
-        LoadBox(1.0, np.ones(3), {"mass": (0.5, 2)})
+        mrts.LoadBox(1.0, np.ones(3), {"mass": (0.5, 2)})
     assert planar_cell.with_variation(mass=(np.int64(1), np.float32(2))).load_box.ranges == {"mass": (1.0, 2.0)}
     with pytest.raises(mrts.InputError, match="unknown parameter 'weight'"):
         planar_cell.with_variation(weight=(1, 2))

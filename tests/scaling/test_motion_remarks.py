@@ -9,8 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import mrts
-from mrts.base.remark import Remark
-from mrts.motion.object_motion import ObjectMotion, geodesic_motion, spline_motion
+from mrts.motion.object_motion import geodesic_motion, spline_motion
 from mrts.motion.velocity_profile import PROFILES
 from mrts.output.summary_lines import retiming_lines, scaling_lines
 from mrts.report import report_html
@@ -18,7 +17,7 @@ from mrts.scaling.motion_remarks import noise_share
 
 pytestmark = pytest.mark.quick
 
-SAID = Remark("told-by-a-test", "the <cell> says something.", 3)
+SAID = mrts.Remark("told-by-a-test", "the <cell> says something.", 3)
 
 
 def codes(result):
@@ -62,7 +61,7 @@ def test_shipped_motions_are_not_warned_of(planar_cell, lift, dual_ur5):
 def test_ends_that_are_not_at_rest(planar_cell, part, samples):
     whole = straight_lift()
     arrays = (getattr(whole, name)[part] for name in ("position", "rotation", "twist", "acceleration"))
-    result = mrts.scale(planar_cell, ObjectMotion(whole.time[part] - whole.time[part][0], *arrays))
+    result = mrts.scale(planar_cell, mrts.ObjectMotion(whole.time[part] - whole.time[part][0], *arrays))
     assert [warning.sample for warning in result.warnings] == samples
     assert set(codes(result)) == {"not-at-rest"}
     first = result.motion.dq[samples[0]]
@@ -87,7 +86,7 @@ def test_a_velocity_that_changes_between_two_rows(planar_cell):
     zero = np.zeros(101)
     position, twist = np.column_stack([zero + 1.25, height, zero]), np.zeros((101, 6))
     twist[:, 1] = speed
-    motion = ObjectMotion(time, position, np.tile(np.eye(3), (101, 1, 1)), twist, np.zeros((101, 6)), smooth=False)
+    motion = mrts.ObjectMotion(time, position, np.tile(np.eye(3), (101, 1, 1)), twist, np.zeros((101, 6)), smooth=False)
     assert codes(mrts.scale(planar_cell, motion)) == ["jump"]
 
 

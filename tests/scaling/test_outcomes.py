@@ -11,11 +11,8 @@ from cell_bank import random_planar_cell
 from conftest import DATA
 
 import mrts
-from mrts.limits.rows import ActiveRow, RowName
 from mrts.samples.infeasibility import separation
-from mrts.samples.range_status import SampleStatus
 from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.sample_ranges import SampleRanges
 from mrts.scaling.range import intersect
 from mrts.scaling.scale import choose_c2
 
@@ -58,7 +55,7 @@ def test_an_infeasible_motion_is_explained_by_a_certificate(planar_cell, lift):
     conflicts = result.range.samples.conflicts
     assert conflicts
     for conflict in conflicts:
-        assert result.range.samples.status[conflict.sample] is SampleStatus.INFEASIBLE
+        assert result.range.samples.status[conflict.sample] is mrts.SampleStatus.INFEASIBLE
         y = certificate(problem, conflict)
         value, error = separation(problem, conflict.sample, y)
         assert error <= 1e-8
@@ -122,9 +119,9 @@ def test_a_small_limit_among_large_ones_is_kept(planar_cell, lift):
 
 def ranges_of(lower, upper):
     lower, upper = np.array(lower, float), np.array(upper, float)
-    status = tuple(SampleStatus.UNBOUNDED if np.isinf(u) else SampleStatus.FEASIBLE for u in upper)
+    status = tuple(mrts.SampleStatus.UNBOUNDED if np.isinf(u) else mrts.SampleStatus.FEASIBLE for u in upper)
     none = tuple(() for _ in lower)
-    return SampleRanges(np.arange(len(lower), dtype=float), status, lower, upper, none, none, (), 0)
+    return mrts.SampleRanges(np.arange(len(lower), dtype=float), status, lower, upper, none, none, (), 0)
 
 
 def test_an_empty_intersection_names_both_samples():
@@ -144,13 +141,15 @@ def test_a_range_that_rounding_turned_inside_out_is_a_point():
 def test_a_minimum_speed_is_legal(planar_cell, lift):
     """Too heavy to hold, liftable while braking: the least c² is above zero at late samples."""
     samples = mrts.scale(planar_cell.with_mass(22.0), lift).range.samples
-    late = [k for k, status in enumerate(samples.status) if status is SampleStatus.FEASIBLE and samples.lower[k] > 0]
+    late = [
+        k for k, status in enumerate(samples.status) if status is mrts.SampleStatus.FEASIBLE and samples.lower[k] > 0
+    ]
     assert late
     assert all(samples.lower_rows[k][0].name.kind in {"torque", "wrench"} for k in late)
 
 
 def test_too_slow_is_refused_by_the_lower_end():
-    row = ActiveRow(RowName("torque", "left", "elbow", "N m"), "upper", 80.0)
+    row = mrts.ActiveRow(mrts.RowName("torque", "left", "elbow", "N m"), "upper", 80.0)
     ranges = replace(ranges_of([0, 2, 0], [5, 5, 4]), lower_rows=((), (row,), ()))
     with pytest.raises(
         mrts.SelectionError, match=r"outside .* \[2, 4\]. The lower end is set at t = 1 s by left/elbow"
@@ -173,6 +172,17 @@ def test_at_rest_nothing_limits_the_speed(planar_cell, lift):
         mrts.scale(planar_cell, still, "fastest")
 
 
+@pytest.mark.parametrize(
+    ("solver", "formulation"), [("kernel", "wrench"), ("kernel", "torque"), ("qpsol:qpoases", "wrench")]
+)
+def test_where_nothing_bounds_the_speed_no_row_is_named(dual_ur5, solver, formulation):
+    motion = mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
+    samples = mrts.scale(dual_ur5, motion, solver=solver, formulation=formulation).range.samples
+    unbounded = np.flatnonzero(np.isinf(samples.upper))
+    assert unbounded.size
+    assert [samples.upper_rows[sample] for sample in unbounded] == [()] * len(unbounded)
+
+
 def test_a_quintic_is_unbounded_only_at_its_ends(planar_cell, lift):
     description = {
         "duration": 0.5,
@@ -184,8 +194,8 @@ def test_a_quintic_is_unbounded_only_at_its_ends(planar_cell, lift):
     motion = mrts.sample_motion(mrts.MotionDescription.model_validate(description))
     for formulation in ("wrench", "torque"):
         status = mrts.scale(planar_cell, motion, formulation=formulation).range.samples.status
-        assert status[0] is status[-1] is SampleStatus.UNBOUNDED
-        assert set(status[1:-1]) == {SampleStatus.FEASIBLE}
+        assert status[0] is status[-1] is mrts.SampleStatus.UNBOUNDED
+        assert set(status[1:-1]) == {mrts.SampleStatus.FEASIBLE}
 
 
 @pytest.mark.parametrize("c2", [3.1, 0.0, -1.0, float("nan"), float("inf")])

@@ -12,7 +12,6 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.base.load_box import load_vector
-from mrts.samples.range_status import SampleStatus, ScalingStatus
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import sample_ranges
 from mrts.scaling.range import intersect
@@ -78,7 +77,7 @@ def test_guaranteed_lies_in_nominal_lies_in_possible(seed, make, sharing, tmp_pa
         assert np.all((outer.lower <= inner.lower + slack)[inside])
         assert np.all((outer.upper >= inner.upper - slack)[inside])
         # an infeasible outer range leaves nothing inside
-        assert all(a is not SampleStatus.INFEASIBLE or b is not SampleStatus.FEASIBLE
+        assert all(a is not mrts.SampleStatus.INFEASIBLE or b is not mrts.SampleStatus.FEASIBLE
                    for a, b in zip(outer.status, inner.status, strict=True))  # fmt: skip
 
 
@@ -342,7 +341,7 @@ def test_a_known_load_of_the_box_has_torques_at_the_guaranteed_c2(dual_ur5, lift
 
 def test_a_load_that_cannot_be_carried_is_named(planar_cell, lift):
     result = mrts.scale(planar_cell.with_variation(mass=(0.2, 200.0)), lift)
-    assert result.status is ScalingStatus.INFEASIBLE
+    assert result.status is mrts.ScalingStatus.INFEASIBLE
     assert "the object with mass 100 kg" in result.summary()
     assert result.range.samples.conflicts[0].load.load[0] == 100
     for rule in (None, mrts.LoadSharing()):
@@ -350,7 +349,7 @@ def test_a_load_that_cannot_be_carried_is_named(planar_cell, lift):
             mrts.scale(planar_cell.with_variation(mass=(0.2, 200.0)), lift, sharing=rule).status.value == "infeasible"
         )
     some = mrts.scale(planar_cell.with_variation(mass=(0.2, 200.0)), lift, load="possible")
-    assert some.status is ScalingStatus.FEASIBLE
+    assert some.status is mrts.ScalingStatus.FEASIBLE
 
 
 @pytest.mark.quick
@@ -360,8 +359,8 @@ def test_loads_that_share_no_speed_are_told_apart(planar_cell, lowering):
     first = slice(20)  # before the braking, which the heavy load cannot survive at all
     fields = (lowering.time, lowering.position, lowering.rotation, lowering.twist, lowering.acceleration)
     result = mrts.scale(cell, mrts.ObjectMotion(*(field[first] for field in fields)))
-    assert result.status is ScalingStatus.EMPTY
-    assert result.range.samples.status[0] is SampleStatus.EMPTY
+    assert result.status is mrts.ScalingStatus.EMPTY
+    assert result.range.samples.status[0] is mrts.SampleStatus.EMPTY
     assert "mass 1 kg" in result.summary()
     assert "mass 0.225 kg" in result.summary()
     a = -lowering.acceleration[0, 1]

@@ -10,13 +10,10 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.limits import limit_rows
-from mrts.motion.joint_table import JointTable
-from mrts.samples.range_status import SampleStatus
 from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.trajectory_programs import motion_torques
 from mrts.scaling.range import intersect
-from mrts.scaling.stretched_limits import stretched_torques
+from mrts.scaling.widened_limits import widened_torques
 from mrts.viewer.panel import bars_html, moment_html, outcome_html, speed_html
 from mrts.viewer.player_state import Bar, PlayerState, offered_speeds
 
@@ -32,9 +29,9 @@ def turning():
 
 def synthetic(lower, upper):
     lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
-    status = tuple(SampleStatus.UNBOUNDED if np.isinf(u) else SampleStatus.FEASIBLE for u in upper)
+    status = tuple(mrts.SampleStatus.UNBOUNDED if np.isinf(u) else mrts.SampleStatus.FEASIBLE for u in upper)
     rows = ((),) * len(lower)
-    return intersect(SampleRanges(np.arange(float(len(lower))), status, lower, upper, rows, rows, (), 0))
+    return intersect(mrts.SampleRanges(np.arange(float(len(lower))), status, lower, upper, rows, rows, (), 0))
 
 
 def red_bars(state):
@@ -118,7 +115,7 @@ def test_beyond_the_range_limits_are_passed_by_the_least_share(planar_cell, lift
 def test_torques_pass_the_end_of_the_range_without_a_jump(dual_ur5, turning):
     state = PlayerState(dual_ur5, turning)
     end, rule = state.trajectory, state.result.rule
-    torque, wrench = stretched_torques(dual_ur5, state.result.motion, rule, end.c2 * (1 + 1e-7), "kernel")
+    torque, wrench = widened_torques(dual_ur5, state.result.motion, rule, end.c2 * (1 + 1e-7), "kernel")
     np.testing.assert_allclose(torque, end.torque, atol=0.01)
     np.testing.assert_allclose(wrench, end.wrench, atol=0.01)
 
@@ -256,7 +253,7 @@ def test_a_joint_table_fixes_the_configuration(planar_cell, lift, tmp_path):
     followed = mrts.follow_object(planar_cell, lift)
     names = [f"{robot.name}/{joint}" for robot in planar_cell.robots for joint in robot.joints]
     columns = [dict(zip(names, part.T, strict=True)) for part in (followed.q, followed.dq, followed.ddq)]
-    state = PlayerState(planar_cell, JointTable(tmp_path / "joints.csv", lift.time, *columns))
+    state = PlayerState(planar_cell, mrts.JointTable(tmp_path / "joints.csv", lift.time, *columns))
     assert "fixes the configuration" in state.fixed_configuration
     state.rank()
     assert state.study is None

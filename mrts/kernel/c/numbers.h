@@ -50,7 +50,7 @@ typedef MRTS_REAL mrts_real;
 #else
 #define MRTS_C(value) value
 #define MRTS_SQRT(value) sqrt(value)
-#define MRTS_FEASIBLE 1e-10 /* overstepping of a limit, relative to 1 and to it, that is rounding */
+#define MRTS_FEASIBLE 1e-10 /* excess over a limit, relative to 1 and to it, that is rounding */
 #define MRTS_SEPARATED 1e-9 /* a certificate must separate the limits by this share, or proves nothing */
 #define MRTS_PIVOT 1e-8     /* smallest pivot, relative to its row */
 #define MRTS_ZERO 1e-13     /* a multiplier below this share of the largest is rounding */

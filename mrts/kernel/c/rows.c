@@ -67,12 +67,12 @@ MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form 
     return mrts_all_finite(rows->count * k, rows->A);
 }
 
-MRTS_LOCAL void mrts_fix_speed(int k, const mrts_limits *limits, mrts_real c2, mrts_real slack, mrts_rows *rows) {
+MRTS_LOCAL void mrts_fix_speed(int k, const mrts_limits *limits, mrts_real c2, mrts_real widening, mrts_rows *rows) {
     const int left = k - 1;
     for (int i = 0; i < rows->count; ++i) {
         const int row = rows->which[i];
         const mrts_real given = rows->A[i * k + left] * c2;
-        const mrts_real gap = limits->lower[row] < limits->upper[row] ? slack : 0;
+        const mrts_real gap = limits->lower[row] < limits->upper[row] ? widening : 0;
         if (rows->lower[i] > -MRTS_INFINITY) rows->lower[i] -= given + gap;
         if (rows->upper[i] < MRTS_INFINITY) rows->upper[i] += gap - given;
         for (int j = 0; j < left; ++j) rows->A[i * left + j] = rows->A[i * k + j]; /* to a place before its own */

@@ -67,8 +67,8 @@ MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form 
                                const mrts_real *square, mrts_rows *rows);
 
 /* Puts a value of c^2 in: what it adds moves to the limits, and k - 1 unknowns are left. Limits whose sides differ are
- * widened by `slack` of their unit. */
-MRTS_LOCAL void mrts_fix_speed(int k, const mrts_limits *limits, mrts_real c2, mrts_real slack, mrts_rows *rows);
+ * moved outward by `widening` of their unit. */
+MRTS_LOCAL void mrts_fix_speed(int k, const mrts_limits *limits, mrts_real c2, mrts_real widening, mrts_rows *rows);
 
 /* Scales k unknowns so that each moves some row by one limit: x = column * x_scaled. One that moves none has scale 1. */
 MRTS_LOCAL void mrts_scale_columns(int k, mrts_rows *rows, mrts_real *column);

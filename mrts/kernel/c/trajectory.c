@@ -110,11 +110,11 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     return 0;
 }
 
-/* Torques and wrenches that minimise t'Wt at c2 (one value, or one a sample with c2_stride 1). Limits are widened by
- * `slack` of their unit where they are not equal; `square` as in mrts_ranges. */
+/* Torques and wrenches that minimise t'Wt at c2 (one value, or one a sample with c2_stride 1). Limits move outward by
+ * `widening` of their unit where they are not equal; `square` as in mrts_ranges. */
 MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const long long *stride,
                              const mrts_limits *limits, const double *square, const double *c2, int c2_stride,
-                             const double *weights, double slack, double *torque, double *wrench,
+                             const double *weights, double widening, double *torque, double *wrench,
                              unsigned char *status, const double **arg, double **res, long long *iw, double *w,
                              double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1, M = MRTS_JOINTS, N = MRTS_WRENCHES };
@@ -138,7 +138,7 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
             status[n] = MRTS_STOPPED;
             continue;
         }
-        mrts_fix_speed(K, limits, speed, slack, &rows);
+        mrts_fix_speed(K, limits, speed, widening, &rows);
         mrts_scale_columns(F, &rows, column);
         mrts_free_unknowns(F, &rows);
         for (int j = 0; j < F; ++j) {

@@ -1,8 +1,8 @@
 /* @NOTICE@ */
 #ifdef MRTS_SINGLE
-#define SLACK MRTS_C(1e-5) /* widening of limits: at the end of a range the feasible set is a point */
+#define TORQUE_WIDENING MRTS_C(1e-5) /* of limits: at the end of a range the feasible set is a point */
 #else
-#define SLACK 1e-9
+#define TORQUE_WIDENING 1e-9
 #endif
 
 typedef char qp_work_holds[HOLDS(work, mrts_real, MRTS_QP_WORK(F))];
@@ -21,7 +21,7 @@ typedef char qp_integers_hold[HOLDS(integers, int, MRTS_QP_IWORK(F, ROWS))];
     const mrts_real most = velocity_cap(sample, settings, &fastest);
     const mrts_form form = wrench_form(sample, settings->load, workspace);
     if (most < 0 || !build_rows(&limits, K, &form, workspace, &rows)) return @MACRO@_BAD_ARGUMENT;
-    mrts_fix_speed(K, &limits, c2, SLACK, &rows);
+    mrts_fix_speed(K, &limits, c2, TORQUE_WIDENING, &rows);
     mrts_scale_columns(F, &rows, column);
     mrts_free_unknowns(F, &rows);
     for (int i = 0; i < JOINTS; ++i) at_rest[i] = form.torque_map[F * JOINTS + i] * c2 + form.torque_offset[i];
@@ -49,7 +49,7 @@ typedef char qp_integers_hold[HOLDS(integers, int, MRTS_QP_IWORK(F, ROWS))];
     for (int i = 0; F == 0 && i < rows.count; ++i) { /* one arm: nothing to choose */
         if (!(rows.lower[i] <= MRTS_FEASIBLE) || !(rows.upper[i] >= -MRTS_FEASIBLE)) status = MRTS_INFEASIBLE;
     }
-    if (c2 > most * (1 + 2 * SLACK)) status = MRTS_INFEASIBLE;
+    if (c2 > most * (1 + 2 * TORQUE_WIDENING)) status = MRTS_INFEASIBLE;
     for (int i = 0; i < JOINTS; ++i) {
         torque[i] = at_rest[i];
         for (int j = 0; j < F; ++j) torque[i] += x[j] * form.torque_map[j * JOINTS + i];

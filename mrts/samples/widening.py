@@ -9,7 +9,7 @@ from mrts.solvers.elastic_program import least_widening
 
 
 def widening_at(problem: SampleProblem, c2: float, solver: str, what: str) -> Array:
-    """Least s that admits a given c², Shape (N,); where c² is the only unknown, what is overstepped.
+    """Least s that admits a given c², Shape (N,); where c² is the only unknown, the largest excess.
 
     Args:
         problem: Rows of some samples.

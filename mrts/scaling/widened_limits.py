@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Torques at a speed that the limits do not admit: the limits stretched as little as possible, sample by sample."""
+"""Torques at a speed that the limits do not admit: the limits moved outward as little as possible, sample by sample."""
 
 from dataclasses import replace
 
@@ -8,16 +8,16 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.samples.overstep import widening_at
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.torque_distribution import distribute_torques, torque_weights
+from mrts.samples.widening import widening_at
 from mrts.scaling.result import BLOCK, DistributionRule
 
 INTERIOR = 1e-6
-"""A stretched limit is stretched by this share more: at the least stretch the feasible set is a point."""
+"""A widened limit is widened by this share more: at the least widening the feasible set is a point."""
 
 
-def stretched_torques(
+def widened_torques(
     cell: Cell, motion: CoordinatedMotion, rule: DistributionRule, c2: float, solver: str
 ) -> tuple[Array, Array]:
     """Torques, Shape (N, m), and wrenches, Shape (N, n w), at any c² > 0.
@@ -44,17 +44,17 @@ def stretched_torques(
         problem = build_sample_problem(
             cell, motion, formulation=rule.formulation, sharing=rule.sharing, samples=block
         ).without_caps()  # no torques change what the speed alone moves
-        room = _least_stretch(problem, c2, solver)[:, None] * problem.is_limit
-        problem = replace(problem, lower=problem.lower - room, upper=problem.upper + room)
+        widening = _least_widening(problem, c2, solver)[:, None] * problem.is_limit
+        problem = replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)
         x, _ = distribute_torques(problem, c2, W, solver)
         torques.append(problem.torque(x))
         wrenches.append(problem.wrench(x))
     return np.concatenate(torques), np.concatenate(wrenches)
 
 
-def _least_stretch(problem: SampleProblem, c2: float, solver: str) -> Array:
+def _least_widening(problem: SampleProblem, c2: float, solver: str) -> Array:
     """The share by which all limits of a sample must move outward, Shape (N,)."""
     if problem.unknowns == 1:
         return np.zeros(problem.samples)
-    stretch = widening_at(problem, c2, solver, f"how far limits are passed at c² = {c2:g}")
-    return np.where(stretch > INTERIOR, stretch * (1 + INTERIOR), stretch)
+    share = widening_at(problem, c2, solver, f"how far limits are passed at c² = {c2:g}")
+    return np.where(share > INTERIOR, share * (1 + INTERIOR), share)

@@ -1,0 +1,63 @@
+"""Bags of joint trajectories, written by the rosbags library alone."""
+
+import numpy as np
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+
+KIND = "trajectory_msgs/msg/JointTrajectory"
+
+
+TYPES = get_typestore(Stores.ROS2_HUMBLE)
+
+
+PARTS = ("positions", "velocities", "accelerations")
+
+
+DEFINITION = """std_msgs/Header header
+string[] joint_names
+trajectory_msgs/JointTrajectoryPoint[] points
+================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+================================================================================
+MSG: builtin_interfaces/Time
+int32 sec
+uint32 nanosec
+================================================================================
+MSG: trajectory_msgs/JointTrajectoryPoint
+float64[] positions
+float64[] velocities
+float64[] accelerations
+float64[] effort
+builtin_interfaces/Duration time_from_start
+================================================================================
+MSG: builtin_interfaces/Duration
+int32 sec
+uint32 nanosec
+"""
+
+
+def trajectory(robot, followed, part, kept=PARTS):
+    """A robot's trajectory as plain values: names, and for each point its stamp [ns], positions, rates."""
+    values = {"positions": followed.q, "velocities": followed.dq, "accelerations": followed.ddq}
+    columns = [values[name][:, part] if name in kept else np.zeros((followed.samples, 0)) for name in PARTS]
+    stamps = np.rint(followed.object.time * 1e9).astype(int).tolist()
+    return list(robot.joints), [[stamp, *rows] for stamp, *rows in zip(stamps, *columns, strict=True)]
+
+
+def message(names, points):
+    make = TYPES.types
+    duration, point = make["builtin_interfaces/msg/Duration"], make["trajectory_msgs/msg/JointTrajectoryPoint"]
+    header = make["std_msgs/msg/Header"](make["builtin_interfaces/msg/Time"](0, 0), "")
+    listed = [point(*rows, np.zeros(0), duration(*divmod(stamp, 10**9))) for stamp, *rows in points]
+    return make[KIND](header, names, listed)
+
+
+def write_bag(folder, messages, kind=KIND, storage=StoragePlugin.MCAP):
+    """A bag of one message a pair of topic and message."""
+    with Writer(folder, version=9, storage_plugin=storage) as writer:
+        topics = {topic: writer.add_connection(topic, kind, typestore=TYPES) for topic in dict(messages)}
+        for topic, content in messages:
+            writer.write(topics[topic], 1, TYPES.serialize_cdr(content, kind))
+    return folder
