@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -46,6 +47,19 @@ class RowName:
         if not self.robot:
             return str(self)
         return f"{self.robot}/{self.element}" + ("" if self.kind in {"torque", "wrench"} else f" {self.kind}")
+
+
+@lru_cache(maxsize=256)
+def row_names(kind: str, robot: str, elements: tuple[str, ...], units: tuple[str, ...]) -> tuple[RowName, ...]:
+    """Names of rows of one kind and one robot; the same are made once.
+
+    Args:
+        kind: As in `RowName`.
+        robot: Likewise.
+        elements: One a row.
+        units: One a row.
+    """
+    return tuple(RowName(kind, robot, element, unit) for element, unit in zip(elements, units, strict=True))
 
 
 STANDSTILL = RowName("c2")
@@ -211,7 +225,7 @@ class LimitRows:
 
 def moved(column: Array | None, rows: int) -> NDArray[np.bool_]:
     """Rows with a term in one column of the speed, Shape (r,)."""
-    return np.zeros(rows, dtype=bool) if column is None else np.any(column, axis=0)
+    return np.zeros(rows, dtype=bool) if column is None else np.asarray(column.any(axis=0))
 
 
 def stack_rows(pieces: Sequence[LimitRows]) -> LimitRows:

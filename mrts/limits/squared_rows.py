@@ -24,8 +24,8 @@ class SquaredRows:
     Attributes:
         given: The r rows as they were given.
         rows: The same rows, linear in ṙ².
-        size: What each row is divided by, Shape (r,).
-        unit: What 100 % of a limit is in its own unit; of a squared speed half of it, Shape (r,).
+        size: `LimitRows.units`: what the rows are divided by, Shape (r,).
+        unit: What 100 % of a limit near it is, in its own unit; of a squared speed half its size, Shape (r,).
         is_cap: Rows that standstill keeps and nothing but the speed moves: all that they do is bound ṙ² from above,
             Shape (r,).
     """
@@ -120,10 +120,11 @@ def squared(given: LimitRows) -> SquaredRows:
     size, least, most = unit[places], given.lower[places] / unit[places], given.upper[places] / unit[places]
     part = np.zeros((1, 1)) if given.square is None else given.square[:, places] / size
     if given.speed is not None:
-        share, alike = given.speed[:, places] / size, by_speed[places] & (least == -most)
-        part = part + share * np.where(alike, share, np.abs(share))
-        least = np.where(alike, -np.inf, np.where(by_speed[places], least * np.abs(least), least))
-        most = np.where(by_speed[places], most * np.abs(most), most)
+        of_speed = by_speed[places]
+        share, alike = given.speed[:, places] / size, of_speed & (least == -most)
+        part = part + share * (share if np.all(alike) else np.where(alike, share, np.abs(share)))
+        least = np.where(alike, -np.inf, np.where(of_speed, least * np.abs(least), least))
+        most = np.where(of_speed, most * np.abs(most), most)
     magnitude = np.abs(part)
     part[magnitude <= SQUARE_AT_REST * np.max(magnitude, axis=0, initial=0.0)] = 0.0
     rows = _with_squares(given, places, size * part, size * least, size * most)

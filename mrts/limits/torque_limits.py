@@ -5,15 +5,13 @@ import numpy as np
 
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import LimitRows, RowName
+from mrts.limits.rows import LimitRows, row_names
 
 
 def torque_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
     """Eq. (8): τ⁻ <= τ <= τ⁺, one row a joint."""
     names = tuple(
-        RowName("torque", robot.name, joint, unit)
-        for robot in cell.robots
-        for joint, unit in zip(robot.joints, robot.torque_units, strict=True)
+        name for robot in cell.robots for name in row_names("torque", robot.name, robot.joints, robot.torque_units)
     )
     return LimitRows(
         names=names,

@@ -5,7 +5,7 @@ import numpy as np
 
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import LimitRows, RowName
+from mrts.limits.rows import LimitRows, RowName, row_names
 
 
 def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
@@ -15,12 +15,11 @@ def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
         cell: The cell.
         motion: Its motion.
     """
-    names = [
-        RowName("velocity", robot.name, joint, "m/s" if kind == "prismatic" else "rad/s")
-        for robot in cell.robots
-        for joint, kind in zip(robot.joints, robot.joint_types, strict=True)
-    ]
-    names += [RowName("velocity", "object", "linear", "m/s"), RowName("velocity", "object", "angular", "rad/s")]
+    names: list[RowName] = []
+    for robot in cell.robots:
+        units = tuple("m/s" if kind == "prismatic" else "rad/s" for kind in robot.joint_types)
+        names += row_names("velocity", robot.name, robot.joints, units)
+    names += row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s"))
     joints, twist = motion.dq.shape[1], motion.object.twist
     limit = np.concatenate([*(robot.velocity_limit for robot in cell.robots), cell.object_velocity_limit])
     rows = LimitRows(
@@ -29,6 +28,6 @@ def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
         upper=limit,
         torque_matrix=np.zeros((len(names), joints)),
         wrench_matrix=np.zeros((len(names), len(cell.robots) * len(cell.wrench_components))),
-        speed=np.column_stack([motion.dq, np.linalg.norm(twist[:, :3], axis=1), np.linalg.norm(twist[:, 3:], axis=1)]),
+        speed=np.column_stack([motion.dq, np.sqrt(np.sum(twist.reshape(-1, 2, 3) ** 2, axis=2))]),
     )
     return rows if cell.enforces_velocity_limits else rows.only(np.zeros(len(names), dtype=bool))

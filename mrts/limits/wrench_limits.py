@@ -5,16 +5,14 @@ import numpy as np
 
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import LimitRows, RowName
+from mrts.limits.rows import LimitRows, row_names
 
 
 def wrench_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
     """Eq. (24): F_min <= F_i <= F_max in the axes of robot i's base, one row a component."""
-    names = tuple(
-        RowName("wrench", robot.name, component, "N" if component.startswith("f") else "N m")
-        for robot in cell.robots
-        for component in cell.wrench_components
-    )
+    components = cell.wrench_components
+    units = tuple("N" if component.startswith("f") else "N m" for component in components)
+    names = tuple(name for robot in cell.robots for name in row_names("wrench", robot.name, components, units))
     joints = sum(len(robot.joints) for robot in cell.robots)
     return LimitRows(
         names=names,
