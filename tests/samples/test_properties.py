@@ -6,7 +6,6 @@ from cell_bank import drawn_until, random_planar_cell
 
 import mrts
 from mrts.limits import limit_rows
-from mrts.samples.range_status import SampleStatus
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import sample_ranges
 from mrts.samples.torque_distribution import distribute_torques
