@@ -25,7 +25,7 @@ from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CellRobot:
     """One arm in its place.
 
@@ -121,18 +121,18 @@ def _build_robot(
     if cell.plane is not None:
         check_plane_kept(path, key, cell.plane, T_world_base, T_object_tip, model)
     return CellRobot(
-        robot.name,
-        model,
-        robot.urdf,
-        hashlib.sha256(read_regular(urdf_path, "URDF", MAX_URDF_BYTES)).hexdigest(),
-        held,
-        T_world_base,
-        T_object_tip,
-        np.array(robot.posture, dtype=float),
-        torque_lower,
-        torque_upper,
-        wrench_lower,
-        wrench_upper,
+        name=robot.name,
+        model=model,
+        urdf=robot.urdf,
+        urdf_sha256=hashlib.sha256(read_regular(urdf_path, "URDF", MAX_URDF_BYTES)).hexdigest(),
+        held=held,
+        T_world_base=T_world_base,
+        T_object_tip=T_object_tip,
+        posture=np.array(robot.posture, dtype=float),
+        torque_lower=torque_lower,
+        torque_upper=torque_upper,
+        wrench_lower=wrench_lower,
+        wrench_upper=wrench_upper,
     )
 
 

@@ -72,13 +72,13 @@ def sample_symbols(cell: CellModel) -> SampleSymbols:
     """Fresh symbols for one sample of a cell."""
     count = sum(len(robot.model.joints) for robot in cell.robots)
     return SampleSymbols(
-        ca.SX.sym("q", count),
-        ca.SX.sym("dq", count),
-        ca.SX.sym("ddq", count),
-        ca.SX.sym("R", 3, 3),
-        ca.SX.sym("twist", 6),
-        ca.SX.sym("acceleration", 6),
-        ca.SX.sym("load", len(LOAD_ENTRIES)),
+        q=ca.SX.sym("q", count),
+        dq=ca.SX.sym("dq", count),
+        ddq=ca.SX.sym("ddq", count),
+        R_world_object=ca.SX.sym("R", 3, 3),
+        twist=ca.SX.sym("twist", 6),
+        acceleration=ca.SX.sym("acceleration", 6),
+        load=ca.SX.sym("load", len(LOAD_ENTRIES)),
     )
 
 

@@ -15,7 +15,7 @@ from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Joint:
     """A moving joint and the body behind it.
 
@@ -177,15 +177,15 @@ def _check_tree(path: Path, links: dict[str, Any], joints: list[Any]) -> None:
 def _joint(path: Path, joint: Any, placement: RigidTransform, body: Inertia) -> Joint:
     lower, upper = position_limits(path, joint)
     return Joint(
-        joint.name,
-        "prismatic" if joint.type == "prismatic" else "revolute",
-        unit_axis(path, joint),
-        placement,
-        body,
-        lower,
-        upper,
-        joint.limit.effort if joint.limit is not None and joint.limit.effort else None,
-        velocity_limit(path, joint),
+        name=joint.name,
+        kind="prismatic" if joint.type == "prismatic" else "revolute",
+        axis=unit_axis(path, joint),
+        placement=placement,
+        body=body,
+        lower=lower,
+        upper=upper,
+        effort=joint.limit.effort if joint.limit is not None and joint.limit.effort else None,
+        velocity=velocity_limit(path, joint),
     )
 
 

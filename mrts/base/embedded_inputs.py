@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from mrts.base.arrays import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EmbeddedLimits:
     """Rows lower <= M [τ; F] <= upper over m torques and then all wrenches, and velocity limits.
 
@@ -30,7 +30,7 @@ class EmbeddedLimits:
     velocity: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EmbeddedVector:
     """One sample, a mass, and the answers; statuses are those of the exported header.
 

@@ -135,6 +135,11 @@ class Cell:
         return [WRENCH_COMPONENTS.index(component) for component in self.wrench_components]
 
     @property
+    def wrench_units(self) -> tuple[str, ...]:
+        """Unit of each component of a contact wrench: "N" of a force, "N m" of a moment."""
+        return tuple("N" if component.startswith("f") else "N m" for component in self.wrench_components)
+
+    @property
     def mass(self) -> float:
         """Mass of the object [kg]."""
         return float(self.load[0])
@@ -279,15 +284,15 @@ def cell_from_manifest(manifest: Manifest, functions: CellFunctions) -> Cell:
     carried = manifest.object
     inertia = np.array(carried.inertia)
     return Cell(
-        manifest.name,
-        manifest.plane,
-        tuple(manifest.wrench_components),
-        np.array(manifest.gravity),
-        load_vector(carried.mass, np.zeros(3), inertia),
-        LoadBox(carried.mass, inertia, carried.variation, carried.outer_hull) if carried.variation else None,
-        with_infinity([carried.linear_velocity, carried.angular_velocity], np.inf),
-        functions.robots if manifest is functions.manifest else tuple(map(robot_from_record, manifest.robots)),
-        functions,
+        name=manifest.name,
+        plane=manifest.plane,
+        wrench_components=tuple(manifest.wrench_components),
+        gravity=np.array(manifest.gravity),
+        load=load_vector(carried.mass, np.zeros(3), inertia),
+        load_box=LoadBox(carried.mass, inertia, carried.variation, carried.outer_hull) if carried.variation else None,
+        object_velocity_limit=with_infinity([carried.linear_velocity, carried.angular_velocity], np.inf),
+        robots=functions.robots if manifest is functions.manifest else tuple(map(robot_from_record, manifest.robots)),
+        functions=functions,
         remarks=tuple(Remark(record.code, record.text) for record in manifest.remarks),
     )
 

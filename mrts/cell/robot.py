@@ -99,6 +99,11 @@ class Robot:
         return f"<Robot '{self.name}': {', '.join(self.joints)}>"
 
     @property
+    def position_units(self) -> tuple[str, ...]:
+        """Unit of each joint's position: "rad" for a revolute joint, "m" for a prismatic one."""
+        return tuple("m" if kind == "prismatic" else "rad" for kind in self.joint_types)
+
+    @property
     def torque_units(self) -> tuple[str, ...]:
         """Unit of each joint's torque: "N m" for a revolute joint, "N" for a prismatic one."""
         return tuple("N" if kind == "prismatic" else "N m" for kind in self.joint_types)
@@ -133,23 +138,23 @@ def freeze_array(owner: object, name: str, where: str, shape: tuple[int, ...], *
 def robot_from_record(record: RobotRecord) -> Robot:
     """The robot that an entry of a manifest describes."""
     return Robot(
-        record.name,
-        tuple(joint.name for joint in record.joints),
-        tuple(joint.type for joint in record.joints),
-        np.array([joint.axis for joint in record.joints]),
-        np.array([joint.point for joint in record.joints]),
-        _transform(record.base_tip),
-        with_infinity([joint.lower for joint in record.joints], -np.inf),
-        with_infinity([joint.upper for joint in record.joints], np.inf),
-        with_infinity([joint.velocity for joint in record.joints], np.inf),
-        _transform(record.world_base),
-        _transform(record.object_tip),
-        np.array(record.posture),
-        np.array([joint.torque_lower for joint in record.joints]),
-        np.array([joint.torque_upper for joint in record.joints]),
-        with_infinity(record.wrench_lower, -np.inf),
-        with_infinity(record.wrench_upper, np.inf),
-        dict(record.held),
+        name=record.name,
+        joints=tuple(joint.name for joint in record.joints),
+        joint_types=tuple(joint.type for joint in record.joints),
+        axes=np.array([joint.axis for joint in record.joints]),
+        points=np.array([joint.point for joint in record.joints]),
+        T_base_tip=_transform(record.base_tip),
+        position_lower=with_infinity([joint.lower for joint in record.joints], -np.inf),
+        position_upper=with_infinity([joint.upper for joint in record.joints], np.inf),
+        velocity_limit=with_infinity([joint.velocity for joint in record.joints], np.inf),
+        T_world_base=_transform(record.world_base),
+        T_object_tip=_transform(record.object_tip),
+        posture=np.array(record.posture),
+        torque_lower=np.array([joint.torque_lower for joint in record.joints]),
+        torque_upper=np.array([joint.torque_upper for joint in record.joints]),
+        wrench_lower=with_infinity(record.wrench_lower, -np.inf),
+        wrench_upper=with_infinity(record.wrench_upper, np.inf),
+        held=dict(record.held),
     )
 
 

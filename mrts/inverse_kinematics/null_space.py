@@ -73,7 +73,7 @@ def stretched(robot: Robot, q: Array) -> Stretched:
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class NullSpace:
     """H on the sets that hold the grasp of one redundant arm, at T joint positions.
 
@@ -151,7 +151,13 @@ def null_spaces(cell: Cell, q: Array, J_all: Array, reference: Array) -> dict[st
         curvature = np.linalg.eigvalsh((reduced + reduced.transpose(0, 2, 1)) / 2)[:, 0]
         hessian = np.where((curvature > FOLD)[:, None, None], hessian, slope)
         spaces[name] = NullSpace(
-            inverses[name], basis, gradients[name], multipliers[name], hessian, stretch.bend, curvature
+            inverse=inverses[name],
+            basis=basis,
+            gradient=gradients[name],
+            multiplier=multipliers[name],
+            hessian=hessian,
+            bend=stretch.bend,
+            curvature=curvature,
         )
     return spaces
 

@@ -212,11 +212,6 @@ class LimitRows:
         return self.only(np.isfinite(self.lower) | np.isfinite(self.upper))
 
     @property
-    def depends_on_motion(self) -> bool:
-        """Whether some row may have a term in r̈, ṙ or ṙ²."""
-        return not (self.rate is None and self.speed is None and self.square is None)
-
-    @property
     def is_of_speed(self) -> NDArray[np.bool_]:
         """Rows that nothing but the speed moves, Shape (r,)."""
         others = self.torque_matrix.any(axis=1) | self.wrench_matrix.any(axis=1)

@@ -17,7 +17,7 @@ def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     """
     names: list[RowName] = []
     for robot in cell.robots:
-        units = tuple("m/s" if kind == "prismatic" else "rad/s" for kind in robot.joint_types)
+        units = tuple(f"{unit}/s" for unit in robot.position_units)
         names += row_names("velocity", robot.name, robot.joints, units)
     names += row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s"))
     joints, twist = motion.dq.shape[1], motion.object.twist

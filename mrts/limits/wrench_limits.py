@@ -10,8 +10,7 @@ from mrts.limits.rows import LimitRows, row_names
 
 def wrench_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
     """Eq. (24): F_min <= F_i <= F_max in the axes of robot i's base, one row a component."""
-    components = cell.wrench_components
-    units = tuple("N" if component.startswith("f") else "N m" for component in components)
+    components, units = cell.wrench_components, cell.wrench_units
     names = tuple(name for robot in cell.robots for name in row_names("wrench", robot.name, components, units))
     joints = sum(len(robot.joints) for robot in cell.robots)
     return LimitRows(

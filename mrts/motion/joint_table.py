@@ -139,7 +139,16 @@ def joint_motion(
             differentiated[joint] = "positions"
             q[joint], dq[joint], ddq[joint] = (np.asarray(spline(at, order), dtype=np.float64) for order in range(3))
         smoothed = {joint: float(change) for joint, change in zip(still, moved, strict=True) if change > 0}
-    return JointTable(path, at, q, dq, ddq, (), differentiated, smoothed)
+    return JointTable(
+        path=path,
+        time=at,
+        positions=q,
+        velocities=dq,
+        accelerations=ddq,
+        remarks=(),
+        differentiated=differentiated,
+        smoothed=smoothed,
+    )
 
 
 def _columns(part: dict[str, Array], given: tuple[dict[str, Array], ...], rows: int) -> Array:

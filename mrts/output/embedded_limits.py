@@ -36,13 +36,13 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
     velocity = velocity_limits(replace(cell, enforces_velocity_limits=True), probes[0])
     enforced = cell.enforces_velocity_limits and velocity_limits in LIMITS.values()
     return EmbeddedLimits(
-        tuple(_text(name) for name in rows.names),
-        np.hstack([rows.torque_matrix, rows.wrench_matrix]),
-        rows.lower,
-        rows.upper,
-        tuple(units.index(name.unit) for name in rows.names),
-        tuple(_text(name) for name in velocity.names),
-        velocity.upper if enforced else np.full_like(velocity.upper, np.inf),
+        texts=tuple(_text(name) for name in rows.names),
+        matrix=np.hstack([rows.torque_matrix, rows.wrench_matrix]),
+        lower=rows.lower,
+        upper=rows.upper,
+        group=tuple(units.index(name.unit) for name in rows.names),
+        velocity_texts=tuple(_text(name) for name in velocity.names),
+        velocity=velocity.upper if enforced else np.full_like(velocity.upper, np.inf),
     )
 
 

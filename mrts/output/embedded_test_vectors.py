@@ -70,14 +70,14 @@ def _vector(
     given = motion.object
     fields = (motion.q, motion.dq, motion.ddq, given.rotation, given.twist, given.acceleration)
     return EmbeddedVector(
-        tuple(field[sample] for field in fields),
-        mass,
-        STATUS[free.status[sample]],
-        (float(free.lower[sample]), float(free.upper[sample])),
-        STATUS[even.status[sample]],
-        (float(even.lower[sample]), float(even.upper[sample])),
-        c2,
-        torque,
+        inputs=tuple(field[sample] for field in fields),
+        mass=mass,
+        status=STATUS[free.status[sample]],
+        ends=(float(free.lower[sample]), float(free.upper[sample])),
+        share_status=STATUS[even.status[sample]],
+        share_ends=(float(even.lower[sample]), float(even.upper[sample])),
+        c2=c2,
+        torque=torque,
     )
 
 

@@ -124,17 +124,19 @@ def read_ranges(path: Path, arrays: Arrays, said: Description, time: Array) -> l
     for number in range(count):
         at = 2 * number * samples
         ends = [tuple(loads[place] for place in end) for end in chosen] if number == 0 else []
+        lower_loads, upper_loads = ends or (None, None)
         found.append(
             SampleRanges(
-                time,
-                tuple(STATUSES[code] for code in arrays["status"][number]),
-                arrays["c2_lower"][number],
-                arrays["c2_upper"][number],
-                tuple(bound[at : at + samples]),
-                tuple(bound[at + samples : at + 2 * samples]),
-                tuple(conflicts[number]),
-                said.range_fallbacks[number],
-                *(ends or (None, None)),
+                time=time,
+                status=tuple(STATUSES[code] for code in arrays["status"][number]),
+                lower=arrays["c2_lower"][number],
+                upper=arrays["c2_upper"][number],
+                lower_rows=tuple(bound[at : at + samples]),
+                upper_rows=tuple(bound[at + samples : at + 2 * samples]),
+                conflicts=tuple(conflicts[number]),
+                fallbacks=said.range_fallbacks[number],
+                lower_loads=lower_loads,
+                upper_loads=upper_loads,
             )
         )
     return found
@@ -160,11 +162,11 @@ def require_places(path: Path, key: str, places: Any, size: int) -> None:
 
 def _conflict(entry: ConflictEntry, rows: list[ActiveRow], loads: list[LoadPoint], time: Array) -> Conflict:
     return Conflict(
-        entry.sample,
-        float(time[entry.sample]),
-        tuple(rows[place] for place in entry.rows),
-        tuple(entry.multipliers),
-        entry.widening,
-        tuple(entry.moves),
-        None if entry.load is None else loads[entry.load],
+        sample=entry.sample,
+        time=float(time[entry.sample]),
+        rows=tuple(rows[place] for place in entry.rows),
+        multipliers=tuple(entry.multipliers),
+        widening=entry.widening,
+        moves=tuple(entry.moves),
+        load=None if entry.load is None else loads[entry.load],
     )

@@ -145,7 +145,17 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         done = ScaledTrajectory(known, motion, said.c2, arrays["torque"], arrays["wrench"], held)
         done = done.with_internal_wrench(arrays["internal_wrench"])
     warnings = tuple(Remark(one.code, one.text, one.sample) for one in said.warnings)
-    return ScalingResult(known, motion, first, done, said.fallbacks, study, rule, said.origin, warnings)
+    return ScalingResult(
+        cell=known,
+        motion=motion,
+        range=first,
+        trajectory=done,
+        fallbacks=said.fallbacks,
+        load=study,
+        rule=rule,
+        origin=said.origin,
+        warnings=warnings,
+    )
 
 
 @contextmanager

@@ -73,7 +73,7 @@ def joints_table(cell: Cell) -> Html:
     rows = []
     for robot in cell.robots:
         for index, joint in enumerate(robot.joints):
-            unit = "m" if robot.joint_types[index] == "prismatic" else "rad"
+            unit = robot.position_units[index]
             torque = interval_text(robot.torque_lower[index], robot.torque_upper[index], robot.torque_units[index])
             position = interval_text(robot.position_lower[index], robot.position_upper[index], unit)
             fastest = robot.velocity_limit[index]
@@ -89,10 +89,8 @@ def wrench_limits_table(cell: Cell) -> Html:
         (
             robot.name,
             *(
-                interval_text(
-                    robot.wrench_lower[index], robot.wrench_upper[index], "N" if name.startswith("f") else "N m"
-                )
-                for index, name in enumerate(cell.wrench_components)
+                interval_text(lower, upper, unit)
+                for lower, upper, unit in zip(robot.wrench_lower, robot.wrench_upper, cell.wrench_units, strict=True)
             ),
         )
         for robot in cell.robots

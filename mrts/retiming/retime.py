@@ -108,7 +108,15 @@ def retime(
         if isinstance(found, _Failure):
             return RetimingResult(cell, motion, *found.reason, constant, loads, conflict=found.conflict)
         timed.append(found)
-    whole = RetimingResult(cell, motion, RetimingStatus.OPTIMAL, "", constant, loads, tuple(timed))
+    whole = RetimingResult(
+        cell=cell,
+        motion=motion,
+        status=RetimingStatus.OPTIMAL,
+        explanation="",
+        constant=constant,
+        loads=loads,
+        pieces=tuple(timed),
+    )
     return replace(whole, retimed=_with_torques(constant, whole.pieces))
 
 
@@ -171,7 +179,17 @@ def _with_torques(constant: ScalingResult, pieces: Sequence[TimedPiece]) -> Scal
     given, duration = constant.motion.object.time[-1], motion.object.time[-1]
     origin = f"fastest timing of a path that was given {given:.4g} s: {duration:.4g} s"
     warnings = lasting(constant.warnings)
-    played = ScalingResult(cell, motion, found, None, found.samples.fallbacks, None, rule, origin, warnings)
+    played = ScalingResult(
+        cell=cell,
+        motion=motion,
+        range=found,
+        trajectory=None,
+        fallbacks=found.samples.fallbacks,
+        load=None,
+        rule=rule,
+        origin=origin,
+        warnings=warnings,
+    )
     return with_torques(played, 1.0, found.samples, DEFAULT_SOLVER)
 
 

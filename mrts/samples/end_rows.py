@@ -31,7 +31,7 @@ NEAR = 1e-4
 multiplier, as a share of all, that counts."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EndRows(Sequence[tuple[ActiveRow, ...]]):
     """Rows of one end of each of N samples; all of them, found when they are asked for, where it sets the range.
 
@@ -90,7 +90,15 @@ def with_end_rows(
         ("upper", samples.upper, samples.upper_rows, int(first_least(samples.upper))),
     )
     lower, upper = (
-        EndRows(found, side, place, float(c2[place]), cell, motion, load_at(place, side))
+        EndRows(
+            found=found,
+            end=side,
+            sample=place,
+            c2=float(c2[place]),
+            cell=cell,
+            motion=motion,
+            load=load_at(place, side),
+        )
         for side, c2, found, place in sides
     )
     return replace(samples, lower_rows=lower, upper_rows=upper)
@@ -143,13 +151,13 @@ def _largest_distance(A: Array, lower: Array, upper: Array, sides: list[tuple[in
     free = np.full((count, unknowns), np.inf)
     answers = solve_programs(
         ConvexPrograms(
-            None,
-            g,
-            asked,
-            np.column_stack([np.tile(lower, (count, 1)), np.full(count, -np.inf)]),
-            np.column_stack([np.tile(upper, (count, 1)), np.where(sign > 0, upper[row], -lower[row])]),
-            np.column_stack([-free, np.zeros(count)]),
-            np.column_stack([free, np.ones(count)]),
+            H=None,
+            g=g,
+            A=asked,
+            lower=np.column_stack([np.tile(lower, (count, 1)), np.full(count, -np.inf)]),
+            upper=np.column_stack([np.tile(upper, (count, 1)), np.where(sign > 0, upper[row], -lower[row])]),
+            x_lower=np.column_stack([-free, np.zeros(count)]),
+            x_upper=np.column_stack([free, np.ones(count)]),
         ),
         DEFAULT_SOLVER,
     )

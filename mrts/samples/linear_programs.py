@@ -16,7 +16,7 @@ AT_UNBOUNDED = 1e-9
 """Rounding of an answer at that bound."""
 
 NO_EFFECT = 1e-300
-"""What moves no row by more than this share of a limit moves none: its reciprocal is not finite. As in trajectory.c."""
+"""What moves no row by more than this share of a limit moves none: its reciprocal is not finite. As in numbers.h."""
 
 
 def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
@@ -38,7 +38,7 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
     def solve(direction: float) -> Answers:
         g = np.zeros((count, unknowns))
         g[:, -1] = direction
-        programs = ConvexPrograms(None, g, A, lower, upper, x_lower, x_upper)
+        programs = ConvexPrograms(H=None, g=g, A=A, lower=lower, upper=upper, x_lower=x_lower, x_upper=x_upper)
         return solve_programs(programs, solver)
 
     least, largest = solve(1.0), solve(-1.0)

@@ -89,14 +89,14 @@ def sample_ranges(problem: SampleProblem, time: Array, solver: str) -> SampleRan
         ends.lower[sample], ends.upper[sample] = np.inf, -np.inf
         ends.lower_rows[sample] = ends.upper_rows[sample] = ()
     return SampleRanges(
-        time,
-        statuses(ends.lower, ends.upper, conflicts.values()),
-        ends.lower,
-        ends.upper,
-        tuple(ends.lower_rows),
-        tuple(ends.upper_rows),
-        tuple(conflicts.values()),
-        ends.fallbacks,
+        time=time,
+        status=statuses(ends.lower, ends.upper, conflicts.values()),
+        lower=ends.lower,
+        upper=ends.upper,
+        lower_rows=tuple(ends.lower_rows),
+        upper_rows=tuple(ends.upper_rows),
+        conflicts=tuple(conflicts.values()),
+        fallbacks=ends.fallbacks,
     )
 
 

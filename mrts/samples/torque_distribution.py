@@ -72,13 +72,13 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     lower, upper = problem.lower - given, problem.upper - given
     widening = np.where(problem.is_limit & (problem.limit_lower < problem.limit_upper), TORQUE_WIDENING, 0.0)
     programs = ConvexPrograms(
-        H,
-        g,
-        problem.A[:, :, :-1],
-        lower - widening,
-        upper + widening,
-        np.full((count, unknowns - 1), -np.inf),
-        np.full((count, unknowns - 1), np.inf),
+        H=H,
+        g=g,
+        A=problem.A[:, :, :-1],
+        lower=lower - widening,
+        upper=upper + widening,
+        x_lower=np.full((count, unknowns - 1), -np.inf),
+        x_upper=np.full((count, unknowns - 1), np.inf),
     )
     answers = solve_programs(programs, solver)
     require_verified(answers, f"torques for c² = {np.min(c2):g}")

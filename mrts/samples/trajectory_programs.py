@@ -89,14 +89,14 @@ def _compiled_ranges(
         conflicts += [replace(conflict, sample=int(block[conflict.sample])) for conflict in part.conflicts]
         fallbacks += part.fallbacks
     return SampleRanges(
-        motion.object.time,
-        statuses(lower, upper, conflicts),
-        lower,
-        upper,
-        rows[0],
-        rows[1],
-        tuple(conflicts),
-        fallbacks,
+        time=motion.object.time,
+        status=statuses(lower, upper, conflicts),
+        lower=lower,
+        upper=upper,
+        lower_rows=rows[0],
+        upper_rows=rows[1],
+        conflicts=tuple(conflicts),
+        fallbacks=fallbacks,
     )
 
 
@@ -200,12 +200,12 @@ def _settle(
         for index, sample in enumerate(still.tolist()):
             lower_rows[sample], upper_rows[sample] = part.lower_rows[index], part.upper_rows[index]
     return SampleRanges(
-        time,
-        statuses(lower, upper, conflicts),
-        lower,
-        upper,
-        tuple(lower_rows),
-        tuple(upper_rows),
-        conflicts,
-        fallbacks,
+        time=time,
+        status=statuses(lower, upper, conflicts),
+        lower=lower,
+        upper=upper,
+        lower_rows=tuple(lower_rows),
+        upper_rows=tuple(upper_rows),
+        conflicts=conflicts,
+        fallbacks=fallbacks,
     )

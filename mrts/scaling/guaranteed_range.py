@@ -125,16 +125,16 @@ def _in_closed_form(asked: LoadQuestion, box: LoadBox, varying: tuple[str, ...])
         return LoadPoint(values, box.load_at(values))
 
     return SampleRanges(
-        asked.motion.object.time,
-        statuses(ends.lower, ends.upper, ()),
-        ends.lower,
-        ends.upper,
-        tuple(ends.lower_rows),
-        tuple(ends.upper_rows),
-        (),
-        0,
-        _LoadsOnDemand(ends.lower, worst),
-        _LoadsOnDemand(ends.upper, worst),
+        time=asked.motion.object.time,
+        status=statuses(ends.lower, ends.upper, ()),
+        lower=ends.lower,
+        upper=ends.upper,
+        lower_rows=tuple(ends.lower_rows),
+        upper_rows=tuple(ends.upper_rows),
+        conflicts=(),
+        fallbacks=0,
+        lower_loads=_LoadsOnDemand(ends.lower, worst),
+        upper_loads=_LoadsOnDemand(ends.upper, worst),
     )
 
 

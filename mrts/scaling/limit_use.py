@@ -75,13 +75,13 @@ def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUs
     at = np.argmax(share, axis=0)
     uses = [
         LimitUse(
-            name,
-            float(rows.lower[row]),
-            float(rows.upper[row]),
-            float(np.min(value[:, row])),
-            float(np.max(value[:, row])),
-            max(0.0, float(share[at[row], row])),
-            float(done.time[at[row]]),
+            name=name,
+            lower=float(rows.lower[row]),
+            upper=float(rows.upper[row]),
+            least=float(np.min(value[:, row])),
+            largest=float(np.max(value[:, row])),
+            share=max(0.0, float(share[at[row], row])),
+            time=float(done.time[at[row]]),
         )
         for row, name in enumerate(rows.names)
     ]

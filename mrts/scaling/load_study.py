@@ -132,14 +132,14 @@ def ends_of_loads(
     """
     (lower, upper), (at_low, at_high) = ends, places
     return SampleRanges(
-        ranges[0].time,
-        statuses(lower, upper, conflicts),
-        lower,
-        upper,
-        SelectedRows(tuple(found.lower_rows for found in ranges), at_low),
-        SelectedRows(tuple(found.upper_rows for found in ranges), at_high),
-        conflicts,
-        sum(found.fallbacks for found in ranges),
-        tuple(points[index] for index in at_low),
-        tuple(points[index] for index in at_high),
+        time=ranges[0].time,
+        status=statuses(lower, upper, conflicts),
+        lower=lower,
+        upper=upper,
+        lower_rows=SelectedRows(tuple(found.lower_rows for found in ranges), at_low),
+        upper_rows=SelectedRows(tuple(found.upper_rows for found in ranges), at_high),
+        conflicts=conflicts,
+        fallbacks=sum(found.fallbacks for found in ranges),
+        lower_loads=tuple(points[index] for index in at_low),
+        upper_loads=tuple(points[index] for index in at_high),
     )

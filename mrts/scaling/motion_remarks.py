@@ -174,5 +174,4 @@ def _joint_names(cell: Cell) -> list[str]:
 
 
 def _unit(cell: Cell, joint: int) -> str:
-    kinds = [kind for robot in cell.robots for kind in robot.joint_types]
-    return "m" if kinds[joint] == "prismatic" else "rad"
+    return [unit for robot in cell.robots for unit in robot.position_units][joint]

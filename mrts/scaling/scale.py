@@ -100,7 +100,16 @@ def scale(
         found, study = study_load(cell, motion, question, formulation, sharing, solver, progress)
     rule = DistributionRule(sharing, formulation, weights)
     remarks = motion_remarks(cell, motion, found)
-    untouched = ScalingResult(cell, motion, found, None, found.samples.fallbacks, study, rule, warnings=remarks)
+    untouched = ScalingResult(
+        cell=cell,
+        motion=motion,
+        range=found,
+        trajectory=None,
+        fallbacks=found.samples.fallbacks,
+        load=study,
+        rule=rule,
+        warnings=remarks,
+    )
     if not found.status.admits_motion or question == "possible":
         return untouched
     try:

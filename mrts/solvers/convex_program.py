@@ -49,13 +49,13 @@ class ConvexPrograms:
     def at(self, samples: Mask) -> "ConvexPrograms":
         """Some of the programs."""
         return ConvexPrograms(
-            None if self.H is None else self.H[samples],
-            self.g[samples],
-            self.A[samples],
-            self.lower[samples],
-            self.upper[samples],
-            self.x_lower[samples],
-            self.x_upper[samples],
+            H=None if self.H is None else self.H[samples],
+            g=self.g[samples],
+            A=self.A[samples],
+            lower=self.lower[samples],
+            upper=self.upper[samples],
+            x_lower=self.x_lower[samples],
+            x_upper=self.x_upper[samples],
         )
 
     def scaled(self) -> "tuple[ConvexPrograms, Array, Array]":
@@ -79,13 +79,13 @@ class ConvexPrograms:
         weight = np.max(np.abs(g), axis=1) if H is None else np.max(np.abs(H), axis=(1, 2))
         weight = 1 / np.where(weight > 0, weight, 1.0)
         programs = ConvexPrograms(
-            None if H is None else H * weight[:, None, None],
-            g * weight[:, None],
-            A * row[:, :, None],
-            self.lower * row,
-            self.upper * row,
-            self.x_lower / column,
-            self.x_upper / column,
+            H=None if H is None else H * weight[:, None, None],
+            g=g * weight[:, None],
+            A=A * row[:, :, None],
+            lower=self.lower * row,
+            upper=self.upper * row,
+            x_lower=self.x_lower / column,
+            x_upper=self.x_upper / column,
         )
         return programs, column, row
 

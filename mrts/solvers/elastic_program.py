@@ -50,13 +50,13 @@ def least_widening(
     g[:, -1] = 1
     bounds = np.tile(np.append(x_lower, 0.0), (count, 1))
     programs = ConvexPrograms(
-        None,
-        g,
-        np.concatenate([A[:, order], moved], axis=2),
-        np.where(sense < 0, -np.inf, lower[:, order]),
-        np.where(sense > 0, np.inf, upper[:, order]),
-        bounds,
-        np.full_like(bounds, np.inf),
+        H=None,
+        g=g,
+        A=np.concatenate([A[:, order], moved], axis=2),
+        lower=np.where(sense < 0, -np.inf, lower[:, order]),
+        upper=np.where(sense > 0, np.inf, upper[:, order]),
+        x_lower=bounds,
+        x_upper=np.full_like(bounds, np.inf),
     )
     answers = solve_programs(programs, solver)
     require_verified(answers, what)

@@ -87,8 +87,8 @@ class ViewerScene:
     def rescale(self) -> None:
         """Choose the arrows' lengths for the trajectory as it is now."""
         done, cell = self._state.trajectory, self._state.result.cell
-        kinds = np.array([name.startswith("f") for name in cell.wrench_components] * len(cell.robots))
-        largest = [float(np.max(np.abs(done.wrench[:, part]), initial=0.0)) for part in (kinds, ~kinds)]
+        forces = np.array([unit == "N" for unit in cell.wrench_units] * len(cell.robots))
+        largest = [float(np.max(np.abs(done.wrench[:, part]), initial=0.0)) for part in (forces, ~forces)]
         self.metres_per_newton, self.metres_per_newton_metre = (
             _round_down(ARROW * self._size / value) if value > 0 else 1.0 for value in largest
         )

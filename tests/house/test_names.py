@@ -1,0 +1,59 @@
+"""Names that are read: values of a call say what they are, nothing is defined that nobody calls, a unit has one home."""
+
+import ast
+import re
+from collections import Counter
+
+import pytest
+from conftest import ROOT
+
+import mrts
+
+pytestmark = pytest.mark.quick
+
+SOURCES = {
+    path: path.read_text(encoding="utf-8") for folder in ("mrts", "codegen") for path in (ROOT / folder).rglob("*.py")
+}
+TREES = {path: ast.parse(text) for path, text in SOURCES.items()}
+
+MOST_BY_POSITION = 6
+"""Values that a reader of a call still counts."""
+
+CALLED_BY_OTHERS = {"emit": "logging", "_repr_html_": "notebooks"}
+"""Methods that nobody here calls, and who does."""
+
+
+def definitions(kind):
+    """Definitions of a kind, with the file of each."""
+    return [(path, node) for path, tree in TREES.items() for node in ast.walk(tree) if isinstance(node, kind)]
+
+
+def test_a_class_of_many_values_is_made_by_keywords():
+    ours = {node.name for _, node in definitions(ast.ClassDef)}
+    long = [
+        f"{path.relative_to(ROOT)}:{node.lineno} {node.func.id}"
+        for path, node in definitions(ast.Call)
+        if isinstance(node.func, ast.Name) and node.func.id in ours and len(node.args) > MOST_BY_POSITION
+    ]
+    assert long == []
+
+
+def test_nothing_is_defined_that_nobody_uses():
+    words = Counter(word for text in SOURCES.values() for word in re.findall(r"\w+", text))
+    documented = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "docs").rglob("*.md"))
+    unused = [
+        f"{path.relative_to(ROOT)}: {node.name}"
+        for path, node in definitions(ast.FunctionDef | ast.ClassDef)
+        if words[node.name] == 1
+        and node.name not in {*CALLED_BY_OTHERS, *mrts.__all__}
+        and not re.fullmatch(r"__\w+__", node.name)
+        and not any("validator" in ast.unparse(each) for each in node.decorator_list)
+        and not re.search(rf"\b{node.name}\b", documented)
+    ]
+    assert unused == []
+
+
+def test_a_unit_is_told_from_a_joint_or_a_component_in_one_place():
+    rules = re.compile(r"""if \w+(?:\.\w+)*(?:\[\w+\])? == "prismatic" else|startswith\("f"\)""")
+    homes = sorted(str(path.relative_to(ROOT)) for path, text in SOURCES.items() if rules.search(text))
+    assert [home for home in homes if home.startswith("mrts/")] == ["mrts/cell/cell.py", "mrts/cell/robot.py"]
