@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Arrays of floating-point numbers, and products at every sample at once."""
+"""Arrays of floating-point numbers: what nobody may write to, and products at every sample at once."""
 
 from typing import Any
 
@@ -7,6 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+
+def freeze(owner: object) -> None:
+    """Make all arrays of a value such that nobody can write to them."""
+    for value in vars(owner).values():
+        if isinstance(value, np.ndarray):
+            value.setflags(write=False)
 
 
 def apply(matrix: NDArray[np.floating[Any]], vector: Array) -> Array:

@@ -2,12 +2,13 @@
 """The whole cell along the object's motion: joint positions, velocities and accelerations of every arm."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.argument_types import check_type
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, freeze
 from mrts.base.errors import InputError, MotionError, as_array
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
@@ -23,7 +24,7 @@ OUT_OF_PLANE = 1e-9
 
 @dataclass(frozen=True, repr=False, eq=False)
 class CoordinatedMotion:
-    """N samples of a given motion of the object and the m joints that carry it.
+    """N samples of a given motion of the object and the m joints that carry it; nobody can write to its arrays.
 
     Attributes:
         object: Motion of the object.
@@ -48,6 +49,11 @@ class CoordinatedMotion:
             object.__setattr__(self, name, value)
             if np.shape(value) != (len(self.object.time), joints) or not np.all(np.isfinite(value)):
                 raise InputError(name, f"must have Shape ({len(self.object.time)}, joints) and be finite.")
+        freeze(self)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        freeze(self)
 
     def __repr__(self) -> str:
         return f"<CoordinatedMotion: {self.samples} samples in {self.object.time[-1]:.4g} s, {self.q.shape[1]} joints>"

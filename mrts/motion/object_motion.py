@@ -2,13 +2,14 @@
 """The motion of the carried object, and its samples from splines and paths."""
 
 from dataclasses import InitVar, dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from mrts.base.argument_types import check_type
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, freeze
 from mrts.base.errors import InputError, as_array
 from mrts.base.remark import Remark
 from mrts.motion.rounded_samples import splines_through
@@ -81,6 +82,7 @@ class ObjectMotion:
         off = np.abs(self.rotation @ self.rotation.transpose(0, 2, 1) - np.eye(3))
         if np.max(off) > ORTHOGONAL or np.min(np.linalg.det(self.rotation)) < 0:
             raise InputError("rotation", "must hold rotation matrices: R Rᵀ = I, det R = 1.")
+        freeze(self)
         if not smooth:
             return
         steps = Rotation.from_matrix(self.rotation[1:] @ self.rotation[:-1].transpose(0, 2, 1)).as_rotvec()
@@ -88,6 +90,10 @@ class ObjectMotion:
         noise = noise_allowed(np.column_stack([self.position, turned]), self.twist)
         check_derivatives("position", time, self.position, self.twist[:, :3], self.acceleration[:, :3], noise)
         check_derivatives("rotation", time, turned, self.twist[:, 3:], self.acceleration[:, 3:], noise)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        freeze(self)
 
 
 def noise_allowed(values: Array, rates: Array) -> tuple[float, float]:

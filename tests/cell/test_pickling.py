@@ -131,7 +131,10 @@ def test_everything_comes_back_as_it_was(planar_cell, lift, lifted, tmp_path, ag
 def test_a_copy_does_not_share_what_can_change(planar_cell, lifted):
     before = lifted.json_text()
     other = copy.deepcopy(lifted)
-    other.motion.q[:] = 0
+    for motion in (lifted.motion, other.motion, through_pickle(lifted).motion):
+        for fixed in (motion.q, motion.dq, motion.object.twist):
+            with pytest.raises(ValueError, match="read-only"):
+                fixed[:] = 0
     other.trajectory.torque[:] = 0
     assert lifted.json_text() == before
     assert copy.deepcopy(planar_cell).functions is planar_cell.functions  # nothing of them can

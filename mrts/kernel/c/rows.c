@@ -51,13 +51,18 @@ MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form 
         const int row = rows->which[i];
         const mrts_real low = limits->lower[row], high = limits->upper[row], per_unit = 1 / rows->unit[i];
         mrts_real offset = 0, *a = rows->A + i * k;
-        for (int j = 0; j < k; ++j) a[j] = 0;
-        for (int entry = limits->start[row]; entry < limits->start[row + 1]; ++entry) {
+        const int first = limits->start[row], end = limits->start[row + 1];
+        for (int j = 0; j < k && first == end; ++j) a[j] = 0;
+        for (int entry = first; entry < end; ++entry) {
             const int column = limits->column[entry], is_torque = column < joints;
             const int place = is_torque ? column : column - joints, size = is_torque ? joints : wrenches;
-            const mrts_real *map = is_torque ? form->torque_map : form->wrench_map;
+            const mrts_real *map = (is_torque ? form->torque_map : form->wrench_map) + place;
             const mrts_real value = limits->value[entry] * per_unit;
-            for (int j = 0; j < k; ++j) a[j] += value * map[j * size + place];
+            if (entry == first) {
+                for (int j = 0; j < k; ++j) a[j] = value * map[j * size];
+            } else {
+                for (int j = 0; j < k; ++j) a[j] += value * map[j * size];
+            }
             offset += value * (is_torque ? form->torque_offset[place] : form->wrench_offset[place]);
         }
         if (square) a[k - 1] += square[row] * per_unit;
@@ -86,9 +91,12 @@ MRTS_LOCAL void mrts_scale_columns(int k, mrts_rows *rows, mrts_real *column) {
             const mrts_real value = MRTS_ABS(rows->A[i * k + j]);
             if (value > size) size = value;
         }
-        const int moves = size > MRTS_NO_EFFECT;
-        column[j] = moves ? 1 / size : 1;
-        for (int i = 0; i < rows->count; ++i) rows->A[i * k + j] = moves ? rows->A[i * k + j] * column[j] : 0;
+        column[j] = size > MRTS_NO_EFFECT ? 1 / size : 1;
+        if (size > MRTS_NO_EFFECT) {
+            for (int i = 0; i < rows->count; ++i) rows->A[i * k + j] *= column[j];
+        } else {
+            for (int i = 0; i < rows->count; ++i) rows->A[i * k + j] = 0;
+        }
     }
 }
 
