@@ -53,8 +53,8 @@ def segment_conflict(
     free = unknowns - 2
     A = np.zeros((1, 2 * rows, 2 * free + 2))
     A[0, :rows, :free], A[0, :rows, -2:] = here.A[0, :, :free], here.A[0, :, -2:]
-    A[0, rows:, free:-2], A[0, rows:, -1] = there.A[0, :, :free], there.A[0, :, -1]
-    A[0, rows:, -2] = there.A[0, :, -2] + 2 * step * there.A[0, :, -1]
+    A[0, rows:, free:-2], A[0, rows:, -1] = there.A[0, :, :free], there.square[0]
+    A[0, rows:, -2] = there.rate[0] + 2 * step * there.square[0]
     nothing = {"torque_map": np.zeros((1, 0, 2 * free + 2)), "torque_offset": np.zeros((1, 0))}
     nothing |= {"wrench_map": nothing["torque_map"], "wrench_offset": nothing["torque_offset"]}
     both = SampleProblem(

@@ -30,11 +30,11 @@ class SpeedKernel(Protocol):
     def projections(self, A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
         """Project every polytope of a batch onto its last two unknowns."""
 
-    def backward(self, step: Array, start: NDArray[np.int64], planes: Array, low: Array, high: Array) -> int:
+    def backward(self, step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array) -> int:
         """Shrink bounds of x to the controllable sets."""
 
     def forward(
-        self, step: Array, start: NDArray[np.int64], planes: Array, low: Array, high: Array, first: float
+        self, step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, first: float
     ) -> Array:
         """The largest controllable x at every sample."""
 
@@ -89,30 +89,32 @@ class KernelWithoutCompiler:
         return number, padded, status
 
     @staticmethod
-    def backward(step: Array, start: NDArray[np.int64], planes: Array, low: Array, high: Array) -> int:
+    def backward(step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array) -> int:
         """Controllable sets, one segment after the other."""
         for i in range(len(step) - 1, -1, -1):
-            A, upper = _segment(step, start, planes, low, high, i)
+            A, limit = _segment(step, start, planes, lower, upper, i)
             flat = A[:, 0] == 0
             with np.errstate(divide="ignore", invalid="ignore"):
-                bound = upper / A[:, 1]
-            high[i] = np.min(bound[flat & (A[:, 1] > 0)], initial=high[i])
-            low[i] = np.max(bound[flat & (A[:, 1] < 0)], initial=low[i])
-            least, most = _nearest(A, upper, low[i], high[i]), _nearest(A, upper, high[i], low[i])
-            if low[i] > high[i] or least is None or most is None:
+                bound = limit / A[:, 1]
+            upper[i] = np.min(bound[flat & (A[:, 1] > 0)], initial=upper[i])
+            lower[i] = np.max(bound[flat & (A[:, 1] < 0)], initial=lower[i])
+            least, most = _nearest(A, limit, lower[i], upper[i]), _nearest(A, limit, upper[i], lower[i])
+            if lower[i] > upper[i] or least is None or most is None:
                 return i
-            low[i], high[i] = least, max(least, most)
+            lower[i], upper[i] = least, max(least, most)
         return -1
 
     @staticmethod
-    def forward(step: Array, start: NDArray[np.int64], planes: Array, low: Array, high: Array, first: float) -> Array:
+    def forward(
+        step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, first: float
+    ) -> Array:
         """The greedy pass."""
         x = np.zeros(len(step) + 1)
         x[0] = first
         for i in range(len(step)):
-            least, most, _, _ = _rates(*_segment(step, start, planes, low, high, i), x[i])
+            least, most, _, _ = _rates(*_segment(step, start, planes, lower, upper, i), x[i])
             rate = most if most >= least else (most + least) / 2
-            x[i + 1] = min(max(x[i] + 2 * step[i] * rate, low[i + 1]), high[i + 1])
+            x[i + 1] = min(max(x[i] + 2 * step[i] * rate, lower[i + 1]), upper[i + 1])
         return x
 
 
@@ -146,32 +148,32 @@ def _same(p: Array, q: Array) -> bool:
 
 
 def _segment(
-    step: Array, start: NDArray[np.int64], planes: Array, low: Array, high: Array, i: int
+    step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, i: int
 ) -> tuple[Array, Array]:
-    """Half-planes A (u, x_i) <= upper of a segment: of its start, of its end, and of what its end is to reach."""
+    """Half-planes A (u, x_i) <= limit of a segment: of its start, of its end, and of what its end is to reach."""
     here, there = planes[start[i] : start[i + 1]], planes[start[i + 1] : start[i + 2]]
     ends = np.array([[-2 * step[i], -1.0], [2 * step[i], 1.0]])
     moved = np.column_stack([there[:, 0] + 2 * step[i] * there[:, 1], there[:, 1]])
     limits = np.concatenate([here[:, 2], there[:, 2]])
-    upper = np.concatenate([limits + ON_LIMIT * (1 + np.abs(limits)), [-low[i + 1], high[i + 1]]])
-    return np.concatenate([here[:, :2], moved, ends]), upper
+    limit = np.concatenate([limits + ON_LIMIT * (1 + np.abs(limits)), [-lower[i + 1], upper[i + 1]]])
+    return np.concatenate([here[:, :2], moved, ends]), limit
 
 
-def _rates(A: Array, upper: Array, x: float) -> tuple[float, float, float, float]:
+def _rates(A: Array, limit: Array, x: float) -> tuple[float, float, float, float]:
     """Least and largest u at one x, and the slopes of these ends."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        value, slope = (upper - A[:, 1] * x) / A[:, 0], -A[:, 1] / A[:, 0]
+        value, slope = (limit - A[:, 1] * x) / A[:, 0], -A[:, 1] / A[:, 0]
     above, below = np.where(A[:, 0] > 0, value, np.inf), np.where(A[:, 0] < 0, value, -np.inf)
     most, least = int(np.argmin(above)), int(np.argmax(below))
     return float(below[least]), float(above[most]), float(slope[least]), float(slope[most])
 
 
-def _nearest(A: Array, upper: Array, start: float, to: float) -> float | None:
+def _nearest(A: Array, limit: Array, start: float, to: float) -> float | None:
     """The x nearest to `start` on the way to `to` that leaves some u, by Newton's method; None if there is none."""
     inward = 1 if to >= start else -1
     x = start
     for _ in range(len(A) + 1):
-        least, most, least_slope, most_slope = _rates(A, upper, x)
+        least, most, least_slope, most_slope = _rates(A, limit, x)
         gap, slope = most - least, (most_slope - least_slope) * inward
         if gap >= 0:
             return x

@@ -35,7 +35,7 @@ def load_sensitivity(least: SampleProblem, others: list[SampleProblem]) -> LoadS
         others: Rows with one parameter at its largest value, one problem a parameter.
     """
     shape = (len(others), *least.A.shape[:2])
-    c2 = np.array([other.A[:, :, -1] - least.A[:, :, -1] for other in others]).reshape(shape)
+    c2 = np.array([other.square - least.square for other in others]).reshape(shape)
     upper = np.isfinite(least.upper)
     finite = np.where(upper, least.upper, least.lower)  # limits move opposite to the offset of their row
     offset = np.array([finite - np.where(upper, other.upper, other.lower) for other in others]).reshape(shape)
@@ -52,7 +52,7 @@ def ends_in_closed_form(problem: SampleProblem, sensitivity: LoadSensitivity | N
         problem: Rows in which c² is the only unknown; those of the least parameters if the load is uncertain.
         sensitivity: Effect of the uncertain parameters; None if the load is known.
     """
-    slope = problem.A[:, :, 0]
+    slope = problem.square
     none = np.zeros((0, *slope.shape))
     c2, offset = (none, none) if sensitivity is None else (sensitivity.c2, sensitivity.offset)
     least_by_upper, most_by_upper = _worst_below_zero(slope, -problem.upper, c2, offset)
@@ -80,7 +80,7 @@ def worst_parameters(problem: SampleProblem, sensitivity: LoadSensitivity, sampl
         c2: At this c².
     """
     effect = sensitivity.c2[:, sample] * c2 + sensitivity.offset[:, sample]
-    value = problem.A[sample, :, 0] * c2
+    value = problem.square[sample] * c2
     if not value.size:
         return np.zeros(len(effect), dtype=bool)  # no limit to come close to
     above = value + np.sum(np.maximum(effect, 0.0), axis=0) - problem.upper[sample]

@@ -117,23 +117,23 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
     if end == "lower" and c2 * float(effect_of_speed(problem)[0]) <= WIDER:
         return (ActiveRow(STANDSTILL, "lower", 0.0),)
     moving = ~problem.is_cap
-    A, offset = problem.A[0, moving, :-1], problem.A[0, moving, -1] * c2
     widening = WIDER * problem.is_limit[moving]
-    lower, high = problem.lower[0, moving] - offset - widening, problem.upper[0, moving] - offset + widening
+    lower, upper = (limit[0, moving] for limit in problem.limits_at(c2))
+    lower, upper = lower - widening, upper + widening
     places = np.flatnonzero(problem.is_limit & moving)
     at = np.searchsorted(np.flatnonzero(moving), places)
     sides = [
         (row, place, sign)
         for row, place in zip(at.tolist(), places.tolist(), strict=True)
-        for sign, limit in ((1.0, high[row]), (-1.0, lower[row]))
-        if np.isfinite(limit) and high[row] - lower[row] > 2 * NEAR
+        for sign, limit in ((1.0, upper[row]), (-1.0, lower[row]))
+        if np.isfinite(limit) and upper[row] - lower[row] > 2 * NEAR
     ]
-    distance = _largest_distance(A, lower, high, [(row, sign) for row, _, sign in sides])
+    distance = _largest_distance(problem.free[0, moving], lower, upper, [(row, sign) for row, _, sign in sides])
     tight = [(place, sign > 0) for (_, place, sign), far in zip(sides, distance, strict=True) if far <= NEAR]
     named = [problem.active_row(place, upper=side) for place, side in tight]
     if end == "upper":
         caps = np.flatnonzero(problem.is_cap)[problem.cap_share[0] * c2 >= 1 - CAPS_TIE]
-        named += [problem.active_row(row, upper=bool(problem.A[0, row, -1] > 0)) for row in caps.tolist()]
+        named += [problem.active_row(row, upper=bool(problem.square[0, row] > 0)) for row in caps.tolist()]
     return tuple(named)
 
 

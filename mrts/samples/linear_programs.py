@@ -44,7 +44,7 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
     least, largest = solve(1.0), solve(-1.0)
     ends = np.maximum(least.x[:, -1], 0.0) * unit, largest.x[:, -1] * unit
     free = (largest.x[:, -1] >= UNBOUNDED * (1 - AT_UNBOUNDED)) | (effect == 0)
-    at_most = np.sign(problem.A[:, caps, -1]) * binds(problem.cap_share) * np.maximum(largest.bound_dual[:, -1:], 0.0)
+    at_most = np.sign(problem.square[:, caps]) * binds(problem.cap_share) * np.maximum(largest.bound_dual[:, -1:], 0.0)
     duals = [np.zeros(problem.A.shape[:2]) for _ in range(2)]
     duals[0][:, ~caps], duals[1][:, ~caps], duals[1][:, caps] = least.row_dual, largest.row_dual, at_most
     lower_rows = [active_rows(problem, duals[0][k], float(least.bound_dual[k, -1])) for k in range(count)]

@@ -71,10 +71,34 @@ class SampleProblem:
         return int(self.A.shape[2])
 
     @property
+    def free(self) -> Array:
+        """The columns of A of all unknowns but the last, Shape (N, r, k - 1)."""
+        return self.A[:, :, :-1]
+
+    @property
+    def square(self) -> Array:
+        """The column of A of the last unknown, c² or ṙ², Shape (N, r)."""
+        return self.A[:, :, -1]
+
+    @property
+    def rate(self) -> Array:
+        """The column of A of r̈ where the speed varies, Shape (N, r)."""
+        return self.A[:, :, -2]
+
+    def limits_at(self, c2: float | Array) -> tuple[Array, Array]:
+        """The limits that are left for the other unknowns at a value of the last, each Shape (N, r).
+
+        Args:
+            c2: One for all samples, or one a sample, Shape (N, 1).
+        """
+        given = self.square * c2
+        return self.lower - given, self.upper - given
+
+    @property
     def cap_share(self) -> Array:
         """What each cap is of its limit where the last unknown is 1, Shape (N, s)."""
         caps = self.is_cap
-        return side_share(self.A[:, caps, -1], self.lower[:, caps], self.upper[:, caps])
+        return side_share(self.square[:, caps], self.lower[:, caps], self.upper[:, caps])
 
     def cap(self) -> Array:
         """Largest value of the last unknown that the caps allow, infinity where they do not bound it, Shape (N,)."""

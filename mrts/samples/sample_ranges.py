@@ -132,10 +132,10 @@ def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> Sampl
         largest: Largest effect at other samples of the motion.
     """
     dynamic = ~problem.is_cap
-    effect = np.max(np.abs(problem.A[:, dynamic, -1]), axis=1, initial=0.0)
+    effect = np.max(np.abs(problem.square[:, dynamic]), axis=1, initial=0.0)
     at_rest = effect <= REST_TOLERANCE * np.max(effect, initial=largest)
     A = problem.A.copy()
-    A[:, :, -1] = np.where(at_rest[:, None] & dynamic, 0.0, A[:, :, -1])
+    A[:, :, -1] = np.where(at_rest[:, None] & dynamic, 0.0, problem.square)
     return replace(problem, A=A)
 
 

@@ -68,13 +68,12 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     at_rest = by_c2 * speed + problem.torque_offset  # torques with all free unknowns at zero
     H = np.einsum("nij,ik,nkl->njl", free, weights, free)
     g = np.einsum("nij,ik,nk->nj", free, weights, at_rest)
-    given = problem.A[:, :, -1] * speed
-    lower, upper = problem.lower - given, problem.upper - given
+    lower, upper = problem.limits_at(speed)
     widening = np.where(problem.is_limit & (problem.limit_lower < problem.limit_upper), TORQUE_WIDENING, 0.0)
     programs = ConvexPrograms(
         H=H,
         g=g,
-        A=problem.A[:, :, :-1],
+        A=problem.free,
         lower=lower - widening,
         upper=upper + widening,
         x_lower=np.full((count, unknowns - 1), -np.inf),

@@ -20,9 +20,8 @@ def widening_at(problem: SampleProblem, c2: float, solver: str, what: str) -> Ar
     Raises:
         SolverError: If no solver answers.
     """
-    given = problem.A[:, :, -1] * c2
-    lower, upper = problem.lower - given, problem.upper - given
+    lower, upper = problem.limits_at(c2)
     if problem.unknowns == 1:
         return np.asarray(np.max(np.maximum(lower, -upper), axis=1, initial=0.0), dtype=np.float64)
     free = np.full(problem.unknowns - 1, -np.inf)
-    return least_widening(problem.A[:, :, :-1], lower, upper, problem.is_limit, free, solver, what).share
+    return least_widening(problem.free, lower, upper, problem.is_limit, free, solver, what).share

@@ -223,10 +223,10 @@ class _Search:
         p = len(sensitivity.c2)
         effect = np.maximum(effect_of_speed(problem), np.max(np.abs(sensitivity.c2), axis=(0, 2), initial=0.0))
         self.unit = 1 / np.where(effect > NO_EFFECT, effect, 1.0)
-        size = np.max(np.abs(problem.A[:, :, :-1]), axis=1, initial=0.0)
+        size = np.max(np.abs(problem.free), axis=1, initial=0.0)
         self.column = 1 / np.where(size > NO_EFFECT, size, 1.0)
-        self.A = problem.A[:, :, :-1] * self.column[:, None, :]
-        self.a = problem.A[:, :, -1] * self.unit[:, None]
+        self.A = problem.free * self.column[:, None, :]
+        self.a = problem.square * self.unit[:, None]
         self.da = sensitivity.c2 * self.unit[:, None]
         self.do = sensitivity.offset
         self.lower, self.upper = problem.lower, problem.upper

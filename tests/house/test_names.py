@@ -1,4 +1,4 @@
-"""Names that are read: values of a call say what they are, nothing is defined that nobody calls, a unit has one home."""
+"""Names that are read: a call says what its values are, nothing is defined that nobody calls, a unit has one home."""
 
 import ast
 import re
@@ -57,3 +57,10 @@ def test_a_unit_is_told_from_a_joint_or_a_component_in_one_place():
     rules = re.compile(r"""if \w+(?:\.\w+)*(?:\[\w+\])? == "prismatic" else|startswith\("f"\)""")
     homes = sorted(str(path.relative_to(ROOT)) for path, text in SOURCES.items() if rules.search(text))
     assert [home for home in homes if home.startswith("mrts/")] == ["mrts/cell/cell.py", "mrts/cell/robot.py"]
+
+
+def test_the_last_unknown_of_a_sample_has_a_name():
+    """Whoever takes a problem apart asks it for its columns, and does not count them."""
+    counted = re.compile(r"\.A\[[^\]]*, -[12]\]")
+    homes = [str(path.relative_to(ROOT)) for path, text in SOURCES.items() if counted.search(text)]
+    assert homes == ["mrts/samples/sample_problem.py"]
