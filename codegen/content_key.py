@@ -8,7 +8,7 @@ from pathlib import Path
 
 from mrts_codegen.cell_file import read_cell_description, resolve_urdf
 
-from mrts.base import input_file, load_box, manifest, rigid_transform, strict_yaml
+from mrts.base import input_file, load_box, manifest, rigid_transform, yaml_parser
 from mrts.base.input_file import MAX_URDF_BYTES
 from mrts.base.regular_file import read_regular
 from mrts.base.version import __version__
@@ -25,7 +25,7 @@ def content_key(path: Path) -> str:
     digest = hashlib.sha256("\n".join(parts).encode())
     for robot in description.robots:
         digest.update(read_regular(resolve_urdf(path, robot.urdf), "URDF", MAX_URDF_BYTES))
-    shaping = (manifest, rigid_transform, input_file, strict_yaml, load_box)
+    shaping = (manifest, rigid_transform, input_file, yaml_parser, load_box)
     for source in sorted([*Path(__file__).parent.rglob("*.py"), *(Path(module.__file__ or "") for module in shaping)]):
         digest.update(source.read_bytes())
     return digest.hexdigest()

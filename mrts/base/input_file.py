@@ -11,7 +11,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 
 from mrts.base.errors import InputError
 from mrts.base.regular_file import read_regular
-from mrts.base.strict_yaml import MAX_YAML_BYTES, parse_yaml
+from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
 
 MAX_FILE_BYTES = 30_000_000
 """Far above any cell, motion, URDF or generated C file: a larger one is a mistake."""

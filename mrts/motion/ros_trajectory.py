@@ -13,7 +13,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER, read_text
 from mrts.base.regular_file import open_regular
-from mrts.base.strict_yaml import MAX_YAML_BYTES, parse_yaml
+from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
 from mrts.motion.joint_table import JointTable, joint_motion
 from mrts.motion.ros_messages import NANOSECONDS, message_types
 
