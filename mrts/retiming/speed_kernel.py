@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What retiming asks of our kernel, and the same with CasADi and numpy where there is no C compiler."""
 
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -112,8 +113,8 @@ class KernelWithoutCompiler:
         x = np.zeros(len(step) + 1)
         x[0] = first
         for i in range(len(step)):
-            least, most, _, _ = _rates(*_segment(step, start, planes, lower, upper, i), x[i])
-            rate = most if most >= least else (most + least) / 2
+            u = _rates(*_segment(step, start, planes, lower, upper, i), x[i])
+            rate = u.most if u.most >= u.least else (u.most + u.least) / 2
             x[i + 1] = min(max(x[i] + 2 * step[i] * rate, lower[i + 1]), upper[i + 1])
         return x
 
@@ -159,13 +160,25 @@ def _segment(
     return np.concatenate([here[:, :2], moved, ends]), limit
 
 
-def _rates(A: Array, limit: Array, x: float) -> tuple[float, float, float, float]:
-    """Least and largest u at one x, and the slopes of these ends."""
+@dataclass(frozen=True)
+class _Rates:
+    """The interval of u at one x; its ends are on the lines start + slope x."""
+
+    least: float
+    most: float
+    least_line: tuple[float, float]
+    most_line: tuple[float, float]
+
+
+def _rates(A: Array, limit: Array, x: float) -> _Rates:
+    """The interval of u that half-planes leave at one x."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        value, slope = (limit - A[:, 1] * x) / A[:, 0], -A[:, 1] / A[:, 0]
+        start, slope = limit / A[:, 0], -A[:, 1] / A[:, 0]
+        value = (limit - A[:, 1] * x) / A[:, 0]
     above, below = np.where(A[:, 0] > 0, value, np.inf), np.where(A[:, 0] < 0, value, -np.inf)
     most, least = int(np.argmin(above)), int(np.argmax(below))
-    return float(below[least]), float(above[most]), float(slope[least]), float(slope[most])
+    lines = np.column_stack([start, slope])[[least, most]].tolist()
+    return _Rates(float(below[least]), float(above[most]), tuple(lines[0]), tuple(lines[1]))
 
 
 def _nearest(A: Array, limit: Array, start: float, to: float) -> float | None:
@@ -173,13 +186,14 @@ def _nearest(A: Array, limit: Array, start: float, to: float) -> float | None:
     inward = 1 if to >= start else -1
     x = start
     for _ in range(len(A) + 1):
-        least, most, least_slope, most_slope = _rates(A, limit, x)
-        gap, slope = most - least, (most_slope - least_slope) * inward
-        if gap >= 0:
+        u = _rates(A, limit, x)
+        slope = u.most_line[1] - u.least_line[1]
+        if u.most >= u.least:
             return x
-        if slope <= 0:
+        if slope * inward <= 0:
             return None
-        ahead = x - gap / slope * inward
+        # where the two lines meet, from their coefficients: `start` may be many orders of magnitude away
+        ahead = (u.least_line[0] - u.most_line[0]) / slope
         if ahead == x:
             return x
         if x == to:

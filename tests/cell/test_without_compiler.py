@@ -77,7 +77,8 @@ def test_projections_are_those_of_the_kernel():
         assert np.sum(ours[:, 0] * following[:, 1] - ours[:, 1] * following[:, 0]) > 0  # counter-clockwise
 
 
-def test_speeds_are_those_of_the_kernel():
+@pytest.mark.parametrize("largest", [2.0, 1e15])
+def test_speeds_are_those_of_the_kernel(largest):
     rng = np.random.default_rng(9)
     outcomes = set()
     for _ in range(40):
@@ -88,7 +89,7 @@ def test_speeds_are_those_of_the_kernel():
         step = rng.uniform(0.05, 0.2, n - 1)
         found = []
         for kernel in (default_programs(), KernelWithoutCompiler):
-            low, high = np.zeros(n), np.full(n, 2.0)
+            low, high = np.zeros(n), np.full(n, largest)
             low[-1] = high[-1] = 0.0
             failed = kernel.backward(step, start, planes, low, high)
             x = kernel.forward(step, start, planes, low, high, high[0]) if failed < 0 else np.zeros(n)
