@@ -108,6 +108,17 @@ def export_to(
     return sorted(texts)
 
 
+def comes_with_tests(parts: tuple[str, ...]) -> bool:
+    """Whether an exported library of these parts has tests and an example, and so wants vectors: one of all parts.
+
+    Args:
+        parts: As in `export_to`.
+    """
+    from mrts_codegen.embedded.parts import is_whole  # noqa: PLC0415 (build time, on demand)
+
+    return not parts or is_whole(parts)
+
+
 def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     """URDF and base link (None is its root) of every robot of a cell file, by name.
 

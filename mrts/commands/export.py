@@ -39,7 +39,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Write the library."""
-    from mrts.cell.generation import export_to
+    from mrts.cell.generation import comes_with_tests, export_to
     from mrts.coordination.coordinate import coordinate
     from mrts.motion.motion_file import load_motion
     from mrts.output.embedded_limits import embedded_limits
@@ -52,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
     limits = embedded_limits(cell)
     parts = tuple(part for part in options.functions.split(",") if part)
     vectors, samples = [], 0
-    if not parts:  # tests and example go with a library of all parts only
+    if comes_with_tests(parts):
         if options.motion is None:
             motion = own_motion(cell)
         else:

@@ -337,6 +337,14 @@ def test_text_from_a_urdf_cannot_leave_its_string(tmp_path):
     assert nasty not in text
 
 
+def test_all_parts_by_name_are_the_whole_library(tmp_path):
+    named, all_parts = tmp_path / "named", tmp_path / "all"
+    for folder, more in ((named, ["--functions", "terms,range,share,torques"]), (all_parts, [])):
+        assert main(["export", str(DATA / "cell.yaml"), "-o", str(folder), *more]) == 0
+    vectors = "tests/planar_dual_arm_vectors.h"
+    assert (named / vectors).read_text() == (all_parts / vectors).read_text()
+
+
 def test_bad_exports_are_refused(tmp_path, capsys, planar_cell):
     cell = DATA / "cell.yaml"
     for arguments, words in (
