@@ -18,6 +18,7 @@ from mrts.base.manifest import FunctionRecord, Manifest
 from mrts.cell.generation import export_to, generated_in_cache
 from mrts.kernel.cache_folder import cache_folder
 from mrts.kernel.function_shapes import check_shapes
+from mrts.output.embedded_limits import embedded_limits
 
 COMMITTED = ROOT / "generated" / "planar_dual_arm"
 SHIPPED = ["planar_dual_arm", "dual_ur5"]
@@ -216,9 +217,10 @@ def test_names_stay_as_generated(planar_cell, changed):
 
 
 @pytest.mark.parametrize("name", ["math", "string", "stdio", "../x", "a b", "x\n", "x" * 41])
-def test_a_library_cannot_be_called_what_c_takes_otherwise(name, tmp_path):
+def test_a_library_cannot_be_called_what_c_takes_otherwise(name, planar_cell, tmp_path):
+    asked = {"vectors": [], "path_samples": 0, "precision": "double", "parts": ("terms",), "name": name}
     with pytest.raises(mrts.InputError, match="--name"):
-        export_to(DATA / "cell.yaml", tmp_path / "out", [], 0, "double", ("terms",), name)
+        export_to(DATA / "cell.yaml", tmp_path / "out", limits=embedded_limits(planar_cell), **asked)
     assert not (tmp_path / "out").exists()
 
 
