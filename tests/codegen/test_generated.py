@@ -218,17 +218,9 @@ def test_names_stay_as_generated(planar_cell, changed):
 
 @pytest.mark.parametrize("name", ["math", "string", "stdio", "../x", "a b", "x\n", "x" * 41])
 def test_a_library_cannot_be_called_what_c_takes_otherwise(name, planar_cell, tmp_path):
+    asked = {"vectors": [], "path_samples": 0, "precision": "double", "parts": ("terms",), "name": name}
     with pytest.raises(mrts.InputError, match="--name"):
-        export_to(
-            DATA / "cell.yaml",
-            tmp_path / "out",
-            limits=embedded_limits(planar_cell),
-            vectors=[],
-            path_samples=0,
-            precision="double",
-            parts=("terms",),
-            name=name,
-        )
+        export_to(DATA / "cell.yaml", tmp_path / "out", limits=embedded_limits(planar_cell), **asked)
     assert not (tmp_path / "out").exists()
 
 

@@ -54,14 +54,15 @@ def test_the_random_cells_are_of_every_kind(arms, make, tmp_path):
     seen = Counter()
     for seed in SEEDS:
         case = drawn(make, arms, seed, tmp_path)
-        found = mrts.scale(case.cell, case.motion).range.samples
-        seen.update(status.value for status in found.status)
-        seen["minimum speed"] += np.sum(found.lower[np.isfinite(found.lower)] > RANGE_TOLERANCE)
-        seen["velocity"] += sum(
-            any(row.name.kind == "velocity" for row in rows)
-            for status, rows in zip(found.status, found.upper_rows, strict=True)
-            if status.value == "feasible"
-        )
+        for sharing in (None, mrts.LoadSharing()):
+            found = mrts.scale(case.cell, case.motion, sharing=sharing).range.samples
+            seen.update(status.value for status in found.status)
+            seen["minimum speed"] += np.sum(found.lower[np.isfinite(found.lower)] > RANGE_TOLERANCE)
+            seen["velocity"] += sum(
+                any(row.name.kind == "velocity" for row in rows)
+                for status, rows in zip(found.status, found.upper_rows, strict=True)
+                if status.value == "feasible"
+            )
     assert seen["feasible"] > 50
     assert seen["infeasible"] > 10
     assert seen["unbounded"] > 0
