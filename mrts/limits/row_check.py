@@ -52,9 +52,9 @@ def checked_rows(limit: str, rows: object, cell: Cell, motion: CoordinatedMotion
                 where, f"must be real numbers of shape {shape}: {meaning}, r = {count} names; not {given}.", key=field
             )
         _check_numbers(where, field, values, rows)
-    reversed_rows = np.flatnonzero((rows.lower > rows.upper) | (rows.lower == np.inf) | (rows.upper == -np.inf))
-    if reversed_rows.size:
-        row = int(reversed_rows[0])
+    in_order = (rows.lower <= rows.upper) & (rows.lower < np.inf) & (rows.upper > -np.inf)
+    if not in_order.all():
+        row = int(np.argmin(in_order))
         raise InputError(
             where,
             f"{rows.names[row]}: no number is from {rows.lower[row]:g} to {rows.upper[row]:g}.",
@@ -66,9 +66,10 @@ def checked_rows(limit: str, rows: object, cell: Cell, motion: CoordinatedMotion
 def _check_numbers(where: str, field: str, values: Array, rows: LimitRows) -> None:
     """Refuse what is not a number, and in a matrix or a column what is not finite."""
     bounds = field in {"lower", "upper"}
-    wrong = np.argwhere(np.isnan(values) if bounds else ~np.isfinite(values))
-    if not wrong.size:
+    right = ~np.isnan(values) if bounds else np.isfinite(values)
+    if right.all():
         return
+    wrong = np.argwhere(~right)
     along_motion = field in {"rate", "speed", "square"}
     row = int(wrong[0][-1 if along_motion else 0])
     place = f" at sample {int(wrong[0][0])}" if along_motion else ""
