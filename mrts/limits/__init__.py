@@ -10,6 +10,7 @@ from weakref import WeakKeyDictionary
 
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.limits.row_check import checked_rows
 from mrts.limits.rows import LimitRows, stack_rows
 from mrts.limits.squared_rows import SquaredRows, squared
 from mrts.limits.torque_limits import torque_limits
@@ -46,6 +47,19 @@ def squared_limits(cell: Cell, motion: CoordinatedMotion) -> SquaredRows:
     return known[1]
 
 
+def rows_by_limit(cell: Cell, motion: CoordinatedMotion) -> dict[str, LimitRows]:
+    """The rows of each limit of the registry, checked.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+
+    Raises:
+        InputError: If a limit gives no rows of this cell along this motion; it names the limit.
+    """
+    return {name: checked_rows(name, limit(cell, motion), cell, motion) for name, limit in LIMITS.items()}
+
+
 def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     """The rows that the cell keeps along a motion: of all limits, those with a limit on some side.
 
@@ -53,7 +67,7 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
         cell: The cell; velocities are left out unless it enforces their limits.
         motion: Its motion.
     """
-    return stack_rows([limit(cell, motion).bounded() for limit in LIMITS.values()])
+    return stack_rows([rows.bounded() for rows in rows_by_limit(cell, motion).values()])
 
 
 def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
@@ -64,4 +78,4 @@ def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
         motion: Its motion.
     """
     enforced = replace(cell, enforces_velocity_limits=True)
-    return stack_rows([limit(enforced, motion) for limit in LIMITS.values()])
+    return stack_rows(list(rows_by_limit(enforced, motion).values()))

@@ -21,7 +21,7 @@ class RowName:
     Attributes:
         kind: "torque", "wrench", "velocity", "balance" (of the object), "c2" (c² >= 0), "speed" (along the path), or
             what a limit of yours bounds.
-        robot: Robot's name; "object" for its velocity; empty for its balance and for c².
+        robot: Robot's name; "object" for its velocity; empty for its balance, for c², and where a limit is of no robot.
         element: Joint, wrench component, "linear" or "angular", or empty.
         unit: "N m", "N", "rad/s", "m/s", or empty.
     """
@@ -39,7 +39,7 @@ class RowName:
         if self.kind == "balance":
             return f"balance of the object ({self.element})"
         what = "contact wrench" if self.kind == "wrench" else self.kind
-        return f"{self.robot}/{self.element} {what}"
+        return " ".join(filter(None, ["/".join(filter(None, [self.robot, self.element])), what]))
 
     @property
     def short(self) -> str:
@@ -83,7 +83,7 @@ class ActiveRow:
     def __str__(self) -> str:
         if self.name == STANDSTILL or self.name.kind == "speed":
             return str(self.name)
-        return f"{self.name} ({self.side}, {self.limit:g} {self.name.unit})"
+        return f"{self.name} ({self.side}, {f'{self.limit:g} {self.name.unit}'.rstrip()})"
 
     def to_json(self) -> dict[str, str | float]:
         """Entry of "rows" in the JSON result."""

@@ -9,7 +9,7 @@ from mrts.base.embedded_inputs import EmbeddedLimits
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.limits import LIMITS
+from mrts.limits import LIMITS, rows_by_limit
 from mrts.limits.rows import LimitRows, RowName, stack_rows
 from mrts.limits.velocity_limits import velocity_limits
 from mrts.motion.object_motion import ObjectMotion
@@ -25,12 +25,12 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
         InputError: If a limit, velocities aside, depends on the motion: the library has tables for those that do not.
     """
     probes = _probe(cell, 1), _probe(cell, 2)
+    first, second = (rows_by_limit(cell, probe) for probe in probes)
     pieces = []
     for name, limit in LIMITS.items():
         if limit is not velocity_limits:
-            rows, again = (limit(cell, probe) for probe in probes)
-            _check_constant(name, rows, again)
-            pieces.append(rows)
+            _check_constant(name, first[name], second[name])
+            pieces.append(first[name])
     rows = stack_rows(pieces)
     units = list(dict.fromkeys(name.unit for name in rows.names))
     velocity = velocity_limits(replace(cell, enforces_velocity_limits=True), probes[0])

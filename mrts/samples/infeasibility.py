@@ -51,7 +51,7 @@ class Conflict:
         names = "; ".join(str(row) for row in self.rows)
         carried = "the object" if self.load is None else f"the object with {self.load}"
         moves = ", ".join(
-            f"{row.name.robot}/{row.name.element} by {move:.3g} {row.name.unit}"
+            f"{row.name.short} by {move:.3g} {row.name.unit}".rstrip()
             for row, move in zip(self.rows, self.moves, strict=True)
         )
         return (

@@ -1,5 +1,8 @@
 """A limit put into the registry, whatever its columns, holds wherever limits count, and no other file is touched."""
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import linprog
@@ -8,6 +11,7 @@ import mrts
 from mrts.limits import LIMITS
 from mrts.limits.rows import LimitRows
 from mrts.limits.squared_rows import squared
+from mrts.output.embedded_limits import embedded_limits
 from mrts.output.summary_lines import scaling_lines
 from mrts.report.page import report_html
 from mrts.scaling.limit_use import limit_uses
@@ -245,3 +249,53 @@ def test_limits_of_the_speed_alone_are_squared_exactly():
     assert 0 < np.count_nonzero(form.is_cap) < count
     sides = {row.side for sample in range(samples) for row in cap.binding(sample)}
     assert sides == {"lower", "upper"}
+
+
+WRONG_ROWS = {
+    "a shape": (
+        lambda rows: replace(rows, square=rows.square[:, :1]),
+        "square: must be real numbers of shape (101, 2)",
+    ),
+    "names": (lambda rows: replace(rows, names=rows.names[:1]), "lower: must be real numbers of shape (1,)"),
+    "a number": (lambda rows: replace(rows, lower=-2.0), "lower: must be real numbers of shape (2,): (r,)"),
+    "NaN": (lambda rows: replace(rows, upper=np.array([2.0, np.nan])), "upper: object/y acceleration: may not be NaN"),
+    "infinite": (
+        lambda rows: replace(rows, square=np.where(np.arange(101)[:, None] == 50, np.inf, rows.square)),
+        "square: object/x acceleration at sample 50: must be finite",
+    ),
+    "reversed": (
+        lambda rows: replace(rows, lower=rows.upper, upper=rows.lower),
+        "lower, upper: object/x acceleration: no number is from 2 to -2",
+    ),
+    "nothing": (lambda _rows: None, "must give LimitRows, not NoneType"),
+    "text": (lambda rows: replace(rows, names=("x", "y")), "names: must name its rows by RowName"),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG_ROWS)
+def test_a_limit_that_gives_no_rows_of_this_motion_is_named(wrong, planar_cell, lift, monkeypatch):
+    change, message = WRONG_ROWS[wrong]
+
+    def splash(cell, motion):
+        rows = LimitRows(
+            names=tuple(mrts.RowName("acceleration", "object", axis, "m/s²") for axis in "xy"),
+            lower=np.full(2, -2.0),
+            upper=np.full(2, 2.0),
+            torque_matrix=np.zeros((2, motion.q.shape[1])),
+            wrench_matrix=np.zeros((2, len(cell.robots) * len(cell.wrench_components))),
+            square=motion.object.acceleration[:, :2],
+        )
+        return change(rows)
+
+    monkeypatch.setitem(LIMITS, "splash", splash)
+    solvers = [mrts.scale, mrts.retime] + [lambda cell, _motion: embedded_limits(cell)] * (wrong in {"nothing", "text"})
+    for solve in solvers:
+        with pytest.raises(mrts.InputError, match=re.escape(f"limit 'splash': {message}")):
+            solve(planar_cell, lift)
+
+
+def test_a_limit_of_no_robot_and_without_a_unit_is_named_in_plain_words():
+    whole = mrts.RowName("kinetic energy", unit="J")
+    assert str(mrts.ActiveRow(whole, "upper", 2.0)) == "kinetic energy (upper, 2 J)"
+    assert mrts.RowName("acceleration", element="z").short == "z acceleration"
+    assert str(mrts.ActiveRow(mrts.RowName("slip", "left"), "upper", 2.0)) == "left slip (upper, 2)"

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: MIT
+"""What a limit gives is rows of this cell and this motion, or an error that names the limit and what is wrong."""
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.limits.rows import LimitRows, RowName
+
+
+def checked_rows(limit: str, rows: object, cell: Cell, motion: CoordinatedMotion) -> LimitRows:
+    """The rows as they are.
+
+    Args:
+        limit: Its name in `LIMITS`.
+        rows: What it gave.
+        cell: The cell.
+        motion: Its motion.
+
+    Raises:
+        InputError: If they are no rows of this cell along this motion: other shapes, no numbers, reversed limits.
+    """
+    where = f"limit '{limit}'"
+    if not isinstance(rows, LimitRows):
+        raise InputError(where, f"must give LimitRows, not {type(rows).__name__}.")
+    if not all(isinstance(name, RowName) for name in rows.names):
+        raise InputError(where, "must name its rows by RowName.", key="names")
+    count, samples = len(rows.names), motion.samples
+    shapes = {
+        "lower": ((count,), "(r,)"),
+        "upper": ((count,), "(r,)"),
+        "torque_matrix": ((count, motion.q.shape[1]), "(r, joints)"),
+        "wrench_matrix": (
+            (count, len(cell.robots) * len(cell.wrench_components)),
+            "(r, wrench components of all arms)",
+        ),
+        "rate": ((samples, count), "(samples, r)"),
+        "speed": ((samples, count), "(samples, r)"),
+        "square": ((samples, count), "(samples, r)"),
+    }
+    for field, (shape, meaning) in shapes.items():
+        values = getattr(rows, field)
+        if values is None and field in {"rate", "speed", "square"}:
+            continue
+        if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu" or values.shape != shape:
+            given = (
+                f"{values.dtype} of shape {values.shape}" if isinstance(values, np.ndarray) else type(values).__name__
+            )
+            raise InputError(
+                where, f"must be real numbers of shape {shape}: {meaning}, r = {count} names; not {given}.", key=field
+            )
+        _check_numbers(where, field, values, rows)
+    in_order = (rows.lower <= rows.upper) & (rows.lower < np.inf) & (rows.upper > -np.inf)
+    if not in_order.all():
+        row = int(np.argmin(in_order))
+        raise InputError(
+            where,
+            f"{rows.names[row]}: no number is from {rows.lower[row]:g} to {rows.upper[row]:g}.",
+            key="lower, upper",
+        )
+    return rows
+
+
+def _check_numbers(where: str, field: str, values: Array, rows: LimitRows) -> None:
+    """Refuse what is not a number, and in a matrix or a column what is not finite."""
+    bounds = field in {"lower", "upper"}
+    right = ~np.isnan(values) if bounds else np.isfinite(values)
+    if right.all():
+        return
+    wrong = np.argwhere(~right)
+    along_motion = field in {"rate", "speed", "square"}
+    row = int(wrong[0][-1 if along_motion else 0])
+    place = f" at sample {int(wrong[0][0])}" if along_motion else ""
+    rule = "may not be NaN; a side without a limit is infinite." if bounds else "must be finite."
+    raise InputError(where, f"{rows.names[row]}{place}: {rule}", key=field)
