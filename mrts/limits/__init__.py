@@ -10,6 +10,7 @@ from weakref import WeakKeyDictionary
 
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.limits.given_rows import given_rows
 from mrts.limits.rows import LimitRows, stack_rows
 from mrts.limits.squared_rows import SquaredRows, squared
 from mrts.limits.torque_limits import torque_limits
@@ -22,6 +23,7 @@ LIMITS: dict[str, Callable[[Cell, CoordinatedMotion], LimitRows]] = {
     "velocity_limits": velocity_limits,
 }
 
+_OWN = tuple(LIMITS.values())
 
 _Registered = tuple[Callable[[Cell, CoordinatedMotion], LimitRows], ...]
 _SQUARED: WeakKeyDictionary[CoordinatedMotion, WeakKeyDictionary[Cell, tuple[_Registered, SquaredRows]]] = (
@@ -34,9 +36,10 @@ def squared_limits(cell: Cell, motion: CoordinatedMotion) -> SquaredRows:
 
     Args:
         cell: The cell.
-        motion: Its motion.
+        motion: Its motion; where its arrays are changed, the rows stay as they were.
 
     Raises:
+        InputError: If a limit gives rows that do not fit the cell or the motion.
         MrtsError: If a limit has no form that is linear in the square of the speed.
     """
     of_motion = _SQUARED.setdefault(motion, WeakKeyDictionary())
@@ -53,7 +56,7 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
         cell: The cell; velocities are left out unless it enforces their limits.
         motion: Its motion.
     """
-    return stack_rows([limit(cell, motion).bounded() for limit in LIMITS.values()])
+    return stack_rows([rows.bounded() for rows in _rows_by_limit(cell, motion)])
 
 
 def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
@@ -64,4 +67,13 @@ def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
         motion: Its motion.
     """
     enforced = replace(cell, enforces_velocity_limits=True)
-    return stack_rows([limit(enforced, motion) for limit in LIMITS.values()])
+    return stack_rows(_rows_by_limit(enforced, motion))
+
+
+def _rows_by_limit(cell: Cell, motion: CoordinatedMotion) -> list[LimitRows]:
+    """Rows of each limit; those of our own are of a cell that was checked."""
+    pieces = []
+    for name, limit in LIMITS.items():
+        rows = limit(cell, motion)
+        pieces.append(rows if limit in _OWN else given_rows(name, rows, cell, motion))
+    return pieces

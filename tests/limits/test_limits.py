@@ -245,3 +245,59 @@ def test_limits_of_the_speed_alone_are_squared_exactly():
     assert 0 < np.count_nonzero(form.is_cap) < count
     sides = {row.side for sample in range(samples) for row in cap.binding(sample)}
     assert sides == {"lower", "upper"}
+
+
+def test_rows_follow_a_motion_that_is_changed_and_a_limit_that_is(planar_cell, lift, monkeypatch):
+    """What was put together for one answer does not outlast a change of the motion's arrays, or of a limit's own."""
+    limit = [1e-3]
+
+    def slow(cell, motion):
+        return LimitRows(
+            names=(mrts.RowName("slow", "left", "mine", "rad/s"),),
+            lower=np.array([-limit[0]]),
+            upper=np.array([limit[0]]),
+            torque_matrix=np.zeros((1, motion.dq.shape[1])),
+            wrench_matrix=np.zeros((1, len(cell.robots) * len(cell.wrench_components))),
+            speed=motion.dq[:, :1],
+        )
+
+    monkeypatch.setitem(LIMITS, "slow", slow)
+    motion = mrts.follow_object(planar_cell, lift)
+    first = mrts.scale(planar_cell, motion).range.upper.c2
+    limit[0] *= 2
+    assert mrts.scale(planar_cell, motion).range.upper.c2 == pytest.approx(4 * first, rel=SAME)
+    motion.object.time[:] /= 2
+    motion.dq[:] *= 2
+    motion.ddq[:] *= 4
+    motion.object.twist[:] *= 2
+    motion.object.acceleration[:] *= 4
+    assert mrts.scale(planar_cell, motion).range.upper.c2 == pytest.approx(first, rel=SAME)
+
+
+UNFIT = {
+    "another number of samples": ({"square": np.ones((1, 1))}, "square = .*: must have Shape"),
+    "a torque too few": ({"torque_matrix": np.zeros((1, 5))}, "torque_matrix = .*: must have Shape"),
+    "one limit for two rows": ({"names": (mrts.RowName("a"), mrts.RowName("b"))}, "lower = .*: must have Shape"),
+    "no number": ({"lower": np.array([np.nan])}, "lower: must be numbers"),
+    "an endless effect": ({"torque_matrix": np.full((1, 6), np.inf)}, "torque_matrix: must be numbers"),
+    "crossed limits": ({"lower": np.array([2.0])}, "its lower limit of .* must be at most the upper one"),
+}
+
+
+@pytest.mark.parametrize(("change", "message"), UNFIT.values(), ids=UNFIT)
+def test_unfit_rows_are_refused_with_the_name_of_their_limit(change, message, planar_cell, lift, monkeypatch):
+    """C would read past the end of a column that is too short."""
+    whole = {
+        "names": (mrts.RowName("mine", "left", "e", "X"),),
+        "lower": np.array([-1.0]),
+        "upper": np.array([1.0]),
+        "torque_matrix": np.zeros((1, 6)),
+        "wrench_matrix": np.zeros((1, 6)),
+    }
+    monkeypatch.setitem(LIMITS, "mine", lambda _cell, _motion: LimitRows(**(whole | change)))
+    for solve in (mrts.scale, mrts.retime):
+        with pytest.raises(mrts.InputError, match=f"limit 'mine'.*{message}"):
+            solve(planar_cell, lift)
+    monkeypatch.setitem(LIMITS, "mine", lambda _cell, _motion: None)
+    with pytest.raises(mrts.InputError, match="limit 'mine' = 'NoneType': must give LimitRows"):
+        mrts.scale(planar_cell, lift)
