@@ -10,6 +10,7 @@ from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import LIMITS
+from mrts.limits.given_rows import given_rows
 from mrts.limits.rows import LimitRows, RowName, stack_rows
 from mrts.limits.velocity_limits import velocity_limits
 from mrts.motion.object_motion import ObjectMotion
@@ -28,7 +29,7 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
     pieces = []
     for name, limit in LIMITS.items():
         if limit is not velocity_limits:
-            rows, again = (limit(cell, probe) for probe in probes)
+            rows, again = (given_rows(name, limit(cell, probe), cell, probe) for probe in probes)
             _check_constant(name, rows, again)
             pieces.append(rows)
     rows = stack_rows(pieces)
