@@ -2,6 +2,7 @@
 """Motion of the whole cell from whatever is known of it: the object, a table of joints, or both."""
 
 import difflib
+from copy import copy
 from types import NoneType
 
 import numpy as np
@@ -48,7 +49,8 @@ def coordinate(
     if motion.q.shape[1] != joints:
         raise InputError("motion.q", f"has {motion.q.shape[1]} columns, cell '{cell.name}' has {joints} joints.")
     check_joint_limits(cell, motion.object.time, motion.q)
-    return close_chain(cell, motion, bound, "motion", carried=False, source=None)
+    ours = copy(motion)  # rows are kept by motion: those of one answer must not serve the next
+    return close_chain(cell, ours, bound, "motion", carried=False, source=None)
 
 
 def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> CoordinatedMotion:

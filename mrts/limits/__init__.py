@@ -23,7 +23,6 @@ LIMITS: dict[str, Callable[[Cell, CoordinatedMotion], LimitRows]] = {
     "velocity_limits": velocity_limits,
 }
 
-
 _Registered = tuple[Callable[[Cell, CoordinatedMotion], LimitRows], ...]
 _SQUARED: WeakKeyDictionary[CoordinatedMotion, WeakKeyDictionary[Cell, tuple[_Registered, SquaredRows]]] = (
     WeakKeyDictionary()
@@ -38,6 +37,7 @@ def squared_limits(cell: Cell, motion: CoordinatedMotion) -> SquaredRows:
         motion: Its motion.
 
     Raises:
+        InputError: If a limit gives rows that do not fit the cell or the motion.
         MrtsError: If a limit has no form that is linear in the square of the speed.
     """
     of_motion = _SQUARED.setdefault(motion, WeakKeyDictionary())

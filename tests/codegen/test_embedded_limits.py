@@ -170,3 +170,10 @@ def test_a_limit_that_a_library_cannot_compute_is_refused(limit, what, tmp_path,
     assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path / "x"), "--functions", "range"]) == 2
     assert f"limit '{limit.__name__}': depends on the {what}, which an exported library" in capsys.readouterr().err
     assert not (tmp_path / "x").exists()
+
+
+def test_rows_that_do_not_fit_are_refused_by_the_name_of_their_limit(tmp_path, monkeypatch, capsys):
+    narrow = replace(supply(None, None), torque_matrix=np.zeros((1, 5)), wrench_matrix=np.zeros((1, 7)))
+    monkeypatch.setitem(LIMITS, "narrow", lambda _cell, _motion: narrow)
+    assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path / "x"), "--functions", "range"]) == 2
+    assert "limit 'narrow': torque_matrix" in capsys.readouterr().err

@@ -299,3 +299,27 @@ def test_a_limit_of_no_robot_and_without_a_unit_is_named_in_plain_words():
     assert str(mrts.ActiveRow(whole, "upper", 2.0)) == "kinetic energy (upper, 2 J)"
     assert mrts.RowName("acceleration", element="z").short == "z acceleration"
     assert str(mrts.ActiveRow(mrts.RowName("slip", "left"), "upper", 2.0)) == "left slip (upper, 2)"
+
+
+def test_rows_follow_a_limit_whose_own_numbers_are_changed(planar_cell, lift, monkeypatch):
+    """What was put together for one answer does not outlast it; a motion's arrays cannot be changed."""
+    limit = [1e-3]
+
+    def slow(cell, motion):
+        return LimitRows(
+            names=(mrts.RowName("slow", "left", "mine", "rad/s"),),
+            lower=np.array([-limit[0]]),
+            upper=np.array([limit[0]]),
+            torque_matrix=np.zeros((1, motion.dq.shape[1])),
+            wrench_matrix=np.zeros((1, len(cell.robots) * len(cell.wrench_components))),
+            speed=motion.dq[:, :1],
+        )
+
+    monkeypatch.setitem(LIMITS, "slow", slow)
+    motion = mrts.follow_object(planar_cell, lift)
+    first = mrts.scale(planar_cell, motion).range.upper.c2
+    limit[0] *= 2
+    assert mrts.scale(planar_cell, motion).range.upper.c2 == pytest.approx(4 * first, rel=SAME)
+    for fixed in (motion.dq, motion.object.twist):
+        with pytest.raises(ValueError, match="read-only"):
+            fixed[:] *= 2
