@@ -26,6 +26,7 @@ def content_key(path: Path) -> str:
     for robot in description.robots:
         digest.update(read_regular(resolve_urdf(path, robot.urdf), "URDF", MAX_URDF_BYTES))
     shaping = (manifest, rigid_transform, input_file, yaml_parser, load_box)
-    for source in sorted([*Path(__file__).parent.rglob("*.py"), *(Path(module.__file__ or "") for module in shaping)]):
+    ours = [source for source in Path(__file__).parent.rglob("*.py") if source.parent.name != "embedded"]
+    for source in sorted([*ours, *(Path(module.__file__ or "") for module in shaping)]):
         digest.update(source.read_bytes())
     return digest.hexdigest()

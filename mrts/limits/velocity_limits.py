@@ -24,7 +24,7 @@ def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     limit = np.concatenate([*(robot.velocity_limit for robot in cell.robots), cell.object_velocity_limit])
     rows = LimitRows(
         names=tuple(names),
-        lower=-limit,
+        lower=np.append(-limit[:joints], [-np.inf, -np.inf]),  # the object's are sizes
         upper=limit,
         torque_matrix=np.zeros((len(names), joints)),
         wrench_matrix=np.zeros((len(names), len(cell.robots) * len(cell.wrench_components))),

@@ -126,7 +126,7 @@ class ScalingResult:
 
         There are none unless the limits are not enforced (`Cell.without_velocity_limits`).
         """
-        if self.trajectory is None:
+        if self.trajectory is None or self.cell.enforces_velocity_limits:
             return []
         return [
             f"{use.name.robot}/{use.name.element} reaches {use.share * use.upper:.3g} {use.name.unit}, its limit is "
