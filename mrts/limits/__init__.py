@@ -23,6 +23,9 @@ LIMITS: dict[str, Callable[[Cell, CoordinatedMotion], LimitRows]] = {
     "velocity_limits": velocity_limits,
 }
 
+OWN_LIMITS = tuple(LIMITS)
+"""Names of the limits that mrts comes with."""
+
 _Registered = tuple[Callable[[Cell, CoordinatedMotion], LimitRows], ...]
 _SQUARED: WeakKeyDictionary[CoordinatedMotion, WeakKeyDictionary[Cell, tuple[_Registered, SquaredRows]]] = (
     WeakKeyDictionary()

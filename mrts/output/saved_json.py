@@ -12,6 +12,7 @@ from mrts.base.errors import InputError
 from mrts.base.input_file import broken_rule
 from mrts.base.load_box import PARAMETERS, LoadBox
 from mrts.base.manifest import FORMAT, LOAD_ENTRIES, Manifest, Matrix, Matrix3, Vector3
+from mrts.limits import OWN_LIMITS
 from mrts.limits.rows import ActiveRow, RowName
 from mrts.samples import FormulationName
 
@@ -167,12 +168,14 @@ class Description(_Record):
     origin: str
     warnings: Annotated[list[WarningEntry], FailFast()]
     rows: Annotated[list[RowEntry], FailFast()]
+    limits: Annotated[list[str], FailFast()] = list(OWN_LIMITS)
     loads: Annotated[list[LoadEntry], FailFast()]
     conflicts: Annotated[list[ConflictEntry], FailFast()]
 
     def text(self) -> str:
         """As JSON."""
-        return json.dumps(self.model_dump(mode="json"), allow_nan=False, ensure_ascii=False)
+        usual = {"limits"} if self.limits == list(OWN_LIMITS) else set()
+        return json.dumps(self.model_dump(mode="json", exclude=usual), allow_nan=False, ensure_ascii=False)
 
 
 def read_description(path: Path, text: bytes) -> Description:

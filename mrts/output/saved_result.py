@@ -21,6 +21,7 @@ from mrts.cell.cell import Cell, cell_from_manifest
 from mrts.cell.functions import CellFunctions, saved_functions
 from mrts.cell.robot import robot_record, without_infinity
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.limits import LIMITS
 from mrts.motion.object_motion import ObjectMotion
 from mrts.output.npz_file import open_arrays
 from mrts.output.saved_json import (
@@ -144,7 +145,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
             held = Holding((start, end), arrays["holding_torque"], arrays["holding_wrench"])
         done = ScaledTrajectory(known, motion, said.c2, arrays["torque"], arrays["wrench"], held)
         done = done.with_internal_wrench(arrays["internal_wrench"])
-    warnings = tuple(Remark(one.code, one.text, one.sample) for one in said.warnings)
+    warnings = tuple(Remark(one.code, one.text, one.sample) for one in said.warnings) + _other_limits(said.limits)
     return ScalingResult(
         cell=known,
         motion=motion,
@@ -156,6 +157,17 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         origin=said.origin,
         warnings=warnings,
     )
+
+
+def _other_limits(found_with: list[str]) -> tuple[Remark, ...]:
+    """What to know where other limits are registered now than when the result was found."""
+    if found_with == list(LIMITS):
+        return ()
+    text = (
+        f"the result was found with the limits {', '.join(found_with)}; registered now are {', '.join(LIMITS)}, and of "
+        "these it is told how far they are used. Register what it was found with, or scale again."
+    )
+    return (Remark("other-limits", text),)
 
 
 @contextmanager
@@ -202,6 +214,7 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
         origin=result.origin,
         warnings=[WarningEntry.model_validate(warning.to_json()) for warning in result.warnings],
         rows=tables.row_entries(),
+        limits=list(LIMITS),
         loads=tables.load_entries(),
         conflicts=conflicts,
     )

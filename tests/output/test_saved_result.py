@@ -16,6 +16,7 @@ from saved_files import contents
 import mrts
 from mrts.cli import main
 from mrts.figures import range_figure, trajectory_figure, write_figure
+from mrts.limits import LIMITS
 from mrts.output.saved_json import Description
 from mrts.output.summary_lines import scaling_lines
 from mrts.output.trajectory_table import trajectory_csv
@@ -234,6 +235,19 @@ def test_the_command_line_saves(tmp_path, capsys):
     assert capsys.readouterr().out == "\n".join([*scaling_lines(again), ""])
     assert main([*command, "--c2", "99"]) == 2  # the range is saved all the same
     assert mrts.load_result(tmp_path / "deep" / "r.npz").trajectory is None
+
+
+def test_other_limits_than_it_was_found_with_are_told(planar_cell, lift, lifted, tmp_path, monkeypatch):
+    mrts.save_result(lifted, tmp_path / "usual.npz")
+    monkeypatch.setitem(LIMITS, "mine", LIMITS["torque_limits"])
+    mrts.save_result(mrts.scale(planar_cell, lift), tmp_path / "mine.npz")
+    assert mrts.load_result(tmp_path / "mine.npz").warnings == ()
+    (told,) = mrts.load_result(tmp_path / "usual.npz").warnings
+    assert told.code == "other-limits"
+    monkeypatch.delitem(LIMITS, "mine")
+    assert mrts.load_result(tmp_path / "usual.npz").warnings == ()
+    (told,) = mrts.load_result(tmp_path / "mine.npz").warnings
+    assert "found with the limits torque_limits, wrench_limits, velocity_limits, mine; registered now" in told.text
 
 
 def test_every_name_in_a_file_is_documented(planar_cell, lift, tmp_path):
