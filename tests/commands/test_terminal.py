@@ -30,7 +30,7 @@ WITHOUT_RICH = (
 )
 HEAVY = ("numpy", "casadi", "scipy", "pydantic", "yaml", "matplotlib", "rich", "argcomplete", "mrts_codegen")
 
-LOADS = 1500  # seconds of work, so that it is shown
+LOADS = 3000  # seconds of work, so that it is shown
 
 
 def varied(folder, **variation):
