@@ -3,7 +3,8 @@ PYTHON ?= python3
 override VENV := .venv
 override BIN := $(VENV)/bin
 override PIP := $(BIN)/python -I -m pip
-WORKERS ?= auto
+# one more than processors, as some tests wait for a browser
+WORKERS ?= $(shell expr $$(nproc) + 1)
 CASES ?= 100000
 SEED ?= 0
 
