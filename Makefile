@@ -3,8 +3,7 @@ PYTHON ?= python3
 override VENV := .venv
 override BIN := $(VENV)/bin
 override PIP := $(BIN)/python -I -m pip
-# one more than processors, as some tests wait for a browser
-WORKERS ?= $(shell expr $$(nproc) + 1)
+WORKERS ?= auto
 CASES ?= 100000
 SEED ?= 0
 
