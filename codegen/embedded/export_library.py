@@ -6,8 +6,7 @@ from pathlib import Path
 
 import casadi as ca
 from mrts_codegen.embedded.c_literals import WIDTH, Precision
-from mrts_codegen.embedded.library_name import check_library_name
-from mrts_codegen.embedded.library_words import NOTICE, cell_words, memory_words
+from mrts_codegen.embedded.export_name import check_library_name
 from mrts_codegen.embedded.model_source import model_prototypes, model_source
 from mrts_codegen.embedded.parts import (
     DECLARATIONS,
@@ -20,6 +19,7 @@ from mrts_codegen.embedded.parts import (
     is_whole,
 )
 from mrts_codegen.embedded.template import filled
+from mrts_codegen.embedded.template_words import NOTICE, cell_words, memory_words
 from mrts_codegen.embedded.vector_rows import vector_words
 
 from mrts.base.atomic_file import text_writer, write_together

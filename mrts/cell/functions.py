@@ -15,9 +15,9 @@ from mrts.base.manifest import MANIFEST_NAME, FunctionRecord, Manifest, check_so
 from mrts.cell.robot import Robot, robot_from_record
 from mrts.kernel.c_text import cell_source
 from mrts.kernel.cell_library import CellLibrary
+from mrts.kernel.compiled_cache import library_or_rebuilt
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.function_shapes import check_shapes
-from mrts.kernel.library_cache import library_or_rebuilt
 
 Backend = Literal["auto", "compiled", "vm"]
 logger = logging.getLogger("mrts")

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import CompilerError
 from mrts.kernel.c_text import programs_source
+from mrts.kernel.compiled_cache import library_or_rebuilt
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
-from mrts.kernel.library_cache import library_or_rebuilt
 
 CORNERS = 64
 """Most corners of a projection, `MRTS_CORNERS` of projection.c."""

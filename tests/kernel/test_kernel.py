@@ -17,9 +17,9 @@ from random_programs import cell_programs, hard_programs
 
 import mrts
 from mrts.kernel.c_text import programs_source
+from mrts.kernel.compiled_cache import library_in_cache
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.foreign_arrays import work_arrays
-from mrts.kernel.library_cache import library_in_cache
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, _programs_alone, compiled_programs
 from mrts.samples.trajectory_programs import _compiled
 from mrts.solvers.convex_program import ConvexPrograms, optimality_error, solve_programs
