@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
     from mrts.coordination.grasp_closure import ClosureBound
     from mrts.limits.rows import ActiveRow, RowName
+    from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
     from mrts.motion.joint_table import JointTable
     from mrts.motion.motion_file import MotionDescription, load_motion, sample_motion
     from mrts.motion.object_motion import ObjectMotion
@@ -40,9 +41,12 @@ if TYPE_CHECKING:
     from mrts.scaling.scale import SelectionError, scale
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
+    from mrts.studies.identified_motors import ArmMotors, MotorIdentification, MotorParameter
+    from mrts.studies.identify import identify
 
 _HOMES = {
     "ActiveRow": "limits.rows",
+    "ArmMotors": "studies.identified_motors",
     "Branch": "studies.configurations",
     "Cell": "cell.cell",
     "ClosureBound": "coordination.grasp_closure",
@@ -54,6 +58,7 @@ _HOMES = {
     "DistributionRule": "scaling.result",
     "Holding": "scaling.holding_torques",
     "InputError": "base.errors",
+    "JointRecording": "motion.joint_recording",
     "JointTable": "motion.joint_table",
     "LoadBox": "base.load_box",
     "LoadPoint": "base.load_box",
@@ -61,9 +66,12 @@ _HOMES = {
     "LoadStudy": "scaling.load_study",
     "MotionDescription": "motion.motion_file",
     "MotionError": "base.errors",
+    "MotorIdentification": "studies.identified_motors",
+    "MotorParameter": "studies.identified_motors",
     "MrtsError": "base.errors",
     "ObjectMotion": "motion.object_motion",
     "RangeEnd": "scaling.range",
+    "RecordedJoint": "motion.joint_recording",
     "Remark": "base.remark",
     "Residuals": "scaling.result",
     "RetimingResult": "retiming.result",
@@ -80,8 +88,10 @@ _HOMES = {
     "SelectionError": "scaling.scale",
     "SolverError": "base.errors",
     "follow_object": "coordination.coordinated_motion",
+    "identify": "studies.identify",
     "load_cell": "cell.cell",
     "load_motion": "motion.motion_file",
+    "load_recording": "motion.joint_recording",
     "load_result": "output.saved_result",
     "rank_configurations": "studies.configurations",
     "retime": "retiming.retime",
@@ -96,6 +106,7 @@ _HOMES = {
 
 __all__ = [
     "ActiveRow",
+    "ArmMotors",
     "Branch",
     "Cell",
     "ClosureBound",
@@ -107,6 +118,7 @@ __all__ = [
     "DistributionRule",
     "Holding",
     "InputError",
+    "JointRecording",
     "JointTable",
     "LoadBox",
     "LoadPoint",
@@ -114,9 +126,12 @@ __all__ = [
     "LoadStudy",
     "MotionDescription",
     "MotionError",
+    "MotorIdentification",
+    "MotorParameter",
     "MrtsError",
     "ObjectMotion",
     "RangeEnd",
+    "RecordedJoint",
     "Remark",
     "Residuals",
     "RetimingResult",
@@ -133,8 +148,10 @@ __all__ = [
     "SelectionError",
     "SolverError",
     "follow_object",
+    "identify",
     "load_cell",
     "load_motion",
+    "load_recording",
     "load_result",
     "rank_configurations",
     "retime",
