@@ -9,7 +9,7 @@ May import base to output. Start at `result_figures.py`.
 from mrts.figures.c2_range import draw_binding_rows, draw_range, range_figure
 from mrts.figures.configurations import draw_ranking, ranking_figure
 from mrts.figures.loads import draw_load_study, load_figure, study_figure
-from mrts.figures.motors import draw_friction, draw_motor_residual, motor_figure, write_motor_figures
+from mrts.figures.motors import draw_friction, draw_motor_residual, draw_motor_torque, motor_figure, write_motor_figures
 from mrts.figures.phase_plane import draw_phase_plane, phase_plane_figure
 from mrts.figures.power import draw_energy, draw_power, power_figure
 from mrts.figures.result_figures import write_result_figures
@@ -24,6 +24,7 @@ __all__ = [
     "draw_friction",
     "draw_load_study",
     "draw_motor_residual",
+    "draw_motor_torque",
     "draw_phase_plane",
     "draw_power",
     "draw_range",

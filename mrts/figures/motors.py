@@ -19,23 +19,25 @@ DOT = 2.0
 """Of a block [pt]."""
 
 
-def draw_motor_residual(axes: Axes, arm: ArmMotors, joint: int) -> None:
-    """Effort without rigid-body torque along time, its fit, and the difference; blocks that do not count are left out.
+def draw_motor_torque(axes: Axes, arm: ArmMotors, joint: int) -> None:
+    """Effort without rigid-body torque along time, and its fit; blocks that do not count are left out.
 
     Args:
         axes: Where to draw.
         arm: What was identified of the arm.
         joint: Its number, from 0.
     """
-    left_over, fitted = (np.where(arm.used[:, joint], part[:, joint], np.nan) for part in (arm.left_over, arm.fitted))
-    axes.plot(arm.time, left_over, ".", color=COLOURS[0], markersize=DOT, label="effort - rigid bodies")
+    fitted = np.where(arm.used[:, joint], arm.fitted[:, joint], np.nan)
+    used = arm.used[:, joint]
+    axes.plot(
+        arm.time[used], arm.left_over[used, joint], ".", color=COLOURS[0], markersize=DOT, label="effort - rigid bodies"
+    )
     axes.plot(arm.time, fitted, color=COLOURS[1], linewidth=0.8, label="motor")
-    axes.plot(arm.time, left_over - fitted, color=COLOURS[2], linewidth=0.8, label="residual")
-    finish(axes, "time [s]", f"{plain(arm.robot.joints[joint])} [{arm.robot.torque_units[joint]}]")
+    finish(axes, "time [s]", _unit(arm, joint))
 
 
 def draw_friction(axes: Axes, arm: ArmMotors, joint: int) -> None:
-    """Effort without rigid-body torque and armature over the speed, and the friction identified.
+    """Effort without rigid-body torque, armature and offset over the speed, and the friction identified.
 
     Args:
         axes: Where to draw.
@@ -49,25 +51,43 @@ def draw_friction(axes: Axes, arm: ArmMotors, joint: int) -> None:
     reach = np.max(np.abs(speed), initial=0.0)
     coulomb, viscous = arm.coulomb.value[joint], arm.viscous.value[joint]
     line = [-coulomb - viscous * reach, -coulomb, coulomb, coulomb + viscous * reach]
-    axes.plot([-reach, 0, 0, reach], line, color=COLOURS[1], label="friction")
-    unit = f"{arm.robot.position_units[joint]}/s"
-    finish(axes, f"speed [{unit}]", f"[{arm.robot.torque_units[joint]}]")
+    axes.plot([-reach, 0, 0, reach], line, color=COLOURS[1], linewidth=0.8, label="friction")
+    finish(axes, f"speed [{arm.robot.position_units[joint]}/s]", _unit(arm, joint))
+
+
+def draw_motor_residual(axes: Axes, arm: ArmMotors, joint: int) -> None:
+    """What neither rigid bodies nor motor explain, along time.
+
+    Args:
+        axes: Where to draw.
+        arm: What was identified of the arm.
+        joint: Its number, from 0.
+    """
+    used = arm.used[:, joint]
+    residual = arm.left_over[used, joint] - arm.fitted[used, joint]
+    axes.plot(arm.time[used], residual, ".", color=COLOURS[2], markersize=DOT, label="residual")
+    finish(axes, "time [s]", _unit(arm, joint))
+
+
+def _unit(arm: ArmMotors, joint: int) -> str:
+    return f"[{arm.robot.torque_units[joint]}]"
 
 
 def motor_figure(arm: ArmMotors) -> Figure:
-    """Every joint of an arm: what is left over along time, and friction over speed.
+    """Every joint of an arm: what is left over along time, friction over speed, and the residual.
 
     Args:
         arm: What was identified of it.
     """
     count = len(arm.robot.joints)
-    figure = Figure(figsize=(9.0, 1.2 + ROW_INCHES * count), layout="constrained")
-    grid = figure.subplots(count, 2, squeeze=False, width_ratios=(2, 1))
-    for joint, (left, right) in enumerate(grid):
-        draw_motor_residual(left, arm, joint)
-        draw_friction(right, arm, joint)
+    figure = Figure(figsize=(11.0, 1.2 + ROW_INCHES * count), layout="constrained")
+    grid = figure.subplots(count, 3, squeeze=False, width_ratios=(2, 1, 1))
+    for joint, row in enumerate(grid):
+        for axes, draw in zip(row, (draw_motor_torque, draw_friction, draw_motor_residual), strict=True):
+            draw(axes, arm, joint)
+        row[0].set_title(plain(arm.robot.joints[joint]), loc="left", fontsize="small")
     for axes in grid[0]:
-        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, fontsize="small", frameon=False)
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize="small", frameon=False)
     figure.suptitle(plain_text(f"{arm.robot.name}: efforts that the rigid bodies leave over"), fontsize="medium")
     return figure
 

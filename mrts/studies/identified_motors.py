@@ -216,7 +216,7 @@ def _block(arm: ArmMotors) -> list[str]:
     for name, found in arm.estimates.items():
         if name not in kept:
             without = [place for place, known in enumerate(found.identified) if not known]
-            lines.append(f"      # {name} is left out:")
+            lines.append(f"      # {name} is not known of every joint, so it is left out:")
             lines += [f"      #   {printable(arm.robot.joints[place])}: {found.reasons[place]}" for place in without]
             lines += [f"      #   known: {_known(arm, found)}"] if len(without) < len(found.reasons) else []
     return lines
@@ -225,7 +225,7 @@ def _block(arm: ArmMotors) -> list[str]:
 def _entry(arm: ArmMotors, name: str, indent: str) -> list[str]:
     """A list of numbers, and what is known of them."""
     found = arm.estimates[name]
-    units = sorted({_unit(arm, name, place) for place in range(len(found.value))}, reverse=True)
+    units = dict.fromkeys(_unit(arm, name, place) for place in range(len(found.value)))
     widths = ", ".join(f"{width:.2g}" for width in found.half_width)
     bounded = [printable(arm.robot.joints[place]) for place in np.flatnonzero(found.bounded)]
     zero = f"; held at 0: {', '.join(bounded)}" if bounded else ""

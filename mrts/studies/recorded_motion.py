@@ -33,7 +33,7 @@ ORDER = 2
 FORGOTTEN = 1.0
 """Periods of the cutoff after which the filter has forgotten a sample but for 1 %."""
 
-ENDS = 2.0
+ENDS = 4.0
 """Periods of the cutoff at both ends of a recording, where the filter has to guess what was before and after."""
 
 FEWEST_BLOCKS = 20
@@ -51,8 +51,8 @@ NOISE_MULTIPLE = 4.0
 UNEVEN = 1e-3
 """Share of a step by which times of even samples may be off: stamps are rounded."""
 
-LONGEST_GAP = 3.5
-"""Steps between two samples that are still bridged: what happens meanwhile is not known."""
+LONGEST_GAP = 0.25
+"""Periods of the cutoff between two samples that are still bridged: what happens in longer ones is not known."""
 
 DEGREE = 5
 """Of the spline through smoothed positions."""
@@ -129,7 +129,7 @@ def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutof
     spline = make_interp_spline(time - start, q, k=DEGREE)
     dq, ddq = (np.asarray(spline(time - start, order), dtype=np.float64) for order in (1, 2))
     sure = np.abs(dq) > _slowest(dq, position - q, rate, cutoff)
-    sure &= np.column_stack([_near_samples(joint.time, time) for joint in joints])
+    sure &= np.column_stack([_near_samples(joint.time, time, LONGEST_GAP / cutoff) for joint in joints])
     ends = int(np.ceil(ENDS * rate / cutoff))
     sure[:ends], sure[-ends:] = False, False
     return RecordedMotion(
@@ -173,10 +173,10 @@ def _at(joint: RecordedJoint, time: Array) -> tuple[Array, Array]:
     return np.asarray(position, dtype=np.float64), np.interp(within, joint.time, joint.effort)
 
 
-def _near_samples(recorded: Array, time: Array) -> NDArray[np.bool_]:
-    """Where samples were recorded before and after, not too far apart, Shape (N,)."""
+def _near_samples(recorded: Array, time: Array, longest: float) -> NDArray[np.bool_]:
+    """Where the samples recorded before and after are not too far apart [s], Shape (N,)."""
     after = np.clip(np.searchsorted(recorded, time), 1, len(recorded) - 1)
-    near: NDArray[np.bool_] = recorded[after] - recorded[after - 1] <= LONGEST_GAP * (time[1] - time[0])
+    near: NDArray[np.bool_] = recorded[after] - recorded[after - 1] <= longest
     return near
 
 

@@ -6,10 +6,12 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+import mrts
+
 STEP = 5e-5  # s; MuJoCo's velocities lag by half a step, which viscous friction makes an armature of b h / 2
 SUBSTEPS = 20  # steps a sample: 1 kHz
 QUANTUM = 1e-5  # rad or m, of an encoder
-EFFORT_NOISE = 0.015  # of a joint's torque limit, standard deviation
+EFFORT_NOISE = 0.01  # of a joint's torque limit, standard deviation
 
 
 @dataclass(frozen=True)
@@ -26,14 +28,14 @@ def sines(time, joints, rng, share=1.0, still=()):
     parts = np.zeros((3, len(time), joints))
     for joint in range(joints):
         for _ in range(5):
-            w, phase = 2 * np.pi * rng.uniform(0.1, 0.6), rng.uniform(0, 2 * np.pi)
-            size = 0 if joint in still else share * rng.uniform(0.1, 0.3)
+            w, phase = 2 * np.pi * rng.uniform(0.2, 1.2), rng.uniform(0, 2 * np.pi)
+            size = 0 if joint in still else share * rng.uniform(0.06, 0.16)
             sine, cosine = size * np.sin(w * time + phase), size * np.cos(w * time + phase)
             parts[:, :, joint] += [sine, w * cosine, -(w**2) * sine]
     return parts
 
 
-def simulated(cell, robot, urdf, motors, seconds=20.0, seed=1, still=()):
+def simulated(cell, robot, urdf, motors, seconds=30.0, seed=1, still=()):
     """Time, positions and efforts of an arm that MuJoCo moves by position control, as they are, before any noise."""
     spec = mujoco.MjSpec()
     spec.option.timestep = STEP
@@ -87,3 +89,37 @@ def exact_efforts(cell, motors, q, dq, ddq):
     of = cell.functions("dynamics", len(q), {"q": q, "dq": dq})
     rigid = np.einsum("nij,nj->ni", of["mass_matrix"], ddq) + of["coriolis_torque"] + of["gravity_torque"]
     return rigid + motors.armature * ddq + motors.viscous * dq + motors.coulomb * np.sign(dq)
+
+
+def recording(path, joints, time, q, effort):
+    """Recorded joints by name, as a file of this path would give them."""
+    columns = zip(joints, q.T, effort.T, strict=True)
+    return mrts.JointRecording(path, {name: mrts.RecordedJoint(time, x, tau) for name, x, tau in columns}, {})
+
+
+def names(robot):
+    """Columns of an arm."""
+    return [f"{robot.name}/{joint}" for joint in robot.joints]
+
+
+def write_recording(path, joints, time, q, effort):
+    """A table of a recording, as a logger prints it."""
+    head = ["t", *(f"q.{name}" for name in joints), *(f"tau.{name}" for name in joints)]
+    rows = np.column_stack([time, q, effort])
+    np.savetxt(path, rows, delimiter=",", header=",".join(head), comments="", fmt="%.9g")
+    return path
+
+
+def exact_recording(cell, motors, seconds=20.0, rate=1000.0, seed=5, still=()):
+    """Names, times, positions and efforts of all arms of a cell in one motion, without noise."""
+    time = np.arange(round(seconds * rate)) / rate
+    joints = [name for robot in cell.robots for name in names(robot)]
+    q, dq, ddq = sines(time, len(joints), np.random.default_rng(seed), still=still)
+    q += np.concatenate([robot.posture for robot in cell.robots])
+    return joints, time, q, exact_efforts(cell, motors, q, dq, ddq)
+
+
+def random_motors(count, seed=6):
+    """Motors of so many joints."""
+    rng = np.random.default_rng(seed)
+    return Motors(rng.uniform(0.2, 1, count), rng.uniform(2, 8, count), rng.uniform(1, 6, count))
