@@ -12,6 +12,7 @@ from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.coordination.joint_columns import columns_by_joint, meant_instead
+from mrts.inverse_kinematics.joint_limits import DEGREES_SUSPECTED, PRINTED_TOLERANCE, within_limits
 from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
 from mrts.studies.identified_motors import ArmMotors, MotorIdentification, MotorParameter
 from mrts.studies.motor_regression import PARAMETERS, JointFit, fit_joint
@@ -55,8 +56,10 @@ def identify(cell: Cell, recording: JointRecording | Path | str, *, cutoff: floa
     remarks: list[Remark] = []
     arms = []
     for robot, joints in found:
+        _check_units(recording, robot, joints)
         motion = smoothed_motion(recording.path, robot, joints, cutoff)
         _check_efforts(recording, robot, joints, motion)
+        remarks += _limit_remarks(robot, motion)
         arms.append(_identify_arm(cell, robot, motion))
         remarks += _remarks(arms[-1])
     if not any(np.any(arm.used) for arm in arms):
@@ -93,9 +96,39 @@ def _recorded_arms(cell: Cell, recording: JointRecording) -> list[tuple[Robot, l
         raise InputError(
             recording.path,
             f"no arm of cell '{cell.name}' has joints of these names: {names}. Names are ROBOT/JOINT as in the cell "
-            f"file and its URDF, such as '{first}'.",
+            f"file and its URDF, such as '{first}'; in a bag, ROBOT is the first name of the topic.",
         )
     return arms
+
+
+def _check_units(recording: JointRecording, robot: Robot, joints: list[RecordedJoint]) -> None:
+    """Refuse positions in degrees: beyond two turns of a joint that has limits."""
+    limits = np.maximum(np.abs(robot.position_lower), np.abs(robot.position_upper))
+    for place, (name, joint) in enumerate(zip(robot.joints, joints, strict=True)):
+        furthest = float(np.max(np.abs(joint.position)))
+        if robot.position_units[place] == "rad" and furthest > max(limits[place], DEGREES_SUSPECTED):
+            raise InputError(
+                recording.path,
+                f"is more than two turns and its limit, {limits[place]:.4g}: positions are in rad, are these degrees?",
+                key=f"position of {robot.name}/{name}",
+                value=furthest,
+            )
+
+
+def _limit_remarks(robot: Robot, motion: RecordedMotion) -> list[Remark]:
+    """Joints recorded beyond their position limits, by whole turns or not: their zero may not be that of the URDF."""
+    q = within_limits(robot, motion.q)
+    low, high = np.min(q, axis=0), np.max(q, axis=0)
+    beyond = (low < robot.position_lower - PRINTED_TOLERANCE) | (high > robot.position_upper + PRINTED_TOLERANCE)
+    return [
+        Remark(
+            "past-position-limit",
+            f"'{robot.name}/{robot.joints[place]}' moves from {low[place]:.4g} to {high[place]:.4g} "
+            f"{robot.position_units[place]}, its limits are [{robot.position_lower[place]:.4g}, "
+            f"{robot.position_upper[place]:.4g}]: is its zero that of the URDF? Gravity depends on it.",
+        )
+        for place in np.flatnonzero(beyond)
+    ]
 
 
 def _check_efforts(

@@ -7,7 +7,7 @@ keep what positions have lost: filtered alike, both sides of an equation that is
 and accelerations are those of the quintic spline through the smoothed positions.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -123,6 +123,10 @@ def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutof
             f" needs at least {least:.3g} s, a good identification 20 s or more.",
         )
     time = start + step * np.arange(count)
+    joints = [
+        _without_turns(joint) if unit == "rad" else joint
+        for joint, unit in zip(joints, robot.position_units, strict=True)
+    ]
     position, effort = (np.column_stack(part) for part in zip(*(_at(joint, time) for joint in joints), strict=True))
     low_pass = butter(ORDER, cutoff, fs=rate, output="sos")
     q = sosfiltfilt(low_pass, position, axis=0)
@@ -157,6 +161,11 @@ def _cutoff(rate: float, given: float | None) -> float:
 
 def _block(rate: float, cutoff: float) -> int:
     return int(np.ceil(rate / cutoff))
+
+
+def _without_turns(joint: RecordedJoint) -> RecordedJoint:
+    """A joint whose encoder leaps from π to -π, without these leaps."""
+    return replace(joint, position=np.unwrap(joint.position))
 
 
 def _at(joint: RecordedJoint, time: Array) -> tuple[Array, Array]:

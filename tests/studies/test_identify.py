@@ -231,6 +231,30 @@ def test_an_offset_of_a_sensor_changes_nothing_else(planar_cell):
             np.testing.assert_allclose(value_of(arm, kind), getattr(motors, kind)[part], rtol=1e-3)
 
 
+def test_encoders_that_leap_by_a_turn_say_the_same(dual_ur5):
+    """From π to -π; a whole turn away from the limits of the URDF is where it was."""
+    motors = random_motors(12)
+    joints, time, q, effort = exact_recording(dual_ur5, motors)
+    leaping = (q + np.pi) % (2 * np.pi) - np.pi
+    assert np.max(np.abs(np.diff(leaping, axis=0))) > 6
+    straight, found = (mrts.identify(dual_ur5, recording(FILE, joints, time, x, effort)) for x in (q, leaping))
+    assert found.remarks == ()
+    for ours, theirs in zip(found.arms, straight.arms, strict=True):
+        for kind in KINDS:
+            np.testing.assert_allclose(value_of(ours, kind), value_of(theirs, kind), rtol=1e-9)
+
+
+def test_units_and_zeros_of_positions_are_doubted(dual_ur5):
+    joints, time, q, effort = exact_recording(dual_ur5, random_motors(12))
+    with pytest.raises(mrts.InputError, match=r"recorded\.csv: position of left/\w+ = \d.*are these degrees\?"):
+        mrts.identify(dual_ur5, recording(FILE, joints, time, np.rad2deg(q), effort))
+    off = q + np.where(np.arange(12) == 8, 1.2, 0.0)  # the right elbow, which ends at π
+    found = mrts.identify(dual_ur5, recording(FILE, joints, time, off, effort))
+    said = [remark.text for remark in found.remarks if remark.code == "past-position-limit"]
+    assert len(said) == 1
+    assert "'right/elbow' moves from" in said[0]
+
+
 def test_sliding_joints_have_units_of_their_own(tmp_path):
     cell = gantries(tmp_path)
     motors = random_motors(6)
