@@ -4,6 +4,7 @@
 import argparse
 from pathlib import Path
 
+from mrts.base.errors import InputError
 from mrts.commands.options import cell_option, require
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
@@ -48,7 +49,12 @@ def run(options: argparse.Namespace) -> int:
     with working(f"reading {options.recording}"):
         recording = load_recording(options.recording)
     with working(f"identifying motors of {cell.name}"):
-        found = identify(cell, recording, cutoff=options.cutoff)
+        try:
+            found = identify(cell, recording, cutoff=options.cutoff)
+        except InputError as error:
+            if error.where == "cutoff":
+                raise InputError("--cutoff", error.rule, value=error.value) from None
+            raise
     outputs = Outputs()
     if found.empty:
         warn(f"there is no parameter that is known of all joints of an arm: {options.output} not written")

@@ -157,6 +157,21 @@ def test_a_joint_that_does_not_move_is_left_out(planar_cell):
     assert (found.empty, found.complete) == (False, False)
 
 
+def test_a_joint_that_friction_holds_is_left_out(planar_cell):
+    """In MuJoCo, where the other joints pull at it."""
+    robot, (urdf, moving) = planar_cell.robots[0], SIMULATED["planar"]
+    motors = Motors(moving.armature, moving.viscous, moving.coulomb + [0, 60, 0])
+    time, q, effort = simulated(planar_cell, robot, urdf, motors, still=(1,))
+    assert 0 < np.ptp(q[:, 1]) < 1e-4
+    noisy = measured(robot, q, effort, np.random.default_rng(1))
+    found = mrts.identify(planar_cell, recording(FILE, names(robot), time, *noisy))
+    for kind in KINDS:
+        np.testing.assert_array_equal(getattr(found.arms[0], kind).identified, [True, False, True])
+        others = value_of(found.arms[0], kind)[[0, 2]]
+        np.testing.assert_allclose(others, getattr(motors, kind)[[0, 2]], rtol=FOUND)
+    assert {remark.code for remark in found.remarks} == {"not-excited", "not-recorded"}
+
+
 def to_and_fro(time):
     """At one speed, but for 50 ms around each turn: positions, velocities, accelerations."""
     phase, sharp = np.pi * (time + 0.7) / 2, 0.02
