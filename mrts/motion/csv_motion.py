@@ -155,7 +155,7 @@ def _joint_parts(path: Path, columns: dict[str, Array]) -> dict[str, dict[str, A
         if name == "t" or part == "F":
             continue
         if part not in parts or not joint:
-            raise InputError(path, f"unknown column '{name}'. Columns are t, q.ROBOT/JOINT, dq.…, ddq.….")
+            raise InputError(path, f"unknown column '{name}'. Columns are t, q.ROBOT/JOINT, dq.…, ddq.…, tau.….")
         parts[part][joint] = values
     return parts
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.argument_types import as_path
-from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.arrays import Array, freeze
+from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.motion.csv_motion import read_joint_columns
 from mrts.motion.ros_messages import NANOSECONDS, bag_messages, is_bag, joint_column
@@ -18,7 +18,7 @@ from mrts.motion.ros_messages import NANOSECONDS, bag_messages, is_bag, joint_co
 KIND = "sensor_msgs/msg/JointState"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RecordedJoint:
     """What was measured of one joint.
 
@@ -26,11 +26,24 @@ class RecordedJoint:
         time: Shape (N,) [s], strictly increasing.
         position: Shape (N,) [rad or m].
         effort: Torque or force of the motor, joint side of its gear, Shape (N,) [N m or N].
+
+    Raises:
+        InputError: If a number is not finite, shapes differ, or times do not increase.
     """
 
     time: Array
     position: Array
     effort: Array
+
+    def __post_init__(self) -> None:
+        for name in ("time", "position", "effort"):
+            value = as_array(name, getattr(self, name))
+            object.__setattr__(self, name, value)
+            if value.ndim != 1 or value.shape != self.time.shape or not np.all(np.abs(value) <= LARGEST_NUMBER):
+                raise InputError(name, "must be finite numbers with the Shape (N,) of the times.")
+        if len(self.time) < 2 or np.min(np.diff(self.time)) <= 0:  # noqa: PLR2004 (start and end)
+            raise InputError("time", "must be at least two times that strictly increase.")
+        freeze(self)
 
 
 @dataclass(frozen=True, repr=False)
@@ -143,4 +156,6 @@ def _joint(path: Path, topic: str, joint: str, rows: list[tuple[int, float, floa
         key = f"{topic}, message {message} of {joint}, header.stamp"
         raise InputError(path, "is earlier than that of the message before.", key=key)
     new = np.concatenate([[True], np.diff(stamps) > 0])
+    if np.count_nonzero(new) < 2:  # noqa: PLR2004 (start and end)
+        raise InputError(path, "one message is no motion.", key=f"{topic}, {joint}")
     return RecordedJoint(stamps[new] / NANOSECONDS, *values[new].T)

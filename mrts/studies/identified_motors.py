@@ -135,11 +135,6 @@ class MotorIdentification:
         raise InputError("robot", f"is not in the recording; there are {known}.", value=robot)
 
     @property
-    def complete(self) -> bool:
-        """Whether every parameter of every recorded joint is identified."""
-        return all(bool(np.all(found.identified)) for arm in self.arms for found in arm.estimates.values())
-
-    @property
     def empty(self) -> bool:
         """Whether no parameter is identified of all joints of an arm, so that nothing can be written."""
         return not any(np.all(found.identified) for arm in self.arms for found in arm.estimates.values())

@@ -24,6 +24,9 @@ CHUNK = 4096
 EXPLAINED = 0.5
 """Share of an effort's variance that model and motors explain at least, or something is wrong with either."""
 
+NOISY = 0.01
+"""Share of a joint's squared accelerations that may be noise: its inertia is too small by as much."""
+
 MOST_NAMED = 12
 """Columns named in a message; a humanoid has more."""
 
@@ -61,7 +64,7 @@ def identify(cell: Cell, recording: JointRecording | Path | str, *, cutoff: floa
         _check_efforts(recording, robot, joints, motion)
         remarks += _limit_remarks(robot, motion)
         arms.append(_identify_arm(cell, robot, motion))
-        remarks += _remarks(arms[-1])
+        remarks += _remarks(arms[-1]) + _noise_remarks(arms[-1], motion.speed_noise)
     if not any(np.any(arm.used) for arm in arms):
         raise InputError(
             recording.path,
@@ -236,6 +239,28 @@ def _remarks(arm: ArmMotors) -> list[Remark]:
                     f"only {100 * max(arm.explained[place], 0.0):.2g} % of the effort of '{name}' is explained: is it "
                     "in N m (N) and not in A, on the joint side of the gear, was nothing in the hand, is the URDF that "
                     "of this arm?",
+                )
+            )
+    return remarks
+
+
+def _noise_remarks(arm: ArmMotors, speed_noise: Array) -> list[Remark]:
+    """Joints whose accelerations are so noisy that least squares, which take them for exact, find too little inertia.
+
+    The mean acceleration of a block is the difference of two velocities by the block's length.
+    """
+    remarks = []
+    for place, joint in enumerate(arm.robot.joints):
+        moving = arm.acceleration[arm.used[:, place], place]
+        noise = 2 * (speed_noise[place] * arm.cutoff) ** 2
+        share = noise / np.mean(moving**2) if len(moving) and np.any(moving) else 0.0
+        if share > NOISY:
+            remarks.append(
+                Remark(
+                    "noisy-positions",
+                    f"noise of the positions of '{arm.robot.name}/{joint}' is {100 * share:.2g} % of its squared "
+                    "accelerations: its armature is too small by that share of the whole inertia that the joint turns. "
+                    "Lower the cutoff, or accelerate more.",
                 )
             )
     return remarks

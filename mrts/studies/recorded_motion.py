@@ -71,6 +71,7 @@ class RecordedMotion:
         ddq: Shape (N, n) [rad/s² or m/s²].
         sign: Sign of the velocity, filtered like the effort, Shape (N, n).
         effort: Shape (N, n) [N m or N].
+        speed_noise: Standard deviation of what noise of the positions leaves in `dq`, Shape (n,) [rad/s or m/s].
         known: Where the sign of the velocity is known, as far back and ahead as the filter reaches, Shape (N, n).
     """
 
@@ -82,6 +83,7 @@ class RecordedMotion:
     ddq: Array
     sign: Array
     effort: Array
+    speed_noise: Array
     known: NDArray[np.bool_]
 
     @property
@@ -132,7 +134,9 @@ def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutof
     q = sosfiltfilt(low_pass, position, axis=0)
     spline = make_interp_spline(time - start, q, k=DEGREE)
     dq, ddq = (np.asarray(spline(time - start, order), dtype=np.float64) for order in (1, 2))
-    sure = np.abs(dq) > _slowest(dq, position - q, rate, cutoff)
+    speed_noise = _speed_noise(position - q, rate, cutoff)
+    fastest = np.max(np.abs(dq), axis=0)
+    sure = np.abs(dq) > np.maximum(np.maximum(SLOW_SHARE * fastest, NOISE_MULTIPLE * speed_noise), SLOWEST)
     sure &= np.column_stack([_near_samples(joint.time, time, LONGEST_GAP / cutoff) for joint in joints])
     ends = int(np.ceil(ENDS * rate / cutoff))
     sure[:ends], sure[-ends:] = False, False
@@ -145,6 +149,7 @@ def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutof
         ddq=ddq,
         sign=sosfiltfilt(low_pass, np.sign(dq), axis=0),
         effort=sosfiltfilt(low_pass, effort, axis=0),
+        speed_noise=speed_noise,
         known=_without_neighbours(sure, int(np.ceil(FORGOTTEN * rate / cutoff))),
     )
 
@@ -189,14 +194,10 @@ def _near_samples(recorded: Array, time: Array, longest: float) -> NDArray[np.bo
     return near
 
 
-def _slowest(dq: Array, noise: Array, rate: float, cutoff: float) -> Array:
-    """Speeds up to which a joint's sign of travel is not known, Shape (n,).
-
-    White noise of the positions becomes 2π f_c √(2 f_c / 3 f_s) as much of the smoothed velocities.
-    """
-    of_speed = np.std(noise, axis=0) * 2 * np.pi * cutoff * np.sqrt(2 * cutoff / (3 * rate))
-    fastest = SLOW_SHARE * np.max(np.abs(dq), axis=0)
-    return np.asarray(np.maximum(np.maximum(fastest, NOISE_MULTIPLE * of_speed), SLOWEST))
+def _speed_noise(filtered_out: Array, rate: float, cutoff: float) -> Array:
+    """Noise of the smoothed velocities, Shape (n,): 2π f_c √(2 f_c / 3 f_s) times white noise of the positions."""
+    share = 2 * np.pi * cutoff * np.sqrt(2 * cutoff / (3 * rate))
+    return np.asarray(share * np.std(filtered_out, axis=0), dtype=np.float64)
 
 
 def _without_neighbours(sure: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:

@@ -155,3 +155,18 @@ def test_a_missing_joint_of_an_arm_is_named(planar_cell, recorded):
         mrts.InputError, match=r"no arm of cell 'planar_dual_arm' has joints of these names: robot/axis"
     ):
         mrts.identify(planar_cell, mrts.JointRecording(DATA / "x.csv", other, {}))
+
+
+@pytest.mark.parametrize(
+    ("time", "position", "said"),
+    [
+        ([0, 1], [0, np.nan], "position: must be finite numbers with the Shape"),
+        ([0, 1], [0, 1, 2], "position: must be finite numbers with the Shape"),
+        ([0, 0], [0, 1], "time: must be at least two times that strictly increase"),
+        ([0], [0], "time: must be at least two times that strictly increase"),
+        ([0, 1], "left", "position = 'left': must be numbers"),
+    ],
+)
+def test_recorded_joints_made_in_python_are_checked(time, position, said):
+    with pytest.raises(mrts.InputError, match=said):
+        mrts.RecordedJoint(time, position, np.zeros(len(time)))

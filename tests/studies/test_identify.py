@@ -1,5 +1,6 @@
 """Motors from recordings: known ones are found again, with the confidence that is claimed, or it is said why not."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -154,13 +155,13 @@ def test_a_joint_that_does_not_move_is_left_out(planar_cell):
     assert set(blocks["right"]) == {"armature", "friction"}
     assert "#   elbow: it hardly moves in the recording" in text
     assert "15 of 18 parameters" in found.sentence()
-    assert (found.empty, found.complete) == (False, False)
+    assert not found.empty
 
 
 def test_a_joint_that_friction_holds_is_left_out(planar_cell):
     """In MuJoCo, where the other joints pull at it."""
     robot, (urdf, moving) = planar_cell.robots[0], SIMULATED["planar"]
-    motors = Motors(moving.armature, moving.viscous, moving.coulomb + [0, 60, 0])
+    motors = Motors(moving.armature, moving.viscous, moving.coulomb + np.array([0, 60, 0]))
     time, q, effort = simulated(planar_cell, robot, urdf, motors, still=(1,))
     assert 0 < np.ptp(q[:, 1]) < 1e-4
     noisy = measured(robot, q, effort, np.random.default_rng(1))
@@ -227,6 +228,24 @@ def test_a_number_that_would_be_negative_is_zero_and_said(planar_cell):
     assert armature.free[1] == pytest.approx(motors.armature[4] - 2, rel=1e-3)
     assert [remark.code for remark in found.remarks] == ["bound-active"]
     assert "held at 0: elbow" in found.to_yaml()
+
+
+def test_noise_of_positions_is_said_to_take_inertia(planar_cell):
+    """And it takes as much as is said."""
+    motors = random_motors(6)
+    joints, time, q, effort = exact_recording(planar_cell, motors)
+    rng = np.random.default_rng(3)
+    quiet, noisy = (
+        mrts.identify(planar_cell, recording(FILE, joints, time, q + size * rng.standard_normal(q.shape), effort))
+        for size in (1e-4, 3e-3)
+    )
+    assert quiet.remarks == ()
+    said = [remark.text for remark in noisy.remarks if remark.code == "noisy-positions"]
+    assert len(said) == 6
+    shares = np.array([float(re.search(r"is ([\d.]+) %", text).group(1)) / 100 for text in said])
+    lost = 1 - np.concatenate([value_of(arm, "armature") for arm in noisy.arms]) / motors.armature
+    wrists = [2, 5]  # which turn next to nothing but their armature
+    np.testing.assert_allclose(lost[wrists], shares[wrists], rtol=0.5)
 
 
 def test_currents_are_no_torques(dual_ur5):
