@@ -149,8 +149,8 @@ class MotorIdentification:
     def table(self) -> str:
         """Every joint with its parameters and half their intervals of 95 % confidence."""
         width = max(NAME_WIDTH, *(len(_joint(arm, n)) + 2 for arm in self.arms for n in range(len(arm.robot.joints))))
-        head = f"{'joint':<{width}}" + "".join(f"{name:>24}" for name in UNITS) + f"{'residual rms':>18}"
-        lines = [head]
+        heads = (f"{name} [{', '.join(dict.fromkeys(_units(name, self.arms)))}]" for name in UNITS)
+        lines = [f"{'joint':<{width}}" + "".join(f"{head:>24}" for head in heads) + f"{'residual rms':>18}"]
         for arm in self.arms:
             for place, unit in enumerate(arm.robot.torque_units):
                 cells = [_cell(found, place) for found in arm.estimates.values()]
@@ -220,16 +220,17 @@ def _block(arm: ArmMotors) -> list[str]:
 def _entry(arm: ArmMotors, name: str, indent: str) -> list[str]:
     """A list of numbers, and what is known of them."""
     found = arm.estimates[name]
-    units = dict.fromkeys(_unit(arm, name, place) for place in range(len(found.value)))
+    units = dict.fromkeys(_units(name, [arm]))
     widths = ", ".join(f"{width:.2g}" for width in found.half_width)
     bounded = [printable(arm.robot.joints[place]) for place in np.flatnonzero(found.bounded)]
     zero = f"; held at 0: {', '.join(bounded)}" if bounded else ""
     return [f"{indent}{name}: {_numbers(found.value)}  # {' or '.join(units)}; ± {widths}{zero}"]
 
 
-def _unit(arm: ArmMotors, name: str, place: int) -> str:
+def _units(name: str, arms: Sequence[ArmMotors]) -> list[str]:
+    """Units of a parameter of every joint."""
     turning, sliding = UNITS[name]
-    return turning if arm.robot.position_units[place] == "rad" else sliding
+    return [turning if unit == "rad" else sliding for arm in arms for unit in arm.robot.position_units]
 
 
 def _known(arm: ArmMotors, found: MotorParameter) -> str:
