@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
+from mrts_codegen.hand_file import MOST_CONTACTS, ContactDescription
 from pydantic import Field, model_validator
 
 from mrts.base.arrays import Array
@@ -137,6 +138,7 @@ class RobotDescription(StrictModel):
     posture: Annotated[list[Angle], Field(min_length=1)]
     torque: Annotated[list[Finite], Field(min_length=1)] | TorqueBounds | None = None
     wrench: Bounds = Bounds()
+    contact: list[ContactDescription] = Field(default_factory=list, max_length=MOST_CONTACTS)
     fixed: dict[str, Angle] = Field(default_factory=dict)
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from mrts_codegen.cell_file import Bounds, CellDescription, RobotDescription, TorqueBounds, resolve_urdf
 from mrts_codegen.equations.spatial_algebra import PLANE_COMPONENTS
+from mrts_codegen.hand_file import build_contacts
 from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.planar_cell import check_plane_kept
 from mrts_codegen.urdf.robot_model import RobotModel, build_robot_model
@@ -20,9 +21,11 @@ from mrts_codegen.urdf.urdf_joint import NO_LIMIT
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import MAX_URDF_BYTES
+from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.base.regular_file import read_regular
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
+from mrts.hands.contact import Contact
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +45,7 @@ class CellRobot:
         torque_upper: Shape (n,) [N m or N].
         wrench_lower: Base axes, minus infinity where unbounded, Shape (w,) [N, N m].
         wrench_upper: Base axes, infinity where unbounded, Shape (w,) [N, N m].
+        contacts: What its hand can exert on the object.
     """
 
     name: str
@@ -56,6 +60,7 @@ class CellRobot:
     torque_upper: Array
     wrench_lower: Array
     wrench_upper: Array
+    contacts: tuple[Contact, ...]
 
 
 @dataclass(frozen=True)
@@ -133,7 +138,12 @@ def _build_robot(
         torque_upper=torque_upper,
         wrench_lower=wrench_lower,
         wrench_upper=wrench_upper,
+        contacts=build_contacts(path, f"{key}.contact", robot.contact, _wrench_components(cell), T_object_tip.R),
     )
+
+
+def _wrench_components(cell: CellDescription) -> tuple[str, ...]:
+    return tuple(WRENCH_COMPONENTS[component] for component in PLANE_COMPONENTS[cell.plane])
 
 
 def _torque_limits(

@@ -29,6 +29,7 @@ from mrts.base.manifest import (
 )
 from mrts.base.rigid_transform import RigidTransform, multiply
 from mrts.base.version import __version__
+from mrts.hands.contact_record import contact_record
 
 logger = logging.getLogger("mrts")
 
@@ -148,6 +149,7 @@ def _robot_record(robot: CellRobot) -> RobotRecord:
         posture=robot.posture.tolist(),
         wrench_lower=[_finite(value) for value in robot.wrench_lower],
         wrench_upper=[_finite(value) for value in robot.wrench_upper],
+        contacts=[contact_record(contact) for contact in robot.contacts],
     )
 
 

@@ -169,6 +169,8 @@ def _compiled(
     if compiled is None or not applies:
         return None
     form = squared_limits(cell, motion)
+    if form.rows.object_matrix is not None:
+        return None
     kept = np.flatnonzero(~form.is_cap)
     return (
         _Compiled(compiled, form, kept, form.caps(motion.samples))
