@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 from mrts_codegen.hand_file import MOST_CONTACTS, ContactDescription
+from mrts_codegen.motors_block import MotorsDescription
 from pydantic import Field, model_validator
 
 from mrts.base.arrays import Array
@@ -140,6 +141,7 @@ class RobotDescription(StrictModel):
     wrench: Bounds = Bounds()
     contact: list[ContactDescription] = Field(default_factory=list, max_length=MOST_CONTACTS)
     fixed: dict[str, Angle] = Field(default_factory=dict)
+    motors: MotorsDescription = MotorsDescription()
 
 
 class CellDescription(StrictModel):

@@ -18,7 +18,7 @@ def box(
     components: Sequence[str] = WRENCH_COMPONENTS,
     name: str = "box",
 ) -> Contact:
-    """lower <= F <= upper, component by component; those without a limit make no row.
+    """Two-sided limits lower <= F <= upper, component by component; those without a limit make no row.
 
     Args:
         lower: None is unbounded, a component or the whole side; equal sides fix a component, Shape (w,) [N, N m].
@@ -46,8 +46,8 @@ def box(
             f"its lower limit of {components[place]}, {least[place]:g}, must be at most the upper one, {most[place]:g}."
         )
         raise InputError("contact", rule, key="lower", value=lower)
-    limited = np.flatnonzero(np.isfinite(least) | np.isfinite(most))
-    if not limited.size:
+    limited = np.flatnonzero(np.isfinite(least) | np.isfinite(most)).tolist()
+    if not limited:
         raise InputError("contact", "must limit something: give numbers in lower or upper, or leave the box out.")
     return Contact(
         name=name,

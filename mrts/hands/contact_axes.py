@@ -26,7 +26,7 @@ NOT_IN_PLANE = (
 
 
 def triple_axes(components: Sequence[str]) -> list[int]:
-    """The axes that a triple of a wrench belongs to: all three, or of a planar wrench two of forces and its moment's."""
+    """The axes that a triple of a wrench belongs to: all three, or of a planar one its forces' and its moment's."""
     return ["xyz".index(component[1]) for component in components[:3]]
 
 

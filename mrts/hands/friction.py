@@ -59,7 +59,9 @@ def half_widths(key: str, values: object, components: Sequence[str]) -> list[flo
 
 def along_normal(components: Sequence[str]) -> Array:
     """The row f_n over a wrench in contact axes, Shape (w,)."""
-    return np.eye(len(components))[2 if len(components) == len(WRENCH_COMPONENTS) else 1]
+    row = np.zeros(len(components))
+    row[2 if len(components) == len(WRENCH_COMPONENTS) else 1] = 1.0
+    return row
 
 
 def normal_force_needed(mu: float, widths: Sequence[float]) -> dict[str, Array]:
@@ -83,7 +85,7 @@ def normal_force_needed(mu: float, widths: Sequence[float]) -> dict[str, Array]:
         return {name: np.array(row, dtype=np.float64) for name, row in rows.items()}
     X, Y = widths
     f_a, f_b, _, m_a, m_b, m_n = np.eye(6)
-    found = {}
+    found: dict[str, Array] = {}
     for name, row in (("friction", f_a / mu), ("friction", f_b / mu), ("tilt", m_a / Y), ("tilt", m_b / X)):
         axis = "a" if row[0] or row[3] else "b"
         found |= {f"{name} {sign}{axis}": float(f"{sign}1") * row for sign in "+-"}

@@ -64,8 +64,8 @@ def _in_space(mu: float, X: float, Y: float) -> dict[str, Array]:
     """Rows over (f_a, f_b, f_n, m_a, m_b, m_n): the sum of normal forces that each demand takes, of both signs.
 
     Corner i at (x_i, y_i) carries d_i n along the axis, |d_i| <= s_i, and friction |f_a|, |f_b| <= μ s_i, where the
-    s_i >= 0 add up to both normal forces. These rows are the facets of what the corners reach together. Reflection of a,
-    of b and of the axis, and friction the other way, turn one facet into others: of each kind one is written down.
+    s_i >= 0 add up to both normal forces. These rows are the facets of what the corners reach together. Reflection of
+    a, of b and of the axis, and friction the other way, turn one facet into others: of each kind one is written down.
     """
     f_a, f_b, f_n, m_a, m_b, m_n = np.eye(6)
     found = {

@@ -85,4 +85,4 @@ def has_interior(A: Array, upper: Array) -> bool:
         b_ub=distance / reach,
         bounds=[(None, None)] * A.shape[1] + [(0, 1)],
     )
-    return bool(found.success and found.x[-1] > INTERIOR)
+    return found.x is not None and bool(found.x[-1] > INTERIOR)

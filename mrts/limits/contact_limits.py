@@ -6,12 +6,12 @@ import numpy as np
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.hands.contact_axes import in_object_axes
-from mrts.limits.rows import LimitRows, RowName
 from mrts.limits.object_axes import object_axes
+from mrts.limits.rows import LimitRows, RowName
 
 
 def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
-    """lower <= A F_i <= upper of every contact of every robot, in base axes or in those that turn with the object.
+    """Rows lower <= A F_i <= upper of every contact of every robot, in base axes or in those that turn with the object.
 
     Args:
         cell: The cell.

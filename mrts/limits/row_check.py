@@ -28,18 +28,13 @@ def checked_rows(limit: str, rows: object, cell: Cell, motion: CoordinatedMotion
     if not all(isinstance(name, RowName) for name in rows.names):
         raise InputError(where, "must name its rows by RowName.", key="names")
     count, samples = len(rows.names), motion.samples
+    wrenches = ((count, len(cell.robots) * len(cell.wrench_components)), "(r, wrench components of all arms)")
     shapes = {
         "lower": ((count,), "(r,)"),
         "upper": ((count,), "(r,)"),
         "torque_matrix": ((count, motion.q.shape[1]), "(r, joints)"),
-        "wrench_matrix": (
-            (count, len(cell.robots) * len(cell.wrench_components)),
-            "(r, wrench components of all arms)",
-        ),
-        "object_matrix": (
-            (count, len(cell.robots) * len(cell.wrench_components)),
-            "(r, wrench components of all arms)",
-        ),
+        "wrench_matrix": wrenches,
+        "object_matrix": wrenches,
         "rate": ((samples, count), "(samples, r)"),
         "speed": ((samples, count), "(samples, r)"),
         "square": ((samples, count), "(samples, r)"),

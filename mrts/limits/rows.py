@@ -20,8 +20,8 @@ class RowName:
     """What a row limits.
 
     Attributes:
-        kind: "torque", "wrench", "contact", "velocity", "balance" (of the object), "c2" (c² >= 0), "speed" (along the path), or
-            what a limit of yours bounds.
+        kind: "torque", "wrench", "contact", "velocity", "torque-speed" (a line of a motor's curve), "motor speed" (its
+            end), "balance" (of the object), "c2" (c² >= 0), "speed" (along the path), or what a limit of yours bounds.
         robot: Robot's name; "object" for its velocity; empty for its balance, for c², and where a limit is of no robot.
         element: Joint, wrench component, contact and what of it is limited ("pad friction +a"), "linear" or "angular",
             or empty.
@@ -126,7 +126,7 @@ class LimitRows:
         object_matrix: M_H, Shape (r, n w).
         object_axes: What turns F into H (`mrts.limits.object_axes.object_axes`); there if M_H is.
         rate: a, Shape (N, r).
-        speed: b, Shape (N, r); a row with it has no other term.
+        speed: b, Shape (N, r).
         square: e, Shape (N, r).
     """
 
@@ -197,7 +197,12 @@ class LimitRows:
 
     def active(self, row: int, *, upper: bool) -> ActiveRow:
         """A row at one of its limits; a speed that is limited alike in both directions is at its upper one."""
-        alike = self.speed is not None and self.lower[row] == -self.upper[row] and np.any(self.speed[:, row])
+        alike = (
+            self.speed is not None
+            and self.lower[row] == -self.upper[row]
+            and np.any(self.speed[:, row])
+            and not self.of_forces[row]
+        )
         limit = self.upper[row] if upper or alike else self.lower[row]
         return ActiveRow(self.names[row], "upper" if upper or alike else "lower", float(limit))
 
@@ -218,17 +223,16 @@ class LimitRows:
         places = np.flatnonzero(kept)
         columns = (None if c is None or not places.size else c[:, places] for c in (self.rate, self.speed, self.square))
         rate, speed, square = (None if c is None or not np.any(c) else c for c in columns)
-        in_tip = (
-            None if self.object_matrix is None or not np.any(self.object_matrix[places]) else self.object_matrix[places]
-        )
+        in_object = None if self.object_matrix is None else self.object_matrix[places]
+        turns = in_object is not None and bool(np.any(in_object))
         return LimitRows(
             names=tuple(self.names[place] for place in places.tolist()),
             lower=self.lower[places],
             upper=self.upper[places],
             torque_matrix=self.torque_matrix[places],
             wrench_matrix=self.wrench_matrix[places],
-            object_matrix=in_tip,
-            object_axes=None if in_tip is None else self.object_axes,
+            object_matrix=in_object if turns else None,
+            object_axes=self.object_axes if turns else None,
             rate=rate,
             speed=speed,
             square=square,
@@ -243,6 +247,11 @@ class LimitRows:
         """Rows that nothing but the speed moves, Shape (r,)."""
         others = self.of_forces
         return np.asarray(~(others if self.rate is None else others | moved(self.rate, len(self.names))))
+
+    @property
+    def in_object_axes(self) -> Array:
+        """M_H, zeros where there is none, Shape (r, n w)."""
+        return np.zeros_like(self.wrench_matrix) if self.object_matrix is None else self.object_matrix
 
     @property
     def of_forces(self) -> NDArray[np.bool_]:
@@ -279,14 +288,7 @@ def stack_rows(pieces: Sequence[LimitRows]) -> LimitRows:
         upper=np.concatenate([piece.upper for piece in pieces]),
         torque_matrix=np.concatenate([piece.torque_matrix for piece in pieces]),
         wrench_matrix=np.concatenate([piece.wrench_matrix for piece in pieces]),
-        object_matrix=np.concatenate(
-            [
-                np.zeros_like(piece.wrench_matrix) if piece.object_matrix is None else piece.object_matrix
-                for piece in pieces
-            ]
-        )
-        if turned
-        else None,
+        object_matrix=np.concatenate([piece.in_object_axes for piece in pieces]) if turned else None,
         object_axes=turned[0].object_axes if turned else None,
         rate=column([piece.rate for piece in pieces]),
         speed=column([piece.speed for piece in pieces]),
