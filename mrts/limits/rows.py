@@ -254,6 +254,12 @@ class LimitRows:
         return np.zeros_like(self.wrench_matrix) if self.object_matrix is None else self.object_matrix
 
     @property
+    def matrix(self) -> Array:
+        """M_τ, M_F and, if there is one, M_H beside each other, Shape (r, m + n w) or (r, m + 2 n w)."""
+        blocks = (self.torque_matrix, self.wrench_matrix, self.object_matrix)
+        return np.hstack([block for block in blocks if block is not None])
+
+    @property
     def of_forces(self) -> NDArray[np.bool_]:
         """Rows with torques or wrenches in them, Shape (r,)."""
         found = self.torque_matrix.any(axis=1) | self.wrench_matrix.any(axis=1)
