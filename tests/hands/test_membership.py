@@ -28,7 +28,7 @@ def shapes(kind):
         a, b, n = axes_of(normal)
         frame = np.block([[np.array([a, b, n]), np.zeros((3, 3))], [np.zeros((3, 3)), np.array([a, b, n])]])
         reach = np.array([mu, mu, 1.0, widths[1], widths[0], mu * sum(widths)])
-        demands = rng.uniform(-1, 1, (WRENCHES // SHAPES, 6)) * (rng.random((WRENCHES // SHAPES, 6)) < 0.8)  # noqa: PLR2004 (some are zero)
+        demands = rng.uniform(-1, 1, (WRENCHES // SHAPES, 6)) * (rng.random((WRENCHES // SHAPES, 6)) < 0.8)
         yield rng, normal, float(mu), widths.tolist(), n, (demands * reach) @ frame
 
 
@@ -43,10 +43,10 @@ def holds(contact, wrenches):
 
 
 def test_a_pad_holds_what_its_corners_can_make():
-    for rng, normal, mu, widths, n, wrenches in shapes("pad"):
+    for rng, normal, mu, widths, n, demands in shapes("pad"):
         force = np.sort(rng.uniform(0, 300, 2)).tolist()
         given = pad(friction=mu * np.sqrt(2), normal=normal, half_width=widths, force=force)
-        wrenches = wrenches * 100
+        wrenches = demands * 100
         lacks = value(given, wrenches)[:, 1:] + (wrenches[:, :3] @ n)[:, None]
         least = least_pressing(wrenches, normal, widths, mu)
         np.testing.assert_allclose(np.max(lacks, axis=1), least, atol=SAME * 300)
@@ -60,23 +60,23 @@ def test_a_pad_holds_what_its_corners_can_make():
 
 
 def test_a_suction_cup_holds_what_its_lip_can_make_inside_its_circle():
-    for rng, normal, mu, (radius, _), n, wrenches in shapes("suction"):
+    for rng, normal, mu, (radius, _), n, demands in shapes("suction"):
         holding = rng.uniform(20, 200)
         cup = suction(holding_force=holding, friction=mu * np.sqrt(2), radius=radius, normal=normal)
-        wrenches = wrenches * [holding] * np.array([1, 1, 1, *(radius / 0.05,) * 3])
+        wrenches = demands * [holding] * np.array([1, 1, 1, *(radius / 0.05,) * 3])
         least = least_pressing(wrenches, normal, [radius / np.sqrt(2)] * 2, mu)
         lip = holding + wrenches[:, :3] @ n
         clear = np.abs(lip - least) > NEAR * holding
         assert np.array_equal(holds(cup, wrenches)[clear], (lip >= least)[clear])
-        assert np.mean(clear) > 0.99  # noqa: PLR2004
+        assert np.mean(clear) > 0.99
         assert 0 < np.sum(lip >= least) < len(least)
 
 
 def test_a_gripper_holds_what_both_pads_can_make():
-    for rng, axis, mu, widths, _, wrenches in shapes("gripper"):
+    for rng, axis, mu, widths, _, demands in shapes("gripper"):
         force = rng.uniform(10, 200)
         given = gripper(force=force, friction=mu * np.sqrt(2), half_width=widths, axis=axis)
-        wrenches = wrenches * 2 * force
+        wrenches = demands * 2 * force
         least = least_squeezing(wrenches, axis, widths, mu)
         np.testing.assert_allclose(np.max(np.abs(value(given, wrenches)), axis=1), least, atol=SAME * least.max())
         assert 0 < np.sum(holds(given, wrenches)) < len(wrenches)
@@ -107,5 +107,5 @@ def test_planar_hands_are_spatial_ones_that_stay_in_the_plane(plane_axis):
         jaws = gripper(force=1.0, half_width=[width], axis=normal, **common)
         assert np.array_equal(holds(flat, planar), pressed >= needed)
         assert np.array_equal(holds(cup, planar), pressed + 2 >= needed)
-        assert np.array_equal(holds(jaws, planar), np.maximum(needed, np.abs(pressed)) <= 2)  # noqa: PLR2004
-        assert len(flat.rows) == 5  # noqa: PLR2004
+        assert np.array_equal(holds(jaws, planar), np.maximum(needed, np.abs(pressed)) <= 2)
+        assert len(flat.rows) == 5
