@@ -16,6 +16,10 @@ SMALLEST = 1e-6
 """Of a coefficient of friction, of a half width [m] and of a force [N]: what is smaller is a misprint, or zero."""
 
 
+NORMAL_FORCE = "normal force"
+"""Name of the row of how hard a surface presses."""
+
+
 def positive(key: str, value: object) -> float:
     """A number that a hand needs.
 

@@ -11,7 +11,7 @@ from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.hands.contact import Contact
 from mrts.hands.contact_axes import contact_axes, in_tip_axes
-from mrts.hands.friction import along_normal, half_widths, normal_force_needed, pyramid
+from mrts.hands.friction import NORMAL_FORCE, along_normal, half_widths, normal_force_needed, pyramid
 
 
 def pad(
@@ -49,7 +49,7 @@ def pad(
     return Contact(
         name=name,
         frame="tip",
-        rows=("normal force", *needed),
+        rows=(NORMAL_FORCE, *needed),
         units=("N",) * len(rows),
         A=in_tip_axes(rows, axes),
         lower=np.array([force[0], *(-np.inf for _ in needed)]),

@@ -8,7 +8,7 @@ import numpy as np
 from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.hands.contact import Contact
 from mrts.hands.contact_axes import contact_axes, in_tip_axes
-from mrts.hands.friction import along_normal, normal_force_needed, positive, pyramid
+from mrts.hands.friction import NORMAL_FORCE, along_normal, normal_force_needed, positive, pyramid
 
 
 def suction(
@@ -47,7 +47,7 @@ def suction(
     return Contact(
         name=name,
         frame="tip",
-        rows=("normal force", *needed),
+        rows=(NORMAL_FORCE, *needed),
         units=("N",) * len(rows),
         A=in_tip_axes(rows, axes),
         lower=np.array([-holding, *(-np.inf for _ in needed)]),

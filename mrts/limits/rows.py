@@ -56,9 +56,12 @@ class RowName:
     @property
     def group(self) -> str:
         """Alike for rows whose limit of zero is measured by one another: those of one unit, of a contact its own."""
-        if self.kind != "contact":
-            return self.unit
-        return f"{self.robot}/{self.element.split()[0]} {self.unit}"
+        return self.unit if self.kind != "contact" else f"{self.contact} {self.unit}"
+
+    @property
+    def contact(self) -> str:
+        """`left/pad` for a row of that contact, empty for any other."""
+        return f"{self.robot}/{self.element.split()[0]}" if self.kind == "contact" else ""
 
 
 @lru_cache(maxsize=256)
