@@ -168,9 +168,15 @@ class _Compiled:
     def sparse(self) -> SparseLimits:
         """The rows that it takes, as C reads them."""
         rows = self.form.rows.only(~self.form.is_cap)
-        matrix = np.hstack([rows.torque_matrix, rows.wrench_matrix])
-        units = [name.unit for name in rows.names]
-        return SparseLimits(matrix=matrix, lower=rows.lower, upper=rows.upper, group=units)
+        turned = rows.object_axes
+        return SparseLimits(
+            matrix=rows.matrix,
+            lower=rows.lower,
+            upper=rows.upper,
+            group=[name.group for name in rows.names],
+            base=None if turned is None else turned.base,
+            axes=(0, 1, 2) if turned is None else turned.axes,
+        )
 
     def terms(self, speed: float = 0.0) -> SampleTerms:
         """What is added at every sample, those in ṙ at a speed."""
