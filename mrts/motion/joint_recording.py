@@ -99,8 +99,11 @@ def _from_table(path: Path) -> JointRecording:
 def _from_bag(path: Path) -> JointRecording:
     joints: dict[str, RecordedJoint] = {}
     unusable: dict[str, InputError] = {}
-    for topic, messages in bag_messages(path, KIND).items():
-        stamps = _stamps(messages)
+    by_topic = bag_messages(path, KIND)
+    stamps_of = {topic: _stamps(messages) for topic, messages in by_topic.items()}
+    first = min(int(np.min(stamps)) for stamps in stamps_of.values())  # seconds since 1970 leave few digits for steps
+    for topic, messages in by_topic.items():
+        stamps = stamps_of[topic] - first
         for joint, rows in _rows(stamps, [message for _, message in messages]).items():
             name = joint_column(topic, joint)
             if name in joints or name in unusable:

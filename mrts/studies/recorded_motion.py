@@ -51,6 +51,9 @@ NOISE_MULTIPLE = 4.0
 UNEVEN = 1e-3
 """Share of a step by which times of even samples may be off: stamps are rounded."""
 
+GAP = 1.5
+"""Times the median step from which on samples are missing between two."""
+
 LONGEST_GAP = 0.25
 """Periods of the cutoff between two samples that are still bridged: what happens in longer ones is not known."""
 
@@ -113,7 +116,7 @@ def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutof
     from scipy.signal import butter, sosfiltfilt  # noqa: PLC0415 (likewise)
 
     start, end = max(joint.time[0] for joint in joints), min(joint.time[-1] for joint in joints)
-    step = float(max(np.median(np.diff(joint.time)) for joint in joints))
+    step = max(_step(joint.time) for joint in joints)
     rate = 1 / step
     cutoff = _cutoff(rate, cutoff)
     count = int(np.floor((end - start) / step * (1 + UNEVEN))) + 1
@@ -152,6 +155,12 @@ def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutof
         speed_noise=speed_noise,
         known=_without_neighbours(sure, int(np.ceil(FORGOTTEN * rate / cutoff))),
     )
+
+
+def _step(time: Array) -> float:
+    """Mean time between samples but for gaps [s]."""
+    steps = np.diff(time)
+    return float(np.mean(steps[steps <= GAP * np.median(steps)]))
 
 
 def _cutoff(rate: float, given: float | None) -> float:

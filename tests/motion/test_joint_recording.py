@@ -60,10 +60,22 @@ def test_a_bag_says_what_a_table_says(recorded, tmp_path, header):
     assert set(bag.joints) == set(table.joints) == set(recorded[0])
     assert (bag.unusable, table.unusable) == ({}, {})
     for name, joint in table.joints.items():
-        np.testing.assert_allclose(bag.joints[name].time - START * 1e-9, joint.time, atol=3e-7)  # doubles since 1970
+        np.testing.assert_allclose(bag.joints[name].time, joint.time, atol=1e-9)
         np.testing.assert_allclose(bag.joints[name].position, joint.position, rtol=1e-7)
         np.testing.assert_allclose(bag.joints[name].effort, joint.effort, rtol=1e-7)
     assert repr(table) == f"<JointRecording from recorded.csv: {', '.join(recorded[0])}>"
+
+
+def test_motors_are_those_of_a_bag_and_of_a_table(planar_cell, tmp_path):
+    motors = random_motors(6)
+    recorded = exact_recording(planar_cell, motors, seconds=10, rate=200)
+    bag, table = write_states(tmp_path / "bag", states(recorded)), write_recording(tmp_path / "table.csv", *recorded)
+    found = [mrts.identify(planar_cell, path) for path in (bag, bag / "bag.mcap", table)]
+    for ours in found:
+        armature = np.concatenate([arm.armature.value for arm in ours.arms])
+        np.testing.assert_allclose(armature, motors.armature, rtol=5e-3)
+        theirs = np.concatenate([arm.armature.value for arm in found[-1].arms])
+        np.testing.assert_allclose(armature, theirs, rtol=1e-5)
 
 
 def test_a_state_that_is_published_twice_counts_once(recorded, tmp_path):
