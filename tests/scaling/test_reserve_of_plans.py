@@ -10,6 +10,7 @@ from gantries import along_x, gantries
 
 import mrts
 from mrts.limits import all_rows, limit_rows
+from mrts.output.embedded_limits import embedded_limits
 from mrts.scaling.limit_use import largest_step, limit_uses
 
 BISECTION = 1e-6
@@ -235,6 +236,11 @@ def test_a_share_is_from_0_to_below_1(planar_cell, lift, reserve):
     ):
         with pytest.raises(mrts.InputError, match=r"reserve = .*: must be a number, 0 or more and below 1"):
             ask()
+
+
+def test_an_export_takes_no_reserve(planar_cell):
+    with pytest.raises(mrts.InputError, match=r"reserve = 0.1: an exported library has the limits as they are given"):
+        embedded_limits(planar_cell.with_reserve(0.1))
 
 
 def test_a_distribution_that_is_none_is_refused(planar_cell, lift):
