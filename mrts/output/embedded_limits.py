@@ -26,7 +26,9 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
             or if the cell keeps a reserve.
     """
     if cell.reserve:
-        rule = "an exported library has the limits as they are given. Move its sides inward in its settings, at run time."
+        rule = (
+            "an exported library has the limits as they are given. Move its sides inward in its settings, at run time."
+        )
         raise InputError("reserve", rule, value=cell.reserve)
     for robot in cell.robots:
         if robot.motors.has_effect:

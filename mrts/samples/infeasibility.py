@@ -135,8 +135,10 @@ def _crossed(problem: SampleProblem, index: int) -> list[tuple[int, float]]:
     row cancel in a sum over rows, so such a certificate is given by itself.
     """
     beyond = np.where(problem.is_limit, problem.lower[index] - problem.upper[index], -np.inf)
+    if not np.any(beyond > CERTIFICATE_TOLERANCE):
+        return []
     row = int(np.argmax(beyond))
-    return [(row, -1.0), (row, 1.0)] if beyond[row] > CERTIFICATE_TOLERANCE else []
+    return [(row, -1.0), (row, 1.0)]
 
 
 def _certified(problem: SampleProblem, index: int, y: Array) -> list[tuple[int, float]]:

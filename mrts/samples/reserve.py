@@ -68,7 +68,7 @@ def least_shares(problem: SampleProblem, c2: float, solver: str) -> Widening:
     )
 
 
-def reserved(problem: SampleProblem, c2: float, solver: str) -> SampleProblem:
+def reserved(problem: SampleProblem, c2: float, solver: str) -> tuple[SampleProblem, int]:
     """The same problem with limits moved to the least largest share of them that is possible at c², or `LEAST_SHARE`.
 
     Args:
@@ -76,15 +76,20 @@ def reserved(problem: SampleProblem, c2: float, solver: str) -> SampleProblem:
         c2: c².
         solver: Name in the registry.
 
+    Returns:
+        The problem, and the programs that a fallback had to solve.
+
     Raises:
         SolverError: If no solver answers.
     """
     if problem.unknowns == 1:
-        return problem
-    share = np.maximum(1 + least_shares(problem, c2, solver).share, LEAST_SHARE)
+        return problem, 0
+    found = least_shares(problem, c2, solver)
+    share = np.maximum(1 + found.share, LEAST_SHARE)
     inward = (1 - share)[:, None] * (_moved(problem) & _counts(problem))
     low, high = _side_sizes(problem)
-    return replace(problem, lower=problem.lower + inward * low, upper=problem.upper - inward * high)
+    kept = replace(problem, lower=problem.lower + inward * low, upper=problem.upper - inward * high)
+    return kept, found.fallbacks
 
 
 def reserve_torques(
@@ -116,10 +121,11 @@ def reserve_torques(
     for start in range(0, motion.samples, BLOCK):
         block = np.arange(start, min(start + BLOCK, motion.samples))
         problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, samples=block)
-        x, by_another = distribute_torques(reserved(problem, c2, solver), c2, weights, solver)
+        kept, before = reserved(problem, c2, solver)
+        x, by_another = distribute_torques(kept, c2, weights, solver)
         torques.append(problem.torque(x))
         wrenches.append(problem.wrench(x))
-        fallbacks += by_another
+        fallbacks += before + by_another
     return np.concatenate(torques), np.concatenate(wrenches), fallbacks
 
 

@@ -50,7 +50,7 @@ def widened_torques(
         widening = _least_widening(problem, c2, solver)[:, None] * problem.is_limit
         problem = replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)
         if by_reserve:
-            problem = reserved(problem, c2, solver)
+            problem, _ = reserved(problem, c2, solver)
         x, _ = distribute_torques(problem, c2, W, solver)
         torques.append(problem.torque(x))
         wrenches.append(problem.wrench(x))

@@ -17,10 +17,12 @@ class Widening:
     Attributes:
         share: Least s, in sizes of limits, Shape (N,).
         row_dual: Multipliers of the rows, positive at an upper limit, Shape (N, r).
+        fallbacks: How many another solver solved.
     """
 
     share: Array
     row_dual: Array
+    fallbacks: int
 
 
 def least_widening(
@@ -76,4 +78,4 @@ def least_widening(
     row_dual = np.zeros((count, rows))
     for column, row in enumerate(order):
         row_dual[:, row] += answers.row_dual[:, column]
-    return Widening(answers.x[:, -1], row_dual)
+    return Widening(answers.x[:, -1], row_dual, answers.fallbacks)

@@ -50,7 +50,7 @@ def random_plan(seed, folder, question=0):
 
 
 def asked_questions(seed, cell):
-    """The same cell with a question: a free distribution, a fixed one, uncertain loads, the torque form."""
+    """The cell with a question: a free distribution, a fixed one, uncertain loads, the torque form, motors."""
     vary = cell.with_variation(mass=(0.9, 1.1), izz=(0.8, 1.2))
     return [
         (cell, {}),
@@ -59,10 +59,21 @@ def asked_questions(seed, cell):
         (vary, {}),
         (vary, {"sharing": mrts.LoadSharing()}),
         (cell, {"formulation": "torque"}),
-    ][seed % 6]
+        (with_motors(cell), {"distribute": "reserve"}),
+    ][seed % 7]
 
 
-@pytest.mark.parametrize("seed", range(18))
+def with_motors(cell):
+    """Motors with rotor inertia and dry friction of a tenth of each torque limit."""
+
+    def motor(robot):
+        friction = 0.1 * robot.torque_upper
+        return replace(robot.motors, armature=np.full(len(friction), 0.02), coulomb=friction)
+
+    return replace(cell, robots=tuple(replace(robot, motors=motor(robot)) for robot in cell.robots))
+
+
+@pytest.mark.parametrize("seed", range(14))
 def test_the_reserve_is_the_largest_that_leaves_c2_in_the_range(seed, tmp_path):
     cell, motion, c2, asked = random_plan(seed, tmp_path, seed)
     reserve = mrts.scale(cell, motion, c2, **asked).reserve.whole
@@ -162,6 +173,16 @@ def test_sides_that_cross_are_an_outcome_that_names_the_reserve(planar_cell, lif
     assert result.explanation().startswith("with 10 % of every limit in reserve, 101 of 101 samples are infeasible")
     assert "left/fx contact wrench (lower, 0.99 N)" in result.sentence()
     assert result.to_json()["explanation"] == result.explanation()
+    uncertain = cell.with_variation(mass=(0.5, 2.0))
+    for asked in (
+        {"load": "guaranteed"},
+        {"load": "possible"},
+        {"load": "grid:3"},
+        {"sharing": mrts.LoadSharing()},
+        {"formulation": "torque"},
+    ):
+        found = mrts.scale(uncertain, lift, reserve=0.1, **asked)
+        assert found.explanation().startswith("with 10 % of every limit in reserve, 101 of 101 samples are infeasible")
     timing = mrts.retime(cell, lift, reserve=0.1)
     assert timing.status is mrts.RetimingStatus.INFEASIBLE
     assert timing.sentence().startswith("with 10 % of every limit in reserve, infeasible")
