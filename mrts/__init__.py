@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from mrts.samples.infeasibility import Conflict
     from mrts.samples.load_sharing import LoadSharing
     from mrts.samples.range_status import SampleStatus, ScalingStatus
+    from mrts.samples.reserve import PlanReserve, Reserve
     from mrts.samples.sample_ranges import SampleRanges
     from mrts.scaling.holding_torques import Holding
     from mrts.scaling.known_load import torques_for_load
@@ -70,9 +71,11 @@ _HOMES = {
     "MotorParameter": "studies.identified_motors",
     "MrtsError": "base.errors",
     "ObjectMotion": "motion.object_motion",
+    "PlanReserve": "samples.reserve",
     "RangeEnd": "scaling.range",
     "RecordedJoint": "motion.joint_recording",
     "Remark": "base.remark",
+    "Reserve": "samples.reserve",
     "Residuals": "scaling.result",
     "RetimingResult": "retiming.result",
     "RetimingStatus": "retiming.result",
@@ -130,9 +133,11 @@ __all__ = [
     "MotorParameter",
     "MrtsError",
     "ObjectMotion",
+    "PlanReserve",
     "RangeEnd",
     "RecordedJoint",
     "Remark",
+    "Reserve",
     "Residuals",
     "RetimingResult",
     "RetimingStatus",
