@@ -7,6 +7,7 @@ from contact_forces import axes_of, least_pressing, least_squeezing
 from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.hands.gripper import gripper_contact
 from mrts.hands.pad import pad_contact
+from mrts.hands.suction import suction_contact
 
 WRENCHES = 10_000
 SHAPES = 5

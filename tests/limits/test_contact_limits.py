@@ -14,6 +14,7 @@ from mrts.hands.contact import Contact
 from mrts.hands.contact_axes import tip_components
 from mrts.hands.gripper import gripper_contact
 from mrts.hands.pad import pad_contact
+from mrts.hands.suction import suction_contact
 from mrts.limits import limit_rows
 from mrts.limits.object_axes import object_axes
 from mrts.output.saved_result import load_result, save_result
@@ -75,9 +76,7 @@ def random_contacts(rng, cell):
         most = rng.uniform(5, 60, size).tolist()
         least = [-value for value in most]
         boxes = [
-            box_contact(
-                lower=(-sides).tolist(), upper=sides.tolist(), frame=frame, components=there, name=f"box{number}"
-            )
+            box_contact(lower=least, upper=most, frame=frame, components=there, name=f"box{number}")
             for number, (frame, there) in enumerate(
                 (("tip", components), ("object", cell.wrench_components), ("base", cell.wrench_components))
             )
