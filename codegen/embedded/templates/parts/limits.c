@@ -28,7 +28,7 @@ static mrts_limits limits_of(const @NAME@_settings *settings) {
  * coefficient is not finite. */
 static int build_rows(const @NAME@_sample *sample, const mrts_limits *limits, int unknowns, mrts_form *form,
                       @NAME@_workspace *workspace, mrts_rows *rows) {
-    static const mrts_terms nothing = {0, 0, 0, 0, 0};
+    static const mrts_terms nothing = {0, 0, 0, 0, 0, 0, 0};
     mrts_turn_wrenches(unknowns, @MACRO@_ROBOTS, @MACRO@_WRENCH, limits, sample->rotation, 3, 1, @TURNED@, form);
     return mrts_rows_over(unknowns, limits, workspace->rows, workspace->which, rows) &&
            mrts_build_rows(unknowns, JOINTS, WRENCHES, form, limits, &nothing, rows);

@@ -28,7 +28,7 @@ static mrts_limits limits_of(const planar_dual_arm_settings *settings) {
  * coefficient is not finite. */
 static int build_rows(const planar_dual_arm_sample *sample, const mrts_limits *limits, int unknowns, mrts_form *form,
                       planar_dual_arm_workspace *workspace, mrts_rows *rows) {
-    static const mrts_terms nothing = {0, 0, 0, 0, 0};
+    static const mrts_terms nothing = {0, 0, 0, 0, 0, 0, 0};
     mrts_turn_wrenches(unknowns, PLANAR_DUAL_ARM_ROBOTS, PLANAR_DUAL_ARM_WRENCH, limits, sample->rotation, 3, 1, 0, form);
     return mrts_rows_over(unknowns, limits, workspace->rows, workspace->which, rows) &&
            mrts_build_rows(unknowns, JOINTS, WRENCHES, form, limits, &nothing, rows);
