@@ -71,6 +71,7 @@ def _vector(
     fields = (motion.q, motion.dq, motion.ddq, given.rotation, given.twist, given.acceleration)
     return EmbeddedVector(
         inputs=tuple(field[sample] for field in fields),
+        place="start" if sample == 0 else "end" if sample == motion.samples - 1 else "inside",
         mass=mass,
         status=STATUS[free.status[sample]],
         ends=(float(free.lower[sample]), float(free.upper[sample])),

@@ -55,7 +55,7 @@ int main(void) {
     @NAME@_range range, again;
     @NAME@_real torque[@MACRO@_JOINTS], wrench[@MACRO@_WRENCHES];
     int undecided = 0, seen[6] = {0};
-    @NAME@_default_settings(&settings);
+    @NAME@_default_settings(&settings);@SET_REST@
     demand(@NAME@_check_settings(&settings) == @MACRO@_OK, -1, "settings", 1, 0);
     for (int k = 0; k < @MACRO@_VECTORS; ++k) {
         const @NAME@_vector *vector = &@NAME@_vectors[k];
