@@ -28,6 +28,7 @@ OF_MOTORS = {
     "SHARE_OF_SPEED": "share.c",
     "REST_OF_VECTORS": "vectors.h",
     "SET_REST": "set_rest.c",
+    "SAY_GAPS": "say_gaps.c",
 }
 """Texts by the word that they stand for."""
 

@@ -30,7 +30,8 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
     """
     probes = _probe(cell, 1), _probe(cell, 2)
     first, second = (rows_by_limit(cell, probe) for probe in probes)
-    pieces, line_rows = [], range(0)
+    pieces: list[LimitRows] = []
+    line_rows = range(0)
     curves = curve_rows(cell) if motor_limits in LIMITS.values() else ()
     lines, ends = ([row for row in curves if (row.slope is None) is at_end] for at_end in (False, True))
     for name, limit in LIMITS.items():

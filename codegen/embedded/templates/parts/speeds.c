@@ -28,6 +28,7 @@ static @NAME@_status speeds_of(int k, const mrts_rows *rows, const mrts_real *co
     const mrts_real fastest = most < MRTS_INFINITY ? MRTS_SQRT(most) / *unit : MRTS_INFINITY;
     const int status = mrts_speed_intervals(curve, fastest, &start, count, ends);
     *speed = start.speed * *unit;
+    if (*count > 0 && ends[0] <= MRTS_FEASIBLE) ends[0] = 0; /* that moves no row by more than rounding */
     if (status == MRTS_INFEASIBLE) return @MACRO@_INFEASIBLE;
     return status == MRTS_OPTIMAL ? @MACRO@_OK : @MACRO@_UNDECIDED;
 }
