@@ -18,8 +18,8 @@
 static mrts_real mrts_near_curve(mrts_real y) { return MRTS_ON_CURVE * y * y + MRTS_ROUNDING; }
 #define MRTS_EDGES 100
 
-/* Tangents of one end, and corners of the lower hull between both. */
-enum { MRTS_TANGENTS = 60, MRTS_HULL = 32 };
+/* Tangents of one end, corners of the lower hull between both, and chords that are looked at for them. */
+enum { MRTS_TANGENTS = 60, MRTS_HULL = 32, MRTS_TURNS = 4 * MRTS_HULL };
 
 enum { MRTS_BASIS_UPPER, MRTS_BASIS_LOWER, MRTS_BASIS_HULL };
 
@@ -154,20 +154,21 @@ static int mrts_outer_end(mrts_curve *curve, mrts_real side, mrts_real t, int *b
     return MRTS_STOPPED;
 }
 
-/* The part of a chord that lies above the parabola, from *low to *high; 0 if none does by more than rounding. */
-static int mrts_above_curve(mrts_point a, mrts_point b, mrts_real *low, mrts_real *high) {
+/* How far a chord reaches above the parabola, in units of x, and where, from *low to *high; 0 if by no more than rounding. */
+static mrts_real mrts_above_curve(mrts_point a, mrts_point b, mrts_real *low, mrts_real *high) {
     const mrts_real width = b.y - a.y, slope = width > 0 ? (b.x - a.x) / width : 0, start = a.x - slope * a.y;
     mrts_real top = slope / 2;
     if (top < a.y) top = a.y;
     if (top > b.y) top = b.y;
-    if (start + slope * top - top * top <= MRTS_EDGES * mrts_near_curve(b.y)) return 0;
+    const mrts_real height = start + slope * top - top * top;
+    if (height <= MRTS_EDGES * mrts_near_curve(b.y)) return 0;
     const mrts_real root = MRTS_SQRT(slope * slope + 4 * start);
     const mrts_real far = (slope >= 0 ? slope + root : slope - root) / 2, near = far != 0 ? -start / far : 0;
     *low = far < near ? far : near;
     *high = far < near ? near : far;
     if (*low < a.y) *low = a.y;
     if (*high > b.y) *high = b.y;
-    return 1;
+    return height;
 }
 
 /* Whether a point lies above the parabola. */
@@ -214,10 +215,11 @@ static int mrts_outer_ends(mrts_curve *curve, mrts_real reach, mrts_curve_ends *
 /* Puts a point of the lower hull between hull[at] and hull[at + 1], or in place of one that it lies below; 0 if there is no
  * room. */
 static int mrts_add_corner(mrts_point *hull, int *points, int at, mrts_point corner) {
-    if (corner.y <= hull[at].y) {
-        hull[at] = corner;
-    } else if (corner.y >= hull[at + 1].y) {
-        hull[at + 1] = corner;
+    const mrts_real low = hull[at].y, high = hull[at + 1].y, rounding = MRTS_ON_CURVE * high;
+    if (corner.y <= low + rounding) {
+        hull[at].x = corner.x;
+    } else if (corner.y >= high - rounding) {
+        hull[at + 1].x = corner.x;
     } else if (*points == MRTS_HULL) {
         return 0;
     } else {
@@ -243,15 +245,17 @@ MRTS_LOCAL int mrts_speed_intervals(mrts_curve *curve, mrts_real most, mrts_curv
     mrts_no_cut(curve);
     int open = !mrts_is_above(hull[0]);
     speeds[0] = hull[0].y;
-    while (at + 1 < points) {
+    for (int turn = 0; at + 1 < points; ++turn) {
         const mrts_point a = hull[at], b = hull[at + 1];
         mrts_real low, high;
-        if (!mrts_above_curve(a, b, &low, &high)) {
+        if (turn == MRTS_TURNS) return MRTS_STOPPED;
+        const mrts_real height = mrts_above_curve(a, b, &low, &high);
+        if (height <= 0) {
             ++at;
             continue;
         }
         const mrts_real slope = b.y > a.y ? (b.x - a.x) / (b.y - a.y) : 0;
-        mrts_box(curve, -top * top, a.x > b.x ? a.x : b.x, a.y, b.y); /* no wider: a multiplier's rounding is multiplied with it */
+        mrts_box(curve, -top * top, reach * reach, a.y, b.y);
         status = mrts_outermost(curve, 1, -slope, basis, &found, &unused);
         if (status != MRTS_OPTIMAL) return status;
         if (found.x - a.x - slope * (found.y - a.y) < -MRTS_EDGES * mrts_near_curve(b.y)) {
@@ -259,15 +263,17 @@ MRTS_LOCAL int mrts_speed_intervals(mrts_curve *curve, mrts_real most, mrts_curv
             if (at == 0) open = !mrts_is_above(hull[0]);
             continue;
         }
+        const int opens = !mrts_is_above(b) || high < b.y;
+        ++at;
+        if (open && opens && height <= MRTS_SEPARATED * (1 + b.y * b.y)) continue; /* no gap can be proved */
         if (open) { /* the chord is an edge: it closes an interval, and opens one where it meets the parabola again */
             speeds[2 * number + 1] = low;
             if (++number == MRTS_INTERVALS) return MRTS_STOPPED;
             mrts_keep_end(curve, basis, 2, ends);
         }
-        open = !mrts_is_above(b) || high < b.y;
+        open = opens;
         speeds[2 * number] = high;
         if (open && number == 0) mrts_keep_end(curve, basis, 0, ends);
-        ++at;
     }
     if (open) {
         speeds[2 * number++ + 1] = top >= bound * (1 - MRTS_EDGES * MRTS_ON_CURVE) ? MRTS_INFINITY : top;
