@@ -11,6 +11,7 @@ OF_MOTORS = {
     "MOTOR_PLACE": "place.h",
     "MOTOR_SAMPLE": "sample.h",
     "MOTOR_SETTINGS": "settings.h",
+    "MOTOR_INTEGERS": "integers.h",
     "MOTOR_WORKSPACE": "workspace.h",
     "MOTOR_SIZES": "sizes.h",
     "MOTOR_TERMS_FIELDS": "terms.h",
@@ -64,16 +65,20 @@ def motor_words(limits: EmbeddedLimits, words: dict[str, str], precision: Precis
     return nothing | {word: "\n" + filled(f"motors/{file}", given).rstrip("\n") for word, file in chosen.items()}
 
 
-def motor_memory(limits: EmbeddedLimits, joints: int) -> tuple[int, int]:
-    """Reals that motors take in the settings and in the workspace.
+def motor_memory(limits: EmbeddedLimits, joints: int, k: int) -> tuple[int, int, int]:
+    """Reals that motors take in the settings, and reals and ints in the workspace.
 
     Args:
         limits: Of the cell.
         joints: Of all its arms.
+        k: Unknowns of the programs.
     """
     if limits.motors is None:
-        return 0, 0
-    return 3 * joints + 2 + len(limits.motors.line_rows), 2 * joints + 3 * len(limits.lower)
+        return 0, 0, 0
+    rows = len(limits.lower)
+    curve = (rows + 1) * (k + 1) + 2 * (rows + k + 2) + (k + 1) * (k + 5)
+    integers = 3 * (k + 1) + rows + 7 + 6 * k
+    return 3 * joints + 2 + len(limits.motors.line_rows), 3 * joints + 4 * rows + curve + 1, integers
 
 
 def _numbers(motors: EmbeddedMotors, precision: Precision) -> dict[str, str]:

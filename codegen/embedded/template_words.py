@@ -53,10 +53,10 @@ def memory_words(manifest: Manifest, limits: EmbeddedLimits, precision: Precisio
     size, robots, width = len(manifest.wrench_components), len(manifest.robots), WIDTH[precision]
     joints = sum(len(robot.joints) for robot in manifest.robots)
     rows, velocities = len(limits.lower), len(limits.velocity)
-    motor_settings, motor_work = motor_memory(limits, joints)
     k = size * (robots - 1) + 1
-    reals = (k + 1) * (joints + size * robots) + rows * (k + 3) + 2 * k + 3 * k * k + 7 * k + motor_work
-    integers = 2 * k + 2 * rows + 6 * k
+    motor_settings, motor_reals, motor_integers = motor_memory(limits, joints, k)
+    reals = (k + 1) * (joints + size * robots) + rows * (k + 3) + 2 * k + 3 * k * k + 7 * k + motor_reals
+    integers = 2 * k + 2 * rows + 6 * k + motor_integers
     settings = len(LOAD_ENTRIES) + 2 * rows + velocities + joints + motor_settings
     texts = (*limits.texts, *limits.velocity_texts)
     entries = int(np.count_nonzero(limits.matrix))

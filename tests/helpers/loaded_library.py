@@ -34,7 +34,7 @@ class LoadedLibrary:
         joints, limits = self.sizes["JOINTS"], self.sizes["ROWS"]
         moving = {"q": joints, "dq": joints, "ddq": joints, "rotation": 9, "twist": 6, "acceleration": 6}
         self.Sample = structure([*reals(moving), ("place", ctypes.c_int)])
-        self.Range, self.Interval = range_structures(self.sizes["UNKNOWNS"])
+        self.Range, self.Horizon = range_structures(self.sizes["UNKNOWNS"])
         ends = re.search(r"_VELOCITIES \(\w+ \+ 2(?: \+ (\d+))?\)", text).group(1)
         given = {"load": 10, "lower": limits, "upper": limits, "velocity": joints + 2 + int(ends or 0)}
         given |= dict.fromkeys(("weight", "armature", "coulomb", "viscous"), joints)
@@ -69,7 +69,8 @@ class LoadedLibrary:
         if found.status in NO_INTERVALS:
             return np.zeros((0, 2)), []
         every = [found, *found.below[: found.below_count]][::-1]
-        return np.array([[part.lower, part.upper] for part in every]), [self._rows(part) for part in every]
+        rows = [self._rows(part) for part in every] if isinstance(found, self.Range) else []
+        return np.array([[part.lower, part.upper] for part in every]), rows
 
     def _rows(self, part):
         lower, upper = part.lower_rows[: part.lower_count], part.upper_rows[: part.upper_count]
@@ -83,11 +84,15 @@ class LoadedLibrary:
 
 
 def range_structures(unknowns):
-    """The structures of a range and of an interval below it."""
+    """The structures of a range and of a horizon."""
     count, rows, ends = ctypes.c_int, ctypes.c_int * (unknowns + 1), reals({"lower": None, "upper": None})
     named = [("lower_count", count), ("upper_count", count), ("lower_rows", rows), ("upper_rows", rows)]
     interval = structure([*ends, ("lower_from", ctypes.c_long), ("upper_from", ctypes.c_long), *named])
-    return structure([("status", count), *ends, *named, ("below_count", count), ("below", interval * BELOW)]), interval
+    below = [("below_count", count), ("below", interval * BELOW)]
+    sampled = [(name, ctypes.c_long) for name in ("samples", "lower_sample", "upper_sample")]
+    return structure([("status", count), *ends, *named, *below]), structure(
+        [("status", count), *ends, *sampled, *below]
+    )
 
 
 def reals(sizes):

@@ -3,4 +3,3 @@
     @NAME@_real curve[(@MACRO@_ROWS + 1) * (@MACRO@_UNKNOWNS + 1) + 2 * (@MACRO@_ROWS + @MACRO@_UNKNOWNS + 2) +
                       (@MACRO@_UNKNOWNS + 1) * (@MACRO@_UNKNOWNS + 5)];
     @NAME@_real curve_speed;
-    int curve_basis[3 * (@MACRO@_UNKNOWNS + 1)], curve_integers[@MACRO@_ROWS + 7 + 6 * @MACRO@_UNKNOWNS];
