@@ -4,7 +4,7 @@ static const int row_start[ROWS + 1] = {@ROW_START@};
 static const int row_column[@ENTRIES@] = {@ROW_COLUMN@};
 static const mrts_real row_value[@ENTRIES@] = {@ROW_VALUE@};
 static const int row_group[ROWS] = {@ROW_GROUP@};
-
+@TURNING_TABLES@
 #define NO_EFFECT MRTS_C(1e-30) /* an effect of c^2 = 1 on a limit below this share of it is none */
 #define UNLIKELY MRTS_C(1e24) /* c^2 that only rounding of rest allows: velocities are below 1e-12 of their limits */
 
@@ -19,7 +19,8 @@ static int is_sound(const @NAME@_sample *sample, const mrts_real *load) {
 }
 
 static mrts_limits limits_of(const @NAME@_settings *settings) {
-    const mrts_limits limits = {ROWS, row_start, row_column, row_value, settings->lower, settings->upper, row_group};
+    const mrts_limits limits = {ROWS, row_start, row_column, row_value, settings->lower, settings->upper, row_group,
+                                @BASE_TABLE@, @AXES_TABLE@};
     return limits;
 }
 

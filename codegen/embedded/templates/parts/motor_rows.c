@@ -35,6 +35,7 @@ static int build_rows(const @NAME@_sample *sample, const @NAME@_settings *settin
                       mrts_form *form, @NAME@_workspace *workspace, mrts_rows *rows) {
     const mrts_limits limits = limits_of(settings);
     const mrts_terms terms = motor_terms(sample, settings, MRTS_SQRT(c2), workspace);
+    mrts_turn_wrenches(unknowns, @MACRO@_ROBOTS, @MACRO@_WRENCH, &limits, sample->rotation, 3, 1, @TURNED@, form);
     mrts_add_motors(unknowns, JOINTS, &terms, form);
     return (int)sample->place >= 0 && sample->place <= @MACRO@_END && all_finite(JOINTS, terms.torque_square) &&
            all_finite(JOINTS, terms.torque_offset) && all_finite(JOINTS, terms.torque_speed) &&

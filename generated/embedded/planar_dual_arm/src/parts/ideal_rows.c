@@ -5,8 +5,8 @@ static int build_rows(const planar_dual_arm_sample *sample, const planar_dual_ar
                       mrts_form *form, planar_dual_arm_workspace *workspace, mrts_rows *rows) {
     static const mrts_terms nothing = {0, 0, 0, 0, 0, 0, 0};
     const mrts_limits limits = limits_of(settings);
-    (void)sample;
     (void)c2;
+    mrts_turn_wrenches(unknowns, PLANAR_DUAL_ARM_ROBOTS, PLANAR_DUAL_ARM_WRENCH, &limits, sample->rotation, 3, 1, 0, form);
     return mrts_rows_over(unknowns, &limits, workspace->rows, workspace->which, rows) &&
            mrts_build_rows(unknowns, JOINTS, WRENCHES, form, &limits, &nothing, rows);
 }

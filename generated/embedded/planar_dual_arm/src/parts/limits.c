@@ -19,7 +19,8 @@ static int is_sound(const planar_dual_arm_sample *sample, const mrts_real *load)
 }
 
 static mrts_limits limits_of(const planar_dual_arm_settings *settings) {
-    const mrts_limits limits = {ROWS, row_start, row_column, row_value, settings->lower, settings->upper, row_group};
+    const mrts_limits limits = {ROWS, row_start, row_column, row_value, settings->lower, settings->upper, row_group,
+                                0, 0};
     return limits;
 }
 
