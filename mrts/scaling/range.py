@@ -10,7 +10,7 @@ import numpy as np
 from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
 from mrts.limits.rows import ActiveRow, Side
-from mrts.samples.gaps import Gap, pieces
+from mrts.samples.range_ends import Gap, pieces
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
 
