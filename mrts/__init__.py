@@ -18,6 +18,12 @@ if TYPE_CHECKING:
     from mrts.cell.robot import Robot
     from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
     from mrts.coordination.grasp_closure import ClosureBound
+    from mrts.hands.box import box_contact
+    from mrts.hands.contact import Contact
+    from mrts.hands.gripper import gripper_contact
+    from mrts.hands.pad import pad_contact
+    from mrts.hands.polytope import rows_contact
+    from mrts.hands.suction import suction_contact
     from mrts.limits.rows import ActiveRow, RowName
     from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
     from mrts.motion.joint_table import JointTable
@@ -55,6 +61,7 @@ _HOMES = {
     "Configuration": "studies.configurations",
     "ConfigurationStudy": "studies.configurations",
     "Conflict": "samples.infeasibility",
+    "Contact": "hands.contact",
     "CoordinatedMotion": "coordination.coordinated_motion",
     "DistributionRule": "scaling.result",
     "Holding": "scaling.holding_torques",
@@ -90,17 +97,22 @@ _HOMES = {
     "ScalingStatus": "samples.range_status",
     "SelectionError": "scaling.scale",
     "SolverError": "base.errors",
+    "box_contact": "hands.box",
     "follow_object": "coordination.coordinated_motion",
+    "gripper_contact": "hands.gripper",
     "identify": "studies.identify",
     "load_cell": "cell.cell",
     "load_motion": "motion.motion_file",
     "load_recording": "motion.joint_recording",
     "load_result": "output.saved_result",
+    "pad_contact": "hands.pad",
     "rank_configurations": "studies.configurations",
     "retime": "retiming.retime",
+    "rows_contact": "hands.polytope",
     "sample_motion": "motion.motion_file",
     "save_result": "output.saved_result",
     "scale": "scaling.scale",
+    "suction_contact": "hands.suction",
     "torques_for_load": "scaling.known_load",
     "write_report": "report",
     "write_ros_bag": "output.ros_bag",
@@ -117,6 +129,7 @@ __all__ = [
     "Configuration",
     "ConfigurationStudy",
     "Conflict",
+    "Contact",
     "CoordinatedMotion",
     "DistributionRule",
     "Holding",
@@ -152,17 +165,22 @@ __all__ = [
     "ScalingStatus",
     "SelectionError",
     "SolverError",
+    "box_contact",
     "follow_object",
+    "gripper_contact",
     "identify",
     "load_cell",
     "load_motion",
     "load_recording",
     "load_result",
+    "pad_contact",
     "rank_configurations",
     "retime",
+    "rows_contact",
     "sample_motion",
     "save_result",
     "scale",
+    "suction_contact",
     "torques_for_load",
     "write_report",
     "write_ros_bag",
