@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from mrts.hands.polytope import rows_contact
     from mrts.hands.suction import suction_contact
     from mrts.limits.rows import ActiveRow, RowName
+    from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
     from mrts.motion.joint_table import JointTable
     from mrts.motion.motion_file import MotionDescription, load_motion, sample_motion
     from mrts.motion.object_motion import ObjectMotion
@@ -47,9 +48,12 @@ if TYPE_CHECKING:
     from mrts.scaling.scale import SelectionError, scale
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
+    from mrts.studies.identified_motors import ArmMotors, MotorIdentification, MotorParameter
+    from mrts.studies.identify import identify
 
 _HOMES = {
     "ActiveRow": "limits.rows",
+    "ArmMotors": "studies.identified_motors",
     "Branch": "studies.configurations",
     "Cell": "cell.cell",
     "ClosureBound": "coordination.grasp_closure",
@@ -62,6 +66,7 @@ _HOMES = {
     "DistributionRule": "scaling.result",
     "Holding": "scaling.holding_torques",
     "InputError": "base.errors",
+    "JointRecording": "motion.joint_recording",
     "JointTable": "motion.joint_table",
     "LoadBox": "base.load_box",
     "LoadPoint": "base.load_box",
@@ -69,10 +74,13 @@ _HOMES = {
     "LoadStudy": "scaling.load_study",
     "MotionDescription": "motion.motion_file",
     "MotionError": "base.errors",
+    "MotorIdentification": "studies.identified_motors",
+    "MotorParameter": "studies.identified_motors",
     "MrtsError": "base.errors",
     "ObjectMotion": "motion.object_motion",
     "PlanReserve": "samples.reserve",
     "RangeEnd": "scaling.range",
+    "RecordedJoint": "motion.joint_recording",
     "Remark": "base.remark",
     "Reserve": "samples.reserve",
     "Residuals": "scaling.result",
@@ -92,8 +100,10 @@ _HOMES = {
     "box_contact": "hands.box",
     "follow_object": "coordination.coordinated_motion",
     "gripper_contact": "hands.gripper",
+    "identify": "studies.identify",
     "load_cell": "cell.cell",
     "load_motion": "motion.motion_file",
+    "load_recording": "motion.joint_recording",
     "load_result": "output.saved_result",
     "pad_contact": "hands.pad",
     "rank_configurations": "studies.configurations",
@@ -111,6 +121,7 @@ _HOMES = {
 
 __all__ = [
     "ActiveRow",
+    "ArmMotors",
     "Branch",
     "Cell",
     "ClosureBound",
@@ -123,6 +134,7 @@ __all__ = [
     "DistributionRule",
     "Holding",
     "InputError",
+    "JointRecording",
     "JointTable",
     "LoadBox",
     "LoadPoint",
@@ -130,10 +142,13 @@ __all__ = [
     "LoadStudy",
     "MotionDescription",
     "MotionError",
+    "MotorIdentification",
+    "MotorParameter",
     "MrtsError",
     "ObjectMotion",
     "PlanReserve",
     "RangeEnd",
+    "RecordedJoint",
     "Remark",
     "Reserve",
     "Residuals",
@@ -153,8 +168,10 @@ __all__ = [
     "box_contact",
     "follow_object",
     "gripper_contact",
+    "identify",
     "load_cell",
     "load_motion",
+    "load_recording",
     "load_result",
     "pad_contact",
     "rank_configurations",
