@@ -19,8 +19,11 @@ CONVERGED = 1e-6
 STARTS = tuple(0.25**power for power in range(8))
 """Shares of the fastest x without terms in ṡ at which the first tangents are laid."""
 
-WIDTHS = (4.0, 1.5, 1.1, 1.02, 1.004)
-"""x stays within this factor of the last profile, step after step; the last chords miss √x by 2e-6 of it."""
+WIDTHS = (2.0, 1.1, 1.01, 1.003)
+"""x stays within this factor of the last profile, step after step; the last chords miss √x by 1e-6 of it."""
+
+FIRST_REACH = 4.0
+"""The first chords are from 0 to this multiple of x where the first tangents are laid."""
 
 MOST_STEPS = 50
 """Steps after which the profile is taken as it is: every one keeps all limits."""
@@ -83,7 +86,7 @@ class _Search:
         """
         bare = self.fastest([replace(problem, speed=None, torque_speed=None) for problem in self.problems])
         for at in () if bare is None else [share * bare.profile.x for share in STARTS]:
-            found = self.near(at, np.zeros_like(at), WIDTHS[0] * at)
+            found = self.near(at, np.zeros_like(at), FIRST_REACH * at)
             if found is not None:
                 return found
         through = profile_through_cells(self.problems, self.step, self.ends)
