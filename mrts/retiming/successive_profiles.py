@@ -19,8 +19,8 @@ CONVERGED = 1e-6
 STARTS = tuple(0.25**power for power in range(8))
 """Shares of the fastest x without terms in ṡ at which the first tangents are laid."""
 
-WIDTHS = (2.0, 1.1, 1.01, 1.003)
-"""x stays within this factor of the last profile, step after step; the last chords miss √x by 1e-6 of it."""
+WIDTHS = (2.0, 1.1, 1.01, 1.001)
+"""x stays within this factor of the last profile, step after step; the last chords miss √x by 2e-7 of it."""
 
 FIRST_REACH = 4.0
 """The first chords are from 0 to this multiple of x where the first tangents are laid."""
@@ -67,6 +67,7 @@ def successive_profiles(
         before = duration(step, done[-1].profile.x)
         if not search.narrow(done):
             break
+    done[-1] = search.linear_at(done[-1])
     return done
 
 
@@ -124,6 +125,19 @@ class _Search:
         inside = np.ones(len(at), dtype=bool)
         inside[[0, -1]] = False
         return self.fastest(strict, np.where(inside, least, 0.0), np.where(inside, most, np.inf))
+
+    def linear_at(self, last: Step) -> Step:
+        """The same profile with all speeds that rows linear at it admit: what else could have been.
+
+        There √x is its tangent in every row, which is exact at the profile and near it.
+        """
+        x = last.profile.x
+        lines = tangents(np.maximum(x, LEAST_SHARE * np.max(x))).pinned(self.ends)
+        around = self.fastest([without_root(problem, lines, lines) for problem in self.problems])
+        if around is None:
+            return last
+        lower, upper = np.minimum(around.profile.lower, x), np.maximum(around.profile.upper, x)
+        return Step(around.regions, SpeedProfile(x, lower, upper))
 
     def fastest(
         self, problems: Sequence[SampleProblem], least: Array | float = 0.0, most: Array | float = np.inf
