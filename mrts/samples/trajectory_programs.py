@@ -187,9 +187,15 @@ class _Compiled:
     def sparse(self) -> SparseLimits:
         """The rows that it takes, as C reads them."""
         rows = self.form.rows.only(~self.form.is_cap)
-        matrix = np.hstack([rows.torque_matrix, rows.wrench_matrix])
-        units = [name.unit for name in rows.names]
-        return SparseLimits(matrix=matrix, lower=rows.lower, upper=rows.upper, group=units)
+        turned = rows.object_axes
+        return SparseLimits(
+            matrix=rows.matrix,
+            lower=rows.lower,
+            upper=rows.upper,
+            group=[name.group for name in rows.names],
+            base=None if turned is None else turned.base,
+            axes=(0, 1, 2) if turned is None else turned.axes,
+        )
 
     def terms(self, speed: float | None = None) -> SampleTerms:
         """What is added at every sample, those in ṙ at a speed, or by themselves where it is to be found."""
@@ -212,7 +218,7 @@ class _Compiled:
 def _compiled(
     cell: Cell, motion: CoordinatedMotion, formulation: FormulationName, sharing: LoadSharing | None, solver: str
 ) -> _Compiled | None:
-    """The compiled path where it answers: free distribution, wrench form, more than one arm."""
+    """The compiled path where it answers: free distribution, wrench form, more than one arm, no sides that cross."""
     check_solver(solver)
     compiled = cell.functions.compiled
     applies = solver == "kernel" and formulation == "wrench" and sharing is None and len(cell.robots) > 1
@@ -220,11 +226,9 @@ def _compiled(
         return None
     form = squared_limits(cell, motion)
     kept = np.flatnonzero(~form.is_cap)
-    return (
-        _Compiled(compiled, form, kept, form.caps(motion.samples), motor_terms(cell, motion))
-        if len(kept) + compiled.unknowns <= MOST_ROWS
-        else None
-    )
+    if len(kept) + compiled.unknowns > MOST_ROWS or np.any(form.rows.lower > form.rows.upper):  # by a reserve
+        return None
+    return _Compiled(compiled, form, kept, form.caps(motion.samples), motor_terms(cell, motion))
 
 
 def _settle(
