@@ -277,12 +277,12 @@ class _Search:
 
     def _explained(self, obstacle: Obstacle) -> _Failure:
         k, reach = obstacle.sample, obstacle.reach
-        if obstacle.kind != "segment":
-            return self._wrong_end(obstacle)
-        for sample in (k, k + 1):
+        for sample in (k, k + 1) if obstacle.kind == "segment" else (k,):
             conflict = self._conflict(sample)
             if conflict is not None:
                 return _Failure((RetimingStatus.INFEASIBLE, f"{conflict}."), conflict)
+        if obstacle.kind != "segment":
+            return self._wrong_end(obstacle)
         conflict = self._conflict(k, reach)
         low, high = (np.sqrt(x) / self.piece.speed[k + 1] if self.piece.speed[k + 1] > 0 else 0.0 for x in reach)
         why = (

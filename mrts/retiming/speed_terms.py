@@ -8,6 +8,9 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.samples.sample_problem import SampleProblem
 
+Ends = tuple[float | None, float | None]
+"""x at the first and the last sample of a path, None where it is not given."""
+
 
 @dataclass(frozen=True)
 class RootLines:
@@ -21,14 +24,16 @@ class RootLines:
     start: Array
     slope: Array
 
-    def pinned(self, ends: tuple[float, float]) -> "RootLines":
-        """The same lines; at the first and the last sample, whose x is given, √x itself.
+    def pinned(self, ends: Ends) -> "RootLines":
+        """The same lines; at the first and the last sample, where x is given, √x itself.
 
         Args:
-            ends: x at the first and the last sample.
+            ends: x at the first and the last sample; None where it is not given.
         """
         start, slope = self.start.copy(), self.slope.copy()
-        start[[0, -1]], slope[[0, -1]] = np.sqrt(ends), 0.0
+        for place, x in ((0, ends[0]), (-1, ends[1])):
+            if x is not None:
+                start[place], slope[place] = np.sqrt(x), 0.0
         return RootLines(start, slope)
 
 

@@ -10,9 +10,9 @@ from mrts.retiming.path_pieces import path_pieces
 def motor_transcription(cell, motion, guess):
     """Speeds squared at the samples of a path of one piece, from rest to rest, by IPOPT.
 
-    The variables are ṡ, so nothing is replaced by tangents or chords. Terms of the arms are the generated ones, those of
-    motors are written out here: τ = E ṡ² + A s̈ + G + JᵀF + I (q'' ṡ² + q' s̈) + b q' ṡ + c sign(q'); curves limit
-    |τ + m q' ṡ| and |q' ṡ|.
+    The variables are ṡ, so nothing is replaced by tangents or chords. Terms of the arms are the generated ones,
+    those of motors are written out here: τ = E ṡ² + A s̈ + G + JᵀF + I (q'' ṡ² + q' s̈) + b q' ṡ + c sign(q');
+    curves limit |τ + m q' ṡ| and |q' ṡ|.
 
     Args:
         cell: Cell with motors.
