@@ -11,8 +11,11 @@ from mrts.samples.infeasibility import Conflict, find_conflicts
 from mrts.samples.sample_problem import SampleProblem
 from mrts.solvers import DEFAULT_SOLVER
 
-SLOWEST, FASTEST = 1e-6, 10.0
-"""Speeds squared at which rows with terms in √x are looked at, as multiples of those that move a row by its limit."""
+SLOWEST = 1e-6
+"""Least speed squared at which rows with terms in √x are looked at, of one that moves a row by its limit."""
+
+FASTEST = 10.0
+"""The largest, likewise."""
 
 TRIED = 48
 """How many there are, beside standstill."""
