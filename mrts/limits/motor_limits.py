@@ -5,7 +5,7 @@ import numpy as np
 
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import LimitRows, RowName
+from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName
 from mrts.motors.joint_motors import torque_speed_lines
 
 
@@ -27,7 +27,7 @@ def motor_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
             if curve is None:
                 continue
             unit = f"{robot.position_units[j]}/s"
-            lines = [(a, m, 1.0, "torque-speed", robot.torque_units[j]) for a, m in torque_speed_lines(curve)]
+            lines = [(a, m, 1.0, TORQUE_SPEED, robot.torque_units[j]) for a, m in torque_speed_lines(curve)]
             for a, m, with_torque, kind, measured in [*lines, (float(curve[-1, 0]), 1.0, 0.0, "motor speed", unit)]:
                 names.append(RowName(kind, robot.name, robot.joints[j], measured))
                 limit.append(a)

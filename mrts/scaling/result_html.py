@@ -46,7 +46,7 @@ def _rows(result: "ScalingResult") -> Iterator[tuple[str, str]]:
         torques = limited_quantities(result, "torque", robot.name)
         margins = np.min(np.minimum(torques.values - torques.lower, torques.upper - torques.values), axis=0)
         for joint, margin, lower, upper, unit in zip(
-            torques.names, margins, torques.lower, torques.upper, torques.units, strict=True
+            torques.names, margins, robot.torque_lower, robot.torque_upper, torques.units, strict=True
         ):
             limits = f"limits [{lower:g}, {upper:g}] {unit}"
             yield f"{robot.name}/{joint}", f"margin {max(round(margin, ROUNDING), 0.0):.3g} {unit}, {limits}"

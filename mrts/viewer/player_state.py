@@ -258,11 +258,13 @@ class PlayerState:
         """What rows of one kind limit at the chosen time, by robot."""
         here, done = slice(self.sample, self.sample + 1), self.trajectory
         rows = self._rows.at(here)
-        value = rows.value(done.torque[here], done.wrench[here], 0.0, done.c)[0]
+        moving = rows.moving(done.c)[0]
+        value = rows.value(done.torque[here], done.wrench[here], 0.0, done.c)[0] - moving
+        lower, upper = rows.lower - moving, rows.upper - moving
         bars: dict[str, list[Bar]] = {}
         for row, name in enumerate(rows.names):
             if name.kind == kind:
-                bar = Bar(name.element, float(value[row]), float(rows.lower[row]), float(rows.upper[row]), name.unit)
+                bar = Bar(name.element, float(value[row]), float(lower[row]), float(upper[row]), name.unit)
                 bars.setdefault(name.robot, []).append(bar)
         return bars
 
