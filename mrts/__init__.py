@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from mrts.motion.joint_table import JointTable
     from mrts.motion.motion_file import MotionDescription, load_motion, sample_motion
     from mrts.motion.object_motion import ObjectMotion
+    from mrts.motors.joint_duty import JointDuty
+    from mrts.motors.joint_motors import JointMotors
     from mrts.output.ros_bag import write_ros_bag
     from mrts.output.saved_result import load_result, save_result
     from mrts.output.trajectory_table import write_trajectory_csv
@@ -54,6 +56,8 @@ _HOMES = {
     "DistributionRule": "scaling.result",
     "Holding": "scaling.holding_torques",
     "InputError": "base.errors",
+    "JointDuty": "motors.joint_duty",
+    "JointMotors": "motors.joint_motors",
     "JointTable": "motion.joint_table",
     "LoadBox": "base.load_box",
     "LoadPoint": "base.load_box",
@@ -107,6 +111,8 @@ __all__ = [
     "DistributionRule",
     "Holding",
     "InputError",
+    "JointDuty",
+    "JointMotors",
     "JointTable",
     "LoadBox",
     "LoadPoint",

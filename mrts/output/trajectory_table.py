@@ -47,21 +47,33 @@ def played_rows(done: ScaledTrajectory) -> PlayedRows:
         done: The trajectory.
     """
     friction = done.friction if done.has_friction else None
-    samples = PlayedRows(done.time, done.q, done.dq, done.ddq, done.torque, friction, done.wrench)
+    samples = PlayedRows(
+        time=done.time,
+        q=done.q,
+        dq=done.dq,
+        ddq=done.ddq,
+        torque=done.torque,
+        friction=done.friction if done.has_friction else None,
+        wrench=done.wrench,
+    )
     held = done.holding
     if held is None or not any(held.ends):
         return samples
     before, after = (slice(int(end)) for end in held.ends)
     step, none = holding_step(done.time), np.zeros((1, done.q.shape[1]))
+
+    def framed(start: Array, rows: Array, end: Array) -> Array:
+        return np.concatenate([start[before], rows, end[after]])
+
     shifted = done.time + step * held.ends[0]
     return PlayedRows(
-        np.concatenate([np.zeros(1)[before], shifted, (shifted[-1:] + step)[after]]),
-        np.concatenate([done.q[:1][before], done.q, done.q[-1:][after]]),
-        np.concatenate([none[before], done.dq, none[after]]),
-        np.concatenate([none[before], done.ddq, none[after]]),
-        np.concatenate([held.torque[:1][before], done.torque, held.torque[1:][after]]),
-        None if friction is None else np.concatenate([none[before], friction, none[after]]),
-        np.concatenate([held.wrench[:1][before], done.wrench, held.wrench[1:][after]]),
+        time=framed(np.zeros(1), shifted, shifted[-1:] + step),
+        q=framed(done.q[:1], done.q, done.q[-1:]),
+        dq=framed(none, done.dq, none),
+        ddq=framed(none, done.ddq, none),
+        torque=framed(held.torque[:1], done.torque, held.torque[1:]),
+        friction=None if samples.friction is None else framed(none, samples.friction, none),
+        wrench=framed(held.wrench[:1], done.wrench, held.wrench[1:]),
     )
 
 
