@@ -46,7 +46,6 @@ def played_rows(done: ScaledTrajectory) -> PlayedRows:
     Args:
         done: The trajectory.
     """
-    friction = done.friction if done.has_friction else None
     samples = PlayedRows(
         time=done.time,
         q=done.q,
