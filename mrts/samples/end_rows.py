@@ -1,10 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The rows that set an end of the range, whichever solver found it.
-
-Where more rows meet than the unknowns need, a solver gives multipliers to some of them only, and which depends on its
-basis. Named are therefore all rows that are at their limit in every solution at the end; by strict complementarity they
-are those with a multiplier in some solution of the dual program.
-"""
+"""All rows that set the ends of the range over a motion, found when they are asked for."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -16,19 +11,9 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
-from mrts.limits.squared_rows import CAPS_TIE
-from mrts.samples.linear_programs import effect_of_speed
-from mrts.samples.sample_problem import SampleProblem, build_sample_problem
+from mrts.samples.binding_rows import rows_at_end
+from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import SampleRanges, first_least
-from mrts.solvers import DEFAULT_SOLVER
-from mrts.solvers.convex_program import ConvexPrograms, solve_programs
-
-WIDER = 3e-9
-"""Limits are moved outward by this share of themselves, more than c² is off: at the end there may be one solution."""
-
-NEAR = 1e-4
-"""A row is at its limit if no solution keeps further away than this share of it: 1 / NEAR times `WIDER` is the least
-multiplier, as a share of all, that counts."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,63 +87,3 @@ def with_end_rows(
         for side, c2, found, place in sides
     )
     return replace(samples, lower_rows=lower, upper_rows=upper)
-
-
-def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow, ...]:
-    """All rows at their limit in every solution at an end of a sample's range, in the order of the rows.
-
-    A row whose limits are equal is at both whatever c² is, and none of them.
-
-    Args:
-        problem: Rows of one sample, in which the distribution of the load is free.
-        c2: The end, finite.
-        end: Which.
-    """
-    if end == "lower" and c2 * float(effect_of_speed(problem)[0]) <= WIDER:
-        return (ActiveRow(STANDSTILL, "lower", 0.0),)
-    moving = ~problem.is_cap
-    widening = WIDER * problem.is_limit[moving]
-    lower, upper = (limit[0, moving] for limit in problem.limits_at(c2))
-    lower, upper = lower - widening, upper + widening
-    places = np.flatnonzero(problem.is_limit & moving)
-    at = np.searchsorted(np.flatnonzero(moving), places)
-    sides = [
-        (row, place, sign)
-        for row, place in zip(at.tolist(), places.tolist(), strict=True)
-        for sign, limit in ((1.0, upper[row]), (-1.0, lower[row]))
-        if np.isfinite(limit) and upper[row] - lower[row] > 2 * NEAR
-    ]
-    distance = _largest_distance(problem.free[0, moving], lower, upper, [(row, sign) for row, _, sign in sides])
-    tight = [(place, sign > 0) for (_, place, sign), far in zip(sides, distance, strict=True) if far <= NEAR]
-    named = [problem.active_row(place, upper=side) for place, side in tight]
-    if end == "upper":
-        caps = np.flatnonzero(problem.is_cap)[problem.cap_share[0] * c2 >= 1 - CAPS_TIE]
-        named += [problem.active_row(row, upper=bool(problem.square[0, row] > 0)) for row in caps.tolist()]
-    return tuple(named)
-
-
-def _largest_distance(A: Array, lower: Array, upper: Array, sides: list[tuple[int, float]]) -> Array:
-    """How far each row can keep from one of its sides (sign 1: upper), at most 1; infinity if it was not found."""
-    rows, unknowns = A.shape
-    count = len(sides)
-    row, sign = (np.array(values) for values in zip(*sides, strict=True)) if sides else (np.zeros(0, int), np.zeros(0))
-    asked = np.zeros((count, rows + 1, unknowns + 1))
-    asked[:, :-1, :-1] = A
-    asked[:, -1, :-1] = sign[:, None] * A[row]
-    asked[:, -1, -1] = 1.0
-    g = np.zeros((count, unknowns + 1))
-    g[:, -1] = -1.0
-    free = np.full((count, unknowns), np.inf)
-    answers = solve_programs(
-        ConvexPrograms(
-            H=None,
-            g=g,
-            A=asked,
-            lower=np.column_stack([np.tile(lower, (count, 1)), np.full(count, -np.inf)]),
-            upper=np.column_stack([np.tile(upper, (count, 1)), np.where(sign > 0, upper[row], -lower[row])]),
-            x_lower=np.column_stack([-free, np.zeros(count)]),
-            x_upper=np.column_stack([free, np.ones(count)]),
-        ),
-        DEFAULT_SOLVER,
-    )
-    return np.where(answers.verified, answers.x[:, -1], np.inf)

@@ -31,17 +31,30 @@ class RangeEnds:
 
     def replace(self, samples: NDArray[np.int_], other: "RangeEnds") -> None:
         """Take some samples from another batch, which must have found them."""
-        if np.any(other.undecided):
-            sample = int(samples[int(np.argmax(other.undecided))])
-            raise SolverError(
-                f"no solver found the range of c² at sample {sample}, although its limits hold together. This is a "
-                "defect of mrts or of extremely scaled data: please report the cell and the motion."
-            )
+        require_decided(samples, other.undecided)
         for index, sample in enumerate(samples):
             lower, upper = other.lower[index], other.upper[index]
             self.lower[sample], self.upper[sample] = min(lower, upper), upper
             self.lower_rows[sample], self.upper_rows[sample] = other.lower_rows[index], other.upper_rows[index]
         self.fallbacks += other.fallbacks
+
+
+def require_decided(samples: NDArray[np.int_], undecided: NDArray[np.bool_]) -> None:
+    """Refuse to go on where limits hold together but no range was found.
+
+    Args:
+        samples: Indices of the samples.
+        undecided: Which of them have no range.
+
+    Raises:
+        SolverError: If one has none.
+    """
+    if np.any(undecided):
+        sample = int(samples[int(np.argmax(undecided))])
+        raise SolverError(
+            f"no solver found the range of c² at sample {sample}, although its limits hold together. This is a defect "
+            "of mrts or of extremely scaled data: please report the cell and the motion."
+        )
 
 
 @dataclass(frozen=True)

@@ -3,20 +3,23 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import MrtsError
 from mrts.base.load_box import LoadPoint
-from mrts.limits.rows import ActiveRow
+from mrts.limits.rows import ActiveRow, Side
+from mrts.samples.binding_rows import RowsAtEnd, RowsOfEnds
 from mrts.samples.closed_form import ends_in_closed_form
+from mrts.samples.gaps import Gap, gaps_of
 from mrts.samples.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
 from mrts.samples.linear_programs import ends_by_linear_programs
-from mrts.samples.range_ends import RangeEnds
+from mrts.samples.range_ends import RangeEnds, require_decided
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_problem import SampleProblem
+from mrts.samples.speed_intervals import speed_intervals
 
 REST_TOLERANCE = 1e-12
 """A sample is at rest where c² moves no row by more than this share of what it does elsewhere."""
@@ -44,6 +47,7 @@ class SampleRanges:
         fallbacks: Programs that the chosen solver did not solve and another did.
         lower_loads: If the load is uncertain, the load that sets the lower end of each sample.
         upper_loads: Likewise of the upper end.
+        gaps: What samples do not admit between their ends, in order; none where no row has a term in ṙ beside others.
     """
 
     time: Array
@@ -56,6 +60,7 @@ class SampleRanges:
     fallbacks: int
     lower_loads: Sequence[LoadPoint] | None = None
     upper_loads: Sequence[LoadPoint] | None = None
+    gaps: tuple[Gap, ...] = ()
 
 
 def sample_ranges(problem: SampleProblem, time: Array, solver: str) -> SampleRanges:
@@ -72,9 +77,9 @@ def sample_ranges(problem: SampleProblem, time: Array, solver: str) -> SampleRan
         InputError: If there is no such solver.
         SolverError: If no solver answers.
     """
-    if problem.speed is not None:
-        raise MrtsError("viscous friction and torque-speed curves have no range yet.")
     problem = without_speed_at_rest(problem)
+    if problem.speed is not None:
+        return _union_ranges(problem, time, solver)
 
     def find(part: SampleProblem) -> RangeEnds:
         return ends_in_closed_form(part) if part.unknowns == 1 else ends_by_linear_programs(part, solver)
@@ -100,6 +105,38 @@ def sample_ranges(problem: SampleProblem, time: Array, solver: str) -> SampleRan
         upper_rows=tuple(ends.upper_rows),
         conflicts=tuple(conflicts.values()),
         fallbacks=ends.fallbacks,
+    )
+
+
+def _union_ranges(problem: SampleProblem, time: Array, solver: str) -> SampleRanges:
+    """`sample_ranges` where rows have a term in ṙ: the ends of a union of intervals, and the gaps between them."""
+    found = speed_intervals(problem, solver)
+    suspects = np.flatnonzero(found.undecided)
+    conflicts = [one for one in find_conflicts(problem, time, suspects, solver) if one] if suspects.size else []
+    proved = {conflict.sample for conflict in conflicts}
+    marginal = np.array([sample for sample in suspects if sample not in proved], dtype=int)
+    if marginal.size:
+        again = speed_intervals(_widened(problem.at(marginal)), solver)
+        require_decided(marginal, again.undecided)
+        found.fallbacks += again.fallbacks
+        for sample, intervals in zip(marginal.tolist(), again.intervals, strict=True):
+            found.intervals[sample] = intervals
+
+    def rows(sample: int, c2: float, end: Side) -> RowsAtEnd:
+        return RowsAtEnd(partial(problem.at, np.array([sample])), c2, end)
+
+    lower = np.array([one[0][0] ** 2 if one else np.inf for one in found.intervals])
+    upper = np.array([one[-1][1] ** 2 if one else -np.inf for one in found.intervals])
+    return SampleRanges(
+        time=time,
+        status=statuses(lower, upper, conflicts),
+        lower=lower,
+        upper=upper,
+        lower_rows=RowsOfEnds(tuple(rows(sample, c2, "lower") for sample, c2 in enumerate(lower.tolist()))),
+        upper_rows=RowsOfEnds(tuple(rows(sample, c2, "upper") for sample, c2 in enumerate(upper.tolist()))),
+        conflicts=tuple(conflicts),
+        fallbacks=found.fallbacks,
+        gaps=tuple(gap for sample, one in enumerate(found.intervals) for gap in gaps_of(sample, one, rows)),
     )
 
 
@@ -132,14 +169,16 @@ def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> Sampl
 
     Args:
         problem: Rows of some samples.
-        largest: Largest effect at other samples of the motion.
+        largest: Largest effect of c², or of c squared, at other samples of the motion.
     """
-    dynamic = ~problem.is_cap
+    dynamic, speed = ~problem.is_cap, problem.speed
     effect = np.max(np.abs(problem.square[:, dynamic]), axis=1, initial=0.0)
+    if speed is not None:
+        effect = np.maximum(effect, np.max(np.abs(speed[:, dynamic]), axis=1, initial=0.0) ** 2)
     at_rest = effect <= REST_TOLERANCE * np.max(effect, initial=largest)
-    A = problem.A.copy()
-    A[:, :, -1] = np.where(at_rest[:, None] & dynamic, 0.0, problem.square)
-    return replace(problem, A=A)
+    A, still = problem.A.copy(), at_rest[:, None] & dynamic
+    A[:, :, -1] = np.where(still, 0.0, problem.square)
+    return replace(problem, A=A, speed=None if speed is None else np.where(still, 0.0, speed))
 
 
 def _widened(problem: SampleProblem) -> SampleProblem:

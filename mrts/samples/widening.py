@@ -8,12 +8,12 @@ from mrts.samples.sample_problem import SampleProblem
 from mrts.solvers.elastic_program import least_widening
 
 
-def widening_at(problem: SampleProblem, c2: float, solver: str, what: str) -> Array:
+def widening_at(problem: SampleProblem, c2: float | Array, solver: str, what: str) -> Array:
     """Least s that admits a given c², Shape (N,); where c² is the only unknown, the largest excess.
 
     Args:
         problem: Rows of some samples.
-        c2: c².
+        c2: c², one for all samples, or one a sample, Shape (N, 1).
         solver: Name in the registry.
         what: What is found, for the message.
 

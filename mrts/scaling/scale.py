@@ -9,7 +9,6 @@ import numpy as np
 from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
-from mrts.base.interval_text import interval_text
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinate import coordinate
 from mrts.coordination.coordinated_motion import CoordinatedMotion
@@ -161,8 +160,8 @@ def choose_c2(found: ScalingRange, select: Selection) -> float:
         SelectionError: If the value is not in the range, not finite, or not above 0.
     """
     assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
-    low, high = found.lower.c2, found.upper.c2
-    interval = interval_text(low, high, digits=6)
+    high = found.upper.c2
+    interval = found.text(digits=6)
     unlimited = found.status is RangeStatus.UNBOUNDED
     if select == "auto":
         select = "nominal" if unlimited else "fastest"
@@ -170,20 +169,28 @@ def choose_c2(found: ScalingRange, select: Selection) -> float:
         if unlimited:
             raise SelectionError(f"no limit depends on the speed: c² ∈ {interval}. Choose a value.")
         if high <= 0:
-            raise SelectionError(f"c² ∈ {interval}: the cell can only hold still. {_end_text(found, 'upper')}")
+            raise SelectionError(
+                f"c² ∈ {interval}: the cell can only hold still. The upper end is set {found.upper.place()}."
+            )
         return high
     c2 = 1.0 if select == "nominal" else float(max(min(select, LARGEST_C2), -LARGEST_C2))
     if not (np.isfinite(c2) and c2 > 0):
         raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {interval}.")
-    if not low * (1 - END_TOLERANCE) <= c2 <= high * (1 + END_TOLERANCE):
-        side: Literal["lower", "upper"] = "lower" if c2 < low else "upper"
-        raise SelectionError(f"c² = {c2:g} is outside the admissible range {interval}. {_end_text(found, side)}")
-    return min(max(c2, low), high)
+    admitted = found.admitted(c2, END_TOLERANCE)
+    if admitted is not None:
+        return admitted
+    raise SelectionError(_refusal(found, c2, interval))
 
 
-def _end_text(found: ScalingRange, side: Literal["lower", "upper"]) -> str:
-    assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
-    end = found.lower if side == "lower" else found.upper
-    if end.time is None:
-        return ""
-    return f"The {side} end is set {end.place()}."
+def _refusal(found: ScalingRange, c2: float, interval: str) -> str:
+    """Why a c² is not admissible: what sets the end that it passes, or both ends of the gap that it is in."""
+    slower = [end for _, end in found.intervals if end.c2 < c2]
+    faster = [end for end, _ in found.intervals if end.c2 > c2]
+    if slower and faster:
+        return (
+            f"c² = {c2:g} lies in a gap of the admissible range {interval}: you may play it slower, or faster, where "
+            f"inertia helps the motors against friction. At most {slower[-1].c2:.6g} {slower[-1].place()}; at least "
+            f"{faster[0].c2:.6g} {faster[0].place()}."
+        )
+    side, end = ("lower", faster[0]) if faster else ("upper", slower[-1])
+    return f"c² = {c2:g} is outside the admissible range {interval}. The {side} end is set {end.place()}."

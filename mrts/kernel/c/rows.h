@@ -37,6 +37,8 @@ typedef struct {
     const mrts_real *square;        /* what c^2 adds to each row of the limits, in its unit, (rows) */
     const mrts_real *offset;        /* what is added to each row, likewise */
     const mrts_real *margin;        /* by how much both limits of each row move inward, likewise */
+    const mrts_real *torque_speed;  /* what the speed c adds to each torque, (joints): only ranges of c take it */
+    const mrts_real *speed;         /* what it adds to each row, in its unit, (rows): likewise */
 } mrts_terms;
 
 /* Reals of memory of a form, and a form laid out in it. */

@@ -6,6 +6,7 @@
 #include "cell_sizes.h"
 #include "quadratic_programs.h"
 #include "rows.h"
+#include "speed_intervals.h"
 
 /* Rounding of an answer at the bound of c^2, as a share. */
 #define MRTS_AT_UNBOUNDED 1e-9
@@ -22,6 +23,8 @@ static mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long sample, 
     here.square = all->square ? all->square + limits : 0;
     here.offset = all->offset ? all->offset + limits : 0;
     here.margin = all->margin ? all->margin + limits : 0;
+    here.torque_speed = all->torque_speed ? all->torque_speed + torques : 0;
+    here.speed = all->speed ? all->speed + limits : 0;
     return here;
 }
 
@@ -118,6 +121,69 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
                 dual[j] = (float)y[j];
             }
             if (*status != MRTS_OPTIMAL) basis[0] = 0;
+        }
+    }
+    return 0;
+}
+
+/* The same of a curve: 0 for a tangent, and one place for both unknowns of the speed. */
+static short mrts_row_of_curve(const mrts_limits *limits, const mrts_rows *rows, int code) {
+    const int row = (code < 0 ? -code : code) - 1, of_speed = rows->count + MRTS_UNKNOWNS;
+    if (row == rows->count) return 0;
+    if (row < rows->count) return mrts_row_of_limits(limits, rows, code);
+    return mrts_row_of_limits(limits, rows, code < 0 ? -of_speed : of_speed);
+}
+
+MRTS_EXPORT void mrts_speed_ranges_work(int rows, long long *reals, long long *ints) {
+    *reals = MRTS_ROWS_WORK(MRTS_UNKNOWNS, rows) + rows + MRTS_CURVE_WORK(MRTS_UNKNOWNS, rows);
+    *ints = MRTS_ROWS_IWORK(rows) + MRTS_CURVE_IWORK(MRTS_UNKNOWNS, rows);
+}
+
+/* The speeds c <= most of samples 0 .. count - 1 where rows have terms in c beside those in c^2: of each the number of
+ * intervals, their ends, Shape (count, 2 MRTS_INTERVALS), a status of mrts_lp, and the largest effect on a row, of c^2 = 1 or
+ * of c = 1 squared. What determines the least and the largest speed is K + 1 rows each, as in mrts_ranges; a tangent is 0.
+ * `terms` and what is returned as there. */
+MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, const long long *stride,
+                                  const mrts_limits *limits, const mrts_terms *terms, const double *most, int *number,
+                                  double *speeds, unsigned char *status, double *effect, short *low_basis,
+                                  short *high_basis, float *low_dual, float *high_dual, const double **arg,
+                                  double **res, long long *iw, double *w, double *work, int *iwork) {
+    enum { K = MRTS_UNKNOWNS, N = MRTS_UNKNOWNS + 1 };
+    double *speed = work + MRTS_ROWS_WORK(K, limits->rows), column[K], end_dual[3 * N];
+    double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
+    int basis[MRTS_CURVE_BASES * N], end_basis[3 * N];
+    mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
+    mrts_curve_ends ends = {0, basis, end_basis, end_dual};
+    mrts_curve curve;
+    mrts_rows rows;
+    if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
+    for (long long n = 0; n < count; ++n) {
+        double *found = speeds + n * 2 * MRTS_INTERVALS;
+        if (n % MRTS_CHUNK == 0) {
+            ends.speed = 0;
+            for (int i = 0; i < MRTS_CURVE_BASES; ++i) basis[i * N] = 0;
+        }
+        const int built = mrts_rows_of_sample(in, stride, n, &form, limits, terms, &rows, arg, res, iw, w);
+        if (built < 0) return 1;
+        number[n] = 0;
+        status[n] = MRTS_STOPPED;
+        if (!built) continue;
+        const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
+        mrts_speed_column(MRTS_JOINTS, limits, &here, &rows, speed);
+        mrts_scale_columns(K, &rows, column);
+        const double unit = mrts_curve_over(K, &rows, column, speed, speed + limits->rows,
+                                            iwork + MRTS_ROWS_IWORK(limits->rows), &curve);
+        const double size = unit > 0 ? MRTS_SQRT(unit) : 1;
+        effect[n] = unit > 0 ? 1 / unit : 0;
+        ends.speed /= size;
+        status[n] = (unsigned char)mrts_speed_intervals(&curve, most[n] / size, &ends, number + n, found);
+        ends.speed *= size;
+        for (int i = 0; i < 2 * number[n]; ++i) found[i] = found[i] < MRTS_INFINITY ? found[i] * size : INFINITY;
+        for (int j = 0; j < N && number[n]; ++j) {
+            low_basis[n * N + j] = mrts_row_of_curve(limits, &rows, end_basis[j]);
+            high_basis[n * N + j] = mrts_row_of_curve(limits, &rows, end_basis[N + j]);
+            low_dual[n * N + j] = low_basis[n * N + j] ? (float)end_dual[j] : 0;
+            high_dual[n * N + j] = high_basis[n * N + j] ? (float)end_dual[N + j] : 0;
         }
     }
     return 0;
