@@ -76,15 +76,15 @@ def draw_gaps(axes: Axes, samples: SampleRanges, highest: float) -> None:
     """
     for number, box in enumerate(gap_boxes(samples, highest)):
         corner, size = (box.start, box.lower), (box.end - box.start, box.upper - box.lower)
-        axes.add_patch(Rectangle(corner, *size, **HATCHED, label="" if number else "gap: no c² between"))
+        axes.add_patch(Rectangle(corner, *size, **HATCHED, label="" if number else "gap: no admissible c²"))
 
 
 def _mark_what_sets_it(axes: Axes, result: ScalingResult) -> None:
     found = result.range
     for lower, upper in found.intervals[:-1]:
-        for kind, end in (("lower", lower), ("upper", upper)):
-            if end.time is not None and end.c2 > 0:
-                axes.plot(end.time, end.c2, "o", color=END_COLOURS[kind], markersize=5, clip_on=False, zorder=5)
+        for kind, inner in (("lower", lower), ("upper", upper)):
+            if inner.time is not None and inner.c2 > 0:
+                axes.plot(inner.time, inner.c2, "o", color=END_COLOURS[kind], markersize=5, clip_on=False, zorder=5)
     for kind, end, name in (("lower", found.lower, "c²⁻"), ("upper", found.upper, "c²⁺")):
         if end is None or end.time is None or (kind == "lower" and end.c2 <= 0):
             continue

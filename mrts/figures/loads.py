@@ -15,6 +15,9 @@ from mrts.figures.style import finish, legend_below, line_style, plain_text
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
 
+LEGEND_COLUMNS = 3
+"""Of the questions of one load: each names its c²⁺."""
+
 LOAD_AXIS = "largest c² at the sample [1]"
 
 
@@ -30,7 +33,7 @@ def load_figure(results: Mapping[str, ScalingResult]) -> Figure:
         _draw_upper(axes, result.range, label, index)
     axes.set_ylim(0, max(c2_reach(result.range)[1] for result in results.values()))
     finish(axes, "time of the given motion [s]", LOAD_AXIS)
-    legend_below(axes, columns=len(results))
+    legend_below(axes, columns=min(len(results), LEGEND_COLUMNS))
     return figure
 
 

@@ -116,7 +116,7 @@ def _gaps(found: ScalingRange, high: float) -> list[dict[str, Any]]:
         y += [*numbers(np.array([box.lower, box.lower, box.upper, box.upper, box.lower])), None]
     hatched = {"shape": "/", "bgcolor": "#e4e4e4", "fgcolor": "#9a9a9a", "size": 8}
     look = {"mode": "lines", "line": {"width": 0}, "fill": "toself", "fillpattern": hatched, "hoverinfo": "skip"}
-    return [{"x": x, "y": y, "name": "gap: no c² between"} | look]
+    return [{"x": x, "y": y, "name": "gap: no admissible c²"} | look]
 
 
 def _ends(found: ScalingRange) -> list[dict[str, Any]]:

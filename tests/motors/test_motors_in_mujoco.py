@@ -16,10 +16,11 @@ UR5 = DATA.parent / "dual_ur5"
 UR5_MOTORS = {
     "armature": [0.66, 0.66, 0.66, 0.1, 0.1, 0.1],
     "coulomb": [7.0, 7.0, 5.0, 2.0, 2.0, 2.0],
+    "viscous": [8.0, 8.0, 6.0, 1.0, 1.0, 1.0],
 }
 """Of the size that is published for arms of this class [kg m², N m, N m s/rad]."""
 
-PLANAR_MOTORS = {"armature": [0.4, 0.3, 0.05], "coulomb": [4.0, 3.0, 0.5]}
+PLANAR_MOTORS = {"armature": [0.4, 0.3, 0.05], "coulomb": [4.0, 3.0, 0.5], "viscous": [1.0, 0.8, 0.1]}
 
 SAME_TORQUE = 1e-9
 """Between two formulations of the same dynamics, in N m of friction and as a share of the largest torque: the rounding
