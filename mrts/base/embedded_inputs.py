@@ -8,14 +8,16 @@ from mrts.base.arrays import Array
 
 @dataclass(frozen=True, kw_only=True)
 class EmbeddedLimits:
-    """Rows lower <= M [τ; F] <= upper over m torques and then all wrenches, and velocity limits.
+    """Rows lower <= M [τ; F; H] <= upper over m torques, all wrenches and the same in object axes, and velocity limits.
 
     Attributes:
         texts: One a row, such as "left/elbow torque".
-        matrix: M, Shape (r, m + n w).
+        matrix: M, Shape (r, m + n w) without H, else (r, m + 2 n w).
+        base: Rotation of each base in the world, its columns those of `axes`, Shape (n, 3, 3); None without H.
+        axes: Of the object that a triple of a wrench has, x, y, z being 0, 1, 2, Shape (3,); empty without H.
         lower: Shape (r,), minus infinity where unbounded.
         upper: Shape (r,), infinity where unbounded.
-        group: Alike for rows of one physical unit: what a limit of zero is measured by; one a row.
+        group: Alike for rows of which one measures another's limit of zero; one a row.
         velocity_texts: One a velocity.
         velocity: Of all joints, then of the object's linear and angular velocity, infinity where none is enforced,
             Shape (m + 2,) [rad/s or m/s].
@@ -23,6 +25,8 @@ class EmbeddedLimits:
 
     texts: tuple[str, ...]
     matrix: Array
+    base: Array | None
+    axes: tuple[int, ...]
     lower: Array
     upper: Array
     group: tuple[int, ...]

@@ -11,16 +11,16 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from mrts.base.argument_types import as_path, check_list, check_type, is_number
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, freeze_array, with_infinity
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.load_box import LoadBox, load_vector
-from mrts.base.manifest import LOAD_ENTRIES, MANIFEST_NAME, WRENCH_COMPONENTS, Manifest, read_generated
+from mrts.base.manifest import LOAD_ENTRIES, MANIFEST_NAME, WRENCH_COMPONENTS, WRENCH_UNITS, Manifest, read_generated
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.functions import Backend, CellFunctions, bind_functions
 from mrts.cell.generation import generated_in_cache, virtual_machine_functions
-from mrts.cell.robot import Robot, freeze_array, robot_from_record, with_infinity
+from mrts.cell.robot import Robot, robot_from_record
 
 GENERATED = ("name", "joints", "joint_types", "axes", "points", "held", "T_base_tip", "T_world_base", "T_object_tip")
 """Attributes of a robot that the generated functions hold as numbers, or that name their inputs and outputs."""
@@ -137,7 +137,7 @@ class Cell:
     @property
     def wrench_units(self) -> tuple[str, ...]:
         """Unit of each component of a contact wrench: "N" of a force, "N m" of a moment."""
-        return tuple("N" if component.startswith("f") else "N m" for component in self.wrench_components)
+        return tuple(WRENCH_UNITS[component] for component in self.wrench_components)
 
     @property
     def mass(self) -> float:
@@ -205,7 +205,7 @@ class Cell:
         return replace(self, load_box=LoadBox(self.mass, self.inertia, ranges, outer_hull))
 
     def without_wrench_limits(self) -> Self:
-        """The same cell with every contact wrench unbounded."""
+        """The same cell with every contact wrench unbounded, and hands that hold whatever comes."""
         return replace(
             self,
             robots=tuple(
@@ -213,6 +213,7 @@ class Cell:
                     robot,
                     wrench_lower=np.full_like(robot.wrench_lower, -np.inf),
                     wrench_upper=np.full_like(robot.wrench_upper, np.inf),
+                    contacts=(),
                 )
                 for robot in self.robots
             ),

@@ -32,6 +32,8 @@ class _Limits(ctypes.Structure):
         ("lower", ctypes.c_void_p),
         ("upper", ctypes.c_void_p),
         ("group", ctypes.c_void_p),
+        ("base", ctypes.c_void_p),
+        ("axes", ctypes.c_void_p),
     ]
 
 
@@ -39,16 +41,29 @@ class SparseLimits:
     """Rows over torques and wrenches in compressed form, as C reads them.
 
     Args:
-        matrix: Of all torques, then all wrenches, Shape (r, m + n w).
+        matrix: Of all torques and all wrenches, Shape (r, m + n w), or of the wrenches in object axes as well, Shape
+            (r, m + 2 n w).
         lower: Shape (r,), minus infinity where unbounded.
         upper: Shape (r,), infinity where unbounded.
-        group: Physical unit of each row, such as "N m": a limit of zero is measured by the largest of its unit.
+        group: Of each row, such as "N m": a limit of zero is measured by the largest of its group.
+        base: Rotation of each base in the world, its columns those of `axes`, Shape (n, 3, 3); None where no row is in
+            object axes.
+        axes: x, y, z (0, 1, 2) in the order in which a triple of a wrench has them.
 
     Raises:
         ValueError: If a lower limit is not at most the upper one.
     """
 
-    def __init__(self, *, matrix: Array, lower: Array, upper: Array, group: Sequence[str]) -> None:
+    def __init__(
+        self,
+        *,
+        matrix: Array,
+        lower: Array,
+        upper: Array,
+        group: Sequence[str],
+        base: Array | None = None,
+        axes: Sequence[int] = (0, 1, 2),
+    ) -> None:
         if not np.all(lower <= upper):
             raise ValueError(f"rows {np.flatnonzero(~(lower <= upper)).tolist()}: a lower limit is above its upper one")
         self.rows = len(matrix)
@@ -63,6 +78,8 @@ class SparseLimits:
             np.ascontiguousarray(np.minimum(upper, INFINITY)),
             np.array([units.index(unit) for unit in group], dtype=np.int32),
         ]
+        if base is not None:
+            self._arrays += [np.ascontiguousarray(base), np.array(axes, dtype=np.int32)]
         self.structure = _Limits(self.rows, *(pointer(array) for array in self._arrays))
 
 

@@ -10,6 +10,7 @@ from weakref import WeakKeyDictionary
 
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.limits.contact_limits import contact_limits
 from mrts.limits.motor_limits import motor_limits
 from mrts.limits.row_check import checked_rows
 from mrts.limits.rows import LimitRows, stack_rows
@@ -21,6 +22,7 @@ from mrts.limits.wrench_limits import wrench_limits
 LIMITS: dict[str, Callable[[Cell, CoordinatedMotion], LimitRows]] = {
     "torque_limits": torque_limits,
     "wrench_limits": wrench_limits,
+    "contact_limits": contact_limits,
     "velocity_limits": velocity_limits,
     "motor_limits": motor_limits,
 }

@@ -35,15 +35,17 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
             _check_constant(name, first[name], second[name])
             pieces.append(first[name])
     rows = stack_rows(pieces)
-    units = list(dict.fromkeys(name.unit for name in rows.names))
+    groups = list(dict.fromkeys(name.group for name in rows.names))
     velocity = velocity_limits(replace(cell, enforces_velocity_limits=True), probes[0])
     enforced = cell.enforces_velocity_limits and velocity_limits in LIMITS.values()
     return EmbeddedLimits(
         texts=tuple(_text(name) for name in rows.names),
-        matrix=np.hstack([rows.torque_matrix, rows.wrench_matrix]),
+        matrix=rows.matrix,
+        base=None if rows.object_axes is None else rows.object_axes.base,
+        axes=() if rows.object_axes is None else rows.object_axes.axes,
         lower=rows.lower,
         upper=rows.upper,
-        group=tuple(units.index(name.unit) for name in rows.names),
+        group=tuple(groups.index(name.group) for name in rows.names),
         velocity_texts=tuple(_text(name) for name in velocity.names),
         velocity=velocity.upper if enforced else np.full_like(velocity.upper, np.inf),
     )
@@ -62,7 +64,9 @@ def _probe(cell: Cell, seed: int) -> CoordinatedMotion:
 def _check_constant(limit: str, rows: LimitRows, again: LimitRows) -> None:
     """Refuse a limit of which a library cannot compute the rows at a sample."""
     of_speed = any(column is not None and np.any(column) for column in (rows.rate, rows.speed, rows.square))
-    tables = [(each.torque_matrix, each.wrench_matrix, each.lower, each.upper) for each in (rows, again)]
+    tables = [
+        (each.torque_matrix, each.wrench_matrix, each.in_object_axes, each.lower, each.upper) for each in (rows, again)
+    ]
     alike = rows.names == again.names and all(map(np.array_equal, *tables))
     if of_speed or not alike:
         raise InputError(
@@ -74,4 +78,4 @@ def _check_constant(limit: str, rows: LimitRows, again: LimitRows) -> None:
 
 
 def _text(name: RowName) -> str:
-    return f"{name.robot}/{name.element} {name.kind}" if name.robot else str(name)
+    return f"{name.robot}/{name.element} {name.kind}" if name.robot and name.kind != "contact" else str(name)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.argument_types import as_path, check_type
+from mrts.base.arrays import without_infinity
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError, as_array
 from mrts.base.load_box import LoadPoint
@@ -19,7 +20,7 @@ from mrts.base.remark import Remark
 from mrts.base.version import __version__
 from mrts.cell.cell import Cell, cell_from_manifest
 from mrts.cell.functions import CellFunctions, saved_functions
-from mrts.cell.robot import robot_record, without_infinity
+from mrts.cell.robot import robot_record
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import LIMITS
 from mrts.motion.object_motion import ObjectMotion

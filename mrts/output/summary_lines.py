@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 from mrts.base.interval_text import interval_text
 from mrts.drawing.range_sentences import range_text
+from mrts.hands.friction import NORMAL_FORCE
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.retiming.result import RetimingResult
 from mrts.scaling.limit_use import limit_uses
@@ -75,13 +76,14 @@ def _torque_lines(result: ScalingResult) -> Iterator[str]:
     robots = result.cell.robots
     names = max(NAME_WIDTH, *(len(f"{robot.name}/{joint}") for robot in robots for joint in robot.joints))
     yield f"{'joint':<{names}} {'least torque':>14} {'largest torque':>15} {'limits':>22}"
-    further = [use for use in limit_uses(result) if use.name.kind not in OWN_KINDS]
+    further = [use for use in limit_uses(result) if use.name.kind not in {*OWN_KINDS, "contact"}]
     for use in [*limit_uses(result, "torque"), *further]:
         name, unit = use.name.short, use.name.unit
         least, largest = (f"{value:.4g} {unit}" for value in (use.least, use.largest))
         limits = interval_text(use.lower, use.upper, unit, LIMIT_DIGITS)
         yield f"{name:<{names}} {least:>14} {largest:>15} {limits:>22}"
     yield from _motor_lines(result)
+    yield from _contact_lines(result)
 
 
 def _motor_lines(result: ScalingResult) -> Iterator[str]:
@@ -102,6 +104,18 @@ def _motor_lines(result: ScalingResult) -> Iterator[str]:
     share, worst = max(rated)
     if share > 0:
         yield f"root mean square torques: at most {100 * share:.3g} % of what motors bear for ever, by {worst}"
+
+
+def _contact_lines(result: ScalingResult) -> Iterator[str]:
+    """How hard each hand presses, and what it is nearest to giving way in."""
+    uses = limit_uses(result, "contact")
+    for contact in dict.fromkeys(use.name.contact for use in uses):
+        own = [use for use in uses if use.name.contact == contact]
+        pressed = next((use for use in own if use.name.element.endswith(NORMAL_FORCE)), None)
+        presses = "" if pressed is None else f"normal force {pressed.least:.4g} to {pressed.largest:.4g} N, "
+        most = max(own, key=lambda use: use.share)
+        what = most.name.short.removeprefix(contact).strip()
+        yield f"{contact}: {presses}{100 * most.share:.3g} % used by {what} at {most.time:.4g} s"
 
 
 def _load_lines(study: LoadStudy) -> Iterator[str]:

@@ -84,18 +84,17 @@ def joints_table(cell: Cell) -> Html:
 
 
 def wrench_limits_table(cell: Cell) -> Html:
-    """Limits of every contact wrench."""
-    rows = [
-        (
-            robot.name,
-            *(
-                interval_text(lower, upper, unit)
-                for lower, upper, unit in zip(robot.wrench_lower, robot.wrench_upper, cell.wrench_units, strict=True)
-            ),
-        )
-        for robot in cell.robots
-    ]
-    return table(("robot", *cell.wrench_components), rows)
+    """Limits of every contact wrench, and what else the hands can exert where that is told."""
+    rows: list[tuple[str, ...]] = []
+    for robot in cell.robots:
+        sides = zip(robot.wrench_lower, robot.wrench_upper, cell.wrench_units, strict=True)
+        rows.append((robot.name, *(interval_text(lower, upper, unit) for lower, upper, unit in sides)))
+    head: tuple[str, ...] = ("robot", *cell.wrench_components)
+    if any(robot.contacts for robot in cell.robots):
+        head = (*head, "hand")
+        hands = [", ".join(f"{own.name} ({len(own.rows)} rows)" for own in robot.contacts) for robot in cell.robots]
+        rows = [(*row, hand) for row, hand in zip(rows, hands, strict=True)]
+    return table(head, rows)
 
 
 def range_table(found: ScalingRange) -> list[Html]:

@@ -187,9 +187,15 @@ class _Compiled:
     def sparse(self) -> SparseLimits:
         """The rows that it takes, as C reads them."""
         rows = self.form.rows.only(~self.form.is_cap)
-        matrix = np.hstack([rows.torque_matrix, rows.wrench_matrix])
-        units = [name.unit for name in rows.names]
-        return SparseLimits(matrix=matrix, lower=rows.lower, upper=rows.upper, group=units)
+        turned = rows.object_axes
+        return SparseLimits(
+            matrix=rows.matrix,
+            lower=rows.lower,
+            upper=rows.upper,
+            group=[name.group for name in rows.names],
+            base=None if turned is None else turned.base,
+            axes=(0, 1, 2) if turned is None else turned.axes,
+        )
 
     def terms(self, speed: float | None = None) -> SampleTerms:
         """What is added at every sample, those in ṙ at a speed, or by themselves where it is to be found."""

@@ -17,8 +17,11 @@ JOINTS, WRENCHES, K = 4, 3, 5
 UNITS = ("N m", "N m", "N", "N", "N m")
 
 
+FORM = ("torque_map", "torque_offset", "wrench_map", "wrench_offset", "object_map", "object_offset")
+
+
 class Form(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_void_p) for name in ("torque_map", "torque_offset", "wrench_map", "wrench_offset")]
+    _fields_ = [(name, ctypes.c_void_p) for name in FORM]
 
 
 class Rows(ctypes.Structure):

@@ -12,7 +12,7 @@
 #define MRTS_AT_UNBOUNDED 1e-9
 
 /* Inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load. */
-enum { MRTS_INPUTS = 7 };
+enum { MRTS_INPUTS = 7, MRTS_ROTATION = 3 };
 
 /* The terms of a sample, of those of all samples one after the other. */
 static mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long sample, int rows) {
@@ -30,8 +30,8 @@ static mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long sample, 
 
 /* Evaluates the wrench form of a sample and builds its rows: 1 if they are finite, 0 if not, -1 if the form failed. */
 static int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
-                               const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows, const double **arg,
-                               double **res, long long *iw, double *w) {
+                               double *turned, const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows,
+                               const double **arg, double **res, long long *iw, double *w) {
     const mrts_terms terms = mrts_terms_of_sample(all, sample, limits->rows);
     for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + sample * stride[i];
     res[0] = form->torque_map;
@@ -40,6 +40,7 @@ static int mrts_rows_of_sample(const double *const *in, const long long *stride,
     res[3] = form->wrench_offset;
     if (MRTS_WRENCH_FORM(arg, res, iw, w, 0)) return -1;
     mrts_add_motors(MRTS_UNKNOWNS, MRTS_JOINTS, &terms, form);
+    mrts_turn_wrenches(MRTS_UNKNOWNS, MRTS_ROBOTS, MRTS_SIZE, limits, arg[MRTS_ROTATION], 1, 3, turned, form);
     return mrts_build_rows(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, form, limits, &terms, rows);
 }
 
@@ -76,6 +77,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     double g[K], x[K], y[K], column[K];
     int low_rows[K], high_rows[K], entering;
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
+    double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
     mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
@@ -83,7 +85,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     for (int j = 0; j < K; ++j) g[j] = 0;
     for (long long n = 0; n < count; ++n) {
         if (n % MRTS_CHUNK == 0) low_rows[0] = high_rows[0] = 0; /* so that chunks do not depend on each other */
-        const int built = mrts_rows_of_sample(in, stride, n, &form, limits, terms, &rows, arg, res, iw, w);
+        const int built = mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows, arg, res, iw, w);
         if (built < 0) return 1;
         if (!built) {
             low_status[n] = high_status[n] = MRTS_STOPPED;
@@ -151,6 +153,7 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
     enum { K = MRTS_UNKNOWNS, N = MRTS_UNKNOWNS + 1 };
     double *speed = work + MRTS_ROWS_WORK(K, limits->rows), column[K], end_dual[3 * N];
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
+    double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
     int basis[MRTS_CURVE_BASES * N], end_basis[3 * N];
     mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_curve_ends ends = {0, basis, end_basis, end_dual};
@@ -163,7 +166,7 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
             ends.speed = 0;
             for (int i = 0; i < MRTS_CURVE_BASES; ++i) basis[i * N] = 0;
         }
-        const int built = mrts_rows_of_sample(in, stride, n, &form, limits, terms, &rows, arg, res, iw, w);
+        const int built = mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows, arg, res, iw, w);
         if (built < 0) return 1;
         number[n] = 0;
         status[n] = MRTS_STOPPED;
@@ -202,6 +205,7 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     double H[F * F + 1], g[F + 1], x[K], u[F + 1], column[K], weighted[M], at_rest[M];
     int active[F + 1], active_count, is_diagonal = 1;
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
+    double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
     mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
@@ -211,7 +215,7 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     for (long long n = 0; n < count; ++n) {
         const double speed = c2[n * c2_stride];
         double largest = 0;
-        const int built = mrts_rows_of_sample(in, stride, n, &form, limits, terms, &rows, arg, res, iw, w);
+        const int built = mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows, arg, res, iw, w);
         if (built < 0) return 1;
         if (!built) {
             status[n] = MRTS_STOPPED;

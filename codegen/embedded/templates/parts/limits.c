@@ -4,7 +4,7 @@ static const int row_start[ROWS + 1] = {@ROW_START@};
 static const int row_column[@ENTRIES@] = {@ROW_COLUMN@};
 static const mrts_real row_value[@ENTRIES@] = {@ROW_VALUE@};
 static const int row_group[ROWS] = {@ROW_GROUP@};
-
+@TURNING_TABLES@
 #define NO_EFFECT MRTS_C(1e-30) /* an effect of c^2 = 1 on a limit below this share of it is none */
 #define UNLIKELY MRTS_C(1e24) /* c^2 that only rounding of rest allows: velocities are below 1e-12 of their limits */
 
@@ -19,15 +19,17 @@ static int is_sound(const @NAME@_sample *sample, const mrts_real *load) {
 }
 
 static mrts_limits limits_of(const @NAME@_settings *settings) {
-    const mrts_limits limits = {ROWS, row_start, row_column, row_value, settings->lower, settings->upper, row_group};
+    const mrts_limits limits = {ROWS, row_start, row_column, row_value, settings->lower, settings->upper, row_group,
+                                @BASE_TABLE@, @AXES_TABLE@};
     return limits;
 }
 
-/* Rows of the limits in `unknowns` unknowns of a form, in the workspace; 0 if limits are reversed or a coefficient is
- * not finite. */
-static int build_rows(const mrts_limits *limits, int unknowns, const mrts_form *form, @NAME@_workspace *workspace,
-                      mrts_rows *rows) {
+/* Rows of the limits of a sample in `unknowns` unknowns of its form, in the workspace; 0 if limits are reversed or a
+ * coefficient is not finite. */
+static int build_rows(const @NAME@_sample *sample, const mrts_limits *limits, int unknowns, mrts_form *form,
+                      @NAME@_workspace *workspace, mrts_rows *rows) {
     static const mrts_terms nothing = {0, 0, 0, 0, 0, 0, 0};
+    mrts_turn_wrenches(unknowns, @MACRO@_ROBOTS, @MACRO@_WRENCH, limits, sample->rotation, 3, 1, @TURNED@, form);
     return mrts_rows_over(unknowns, limits, workspace->rows, workspace->which, rows) &&
            mrts_build_rows(unknowns, JOINTS, WRENCHES, form, limits, &nothing, rows);
 }

@@ -89,8 +89,8 @@ static @NAME@_status range_with_load(const @NAME@_sample *sample, const @NAME@_s
     range->lower_count = range->upper_count = 0;
     if (!is_sound(sample, load)) return range->status = @MACRO@_BAD_ARGUMENT;
     const mrts_real most = velocity_cap(sample, settings, &fastest);
-    const mrts_form form = wrench_form(sample, load, workspace);
-    if (most < 0 || !build_rows(&limits, K, &form, workspace, &rows)) return range->status = @MACRO@_BAD_ARGUMENT;
+    mrts_form form = wrench_form(sample, load, workspace);
+    if (most < 0 || !build_rows(sample, &limits, K, &form, workspace, &rows)) return range->status = @MACRO@_BAD_ARGUMENT;
     for (int i = 0; i < rows.count; ++i) moves |= rows.A[i * K + F] != 0;
     mrts_scale_columns(K, &rows, column);
     mrts_free_unknowns(K, &rows);

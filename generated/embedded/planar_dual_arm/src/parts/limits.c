@@ -19,15 +19,17 @@ static int is_sound(const planar_dual_arm_sample *sample, const mrts_real *load)
 }
 
 static mrts_limits limits_of(const planar_dual_arm_settings *settings) {
-    const mrts_limits limits = {ROWS, row_start, row_column, row_value, settings->lower, settings->upper, row_group};
+    const mrts_limits limits = {ROWS, row_start, row_column, row_value, settings->lower, settings->upper, row_group,
+                                0, 0};
     return limits;
 }
 
-/* Rows of the limits in `unknowns` unknowns of a form, in the workspace; 0 if limits are reversed or a coefficient is
- * not finite. */
-static int build_rows(const mrts_limits *limits, int unknowns, const mrts_form *form, planar_dual_arm_workspace *workspace,
-                      mrts_rows *rows) {
-    static const mrts_terms nothing = {0, 0, 0, 0, 0};
+/* Rows of the limits of a sample in `unknowns` unknowns of its form, in the workspace; 0 if limits are reversed or a
+ * coefficient is not finite. */
+static int build_rows(const planar_dual_arm_sample *sample, const mrts_limits *limits, int unknowns, mrts_form *form,
+                      planar_dual_arm_workspace *workspace, mrts_rows *rows) {
+    static const mrts_terms nothing = {0, 0, 0, 0, 0, 0, 0};
+    mrts_turn_wrenches(unknowns, PLANAR_DUAL_ARM_ROBOTS, PLANAR_DUAL_ARM_WRENCH, limits, sample->rotation, 3, 1, 0, form);
     return mrts_rows_over(unknowns, limits, workspace->rows, workspace->which, rows) &&
            mrts_build_rows(unknowns, JOINTS, WRENCHES, form, limits, &nothing, rows);
 }

@@ -89,8 +89,8 @@ static planar_dual_arm_status range_with_load(const planar_dual_arm_sample *samp
     range->lower_count = range->upper_count = 0;
     if (!is_sound(sample, load)) return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
     const mrts_real most = velocity_cap(sample, settings, &fastest);
-    const mrts_form form = wrench_form(sample, load, workspace);
-    if (most < 0 || !build_rows(&limits, K, &form, workspace, &rows)) return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
+    mrts_form form = wrench_form(sample, load, workspace);
+    if (most < 0 || !build_rows(sample, &limits, K, &form, workspace, &rows)) return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
     for (int i = 0; i < rows.count; ++i) moves |= rows.A[i * K + F] != 0;
     mrts_scale_columns(K, &rows, column);
     mrts_free_unknowns(K, &rows);
