@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from mrts.samples.infeasibility import Conflict
     from mrts.samples.load_sharing import LoadSharing
     from mrts.samples.range_status import SampleStatus, ScalingStatus
+    from mrts.samples.reserve import PlanReserve, Reserve
     from mrts.samples.sample_ranges import SampleRanges
     from mrts.scaling.holding_torques import Holding
     from mrts.scaling.known_load import torques_for_load
@@ -67,8 +68,10 @@ _HOMES = {
     "MotionError": "base.errors",
     "MrtsError": "base.errors",
     "ObjectMotion": "motion.object_motion",
+    "PlanReserve": "samples.reserve",
     "RangeEnd": "scaling.range",
     "Remark": "base.remark",
+    "Reserve": "samples.reserve",
     "Residuals": "scaling.result",
     "RetimingResult": "retiming.result",
     "RetimingStatus": "retiming.result",
@@ -122,8 +125,10 @@ __all__ = [
     "MotionError",
     "MrtsError",
     "ObjectMotion",
+    "PlanReserve",
     "RangeEnd",
     "Remark",
+    "Reserve",
     "Residuals",
     "RetimingResult",
     "RetimingStatus",

@@ -46,6 +46,7 @@ class Cell:
         functions: The generated functions.
         enforces_velocity_limits: Whether velocity limits bound the speed, or are reported only.
         remarks: What to know of how its files were read.
+        reserve: Share of every limit that is kept free, 0 or more and below 1.
 
     What the generated functions hold as numbers (names, joints, poses, plane, gravity) cannot be changed in Python, by
     `dataclasses.replace` or otherwise: that takes another cell file. Limits, postures and load can.
@@ -65,6 +66,7 @@ class Cell:
     functions: CellFunctions
     enforces_velocity_limits: bool = True
     remarks: tuple[Remark, ...] = ()
+    reserve: float = 0.0
 
     def __post_init__(self) -> None:
         check_type("cell: functions", self.functions, CellFunctions)
@@ -81,6 +83,7 @@ class Cell:
         if np.any(self.object_velocity_limit <= 0):
             rule = "must be > 0; infinity where there is none."
             raise InputError("cell", rule, key="object_velocity_limit", value=self.object_velocity_limit.tolist())
+        _check_reserve(self.reserve)
         self._check_generated()
         for robot in self.robots:
             if len(robot.wrench_lower) != len(self.wrench_components):
@@ -223,6 +226,18 @@ class Cell:
         """The same cell with velocity limits that are reported, but bound nothing."""
         return replace(self, enforces_velocity_limits=False)
 
+    def with_reserve(self, reserve: float) -> Self:
+        """The same cell with all limits moved inward, each side by a share of its size.
+
+        Args:
+            reserve: The share, 0 or more and below 1; of the limits as they are given, whatever was kept before.
+
+        Raises:
+            InputError: If it is something else.
+        """
+        _check_reserve(reserve)
+        return self if reserve == self.reserve else replace(self, reserve=reserve)
+
     def with_postures(self, postures: dict[str, list[float]]) -> Self:
         """The same cell starting near other joint positions.
 
@@ -249,6 +264,12 @@ class Cell:
                 for robot in self.robots
             ),
         )
+
+
+def _check_reserve(reserve: object) -> None:
+    if not is_number(reserve, 0, np.nextafter(1, 0)):
+        rule = "must be a number, 0 or more and below 1: the share of every limit that is kept free, such as 0.1."
+        raise InputError("reserve", rule, value=reserve)
 
 
 def load_cell(path: Path | str, *, backend: Backend = "auto") -> Cell:

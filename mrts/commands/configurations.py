@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 
 from mrts.base.errors import InputError
-from mrts.commands.options import add_cell_and_motion, limited_cell_option, require, sharing_option
+from mrts.commands.options import add_cell_and_motion, add_reserve, limited_cell_option, require, sharing_option
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
@@ -27,6 +27,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     add_cell_and_motion(study)
     study.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
     study.add_argument("--no-velocity-limits", action="store_true", help="let velocity limits bound nothing")
+    add_reserve(study)
     study.add_argument("--cap", type=int, default=1024, help="most combinations to evaluate (default: %(default)s)")
     study.add_argument("--show", type=int, default=10, metavar="N", help="rows to print (default: %(default)s)")
     study.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")

@@ -70,10 +70,11 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     """The rows that the cell keeps along a motion: of all limits, those with a limit on some side.
 
     Args:
-        cell: The cell; velocities are left out unless it enforces their limits.
+        cell: The cell; velocities are left out unless it enforces their limits. Its reserve is taken off all limits.
         motion: Its motion.
     """
-    return stack_rows([rows.bounded() for rows in rows_by_limit(cell, motion).values()])
+    rows = stack_rows([rows.bounded() for rows in rows_by_limit(cell, motion).values()])
+    return rows.shrunk(cell.reserve) if cell.reserve else rows
 
 
 def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:

@@ -159,6 +159,21 @@ class LimitRows:
             size[zeros] = [largest[self.names[row].group] or 1.0 for row in zeros.tolist()]
         return np.asarray(size, dtype=np.float64)
 
+    def side_sizes(self) -> tuple[Array, Array]:
+        """What 100 % of the lower and of the upper side is, each Shape (r,): its own size; of a zero, `units`."""
+        units = self.units()
+        return side_size(self.lower, units), side_size(self.upper, units)
+
+    def shrunk(self, reserve: float) -> "LimitRows":
+        """The same rows with each side moved inward by a share of its size; where both are one number, it stays.
+
+        Args:
+            reserve: The share, 0 to 1. Sides that are closer than that cross: such rows admit nothing.
+        """
+        low, high = self.side_sizes()
+        moves = reserve * (self.lower < self.upper)
+        return replace(self, lower=self.lower + moves * low, upper=self.upper - moves * high)
+
     def value(self, torque: Array, wrench: Array, rate: Array | float, speed: Array | float) -> Array:
         """What each row is of its quantity at all samples, Shape (N, r).
 
@@ -198,8 +213,8 @@ class LimitRows:
             value: From `value`.
         """
         used = []
-        for limit, distance in ((self.lower, value - self.lower), (self.upper, self.upper - value)):
-            size = np.where(limit == 0, self.units(), np.abs(limit))
+        low, high = self.side_sizes()
+        for limit, size, distance in ((self.lower, low, value - self.lower), (self.upper, high, self.upper - value)):
             bounded = np.isfinite(limit)
             share = np.full_like(value, -np.inf)
             share[:, bounded] = 1 - distance[:, bounded] / size[bounded]
@@ -283,6 +298,17 @@ class LimitRows:
         """Rows with torques or wrenches in them, Shape (r,)."""
         found = self.torque_matrix.any(axis=1) | self.wrench_matrix.any(axis=1)
         return np.asarray(found if self.object_matrix is None else found | self.object_matrix.any(axis=1))
+
+
+def side_size(limit: Array, units: Array) -> Array:
+    """What 100 % of one side of each row is: the limit's own size, of a zero its unit; 1 where there is no limit.
+
+    Args:
+        limit: Shape (r,).
+        units: As `LimitRows.units`, Shape (r,).
+    """
+    size = np.where(limit == 0, units, np.abs(limit))
+    return np.where(np.isfinite(limit), size, 1.0)
 
 
 def moved(column: Array | None, rows: int) -> NDArray[np.bool_]:

@@ -22,8 +22,14 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
         cell: The cell; velocity limits that it does not enforce are unlimited.
 
     Raises:
-        InputError: If a limit, velocities aside, depends on the motion: the library has tables for those that do not.
+        InputError: If a limit, velocities aside, depends on the motion: the library has tables for those that do not;
+            or if the cell keeps a reserve.
     """
+    if cell.reserve:
+        rule = (
+            "an exported library has the limits as they are given. Move its sides inward in its settings, at run time."
+        )
+        raise InputError("reserve", rule, value=cell.reserve)
     for robot in cell.robots:
         if robot.motors.has_effect:
             raise InputError(f"robot '{robot.name}'", "motors cannot be exported yet.", key="motors")

@@ -14,7 +14,7 @@ from mrts.base.load_box import PARAMETERS, LoadBox
 from mrts.base.manifest import FORMAT, LOAD_ENTRIES, Manifest, Matrix, Matrix3, Vector3
 from mrts.limits import OWN_LIMITS
 from mrts.limits.rows import ActiveRow, RowName
-from mrts.samples import FormulationName
+from mrts.samples import DistributionName, FormulationName
 
 FORMAT_NAME = "mrts result"
 
@@ -140,6 +140,23 @@ class RuleEntry(_Record):
     sharing: SharingEntry | None
     formulation: FormulationName
     weights: list[float] | Matrix | None
+    distribute: DistributionName = "least-torque"
+
+
+class ReserveEntry(_Record):
+    """By how much limits may shrink, as `mrts.samples.reserve.Reserve`; rows and load are indices."""
+
+    share: Annotated[float, Field(ge=0, le=1)]
+    sample: Index
+    rows: list[Index]
+    load: Index | None
+
+
+class PlanReserveEntry(_Record):
+    """What is left of the limits, as `mrts.samples.reserve.PlanReserve`."""
+
+    whole: ReserveEntry
+    distributed: ReserveEntry | None
 
 
 class WarningEntry(_Record):
@@ -169,6 +186,8 @@ class Description(_Record):
     warnings: Annotated[list[WarningEntry], FailFast()]
     rows: Annotated[list[RowEntry], FailFast()]
     limits: Annotated[list[str], FailFast()] = list(OWN_LIMITS)
+    kept_reserve: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    reserve: PlanReserveEntry | None = None
     loads: Annotated[list[LoadEntry], FailFast()]
     conflicts: Annotated[list[ConflictEntry], FailFast()]
 

@@ -13,9 +13,18 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.load_box import LoadPoint
 from mrts.limits.rows import ActiveRow
-from mrts.output.saved_json import DAMAGED, ConflictEntry, Description, LoadEntry, RowEntry
+from mrts.output.saved_json import (
+    DAMAGED,
+    ConflictEntry,
+    Description,
+    LoadEntry,
+    PlanReserveEntry,
+    ReserveEntry,
+    RowEntry,
+)
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.range_status import RangeStatus
+from mrts.samples.reserve import PlanReserve, Reserve
 from mrts.samples.sample_ranges import SampleRanges
 
 STATUSES = tuple(RangeStatus)
@@ -140,6 +149,50 @@ def read_ranges(path: Path, arrays: Arrays, said: Description, time: Array) -> l
             )
         )
     return found
+
+
+def reserve_entry(found: PlanReserve | None, tables: Tables) -> PlanReserveEntry | None:
+    """Entry of what is left of the limits; None without a trajectory.
+
+    Args:
+        found: What is left.
+        tables: Take up the rows and loads.
+    """
+    if found is None:
+        return None
+
+    def entry(one: Reserve) -> ReserveEntry:
+        load = None if one.load is None else tables.load(one.load)
+        return ReserveEntry(share=one.share, sample=one.sample, rows=[tables.row(row) for row in one.rows], load=load)
+
+    return PlanReserveEntry(whole=entry(found.whole), distributed=found.distributed and entry(found.distributed))
+
+
+def read_reserve(path: Path, said: Description, time: Array) -> PlanReserve | None:
+    """What is left of the limits of a saved result.
+
+    Args:
+        path: The file, for messages.
+        said: What the file says.
+        time: Of the motion, Shape (N,) [s].
+
+    Raises:
+        InputError: If a place lies outside what it is a place in.
+    """
+    if said.reserve is None:
+        return None
+
+    def reserve(one: ReserveEntry) -> Reserve:
+        require_places(path, "reserve: sample", [one.sample], len(time))
+        require_places(path, "reserve: rows", one.rows, len(said.rows))
+        require_places(path, "reserve: load", [] if one.load is None else [one.load], len(said.loads))
+        rows = tuple(said.rows[place].row() for place in one.rows)
+        entry = None if one.load is None else said.loads[one.load]
+        load = None if entry is None else LoadPoint(entry.parameters, np.array(entry.load))
+        return Reserve(one.share, one.sample, float(time[one.sample]), rows, load)
+
+    distributed = said.reserve.distributed
+    return PlanReserve(reserve(said.reserve.whole), None if distributed is None else reserve(distributed))
 
 
 def require_places(path: Path, key: str, places: Any, size: int) -> None:

@@ -40,7 +40,16 @@ from mrts.output.saved_json import (
     WarningEntry,
     read_description,
 )
-from mrts.output.saved_ranges import Arrays, Tables, conflict_entries, range_arrays, read_ranges, require_places
+from mrts.output.saved_ranges import (
+    Arrays,
+    Tables,
+    conflict_entries,
+    range_arrays,
+    read_ranges,
+    read_reserve,
+    require_places,
+    reserve_entry,
+)
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.scaling.holding_torques import Holding
@@ -125,6 +134,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
             load=np.array(said.load),
             load_box=load_box,
             enforces_velocity_limits=said.enforces_velocity_limits,
+            reserve=said.kept_reserve,
         )
         time, position, rotation, twist, acceleration = (arrays[name] for name in MOTION)
         carried = ObjectMotion(time, position, rotation, twist, acceleration, smooth=False)  # it may be a retimed one
@@ -147,7 +157,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         done = ScaledTrajectory(known, motion, said.c2, arrays["torque"], arrays["wrench"], held)
         done = done.with_internal_wrench(arrays["internal_wrench"])
     warnings = tuple(Remark(one.code, one.text, one.sample) for one in said.warnings) + _other_limits(said.limits)
-    return ScalingResult(
+    result = ScalingResult(
         cell=known,
         motion=motion,
         range=first,
@@ -158,6 +168,8 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         origin=said.origin,
         warnings=warnings,
     )
+    reserve = read_reserve(path, said, motion.object.time)
+    return result if reserve is None and done is not None else result.with_known_reserve(reserve)
 
 
 def _other_limits(found_with: list[str]) -> tuple[Remark, ...]:
@@ -192,7 +204,7 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
             points=[tables.load(point) for point in study.points],
             not_converged=list(study.not_converged),
         )
-    conflicts = conflict_entries(ranges, tables)
+    conflicts, reserve = conflict_entries(ranges, tables), reserve_entry(result.reserve, tables)
     return Description(
         format=FORMAT_NAME,
         version=VERSION,
@@ -207,6 +219,7 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
             else SharingEntry(shares=_listed(sharing.shares), internal_wrench=_listed(sharing.internal_wrench)),
             formulation=rule.formulation,
             weights=_listed(rule.weights),
+            distribute=rule.distribute,
         ),
         c2=None if result.trajectory is None else result.trajectory.c2,
         fallbacks=result.fallbacks,
@@ -218,6 +231,8 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
         limits=list(LIMITS),
         loads=tables.load_entries(),
         conflicts=conflicts,
+        kept_reserve=cell.reserve,
+        reserve=reserve,
     )
 
 
@@ -233,7 +248,7 @@ def _rule(entry: RuleEntry) -> DistributionRule:
     fixed = None
     if sharing is not None:
         fixed = LoadSharing(array("shares", sharing.shares), array("internal_wrench", sharing.internal_wrench))
-    return DistributionRule(fixed, entry.formulation, array("weights", entry.weights))
+    return DistributionRule(fixed, entry.formulation, array("weights", entry.weights), entry.distribute)
 
 
 def _manifest(cell: Cell) -> Manifest:

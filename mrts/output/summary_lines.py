@@ -8,7 +8,7 @@ from mrts.drawing.range_sentences import range_text
 from mrts.hands.friction import NORMAL_FORCE
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.retiming.result import RetimingResult
-from mrts.scaling.limit_use import limit_uses
+from mrts.scaling.limit_use import largest_step, limit_uses
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
@@ -44,6 +44,7 @@ def scaling_lines(result: ScalingResult) -> Iterator[str]:
         return
     given = result.motion.object.time[-1]
     yield f"chosen c² = {done.c2:.6g}: {given:.4g} s become {done.duration:.4g} s, energy {done.energy:.4g} J"
+    yield from _reserve_lines(result)
     yield f"torques for a load of {result.cell.mass:.4g} kg\n" if result.load is not None else ""
     yield from _torque_lines(result)
     for note in result.too_fast():
@@ -67,8 +68,28 @@ def retiming_lines(found: RetimingResult) -> Iterator[str]:
         yield f"between the samples, {loads}limits are overstepped by at most {100 * found.excess.share:.2g} %"
     else:
         yield f"between the samples, {loads}no limit is overstepped"
+    yield from _step_lines(found.retimed)
     yield f"energy {found.retimed.trajectory.energy:.4g} J; torques for a load of {found.cell.mass:.4g} kg\n"
     yield from _torque_lines(found.retimed)
+
+
+def _reserve_lines(result: ScalingResult) -> Iterator[str]:
+    """What is left of the limits, and how far torques and wrenches go at a time."""
+    yield f"reserve: {result.reserve}"
+    yield from _step_lines(result)
+
+
+def _step_lines(result: ScalingResult) -> Iterator[str]:
+    """How far torques and wrenches go from one sample to the next, where their distribution is chosen."""
+    if result.rule.distribute == "least-torque":
+        return
+    steps = (largest_step(result, kind) for kind in ("torque", "wrench"))
+    told = ", ".join(
+        f"{step.name.short} by {step.step:.3g} {step.name.unit} ({100 * step.step_share:.3g} % of its limit)"
+        for step in steps
+        if step is not None
+    )
+    yield f"largest step between samples: {told or 'none has a limit'}"
 
 
 def _torque_lines(result: ScalingResult) -> Iterator[str]:

@@ -23,6 +23,7 @@ from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import TimedPiece, retimed_motion
 from mrts.retiming.speed_conflict import sample_conflict, segment_conflict
 from mrts.retiming.speed_regions import SpeedRegions, intersect_regions, speed_regions
+from mrts.samples import DistributionName
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
@@ -30,7 +31,7 @@ from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.guaranteed_range import effective_parameters
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.range import intersect
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.scale import SelectionError, load_question, scale
 from mrts.scaling.with_torques import with_torques
 from mrts.solvers import DEFAULT_SOLVER
@@ -49,6 +50,8 @@ def retime(
     sharing: LoadSharing | None = None,
     weights: Array | None = None,
     load: str = "auto",
+    distribute: DistributionName = "least-torque",
+    reserve: float | None = None,
     closure: ClosureBound | None = None,
     start_speed: float = 0.0,
     end_speed: float = 0.0,
@@ -68,7 +71,9 @@ def retime(
         sharing: A fixed distribution of the load; None leaves it free.
         weights: W of the quadratic program, as in `mrts.scale`.
         load: "guaranteed" (for every load of the box) or "nominal"; "auto" is "guaranteed" if the cell has a load box.
-        closure: As in `mrts.scale`.
+        distribute: As in `mrts.scale`.
+        reserve: Likewise.
+        closure: Likewise.
         start_speed: ṙ at the start, where the given motion does not start from rest [1].
         end_speed: ṙ at the end, likewise [1].
         progress: Told how many of how many loads are done.
@@ -82,8 +87,9 @@ def retime(
         SolverError: If no solver answers.
     """
     question = _checked_question(cell, sharing, load, start_speed, end_speed, progress)
-    constant = _best_constant(cell, motion, sharing, weights, question, closure)
-    motion = constant.motion
+    rule = DistributionRule(sharing, "wrench", weights, distribute)
+    constant = _best_constant(cell, motion, rule, question, reserve, closure)
+    cell, motion = constant.cell, constant.motion
     points: tuple[LoadPoint | None, ...] = (None,)
     if question == "guaranteed" and cell.load_box is not None:
         points = cell.load_box.corners(effective_parameters(cell, motion, cell.load_box, ("P", "Q", "S")))
@@ -142,14 +148,23 @@ def _checked_question(
 def _best_constant(
     cell: Cell,
     motion: ObjectMotion | JointTable | CoordinatedMotion,
-    sharing: LoadSharing | None,
-    weights: Array | None,
+    rule: DistributionRule,
     question: str,
+    reserve: float | None,
     closure: ClosureBound | None,
 ) -> ScalingResult:
     """The best constant factor; without a trajectory where none moves the object, which a varying speed may."""
     try:
-        return scale(cell, motion, sharing=sharing, weights=weights, load=question, closure=closure)
+        return scale(
+            cell,
+            motion,
+            sharing=rule.sharing,
+            weights=rule.weights,
+            load=question,
+            distribute=rule.distribute,
+            reserve=reserve,
+            closure=closure,
+        )
     except SelectionError as error:
         if error.result is None:
             raise

@@ -158,7 +158,7 @@ def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Arra
     place = np.arange(corners.shape[1])
     real = place < number[:, None]
     x = np.where(real, corners[:, :, 1], np.nan)
-    found = status == OPTIMAL
+    found = (status == OPTIMAL) & ~np.any(lower > upper, axis=1)  # sides that cross leave nothing to project
     low, high = np.zeros(count), np.zeros(count)
     low[found], high[found] = np.maximum(np.nanmin(x[found], axis=1), 0.0), np.nanmax(x[found], axis=1)
     high = np.where(high >= NEAR_BOX * box, np.inf, high)

@@ -103,19 +103,18 @@ def find_conflicts(
     )
     conflicts: list[Conflict | None] = []
     for index, sample in enumerate(samples):
-        certified = _certified(part, index, found.row_dual[index])
-        if certified is None:
+        sides = _crossed(part, index) or _certified(part, index, found.row_dual[index])
+        if not sides:
             conflicts.append(None)
             continue
-        rows_in_conflict = np.flatnonzero(certified).tolist()
         conflicts.append(
             Conflict(
                 int(sample),
                 float(time[sample]),
-                tuple(part.active_row(row, upper=bool(certified[row] > 0)) for row in rows_in_conflict),
-                tuple(float(certified[row] / part.unit[row]) for row in rows_in_conflict),
+                tuple(part.active_row(row, upper=multiplier > 0) for row, multiplier in sides),
+                tuple(float(multiplier / part.unit[row]) for row, multiplier in sides),
                 float(found.share[index]),
-                tuple(float(found.share[index] * part.unit[row]) for row in rows_in_conflict),
+                tuple(float(found.share[index] * part.unit[row]) for row, _ in sides),
             )
         )
     return conflicts
@@ -189,9 +188,24 @@ def separation(problem: SampleProblem, index: int, y: Array) -> tuple[float, flo
     return float(np.sum(y * limit)) / (size or 1.0), error
 
 
-def _certified(problem: SampleProblem, index: int, y: Array) -> Array | None:
-    """The multipliers without rounding if they prove infeasibility, else None."""
+def _crossed(problem: SampleProblem, index: int) -> list[tuple[int, float]]:
+    """Both sides of the row whose limits cross the most, each with its multiplier; nothing if none do.
+
+    They cross where a reserve or friction in both directions leaves less than nothing between them. Multipliers of one
+    row cancel in a sum over rows, so such a certificate is given by itself.
+    """
+    beyond = np.where(problem.is_limit, problem.lower[index] - problem.upper[index], -np.inf)
+    if not np.any(beyond > CERTIFICATE_TOLERANCE):
+        return []
+    row = int(np.argmax(beyond))
+    return [(row, -1.0), (row, 1.0)]
+
+
+def _certified(problem: SampleProblem, index: int, y: Array) -> list[tuple[int, float]]:
+    """The rows with their multipliers without rounding if they prove infeasibility; nothing if they do not."""
     weight = np.abs(y) * np.maximum(np.max(np.abs(problem.A[index]), axis=1), problem.is_limit)
     y = np.where(weight > NEGLIGIBLE_MULTIPLIER * np.max(weight, initial=0.0), y, 0.0)
     value, error = separation(problem, index, y)
-    return y if value < -CERTIFICATE_TOLERANCE and error <= COMBINATION_TOLERANCE else None
+    if not (value < -CERTIFICATE_TOLERANCE and error <= COMBINATION_TOLERANCE):
+        return []
+    return [(row, float(y[row])) for row in np.flatnonzero(y).tolist()]

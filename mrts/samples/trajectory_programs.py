@@ -218,7 +218,7 @@ class _Compiled:
 def _compiled(
     cell: Cell, motion: CoordinatedMotion, formulation: FormulationName, sharing: LoadSharing | None, solver: str
 ) -> _Compiled | None:
-    """The compiled path where it answers: free distribution, wrench form, more than one arm."""
+    """The compiled path where it answers: free distribution, wrench form, more than one arm, no sides that cross."""
     check_solver(solver)
     compiled = cell.functions.compiled
     applies = solver == "kernel" and formulation == "wrench" and sharing is None and len(cell.robots) > 1
@@ -226,11 +226,9 @@ def _compiled(
         return None
     form = squared_limits(cell, motion)
     kept = np.flatnonzero(~form.is_cap)
-    return (
-        _Compiled(compiled, form, kept, form.caps(motion.samples), motor_terms(cell, motion))
-        if len(kept) + compiled.unknowns <= MOST_ROWS
-        else None
-    )
+    if len(kept) + compiled.unknowns > MOST_ROWS or np.any(form.rows.lower > form.rows.upper):  # by a reserve
+        return None
+    return _Compiled(compiled, form, kept, form.caps(motion.samples), motor_terms(cell, motion))
 
 
 def _settle(

@@ -10,10 +10,10 @@ from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.motion.rows_at_rest import pushing_ends
-from mrts.samples import FormulationName
+from mrts.samples import DistributionName, FormulationName
 from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.reserve import TORQUES
 from mrts.samples.sample_ranges import SampleRanges
-from mrts.samples.trajectory_programs import motion_torques
 
 
 @dataclass(frozen=True)
@@ -40,8 +40,9 @@ def holding_at_ends(
     formulation: FormulationName,
     weights: Array,
     solver: str,
+    distribute: DistributionName,
 ) -> tuple[Holding, tuple[Remark, ...]]:
-    """The quadratic program (31) to (34) at both ends at rest, which is c² = 0.
+    """The torques of the motion's own distribution at both ends at rest, which is c² = 0.
 
     Args:
         cell: The cell, with its load.
@@ -51,6 +52,7 @@ def holding_at_ends(
         formulation: Unknowns of the programs.
         weights: W, Shape (m, m).
         solver: Name in the registry.
+        distribute: What redundant torques are chosen by.
 
     Returns:
         The torques, and what to say where there are none although a controller needs them.
@@ -82,6 +84,6 @@ def holding_at_ends(
     if sharing is not None and internal is not None and np.ndim(internal) > 1:
         sharing = replace(sharing, internal_wrench=np.asarray(internal)[chosen])
     still = replace(motion.at(chosen), dq=np.zeros((2, motion.q.shape[1])), ddq=np.zeros((2, motion.q.shape[1])))
-    torque, wrench, _ = motion_torques(cell, still, formulation, sharing, solver, 0.0, weights)
+    torque, wrench, _ = TORQUES[distribute](cell, still, formulation, sharing, solver, 0.0, weights)
     kept = np.array(ends)[:, None]
     return replace(none, torque=np.where(kept, torque, 0.0), wrench=np.where(kept, wrench, 0.0)), remarks

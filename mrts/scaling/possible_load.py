@@ -119,11 +119,11 @@ def _searched(
     problem = asked.problem(box.load_at(least))
     others = [asked.problem(box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
     search = _Search(problem, load_sensitivity(problem, others))
-    infeasible = np.isinf(best.lower)
+    infeasible, in_order = np.isinf(best.lower), np.all(problem.lower <= problem.upper, axis=1)
     wanted: dict[Side, NDArray[np.int_]] = {
-        "lower": np.flatnonzero(best.lower > 0),
-        "upper": np.flatnonzero(np.isfinite(best.upper) | infeasible),
-    }
+        "lower": np.flatnonzero(in_order & (best.lower > 0)),
+        "upper": np.flatnonzero(in_order & (np.isfinite(best.upper) | infeasible)),
+    }  # where sides cross no load helps
     total, done = sum(len(samples) for samples in wanted.values()), 0
     missed: set[int] = set()
     for side, samples in wanted.items():

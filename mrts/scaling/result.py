@@ -2,7 +2,8 @@
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -18,15 +19,17 @@ from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import squared_limits
-from mrts.samples import FormulationName
+from mrts.samples import DistributionName, FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.motor_terms import motor_terms
 from mrts.samples.range_status import RangeStatus
-from mrts.scaling.limit_use import limit_uses
+from mrts.samples.reserve import PlanReserve, plan_reserve
+from mrts.scaling.limit_use import largest_step, limit_uses
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result_html import result_html
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.solvers import DEFAULT_SOLVER
 
 END_TOLERANCE = 1e-7
 """Share by which c² may miss a range by rounding: a plan at its fastest read back from a file, another load's range."""
@@ -61,11 +64,13 @@ class DistributionRule:
         sharing: A fixed distribution of the load; None leaves it to the quadratic program.
         formulation: Unknowns of the programs.
         weights: W of the quadratic program, None for the identity.
+        distribute: "least-torque" is the quadratic program alone, "reserve" keeps most of every limit free before it.
     """
 
     sharing: LoadSharing | None = None
     formulation: FormulationName = "wrench"
     weights: Array | None = None
+    distribute: DistributionName = "least-torque"
 
 
 @dataclass(frozen=True, repr=False)
@@ -121,6 +126,27 @@ class ScalingResult:
             return {}
         return {name: self.trajectory.wrench[:, part] for name, part in self.cell.wrench_slices.items()}
 
+    @cached_property
+    def reserve(self) -> PlanReserve | None:
+        """By how much limits may shrink before c² is not admissible; None if there is no trajectory.
+
+        Whatever the distribution, and for all loads that were asked about. Found when it is asked for.
+
+        Raises:
+            SolverError: If no solver answers.
+        """
+        done, rule = self.trajectory, self.rule
+        if done is None:
+            return None
+        loads = (None,) if self.load is None else self.load.points or self.load.box.corners(self.load.box.varying)
+        return plan_reserve(self.cell, self.motion, rule.formulation, rule.sharing, DEFAULT_SOLVER, done.c2, loads)
+
+    def with_known_reserve(self, reserve: PlanReserve | None) -> Self:
+        """The same result with its `reserve` as found before: finding it takes the cell's functions."""
+        done = replace(self)
+        object.__setattr__(done, "reserve", reserve)
+        return done
+
     def too_fast(self) -> list[str]:
         """Velocities that pass their limit at the chosen speed, a sentence each.
 
@@ -141,9 +167,14 @@ class ScalingResult:
 
     def sentence(self) -> str:
         """The outcome alone."""
-        text = self._outcome()
+        text = f"{kept_text(self.cell.reserve)}{self._outcome()}"
         text = text if self.load is None else f"{self.load.sentence()}: {text}"
         return printable(f"{self.origin}; as it is now, {text}" if self.origin else text)
+
+    def explanation(self) -> str:
+        """Why no c² is admissible; empty if some is."""
+        why = self.range.explain()
+        return why and f"{kept_text(self.cell.reserve)}{why}"
 
     def _outcome(self) -> str:
         found = self.range
@@ -206,7 +237,9 @@ class ScalingResult:
             "cell": self.cell.name,
             "summary": self.sentence(),
             "warnings": [warning.to_json() for warning in self.warnings],
-            "explanation": self.range.explain() or None,
+            "explanation": self.explanation() or None,
+            "distribute": self.rule.distribute,
+            "kept_reserve": self.cell.reserve,
             **self.range.to_json(),
             "samples": {
                 "time": samples.time.tolist(),
@@ -231,8 +264,16 @@ class ScalingResult:
         if self.load is not None:
             output["load"] = self.load.to_json()
         if self.trajectory is not None:
-            output |= self.trajectory.to_json() | {"velocity_limits_passed": self.too_fast()}
+            output |= self.trajectory.to_json() | {"velocity_limits_passed": self.too_fast()} | self._nearness()
         return output
+
+    def _nearness(self) -> dict[str, Any]:
+        """How near the limits are, and how far torques and wrenches go from one sample to the next, as JSON values."""
+        steps = {kind: largest_step(self, kind) for kind in ("torque", "wrench")}
+        return {
+            "reserve": self.reserve and self.reserve.to_json(),
+            "largest_step": {kind: step and step.step_json() for kind, step in steps.items()},
+        }
 
     def json_text(self) -> str:
         """`to_json` as text."""
@@ -245,6 +286,15 @@ class ScalingResult:
             InputError: If the file cannot be written.
         """
         write_text_atomically(as_path("path", path), self.json_text() + "\n")
+
+
+def kept_text(reserve: float) -> str:
+    """What a reserve that all limits keep makes of an answer, as its beginning; empty without one.
+
+    Args:
+        reserve: Of the cell.
+    """
+    return f"with {100 * reserve:.4g} % of every limit in reserve, " if reserve else ""
 
 
 def _largest_excess(cell: Cell, done: ScaledTrajectory) -> float:

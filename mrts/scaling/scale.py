@@ -15,14 +15,14 @@ from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
-from mrts.samples import FormulationName
+from mrts.samples import DISTRIBUTIONS, DistributionName, FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.motion_remarks import motion_remarks
 from mrts.scaling.range import ScalingRange, intersect
-from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult
+from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult, kept_text
 from mrts.scaling.uncertain_load import study_load
 from mrts.scaling.with_torques import with_torques
 from mrts.solvers import DEFAULT_SOLVER, check_solver
@@ -54,6 +54,8 @@ def scale(
     weights: Array | None = None,
     solver: str = DEFAULT_SOLVER,
     load: str = "auto",
+    distribute: DistributionName = "least-torque",
+    reserve: float | None = None,
     closure: ClosureBound | None = None,
     progress: Progress = lambda _done, _total: None,
 ) -> ScalingResult:
@@ -71,6 +73,9 @@ def scale(
         load: Which range is asked for where the load varies: "guaranteed" (for every load), "possible" (for some
             load), "grid:N" (for N masses), or "nominal". "auto" is "guaranteed" if the cell has a load box. Torques
             are those of the nominal load; "possible" has none, as it leaves open which load it is.
+        distribute: What redundant torques are chosen by: "least-torque", or "reserve", which first makes the largest
+            share of any limit as small as can be at each sample.
+        reserve: Share of every limit that is kept free, 0 or more and below 1; None is the cell's own.
         closure: How far given joints may be off their grasps; None allows 2 mm and 5 mrad.
         progress: Told how many of how many pieces of work on an uncertain load are done.
 
@@ -86,6 +91,8 @@ def scale(
     check_type("cell", cell, Cell)
     _check_select(select)
     check_type("sharing", sharing, LoadSharing, NoneType)
+    _check_distribution(distribute, sharing)
+    cell = cell if reserve is None else cell.with_reserve(reserve)
     check_type("formulation", formulation, str)
     check_callable("progress", progress)
     check_solver(solver)
@@ -97,7 +104,7 @@ def scale(
         found = intersect(motion_ranges(cell, motion, formulation, sharing, solver))
     else:
         found, study = study_load(cell, motion, question, formulation, sharing, solver, progress)
-    rule = DistributionRule(sharing, formulation, weights)
+    rule = DistributionRule(sharing, formulation, weights, distribute)
     remarks = motion_remarks(cell, motion, found)
     untouched = ScalingResult(
         cell=cell,
@@ -114,9 +121,23 @@ def scale(
     try:
         c2 = choose_c2(found, select)
     except SelectionError as error:
-        error.result = untouched
-        raise
+        refused = SelectionError(f"{kept_text(cell.reserve)}{error}")
+        refused.result = untouched
+        raise refused from None
     return with_torques(untouched, c2, found.samples, solver)
+
+
+def _check_distribution(distribute: str, sharing: LoadSharing | None) -> None:
+    """There is such a distribution, and something to distribute."""
+    check_type("distribute", distribute, str)
+    if distribute not in DISTRIBUTIONS:
+        raise InputError("distribute", f"must be {' or '.join(map(repr, DISTRIBUTIONS))}.", value=distribute)
+    if distribute != "least-torque" and sharing is not None:
+        raise InputError(
+            "distribute",
+            "a fixed distribution of the load leaves no torques to choose; leave one out.",
+            value=distribute,
+        )
 
 
 def _check_select(select: object) -> None:

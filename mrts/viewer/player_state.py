@@ -15,8 +15,8 @@ from mrts.limits import all_rows, limit_rows
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.reserve import TORQUES
 from mrts.samples.torque_distribution import torque_weights
-from mrts.samples.trajectory_programs import motion_torques
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError, scale
@@ -292,7 +292,8 @@ class PlayerState:
         cell, motion, rule = result.cell, result.motion, result.rule
         if _admits(result.range, c2):
             W = torque_weights(rule.weights, motion.q.shape[1])
-            torque, wrench, _ = motion_torques(cell, motion, rule.formulation, rule.sharing, self._solver, c2, W)
+            distribute = TORQUES[rule.distribute]
+            torque, wrench, _ = distribute(cell, motion, rule.formulation, rule.sharing, self._solver, c2, W)
         else:
             torque, wrench = widened_torques(cell, motion, rule, c2, self._solver)
         rows = limit_rows(cell, motion)
