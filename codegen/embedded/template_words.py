@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 from mrts_codegen.embedded.c_literals import UNLIMITED, WIDTH, Precision, c_numbers, c_string
+from mrts_codegen.embedded.motor_words import motor_memory
 
 from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedLimits
@@ -54,12 +55,14 @@ def cell_words(manifest: Manifest, limits: EmbeddedLimits, precision: Precision)
 def memory_words(manifest: Manifest, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
     """Bytes of the structures and tables, as the header lays them out."""
     size, robots, width = len(manifest.wrench_components), len(manifest.robots), WIDTH[precision]
-    joints, rows, velocities = len(limits.velocity) - 2, len(limits.lower), len(limits.velocity)
+    joints = sum(len(robot.joints) for robot in manifest.robots)
+    rows, velocities = len(limits.lower), len(limits.velocity)
     k = size * (robots - 1) + 1
-    reals = (k + 1) * (joints + size * robots) + rows * (k + 3) + 2 * k + 3 * k * k + 7 * k
+    motor_settings, motor_reals, motor_integers = motor_memory(limits, joints, k)
+    reals = (k + 1) * (joints + size * robots) + rows * (k + 3) + 2 * k + 3 * k * k + 7 * k + motor_reals
     reals += 0 if limits.base is None else (k + 1) * size * robots
-    integers = 2 * k + 2 * rows + 6 * k
-    settings = len(LOAD_ENTRIES) + 2 * rows + velocities + joints
+    integers = 2 * k + 2 * rows + 6 * k + motor_integers
+    settings = len(LOAD_ENTRIES) + 2 * rows + velocities + joints + motor_settings
     texts = (*limits.texts, *limits.velocity_texts)
     entries = int(np.count_nonzero(limits.matrix))
     tables = width * (len(LOAD_ENTRIES) * len(_loads(manifest)[0]) + settings + entries)

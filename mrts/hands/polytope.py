@@ -14,7 +14,7 @@ INTERIOR = 1e-9
 """Least radius of a ball inside a polytope, as a share of how far its rows are from the origin: rounding is below."""
 
 
-def polytope(
+def rows_contact(
     *,
     A: Sequence[Sequence[float]],
     upper: Sequence[float],

@@ -44,6 +44,7 @@ from mrts.output.saved_ranges import (
     Arrays,
     Tables,
     conflict_entries,
+    gap_entries,
     range_arrays,
     read_ranges,
     read_reserve,
@@ -204,7 +205,8 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
             points=[tables.load(point) for point in study.points],
             not_converged=list(study.not_converged),
         )
-    conflicts, reserve = conflict_entries(ranges, tables), reserve_entry(result.reserve, tables)
+    conflicts, gaps = conflict_entries(ranges, tables), gap_entries(ranges, tables)
+    reserve = reserve_entry(result.reserve, tables)
     return Description(
         format=FORMAT_NAME,
         version=VERSION,
@@ -231,6 +233,7 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
         limits=list(LIMITS),
         loads=tables.load_entries(),
         conflicts=conflicts,
+        gaps=gaps,
         kept_reserve=cell.reserve,
         reserve=reserve,
     )

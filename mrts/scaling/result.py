@@ -2,6 +2,7 @@
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,7 +14,6 @@ from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import SolverError
-from mrts.base.interval_text import interval_text
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
@@ -180,14 +180,14 @@ class ScalingResult:
         found = self.range
         if found.lower is None or found.upper is None or not found.status.admits_motion:
             return f"{found.status.value}: {found.explain()}"
-        least, most = found.lower.c2, found.upper.c2
+        least = found.lower.c2
         below = f"below {found.lower.place()}" if least > 0 else ""
         if found.upper.time is None:
-            return f"c² ∈ {interval_text(least, most)}: {found.status.advice}" + (f" Limited {below}." if below else "")
-        speed = _speed_advice(least, most, self.motion.object.time[-1])
+            return f"c² ∈ {found.text()}: {found.status.advice}" + (f" Limited {below}." if below else "")
+        speed = _speed_advice([(low.c2, high.c2) for low, high in found.intervals], self.motion.object.time[-1])
         limits = f"above {found.upper.place()}, {below}" if below else found.upper.place()
         advice = "" if self.origin else f": {speed}"  # of the fastest timing there is none to give
-        return f"c² ∈ {interval_text(least, most)}{advice}; limited {limits}."
+        return f"c² ∈ {found.text()}{advice}; limited {limits}."
 
     def residuals(self) -> Residuals:
         """Check the trajectory against (8), (13), (20) and (24), from the terms and not from the programs.
@@ -246,11 +246,16 @@ class ScalingResult:
                 "status": [status.value for status in samples.status],
                 "c2_lower": _finite(samples.lower),
                 "c2_upper": _finite(samples.upper),
+                "gaps": [
+                    {"sample": gap.sample, "time": float(samples.time[gap.sample]), "c2": [gap.lower, gap.upper]}
+                    for gap in samples.gaps
+                ],
             },
             "conflicts": [
                 {
                     "sample": conflict.sample,
                     "time": conflict.time,
+                    "c2": conflict.c2,
                     "load": conflict.load.to_json() if conflict.load else None,
                     "rows": [row.to_json() for row in conflict.rows],
                     "multipliers": list(conflict.multipliers),
@@ -308,8 +313,17 @@ def _largest_excess(cell: Cell, done: ScaledTrajectory) -> float:
     return worst
 
 
-def _speed_advice(least: float, most: float, given: float) -> str:
+def _speed_advice(intervals: Sequence[tuple[float, float]], given: float) -> str:
     """What a range of c² means to who plays a motion that is given in so many seconds."""
+    least, most = intervals[-1]
+    if len(intervals) > 1:
+        verb = "may" if any(low <= 1 <= high for low, high in intervals) else "must"
+        ends = [(f"{np.sqrt(low):.3g} to" if low > 0 else "up to", np.sqrt(high)) for low, high in intervals]
+        return (
+            f"you {verb} play it {' or '.join(f'{start} {end:.3g}' for start, end in ends)} × as fast as given, not "
+            "in between, where inertia does not yet help the motors enough against friction: "
+            f"{given / np.sqrt(most):.4g} s at the fastest instead of {given:.4g} s"
+        )
     if most <= 0:
         return "the cell can hold the object still at every sample, but not move it along this path"
     fast = f"{np.sqrt(most):.3g} × as fast as given"

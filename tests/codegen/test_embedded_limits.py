@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import yaml
 from conftest import DATA
-from exported_library import answers, run
+from exported_library import answers, changed_cell, run
 
 import mrts
 from mrts.cli import main
@@ -46,16 +45,6 @@ FOR_ALL = (
     "guaranteed_range(&planar_dual_arm_vectors[k].sample, &s, planar_dual_arm_load_corners, "
     "PLANAR_DUAL_ARM_CORNERS, &r, 0, 0, &w)"
 )
-
-
-def changed_cell(place, change):
-    """The planar cell after a change of its description."""
-    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
-    for robot in cell["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-    change(cell)
-    (place / "cell.yaml").write_text(yaml.safe_dump(cell))
-    return place / "cell.yaml"
 
 
 def exported(path, place):

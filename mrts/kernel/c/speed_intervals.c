@@ -255,7 +255,8 @@ MRTS_LOCAL int mrts_speed_intervals(mrts_curve *curve, mrts_real most, mrts_curv
             continue;
         }
         const mrts_real slope = b.y > a.y ? (b.x - a.x) / (b.y - a.y) : 0;
-        mrts_box(curve, -top * top, reach * reach, a.y, b.y);
+        /* what the chord cuts off has no larger x; a wider box would multiply the rounding of its multiplier */
+        mrts_box(curve, -top * top, a.x > b.x ? a.x : b.x, a.y, b.y);
         status = mrts_outermost(curve, 1, -slope, basis, &found, &unused);
         if (status != MRTS_OPTIMAL) return status;
         if (found.x - a.x - slope * (found.y - a.y) < -MRTS_EDGES * mrts_near_curve(b.y)) {

@@ -20,7 +20,7 @@ typedef char qp_integers_hold[HOLDS(integers, int, MRTS_QP_IWORK(F, ROWS))];
     if (!(c2 >= 0 && c2 < MRTS_INFINITY) || !is_sound(sample, settings->load)) return @MACRO@_BAD_ARGUMENT;
     const mrts_real most = velocity_cap(sample, settings, &fastest);
     mrts_form form = wrench_form(sample, settings->load, workspace);
-    if (most < 0 || !build_rows(sample, &limits, K, &form, workspace, &rows)) return @MACRO@_BAD_ARGUMENT;
+    if (most < 0 || !build_rows(sample, settings, c2, K, &form, workspace, &rows)) return @MACRO@_BAD_ARGUMENT;
     mrts_fix_speed(K, &limits, c2, TORQUE_WIDENING, &rows);
     mrts_scale_columns(F, &rows, column);
     mrts_free_unknowns(F, &rows);

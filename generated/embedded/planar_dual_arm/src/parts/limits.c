@@ -24,16 +24,6 @@ static mrts_limits limits_of(const planar_dual_arm_settings *settings) {
     return limits;
 }
 
-/* Rows of the limits of a sample in `unknowns` unknowns of its form, in the workspace; 0 if limits are reversed or a
- * coefficient is not finite. */
-static int build_rows(const planar_dual_arm_sample *sample, const mrts_limits *limits, int unknowns, mrts_form *form,
-                      planar_dual_arm_workspace *workspace, mrts_rows *rows) {
-    static const mrts_terms nothing = {0, 0, 0, 0, 0, 0, 0};
-    mrts_turn_wrenches(unknowns, PLANAR_DUAL_ARM_ROBOTS, PLANAR_DUAL_ARM_WRENCH, limits, sample->rotation, 3, 1, 0, form);
-    return mrts_rows_over(unknowns, limits, workspace->rows, workspace->which, rows) &&
-           mrts_build_rows(unknowns, JOINTS, WRENCHES, form, limits, &nothing, rows);
-}
-
 /* Largest c^2 that the velocities allow, MRTS_INFINITY if none bounds it, -1 if a limit is not > 0; `named` is the one
  * that sets it, as in planar_dual_arm_range, 0 if none does. */
 static mrts_real velocity_cap(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, int *named) {
@@ -42,7 +32,7 @@ static mrts_real velocity_cap(const planar_dual_arm_sample *sample, const planar
     for (int i = 0; i < VELOCITIES; ++i) {
         if (!(settings->velocity[i] > 0)) return -1;
     }
-    const mrts_real most = mrts_speed_cap(JOINTS, sample->dq, sample->twist, settings->velocity, &binding);
+    mrts_real most = mrts_speed_cap(JOINTS, sample->dq, sample->twist, settings->velocity, &binding);
     if (!(most < UNLIKELY)) return MRTS_INFINITY;
     *named = 1 + ROWS + binding;
     return most;
