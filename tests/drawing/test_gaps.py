@@ -120,8 +120,11 @@ def test_a_player_offers_the_slow_interval_and_knows_a_gap(cell):
     assert " or " not in moment_html(state).split("(given")[1]
 
 
-def test_a_bar_of_a_configuration_has_the_gap(cell):
+def test_a_configuration_names_its_gap_and_its_bar_has_it(cell):
     study = rank_configurations(cell, slowing_down())
+    assert f"with gaps, c² ∈ {study.ranked[0].range.text()}" in study.table(5)
+    intervals = json.loads(study.json_text())["ranked"][0]["intervals"]
+    np.testing.assert_allclose(intervals, intervals_uphill(), rtol=SAME, atol=SAME)
     figure = ranking_figure(study, "uphill")
     widths = [patch.get_width() for patch in figure.axes[0].patches]
     np.testing.assert_allclose(widths[:2], [high - low for low, high in intervals_uphill()], rtol=1e-6)

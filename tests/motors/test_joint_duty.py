@@ -165,6 +165,8 @@ def test_a_bag_has_the_friction_in_a_topic_of_its_own_and_is_a_motion_again(resu
     np.testing.assert_array_equal([message.effort[wrist] for _, message in alone], columns["tau_friction.left/wrist"])
     again = mrts.load_motion(tmp_path / "bag")
     assert len(again.time) == result.motion.samples
+    recorded = mrts.load_recording(tmp_path / "bag")  # the topic of efforts alone is no second recording of the joints
+    np.testing.assert_array_equal(recorded.joints["left/wrist"].effort, columns["tau.left/wrist"])
 
 
 def test_the_report_tells_what_is_asked_of_each_motor(result, tmp_path):
