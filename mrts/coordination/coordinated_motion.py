@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The whole cell along the object's motion: joint positions, velocities and accelerations of every arm."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,9 @@ from mrts.motion.object_motion import ObjectMotion
 OUT_OF_PLANE = 1e-9
 """Largest velocity and turning rate out of the plane of a planar cell [m/s, rad/s]: rounding of the input."""
 
+JointCourse = Callable[[Array], tuple[Array, Array, Array]]
+"""Joint positions, velocities and accelerations at any times, Shape (k,) [s], each Shape (k, m)."""
+
 
 @dataclass(frozen=True, repr=False, eq=False)
 class CoordinatedMotion:
@@ -32,6 +36,7 @@ class CoordinatedMotion:
         dq: q', Shape (N, m) [rad/s or m/s].
         ddq: q'', Shape (N, m) [rad/s² or m/s²].
         remarks: What to know of how it was read or found.
+        course: What a table makes of the joints between its rows; None where only samples of them are known.
     """
 
     object: ObjectMotion
@@ -39,6 +44,7 @@ class CoordinatedMotion:
     dq: Array
     ddq: Array
     remarks: tuple[Remark, ...] = ()
+    course: JointCourse | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         check_type("object", self.object, ObjectMotion)

@@ -19,6 +19,7 @@ from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import squared_limits
+from mrts.refinement.excess import Excess
 from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_status import RangeStatus
@@ -82,6 +83,7 @@ class ScalingResult:
         rule: How torques are distributed.
         origin: What was done to the motion before, for people; empty if nothing.
         warnings: What to know of the cell and the motion before trusting the answer.
+        excess: How far limits are overstepped between the samples; None if that was not looked at.
     """
 
     cell: Cell
@@ -93,6 +95,7 @@ class ScalingResult:
     rule: DistributionRule = DistributionRule()
     origin: str = ""
     warnings: tuple[Remark, ...] = ()
+    excess: Excess | None = None
 
     def __repr__(self) -> str:
         done = self.trajectory
@@ -156,7 +159,8 @@ class ScalingResult:
         speed = _speed_advice(least, most, self.motion.object.time[-1])
         limits = f"above {found.upper.place()}, {below}" if below else found.upper.place()
         advice = "" if self.origin else f": {speed}"  # of the fastest timing there is none to give
-        return f"c² ∈ {interval_text(least, most)}{advice}; limited {limits}."
+        passed = f"; but {self.excess}" if self.excess is not None and self.excess.passes else ""
+        return f"c² ∈ {interval_text(least, most)}{advice}; limited {limits}{passed}."
 
     def residuals(self) -> Residuals:
         """Check the trajectory against (8), (13), (20) and (24), from the terms and not from the programs.
@@ -254,6 +258,7 @@ class ScalingResult:
                 "power": {"time": time} | power,
                 "velocity_limits_passed": self.too_fast(),
                 "energy": done.energy,
+                "excess": None if self.excess is None else self.excess.to_json(),
             }
         return output
 

@@ -21,6 +21,7 @@ ROOMS = (
     "coordination",
     "limits",
     "samples",
+    "refinement",
     "scaling",
     "retiming",
     "studies",

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import mrts
-from mrts.motion.object_motion import geodesic_motion, spline_motion
+from mrts.motion.object_courses import geodesic_motion, spline_motion
 from mrts.motion.velocity_profile import PROFILES
 from mrts.output.summary_lines import retiming_lines, scaling_lines
 from mrts.report import report_html
