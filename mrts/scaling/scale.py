@@ -27,6 +27,7 @@ from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
+from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.load_study import LoadStudy
@@ -196,7 +197,13 @@ def admissible_range(
     prescribed = sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1
     if tolerance is None or question == "possible" or prescribed or not found.status.admits_motion:
         return AdmissibleRange(motion, found, study)
-    asked = Asked(lambda path: along(path, lambda _done, _total: None)[0].samples, problem)
+
+    def ranges(path: CoordinatedMotion) -> SampleRanges:
+        if question == "nominal":
+            return motion_ranges(cell, path, formulation, sharing, solver)
+        return along(path, lambda _done, _total: None)[0].samples
+
+    asked = Asked(ranges, problem)
     refined = refine(cell, motion, found.samples, asked, tolerance)
     if refined.motion is motion:
         return AdmissibleRange(motion, found, study, refined)
