@@ -3,21 +3,20 @@
 
 import difflib
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import NoneType
 
 import numpy as np
 
 from mrts.base.argument_types import check_type
-from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.closed_chain import close_chain
-from mrts.coordination.coordinated_motion import CoordinatedMotion, carried_by_first, follow_object
+from mrts.coordination.coordinated_motion import CoordinatedMotion, JointCourse, carried_by_first, follow_object
 from mrts.coordination.grasp_closure import ClosureBound
 from mrts.inverse_kinematics.joint_limits import PRINTED_TOLERANCE, check_joint_limits
-from mrts.motion.joint_table import JointSplines, JointTable
+from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 
 MOST_NAMED = 12
@@ -69,19 +68,8 @@ def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> Coordi
     closed = close_chain(cell, given, bound, str(table.path), carried=True, source=known.differentiated.get(names[0]))
     if not known.differentiated.keys() >= set(names):
         return closed
-    return replace(closed, course=_TableCourse(tuple(known.splines[name] for name in names)))
-
-
-@dataclass(frozen=True, repr=False, eq=False)
-class _TableCourse:
-    """The splines of a table's joints, in the cell's order."""
-
-    joints: tuple[JointSplines, ...]
-
-    def __call__(self, time: Array) -> tuple[Array, Array, Array]:
-        parts = [joint(time) for joint in self.joints]
-        q, dq, ddq = (np.column_stack([part[order] for part in parts]) for order in range(3))
-        return q, dq, ddq
+    splines = tuple(known.splines[name] for name in names)
+    return replace(closed, course=JointCourse(splines, closed is not given))
 
 
 def _names_by_joint(cell: Cell, table: JointTable) -> tuple[list[str], tuple[Remark, ...]]:

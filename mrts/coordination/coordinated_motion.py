@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The whole cell along the object's motion: joint positions, velocities and accelerations of every arm."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,13 +16,30 @@ from mrts.coordination.grasp_closure import TipMotion, in_world, tip_motions
 from mrts.inverse_kinematics.grasp_tracking import follow_grasps
 from mrts.inverse_kinematics.joint_limits import check_joint_limits, within_limits
 from mrts.inverse_kinematics.starting_positions import starting_positions
+from mrts.motion.joint_table import JointSplines
 from mrts.motion.object_motion import ObjectMotion
 
 OUT_OF_PLANE = 1e-9
 """Largest velocity and turning rate out of the plane of a planar cell [m/s, rad/s]: rounding of the input."""
 
-JointCourse = Callable[[Array], tuple[Array, Array, Array]]
-"""Joint positions, velocities and accelerations at any times, Shape (k,) [s], each Shape (k, m)."""
+
+@dataclass(frozen=True, repr=False, eq=False)
+class JointCourse:
+    """What a table makes of all joints between its rows.
+
+    Attributes:
+        joints: Splines of each joint, in the cell's order.
+        closed: Whether the samples were moved from these onto the grasps.
+    """
+
+    joints: tuple[JointSplines, ...]
+    closed: bool
+
+    def __call__(self, time: Array) -> tuple[Array, Array, Array]:
+        """Positions, velocities and accelerations at some times, Shape (k,) [s], each Shape (k, m)."""
+        parts = [joint(time) for joint in self.joints]
+        q, dq, ddq = (np.column_stack([part[order] for part in parts]) for order in range(3))
+        return q, dq, ddq
 
 
 @dataclass(frozen=True, repr=False, eq=False)

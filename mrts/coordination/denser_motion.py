@@ -19,9 +19,8 @@ from mrts.cell.cell import Cell
 from mrts.coordination.closed_chain import joints_on_grasps, mean_object, nearest_rates
 from mrts.coordination.coordinated_motion import CoordinatedMotion, carried_object
 from mrts.coordination.grasp_closure import (
-    GIVEN_CLOSURE,
-    GIVEN_SLIP,
     REST_SLIP,
+    TipMotion,
     grasp_gaps,
     slip,
     tip_motions,
@@ -33,6 +32,9 @@ HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
 
 SAME_COURSE = 1e-9
 """How far a course may be from the samples [m and per s, of the largest]: further, it is that of another motion."""
+
+CHECKED = 12
+"""Samples of a motion by which it is told whether its hands hold their grasps exactly."""
 
 TIGHT_GAP, TIGHT_SLIP = 1e-9, 1e-5
 """Gap [m, rad] and relative slip of polynomials on the grasps of a known object that nobody notices."""
@@ -60,8 +62,7 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array) -> Coord
     known = _on_course(given, at)
     target = known or carried_object(cell, 0, at, tips[0], smooth=False)
     rough = CoordinatedMotion(target, q, dq, ddq)
-    gap, share = (TIGHT_GAP, TIGHT_SLIP) if known else (GIVEN_CLOSURE, GIVEN_SLIP)
-    if grasp_gaps(cell, target, tips).largest <= gap and slip(cell, target, tips, (share, share), REST_SLIP) is None:
+    if _held(cell, target, tips) or not _closed(cell, motion):
         return rough
     try:
         return _on_grasps(cell, known or mean_object(cell, at, tips), rough)
@@ -154,6 +155,21 @@ def _on_course(given: ObjectMotion, time: Array) -> ObjectMotion | None:
             return None
     position, rotation, twist, acceleration = (there[3:] for there in found)
     return ObjectMotion(time, position, rotation, twist, acceleration, smooth=False)
+
+
+def _held(cell: Cell, target: ObjectMotion, tips: list[TipMotion]) -> bool:
+    """Whether the hands hold their grasps as well as nobody notices."""
+    if grasp_gaps(cell, target, tips).largest > TIGHT_GAP:
+        return False
+    return slip(cell, target, tips, (TIGHT_SLIP, TIGHT_SLIP), REST_SLIP) is None
+
+
+def _closed(cell: Cell, motion: CoordinatedMotion) -> bool:
+    """Whether the samples hold their grasps exactly; those that were given with small gaps have them between too."""
+    if motion.course is not None:
+        return motion.course.closed
+    some = motion.at(np.unique(np.linspace(0, motion.samples - 1, CHECKED).astype(np.intp)))
+    return _held(cell, some.object, tip_motions(cell, some.q, some.dq, some.ddq))
 
 
 def _on_grasps(cell: Cell, target: ObjectMotion, rough: CoordinatedMotion) -> CoordinatedMotion:
