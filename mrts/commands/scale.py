@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 
 from mrts.base.errors import InputError
 from mrts.commands.options import (
+    add_between,
     add_cell_and_motion,
     add_closure,
+    between_option,
     closure_option,
     limited_cell_option,
     require,
@@ -69,6 +71,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
                        "object.variation), possible (for some load), grid:N (for N masses), or nominal")  # fmt: skip
     scale.add_argument("--carry", metavar="KEY=VALUE,…",
                        help="torques for this load of the box, as mass=1.5,izz=0.8 (default: nominal)")  # fmt: skip
+    add_between(scale)
     add_closure(scale)
     scale.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
     scale.add_argument(
@@ -99,6 +102,7 @@ def run(options: argparse.Namespace) -> int:
         if form.needs:
             require(form.needs[0], f"--{name}", form.needs[1], wanted=path is not None)
     _check_outputs(options)
+    between_option(options.between)  # a wrong one is told before any work
     motion = load_motion(options.motion)
     sharing, closure = sharing_option(options.share), closure_option(options.closure)
     cell = limited_cell_option(options)
@@ -158,6 +162,7 @@ def _scale(
                 solver=options.solver or DEFAULT_SOLVER,
                 load=options.load,
                 closure=closure,
+                between=between_option(options.between),
                 progress=progress,
             )
         if carried is not None and result.trajectory is not None:
@@ -219,6 +224,7 @@ def _retime(
             sharing=sharing,
             load=options.load,
             closure=closure,
+            between=between_option(options.between),
             start_speed=options.start_speed or 0.0,
             end_speed=options.end_speed or 0.0,
             progress=progress,

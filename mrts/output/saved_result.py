@@ -33,6 +33,7 @@ from mrts.output.saved_json import (
     VERSION,
     BoxEntry,
     Description,
+    ExcessEntry,
     RuleEntry,
     SharingEntry,
     StudyEntry,
@@ -40,6 +41,7 @@ from mrts.output.saved_json import (
     read_description,
 )
 from mrts.output.saved_ranges import Arrays, Tables, conflict_entries, range_arrays, read_ranges, require_places
+from mrts.refinement.excess import Excess
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.scaling.holding_torques import Holding
@@ -156,7 +158,18 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         rule=rule,
         origin=said.origin,
         warnings=warnings,
+        excess=_excess(path, said),
     )
+
+
+def _excess(path: Path, said: Description) -> Excess | None:
+    """How far limits are overstepped between the samples."""
+    left = said.excess
+    if left is None:
+        return None
+    require_places(path, "excess: row", [] if left.row is None else [left.row], len(said.rows))
+    row = None if left.row is None else said.rows[left.row].row()
+    return Excess(left.share, left.tolerance, left.time, row)
 
 
 def _other_limits(found_with: list[str]) -> tuple[Remark, ...]:
@@ -192,6 +205,10 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
             not_converged=list(study.not_converged),
         )
     conflicts = conflict_entries(ranges, tables)
+    left, excess = result.excess, None
+    if left is not None:
+        row = None if left.row is None else tables.row(left.row)
+        excess = ExcessEntry(share=left.share, tolerance=left.tolerance, time=left.time, row=row)
     return Description(
         format=FORMAT_NAME,
         version=VERSION,
@@ -217,6 +234,7 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
         limits=list(LIMITS),
         loads=tables.load_entries(),
         conflicts=conflicts,
+        excess=excess,
     )
 
 

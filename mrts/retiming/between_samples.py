@@ -65,7 +65,7 @@ def refined_timing(
             return timed
         found = excess_by_segment(timed.cell, timed.motion, timed.pieces, timed.constant.rule.sharing, timed.loads,
                                   tolerance)  # fmt: skip
-        timed = replace(timed, excess=found.worst)
+        timed = _with_excess(timed, found.worst)
         passing = np.flatnonzero(found.share > tolerance)
         if not adds or turn == MOST_ROUNDS or not len(passing) or timed.motion.samples + len(passing) > most:
             break
@@ -77,6 +77,16 @@ def refined_timing(
     if not found.worst.passes:
         return timed
     return replace(timed, status=RetimingStatus.AT_SAMPLES)
+
+
+def _with_excess(timed: RetimingResult, worst: Excess) -> RetimingResult:
+    """A timing that says its excess, in the time of the given motion and in that of the retimed one."""
+    played = timed.retimed
+    if played is not None:
+        given, own = timed.motion.object.time, played.motion.object.time
+        at = None if worst.time is None else float(np.interp(worst.time, given, own))
+        played = replace(played, excess=replace(worst, time=at))
+    return replace(timed, excess=worst, retimed=played)
 
 
 def _as_before(finer: RetimingResult, timed: RetimingResult, added: Array) -> RetimingResult:
