@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
+from mrts_codegen.motors_block import MotorsDescription
 from pydantic import Field, model_validator
 
 from mrts.base.arrays import Array
@@ -138,6 +139,7 @@ class RobotDescription(StrictModel):
     torque: Annotated[list[Finite], Field(min_length=1)] | TorqueBounds | None = None
     wrench: Bounds = Bounds()
     fixed: dict[str, Angle] = Field(default_factory=dict)
+    motors: MotorsDescription = MotorsDescription()
 
 
 class CellDescription(StrictModel):

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from mrts_codegen.cell_file import Bounds, CellDescription, RobotDescription, TorqueBounds, resolve_urdf
 from mrts_codegen.equations.spatial_algebra import PLANE_COMPONENTS
+from mrts_codegen.motors_block import build_motors
 from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.planar_cell import check_plane_kept
 from mrts_codegen.urdf.robot_model import RobotModel, build_robot_model
@@ -23,6 +24,7 @@ from mrts.base.input_file import MAX_URDF_BYTES
 from mrts.base.regular_file import read_regular
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
+from mrts.motors.joint_motors import JointMotors
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +44,8 @@ class CellRobot:
         torque_upper: Shape (n,) [N m or N].
         wrench_lower: Base axes, minus infinity where unbounded, Shape (w,) [N, N m].
         wrench_upper: Base axes, infinity where unbounded, Shape (w,) [N, N m].
+        motors: What stands between motors and joints.
+        remarks: What to know of where values are from.
     """
 
     name: str
@@ -56,6 +60,8 @@ class CellRobot:
     torque_upper: Array
     wrench_lower: Array
     wrench_upper: Array
+    motors: JointMotors
+    remarks: tuple[Remark, ...]
 
 
 @dataclass(frozen=True)
@@ -75,7 +81,8 @@ class CellModel:
     @property
     def remarks(self) -> tuple[Remark, ...]:
         """What to know of the URDFs, each thing once."""
-        return tuple(dict.fromkeys(remark for robot in self.robots for remark in robot.model.remarks))
+        said = (remark for robot in self.robots for remark in (*robot.model.remarks, *robot.remarks))
+        return tuple(dict.fromkeys(said))
 
 
 def build_cell_model(path: Path, description: CellDescription) -> CellModel:
@@ -116,6 +123,7 @@ def _build_robot(
         )
     torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model)
     wrench_lower, wrench_upper = _wrench_limits(path, key, robot.wrench, wrench_size)
+    motors, remarks = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
     T_world_base = RigidTransform.from_xyz_rpy(robot.base.xyz, robot.base.rpy)
     T_object_tip = RigidTransform.from_xyz_rpy(robot.grasp.xyz, robot.grasp.rpy)
     if cell.plane is not None:
@@ -133,6 +141,8 @@ def _build_robot(
         torque_upper=torque_upper,
         wrench_lower=wrench_lower,
         wrench_upper=wrench_upper,
+        motors=motors,
+        remarks=remarks,
     )
 
 

@@ -22,6 +22,7 @@ from mrts.base.manifest import (
     FunctionRecord,
     JointRecord,
     Manifest,
+    MotorsRecord,
     ObjectRecord,
     PoseRecord,
     RemarkRecord,
@@ -29,6 +30,7 @@ from mrts.base.manifest import (
 )
 from mrts.base.rigid_transform import RigidTransform, multiply
 from mrts.base.version import __version__
+from mrts.motors.joint_motors import PER_JOINT, JointMotors
 
 logger = logging.getLogger("mrts")
 
@@ -148,7 +150,14 @@ def _robot_record(robot: CellRobot) -> RobotRecord:
         posture=robot.posture.tolist(),
         wrench_lower=[_finite(value) for value in robot.wrench_lower],
         wrench_upper=[_finite(value) for value in robot.wrench_upper],
+        motors=_motors_record(robot.motors),
     )
+
+
+def _motors_record(motors: JointMotors) -> MotorsRecord:
+    columns: dict[str, Any] = {name: [_finite(value) for value in getattr(motors, name)] for name in PER_JOINT}
+    curves = [None if curve is None else curve.tolist() for curve in motors.torque_speed]
+    return MotorsRecord(torque_speed=curves, **columns)
 
 
 def _pose_record(T: RigidTransform) -> PoseRecord:

@@ -7,7 +7,14 @@ from pathlib import Path
 from typing import Any, Literal
 
 from mrts_codegen.urdf.link_inertia import Inertia, link_inertia
-from mrts_codegen.urdf.urdf_joint import MOVING_TYPES, joint_pose, position_limits, unit_axis, velocity_limit
+from mrts_codegen.urdf.urdf_joint import (
+    MOVING_TYPES,
+    friction,
+    joint_pose,
+    position_limits,
+    unit_axis,
+    velocity_limit,
+)
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
@@ -29,6 +36,8 @@ class Joint:
         upper: Position limit, infinity if none [rad or m].
         effort: Largest torque or force as the URDF gives it, None if it says nothing or 0 [N m or N].
         velocity: Largest velocity from the URDF, None if it says nothing [rad/s or m/s].
+        coulomb: Dry friction from the URDF, 0 if it says nothing [N m or N].
+        viscous: Likewise what grows with the velocity [N m s/rad or N s/m].
     """
 
     name: str
@@ -40,6 +49,8 @@ class Joint:
     upper: float
     effort: float | None
     velocity: float | None
+    coulomb: float
+    viscous: float
 
 
 @dataclass(frozen=True)
@@ -176,6 +187,7 @@ def _check_tree(path: Path, links: dict[str, Any], joints: list[Any]) -> None:
 
 def _joint(path: Path, joint: Any, placement: RigidTransform, body: Inertia) -> Joint:
     lower, upper = position_limits(path, joint)
+    coulomb, viscous = friction(path, joint)
     return Joint(
         name=joint.name,
         kind="prismatic" if joint.type == "prismatic" else "revolute",
@@ -186,6 +198,8 @@ def _joint(path: Path, joint: Any, placement: RigidTransform, body: Inertia) -> 
         upper=upper,
         effort=joint.limit.effort if joint.limit is not None and joint.limit.effort else None,
         velocity=velocity_limit(path, joint),
+        coulomb=coulomb,
+        viscous=viscous,
     )
 
 

@@ -63,6 +63,25 @@ def velocity_limit(path: Path, joint: Any) -> float | None:
     return float(velocity) if velocity and velocity < NO_LIMIT else None
 
 
+def friction(path: Path, joint: Any) -> tuple[float, float]:
+    """Dry friction [N m or N] and damping [N m s/rad or N s/m] of a joint, 0 where the URDF says nothing.
+
+    Raises:
+        InputError: If one is negative or no number.
+    """
+    values = []
+    for name in ("friction", "damping"):
+        text = None if joint.dynamics is None else getattr(joint.dynamics, name)
+        try:
+            value = float(text or 0.0)  # yourdfpy leaves them text
+        except ValueError:
+            value = np.nan
+        if not 0 <= value < NO_LIMIT:
+            raise InputError(path, "must be a number >= 0.", key=f"joint '{joint.name}' dynamics {name}", value=text)
+        values.append(value)
+    return values[0], values[1]
+
+
 def matrix_pose(matrix: Array | None) -> RigidTransform:
     """The pose of an <origin>, which yourdfpy gives as a homogeneous matrix, Shape (4, 4), or None."""
     if matrix is None:

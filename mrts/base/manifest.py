@@ -13,7 +13,7 @@ from mrts.base.errors import InputError
 from mrts.base.input_file import IDENTIFIER, Name, broken_rule, read_text
 
 MANIFEST_NAME = "manifest.json"
-FORMAT = 4
+FORMAT = 5
 """Version of this file's layout; a change that old code cannot read raises it."""
 
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
@@ -60,6 +60,18 @@ class JointRecord(_Record):
     torque_upper: float
 
 
+class MotorsRecord(_Record):
+    """Motors of one arm, one value a joint (`mrts.motors.joint_motors.JointMotors`); None is unbounded, or no curve."""
+
+    armature: list[float]
+    coulomb: list[float]
+    viscous: list[float]
+    torque_speed: list[list[Annotated[list[float], Field(min_length=2, max_length=2)]] | None]
+    torque_rate: list[float | None]
+    jerk: list[float | None]
+    rated: list[float | None]
+
+
 class PoseRecord(_Record):
     """A rigid transform: rotation matrix and position [m]."""
 
@@ -83,11 +95,14 @@ class RobotRecord(_Record):
     posture: list[float]
     wrench_lower: list[float | None]
     wrench_upper: list[float | None]
+    motors: MotorsRecord
 
     @model_validator(mode="after")
     def _one_of_each_a_joint(self) -> Self:
         if len(self.posture) != len(self.joints):
             raise broken_rule("its posture must hold one position a joint")
+        if any(len(getattr(self.motors, name)) != len(self.joints) for name in MotorsRecord.model_fields):
+            raise broken_rule("its motors must hold one value a joint")
         return self
 
 

@@ -3,6 +3,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -10,8 +11,9 @@ import numpy as np
 from mrts.base.argument_types import check_list, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
-from mrts.base.manifest import WRENCH_COMPONENTS, JointRecord, PoseRecord, RobotRecord
+from mrts.base.manifest import WRENCH_COMPONENTS, JointRecord, MotorsRecord, PoseRecord, RobotRecord
 from mrts.base.rigid_transform import RigidTransform
+from mrts.motors.joint_motors import NONE_GIVEN, PER_JOINT, JointMotors
 
 ARRAYS = (
     *("axes", "points", "position_lower", "position_upper", "velocity_limit", "posture"),
@@ -42,6 +44,7 @@ class Robot:
         wrench_lower: On F_i, base axes, minus infinity where unbounded, Shape (w,) [N, N m].
         wrench_upper: On F_i, base axes, infinity where unbounded, Shape (w,) [N, N m].
         held: Joints of its URDF that stand still, and where [rad or m].
+        motors: What stands between motors and joints; those of no joint at all stand for ideal ones.
 
     Raises:
         InputError: If an array has another shape, holds what is no number, or a lower limit exceeds the upper one.
@@ -64,6 +67,7 @@ class Robot:
     wrench_lower: Array
     wrench_upper: Array
     held: Mapping[str, float] = field(default_factory=dict)
+    motors: JointMotors = field(default_factory=partial(JointMotors.unknown, 0))
 
     def __post_init__(self) -> None:
         where = f"robot '{self.name}'"
@@ -91,6 +95,18 @@ class Robot:
         if np.any(self.velocity_limit <= 0):
             rule = "must be > 0; infinity where there is none."
             raise InputError(where, rule, key="velocity_limit", value=self.velocity_limit.tolist())
+        self._check_motors(where)
+
+    def _check_motors(self, where: str) -> None:
+        n = len(self.joints)
+        check_type(f"{where}: motors", self.motors, JointMotors)
+        if not self.motors.torque_speed:
+            object.__setattr__(self, "motors", JointMotors.unknown(n))
+        if len(self.motors.torque_speed) != n:
+            raise InputError(where, f"must be those of its {n} joints.", key="motors")
+        contradiction = self.motors.problem_with(self.torque_lower, self.torque_upper, self.joints)
+        if contradiction is not None:
+            raise InputError(where, contradiction[1], key=f"motors.{contradiction[0]}")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Robot, tuple(getattr(self, entry.name) for entry in fields(self))  # arrays come back validated, frozen
@@ -155,6 +171,7 @@ def robot_from_record(record: RobotRecord) -> Robot:
         wrench_lower=with_infinity(record.wrench_lower, -np.inf),
         wrench_upper=with_infinity(record.wrench_upper, np.inf),
         held=dict(record.held),
+        motors=_motors(record.motors),
     )
 
 
@@ -188,8 +205,22 @@ def robot_record(robot: Robot, generated: RobotRecord) -> RobotRecord:
             "posture": robot.posture.tolist(),
             "wrench_lower": without_infinity(robot.wrench_lower),
             "wrench_upper": without_infinity(robot.wrench_upper),
+            "motors": motors_record(robot.motors),
         }
     )
+
+
+def motors_record(motors: JointMotors) -> MotorsRecord:
+    """Motors as an entry of a manifest."""
+    curves = [None if curve is None else curve.tolist() for curve in motors.torque_speed]
+    columns: dict[str, Any] = {name: without_infinity(getattr(motors, name)) for name in PER_JOINT}
+    return MotorsRecord(torque_speed=curves, **columns)
+
+
+def _motors(record: MotorsRecord) -> JointMotors:
+    columns = {name: with_infinity(getattr(record, name), NONE_GIVEN[name]) for name in PER_JOINT}
+    curves = tuple(None if curve is None else np.array(curve) for curve in record.torque_speed)
+    return JointMotors(torque_speed=curves, **columns)
 
 
 def _transform(record: PoseRecord) -> RigidTransform:

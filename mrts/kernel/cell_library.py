@@ -15,6 +15,7 @@ from mrts.base.manifest import FunctionRecord, Manifest
 from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
 from mrts.kernel.function_shapes import work_sizes
 from mrts.kernel.programs import STOPPED, Programs, offer_programs
+from mrts.kernel.sample_terms import SampleTerms
 
 
 class _Limits(ctypes.Structure):
@@ -39,15 +40,12 @@ class SparseLimits:
         lower: Shape (r,), minus infinity where unbounded.
         upper: Shape (r,), infinity where unbounded.
         group: Physical unit of each row, such as "N m": a limit of zero is measured by the largest of its unit.
-        square: What c² adds to each row itself at every sample, in the unit of the row, Shape (N, r); None is nothing.
 
     Raises:
         ValueError: If a lower limit is not at most the upper one.
     """
 
-    def __init__(
-        self, *, matrix: Array, lower: Array, upper: Array, group: Sequence[str], square: Array | None = None
-    ) -> None:
+    def __init__(self, *, matrix: Array, lower: Array, upper: Array, group: Sequence[str]) -> None:
         if not np.all(lower <= upper):
             raise ValueError(f"rows {np.flatnonzero(~(lower <= upper)).tolist()}: a lower limit is above its upper one")
         self.rows = len(matrix)
@@ -63,11 +61,6 @@ class SparseLimits:
             np.array([units.index(unit) for unit in group], dtype=np.int32),
         ]
         self.structure = _Limits(self.rows, *(pointer(array) for array in self._arrays))
-        self._square = None if square is None else np.ascontiguousarray(square, dtype=np.float64)
-
-    def square_from(self, sample: int) -> ctypes.c_void_p | None:
-        """Address of a sample's row of `square`."""
-        return None if self._square is None else pointer(self._square[sample:])
 
 
 @dataclass(frozen=True)
@@ -140,13 +133,16 @@ class CellLibrary:
         assert failed == 0  # noqa: S101 (generated functions of smooth expressions cannot fail)
         return {name: _by_rows(value) for name, value in outputs.items()}
 
-    def ranges(self, samples: int, inputs: dict[str, Array], limits: SparseLimits, most: Array) -> KernelRanges:
+    def ranges(
+        self, samples: int, inputs: dict[str, Array], limits: SparseLimits, terms: SampleTerms, most: Array
+    ) -> KernelRanges:
         """Least and largest c² at every sample.
 
         Args:
             samples: N.
             inputs: Of the wrench form, by name.
             limits: Rows over torques and wrenches.
+            terms: What is added at every sample.
             most: Largest c² that the velocities allow, Shape (N,), infinity where they do not bound it.
         """
         k, N = self.unknowns, samples
@@ -171,7 +167,7 @@ class CellLibrary:
                 _pointers(given, first, strides),
                 strides,
                 ctypes.byref(limits.structure),
-                limits.square_from(first),
+                ctypes.byref(terms.structure(first)),
                 pointer(bound[first:]),
                 *(pointer(output[first:]) for output in outputs),
                 *scratch.pointers(),
@@ -183,7 +179,14 @@ class CellLibrary:
         return found
 
     def torques(
-        self, samples: int, inputs: dict[str, Array], limits: SparseLimits, c2: Array, weights: Array, widening: float
+        self,
+        samples: int,
+        inputs: dict[str, Array],
+        limits: SparseLimits,
+        terms: SampleTerms,
+        c2: Array,
+        weights: Array,
+        widening: float,
     ) -> tuple[Array, Array, NDArray[np.uint8]]:
         """Torques τ, Shape (N, m), wrenches F, Shape (N, n w), that minimise τᵀWτ at c², and statuses, Shape (N,).
 
@@ -191,6 +194,7 @@ class CellLibrary:
             samples: N.
             inputs: Of the wrench form, by name.
             limits: Rows over torques and wrenches.
+            terms: What is added at every sample.
             c2: Shape (N,).
             weights: W, Shape (m, m).
             widening: By which limits are moved outward, as a share of each.
@@ -209,7 +213,7 @@ class CellLibrary:
                 _pointers(given, first, strides),
                 strides,
                 ctypes.byref(limits.structure),
-                limits.square_from(first),
+                ctypes.byref(terms.structure(first)),
                 pointer(speed[first:]),
                 1,
                 pointer(W),

@@ -10,6 +10,7 @@ from weakref import WeakKeyDictionary
 
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.limits.motor_limits import motor_limits
 from mrts.limits.row_check import checked_rows
 from mrts.limits.rows import LimitRows, stack_rows
 from mrts.limits.squared_rows import SquaredRows, squared
@@ -21,6 +22,7 @@ LIMITS: dict[str, Callable[[Cell, CoordinatedMotion], LimitRows]] = {
     "torque_limits": torque_limits,
     "wrench_limits": wrench_limits,
     "velocity_limits": velocity_limits,
+    "motor_limits": motor_limits,
 }
 
 OWN_LIMITS = tuple(LIMITS)
@@ -41,7 +43,6 @@ def squared_limits(cell: Cell, motion: CoordinatedMotion) -> SquaredRows:
 
     Raises:
         InputError: If a limit gives rows that do not fit the cell or the motion.
-        MrtsError: If a limit has no form that is linear in the square of the speed.
     """
     of_motion = _SQUARED.setdefault(motion, WeakKeyDictionary())
     registered, known = tuple(LIMITS.values()), of_motion.get(cell)

@@ -19,8 +19,8 @@ class RowName:
     """What a row limits.
 
     Attributes:
-        kind: "torque", "wrench", "velocity", "balance" (of the object), "c2" (c² >= 0), "speed" (along the path), or
-            what a limit of yours bounds.
+        kind: "torque", "wrench", "velocity", "torque-speed" (a line of a motor's curve), "motor speed" (its end),
+            "balance" (of the object), "c2" (c² >= 0), "speed" (along the path), or what a limit of yours bounds.
         robot: Robot's name; "object" for its velocity; empty for its balance, for c², and where a limit is of no robot.
         element: Joint, wrench component, "linear" or "angular", or empty.
         unit: "N m", "N", "rad/s", "m/s", or empty.
@@ -112,7 +112,7 @@ class LimitRows:
         torque_matrix: M_τ, Shape (r, m).
         wrench_matrix: M_F, Shape (r, n w).
         rate: a, Shape (N, r).
-        speed: b, Shape (N, r); a row with it has no other term.
+        speed: b, Shape (N, r).
         square: e, Shape (N, r).
     """
 
@@ -176,7 +176,13 @@ class LimitRows:
 
     def active(self, row: int, *, upper: bool) -> ActiveRow:
         """A row at one of its limits; a speed that is limited alike in both directions is at its upper one."""
-        alike = self.speed is not None and self.lower[row] == -self.upper[row] and np.any(self.speed[:, row])
+        alike = (
+            self.speed is not None
+            and self.lower[row] == -self.upper[row]
+            and np.any(self.speed[:, row])
+            and not np.any(self.torque_matrix[row])
+            and not np.any(self.wrench_matrix[row])
+        )
         limit = self.upper[row] if upper or alike else self.lower[row]
         return ActiveRow(self.names[row], "upper" if upper or alike else "lower", float(limit))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Limits as the programs take them: linear in ṙ², and which of them do nothing but bound ṙ² from above."""
+"""Limits as the programs take them: what bounds the speed alone in ṙ², and which rows do nothing but that."""
 
 from dataclasses import dataclass, replace
 
@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import MrtsError
 from mrts.limits.rows import ActiveRow, LimitRows, moved
 
 CAPS_TIE = 2e-7
@@ -19,11 +18,11 @@ SQUARE_AT_REST = 1e-24
 
 @dataclass(frozen=True, kw_only=True)
 class SquaredRows:
-    """Rows without first powers of the speed: lower <= M_τ τ + M_F F + a r̈ + e ṙ² <= upper.
+    """Rows lower <= M_τ τ + M_F F + a r̈ + b ṙ + e ṙ² <= upper of which none has ṙ for its only term.
 
     Attributes:
         given: The r rows as they were given.
-        rows: The same rows, linear in ṙ².
+        rows: The same rows; those of ṙ alone in ṙ².
         size: `LimitRows.units`: what the rows are divided by, Shape (r,).
         unit: What 100 % of a limit near it is, in its own unit; of a squared speed half its size, Shape (r,).
         is_cap: Rows that standstill keeps and nothing but the speed moves: all that they do is bound ṙ² from above,
@@ -94,32 +93,26 @@ def binds(share: Array) -> NDArray[np.bool_]:
 
 
 def squared(given: LimitRows) -> SquaredRows:
-    """Bring rows into a form that is linear in ṙ².
+    """Bring rows that nothing but ṙ moves into a form that is linear in ṙ².
 
     A row b ṙ becomes b |b| ṙ² between l |l| and u |u|: as ṙ >= 0, squares with their sign keep the order. Where the
-    speed is limited alike in both directions that is b² ṙ² <= u².
+    speed is limited alike in both directions that is b² ṙ² <= u². A row with other terms beside ṙ keeps it.
 
     Args:
         given: Rows along a motion.
-
-    Raises:
-        MrtsError: If a row has ṙ beside anything else: it has no such form.
     """
     unit = given.units()
-    if given.speed is None and given.square is None:
+    column = given.speed if given.speed is not None else given.square
+    if column is None:
         return SquaredRows(given=given, rows=given, size=unit, unit=unit, is_cap=np.zeros(len(unit), dtype=bool))
     count, alone = len(unit), given.is_of_speed
     by_speed = moved(given.speed, count)
-    mixed = by_speed & ~alone if given.square is None else by_speed & (moved(given.square, count) | ~alone)
-    if np.any(mixed):
-        raise MrtsError(
-            f"{given.names[int(np.argmax(mixed))]}: a limit of ṙ together with torques, wrenches, r̈ or ṙ² is not "
-            "linear in c², which the programs need. Give its terms in ṙ² ('square'), or a limit of the speed alone."
-        )
-    places = np.flatnonzero(alone)
+    mixed = by_speed & (~alone if given.square is None else moved(given.square, count) | ~alone)
+    by_speed &= ~mixed
+    places = np.flatnonzero(alone & ~mixed)
     size, least, most = unit[places], given.lower[places] / unit[places], given.upper[places] / unit[places]
-    part = np.zeros((1, 1)) if given.square is None else given.square[:, places] / size
-    if given.speed is not None:
+    part = np.zeros((len(column), 1)) if given.square is None else given.square[:, places] / size
+    if np.any(by_speed) and given.speed is not None:
         of_speed = by_speed[places]
         share, alike = given.speed[:, places] / size, of_speed & (least == -most)
         part = part + share * (share if np.all(alike) else np.where(alike, share, np.abs(share)))
@@ -128,6 +121,8 @@ def squared(given: LimitRows) -> SquaredRows:
     magnitude = np.abs(part)
     part[magnitude <= SQUARE_AT_REST * np.max(magnitude, axis=0, initial=0.0)] = 0.0
     rows = _with_squares(given, places, size * part, size * least, size * most)
+    if np.any(mixed) and given.speed is not None:
+        rows = replace(rows, speed=given.speed * mixed)
     stays = (least <= 0) & (most >= 0)
     is_cap = np.zeros(count, dtype=bool)
     is_cap[places] = stays & ~np.any((part > 0) & (most <= 0) | (part < 0) & (least >= 0), axis=0)

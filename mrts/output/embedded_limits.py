@@ -24,6 +24,9 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
     Raises:
         InputError: If a limit, velocities aside, depends on the motion: the library has tables for those that do not.
     """
+    for robot in cell.robots:
+        if robot.motors.has_effect:
+            raise InputError(f"robot '{robot.name}'", "motors cannot be exported yet.", key="motors")
     probes = _probe(cell, 1), _probe(cell, 2)
     first, second = (rows_by_limit(cell, probe) for probe in probes)
     pieces = []

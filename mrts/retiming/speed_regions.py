@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.errors import MrtsError
 from mrts.kernel.programs import OPTIMAL
 from mrts.retiming.speed_kernel import speed_kernel
 from mrts.samples.sample_problem import SampleProblem
@@ -63,6 +64,8 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
         length: Of the path: over it u changes x by 2 u times that.
         ends: x at the first and the last sample.
     """
+    if problem.speed is not None:
+        raise MrtsError("viscous friction and torque-speed curves have no fastest timing yet.")
     caps, most = problem.is_cap, problem.cap()
     A, lower, upper = problem.A[:, ~caps], problem.lower[:, ~caps], problem.upper[:, ~caps]
     effect = np.max(np.abs(A), axis=1, initial=0.0)

@@ -17,6 +17,7 @@ from mrts.limits.rows import ActiveRow, RowName
 from mrts.limits.squared_rows import SquaredRows, side_share
 from mrts.samples import FORMULATIONS, FormulationName
 from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.motor_terms import MotorTerms, motor_terms
 
 TORQUE_FORM_CONDITION_LIMIT = 1e6
 """J^-T is formed explicitly by the torque form: at this condition number ten digits are left."""
@@ -27,8 +28,9 @@ class SampleProblem:
     """Torques and wrenches as affine functions of the unknowns x at N samples, and the rows that limit them.
 
     The last unknown is c², or ṙ² where the speed varies, and then the one before it is r̈; those before are free.
-    τ = torque_map x + torque_offset, F = wrench_map x + wrench_offset, and rows lower <= A x <= upper, each divided by
-    its unit, so that a limit has the size 1 whatever its unit and magnitude.
+    τ = torque_map x + torque_speed ṙ + torque_offset is what the motors give, F = wrench_map x + wrench_offset, and
+    rows are lower <= A x + speed ṙ <= upper, each divided by its unit, so that a limit has the size 1 whatever its unit
+    and magnitude.
 
     Attributes:
         torque_map: Shape (N, m, k).
@@ -44,6 +46,8 @@ class SampleProblem:
         upper: Shape (N, r).
         limit_lower: The limits as given, before offsets, Shape (r,).
         limit_upper: Likewise, Shape (r,).
+        torque_speed: What ṙ adds to the torques, Shape (N, m); None where it adds nothing.
+        speed: Shape (N, r); None where no row has a term in ṙ.
     """
 
     torque_map: Array
@@ -59,6 +63,8 @@ class SampleProblem:
     upper: Array
     limit_lower: Array
     limit_upper: Array
+    torque_speed: Array | None = None
+    speed: Array | None = None
 
     @property
     def samples(self) -> int:
@@ -92,6 +98,8 @@ class SampleProblem:
             c2: One for all samples, or one a sample, Shape (N, 1).
         """
         given = self.square * c2
+        if self.speed is not None:
+            given = given + self.speed * np.sqrt(c2)
         return self.lower - given, self.upper - given
 
     @property
@@ -107,7 +115,17 @@ class SampleProblem:
 
     def torque(self, x: Array) -> Array:
         """Torques of unknowns x, Shape (N, k), as Shape (N, m) [N m]."""
-        return apply(self.torque_map, x) + self.torque_offset
+        torque = apply(self.torque_map, x) + self.torque_offset
+        return torque if self.torque_speed is None else torque + self.torque_speed * np.sqrt(x[:, -1:])
+
+    def torque_without_free(self, c2: float | Array) -> Array:
+        """Torques at a value of the last unknown with all others at zero, Shape (N, m) [N m].
+
+        Args:
+            c2: One for all samples, or one a sample, Shape (N, 1).
+        """
+        torque: Array = self.torque_map[:, :, -1] * c2 + self.torque_offset
+        return torque if self.torque_speed is None else torque + self.torque_speed * np.sqrt(c2)
 
     def wrench(self, x: Array) -> Array:
         """Wrenches of unknowns x, Shape (N, k), as Shape (N, n w) [N, N m], base axes."""
@@ -123,16 +141,18 @@ class SampleProblem:
         return replace(
             self,
             torque_map=self.torque_map[samples],
+            torque_speed=None if self.torque_speed is None else self.torque_speed[samples],
             torque_offset=self.torque_offset[samples],
             wrench_map=self.wrench_map[samples],
             wrench_offset=self.wrench_offset[samples],
             A=self.A[samples],
+            speed=None if self.speed is None else self.speed[samples],
             lower=self.lower[samples],
             upper=self.upper[samples],
         )
 
     def with_rows(self, names: Sequence[RowName], **columns: Any) -> "SampleProblem":
-        """The same problem with more rows.
+        """The same problem with more rows, which have no term in ṙ.
 
         Args:
             names: One a row.
@@ -143,6 +163,8 @@ class SampleProblem:
             name: np.concatenate([getattr(self, name), part], axis=1 if np.ndim(part) > 1 else 0)
             for name, part in columns.items()
         }
+        if self.speed is not None:
+            more["speed"] = np.concatenate([self.speed, np.zeros((self.samples, len(names)))], axis=1)
         return replace(self, names=(*self.names, *names), **more)
 
     def without_caps(self) -> "SampleProblem":
@@ -155,6 +177,7 @@ class SampleProblem:
                 name: getattr(self, name)[kept] for name in ("unit", "is_limit", "is_cap", "limit_lower", "limit_upper")
             },
             **{name: getattr(self, name)[:, kept] for name in ("A", "lower", "upper")},
+            speed=None if self.speed is None else self.speed[:, kept],
         )
 
 
@@ -184,7 +207,6 @@ def build_sample_problem(
     Raises:
         InputError: If the formulation does not exist, or the sharing does not fit the cell.
         MotionError: If the torque form meets a Jacobian that is not square or not well-conditioned.
-        MrtsError: If a limit has no form that is linear in the square of the speed.
     """
     inputs = motion.inputs(cell.load if load is None else load)
     if formulation not in FORMULATIONS:
@@ -193,14 +215,21 @@ def build_sample_problem(
         inputs |= sharing.inputs(cell, motion)
     elif formulation == "torque":
         _check_invertible(cell, motion)
-    limits = squared_limits(cell, motion)
+    limits, motors = squared_limits(cell, motion), motor_terms(cell, motion)
     count = motion.samples
     if samples is not None:
         one_for_all = {name for name, value in inputs.items() if value.ndim == 1}
         inputs = {name: value if name in one_for_all else value[samples] for name, value in inputs.items()}
         count = len(samples)
     maps = _maps(cell, "fixed_distribution" if sharing else f"{formulation}_form", count, inputs, varying=varying)
-    problem = _problem(limits, maps, slice(None) if samples is None else samples, varying=varying)
+    places = slice(None) if samples is None else samples
+    if motors is not None:
+        motors = motors.at(places)
+        maps["torque_offset"] = maps["torque_offset"] + motors.dry
+        maps["torque_map"][:, :, -1] += motors.square
+        if varying:
+            maps["torque_map"][:, :, -2] += motors.rate
+    problem = _problem(limits, maps, motors, places, varying=varying)
     if "equality_map" not in maps:
         return problem
     nothing = np.zeros(len(cell.wrench_components))
@@ -242,9 +271,14 @@ def _maps(cell: Cell, name: str, count: int, inputs: dict[str, Array], *, varyin
 
 
 def _problem(
-    form: SquaredRows, maps: dict[str, Array], samples: NDArray[np.int_] | slice, *, varying: bool
+    form: SquaredRows,
+    maps: dict[str, Array],
+    motors: MotorTerms | None,
+    samples: NDArray[np.int_] | slice,
+    *,
+    varying: bool,
 ) -> SampleProblem:
-    """The limits over the unknowns, each row in its unit."""
+    """The limits over the unknowns, each row in its unit; the maps have what motors add to c² and r̈ already."""
     rows = form.rows.at(samples)
     moves = np.any(rows.torque_matrix, axis=1) | np.any(rows.wrench_matrix, axis=1)
     count, _, unknowns = maps["torque_map"].shape
@@ -257,8 +291,14 @@ def _problem(
         A[:, :, -1] += rows.square
     if rows.rate is not None and varying:
         A[:, :, -2] += rows.rate
+    torque_speed = None if motors is None else motors.speed
+    speed = rows.speed
+    if torque_speed is not None:
+        speed = torque_speed @ rows.torque_matrix.T + (0.0 if speed is None else speed)
+    margin = motors.turning @ np.abs(rows.torque_matrix).T if motors is not None and motors.turning is not None else 0.0
     return SampleProblem(
         torque_map=maps["torque_map"],
+        torque_speed=torque_speed,
         torque_offset=maps["torque_offset"],
         wrench_map=maps["wrench_map"],
         wrench_offset=maps["wrench_offset"],
@@ -267,8 +307,9 @@ def _problem(
         is_limit=np.ones(len(size), dtype=bool),
         is_cap=form.is_cap,
         A=A / size[:, None],
-        lower=(rows.lower - offset) / size,
-        upper=(rows.upper - offset) / size,
+        speed=None if speed is None else speed / size,
+        lower=(rows.lower + margin - offset) / size,
+        upper=(rows.upper - margin - offset) / size,
         limit_lower=form.given.lower,
         limit_upper=form.given.upper,
     )

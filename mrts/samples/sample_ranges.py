@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.errors import MrtsError
 from mrts.base.load_box import LoadPoint
 from mrts.limits.rows import ActiveRow
 from mrts.samples.closed_form import ends_in_closed_form
@@ -71,6 +72,8 @@ def sample_ranges(problem: SampleProblem, time: Array, solver: str) -> SampleRan
         InputError: If there is no such solver.
         SolverError: If no solver answers.
     """
+    if problem.speed is not None:
+        raise MrtsError("viscous friction and torque-speed curves have no range yet.")
     problem = without_speed_at_rest(problem)
 
     def find(part: SampleProblem) -> RangeEnds:

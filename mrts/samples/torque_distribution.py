@@ -64,8 +64,7 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     speed = np.broadcast_to(np.reshape(c2, (-1, 1)), (count, 1))
     if unknowns == 1:
         return speed, 0
-    free, by_c2 = problem.torque_map[:, :, :-1], problem.torque_map[:, :, -1]
-    at_rest = by_c2 * speed + problem.torque_offset  # torques with all free unknowns at zero
+    free, at_rest = problem.torque_map[:, :, :-1], problem.torque_without_free(speed)
     H = np.einsum("nij,ik,nkl->njl", free, weights, free)
     g = np.einsum("nij,ik,nk->nj", free, weights, at_rest)
     lower, upper = problem.limits_at(speed)

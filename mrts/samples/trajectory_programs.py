@@ -11,6 +11,7 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.programs import OPTIMAL
+from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits import squared_limits
 from mrts.limits.rows import ActiveRow
 from mrts.limits.squared_rows import SpeedCaps, SquaredRows
@@ -18,6 +19,7 @@ from mrts.samples import FormulationName
 from mrts.samples.end_rows import with_end_rows
 from mrts.samples.infeasibility import Conflict, find_conflicts
 from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.motor_terms import MotorTerms, motor_terms
 from mrts.samples.range_ends import KernelRows
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses, without_speed_at_rest
@@ -54,7 +56,7 @@ def motion_ranges(
         SolverError: If no solver answers.
     """
     fast = _compiled(cell, motion, formulation, sharing, solver)
-    if fast is not None:
+    if fast is not None and not fast.has_speed_terms:
         found = _compiled_ranges(cell, motion, fast, solver, load)
     else:
         problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, load=load)
@@ -71,7 +73,7 @@ def _compiled_ranges(
 ) -> SampleRanges:
     """The ranges by the kernel; what it does not settle is left to the solvers."""
     inputs, most = motion.inputs(cell.load if load is None else load), fast.caps.largest()
-    found = fast.compiled.ranges(motion.samples, inputs, fast.sparse(), most)
+    found = fast.compiled.ranges(motion.samples, inputs, fast.sparse(), fast.terms(), most)
     at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
     lower, upper = found.lower, np.where(at_rest, most, found.upper)
     suspects = np.flatnonzero(np.any(found.status != OPTIMAL, axis=0) | (at_rest & (lower > 0)))
@@ -130,7 +132,13 @@ def motion_torques(
         x, fallbacks = distribute_torques(problem, c2, weights, solver)
         return problem.torque(x), problem.wrench(x), fallbacks
     torque, wrench, status = fast.compiled.torques(
-        motion.samples, motion.inputs(cell.load), fast.sparse(), np.full(motion.samples, c2), weights, TORQUE_WIDENING
+        motion.samples,
+        motion.inputs(cell.load),
+        fast.sparse(),
+        fast.terms(float(np.sqrt(c2))),
+        np.full(motion.samples, c2),
+        weights,
+        TORQUE_WIDENING,
     )
     missing, fallbacks = np.flatnonzero(status != OPTIMAL), 0
     for start in range(0, len(missing), BLOCK):
@@ -144,19 +152,40 @@ def motion_torques(
 
 @dataclass(frozen=True)
 class _Compiled:
-    """The cell's library, all rows, those that it takes, and those that only bound c²."""
+    """The cell's library, all rows, those that it takes, those that only bound c², and what motors add."""
 
     compiled: CellLibrary
     form: SquaredRows
     kept: NDArray[np.int_]
     caps: SpeedCaps
+    motors: MotorTerms | None
+
+    @property
+    def has_speed_terms(self) -> bool:
+        """Whether a row has a term in ṙ beside others."""
+        return self.form.rows.speed is not None or (self.motors is not None and self.motors.speed is not None)
 
     def sparse(self) -> SparseLimits:
         """The rows that it takes, as C reads them."""
         rows = self.form.rows.only(~self.form.is_cap)
         matrix = np.hstack([rows.torque_matrix, rows.wrench_matrix])
         units = [name.unit for name in rows.names]
-        return SparseLimits(matrix=matrix, lower=rows.lower, upper=rows.upper, group=units, square=rows.square)
+        return SparseLimits(matrix=matrix, lower=rows.lower, upper=rows.upper, group=units)
+
+    def terms(self, speed: float = 0.0) -> SampleTerms:
+        """What is added at every sample, those in ṙ at a speed."""
+        rows, motors = self.form.rows.only(~self.form.is_cap), self.motors
+        offset = None if rows.speed is None else rows.speed * speed
+        if motors is None:
+            return SampleTerms(square=rows.square, offset=offset)
+        turning = None if motors.turning is None else motors.turning @ np.abs(rows.torque_matrix).T
+        return SampleTerms(
+            torque_square=motors.square,
+            torque_offset=motors.friction(speed),
+            square=rows.square,
+            offset=offset,
+            margin=turning,
+        )
 
 
 def _compiled(
@@ -171,7 +200,7 @@ def _compiled(
     form = squared_limits(cell, motion)
     kept = np.flatnonzero(~form.is_cap)
     return (
-        _Compiled(compiled, form, kept, form.caps(motion.samples))
+        _Compiled(compiled, form, kept, form.caps(motion.samples), motor_terms(cell, motion))
         if len(kept) + compiled.unknowns <= MOST_ROWS
         else None
     )

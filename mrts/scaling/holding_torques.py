@@ -81,6 +81,7 @@ def holding_at_ends(
     internal = None if sharing is None else sharing.internal_wrench
     if sharing is not None and internal is not None and np.ndim(internal) > 1:
         sharing = replace(sharing, internal_wrench=np.asarray(internal)[chosen])
-    torque, wrench, _ = motion_torques(cell, motion.at(chosen), formulation, sharing, solver, 0.0, weights)
+    still = replace(motion.at(chosen), dq=np.zeros((2, motion.q.shape[1])), ddq=np.zeros((2, motion.q.shape[1])))
+    torque, wrench, _ = motion_torques(cell, still, formulation, sharing, solver, 0.0, weights)
     kept = np.array(ends)[:, None]
     return replace(none, torque=np.where(kept, torque, 0.0), wrench=np.where(kept, wrench, 0.0)), remarks

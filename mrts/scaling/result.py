@@ -22,6 +22,7 @@ from mrts.limits import squared_limits
 from mrts.refinement.excess import Excess
 from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.motor_terms import motor_terms
 from mrts.samples.range_status import RangeStatus
 from mrts.scaling.limit_use import limit_uses
 from mrts.scaling.load_study import LoadStudy
@@ -172,7 +173,7 @@ class ScalingResult:
         if done is None:
             raise ValueError("there is no trajectory to check")
         cell = self.cell
-        inputs = self.motion.inputs(cell.load)
+        inputs, motors = self.motion.inputs(cell.load), motor_terms(cell, self.motion)
         arms = carried = 0.0
         for start in range(0, self.motion.samples, BLOCK):
             part = slice(start, start + BLOCK)
@@ -180,6 +181,8 @@ class ScalingResult:
             block = {name: value[part] if name != "load" else value for name, value in inputs.items()}
             terms = cell.functions("terms", len(torque), block)
             rest = torque - terms["E"] * done.c2 - terms["G"]
+            if motors is not None:
+                rest -= motors.at(part).torque(done.c)
             for name, joints in cell.joint_slices.items():
                 J, F = terms["J"][:, :, joints], wrench[:, cell.wrench_slices[name]]
                 rest[:, joints] -= np.einsum("nwj,nw->nj", J, F)

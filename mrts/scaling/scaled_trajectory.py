@@ -10,6 +10,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.samples.motor_terms import motor_terms
 from mrts.scaling.holding_torques import Holding
 
 
@@ -21,7 +22,7 @@ class ScaledTrajectory:
         cell: The cell, with the load that is carried.
         motion: The given motion.
         c2: c² > 0.
-        torque: τ, Shape (N, m) [N m or N].
+        torque: τ that the motors give, on the joint side of their gears, Shape (N, m) [N m or N].
         wrench: F, robot after robot in base axes, Shape (N, n w) [N, N m].
         holding: What holds the object still before and after; None if it was not asked for.
     """
@@ -65,6 +66,12 @@ class ScaledTrajectory:
     def duration(self) -> float:
         """New traversal time t_1 = t_f / c [s]."""
         return float(self.motion.object.time[-1] / self.c)
+
+    @property
+    def friction(self) -> Array:
+        """The part of `torque` that overcomes friction, Shape (N, m) [N m or N]; controllers add it or not."""
+        motors = motor_terms(self.cell, self.motion)
+        return np.zeros_like(self.torque) if motors is None else motors.friction(self.c)
 
     @property
     def power(self) -> Array:

@@ -10,6 +10,7 @@ from conftest import ROOT
 
 import mrts
 from mrts.kernel.cell_library import SparseLimits
+from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits.rows import LimitRows
 
 JOINTS, WRENCHES, K = 4, 3, 5
@@ -61,7 +62,7 @@ def built(loaded, limits, form, square):
     work, which, rows = np.zeros(r * K + 3 * r + 2 * K), np.zeros(r, dtype=np.int32), Rows()
     loaded.mrts_rows_over(K, ctypes.byref(sparse.structure), address(work), address(which), ctypes.byref(rows))
     maps = Form(*(address(part) for part in form))
-    given = None if square is None else address(square)
+    given = ctypes.byref(SampleTerms(square=square).structure())
     finite = loaded.mrts_build_rows(
         K, JOINTS, WRENCHES, ctypes.byref(maps), ctypes.byref(sparse.structure), given, ctypes.byref(rows)
     )

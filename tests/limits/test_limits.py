@@ -205,26 +205,6 @@ def test_an_impossible_one_is_named(planar_cell, lift, monkeypatch):
     assert "left/mine sum of torques" in result.summary() or result.range.samples.conflicts
 
 
-def test_the_speed_beside_other_terms_is_refused(planar_cell, lift, monkeypatch):
-    motion = mrts.follow_object(planar_cell, lift)
-
-    def friction(cell, motion):
-        rows = LIMITS["torque_limits"](cell, motion)
-        return LimitRows(
-            names=tuple(mrts.RowName("motor", name.robot, name.element, "N m") for name in rows.names),
-            lower=rows.lower,
-            upper=rows.upper,
-            torque_matrix=rows.torque_matrix,
-            wrench_matrix=rows.wrench_matrix,
-            speed=0.1 * motion.dq,
-        )
-
-    monkeypatch.setitem(LIMITS, "friction", friction)
-    for solve in (mrts.scale, mrts.retime):
-        with pytest.raises(mrts.MrtsError, match="left/shoulder motor: a limit of ṙ together with"):
-            solve(planar_cell, motion)
-
-
 def test_limits_of_the_speed_alone_are_squared_exactly():
     """By membership: b ṙ is between its limits where the squared row is."""
     rng = np.random.default_rng(5)

@@ -29,6 +29,16 @@ typedef struct {
     mrts_real *wrench_offset;
 } mrts_form;
 
+/* What is added at one sample to what the generated function and the limits say; null is nothing. Of the torques what
+ * motors give besides, of the rows terms of their own. */
+typedef struct {
+    const mrts_real *torque_square; /* what c^2 adds to each torque, (joints) */
+    const mrts_real *torque_offset; /* what is added to each torque, (joints) */
+    const mrts_real *square;        /* what c^2 adds to each row of the limits, in its unit, (rows) */
+    const mrts_real *offset;        /* what is added to each row, likewise */
+    const mrts_real *margin;        /* by how much both limits of each row move inward, likewise */
+} mrts_terms;
+
 /* Reals of memory of a form, and a form laid out in it. */
 #define MRTS_FORM_WORK(k, joints, wrenches) (((k) + 1) * ((joints) + (wrenches)))
 
@@ -61,10 +71,12 @@ typedef struct {
  * most the upper one. */
 MRTS_LOCAL int mrts_rows_over(int k, const mrts_limits *limits, mrts_real *work, int *iwork, mrts_rows *rows);
 
-/* Fills the rows of one sample. square[row] is what c^2 adds to a row of the limits besides what it adds to torques and
- * wrenches, in the unit of the row; null is nothing. Returns 0 where a coefficient is not finite. */
+/* Adds what motors give besides to the torques of a form. */
+MRTS_LOCAL void mrts_add_motors(int k, int joints, const mrts_terms *terms, mrts_form *form);
+
+/* Fills the rows of one sample; of the terms it takes those of the rows. Returns 0 where a coefficient is not finite. */
 MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form *form, const mrts_limits *limits,
-                               const mrts_real *square, mrts_rows *rows);
+                               const mrts_terms *terms, mrts_rows *rows);
 
 /* Puts a value of c^2 in: what it adds moves to the limits, and k - 1 unknowns are left. Limits whose sides differ are
  * moved outward by `widening` of their unit. */

@@ -13,18 +13,31 @@
 /* Inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load. */
 enum { MRTS_INPUTS = 7 };
 
+/* The terms of a sample, of those of all samples one after the other. */
+static mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long sample, int rows) {
+    const long long torques = sample * MRTS_JOINTS, limits = sample * rows;
+    mrts_terms here;
+    here.torque_square = all->torque_square ? all->torque_square + torques : 0;
+    here.torque_offset = all->torque_offset ? all->torque_offset + torques : 0;
+    here.square = all->square ? all->square + limits : 0;
+    here.offset = all->offset ? all->offset + limits : 0;
+    here.margin = all->margin ? all->margin + limits : 0;
+    return here;
+}
+
 /* Evaluates the wrench form of a sample and builds its rows: 1 if they are finite, 0 if not, -1 if the form failed. */
-static int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample,
-                               const mrts_form *form, const mrts_limits *limits, const double *square,
-                               mrts_rows *rows, const double **arg, double **res, long long *iw, double *w) {
+static int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
+                               const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows, const double **arg,
+                               double **res, long long *iw, double *w) {
+    const mrts_terms terms = mrts_terms_of_sample(all, sample, limits->rows);
     for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + sample * stride[i];
     res[0] = form->torque_map;
     res[1] = form->torque_offset;
     res[2] = form->wrench_map;
     res[3] = form->wrench_offset;
     if (MRTS_WRENCH_FORM(arg, res, iw, w, 0)) return -1;
-    return mrts_build_rows(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, form, limits,
-                           square ? square + sample * limits->rows : 0, rows);
+    mrts_add_motors(MRTS_UNKNOWNS, MRTS_JOINTS, &terms, form);
+    return mrts_build_rows(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, form, limits, &terms, rows);
 }
 
 /* A row of a basis, 1 + row or -1 - row, as a row of the limits; the unknowns come after those. */
@@ -47,10 +60,10 @@ MRTS_EXPORT void mrts_torques_work(int rows, long long *reals, long long *ints) 
 
 /* Least and largest c^2 <= most of samples 0 .. count - 1. For each sample the status of both programs, the largest effect
  * of c^2 = 1 on a row, the rows that determine each end and their multipliers (see mrts_lp); the bounds of c^2 are row
- * rows + MRTS_UNKNOWNS - 1. `square` is what c^2 adds to each row itself, Shape (count, rows), or null. Returns 1 if the
- * wrench form failed or a lower limit is above its upper one. */
+ * rows + MRTS_UNKNOWNS - 1. `terms` are those of all samples one after the other. Returns 1 if the wrench form failed
+ * or a lower limit is above its upper one. */
 MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long long *stride,
-                            const mrts_limits *limits, const double *square, const double *most, double *low,
+                            const mrts_limits *limits, const mrts_terms *terms, const double *most, double *low,
                             double *high, unsigned char *low_status, unsigned char *high_status, double *effect,
                             short *low_basis, short *high_basis, float *low_dual, float *high_dual, const double **arg,
                             double **res, long long *iw, double *w, double *work, int *iwork) {
@@ -60,14 +73,14 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     double g[K], x[K], y[K], column[K];
     int low_rows[K], high_rows[K], entering;
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
-    const mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
+    mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
     low_rows[0] = high_rows[0] = 0;
     for (int j = 0; j < K; ++j) g[j] = 0;
     for (long long n = 0; n < count; ++n) {
         if (n % MRTS_CHUNK == 0) low_rows[0] = high_rows[0] = 0; /* so that chunks do not depend on each other */
-        const int built = mrts_rows_of_sample(in, stride, n, &form, limits, square, &rows, arg, res, iw, w);
+        const int built = mrts_rows_of_sample(in, stride, n, &form, limits, terms, &rows, arg, res, iw, w);
         if (built < 0) return 1;
         if (!built) {
             low_status[n] = high_status[n] = MRTS_STOPPED;
@@ -111,9 +124,9 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
 }
 
 /* Torques and wrenches that minimise t'Wt at c2 (one value, or one a sample with c2_stride 1). Limits move outward by
- * `widening` of their unit where they are not equal; `square` as in mrts_ranges. */
+ * `widening` of their unit where they are not equal; `terms` as in mrts_ranges. */
 MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const long long *stride,
-                             const mrts_limits *limits, const double *square, const double *c2, int c2_stride,
+                             const mrts_limits *limits, const mrts_terms *terms, const double *c2, int c2_stride,
                              const double *weights, double widening, double *torque, double *wrench,
                              unsigned char *status, const double **arg, double **res, long long *iw, double *w,
                              double *work, int *iwork) {
@@ -123,7 +136,7 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     double H[F * F + 1], g[F + 1], x[K], u[F + 1], column[K], weighted[M], at_rest[M];
     int active[F + 1], active_count, is_diagonal = 1;
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
-    const mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
+    mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
     for (int i = 0; i < M; ++i) {
@@ -132,7 +145,7 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     for (long long n = 0; n < count; ++n) {
         const double speed = c2[n * c2_stride];
         double largest = 0;
-        const int built = mrts_rows_of_sample(in, stride, n, &form, limits, square, &rows, arg, res, iw, w);
+        const int built = mrts_rows_of_sample(in, stride, n, &form, limits, terms, &rows, arg, res, iw, w);
         if (built < 0) return 1;
         if (!built) {
             status[n] = MRTS_STOPPED;

@@ -45,8 +45,15 @@ static int mrts_all_finite(int count, const mrts_real *values) {
     return 1;
 }
 
+MRTS_LOCAL void mrts_add_motors(int k, int joints, const mrts_terms *terms, mrts_form *form) {
+    for (int i = 0; i < joints; ++i) {
+        if (terms->torque_square) form->torque_map[(k - 1) * joints + i] += terms->torque_square[i];
+        if (terms->torque_offset) form->torque_offset[i] += terms->torque_offset[i];
+    }
+}
+
 MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form *form, const mrts_limits *limits,
-                               const mrts_real *square, mrts_rows *rows) {
+                               const mrts_terms *terms, mrts_rows *rows) {
     for (int i = 0; i < rows->count; ++i) {
         const int row = rows->which[i];
         const mrts_real low = limits->lower[row], high = limits->upper[row], per_unit = 1 / rows->unit[i];
@@ -65,9 +72,11 @@ MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form 
             }
             offset += value * (is_torque ? form->torque_offset[place] : form->wrench_offset[place]);
         }
-        if (square) a[k - 1] += square[row] * per_unit;
-        rows->lower[i] = low <= -MRTS_INFINITY ? -MRTS_INFINITY : low * per_unit - offset;
-        rows->upper[i] = high >= MRTS_INFINITY ? MRTS_INFINITY : high * per_unit - offset;
+        if (terms->square) a[k - 1] += terms->square[row] * per_unit;
+        if (terms->offset) offset += terms->offset[row] * per_unit;
+        const mrts_real margin = terms->margin ? terms->margin[row] * per_unit : 0;
+        rows->lower[i] = low <= -MRTS_INFINITY ? -MRTS_INFINITY : low * per_unit - offset + margin;
+        rows->upper[i] = high >= MRTS_INFINITY ? MRTS_INFINITY : high * per_unit - offset - margin;
     }
     return mrts_all_finite(rows->count * k, rows->A);
 }

@@ -27,8 +27,9 @@ static mrts_limits limits_of(const planar_dual_arm_settings *settings) {
  * not finite. */
 static int build_rows(const mrts_limits *limits, int unknowns, const mrts_form *form, planar_dual_arm_workspace *workspace,
                       mrts_rows *rows) {
+    static const mrts_terms nothing = {0, 0, 0, 0, 0};
     return mrts_rows_over(unknowns, limits, workspace->rows, workspace->which, rows) &&
-           mrts_build_rows(unknowns, JOINTS, WRENCHES, form, limits, 0, rows);
+           mrts_build_rows(unknowns, JOINTS, WRENCHES, form, limits, &nothing, rows);
 }
 
 /* Largest c^2 that the velocities allow, MRTS_INFINITY if none bounds it, -1 if a limit is not > 0; `named` is the one

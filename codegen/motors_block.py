@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: MIT
+"""The `motors` of a robot in the cell file."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.input_file import Finite, StrictModel
+from mrts.base.remark import Remark
+from mrts.motors.joint_motors import NONE_GIVEN, JointMotors
+
+if TYPE_CHECKING:
+    from mrts_codegen.cell_file import RobotDescription
+    from mrts_codegen.urdf.robot_model import RobotModel
+
+PerJoint = Finite | Annotated[list[Finite], Field(min_length=1)]
+"""One number for all joints, or one each."""
+
+Corner = Annotated[list[Finite], Field(min_length=2, max_length=2)]
+Curve = Annotated[list[Corner], Field(min_length=2)]
+
+
+class FrictionDescription(StrictModel):
+    """Friction on the joint side; what is absent is none.
+
+    Attributes:
+        coulomb: [N m, N for prismatic joints].
+        viscous: [N m s/rad, N s/m].
+    """
+
+    coulomb: PerJoint = 0.0
+    viscous: PerJoint = 0.0
+
+
+class MotorsDescription(StrictModel):
+    """Motors of one arm, on the joint side of their gears; see docs/cell_file.md.
+
+    Attributes:
+        armature: Rotor inertia times gear ratio squared [kg m², kg].
+        friction: None takes the <dynamics> of the URDF, 'none' ignores them.
+        torque_speed: Corners |q̇|, |τ|: one curve for all joints, or one a joint, null where there is none.
+        torque_rate: [N m/s, N/s].
+        jerk: [rad/s³, m/s³].
+        rated: Torque that the motor bears for ever [N m, N].
+    """
+
+    armature: PerJoint = 0.0
+    friction: FrictionDescription | Literal["none"] | None = None
+    torque_speed: Curve | list[Curve | None] | None = None
+    torque_rate: PerJoint | None = None
+    jerk: PerJoint | None = None
+    rated: PerJoint | None = None
+
+
+def build_motors(
+    path: Path, key: str, robot: "RobotDescription", model: "RobotModel", limits: tuple[Array, Array]
+) -> tuple[JointMotors, tuple[Remark, ...]]:
+    """The motors of a robot, and what to say of where their friction is from.
+
+    Args:
+        path: The cell file, for messages.
+        key: Of the block in it.
+        robot: What the file says of the robot.
+        model: Its chain.
+        limits: Its least and largest torques, each Shape (n,) [N m].
+
+    Raises:
+        InputError: If a list has another length than the robot has joints, or a value breaks a rule of motors.
+    """
+    given, joints = robot.motors, [joint.name for joint in model.joints]
+
+    def one_a_joint(name: str, values: float | list[float] | None, unknown: float = 0.0) -> Array:
+        if isinstance(values, list) and len(values) != len(joints):
+            rule = f"must be one number for all joints, or {len(joints)}: one for each of {', '.join(joints)}."
+            raise InputError(path, rule, key=f"{key}.{name}", value=values)
+        return np.broadcast_to(np.array(unknown if values is None else values, dtype=float), (len(joints),)).copy()
+
+    remarks: tuple[Remark, ...] = ()
+    if given.friction is None:
+        friction = {name: [getattr(joint, name) for joint in model.joints] for name in ("coulomb", "viscous")}
+        if any(map(any, friction.values())):
+            remarks = (_of_urdf(robot.name, friction),)
+    else:
+        chosen = FrictionDescription() if given.friction == "none" else given.friction
+        friction = {name: getattr(chosen, name) for name in ("coulomb", "viscous")}
+    try:
+        motors = JointMotors(
+            armature=one_a_joint("armature", given.armature),
+            coulomb=one_a_joint("friction.coulomb", friction["coulomb"]),
+            viscous=one_a_joint("friction.viscous", friction["viscous"]),
+            torque_speed=_curves(path, f"{key}.torque_speed", given.torque_speed, joints),
+            **{
+                name: one_a_joint(name, getattr(given, name), NONE_GIVEN[name])
+                for name in ("torque_rate", "jerk", "rated")
+            },
+        )
+    except InputError as error:
+        if error.where == str(path):
+            raise
+        raise InputError(path, error.rule, key=f"{key}.{error.key}", value=error.value) from None
+    contradiction = motors.problem_with(*limits, joints)
+    if contradiction is not None:
+        raise InputError(path, contradiction[1], key=f"{key}.{contradiction[0]}")
+    return motors, remarks
+
+
+def _of_urdf(robot: str, friction: dict[str, list[float]]) -> Remark:
+    shown = "; ".join(
+        f"{name} {', '.join(f'{value:g}' for value in values)}" for name, values in friction.items() if any(values)
+    )
+    return Remark(
+        "urdf-friction",
+        f"robot '{robot}': friction is that of the URDF's <dynamics> ({shown}), which is often a placeholder. Give "
+        "'motors: {friction: …}' in the cell file, or 'motors: {friction: none}' to ignore it.",
+    )
+
+
+def _curves(
+    path: Path, key: str, given: list[list[float]] | list[list[list[float]] | None] | None, joints: list[str]
+) -> tuple[Array | None, ...]:
+    """One curve a joint."""
+    if given is None:
+        return (None,) * len(joints)
+    one = given[0] is not None and not isinstance(given[0][0], list)
+    curves = [given] * len(joints) if one else given
+    if len(curves) != len(joints):
+        rule = (
+            f"must be one curve for all joints, or {len(joints)}: one for each of {', '.join(joints)}, null for none."
+        )
+        raise InputError(path, rule, key=key, value=given)
+    return tuple(None if curve is None else np.array(curve, dtype=float) for curve in curves)

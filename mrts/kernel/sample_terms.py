@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: MIT
+"""What is added at every sample to a generated function and its limits, as C reads it."""
+
+import ctypes
+from dataclasses import dataclass
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.kernel.foreign_arrays import pointer
+
+FIELDS = ("torque_square", "torque_offset", "square", "offset", "margin")
+
+
+class TermsStructure(ctypes.Structure):
+    """`mrts_terms` of rows.h."""
+
+    _fields_ = [(name, ctypes.c_void_p) for name in FIELDS]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SampleTerms:
+    """Terms of N samples, m joints and r rows of limits; None is nothing.
+
+    Attributes:
+        torque_square: What c² adds to each torque, Shape (N, m) [N m].
+        torque_offset: What is added to each torque, likewise.
+        square: What c² adds to each row, in the unit of the row, Shape (N, r).
+        offset: What is added to each row, likewise.
+        margin: By how much both limits of each row move inward, likewise.
+    """
+
+    torque_square: Array | None = None
+    torque_offset: Array | None = None
+    square: Array | None = None
+    offset: Array | None = None
+    margin: Array | None = None
+
+    def __post_init__(self) -> None:
+        for name in FIELDS:
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, np.ascontiguousarray(getattr(self, name), dtype=np.float64))
+
+    def structure(self, sample: int = 0) -> TermsStructure:
+        """What C takes; valid while these terms live.
+
+        Args:
+            sample: The first.
+        """
+        given = (getattr(self, name) for name in FIELDS)
+        return TermsStructure(*(None if terms is None else pointer(terms[sample:]) for terms in given))

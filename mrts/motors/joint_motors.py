@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: MIT
+"""The motors of one arm, seen from the joint side of their gears."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Self
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError, as_array
+from mrts.base.input_file import LARGEST_NUMBER
+
+ROUNDED_SLOPE = 1e-9
+"""Share by which a torque-speed curve may miss falling and concave: corners printed with few digits lie on one line."""
+
+PER_JOINT = ("armature", "coulomb", "viscous", "torque_rate", "jerk", "rated")
+"""Attributes with one number a joint."""
+
+NONE_GIVEN = {"armature": 0.0, "coulomb": 0.0, "viscous": 0.0, "torque_rate": np.inf, "jerk": np.inf, "rated": np.inf}
+"""What they are where nothing is known: no effect, no limit."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointMotors:
+    """The motors of n joints, on the joint side of their gears; of a prismatic joint read kg, N, N s/m, m/s.
+
+    Attributes:
+        armature: Rotor inertia times gear ratio squared, Shape (n,) [kg m²].
+        coulomb: Dry friction, Shape (n,) [N m].
+        viscous: Friction that grows with the speed, Shape (n,) [N m s/rad].
+        torque_speed: One a joint: corners |q̇|, |τ| of the largest torque while the motor drives, falling and concave
+            from standstill to its largest speed, Shape (c, 2) [rad/s, N m]; None where there is none.
+        torque_rate: Largest change of the torque, infinity where it is not known, Shape (n,) [N m/s].
+        jerk: Likewise of the acceleration, Shape (n,) [rad/s³].
+        rated: Torque that the motor bears for ever, likewise, Shape (n,) [N m].
+
+    Raises:
+        InputError: If a number is negative or a curve rises, bends upward or does not start at standstill.
+    """
+
+    armature: Array
+    coulomb: Array
+    viscous: Array
+    torque_speed: tuple[Array | None, ...]
+    torque_rate: Array
+    jerk: Array
+    rated: Array
+
+    def __post_init__(self) -> None:
+        n = len(self.torque_speed)
+        for name in PER_JOINT:
+            value = as_array(f"motors: {name}", getattr(self, name))
+            unlimited = NONE_GIVEN[name] == np.inf
+            if value.shape != (n,):
+                raise InputError("motors", f"must have one value for each of {n} joints.", key=name)
+            wrong = ~((value > 0) if unlimited else (value >= 0) & (value <= LARGEST_NUMBER))
+            if np.any(wrong):
+                rule = "must be > 0." if unlimited else f"must be >= 0 and at most {LARGEST_NUMBER:.0e}."
+                raise InputError("motors", rule, key=f"{name}[{int(np.argmax(wrong))}]", value=value[wrong][0])
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+        curves = tuple(None if curve is None else _checked_curve(j, curve) for j, curve in enumerate(self.torque_speed))
+        object.__setattr__(self, "torque_speed", curves)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuilt, ({entry.name: getattr(self, entry.name) for entry in fields(self)},)
+
+    @classmethod
+    def unknown(cls, joints: int) -> Self:
+        """Ideal motors: no inertia, no friction, no limits but those of the torque."""
+        return cls(torque_speed=(None,) * joints, **{name: np.full(joints, NONE_GIVEN[name]) for name in PER_JOINT})
+
+    @property
+    def has_effect(self) -> bool:
+        """Whether torques differ from those of ideal motors."""
+        return bool(np.any(self.armature) or np.any(self.coulomb) or np.any(self.viscous))
+
+    def problem_with(self, lower: Array, upper: Array, joints: Sequence[str]) -> tuple[str, str] | None:
+        """What contradicts the torque limits: the key and the rule; None if nothing does.
+
+        Args:
+            lower: Least torques, Shape (n,) [N m].
+            upper: Largest torques, likewise.
+            joints: Their names.
+        """
+        for j, joint in enumerate(joints):
+            least, most = float(min(-lower[j], upper[j])), float(max(-lower[j], upper[j]))
+            if self.coulomb[j] > 0 and not self.coulomb[j] < least:
+                rule = f"Coulomb friction of joint '{joint}' is {self.coulomb[j]:g}, which no torque within its limits "
+                return f"friction.coulomb[{j}]", f"{rule}({lower[j]:g} to {upper[j]:g}) overcomes. Correct one of them."
+            curve = self.torque_speed[j]
+            if curve is not None and not most <= curve[0, 1] * (1 + ROUNDED_SLOPE):
+                return f"torque_speed[{j}]", (
+                    f"the curve of joint '{joint}' gives {curve[0, 1]:g} at standstill, but its torque limit is "
+                    f"{most:g}: they contradict each other. Give a 'torque' of at most {curve[0, 1]:g}, or another "
+                    "curve."
+                )
+        return None
+
+
+def torque_speed_lines(curve: Array) -> list[tuple[float, float]]:
+    """The falling lines |τ| <= a - m |q̇| of a curve, as pairs a [N m], m [N m s/rad].
+
+    Args:
+        curve: Corners |q̇|, |τ|, Shape (c, 2).
+    """
+    steps = np.diff(curve, axis=0)
+    slopes = -steps[:, 1] / steps[:, 0]
+    return [(float(t + m * v), float(m)) for (v, t), m in zip(curve[:-1], slopes, strict=True) if m > 0]
+
+
+def _rebuilt(values: dict[str, Any]) -> JointMotors:
+    return JointMotors(**values)
+
+
+def _checked_curve(joint: int, given: object) -> Array:
+    """Corners of a curve, if they keep its rules."""
+    key = f"torque_speed[{joint}]"
+    curve = as_array(f"motors: {key}", given)
+
+    def refuse(rule: str) -> InputError:
+        return InputError("motors", rule, key=key, value=curve.tolist())
+
+    if curve.ndim != 2 or curve.shape[1] != 2 or len(curve) < 2:  # noqa: PLR2004 (pairs, and at least two)
+        raise refuse("must be at least two corners [speed, torque].")
+    if not np.all((curve >= 0) & (curve <= LARGEST_NUMBER)):
+        raise refuse(f"speeds and torques are sizes: they must be >= 0 and at most {LARGEST_NUMBER:.0e}.")
+    if curve[0, 0] != 0:
+        raise refuse("its first corner must be at standstill: [0, torque].")
+    steps = np.diff(curve, axis=0)
+    if np.any(steps[:, 0] <= 0):
+        raise refuse("its speeds must rise from corner to corner.")
+    if np.any(steps[:, 1] > 0):
+        raise refuse("its torques must not rise: a motor gives no more torque at a higher speed.")
+    slopes = -steps[:, 1] / steps[:, 0]
+    if np.any(np.diff(slopes) < -ROUNDED_SLOPE * np.max(slopes)):
+        raise refuse(
+            "it must fall ever more steeply (be concave): between its corners more must not be possible than on "
+            "straight lines. Leave out the corners that bend it upward."
+        )
+    curve.setflags(write=False)
+    return curve
