@@ -1,11 +1,11 @@
-"""Seeded motions of the shipped cells of every kind, and the same motions 50 times as dense, read from the same input."""
+"""Seeded motions of the shipped cells of every kind, and the same motions 50 times as dense, of the same input."""
 
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import yaml
-from helpers.motion_tables import columns_of, object_columns, write_table
+from motion_tables import columns_of, object_columns, write_table
 
 import mrts
 from mrts.coordination.coordinate import coordinate
