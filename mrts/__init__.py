@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from mrts.output.ros_bag import write_ros_bag
     from mrts.output.saved_result import load_result, save_result
     from mrts.output.trajectory_table import write_trajectory_csv
+    from mrts.refinement.excess import Excess
     from mrts.report import write_report
     from mrts.retiming.result import RetimingResult, RetimingStatus
     from mrts.retiming.retime import retime
@@ -52,6 +53,7 @@ _HOMES = {
     "Conflict": "samples.infeasibility",
     "CoordinatedMotion": "coordination.coordinated_motion",
     "DistributionRule": "scaling.result",
+    "Excess": "refinement.excess",
     "Holding": "scaling.holding_torques",
     "InputError": "base.errors",
     "JointTable": "motion.joint_table",
@@ -105,6 +107,7 @@ __all__ = [
     "Conflict",
     "CoordinatedMotion",
     "DistributionRule",
+    "Excess",
     "Holding",
     "InputError",
     "JointTable",

@@ -4,7 +4,7 @@
 The object is where its motion says, if that is known at all times: a geodesic, a path through waypoints, the splines of
 a table of poses. The joints are on the splines of their table, or on polynomials through their samples; where these
 miss the grasps, the joints are moved onto them, which is the inverse kinematics of the same branch. An object that is
-known at its samples only is where the hands carry it.
+known at its samples only is where the hands carry it, and accelerations that were given are not exceeded between two.
 """
 
 from dataclasses import replace
@@ -36,8 +36,11 @@ SAME_COURSE = 1e-9
 CHECKED = 12
 """Samples of a motion by which it is told whether its hands hold their grasps exactly."""
 
-TIGHT_GAP, TIGHT_SLIP = 1e-9, 1e-5
-"""Gap [m, rad] and relative slip of polynomials on the grasps of a known object that nobody notices."""
+TIGHT_GAP = 1e-9
+"""Gap of polynomials from the grasps that nobody notices [m, rad]: far below any limit's tolerance."""
+
+TIGHT_SLIP = 1e-5
+"""Slip of polynomials on the grasps, relative to the largest rate: a tenth of the excess that is allowed."""
 
 
 def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array) -> CoordinatedMotion:
@@ -55,11 +58,13 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array) -> Coord
         MotionError: If the arms cannot hold the object there.
     """
     given, ours = motion.object, (motion.q, motion.dq, motion.ddq)
-    inside = velocity_polynomials(given.time, ours, time) if motion.course is None else motion.course(time)
     at = np.concatenate([given.time[:1], time, given.time[-1:]])
+    known = _on_course(given, at)
+    inside = velocity_polynomials(given.time, ours, time) if motion.course is None else motion.course(time)
+    if motion.course is None and known is None:
+        inside = (*inside[:2], _linear(given.time, motion.ddq, time))
     q, dq, ddq = (np.concatenate([of[:1], there, of[-1:]]) for of, there in zip(ours, inside, strict=True))
     tips = tip_motions(cell, q, dq, ddq)
-    known = _on_course(given, at)
     target = known or carried_object(cell, 0, at, tips[0], smooth=False)
     rough = CoordinatedMotion(target, q, dq, ddq)
     if _held(cell, target, tips) or not _closed(cell, motion):
@@ -141,6 +146,11 @@ def velocity_polynomials(known: Array, joints: tuple[Array, Array, Array], at: A
     )
     missed = q[end] - q[start] - step * whole
     return q[start] + step * way + u * missed, rate, change / step
+
+
+def _linear(known: Array, values: Array, at: Array) -> Array:
+    """Values between samples in proportion, Shape (k, m): those of given accelerations, which may jump, lie between."""
+    return np.column_stack([np.interp(at, known, column) for column in values.T])
 
 
 def _on_course(given: ObjectMotion, time: Array) -> ObjectMotion | None:

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 
-RESOLUTION = 1e-7
+RESOLUTION = 1e-6
 """Share of the duration below which no two samples are told apart: what jumps there has been seen on both sides."""
 
 

@@ -11,8 +11,11 @@ from mrts.limits.rows import ActiveRow
 BETWEEN = 1e-4
 """Share of a limit by which it may be overstepped between samples, unless told otherwise."""
 
-LEAST_BETWEEN, LARGEST_BETWEEN = 1e-5, 1.0
-"""Shares that can be asked for: joints between samples are known to a tenth of the least."""
+LEAST_BETWEEN = 1e-5
+"""Least share that can be asked for: joints between samples are known as well as that."""
+
+LARGEST_BETWEEN = 1.0
+"""Largest share: twice the limit."""
 
 
 @dataclass(frozen=True)

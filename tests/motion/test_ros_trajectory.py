@@ -126,7 +126,7 @@ def test_a_topic_that_names_no_robot_is_told_by_its_joints(dual_ur5, given, tmp_
     write_bag(tmp_path / "one", [("/joint_trajectory_controller/joint_trajectory", message(*points))])
     write_bag(tmp_path / "bare", [("/joint_trajectory", message(*points))])
     for bag in ("one", "bare"):
-        carried = mrts.scale(alone, mrts.load_motion(tmp_path / bag))
+        carried = mrts.scale(alone, mrts.load_motion(tmp_path / bag), between=None)
         np.testing.assert_array_equal(carried.motion.q, lift.q)
     messages = [(f"/{robot}_controller/joint_trajectory", message(*points)) for robot, points in given.items()]
     write_bag(tmp_path / "two", messages)
