@@ -32,7 +32,8 @@ int main(int arguments, char **argument) {
     const int *start = take_ints(file, (size_t)rows + 1), *column = take_ints(file, (size_t)start[rows]);
     const double *value = take(file, (size_t)start[rows]);
     const double *lower = take(file, (size_t)rows), *upper = take(file, (size_t)rows);
-    const mrts_limits limits = {(int)rows, start, column, value, lower, upper, take_ints(file, (size_t)rows)};
+    const mrts_terms terms = {0, 0, 0, 0, 0};
+    const mrts_limits limits = {(int)rows, start, column, value, lower, upper, take_ints(file, (size_t)rows), 0, 0};
     double *out = calloc((size_t)n * (8 + 4 * K + MRTS_JOINTS + MRTS_WRENCHES), sizeof(double)), *next = out;
     double *low = next, *high = low + n, *effect = high + n, *torque = effect + n;
     float *low_dual = calloc((size_t)n * 2 * K, sizeof(float)), *high_dual = low_dual + n * K;
@@ -47,9 +48,9 @@ int main(int arguments, char **argument) {
     int *iwork = calloc(10000, sizeof(int));
     for (int i = 0; i < MRTS_JOINTS; ++i) weights[i * (MRTS_JOINTS + 1)] = 1;
     for (long long i = 0; i < n; ++i) most[i] = MRTS_INFINITY;
-    mrts_ranges(n, in, stride, &limits, NULL, most, low, high, status, status + n, effect, bases, bases + n * K, low_dual,
+    mrts_ranges(n, in, stride, &limits, &terms, most, low, high, status, status + n, effect, bases, bases + n * K, low_dual,
                 high_dual, arg, res, iw, w, work, iwork);
-    mrts_torques(n, in, stride, &limits, NULL, &c2, 0, weights, 1e-9, torque, wrench, status + 2 * n, arg, res, iw, w, work,
+    mrts_torques(n, in, stride, &limits, &terms, &c2, 0, weights, 1e-9, torque, wrench, status + 2 * n, arg, res, iw, w, work,
                  iwork);
     printf("%.6g\n", high[0]);
     return 0;

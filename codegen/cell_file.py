@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
+from mrts_codegen.hand_file import MOST_CONTACTS, ContactDescription
 from mrts_codegen.motors_block import MotorsDescription
 from pydantic import Field, model_validator
 
@@ -138,6 +139,7 @@ class RobotDescription(StrictModel):
     posture: Annotated[list[Angle], Field(min_length=1)]
     torque: Annotated[list[Finite], Field(min_length=1)] | TorqueBounds | None = None
     wrench: Bounds = Bounds()
+    contact: list[ContactDescription] = Field(default_factory=list, max_length=MOST_CONTACTS)
     fixed: dict[str, Angle] = Field(default_factory=dict)
     motors: MotorsDescription = MotorsDescription()
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from mrts_codegen.cell_file import Bounds, CellDescription, RobotDescription, TorqueBounds, resolve_urdf
 from mrts_codegen.equations.spatial_algebra import PLANE_COMPONENTS
+from mrts_codegen.hand_file import build_contacts
 from mrts_codegen.motors_block import build_motors
 from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.planar_cell import check_plane_kept
@@ -21,9 +22,11 @@ from mrts_codegen.urdf.urdf_joint import NO_LIMIT
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import MAX_URDF_BYTES
+from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.base.regular_file import read_regular
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
+from mrts.hands.contact import Contact
 from mrts.motors.joint_motors import JointMotors
 
 
@@ -46,6 +49,7 @@ class CellRobot:
         wrench_upper: Base axes, infinity where unbounded, Shape (w,) [N, N m].
         motors: What stands between motors and joints.
         remarks: What to know of where values are from.
+        contacts: What its hand can exert on the object.
     """
 
     name: str
@@ -62,6 +66,7 @@ class CellRobot:
     wrench_upper: Array
     motors: JointMotors
     remarks: tuple[Remark, ...]
+    contacts: tuple[Contact, ...]
 
 
 @dataclass(frozen=True)
@@ -143,7 +148,12 @@ def _build_robot(
         wrench_upper=wrench_upper,
         motors=motors,
         remarks=remarks,
+        contacts=build_contacts(path, f"{key}.contact", robot.contact, _wrench_components(cell), T_object_tip.R),
     )
+
+
+def _wrench_components(cell: CellDescription) -> tuple[str, ...]:
+    return tuple(WRENCH_COMPONENTS[component] for component in PLANE_COMPONENTS[cell.plane])
 
 
 def _torque_limits(

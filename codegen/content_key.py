@@ -12,6 +12,7 @@ from mrts.base import input_file, load_box, manifest, rigid_transform, yaml_pars
 from mrts.base.input_file import MAX_URDF_BYTES
 from mrts.base.regular_file import read_regular
 from mrts.base.version import __version__
+from mrts.hands import contact
 from mrts.motors import joint_motors
 
 
@@ -27,7 +28,8 @@ def content_key(path: Path) -> str:
     for robot in description.robots:
         digest.update(read_regular(resolve_urdf(path, robot.urdf), "URDF", MAX_URDF_BYTES))
     shaping = (manifest, rigid_transform, input_file, yaml_parser, load_box, joint_motors)
+    hands = Path(contact.__file__ or "").parent.glob("*.py")
     ours = [source for source in Path(__file__).parent.rglob("*.py") if source.parent.name != "embedded"]
-    for source in sorted([*ours, *(Path(module.__file__ or "") for module in shaping)]):
+    for source in sorted([*ours, *hands, *(Path(module.__file__ or "") for module in shaping)]):
         digest.update(source.read_bytes())
     return digest.hexdigest()

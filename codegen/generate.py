@@ -30,6 +30,7 @@ from mrts.base.manifest import (
 )
 from mrts.base.rigid_transform import RigidTransform, multiply
 from mrts.base.version import __version__
+from mrts.hands.contact_record import contact_record
 from mrts.motors.joint_motors import PER_JOINT, JointMotors
 
 logger = logging.getLogger("mrts")
@@ -151,6 +152,7 @@ def _robot_record(robot: CellRobot) -> RobotRecord:
         wrench_lower=[_finite(value) for value in robot.wrench_lower],
         wrench_upper=[_finite(value) for value in robot.wrench_upper],
         motors=_motors_record(robot.motors),
+        contacts=[contact_record(contact) for contact in robot.contacts],
     )
 
 

@@ -18,7 +18,14 @@ if TYPE_CHECKING:
     from mrts.cell.robot import Robot
     from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
     from mrts.coordination.grasp_closure import ClosureBound
+    from mrts.hands.box import box_contact
+    from mrts.hands.contact import Contact
+    from mrts.hands.gripper import gripper_contact
+    from mrts.hands.pad import pad_contact
+    from mrts.hands.polytope import rows_contact
+    from mrts.hands.suction import suction_contact
     from mrts.limits.rows import ActiveRow, RowName
+    from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
     from mrts.motion.joint_table import JointTable
     from mrts.motion.motion_file import MotionDescription, load_motion, sample_motion
     from mrts.motion.object_motion import ObjectMotion
@@ -32,6 +39,7 @@ if TYPE_CHECKING:
     from mrts.samples.infeasibility import Conflict
     from mrts.samples.load_sharing import LoadSharing
     from mrts.samples.range_status import SampleStatus, ScalingStatus
+    from mrts.samples.reserve import PlanReserve, Reserve
     from mrts.samples.sample_ranges import SampleRanges
     from mrts.scaling.holding_torques import Holding
     from mrts.scaling.known_load import torques_for_load
@@ -41,9 +49,12 @@ if TYPE_CHECKING:
     from mrts.scaling.scale import SelectionError, scale
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
+    from mrts.studies.identified_motors import ArmMotors, MotorIdentification, MotorParameter
+    from mrts.studies.identify import identify
 
 _HOMES = {
     "ActiveRow": "limits.rows",
+    "ArmMotors": "studies.identified_motors",
     "Branch": "studies.configurations",
     "Cell": "cell.cell",
     "ClosureBound": "coordination.grasp_closure",
@@ -51,11 +62,13 @@ _HOMES = {
     "Configuration": "studies.configurations",
     "ConfigurationStudy": "studies.configurations",
     "Conflict": "samples.infeasibility",
+    "Contact": "hands.contact",
     "CoordinatedMotion": "coordination.coordinated_motion",
     "DistributionRule": "scaling.result",
     "Excess": "refinement.excess",
     "Holding": "scaling.holding_torques",
     "InputError": "base.errors",
+    "JointRecording": "motion.joint_recording",
     "JointTable": "motion.joint_table",
     "LoadBox": "base.load_box",
     "LoadPoint": "base.load_box",
@@ -63,10 +76,15 @@ _HOMES = {
     "LoadStudy": "scaling.load_study",
     "MotionDescription": "motion.motion_file",
     "MotionError": "base.errors",
+    "MotorIdentification": "studies.identified_motors",
+    "MotorParameter": "studies.identified_motors",
     "MrtsError": "base.errors",
     "ObjectMotion": "motion.object_motion",
+    "PlanReserve": "samples.reserve",
     "RangeEnd": "scaling.range",
+    "RecordedJoint": "motion.joint_recording",
     "Remark": "base.remark",
+    "Reserve": "samples.reserve",
     "Residuals": "scaling.result",
     "RetimingResult": "retiming.result",
     "RetimingStatus": "retiming.result",
@@ -81,15 +99,22 @@ _HOMES = {
     "ScalingStatus": "samples.range_status",
     "SelectionError": "scaling.scale",
     "SolverError": "base.errors",
+    "box_contact": "hands.box",
     "follow_object": "coordination.coordinated_motion",
+    "gripper_contact": "hands.gripper",
+    "identify": "studies.identify",
     "load_cell": "cell.cell",
     "load_motion": "motion.motion_file",
+    "load_recording": "motion.joint_recording",
     "load_result": "output.saved_result",
+    "pad_contact": "hands.pad",
     "rank_configurations": "studies.configurations",
     "retime": "retiming.retime",
+    "rows_contact": "hands.polytope",
     "sample_motion": "motion.motion_file",
     "save_result": "output.saved_result",
     "scale": "scaling.scale",
+    "suction_contact": "hands.suction",
     "torques_for_load": "scaling.known_load",
     "write_report": "report",
     "write_ros_bag": "output.ros_bag",
@@ -98,6 +123,7 @@ _HOMES = {
 
 __all__ = [
     "ActiveRow",
+    "ArmMotors",
     "Branch",
     "Cell",
     "ClosureBound",
@@ -105,11 +131,13 @@ __all__ = [
     "Configuration",
     "ConfigurationStudy",
     "Conflict",
+    "Contact",
     "CoordinatedMotion",
     "DistributionRule",
     "Excess",
     "Holding",
     "InputError",
+    "JointRecording",
     "JointTable",
     "LoadBox",
     "LoadPoint",
@@ -117,10 +145,15 @@ __all__ = [
     "LoadStudy",
     "MotionDescription",
     "MotionError",
+    "MotorIdentification",
+    "MotorParameter",
     "MrtsError",
     "ObjectMotion",
+    "PlanReserve",
     "RangeEnd",
+    "RecordedJoint",
     "Remark",
+    "Reserve",
     "Residuals",
     "RetimingResult",
     "RetimingStatus",
@@ -135,15 +168,22 @@ __all__ = [
     "ScalingStatus",
     "SelectionError",
     "SolverError",
+    "box_contact",
     "follow_object",
+    "gripper_contact",
+    "identify",
     "load_cell",
     "load_motion",
+    "load_recording",
     "load_result",
+    "pad_contact",
     "rank_configurations",
     "retime",
+    "rows_contact",
     "sample_motion",
     "save_result",
     "scale",
+    "suction_contact",
     "torques_for_load",
     "write_report",
     "write_ros_bag",

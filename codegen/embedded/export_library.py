@@ -8,6 +8,7 @@ import casadi as ca
 from mrts_codegen.embedded.c_literals import WIDTH, Precision
 from mrts_codegen.embedded.export_name import check_library_name
 from mrts_codegen.embedded.model_source import model_prototypes, model_source
+from mrts_codegen.embedded.motor_words import motor_words
 from mrts_codegen.embedded.parts import (
     DECLARATIONS,
     KERNEL_FILES,
@@ -67,12 +68,13 @@ def export_library(
     check_library_name(manifest.name)
     name, with_tests = manifest.name, is_whole(parts)
     model = {short: functions[short] for short in chosen(MODEL_FUNCTIONS, parts)}
-    carried, own = chosen(KERNEL_FILES, parts), chosen(LIBRARY_PARTS, parts)
+    motors = limits.motors is not None
+    carried, own = (chosen(table, parts, motors=motors) for table in (KERNEL_FILES, LIBRARY_PARTS))
     included = [*(f"kernel/{file}" for file in carried if file.endswith(".c")), *(f"parts/{file}" for file in own)]
     words = (
         cell_words(manifest, limits, precision)
         | memory_words(manifest, limits, precision)
-        | vector_words(vectors, path_samples, precision)
+        | vector_words(vectors, path_samples, precision, macro=name.upper(), motors=limits.motors)
         | {
             "MODEL": model_source(model, name, precision),
             "MODEL_PROTOTYPES": model_prototypes(model, name),
@@ -80,6 +82,7 @@ def export_library(
             "INCLUDES": "\n".join(f'#include "{file}"' for file in included),
         }
     )
+    words |= motor_words(limits, words, precision)
     words["DECLARATIONS"] = "\n".join(filled(f"include/{file}", words) for file in chosen(DECLARATIONS, parts))
     for word, template in (("MAKE_TESTS", "tests.mk"), ("CMAKE_TESTS", "tests.cmake"), ("README_TESTS", "tests.md")):
         words[word] = filled(f"project/{template}", words) if with_tests else ""

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 from mrts_codegen.embedded.c_literals import UNLIMITED, WIDTH, Precision, c_numbers, c_string
+from mrts_codegen.embedded.motor_words import motor_memory
 
 from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedLimits
@@ -26,39 +27,47 @@ def cell_words(manifest: Manifest, limits: EmbeddedLimits, precision: Precision)
     size, robots = len(manifest.wrench_components), len(manifest.robots)
     joints = sum(len(robot.joints) for robot in manifest.robots)
     corners, load = _loads(manifest)
-    return {
-        "NAME": manifest.name,
-        "MACRO": manifest.name.upper(),
-        "NOTICE": NOTICE,
-        "REAL": precision,
-        "SINGLE": str(int(precision == "float")),
-        "ROBOTS": str(robots),
-        "JOINTS": str(joints),
-        "SIZE": str(size),
-        "COMPONENTS": ", ".join(manifest.wrench_components),
-        "WRENCHES": str(size * robots),
-        "UNKNOWNS": str(size * (robots - 1) + 1),
-        "UNLIMITED": UNLIMITED[precision],
-        "CORNERS": str(len(corners)),
-        "LOAD_CORNERS": "\n".join(f"    {{{c_numbers(corner, precision)}}}," for corner in corners),
-        "LOAD": c_numbers(load, precision),
-        "WEIGHT": c_numbers(np.ones(joints), precision),
-        "CELL": _cell_lines(manifest),
-    } | _limit_words(limits, precision)
+    return (
+        {
+            "NAME": manifest.name,
+            "MACRO": manifest.name.upper(),
+            "NOTICE": NOTICE,
+            "REAL": precision,
+            "SINGLE": str(int(precision == "float")),
+            "ROBOTS": str(robots),
+            "JOINTS": str(joints),
+            "SIZE": str(size),
+            "COMPONENTS": ", ".join(manifest.wrench_components),
+            "WRENCHES": str(size * robots),
+            "UNKNOWNS": str(size * (robots - 1) + 1),
+            "UNLIMITED": UNLIMITED[precision],
+            "CORNERS": str(len(corners)),
+            "LOAD_CORNERS": "\n".join(f"    {{{c_numbers(corner, precision)}}}," for corner in corners),
+            "LOAD": c_numbers(load, precision),
+            "WEIGHT": c_numbers(np.ones(joints), precision),
+            "CELL": _cell_lines(manifest),
+        }
+        | _limit_words(limits, precision)
+        | _turning_words(manifest, limits, precision)
+    )
 
 
 def memory_words(manifest: Manifest, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
     """Bytes of the structures and tables, as the header lays them out."""
     size, robots, width = len(manifest.wrench_components), len(manifest.robots), WIDTH[precision]
-    joints, rows, velocities = len(limits.velocity) - 2, len(limits.lower), len(limits.velocity)
+    joints = sum(len(robot.joints) for robot in manifest.robots)
+    rows, velocities = len(limits.lower), len(limits.velocity)
     k = size * (robots - 1) + 1
-    reals = (k + 1) * (joints + size * robots) + rows * (k + 3) + 2 * k + 3 * k * k + 7 * k
-    integers = 2 * k + 2 * rows + 6 * k
-    settings = len(LOAD_ENTRIES) + 2 * rows + velocities + joints
+    motor_settings, motor_reals, motor_integers = motor_memory(limits, joints, k)
+    reals = (k + 1) * (joints + size * robots) + rows * (k + 3) + 2 * k + 3 * k * k + 7 * k + motor_reals
+    reals += 0 if limits.base is None else (k + 1) * size * robots
+    integers = 2 * k + 2 * rows + 6 * k + motor_integers
+    settings = len(LOAD_ENTRIES) + 2 * rows + velocities + joints + motor_settings
     texts = (*limits.texts, *limits.velocity_texts)
     entries = int(np.count_nonzero(limits.matrix))
     tables = width * (len(LOAD_ENTRIES) * len(_loads(manifest)[0]) + settings + entries)
     tables += 4 * (2 * rows + 1 + entries) + sum(len(text.encode()) + 9 for text in texts)
+    tables += 0 if limits.base is None else width * limits.base.size + 4 * len(limits.axes)
     return {
         "WORKSPACE": str(width * (reals + -(-4 * integers // width))),
         "SETTINGS": str(width * settings),
@@ -81,6 +90,23 @@ def _limit_words(limits: EmbeddedLimits, precision: Precision) -> dict[str, str]
         "LOWER": c_numbers(limits.lower, precision),
         "UPPER": c_numbers(limits.upper, precision),
         "VELOCITY": c_numbers(limits.velocity, precision),
+    }
+
+
+def _turning_words(manifest: Manifest, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
+    """Of rows in object axes: tables, and room in the workspace, where there are any."""
+    if limits.base is None:
+        return {"TURNING_TABLES": "", "BASE_TABLE": "0", "AXES_TABLE": "0", "TURNED": "0", "TURNED_FIELD": ""}
+    name, macro = manifest.name, manifest.name.upper()
+    base, axes = c_numbers(limits.base.ravel(), precision), _integers(limits.axes)
+    return {
+        "TURNING_TABLES": f"static const mrts_real base_rotation[9 * {macro}_ROBOTS] = {{{base}}};\n"
+        f"static const int triple_axes[3] = {{{axes}}};\n\n"
+        f"typedef char turned_holds[HOLDS(turned, mrts_real, MRTS_TURNED_WORK(K, WRENCHES))];\n",
+        "BASE_TABLE": "base_rotation",
+        "AXES_TABLE": "triple_axes",
+        "TURNED": "workspace->turned",
+        "TURNED_FIELD": f"    {name}_real turned[({macro}_UNKNOWNS + 1) * {macro}_WRENCHES];\n",
     }
 
 

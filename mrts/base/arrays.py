@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Arrays of floating-point numbers: what nobody may write to, and products at every sample at once."""
+"""Arrays of floating-point numbers: what nobody may write to, what JSON says of them, and products at every sample."""
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from mrts.base.errors import InputError, as_array
 
 Array = NDArray[np.float64]
 
@@ -19,3 +21,39 @@ def freeze(owner: object) -> None:
 def apply(matrix: NDArray[np.floating[Any]], vector: Array) -> Array:
     """Matrix times vector sample by sample: Shape (N, r, k) and (N, k) to (N, r)."""
     return np.asarray(np.einsum("nrk,nk->nr", matrix, vector), dtype=np.float64)
+
+
+def freeze_array(owner: object, name: str, where: str, shape: tuple[int, ...], *, finite: bool) -> None:
+    """Make an attribute of a frozen value an array of its own that nobody can write to.
+
+    Args:
+        owner: The value.
+        name: Of the attribute.
+        where: What the value is, for the message.
+        shape: That it must have.
+        finite: Whether infinity is refused; what is no number always is.
+
+    Raises:
+        InputError: If it is not such an array.
+    """
+    given = getattr(owner, name)
+    try:
+        value = as_array(name, given)
+    except InputError as error:
+        raise InputError(where, error.rule, key=name, value=given) from None
+    bad = ~np.isfinite(value) if finite else np.isnan(value)
+    if value.shape != shape or np.any(bad):
+        numbers = "finite numbers" if finite else "numbers (infinity is no limit)"
+        raise InputError(where, f"must be {numbers} with Shape {shape}.", key=name, value=value.tolist())
+    value.setflags(write=False)
+    object.__setattr__(owner, name, value)
+
+
+def without_infinity(values: Array) -> list[float | None]:
+    """Values as JSON has them: None stands for an infinite one."""
+    return [value if np.isfinite(value) else None for value in values.tolist()]
+
+
+def with_infinity(values: list[float | None], unbounded: float) -> Array:
+    """Values of JSON, with `unbounded` in place of None."""
+    return np.array([unbounded if value is None else value for value in values])

@@ -2,32 +2,64 @@
 """What an exported library takes from the run time: the cell's limits, and the answers that it is tested with."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 from mrts.base.arrays import Array
 
 
 @dataclass(frozen=True, kw_only=True)
+class EmbeddedMotors:
+    """What motors add to the torques of m joints, and to the limits; of a prismatic joint read kg, N, N s/m.
+
+    Attributes:
+        armature: Shape (m,) [kg m²].
+        coulomb: Shape (m,) [N m].
+        viscous: Shape (m,) [N m s/rad].
+        line_rows: Rows of the limits that fall with the speed: lines of torque-speed curves.
+        line_joints: The joint of each.
+        slope: By how much they fall with its speed, one a line [N m s/rad].
+        end_joints: The joint of each velocity behind that of the object: ends of torque-speed curves.
+        rest: Speeds and accelerations up to this share of the largest of a motion are rest: rounding.
+    """
+
+    armature: Array
+    coulomb: Array
+    viscous: Array
+    line_rows: tuple[int, ...]
+    line_joints: tuple[int, ...]
+    slope: Array
+    end_joints: tuple[int, ...]
+    rest: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class EmbeddedLimits:
-    """Rows lower <= M [τ; F] <= upper over m torques and then all wrenches, and velocity limits.
+    """Rows lower <= M [τ; F; H] <= upper over m torques, all wrenches and the same in object axes, and velocity limits.
 
     Attributes:
         texts: One a row, such as "left/elbow torque".
-        matrix: M, Shape (r, m + n w).
+        matrix: M, Shape (r, m + n w) without H, else (r, m + 2 n w).
+        base: Rotation of each base in the world, its columns those of `axes`, Shape (n, 3, 3); None without H.
+        axes: Of the object that a triple of a wrench has, x, y, z being 0, 1, 2, Shape (3,); empty without H.
         lower: Shape (r,), minus infinity where unbounded.
         upper: Shape (r,), infinity where unbounded.
-        group: Alike for rows of one physical unit: what a limit of zero is measured by; one a row.
+        group: Alike for rows of which one measures another's limit of zero; one a row.
         velocity_texts: One a velocity.
         velocity: Of all joints, then of the object's linear and angular velocity, infinity where none is enforced,
-            Shape (m + 2,) [rad/s or m/s].
+            then of e motors whose torque-speed curve ends there, Shape (m + 2 + e,) [rad/s or m/s].
+        motors: None where all motors are ideal.
     """
 
     texts: tuple[str, ...]
     matrix: Array
+    base: Array | None
+    axes: tuple[int, ...]
     lower: Array
     upper: Array
     group: tuple[int, ...]
     velocity_texts: tuple[str, ...]
     velocity: Array
+    motors: EmbeddedMotors | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,9 +68,10 @@ class EmbeddedVector:
 
     Attributes:
         inputs: q, dq, ddq, rotation of the object, twist, acceleration.
+        place: "inside" its motion, or its "start" or "end".
         mass: [kg].
-        status: 0 feasible, 1 unbounded, 2 infeasible; likewise `share_status`.
-        ends: c²⁻, c²⁺; infinite where there is none.
+        status: 0 feasible, 1 unbounded, 2 infeasible, 6 feasible with a gap; likewise `share_status`.
+        ends: c²⁻, c²⁺ of the highest interval; infinite where there is none.
         share_status: Of an equal distribution.
         share_ends: Its ends.
         c2: Where torques are compared; 0 for no comparison.
@@ -46,6 +79,7 @@ class EmbeddedVector:
     """
 
     inputs: tuple[Array, ...]
+    place: Literal["inside", "start", "end"]
     mass: float
     status: int
     ends: tuple[float, float]

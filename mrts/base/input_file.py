@@ -179,5 +179,5 @@ def _keys(detail: ErrorDetails) -> list[str | int]:
     return [
         part
         for part in detail["loc"]
-        if isinstance(part, int) or (re.fullmatch(r"[a-z_0-9]+", part) and part not in kinds)
+        if isinstance(part, int) or (re.fullmatch(r"[a-z_0-9]+|[A-Z]", part) and part not in kinds)
     ]

@@ -19,6 +19,9 @@ FORMAT = 5
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
 """Names of a six-component wrench, forces before moments; a planar cell uses three of them."""
 
+WRENCH_UNITS = dict(zip(WRENCH_COMPONENTS, ("N", "N", "N", "N m", "N m", "N m"), strict=True))
+"""Unit of each component: of a force, or of a moment."""
+
 LOAD_ENTRIES = ("mass", "mx", "my", "mz", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 """Layout of a load vector, in the object frame: mass [kg], first moments mass × com [kg m], and the inertia about the
 frame's origin, which is the nominal com [kg m²]. The balance of the object is linear in it."""
@@ -79,6 +82,18 @@ class PoseRecord(_Record):
     position: Vector3
 
 
+class ContactRecord(_Record):
+    """Rows lower <= A F <= upper of one contact, as `mrts.hands.contact.Contact`; None is unbounded."""
+
+    name: str
+    frame: Literal["tip", "object", "base"]
+    rows: Annotated[list[str], Field(min_length=1, max_length=LARGEST_SIZE)]
+    units: list[str]
+    A: Matrix
+    lower: list[float | None]
+    upper: list[float | None]
+
+
 class RobotRecord(_Record):
     """One arm of the cell."""
 
@@ -96,6 +111,7 @@ class RobotRecord(_Record):
     wrench_lower: list[float | None]
     wrench_upper: list[float | None]
     motors: MotorsRecord
+    contacts: Annotated[list[ContactRecord], Field(max_length=MOST)]
 
     @model_validator(mode="after")
     def _one_of_each_a_joint(self) -> Self:

@@ -11,16 +11,16 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from mrts.base.argument_types import as_path, check_list, check_type, is_number
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, freeze_array, with_infinity
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.load_box import LoadBox, load_vector
-from mrts.base.manifest import LOAD_ENTRIES, MANIFEST_NAME, WRENCH_COMPONENTS, Manifest, read_generated
+from mrts.base.manifest import LOAD_ENTRIES, MANIFEST_NAME, WRENCH_COMPONENTS, WRENCH_UNITS, Manifest, read_generated
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.functions import Backend, CellFunctions, bind_functions
 from mrts.cell.generation import generated_in_cache, virtual_machine_functions
-from mrts.cell.robot import Robot, freeze_array, robot_from_record, with_infinity
+from mrts.cell.robot import Robot, robot_from_record
 
 GENERATED = ("name", "joints", "joint_types", "axes", "points", "held", "T_base_tip", "T_world_base", "T_object_tip")
 """Attributes of a robot that the generated functions hold as numbers, or that name their inputs and outputs."""
@@ -46,6 +46,7 @@ class Cell:
         functions: The generated functions.
         enforces_velocity_limits: Whether velocity limits bound the speed, or are reported only.
         remarks: What to know of how its files were read.
+        reserve: Share of every limit that is kept free, 0 or more and below 1.
 
     What the generated functions hold as numbers (names, joints, poses, plane, gravity) cannot be changed in Python, by
     `dataclasses.replace` or otherwise: that takes another cell file. Limits, postures and load can.
@@ -65,6 +66,7 @@ class Cell:
     functions: CellFunctions
     enforces_velocity_limits: bool = True
     remarks: tuple[Remark, ...] = ()
+    reserve: float = 0.0
 
     def __post_init__(self) -> None:
         check_type("cell: functions", self.functions, CellFunctions)
@@ -81,6 +83,7 @@ class Cell:
         if np.any(self.object_velocity_limit <= 0):
             rule = "must be > 0; infinity where there is none."
             raise InputError("cell", rule, key="object_velocity_limit", value=self.object_velocity_limit.tolist())
+        _check_reserve(self.reserve)
         self._check_generated()
         for robot in self.robots:
             if len(robot.wrench_lower) != len(self.wrench_components):
@@ -137,7 +140,7 @@ class Cell:
     @property
     def wrench_units(self) -> tuple[str, ...]:
         """Unit of each component of a contact wrench: "N" of a force, "N m" of a moment."""
-        return tuple("N" if component.startswith("f") else "N m" for component in self.wrench_components)
+        return tuple(WRENCH_UNITS[component] for component in self.wrench_components)
 
     @property
     def mass(self) -> float:
@@ -205,7 +208,7 @@ class Cell:
         return replace(self, load_box=LoadBox(self.mass, self.inertia, ranges, outer_hull))
 
     def without_wrench_limits(self) -> Self:
-        """The same cell with every contact wrench unbounded."""
+        """The same cell with every contact wrench unbounded, and hands that hold whatever comes."""
         return replace(
             self,
             robots=tuple(
@@ -213,6 +216,7 @@ class Cell:
                     robot,
                     wrench_lower=np.full_like(robot.wrench_lower, -np.inf),
                     wrench_upper=np.full_like(robot.wrench_upper, np.inf),
+                    contacts=(),
                 )
                 for robot in self.robots
             ),
@@ -221,6 +225,18 @@ class Cell:
     def without_velocity_limits(self) -> Self:
         """The same cell with velocity limits that are reported, but bound nothing."""
         return replace(self, enforces_velocity_limits=False)
+
+    def with_reserve(self, reserve: float) -> Self:
+        """The same cell with all limits moved inward, each side by a share of its size.
+
+        Args:
+            reserve: The share, 0 or more and below 1; of the limits as they are given, whatever was kept before.
+
+        Raises:
+            InputError: If it is something else.
+        """
+        _check_reserve(reserve)
+        return self if reserve == self.reserve else replace(self, reserve=reserve)
 
     def with_postures(self, postures: dict[str, list[float]]) -> Self:
         """The same cell starting near other joint positions.
@@ -248,6 +264,12 @@ class Cell:
                 for robot in self.robots
             ),
         )
+
+
+def _check_reserve(reserve: object) -> None:
+    if not is_number(reserve, 0, np.nextafter(1, 0)):
+        rule = "must be a number, 0 or more and below 1: the share of every limit that is kept free, such as 0.1."
+        raise InputError("reserve", rule, value=reserve)
 
 
 def load_cell(path: Path | str, *, backend: Backend = "auto") -> Cell:

@@ -9,10 +9,12 @@ from typing import Any, Literal
 import numpy as np
 
 from mrts.base.argument_types import check_list, check_type
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, freeze_array, with_infinity, without_infinity
 from mrts.base.errors import InputError, as_array
 from mrts.base.manifest import WRENCH_COMPONENTS, JointRecord, MotorsRecord, PoseRecord, RobotRecord
 from mrts.base.rigid_transform import RigidTransform
+from mrts.hands.contact import Contact
+from mrts.hands.contact_record import contact_from_record, contact_record
 from mrts.motors.joint_motors import NONE_GIVEN, PER_JOINT, JointMotors
 
 ARRAYS = (
@@ -45,9 +47,11 @@ class Robot:
         wrench_upper: On F_i, base axes, infinity where unbounded, Shape (w,) [N, N m].
         held: Joints of its URDF that stand still, and where [rad or m].
         motors: What stands between motors and joints; those of no joint at all stand for ideal ones.
+        contacts: What its hand can exert on the object; all of them hold for its one wrench.
 
     Raises:
-        InputError: If an array has another shape, holds what is no number, or a lower limit exceeds the upper one.
+        InputError: If an array has another shape, holds what is no number, a lower limit exceeds the upper one, or two
+            contacts have one name.
     """
 
     name: str
@@ -68,6 +72,7 @@ class Robot:
     wrench_upper: Array
     held: Mapping[str, float] = field(default_factory=dict)
     motors: JointMotors = field(default_factory=partial(JointMotors.unknown, 0))
+    contacts: tuple[Contact, ...] = ()
 
     def __post_init__(self) -> None:
         where = f"robot '{self.name}'"
@@ -96,6 +101,7 @@ class Robot:
             rule = "must be > 0; infinity where there is none."
             raise InputError(where, rule, key="velocity_limit", value=self.velocity_limit.tolist())
         self._check_motors(where)
+        self._check_contacts(where)
 
     def _check_motors(self, where: str) -> None:
         n = len(self.joints)
@@ -107,6 +113,17 @@ class Robot:
         contradiction = self.motors.problem_with(self.torque_lower, self.torque_upper, self.joints)
         if contradiction is not None:
             raise InputError(where, contradiction[1], key=f"motors.{contradiction[0]}")
+
+    def _check_contacts(self, where: str) -> None:
+        check_list(f"{where}: contacts", self.contacts, Contact)
+        object.__setattr__(self, "contacts", tuple(self.contacts))
+        names = [contact.name for contact in self.contacts]
+        if len({*names}) < len(names):
+            raise InputError(where, "must have names of their own.", key="contacts", value=names)
+        for contact in self.contacts:
+            if contact.A.shape[1] != len(self.wrench_lower):
+                rule = f"must have rows over the {len(self.wrench_lower)} components of its wrench."
+                raise InputError(where, rule, key=f"contacts: {contact.name}", value=contact.A.shape)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Robot, tuple(getattr(self, entry.name) for entry in fields(self))  # arrays come back validated, frozen
@@ -123,32 +140,6 @@ class Robot:
     def torque_units(self) -> tuple[str, ...]:
         """Unit of each joint's torque: "N m" for a revolute joint, "N" for a prismatic one."""
         return tuple("N" if kind == "prismatic" else "N m" for kind in self.joint_types)
-
-
-def freeze_array(owner: object, name: str, where: str, shape: tuple[int, ...], *, finite: bool) -> None:
-    """Make an attribute of a frozen value an array of its own that nobody can write to.
-
-    Args:
-        owner: The value.
-        name: Of the attribute.
-        where: What the value is, for the message.
-        shape: That it must have.
-        finite: Whether infinity is refused; what is no number always is.
-
-    Raises:
-        InputError: If it is not such an array.
-    """
-    given = getattr(owner, name)
-    try:
-        value = as_array(name, given)
-    except InputError as error:
-        raise InputError(where, error.rule, key=name, value=given) from None
-    bad = ~np.isfinite(value) if finite else np.isnan(value)
-    if value.shape != shape or np.any(bad):
-        numbers = "finite numbers" if finite else "numbers (infinity is no limit)"
-        raise InputError(where, f"must be {numbers} with Shape {shape}.", key=name, value=value.tolist())
-    value.setflags(write=False)
-    object.__setattr__(owner, name, value)
 
 
 def robot_from_record(record: RobotRecord) -> Robot:
@@ -172,6 +163,7 @@ def robot_from_record(record: RobotRecord) -> Robot:
         wrench_upper=with_infinity(record.wrench_upper, np.inf),
         held=dict(record.held),
         motors=_motors(record.motors),
+        contacts=tuple(map(contact_from_record, record.contacts)),
     )
 
 
@@ -206,6 +198,7 @@ def robot_record(robot: Robot, generated: RobotRecord) -> RobotRecord:
             "wrench_lower": without_infinity(robot.wrench_lower),
             "wrench_upper": without_infinity(robot.wrench_upper),
             "motors": motors_record(robot.motors),
+            "contacts": [contact_record(contact) for contact in robot.contacts],
         }
     )
 
@@ -229,13 +222,3 @@ def _transform(record: PoseRecord) -> RigidTransform:
 
 def _pose_record(transform: RigidTransform) -> PoseRecord:
     return PoseRecord(rotation=transform.R.tolist(), position=transform.p.tolist())
-
-
-def without_infinity(values: Array) -> list[float | None]:
-    """Values as JSON has them: None stands for an infinite one."""
-    return [value if np.isfinite(value) else None for value in values.tolist()]
-
-
-def with_infinity(values: list[float | None], unbounded: float) -> Array:
-    """Values of JSON, with `unbounded` in place of None."""
-    return np.array([unbounded if value is None else value for value in values])

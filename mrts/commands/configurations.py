@@ -8,6 +8,7 @@ from mrts.base.errors import InputError
 from mrts.commands.options import (
     add_between,
     add_cell_and_motion,
+    add_reserve,
     between_option,
     limited_cell_option,
     require,
@@ -35,6 +36,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     study.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
     add_between(study)
     study.add_argument("--no-velocity-limits", action="store_true", help="let velocity limits bound nothing")
+    add_reserve(study)
     study.add_argument("--cap", type=int, default=1024, help="most combinations to evaluate (default: %(default)s)")
     study.add_argument("--show", type=int, default=10, metavar="N", help="rows to print (default: %(default)s)")
     study.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")

@@ -79,11 +79,21 @@ def cell_option(path: Path) -> "Cell":
         return load_cell(path)
 
 
+def add_reserve(verb: argparse.ArgumentParser) -> None:
+    """Add the option of verbs that find ranges."""
+    verb.add_argument("--reserve", type=float, default=0.0, metavar="SHARE",
+                      help="share of every limit that is kept free, such as 0.1 (default: 0)")  # fmt: skip
+
+
 def limited_cell_option(options: argparse.Namespace) -> "Cell":
-    """The cell of a verb without the limits that its options drop."""
+    """The cell of a verb with the reserve, and without the limits that its options drop."""
     cell = cell_option(options.cell)
     if getattr(options, "no_wrench_limits", False):
         cell = cell.without_wrench_limits()
+    try:
+        cell = cell.with_reserve(options.reserve)
+    except InputError as error:
+        raise InputError("--reserve", error.rule, value=error.value) from None
     return cell.without_velocity_limits() if options.no_velocity_limits else cell
 
 

@@ -10,6 +10,7 @@ from mrts.commands.options import (
     add_between,
     add_cell_and_motion,
     add_closure,
+    add_reserve,
     between_option,
     closure_option,
     limited_cell_option,
@@ -21,7 +22,7 @@ from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
 from mrts.console.terminal import put, say, warn
 from mrts.output import TRAJECTORY_FORMATS, TrajectoryFormat
-from mrts.samples import FORMULATIONS
+from mrts.samples import DISTRIBUTIONS, FORMULATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -71,6 +72,10 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
                        "object.variation), possible (for some load), grid:N (for N masses), or nominal")  # fmt: skip
     scale.add_argument("--carry", metavar="KEY=VALUE,…",
                        help="torques for this load of the box, as mass=1.5,izz=0.8 (default: nominal)")  # fmt: skip
+    scale.add_argument("--distribute", choices=DISTRIBUTIONS, default="least-torque",
+                       help="of redundant torques: the least ones, or those that keep most of every limit in reserve "
+                       "(default: %(default)s)")  # fmt: skip
+    add_reserve(scale)
     add_between(scale)
     add_closure(scale)
     scale.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
@@ -161,6 +166,7 @@ def _scale(
                 formulation=options.formulation,
                 solver=options.solver or DEFAULT_SOLVER,
                 load=options.load,
+                distribute=options.distribute,
                 closure=closure,
                 between=between_option(options.between),
                 progress=progress,
@@ -223,6 +229,7 @@ def _retime(
             motion,
             sharing=sharing,
             load=options.load,
+            distribute=options.distribute,
             closure=closure,
             between=between_option(options.between),
             start_speed=options.start_speed or 0.0,

@@ -11,6 +11,7 @@ from contextlib import suppress
 from mrts.commands.options import (
     add_cell_and_motion,
     add_closure,
+    add_reserve,
     closure_option,
     limited_cell_option,
     require,
@@ -38,6 +39,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     )
     add_cell_and_motion(view)
     add_closure(view)
+    add_reserve(view)
     view.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
     view.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
     view.add_argument("--no-velocity-limits", action="store_true", help="report velocity limits only")

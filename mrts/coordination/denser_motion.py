@@ -8,6 +8,7 @@ known at its samples only is where the hands carry it, and accelerations that we
 """
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,7 +67,7 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array) -> Coord
     q, dq, ddq = (np.concatenate([of[:1], there, of[-1:]]) for of, there in zip(ours, inside, strict=True))
     tips = tip_motions(cell, q, dq, ddq)
     target = known or carried_object(cell, 0, at, tips[0], smooth=False)
-    rough = CoordinatedMotion(target, q, dq, ddq)
+    rough = CoordinatedMotion(target, q, dq, ddq, travel=_travel(motion, dq, [0, -1]))
     if _held(cell, target, tips) or not _closed(cell, motion):
         return rough
     try:
@@ -101,7 +102,17 @@ def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[n
     )
     q, dq, ddq = merged(motion.q, more.q), merged(motion.dq, more.dq), merged(motion.ddq, more.ddq)
     remarks = moved_remarks(motion.remarks, ours.time, theirs.time[chosen])
-    return CoordinatedMotion(carried, q, dq, ddq, remarks, course=motion.course)
+    travel = _travel(motion, dq, np.flatnonzero(order < motion.samples))
+    return CoordinatedMotion(carried, q, dq, ddq, remarks, travel=travel, course=motion.course)
+
+
+def _travel(motion: CoordinatedMotion, dq: Array, own: Any) -> Array | None:
+    """Directions of travel of a motion at some of its samples, `own`, and those of the velocities at others."""
+    if motion.travel is None:
+        return None
+    signs = np.stack([np.sign(dq), np.sign(dq)])
+    signs[:, own] = motion.travel if len(own) == motion.samples else motion.travel[:, own]
+    return signs
 
 
 def moved_remarks(remarks: tuple[Remark, ...], time: Array, added: Array) -> tuple[Remark, ...]:
@@ -186,4 +197,4 @@ def _on_grasps(cell: Cell, target: ObjectMotion, rough: CoordinatedMotion) -> Co
     """Joints moved onto the grasps, with the nearest velocities and accelerations that keep them there."""
     q = joints_on_grasps(cell, target, rough.q)
     dq, ddq = nearest_rates(cell, target, CoordinatedMotion(target, q, rough.dq, rough.ddq))
-    return CoordinatedMotion(target, q, dq, ddq)
+    return CoordinatedMotion(target, q, dq, ddq, travel=rough.travel)

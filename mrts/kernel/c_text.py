@@ -8,10 +8,10 @@ from itertools import accumulate
 
 from mrts.base.manifest import Manifest
 
-PROGRAM_FILES = ("linear_programs.c", "quadratic_programs.c", "batch.c", "projection.c", "reachability.c")
+PROGRAM_FILES = ("linear_programs.c", "quadratic_programs.c", "batch.c")
 """The programs, which need no cell."""
 
-CELL_FILES = (*PROGRAM_FILES, "rows.c", "trajectory.c", "null_space.c", "tracking.c")
+CELL_FILES = (*PROGRAM_FILES, "rows.c", "speed_intervals.c", "trajectory.c", "null_space.c", "tracking.c")
 """All of the kernel; the last files need a cell's sizes and generated functions."""
 
 INCLUDED = re.compile(r'^#include "(\w+\.h)"\n', re.MULTILINE)

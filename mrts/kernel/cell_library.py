@@ -17,6 +17,9 @@ from mrts.kernel.function_shapes import work_sizes
 from mrts.kernel.programs import STOPPED, Programs, offer_programs
 from mrts.kernel.sample_terms import SampleTerms
 
+INTERVALS = 8
+"""Most intervals of one sample, `MRTS_INTERVALS` of speed_intervals.h; a sample with more is left to the caller."""
+
 
 class _Limits(ctypes.Structure):
     """`mrts_limits` of rows.h."""
@@ -29,6 +32,8 @@ class _Limits(ctypes.Structure):
         ("lower", ctypes.c_void_p),
         ("upper", ctypes.c_void_p),
         ("group", ctypes.c_void_p),
+        ("base", ctypes.c_void_p),
+        ("axes", ctypes.c_void_p),
     ]
 
 
@@ -36,16 +41,29 @@ class SparseLimits:
     """Rows over torques and wrenches in compressed form, as C reads them.
 
     Args:
-        matrix: Of all torques, then all wrenches, Shape (r, m + n w).
+        matrix: Of all torques and all wrenches, Shape (r, m + n w), or of the wrenches in object axes as well, Shape
+            (r, m + 2 n w).
         lower: Shape (r,), minus infinity where unbounded.
         upper: Shape (r,), infinity where unbounded.
-        group: Physical unit of each row, such as "N m": a limit of zero is measured by the largest of its unit.
+        group: Of each row, such as "N m": a limit of zero is measured by the largest of its group.
+        base: Rotation of each base in the world, its columns those of `axes`, Shape (n, 3, 3); None where no row is in
+            object axes.
+        axes: x, y, z (0, 1, 2) in the order in which a triple of a wrench has them.
 
     Raises:
         ValueError: If a lower limit is not at most the upper one.
     """
 
-    def __init__(self, *, matrix: Array, lower: Array, upper: Array, group: Sequence[str]) -> None:
+    def __init__(
+        self,
+        *,
+        matrix: Array,
+        lower: Array,
+        upper: Array,
+        group: Sequence[str],
+        base: Array | None = None,
+        axes: Sequence[int] = (0, 1, 2),
+    ) -> None:
         if not np.all(lower <= upper):
             raise ValueError(f"rows {np.flatnonzero(~(lower <= upper)).tolist()}: a lower limit is above its upper one")
         self.rows = len(matrix)
@@ -60,6 +78,8 @@ class SparseLimits:
             np.ascontiguousarray(np.minimum(upper, INFINITY)),
             np.array([units.index(unit) for unit in group], dtype=np.int32),
         ]
+        if base is not None:
+            self._arrays += [np.ascontiguousarray(base), np.array(axes, dtype=np.int32)]
         self.structure = _Limits(self.rows, *(pointer(array) for array in self._arrays))
 
 
@@ -82,6 +102,46 @@ class KernelRanges:
     effect: Array
     basis: NDArray[np.int16]
     dual: NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class KernelIntervals:
+    """Which speeds c the kernel found admissible at N samples.
+
+    Attributes:
+        number: Intervals of each, Shape (N,).
+        ends: Of each interval its ends, ascending, infinity where nothing bounds c, Shape (N, 16).
+        status: Shape (1, N).
+        effect: Largest effect of c² = 1, or of c = 1 squared, on a row in its unit, Shape (N,).
+        basis: Rows that determine the least and the largest c, Shape (2, N, k + 1), as in `KernelRanges`; 0 is none.
+        dual: Their multipliers, likewise.
+    """
+
+    number: NDArray[np.int32]
+    ends: Array
+    status: NDArray[np.uint8]
+    effect: Array
+    basis: NDArray[np.int16]
+    dual: NDArray[np.float32]
+
+    @property
+    def lower(self) -> Array:
+        """The least c², Shape (N,)."""
+        least: Array = self.ends[:, 0] ** 2
+        return least
+
+    @property
+    def upper(self) -> Array:
+        """The largest c², Shape (N,)."""
+        last = np.maximum(2 * self.number - 1, 0)
+        largest: Array = self.ends[np.arange(len(last)), last] ** 2
+        return largest
+
+    def divided(self) -> list[tuple[int, list[tuple[float, float]]]]:
+        """Samples of several intervals of c, and those."""
+        several = np.flatnonzero(self.number > 1).tolist()
+        pairs = (self.ends[sample, : 2 * self.number[sample]].reshape(-1, 2).tolist() for sample in several)
+        return [(sample, [(low, high) for low, high in ends]) for sample, ends in zip(several, pairs, strict=True)]
 
 
 class CellLibrary:
@@ -155,14 +215,51 @@ class CellLibrary:
             np.zeros((2, N, k), dtype=np.float32),
         )
         outputs = [found.lower, found.upper, *found.status, found.effect, *found.basis, *found.dual]
-        bound = np.ascontiguousarray(np.minimum(most, INFINITY))
+        self._over_samples("mrts_ranges", samples, inputs, limits, terms, most, outputs)
+        return found
 
+    def speed_ranges(
+        self, samples: int, inputs: dict[str, Array], limits: SparseLimits, terms: SampleTerms, most: Array
+    ) -> KernelIntervals:
+        """The admissible speeds c at every sample where rows have terms in c.
+
+        Args:
+            samples: N.
+            inputs: Of the wrench form, by name.
+            limits: Rows over torques and wrenches.
+            terms: What is added at every sample.
+            most: Largest c² that the caps allow, Shape (N,), infinity where they do not bound it.
+        """
+        found = KernelIntervals(
+            np.zeros(samples, dtype=np.int32),
+            np.zeros((samples, 2 * INTERVALS)),
+            np.full((1, samples), STOPPED, dtype=np.uint8),
+            np.zeros(samples),
+            np.zeros((2, samples, self.unknowns + 1), dtype=np.int16),
+            np.zeros((2, samples, self.unknowns + 1), dtype=np.float32),
+        )
+        outputs = [found.number, found.ends, *found.status, found.effect, *found.basis, *found.dual]
+        self._over_samples("mrts_speed_ranges", samples, inputs, limits, terms, np.sqrt(most), outputs)
+        return found
+
+    def _over_samples(
+        self,
+        name: str,
+        samples: int,
+        inputs: dict[str, Array],
+        limits: SparseLimits,
+        terms: SampleTerms,
+        most: Array,
+        outputs: Sequence[NDArray[Any]],
+    ) -> None:
+        """Call `mrts_ranges` or `mrts_speed_ranges` for all samples, in pieces."""
+        bound = np.ascontiguousarray(np.minimum(most, INFINITY))
         given, strides = _inputs(self.records["wrench_form"], samples, inputs)
 
         def run(first: int, count: int) -> None:
             scratch = Scratch(self.opened, self.records["wrench_form"])
-            work = work_arrays(self.opened, "mrts_ranges", limits.rows)
-            failed = self.opened.mrts_ranges(
+            work = work_arrays(self.opened, name, limits.rows)
+            failed = getattr(self.opened, name)(
                 ctypes.c_longlong(count),
                 _pointers(given, first, strides),
                 strides,
@@ -176,7 +273,6 @@ class CellLibrary:
             assert failed == 0  # noqa: S101 (as in `map`)
 
         over_chunks(self.opened, samples, run)
-        return found
 
     def torques(
         self,

@@ -16,7 +16,7 @@ from mrts.kernel.compiler import find_compiler
 from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
 
 CORNERS = 64
-"""Most corners of a projection, `MRTS_CORNERS` of projection.c."""
+"""Most corners of a projection, `MRTS_CORNERS` of batch.c."""
 
 OPTIMAL, INFEASIBLE, MARGINAL, STOPPED = range(4)
 """The kernel's statuses, see linear_programs.h."""

@@ -9,7 +9,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.kernel.foreign_arrays import pointer
 
-FIELDS = ("torque_square", "torque_offset", "square", "offset", "margin")
+FIELDS = ("torque_square", "torque_offset", "square", "offset", "margin", "torque_speed", "speed")
 
 
 class TermsStructure(ctypes.Structure):
@@ -28,6 +28,8 @@ class SampleTerms:
         square: What c² adds to each row, in the unit of the row, Shape (N, r).
         offset: What is added to each row, likewise.
         margin: By how much both limits of each row move inward, likewise.
+        torque_speed: What c adds to each torque, Shape (N, m) [N m]; at a known c it is in `torque_offset` instead.
+        speed: What c adds to each row, Shape (N, r); likewise in `offset`.
     """
 
     torque_square: Array | None = None
@@ -35,6 +37,8 @@ class SampleTerms:
     square: Array | None = None
     offset: Array | None = None
     margin: Array | None = None
+    torque_speed: Array | None = None
+    speed: Array | None = None
 
     def __post_init__(self) -> None:
         for name in FIELDS:

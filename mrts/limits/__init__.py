@@ -10,6 +10,7 @@ from weakref import WeakKeyDictionary
 
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.limits.contact_limits import contact_limits
 from mrts.limits.motor_limits import motor_limits
 from mrts.limits.row_check import checked_rows
 from mrts.limits.rows import LimitRows, stack_rows
@@ -21,6 +22,7 @@ from mrts.limits.wrench_limits import wrench_limits
 LIMITS: dict[str, Callable[[Cell, CoordinatedMotion], LimitRows]] = {
     "torque_limits": torque_limits,
     "wrench_limits": wrench_limits,
+    "contact_limits": contact_limits,
     "velocity_limits": velocity_limits,
     "motor_limits": motor_limits,
 }
@@ -68,10 +70,11 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     """The rows that the cell keeps along a motion: of all limits, those with a limit on some side.
 
     Args:
-        cell: The cell; velocities are left out unless it enforces their limits.
+        cell: The cell; velocities are left out unless it enforces their limits. Its reserve is taken off all limits.
         motion: Its motion.
     """
-    return stack_rows([rows.bounded() for rows in rows_by_limit(cell, motion).values()])
+    rows = stack_rows([rows.bounded() for rows in rows_by_limit(cell, motion).values()])
+    return rows.shrunk(cell.reserve) if cell.reserve else rows
 
 
 def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:

@@ -28,21 +28,20 @@ def checked_rows(limit: str, rows: object, cell: Cell, motion: CoordinatedMotion
     if not all(isinstance(name, RowName) for name in rows.names):
         raise InputError(where, "must name its rows by RowName.", key="names")
     count, samples = len(rows.names), motion.samples
+    wrenches = ((count, len(cell.robots) * len(cell.wrench_components)), "(r, wrench components of all arms)")
     shapes = {
         "lower": ((count,), "(r,)"),
         "upper": ((count,), "(r,)"),
         "torque_matrix": ((count, motion.q.shape[1]), "(r, joints)"),
-        "wrench_matrix": (
-            (count, len(cell.robots) * len(cell.wrench_components)),
-            "(r, wrench components of all arms)",
-        ),
+        "wrench_matrix": wrenches,
+        "object_matrix": wrenches,
         "rate": ((samples, count), "(samples, r)"),
         "speed": ((samples, count), "(samples, r)"),
         "square": ((samples, count), "(samples, r)"),
     }
     for field, (shape, meaning) in shapes.items():
         values = getattr(rows, field)
-        if values is None and field in {"rate", "speed", "square"}:
+        if values is None and field in {"object_matrix", "rate", "speed", "square"}:
             continue
         if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu" or values.shape != shape:
             given = (
@@ -52,6 +51,9 @@ def checked_rows(limit: str, rows: object, cell: Cell, motion: CoordinatedMotion
                 where, f"must be real numbers of shape {shape}: {meaning}, r = {count} names; not {given}.", key=field
             )
         _check_numbers(where, field, values, rows)
+    if rows.object_matrix is not None and not (rows.object_axes and rows.object_axes.fit(cell, motion)):
+        rule = "must be mrts.limits.object_axes.object_axes(cell, motion) where there is a object_matrix."
+        raise InputError(where, rule, key="object_axes")
     in_order = (rows.lower <= rows.upper) & (rows.lower < np.inf) & (rows.upper > -np.inf)
     if not in_order.all():
         row = int(np.argmin(in_order))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.limits.object_axes import ObjectAxes
 
 Side = Literal["lower", "upper"]
 
@@ -19,10 +20,11 @@ class RowName:
     """What a row limits.
 
     Attributes:
-        kind: "torque", "wrench", "velocity", "torque-speed" (a line of a motor's curve), "motor speed" (its end),
-            "balance" (of the object), "c2" (c² >= 0), "speed" (along the path), or what a limit of yours bounds.
+        kind: "torque", "wrench", "contact", "velocity", "torque-speed" (a line of a motor's curve), "motor speed" (its
+            end), "balance" (of the object), "c2" (c² >= 0), "speed" (along the path), or what a limit of yours bounds.
         robot: Robot's name; "object" for its velocity; empty for its balance, for c², and where a limit is of no robot.
-        element: Joint, wrench component, "linear" or "angular", or empty.
+        element: Joint, wrench component, contact and what of it is limited ("pad friction +a"), "linear" or "angular",
+            or empty.
         unit: "N m", "N", "rad/s", "m/s", or empty.
     """
 
@@ -38,6 +40,8 @@ class RowName:
             return f"speed along the path {self.element}"
         if self.kind == "balance":
             return f"balance of the object ({self.element})"
+        if self.kind == "contact":
+            return self.short
         what = "contact wrench" if self.kind == "wrench" else self.kind
         return " ".join(filter(None, ["/".join(filter(None, [self.robot, self.element])), what]))
 
@@ -46,7 +50,18 @@ class RowName:
         """`left/elbow` for its torque, `left/fx` for that wrench, `left/elbow velocity`; in full without a robot."""
         if not self.robot:
             return str(self)
-        return f"{self.robot}/{self.element}" + ("" if self.kind in {"torque", "wrench"} else f" {self.kind}")
+        spoken = {"torque", "wrench", "contact"}
+        return f"{self.robot}/{self.element}" + ("" if self.kind in spoken else f" {self.kind}")
+
+    @property
+    def group(self) -> str:
+        """Alike for rows whose limit of zero is measured by one another: those of one unit, of a contact its own."""
+        return self.unit if self.kind != "contact" else f"{self.contact} {self.unit}"
+
+    @property
+    def contact(self) -> str:
+        """`left/pad` for a row of that contact, empty for any other."""
+        return f"{self.robot}/{self.element.split()[0]}" if self.kind == "contact" else ""
 
 
 @lru_cache(maxsize=256)
@@ -100,10 +115,10 @@ class ActiveRow:
 
 @dataclass(frozen=True, kw_only=True)
 class LimitRows:
-    """r rows lower <= M_τ τ + M_F F + a r̈ + b ṙ + e ṙ² <= upper along a motion of N samples that is played with r(t).
+    """r rows lower <= M_τ τ + M_F F + M_H H + a r̈ + b ṙ + e ṙ² <= upper of a motion of N samples, played with r(t).
 
-    τ are all torques, Shape (m,), F all wrenches in base axes, Shape (n w,). A constant factor c is ṙ = c, r̈ = 0. The
-    three columns of the speed are None where no row has such a term.
+    τ are all torques, Shape (m,), F all wrenches in base axes and H the same wrenches in object axes, Shape (n w,). A
+    constant factor c is ṙ = c, r̈ = 0. The three columns of the speed, and M_H, are None where no row has such a term.
 
     Attributes:
         names: One a row.
@@ -111,6 +126,8 @@ class LimitRows:
         upper: Shape (r,), infinity where unbounded.
         torque_matrix: M_τ, Shape (r, m).
         wrench_matrix: M_F, Shape (r, n w).
+        object_matrix: M_H, Shape (r, n w).
+        object_axes: What turns F into H (`mrts.limits.object_axes.object_axes`); there if M_H is.
         rate: a, Shape (N, r).
         speed: b, Shape (N, r).
         square: e, Shape (N, r).
@@ -121,18 +138,38 @@ class LimitRows:
     upper: Array
     torque_matrix: Array
     wrench_matrix: Array
+    object_matrix: Array | None = None
+    object_axes: ObjectAxes | None = None
     rate: Array | None = None
     speed: Array | None = None
     square: Array | None = None
 
     def units(self) -> Array:
-        """What 100 % of each limit is, Shape (r,): its larger side; for a zero, the largest of its unit, or 1."""
+        """What 100 % of each limit is, Shape (r,): its larger side; for a zero, the largest of its group, or 1."""
         sides = np.stack([np.abs(self.lower), np.abs(self.upper)])
         size = np.max(np.where(np.isfinite(sides), sides, 0.0), axis=0)
-        for row in np.flatnonzero(size == 0):
-            alike = [size[other] for other, name in enumerate(self.names) if name.unit == self.names[row].unit]
-            size[row] = max(alike) or 1.0
+        zeros = np.flatnonzero(size == 0)
+        if zeros.size:
+            largest: dict[str, float] = {}
+            for name, of_row in zip(self.names, size.tolist(), strict=True):
+                largest[name.group] = max(of_row, largest.get(name.group, 0.0))
+            size[zeros] = [largest[self.names[row].group] or 1.0 for row in zeros.tolist()]
         return np.asarray(size, dtype=np.float64)
+
+    def side_sizes(self) -> tuple[Array, Array]:
+        """What 100 % of the lower and of the upper side is, each Shape (r,): its own size; of a zero, `units`."""
+        units = self.units()
+        return side_size(self.lower, units), side_size(self.upper, units)
+
+    def shrunk(self, reserve: float) -> "LimitRows":
+        """The same rows with each side moved inward by a share of its size; where both are one number, it stays.
+
+        Args:
+            reserve: The share, 0 to 1. Sides that are closer than that cross: such rows admit nothing.
+        """
+        low, high = self.side_sizes()
+        moves = reserve * (self.lower < self.upper)
+        return replace(self, lower=self.lower + moves * low, upper=self.upper - moves * high)
 
     def value(self, torque: Array, wrench: Array, rate: Array | float, speed: Array | float) -> Array:
         """What each row is of its quantity at all samples, Shape (N, r).
@@ -144,6 +181,8 @@ class LimitRows:
             speed: ṙ, likewise.
         """
         value: Array = torque @ self.torque_matrix.T + wrench @ self.wrench_matrix.T
+        if self.object_matrix is not None and self.object_axes is not None:
+            value += self.object_axes.turned(wrench) @ self.object_matrix.T
         speeds = np.reshape(np.asarray(speed, dtype=np.float64), (-1, 1))
         rates = np.reshape(np.asarray(rate, dtype=np.float64), (-1, 1))
         for column, factor in ((self.rate, rates), (self.speed, speeds), (self.square, speeds**2)):
@@ -158,8 +197,8 @@ class LimitRows:
             value: From `value`.
         """
         used = []
-        for limit, distance in ((self.lower, value - self.lower), (self.upper, self.upper - value)):
-            size = np.where(limit == 0, self.units(), np.abs(limit))
+        low, high = self.side_sizes()
+        for limit, size, distance in ((self.lower, low, value - self.lower), (self.upper, high, self.upper - value)):
             bounded = np.isfinite(limit)
             share = np.full_like(value, -np.inf)
             share[:, bounded] = 1 - distance[:, bounded] / size[bounded]
@@ -180,8 +219,7 @@ class LimitRows:
             self.speed is not None
             and self.lower[row] == -self.upper[row]
             and np.any(self.speed[:, row])
-            and not np.any(self.torque_matrix[row])
-            and not np.any(self.wrench_matrix[row])
+            and not self.of_forces[row]
         )
         limit = self.upper[row] if upper or alike else self.lower[row]
         return ActiveRow(self.names[row], "upper" if upper or alike else "lower", float(limit))
@@ -189,7 +227,8 @@ class LimitRows:
     def at(self, samples: NDArray[np.int_] | slice) -> "LimitRows":
         """The same rows at some samples only."""
         rate, speed, square = (None if c is None else c[samples] for c in (self.rate, self.speed, self.square))
-        return replace(self, rate=rate, speed=speed, square=square)
+        object_axes = None if self.object_axes is None else self.object_axes.at(samples)
+        return replace(self, object_axes=object_axes, rate=rate, speed=speed, square=square)
 
     def only(self, kept: NDArray[np.bool_]) -> "LimitRows":
         """Some of the rows; a column of the speed in which they have nothing is None.
@@ -202,12 +241,16 @@ class LimitRows:
         places = np.flatnonzero(kept)
         columns = (None if c is None or not places.size else c[:, places] for c in (self.rate, self.speed, self.square))
         rate, speed, square = (None if c is None or not np.any(c) else c for c in columns)
+        in_object = None if self.object_matrix is None else self.object_matrix[places]
+        turns = in_object is not None and bool(np.any(in_object))
         return LimitRows(
             names=tuple(self.names[place] for place in places.tolist()),
             lower=self.lower[places],
             upper=self.upper[places],
             torque_matrix=self.torque_matrix[places],
             wrench_matrix=self.wrench_matrix[places],
+            object_matrix=in_object if turns else None,
+            object_axes=self.object_axes if turns else None,
             rate=rate,
             speed=speed,
             square=square,
@@ -220,8 +263,36 @@ class LimitRows:
     @property
     def is_of_speed(self) -> NDArray[np.bool_]:
         """Rows that nothing but the speed moves, Shape (r,)."""
-        others = self.torque_matrix.any(axis=1) | self.wrench_matrix.any(axis=1)
+        others = self.of_forces
         return np.asarray(~(others if self.rate is None else others | moved(self.rate, len(self.names))))
+
+    @property
+    def in_object_axes(self) -> Array:
+        """M_H, zeros where there is none, Shape (r, n w)."""
+        return np.zeros_like(self.wrench_matrix) if self.object_matrix is None else self.object_matrix
+
+    @property
+    def matrix(self) -> Array:
+        """M_τ, M_F and, if there is one, M_H beside each other, Shape (r, m + n w) or (r, m + 2 n w)."""
+        blocks = (self.torque_matrix, self.wrench_matrix, self.object_matrix)
+        return np.hstack([block for block in blocks if block is not None])
+
+    @property
+    def of_forces(self) -> NDArray[np.bool_]:
+        """Rows with torques or wrenches in them, Shape (r,)."""
+        found = self.torque_matrix.any(axis=1) | self.wrench_matrix.any(axis=1)
+        return np.asarray(found if self.object_matrix is None else found | self.object_matrix.any(axis=1))
+
+
+def side_size(limit: Array, units: Array) -> Array:
+    """What 100 % of one side of each row is: the limit's own size, of a zero its unit; 1 where there is no limit.
+
+    Args:
+        limit: Shape (r,).
+        units: As `LimitRows.units`, Shape (r,).
+    """
+    size = np.where(limit == 0, units, np.abs(limit))
+    return np.where(np.isfinite(limit), size, 1.0)
 
 
 def moved(column: Array | None, rows: int) -> NDArray[np.bool_]:
@@ -245,12 +316,15 @@ def stack_rows(pieces: Sequence[LimitRows]) -> LimitRows:
             start = stop
         return whole.T  # row by row in memory: rows without the term cost nothing
 
+    turned = [piece for piece in pieces if piece.object_matrix is not None]
     return LimitRows(
         names=tuple(name for piece in pieces for name in piece.names),
         lower=np.concatenate([piece.lower for piece in pieces]),
         upper=np.concatenate([piece.upper for piece in pieces]),
         torque_matrix=np.concatenate([piece.torque_matrix for piece in pieces]),
         wrench_matrix=np.concatenate([piece.wrench_matrix for piece in pieces]),
+        object_matrix=np.concatenate([piece.in_object_axes for piece in pieces]) if turned else None,
+        object_axes=turned[0].object_axes if turned else None,
         rate=column([piece.rate for piece in pieces]),
         speed=column([piece.speed for piece in pieces]),
         square=column([piece.square for piece in pieces]),

@@ -1,51 +1,87 @@
 # SPDX-License-Identifier: MIT
-"""The limits of a cell as an exported library carries them: tables of rows, and velocity limits."""
+"""The limits of a cell as an exported library carries them: tables of rows, velocity limits, motors."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from mrts.base.embedded_inputs import EmbeddedLimits
+from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedMotors
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import LIMITS, rows_by_limit
+from mrts.limits.motor_limits import CurveRow, curve_rows, motor_limits
 from mrts.limits.rows import LimitRows, RowName, stack_rows
 from mrts.limits.velocity_limits import velocity_limits
 from mrts.motion.object_motion import ObjectMotion
+from mrts.motion.rows_at_rest import REST
 
 
 def embedded_limits(cell: Cell) -> EmbeddedLimits:
-    """All limits of the registry, those without a limit too: it may get one at run time.
+    """All limits of the registry, those without a limit too: it may get one at run time; and what motors add.
 
     Args:
         cell: The cell; velocity limits that it does not enforce are unlimited.
 
     Raises:
-        InputError: If a limit, velocities aside, depends on the motion: the library has tables for those that do not.
+        InputError: If a limit, those of velocities and motors aside, depends on the motion: the library has tables for
+            those that do not; or if the cell keeps a reserve.
     """
-    for robot in cell.robots:
-        if robot.motors.has_effect:
-            raise InputError(f"robot '{robot.name}'", "motors cannot be exported yet.", key="motors")
+    if cell.reserve:
+        rule = (
+            "an exported library has the limits as they are given. Move its sides inward in its settings, at run time."
+        )
+        raise InputError("reserve", rule, value=cell.reserve)
     probes = _probe(cell, 1), _probe(cell, 2)
     first, second = (rows_by_limit(cell, probe) for probe in probes)
-    pieces = []
+    pieces: list[LimitRows] = []
+    line_rows = range(0)
+    curves = curve_rows(cell) if motor_limits in LIMITS.values() else ()
+    lines, ends = ([row for row in curves if (row.slope is None) is at_end] for at_end in (False, True))
     for name, limit in LIMITS.items():
-        if limit is not velocity_limits:
+        if limit is motor_limits:
+            before = sum(len(piece.names) for piece in pieces)
+            line_rows = range(before, before + len(lines))
+            pieces.append(first[name].only(np.array([row.slope is not None for row in curves], dtype=bool)))
+        elif limit is not velocity_limits:
             _check_constant(name, first[name], second[name])
             pieces.append(first[name])
     rows = stack_rows(pieces)
-    units = list(dict.fromkeys(name.unit for name in rows.names))
+    groups = list(dict.fromkeys(name.group for name in rows.names))
     velocity = velocity_limits(replace(cell, enforces_velocity_limits=True), probes[0])
     enforced = cell.enforces_velocity_limits and velocity_limits in LIMITS.values()
+    most = velocity.upper if enforced else np.full_like(velocity.upper, np.inf)
     return EmbeddedLimits(
         texts=tuple(_text(name) for name in rows.names),
-        matrix=np.hstack([rows.torque_matrix, rows.wrench_matrix]),
+        matrix=rows.matrix,
+        base=None if rows.object_axes is None else rows.object_axes.base,
+        axes=() if rows.object_axes is None else rows.object_axes.axes,
         lower=rows.lower,
         upper=rows.upper,
-        group=tuple(units.index(name.unit) for name in rows.names),
-        velocity_texts=tuple(_text(name) for name in velocity.names),
-        velocity=velocity.upper if enforced else np.full_like(velocity.upper, np.inf),
+        group=tuple(groups.index(name.group) for name in rows.names),
+        velocity_texts=tuple(_text(name) for name in (*velocity.names, *(row.name for row in ends))),
+        velocity=np.concatenate([most, [row.limit for row in ends]]),
+        motors=_motors(cell, lines, ends, line_rows),
+    )
+
+
+def _motors(
+    cell: Cell, lines: Sequence[CurveRow], ends: Sequence[CurveRow], line_rows: Sequence[int]
+) -> EmbeddedMotors | None:
+    """What motors add; None where all are ideal."""
+    motors = [robot.motors for robot in cell.robots]
+    if not (lines or ends or any(motor.has_effect for motor in motors)):
+        return None
+    return EmbeddedMotors(
+        armature=np.concatenate([motor.armature for motor in motors]),
+        coulomb=np.concatenate([motor.coulomb for motor in motors]),
+        viscous=np.concatenate([motor.viscous for motor in motors]),
+        line_rows=tuple(line_rows),
+        line_joints=tuple(row.joint for row in lines),
+        slope=np.array([row.slope for row in lines], dtype=np.float64),
+        end_joints=tuple(row.joint for row in ends),
+        rest=REST,
     )
 
 
@@ -62,7 +98,9 @@ def _probe(cell: Cell, seed: int) -> CoordinatedMotion:
 def _check_constant(limit: str, rows: LimitRows, again: LimitRows) -> None:
     """Refuse a limit of which a library cannot compute the rows at a sample."""
     of_speed = any(column is not None and np.any(column) for column in (rows.rate, rows.speed, rows.square))
-    tables = [(each.torque_matrix, each.wrench_matrix, each.lower, each.upper) for each in (rows, again)]
+    tables = [
+        (each.torque_matrix, each.wrench_matrix, each.in_object_axes, each.lower, each.upper) for each in (rows, again)
+    ]
     alike = rows.names == again.names and all(map(np.array_equal, *tables))
     if of_speed or not alike:
         raise InputError(
@@ -74,4 +112,4 @@ def _check_constant(limit: str, rows: LimitRows, again: LimitRows) -> None:
 
 
 def _text(name: RowName) -> str:
-    return f"{name.robot}/{name.element} {name.kind}" if name.robot else str(name)
+    return f"{name.robot}/{name.element} {name.kind}" if name.robot and name.kind != "contact" else str(name)

@@ -14,7 +14,7 @@ from mrts.base.load_box import PARAMETERS, LoadBox
 from mrts.base.manifest import FORMAT, LOAD_ENTRIES, Manifest, Matrix, Matrix3, Vector3
 from mrts.limits import OWN_LIMITS
 from mrts.limits.rows import ActiveRow, RowName
-from mrts.samples import FormulationName
+from mrts.samples import DistributionName, FormulationName
 
 FORMAT_NAME = "mrts result"
 
@@ -119,11 +119,28 @@ class ConflictEntry(_Record):
     widening: float
     moves: list[float]
     load: Index | None
+    c2: Annotated[float, Field(ge=0)] | None = None
 
     @model_validator(mode="after")
     def _one_of_each_a_row(self) -> Self:
         if not len(self.rows) == len(self.multipliers) == len(self.moves):
             raise broken_rule("rows, multipliers and moves must be of one length")
+        return self
+
+
+class GapEntry(_Record):
+    """What a sample of one range does not admit, as `mrts.samples.range_ends.Gap`; rows and loads are indices."""
+
+    range: Index
+    sample: Index
+    c2: tuple[Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]]
+    rows: tuple[list[Index], list[Index]]
+    loads: tuple[Index | None, Index | None]
+
+    @model_validator(mode="after")
+    def _ascending(self) -> Self:
+        if not self.c2[0] < self.c2[1]:
+            raise broken_rule("c2 must rise")
         return self
 
 
@@ -140,6 +157,23 @@ class RuleEntry(_Record):
     sharing: SharingEntry | None
     formulation: FormulationName
     weights: list[float] | Matrix | None
+    distribute: DistributionName = "least-torque"
+
+
+class ReserveEntry(_Record):
+    """By how much limits may shrink, as `mrts.samples.reserve.Reserve`; rows and load are indices."""
+
+    share: Annotated[float, Field(ge=0, le=1)]
+    sample: Index
+    rows: list[Index]
+    load: Index | None
+
+
+class PlanReserveEntry(_Record):
+    """What is left of the limits, as `mrts.samples.reserve.PlanReserve`."""
+
+    whole: ReserveEntry
+    distributed: ReserveEntry | None
 
 
 class WarningEntry(_Record):
@@ -178,8 +212,11 @@ class Description(_Record):
     warnings: Annotated[list[WarningEntry], FailFast()]
     rows: Annotated[list[RowEntry], FailFast()]
     limits: Annotated[list[str], FailFast()] = list(OWN_LIMITS)
+    kept_reserve: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    reserve: PlanReserveEntry | None = None
     loads: Annotated[list[LoadEntry], FailFast()]
     conflicts: Annotated[list[ConflictEntry], FailFast()]
+    gaps: Annotated[list[GapEntry], FailFast()] = []
     excess: ExcessEntry | None = None
 
     def text(self) -> str:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.argument_types import as_path, check_type
+from mrts.base.arrays import without_infinity
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError, as_array
 from mrts.base.load_box import LoadPoint
@@ -19,7 +20,7 @@ from mrts.base.remark import Remark
 from mrts.base.version import __version__
 from mrts.cell.cell import Cell, cell_from_manifest
 from mrts.cell.functions import CellFunctions, saved_functions
-from mrts.cell.robot import robot_record, without_infinity
+from mrts.cell.robot import robot_record
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import LIMITS
 from mrts.motion.object_motion import ObjectMotion
@@ -40,7 +41,17 @@ from mrts.output.saved_json import (
     WarningEntry,
     read_description,
 )
-from mrts.output.saved_ranges import Arrays, Tables, conflict_entries, range_arrays, read_ranges, require_places
+from mrts.output.saved_ranges import (
+    Arrays,
+    Tables,
+    conflict_entries,
+    gap_entries,
+    range_arrays,
+    read_ranges,
+    read_reserve,
+    require_places,
+    reserve_entry,
+)
 from mrts.refinement.excess import Excess
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.sample_ranges import SampleRanges
@@ -57,7 +68,7 @@ TRAJECTORY = ("torque", "wrench", "internal_wrench")
 """Arrays that are there if some c² was chosen."""
 
 KNOWN = frozenset(
-    {*MOTION, "q", "dq", "ddq", "status", "c2_lower", "c2_upper", "binding_count", "binding_row", "end_load"}
+    {*MOTION, "q", "dq", "ddq", "travel", "status", "c2_lower", "c2_upper", "binding_count", "binding_row", "end_load"}
     | {*TRAJECTORY, "holds", "holding_torque", "holding_wrench"}
 )
 """All arrays that a file may hold, beside its description."""
@@ -83,6 +94,8 @@ def save_result(result: ScalingResult, path: Path | str) -> None:
     tables = Tables()
     arrays: Arrays = {name: getattr(motion.object, name) for name in MOTION}
     arrays |= {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq} | range_arrays(ranges, tables)
+    if motion.travel is not None:
+        arrays["travel"] = motion.travel
     if done is not None:
         arrays |= {name: getattr(done, name) for name in TRAJECTORY}
         if done.holding is not None:
@@ -126,10 +139,11 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
             load=np.array(said.load),
             load_box=load_box,
             enforces_velocity_limits=said.enforces_velocity_limits,
+            reserve=said.kept_reserve,
         )
         time, position, rotation, twist, acceleration = (arrays[name] for name in MOTION)
         carried = ObjectMotion(time, position, rotation, twist, acceleration, smooth=False)  # it may be a retimed one
-        motion = CoordinatedMotion(carried, arrays["q"], arrays["dq"], arrays["ddq"])
+        motion = CoordinatedMotion(carried, arrays["q"], arrays["dq"], arrays["ddq"], travel=arrays.get("travel"))
         rule = _rule(said.rule)
         box = None if said.study is None else said.study.box.box()
     first, *others = (intersect(samples) for samples in read_ranges(path, arrays, said, motion.object.time))
@@ -148,7 +162,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         done = ScaledTrajectory(known, motion, said.c2, arrays["torque"], arrays["wrench"], held)
         done = done.with_internal_wrench(arrays["internal_wrench"])
     warnings = tuple(Remark(one.code, one.text, one.sample) for one in said.warnings) + _other_limits(said.limits)
-    return ScalingResult(
+    result = ScalingResult(
         cell=known,
         motion=motion,
         range=first,
@@ -160,6 +174,8 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         warnings=warnings,
         excess=_excess(path, said),
     )
+    reserve = read_reserve(path, said, motion.object.time)
+    return result if reserve is None and done is not None else result.with_known_reserve(reserve)
 
 
 def _excess(path: Path, said: Description) -> Excess | None:
@@ -204,7 +220,8 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
             points=[tables.load(point) for point in study.points],
             not_converged=list(study.not_converged),
         )
-    conflicts = conflict_entries(ranges, tables)
+    conflicts, gaps = conflict_entries(ranges, tables), gap_entries(ranges, tables)
+    reserve = reserve_entry(result.reserve, tables)
     left, excess = result.excess, None
     if left is not None:
         row = None if left.row is None else tables.row(left.row)
@@ -223,6 +240,7 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
             else SharingEntry(shares=_listed(sharing.shares), internal_wrench=_listed(sharing.internal_wrench)),
             formulation=rule.formulation,
             weights=_listed(rule.weights),
+            distribute=rule.distribute,
         ),
         c2=None if result.trajectory is None else result.trajectory.c2,
         fallbacks=result.fallbacks,
@@ -234,6 +252,9 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
         limits=list(LIMITS),
         loads=tables.load_entries(),
         conflicts=conflicts,
+        gaps=gaps,
+        kept_reserve=cell.reserve,
+        reserve=reserve,
         excess=excess,
     )
 
@@ -250,7 +271,7 @@ def _rule(entry: RuleEntry) -> DistributionRule:
     fixed = None
     if sharing is not None:
         fixed = LoadSharing(array("shares", sharing.shares), array("internal_wrench", sharing.internal_wrench))
-    return DistributionRule(fixed, entry.formulation, array("weights", entry.weights))
+    return DistributionRule(fixed, entry.formulation, array("weights", entry.weights), entry.distribute)
 
 
 def _manifest(cell: Cell) -> Manifest:
@@ -319,8 +340,7 @@ def _check_arrays(path: Path, arrays: Arrays, said: Description, cell: Cell) -> 
     shapes |= {"twist": (N, 6), "acceleration": (N, 6), "q": (N, m), "dq": (N, m), "ddq": (N, m)}
     shapes |= {"c2_lower": (ranges, N), "c2_upper": (ranges, N), "status": (ranges, N)}
     shapes |= {"binding_count": (ranges, 2, N), "binding_row": (np.size(arrays.get("binding_row", ())),)}
-    if "end_load" in arrays:
-        shapes["end_load"] = (2, N)
+    shapes |= {name: shape for name, shape in (("end_load", (2, N)), ("travel", (2, N, m))) if name in arrays}
     if said.c2 is not None:
         shapes |= {"torque": (N, m), "wrench": (N, f), "internal_wrench": (N, f)}
         if "holds" in arrays:

@@ -5,8 +5,9 @@ from collections.abc import Iterator
 
 from mrts.base.interval_text import interval_text
 from mrts.drawing.range_sentences import range_text
+from mrts.hands.friction import NORMAL_FORCE
 from mrts.retiming.result import RetimingResult
-from mrts.scaling.limit_use import limit_uses
+from mrts.scaling.limit_use import largest_step, limit_uses
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
@@ -42,6 +43,7 @@ def scaling_lines(result: ScalingResult) -> Iterator[str]:
         return
     given = result.motion.object.time[-1]
     yield f"chosen c² = {done.c2:.6g}: {given:.4g} s become {done.duration:.4g} s, energy {done.energy:.4g} J"
+    yield from _reserve_lines(result)
     yield f"torques for a load of {result.cell.mass:.4g} kg\n" if result.load is not None else ""
     yield from _torque_lines(result)
     for note in result.too_fast():
@@ -65,8 +67,28 @@ def retiming_lines(found: RetimingResult) -> Iterator[str]:
         yield f"between the samples, {loads}limits are overstepped by at most {100 * found.excess.share:.2g} %"
     else:
         yield f"between the samples, {loads}no limit is overstepped"
+    yield from _step_lines(found.retimed)
     yield f"energy {found.retimed.trajectory.energy:.4g} J; torques for a load of {found.cell.mass:.4g} kg\n"
     yield from _torque_lines(found.retimed)
+
+
+def _reserve_lines(result: ScalingResult) -> Iterator[str]:
+    """What is left of the limits, and how far torques and wrenches go at a time."""
+    yield f"reserve: {result.reserve}"
+    yield from _step_lines(result)
+
+
+def _step_lines(result: ScalingResult) -> Iterator[str]:
+    """How far torques and wrenches go from one sample to the next, where their distribution is chosen."""
+    if result.rule.distribute == "least-torque":
+        return
+    steps = (largest_step(result, kind) for kind in ("torque", "wrench"))
+    told = ", ".join(
+        f"{step.name.short} by {step.step:.3g} {step.name.unit} ({100 * step.step_share:.3g} % of its limit)"
+        for step in steps
+        if step is not None
+    )
+    yield f"largest step between samples: {told or 'none has a limit'}"
 
 
 def _torque_lines(result: ScalingResult) -> Iterator[str]:
@@ -74,12 +96,25 @@ def _torque_lines(result: ScalingResult) -> Iterator[str]:
     robots = result.cell.robots
     names = max(NAME_WIDTH, *(len(f"{robot.name}/{joint}") for robot in robots for joint in robot.joints))
     yield f"{'joint':<{names}} {'least torque':>14} {'largest torque':>15} {'limits':>22}"
-    further = [use for use in limit_uses(result) if use.name.kind not in OWN_KINDS]
+    further = [use for use in limit_uses(result) if use.name.kind not in {*OWN_KINDS, "contact"}]
     for use in [*limit_uses(result, "torque"), *further]:
         name, unit = use.name.short, use.name.unit
         least, largest = (f"{value:.4g} {unit}" for value in (use.least, use.largest))
         limits = interval_text(use.lower, use.upper, unit, LIMIT_DIGITS)
         yield f"{name:<{names}} {least:>14} {largest:>15} {limits:>22}"
+    yield from _contact_lines(result)
+
+
+def _contact_lines(result: ScalingResult) -> Iterator[str]:
+    """How hard each hand presses, and what it is nearest to giving way in."""
+    uses = limit_uses(result, "contact")
+    for contact in dict.fromkeys(use.name.contact for use in uses):
+        own = [use for use in uses if use.name.contact == contact]
+        pressed = next((use for use in own if use.name.element.endswith(NORMAL_FORCE)), None)
+        presses = "" if pressed is None else f"normal force {pressed.least:.4g} to {pressed.largest:.4g} N, "
+        most = max(own, key=lambda use: use.share)
+        what = most.name.short.removeprefix(contact).strip()
+        yield f"{contact}: {presses}{100 * most.share:.3g} % used by {what} at {most.time:.4g} s"
 
 
 def _load_lines(study: LoadStudy) -> Iterator[str]:

@@ -98,6 +98,13 @@ class Ends:
         with np.errstate(divide="ignore"):
             return 1 / self.upper, self.lower
 
+    def in_gap(self, c2: float) -> NDArray[np.bool_]:
+        """Where a c² lies in a gap between the ends, Shape (N,)."""
+        if not any(of.gaps for of in self.sources):
+            return np.zeros(len(self.time), dtype=bool)
+        found = [{gap.sample for gap in of.gaps if gap.lower < c2 < gap.upper} for of in self.sources]
+        return np.array([sample in found[source] for source, sample in self.place.tolist()], dtype=bool)
+
     def loads(self, places: NDArray[np.intp], side: Side) -> Array | None:
         """Loads that set one end at some places, Shape (k, 10); None where the load is known."""
         found = []
@@ -142,7 +149,7 @@ class Looked:
 
     def overstepped(self, asked: Asked, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:
         """Places whose range has c² beyond one of its ends, and by how much limits must move for it."""
-        beyond = self.ends.upper < c2 if side == "upper" else self.ends.lower > c2
+        beyond = (self.ends.upper < c2 if side == "upper" else self.ends.lower > c2) | self.ends.in_gap(c2)
         places = np.flatnonzero(beyond)
         if not len(places):
             return places, np.zeros(0)
@@ -179,7 +186,14 @@ class Refinement:
         return worst
 
 
-def refine(cell: Cell, motion: CoordinatedMotion, found: SampleRanges, asked: Asked, tolerance: float) -> Refinement:
+def refine(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    found: SampleRanges,
+    whole: tuple[float, float],
+    asked: Asked,
+    tolerance: float,
+) -> Refinement:
     """Look between the samples of a motion wherever its range of c² may be narrower, and add what samples that takes.
 
     The least c²⁺ and the largest c²⁻ along the motion are looked for in the gaps between samples; a place joins the
@@ -190,6 +204,7 @@ def refine(cell: Cell, motion: CoordinatedMotion, found: SampleRanges, asked: As
         cell: The cell.
         motion: Its motion.
         found: The ranges at its samples, which have a c² in common.
+        whole: c²⁻ and c²⁺, the ends of the interval of the largest speeds that they have in common.
         asked: How ranges and rows are found at other places.
         tolerance: Share of a limit by which it may be overstepped.
 
@@ -198,13 +213,13 @@ def refine(cell: Cell, motion: CoordinatedMotion, found: SampleRanges, asked: As
         SolverError: If no solver answers.
     """
     known = Ends.of(found)
-    whole, none = known.whole(), Excess(0.0, tolerance)
+    none = Excess(0.0, tolerance)
     if whole[1] <= 0:
         return Refinement(motion, None, asked, none, whole)
     looked: Looked | None = None
     allowed, left = _allowed(motion, known, asked, tolerance), none
     for turn in range(MOST_ROUNDS):
-        everywhere = turn == 0 and (motion.samples < COARSE or allowed is None)
+        everywhere = turn == 0 and (motion.samples < COARSE or allowed is None or bool(found.gaps))
         gaps = _doubtful(known, allowed, everywhere=everywhere)
         if not len(gaps):
             break
@@ -287,6 +302,8 @@ def _needed(looked: Looked, asked: Asked, whole: tuple[float, float], left: Exce
         places, share = looked.overstepped(asked, c2, side)
         if len(places) and np.max(share) > left.tolerance:
             added.append(places[np.argmin(order[places])])
+            if np.any(looked.ends.in_gap(c2)):
+                added.append(places[np.argmax(share)])
         else:
             left = _worse(left, looked.ends, places, share, side)
     return np.unique(np.array(added, dtype=np.intp)), left

@@ -45,6 +45,10 @@ def inputs_table(result: ScalingResult) -> Html:
         ("given motion", f"{given.time[-1]:.4g} s in {result.motion.samples} samples, {path}"),
         ("torques", _distribution_text(result)),
     ]
+    if result.cell.reserve:
+        entries.append(("kept in reserve", f"{100 * result.cell.reserve:.4g} % of every limit"))
+    if result.reserve is not None:
+        entries.append(("reserve", str(result.reserve)))
     return element("dl", joined(joined([element("dt", name), element("dd", text)]) for name, text in entries))
 
 
@@ -61,8 +65,12 @@ def _object_text(cell: Cell) -> str:
 
 def _distribution_text(result: ScalingResult) -> str:
     sharing = result.rule.sharing
+    if sharing is None and len(result.cell.robots) == 1:
+        return "those of one arm"
     if sharing is None:
-        return "the least weighted squares that keep all limits" if len(result.cell.robots) > 1 else "those of one arm"
+        if result.rule.distribute == "reserve":
+            return "those that keep most of every limit in reserve, and the least weighted squares among them"
+        return "the least weighted squares that keep all limits"
     if sharing.shares is None:
         return "a fixed distribution, equal shares"
     return f"a fixed distribution, shares {', '.join(f'{share:.4g}' for share in sharing.shares)}"
@@ -84,18 +92,17 @@ def joints_table(cell: Cell) -> Html:
 
 
 def wrench_limits_table(cell: Cell) -> Html:
-    """Limits of every contact wrench."""
-    rows = [
-        (
-            robot.name,
-            *(
-                interval_text(lower, upper, unit)
-                for lower, upper, unit in zip(robot.wrench_lower, robot.wrench_upper, cell.wrench_units, strict=True)
-            ),
-        )
-        for robot in cell.robots
-    ]
-    return table(("robot", *cell.wrench_components), rows)
+    """Limits of every contact wrench, and what else the hands can exert where that is told."""
+    rows: list[tuple[str, ...]] = []
+    for robot in cell.robots:
+        sides = zip(robot.wrench_lower, robot.wrench_upper, cell.wrench_units, strict=True)
+        rows.append((robot.name, *(interval_text(lower, upper, unit) for lower, upper, unit in sides)))
+    head: tuple[str, ...] = ("robot", *cell.wrench_components)
+    if any(robot.contacts for robot in cell.robots):
+        head = (*head, "hand")
+        hands = [", ".join(f"{own.name} ({len(own.rows)} rows)" for own in robot.contacts) for robot in cell.robots]
+        rows = [(*row, hand) for row, hand in zip(rows, hands, strict=True)]
+    return table(head, rows)
 
 
 def range_table(found: ScalingRange) -> list[Html]:

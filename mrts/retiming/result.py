@@ -23,7 +23,7 @@ from mrts.retiming.retimed_motion import TimedPiece
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.range_status import RangeStatus
 from mrts.scaling.motion_remarks import lasting
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.result import ScalingResult, kept_text
 
 
 class RetimingStatus(Enum):
@@ -114,10 +114,11 @@ class RetimingResult:
 
     def sentence(self) -> str:
         """The outcome alone."""
+        kept = kept_text(self.cell.reserve)
         if not self.status.admits_motion:
-            return printable(f"{self.status.value}: {self.explanation}")
+            return printable(f"{kept}{self.status.value}: {self.explanation}")
         given, best = float(self.motion.object.time[-1]), self.constant.trajectory
-        text = f"the fastest timing takes {self.duration:.4g} s, the given one {given:.4g} s"
+        text = f"{kept}the fastest timing takes {self.duration:.4g} s, the given one {given:.4g} s"
         if self.saving is not None and best is not None:
             text += (
                 f"; {100 * self.saving:.3g} % less than {best.duration:.4g} s at the best constant c² = {best.c2:.4g}"
@@ -136,6 +137,8 @@ class RetimingResult:
             "warnings": [warning.to_json() for warning in self.warnings],
             "status": self.status.value,
             "explanation": self.explanation or None,
+            "distribute": self.constant.rule.distribute,
+            "kept_reserve": self.cell.reserve,
             "duration": self.duration,
             "saving": self.saving,
             "constant": self.constant.range.to_json(),
@@ -159,7 +162,7 @@ class RetimingResult:
             }
             for part in self.pieces
         ]
-        for key in ("joints", "torque", "wrench", "internal_wrench", "power", "energy"):
+        for key in ("joints", "torque", "wrench", "internal_wrench", "power", "energy", "largest_step"):
             output[key] = whole[key]
         return output
 

@@ -25,6 +25,8 @@ from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import TimedPiece, retimed_motion
 from mrts.retiming.speed_conflict import sample_conflict, segment_conflict
 from mrts.retiming.speed_regions import SpeedRegions, intersect_regions, speed_regions
+from mrts.retiming.successive_profiles import successive_profiles
+from mrts.samples import DistributionName
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
@@ -32,7 +34,7 @@ from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.guaranteed_range import effective_parameters
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.range import intersect
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.scale import SelectionError, load_question, scale
 from mrts.scaling.with_torques import with_torques
 from mrts.solvers import DEFAULT_SOLVER
@@ -51,6 +53,8 @@ def retime(
     sharing: LoadSharing | None = None,
     weights: Array | None = None,
     load: str = "auto",
+    distribute: DistributionName = "least-torque",
+    reserve: float | None = None,
     closure: ClosureBound | None = None,
     start_speed: float = 0.0,
     end_speed: float = 0.0,
@@ -71,7 +75,9 @@ def retime(
         sharing: A fixed distribution of the load; None leaves it free.
         weights: W of the quadratic program, as in `mrts.scale`.
         load: "guaranteed" (for every load of the box) or "nominal"; "auto" is "guaranteed" if the cell has a load box.
-        closure: As in `mrts.scale`.
+        distribute: As in `mrts.scale`.
+        reserve: Likewise.
+        closure: Likewise.
         start_speed: ṙ at the start, where the given motion does not start from rest [1].
         end_speed: ṙ at the end, likewise [1].
         between: As in `mrts.scale`; what is left above it is told in the first sentence.
@@ -86,8 +92,8 @@ def retime(
         SolverError: If no solver answers.
     """
     question = _checked_question(cell, sharing, load, start_speed, end_speed, progress)
-    tolerance = checked_tolerance(between)
-    constant = _best_constant(cell, motion, sharing, weights, question, closure, between)
+    rule, tolerance = DistributionRule(sharing, "wrench", weights, distribute), checked_tolerance(between)
+    constant = _best_constant(cell, motion, rule, question, reserve, closure, between)
 
     def timed(path: CoordinatedMotion) -> RetimingResult:
         return _fastest(replace(constant, motion=path), question, (start_speed, end_speed), progress)
@@ -166,15 +172,25 @@ def _checked_question(
 def _best_constant(
     cell: Cell,
     motion: ObjectMotion | JointTable | CoordinatedMotion,
-    sharing: LoadSharing | None,
-    weights: Array | None,
+    rule: DistributionRule,
     question: str,
+    reserve: float | None,
     closure: ClosureBound | None,
     between: float | None,
 ) -> ScalingResult:
     """The best constant factor; without a trajectory where none moves the object, which a varying speed may."""
     try:
-        return scale(cell, motion, sharing=sharing, weights=weights, load=question, closure=closure, between=between)
+        return scale(
+            cell,
+            motion,
+            sharing=rule.sharing,
+            weights=rule.weights,
+            load=question,
+            distribute=rule.distribute,
+            reserve=reserve,
+            closure=closure,
+            between=between,
+        )
     except SelectionError as error:
         if error.result is None:
             raise
@@ -237,10 +253,22 @@ class _Search:
 
     def run(self, progress: Progress) -> TimedPiece | _Failure:
         """The fastest profile, or why there is none."""
-        parts = []
+        parts, with_root = [], []
         for number, point in enumerate(self.points):
             progress(number, len(self.points))
-            parts.append(speed_regions(self._problem(point), float(np.sum(self.piece.step)), self.ends))
+            problem = self._problem(point)
+            if problem.speed is None:
+                parts.append(speed_regions(problem, float(np.sum(self.piece.step)), self.ends))
+            else:
+                with_root.append(problem)
+        if with_root:
+            steps = successive_profiles(with_root, self.piece.step, self.ends)
+            progress(len(self.points), len(self.points))
+            if isinstance(steps, Obstacle):
+                return self._explained(steps)
+            return self._unusual(steps[-1].profile, steps[-1].regions) or TimedPiece(
+                self.piece, steps[-1].regions, steps[-1].profile
+            )
         progress(len(self.points), len(self.points))
         regions = parts[0] if len(parts) == 1 else intersect_regions(parts)
         for sample in regions.undecided:
@@ -274,12 +302,12 @@ class _Search:
 
     def _explained(self, obstacle: Obstacle) -> _Failure:
         k, reach = obstacle.sample, obstacle.reach
-        if obstacle.kind != "segment":
-            return self._wrong_end(obstacle)
-        for sample in (k, k + 1):
+        for sample in (k, k + 1) if obstacle.kind == "segment" else (k,):
             conflict = self._conflict(sample)
             if conflict is not None:
                 return _Failure((RetimingStatus.INFEASIBLE, f"{conflict}."), conflict)
+        if obstacle.kind != "segment":
+            return self._wrong_end(obstacle)
         conflict = self._conflict(k, reach)
         low, high = (np.sqrt(x) / self.piece.speed[k + 1] if self.piece.speed[k + 1] > 0 else 0.0 for x in reach)
         why = (

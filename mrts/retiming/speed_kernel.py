@@ -16,10 +16,10 @@ SOLVER = "qpsol:qpoases"
 """Of the linear programs where there is no kernel."""
 
 OUTSIDE = 1e-9
-"""An edge is final if nothing lies further out than this; `MRTS_OUTSIDE` of projection.c."""
+"""An edge is final if nothing lies further out than this; `MRTS_OUTSIDE` of batch.c."""
 
 ON_LIMIT = 2e-10
-"""Rounding of a speed on a limit; `MRTS_ON_LIMIT` of reachability.c."""
+"""Rounding of a speed on a limit; `MRTS_ON_LIMIT` of batch.c."""
 
 AXES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 """Directions of the first corners."""
@@ -49,7 +49,7 @@ def speed_kernel() -> SpeedKernel:
 
 
 class KernelWithoutCompiler:
-    """The algorithms of mrts/kernel/c/projection.c and reachability.c, with a solver that needs no compiler."""
+    """The projections and passes of mrts/kernel/c/batch.c, with a solver that needs no compiler."""
 
     @staticmethod
     def projections(A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:

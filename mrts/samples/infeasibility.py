@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Why a sample is infeasible: a verified Farkas certificate and the limits that it names."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,8 @@ from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
 from mrts.limits.rows import ActiveRow
 from mrts.samples.sample_problem import SampleProblem
+from mrts.samples.speed_intervals import speed_unit
+from mrts.samples.widening import widening_at
 from mrts.solvers.elastic_program import least_widening
 
 CERTIFICATE_TOLERANCE = 1e-9
@@ -20,6 +22,13 @@ NEGLIGIBLE_MULTIPLIER = 1e-9
 
 COMBINATION_TOLERANCE = 1e-8
 """Largest error of yᵀA = 0, relative to its terms: what rounding and the dropped multipliers leave."""
+
+
+SEARCH_POINTS, SEARCH_ROUNDS = 33, 6
+"""Of the grid on which the closest c is looked for: the last is 16⁻⁵ as wide as the first."""
+
+SEARCHED = 100.0
+"""How far the first goes beyond, and below, the c that moves a row by about one limit."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +46,8 @@ class Conflict:
         widening: All limits must move outward by at least this share of their larger side to make the sample feasible.
         moves: The same for each of these rows in its own unit.
         load: The load that cannot be carried, if the load is uncertain.
+        c2: Where the speed has a term beside its square and the rows conflict at each speed for other reasons: the c²
+            that comes closest, at which these rows conflict; None where they conflict whatever c² is.
     """
 
     sample: int
@@ -46,18 +57,20 @@ class Conflict:
     widening: float
     moves: tuple[float, ...]
     load: LoadPoint | None = None
+    c2: float | None = None
 
     def __str__(self) -> str:
         names = "; ".join(str(row) for row in self.rows)
         carried = "the object" if self.load is None else f"the object with {self.load}"
+        nearest = "" if self.c2 is None else f"even at c² = {self.c2:.4g}, which comes closest, "
         moves = ", ".join(
             f"{row.name.short} by {move:.3g} {row.name.unit}".rstrip()
             for row, move in zip(self.rows, self.moves, strict=True)
         )
         return (
-            f"at t = {self.time:.4g} s (sample {self.sample}) no torques carry {carried} at any speed: these limits "
-            f"conflict: {names}. It takes moving all limits outward by {100 * self.widening:.3g} % of their size "
-            f"({moves})"
+            f"at t = {self.time:.4g} s (sample {self.sample}) no torques carry {carried} at any speed: {nearest}these "
+            f"limits conflict: {names}. It takes moving all limits outward by {100 * self.widening:.3g} % of their "
+            f"size ({moves})"
         )
 
 
@@ -82,28 +95,74 @@ def find_conflicts(
         SolverError: If no solver answers.
     """
     part = problem.at(samples)
+    if part.speed is not None:
+        return _conflicts_along_speed(part, time[samples], samples, solver)
     x_lower = np.append(np.full(part.unknowns - 1, -np.inf), 0.0)
     found = least_widening(
         part.A, part.lower, part.upper, part.is_limit, x_lower, solver, "whether the limits hold together"
     )
     conflicts: list[Conflict | None] = []
     for index, sample in enumerate(samples):
-        certified = _certified(part, index, found.row_dual[index])
-        if certified is None:
+        sides = _crossed(part, index) or _certified(part, index, found.row_dual[index])
+        if not sides:
             conflicts.append(None)
             continue
-        rows_in_conflict = np.flatnonzero(certified).tolist()
         conflicts.append(
             Conflict(
                 int(sample),
                 float(time[sample]),
-                tuple(part.active_row(row, upper=bool(certified[row] > 0)) for row in rows_in_conflict),
-                tuple(float(certified[row] / part.unit[row]) for row in rows_in_conflict),
+                tuple(part.active_row(row, upper=multiplier > 0) for row, multiplier in sides),
+                tuple(float(multiplier / part.unit[row]) for row, multiplier in sides),
                 float(found.share[index]),
-                tuple(float(found.share[index] * part.unit[row]) for row in rows_in_conflict),
+                tuple(float(found.share[index] * part.unit[row]) for row, _ in sides),
             )
         )
     return conflicts
+
+
+def _conflicts_along_speed(
+    part: SampleProblem, time: Array, samples: NDArray[np.int_], solver: str
+) -> list[Conflict | None]:
+    """`find_conflicts` where rows have a term in ṙ: at the c² at which the limits must move outward the least.
+
+    The widening is no convex function of c, so c is looked for on a grid that closes in on the best place.
+    """
+    best = closest_speed(part, solver) ** 2
+    lower, upper = part.limits_at(best[:, None])
+    A = np.concatenate([part.free, np.zeros((*part.square.shape, 1))], axis=2)
+    fixed = replace(part, A=A, lower=lower, upper=upper, speed=None)
+    found = find_conflicts(fixed, time, np.arange(len(samples)), solver)
+    return [
+        None if one is None else replace(one, sample=int(sample), c2=float(c2))
+        for one, sample, c2 in zip(found, samples, best, strict=True)
+    ]
+
+
+def closest_speed(problem: SampleProblem, solver: str) -> Array:
+    """The c at which the limits of a sample must move outward the least, Shape (N,).
+
+    Args:
+        problem: Rows with a column of ṙ.
+        solver: Name in the registry.
+
+    Raises:
+        SolverError: If no solver answers.
+    """
+    unit, cap = np.sqrt(speed_unit(problem)), np.sqrt(problem.cap())
+    steps = np.concatenate([[0.0], np.geomspace(1 / SEARCHED, SEARCHED, SEARCH_POINTS - 1)])
+    grid = np.minimum(unit[:, None] * steps, cap[:, None])
+    every = np.repeat(np.arange(problem.samples), SEARCH_POINTS)
+    repeated = problem.at(every)
+    for _ in range(SEARCH_ROUNDS):
+        c2 = grid.reshape(-1, 1) ** 2
+        needed = widening_at(repeated, c2, solver, "at which speed the limits come closest").reshape(grid.shape)
+        place = np.argmin(needed, axis=1)
+        near = (np.clip(place + step, 0, SEARCH_POINTS - 1)[:, None] for step in (-1, 0, 1))
+        low, best, high = (np.take_along_axis(grid, at, axis=1) for at in near)
+        half = SEARCH_POINTS // 2
+        down, up = np.linspace(0, 1, half + 1)[:-1], np.linspace(0, 1, half + 1)
+        grid = np.concatenate([low + (best - low) * down, best + (high - best) * up], axis=1)
+    return np.asarray(best[:, 0], dtype=np.float64)
 
 
 def separation(problem: SampleProblem, index: int, y: Array) -> tuple[float, float]:
@@ -129,9 +188,24 @@ def separation(problem: SampleProblem, index: int, y: Array) -> tuple[float, flo
     return float(np.sum(y * limit)) / (size or 1.0), error
 
 
-def _certified(problem: SampleProblem, index: int, y: Array) -> Array | None:
-    """The multipliers without rounding if they prove infeasibility, else None."""
+def _crossed(problem: SampleProblem, index: int) -> list[tuple[int, float]]:
+    """Both sides of the row whose limits cross the most, each with its multiplier; nothing if none do.
+
+    They cross where a reserve or friction in both directions leaves less than nothing between them. Multipliers of one
+    row cancel in a sum over rows, so such a certificate is given by itself.
+    """
+    beyond = np.where(problem.is_limit, problem.lower[index] - problem.upper[index], -np.inf)
+    if not np.any(beyond > CERTIFICATE_TOLERANCE):
+        return []
+    row = int(np.argmax(beyond))
+    return [(row, -1.0), (row, 1.0)]
+
+
+def _certified(problem: SampleProblem, index: int, y: Array) -> list[tuple[int, float]]:
+    """The rows with their multipliers without rounding if they prove infeasibility; nothing if they do not."""
     weight = np.abs(y) * np.maximum(np.max(np.abs(problem.A[index]), axis=1), problem.is_limit)
     y = np.where(weight > NEGLIGIBLE_MULTIPLIER * np.max(weight, initial=0.0), y, 0.0)
     value, error = separation(problem, index, y)
-    return y if value < -CERTIFICATE_TOLERANCE and error <= COMBINATION_TOLERANCE else None
+    if not (value < -CERTIFICATE_TOLERANCE and error <= COMBINATION_TOLERANCE):
+        return []
+    return [(row, float(y[row])) for row in np.flatnonzero(y).tolist()]

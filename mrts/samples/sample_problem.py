@@ -280,13 +280,17 @@ def _problem(
 ) -> SampleProblem:
     """The limits over the unknowns, each row in its unit; the maps have what motors add to c² and r̈ already."""
     rows = form.rows.at(samples)
-    moves = np.any(rows.torque_matrix, axis=1) | np.any(rows.wrench_matrix, axis=1)
+    moves = rows.of_forces
     count, _, unknowns = maps["torque_map"].shape
     size = form.size
     A, offset = np.zeros((count, len(size), unknowns)), np.zeros((count, len(size)))
     M_torque, M_wrench = rows.torque_matrix[moves], rows.wrench_matrix[moves]
     A[:, moves] = M_torque @ maps["torque_map"] + M_wrench @ maps["wrench_map"]
     offset[:, moves] = maps["torque_offset"] @ M_torque.T + maps["wrench_offset"] @ M_wrench.T
+    if rows.object_matrix is not None and rows.object_axes is not None:
+        turned = rows.object_matrix.any(axis=1)
+        A[:, turned] += rows.object_matrix[turned] @ rows.object_axes.turned(maps["wrench_map"])
+        offset[:, turned] += rows.object_axes.turned(maps["wrench_offset"]) @ rows.object_matrix[turned].T
     if rows.square is not None:
         A[:, :, -1] += rows.square
     if rows.rate is not None and varying:

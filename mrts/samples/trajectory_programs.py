@@ -2,6 +2,7 @@
 """The programs of a whole trajectory: by the compiled kernel in one call, or put together here for another solver."""
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,20 +10,27 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.kernel.cell_library import CellLibrary, SparseLimits
+from mrts.kernel.cell_library import CellLibrary, KernelIntervals, KernelRanges, SparseLimits
 from mrts.kernel.programs import OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits import squared_limits
-from mrts.limits.rows import ActiveRow
+from mrts.limits.rows import ActiveRow, Side
 from mrts.limits.squared_rows import SpeedCaps, SquaredRows
 from mrts.samples import FormulationName
-from mrts.samples.end_rows import with_end_rows
+from mrts.samples.end_rows import RowsAtEnd
 from mrts.samples.infeasibility import Conflict, find_conflicts
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.motor_terms import MotorTerms, motor_terms
-from mrts.samples.range_ends import KernelRows
+from mrts.samples.range_ends import Gap, KernelRows, gaps_of
 from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses, without_speed_at_rest
+from mrts.samples.sample_ranges import (
+    REST_TOLERANCE,
+    SampleRanges,
+    sample_ranges,
+    statuses,
+    with_end_rows,
+    without_speed_at_rest,
+)
 from mrts.samples.torque_distribution import TORQUE_WIDENING, distribute_torques
 from mrts.solvers import check_solver
 
@@ -56,7 +64,7 @@ def motion_ranges(
         SolverError: If no solver answers.
     """
     fast = _compiled(cell, motion, formulation, sharing, solver)
-    if fast is not None and not fast.has_speed_terms:
+    if fast is not None:
         found = _compiled_ranges(cell, motion, fast, solver, load)
     else:
         problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, load=load)
@@ -73,13 +81,27 @@ def _compiled_ranges(
 ) -> SampleRanges:
     """The ranges by the kernel; what it does not settle is left to the solvers."""
     inputs, most = motion.inputs(cell.load if load is None else load), fast.caps.largest()
-    found = fast.compiled.ranges(motion.samples, inputs, fast.sparse(), fast.terms(), most)
+    given = motion.samples, inputs, fast.sparse(), fast.terms(), most
+    divided: list[tuple[int, list[tuple[float, float]]]] = []
+    found: KernelRanges | KernelIntervals
+    if fast.has_speed_terms:
+        found = fast.compiled.speed_ranges(*given)
+        divided = found.divided()
+    else:
+        found = fast.compiled.ranges(*given)
     at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
     lower, upper = found.lower, np.where(at_rest, most, found.upper)
     suspects = np.flatnonzero(np.any(found.status != OPTIMAL, axis=0) | (at_rest & (lower > 0)))
     rows = [KernelRows(fast.form.given, fast.kept, fast.caps, found.basis[end], found.dual[end], {}) for end in (0, 1)]
     for sample in np.flatnonzero(at_rest & np.isfinite(most)).tolist():
         rows[1].settled[sample] = fast.caps.binding(sample)
+
+    def of_gap(sample: int, c2: float, end: Side) -> RowsAtEnd:
+        return RowsAtEnd(partial(build_sample_problem, cell, motion, load=load, samples=np.array([sample])), c2, end)
+
+    settled = set(suspects.tolist())
+    divided = [(sample, speeds) for sample, speeds in divided if not at_rest[sample] and sample not in settled]
+    gaps = [gap for sample, speeds in divided for gap in gaps_of(sample, speeds, of_gap)]
     conflicts: list[Conflict] = []
     fallbacks = 0
     for start in range(0, len(suspects), BLOCK):
@@ -89,6 +111,7 @@ def _compiled_ranges(
         for index, sample in enumerate(block.tolist()):
             rows[0].settled[sample], rows[1].settled[sample] = part.lower_rows[index], part.upper_rows[index]
         conflicts += [replace(conflict, sample=int(block[conflict.sample])) for conflict in part.conflicts]
+        gaps += [replace(gap, sample=int(block[gap.sample])) for gap in part.gaps]
         fallbacks += part.fallbacks
     return SampleRanges(
         time=motion.object.time,
@@ -99,6 +122,7 @@ def _compiled_ranges(
         upper_rows=rows[1],
         conflicts=tuple(conflicts),
         fallbacks=fallbacks,
+        gaps=tuple(sorted(gaps, key=lambda gap: (gap.sample, gap.lower))),
     )
 
 
@@ -168,30 +192,38 @@ class _Compiled:
     def sparse(self) -> SparseLimits:
         """The rows that it takes, as C reads them."""
         rows = self.form.rows.only(~self.form.is_cap)
-        matrix = np.hstack([rows.torque_matrix, rows.wrench_matrix])
-        units = [name.unit for name in rows.names]
-        return SparseLimits(matrix=matrix, lower=rows.lower, upper=rows.upper, group=units)
+        turned = rows.object_axes
+        return SparseLimits(
+            matrix=rows.matrix,
+            lower=rows.lower,
+            upper=rows.upper,
+            group=[name.group for name in rows.names],
+            base=None if turned is None else turned.base,
+            axes=(0, 1, 2) if turned is None else turned.axes,
+        )
 
-    def terms(self, speed: float = 0.0) -> SampleTerms:
-        """What is added at every sample, those in ṙ at a speed."""
+    def terms(self, speed: float | None = None) -> SampleTerms:
+        """What is added at every sample, those in ṙ at a speed, or by themselves where it is to be found."""
         rows, motors = self.form.rows.only(~self.form.is_cap), self.motors
-        offset = None if rows.speed is None else rows.speed * speed
+        if rows.speed is None or speed is None:
+            of_rows = SampleTerms(square=rows.square, speed=rows.speed)
+        else:
+            of_rows = SampleTerms(square=rows.square, offset=rows.speed * speed)
         if motors is None:
-            return SampleTerms(square=rows.square, offset=offset)
-        turning = None if motors.turning is None else motors.turning @ np.abs(rows.torque_matrix).T
-        return SampleTerms(
+            return of_rows
+        return replace(
+            of_rows,
             torque_square=motors.square,
-            torque_offset=motors.friction(speed),
-            square=rows.square,
-            offset=offset,
-            margin=turning,
+            torque_offset=motors.friction(speed or 0.0),
+            torque_speed=motors.speed if speed is None else None,
+            margin=None if motors.turning is None else motors.turning @ np.abs(rows.torque_matrix).T,
         )
 
 
 def _compiled(
     cell: Cell, motion: CoordinatedMotion, formulation: FormulationName, sharing: LoadSharing | None, solver: str
 ) -> _Compiled | None:
-    """The compiled path where it answers: free distribution, wrench form, more than one arm."""
+    """The compiled path where it answers: free distribution, wrench form, more than one arm, no sides that cross."""
     check_solver(solver)
     compiled = cell.functions.compiled
     applies = solver == "kernel" and formulation == "wrench" and sharing is None and len(cell.robots) > 1
@@ -199,11 +231,9 @@ def _compiled(
         return None
     form = squared_limits(cell, motion)
     kept = np.flatnonzero(~form.is_cap)
-    return (
-        _Compiled(compiled, form, kept, form.caps(motion.samples), motor_terms(cell, motion))
-        if len(kept) + compiled.unknowns <= MOST_ROWS
-        else None
-    )
+    if len(kept) + compiled.unknowns > MOST_ROWS or np.any(form.rows.lower > form.rows.upper):  # by a reserve
+        return None
+    return _Compiled(compiled, form, kept, form.caps(motion.samples), motor_terms(cell, motion))
 
 
 def _settle(
@@ -223,9 +253,11 @@ def _settle(
     lower, upper = np.full(len(samples), np.inf), np.full(len(samples), -np.inf)
     lower_rows: list[tuple[ActiveRow, ...]] = [()] * len(samples)
     upper_rows, fallbacks = lower_rows.copy(), 0
+    gaps: tuple[Gap, ...] = ()
     if still.size:
         part = sample_ranges(problem.at(still), time[still], solver)
         lower[still], upper[still], fallbacks = part.lower, part.upper, part.fallbacks
+        gaps = tuple(replace(gap, sample=int(still[gap.sample])) for gap in part.gaps)
         for index, sample in enumerate(still.tolist()):
             lower_rows[sample], upper_rows[sample] = part.lower_rows[index], part.upper_rows[index]
     return SampleRanges(
@@ -237,4 +269,5 @@ def _settle(
         upper_rows=tuple(upper_rows),
         conflicts=conflicts,
         fallbacks=fallbacks,
+        gaps=gaps,
     )

@@ -13,7 +13,7 @@ def widening_at(problem: SampleProblem, c2: float | Array, solver: str, what: st
 
     Args:
         problem: Rows of some samples.
-        c2: c², one for all samples or one a sample, Shape (N, 1).
+        c2: c², one for all samples, or one a sample, Shape (N, 1).
         solver: Name in the registry.
         what: What is found, for the message.
 

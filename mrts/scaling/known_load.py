@@ -3,8 +3,6 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
@@ -40,8 +38,7 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
         raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
     cell, motion, c2 = result.cell.with_load(load), result.motion, result.trajectory.c2
     own = intersect(motion_ranges(cell, motion, result.rule.formulation, result.rule.sharing, solver))
-    low, high = (end.c2 if end else np.nan for end in (own.lower, own.upper))
-    if not low * (1 - END_TOLERANCE) <= c2 <= high * (1 + END_TOLERANCE):
+    if own.admitted(c2, END_TOLERANCE) is None:
         refused = replace(result, cell=cell, range=own, trajectory=None, load=None)
         error = SelectionError(f"c² = {c2:g} does not suit this load: {refused.sentence()}")
         error.result = refused

@@ -27,6 +27,8 @@ class LimitUse:
         share: The largest share of a limit that is used; 1 is at the limit. Of a limit of zero, what 100 % is says
             `LimitRows.units`.
         time: When that is [s].
+        step: The largest change from one sample to the next.
+        step_share: The same as a share of the limit, of its larger side.
     """
 
     name: RowName
@@ -36,6 +38,14 @@ class LimitUse:
     largest: float
     share: float
     time: float
+    step: float
+    step_share: float
+
+    def step_json(self) -> dict[str, str | float]:
+        """Entry of "largest_step" in the JSON result."""
+        name = self.name
+        place = {"robot": name.robot, "element": name.element, "unit": name.unit}
+        return place | {"step": self.step, "share": self.step_share}
 
 
 @dataclass(frozen=True)
@@ -73,6 +83,7 @@ def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUs
     value = rows.value(done.torque, done.wrench, 0.0, done.c)
     share = rows.share(value)
     at = np.argmax(share, axis=0)
+    steps, units = np.max(np.abs(np.diff(value, axis=0)), axis=0, initial=0.0), rows.units()
     uses = [
         LimitUse(
             name=name,
@@ -82,10 +93,23 @@ def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUs
             largest=float(np.max(value[:, row])),
             share=max(0.0, float(share[at[row], row])),
             time=float(done.time[at[row]]),
+            step=float(steps[row]),
+            step_share=float(steps[row] / units[row]),
         )
         for row, name in enumerate(rows.names)
     ]
     return uses if kind is not None else sorted(uses, key=lambda use: -use.share)
+
+
+def largest_step(result: "ScalingResult", kind: str) -> LimitUse | None:
+    """The row of one kind that changes most from one sample to the next, as a share of its limit; None without one.
+
+    Args:
+        result: The result.
+        kind: As in `RowName`; rows without a limit do not count.
+    """
+    bounded = [use for use in limit_uses(result) if use.name.kind == kind]
+    return max(bounded, key=lambda use: use.step_share, default=None)
 
 
 def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> LimitedQuantities:

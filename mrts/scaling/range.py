@@ -9,9 +9,13 @@ import numpy as np
 
 from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
-from mrts.limits.rows import ActiveRow
+from mrts.limits.rows import ActiveRow, Side
+from mrts.samples.range_ends import Gap, pieces
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
+
+SPEEDS = {"velocity", "motor speed"}
+"""Kinds of rows that a load does not move."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +45,7 @@ class RangeEnd:
 
     def place(self) -> str:
         """When, with which load and by which rows this end is set, in words."""
-        of_load = self.load is not None and any(row.name.kind != "velocity" for row in self.rows)
+        of_load = self.load is not None and any(row.name.kind not in SPEEDS for row in self.rows)
         load = f" with {self.load}" if of_load else ""
         return f"at t = {self.time:.4g} s{load} by {', '.join(str(row) for row in self.rows)}"
 
@@ -55,23 +59,50 @@ class ScalingRange:
         lower: c²⁻, None if infeasible.
         upper: c²⁺, None if infeasible. Empty if below `lower`.
         samples: The ranges that were intersected.
+        intervals: Ends of all intervals of admissible c², ascending; none where no c² is admissible. There are several
+            only where viscous friction or a motor's torque-speed curve stand beside inertia that helps; `lower` and
+            `upper` are then the ends of the last one, of the largest speeds.
     """
 
     status: RangeStatus
     lower: RangeEnd | None
     upper: RangeEnd | None
     samples: SampleRanges
+    intervals: tuple[tuple[RangeEnd, RangeEnd], ...] = ()
 
     def __repr__(self) -> str:
-        ends = f"c² ∈ {interval_text(self.lower.c2, self.upper.c2)}, " if self.lower and self.upper else ""
+        ends = f"c² ∈ {self.text()}, " if self.lower and self.upper else ""
         return f"<ScalingRange {self.status.value}: {ends}{len(self.samples.time)} samples>"
 
+    def text(self, digits: int = 4) -> str:
+        """All intervals in words, such as `[0, 3.062]` or `[0, 0.51] or [1.2, 3.062]`; empty where there are no ends.
+
+        Args:
+            digits: Significant digits.
+        """
+        if self.intervals:
+            return " or ".join(interval_text(low.c2, high.c2, digits=digits) for low, high in self.intervals)
+        return interval_text(self.lower.c2, self.upper.c2, digits=digits) if self.lower and self.upper else ""
+
+    def admitted(self, c2: float, tolerance: float) -> float | None:
+        """The admissible c² that a given one stands for: itself, or the end that it misses by rounding; else None.
+
+        Args:
+            c2: c².
+            tolerance: Share of an end that is rounding.
+        """
+        for low, high in self.intervals:
+            if low.c2 * (1 - tolerance) <= c2 <= high.c2 * (1 + tolerance):
+                return min(max(c2, low.c2), high.c2)
+        return None
+
     def to_json(self) -> dict[str, Any]:
-        """Status, both ends and what sets them; None stands for an end that does not exist."""
+        """Status, both ends, all intervals and what sets them; None stands for an end that does not exist."""
         ends = {"lower": self.lower, "upper": self.upper}
         return {
             "status": self.status.value,
             "c2": {side: end.c2 if end and np.isfinite(end.c2) else None for side, end in ends.items()},
+            "intervals": [[end.c2 if np.isfinite(end.c2) else None for end in pair] for pair in self.intervals],
             "binding": {side: end.to_json() if end else None for side, end in ends.items()},
         }
 
@@ -81,12 +112,42 @@ class ScalingRange:
             conflicts = self.samples.conflicts
             worst = max(conflicts, key=lambda conflict: conflict.widening)
             text = f"{len(conflicts)} of {len(self.samples.time)} samples are infeasible. The worst: {worst}."
+        elif self.status is RangeStatus.EMPTY and (exclusions := self._exclusions()):
+            text = exclusions
         elif self.status is RangeStatus.EMPTY and self.lower and self.upper:
             slow, fast = self.lower, self.upper
             text = f"c² must be at least {slow.c2:.6g} {slow.place()}, but at most {fast.c2:.6g} {fast.place()}."
         else:
             return ""
         return f"{text} {self.status.advice}"
+
+    def _exclusions(self) -> str:
+        """Which gaps of single samples leave nothing of what lies between all samples' ends; empty if no gap does."""
+        lower, upper = float(np.max(self.samples.lower)), float(np.min(self.samples.upper))
+        covering: list[Gap] = []
+        reached = lower
+        while reached <= upper:
+            reaching = [gap for gap in self.samples.gaps if gap.lower <= reached < gap.upper]
+            if not reaching:
+                return ""
+            covering.append(max(reaching, key=lambda gap: gap.upper))
+            reached = covering[-1].upper
+        parts = [f"none from {gap.lower:.6g} to {gap.upper:.6g} {gap_place(self.samples, gap)}" for gap in covering]
+        return (
+            f"of c² ∈ {interval_text(lower, upper)} single samples leave nothing: {'; '.join(parts)}." if parts else ""
+        )
+
+
+def gap_place(samples: SampleRanges, gap: Gap) -> str:
+    """When a gap is, and which rows set its ends, in words.
+
+    Args:
+        samples: Of which it is one.
+        gap: The gap.
+    """
+    slower, faster = (", ".join(str(row) for row in rows) for rows in (gap.lower_rows, gap.upper_rows))
+    load = f" with {gap.upper_load}" if gap.upper_load else ""
+    return f"at t = {samples.time[gap.sample]:.4g} s{load} (from below by {slower}; from above by {faster})"
 
 
 def intersect(samples: SampleRanges) -> ScalingRange:
@@ -103,10 +164,34 @@ def intersect(samples: SampleRanges) -> ScalingRange:
         low = high
     lower = _end(samples, at_low, low, samples.lower_rows, samples.lower_loads)
     if np.isinf(high):
-        return ScalingRange(RangeStatus.UNBOUNDED, lower, RangeEnd(high, None, None, ()), samples)
-    upper = _end(samples, at_high, high, samples.upper_rows, samples.upper_loads)
-    status = RangeStatus.FEASIBLE if low <= high else RangeStatus.EMPTY
-    return ScalingRange(status, lower, upper, samples)
+        upper = RangeEnd(high, None, None, ())
+    else:
+        upper = _end(samples, at_high, high, samples.upper_rows, samples.upper_loads)
+    if low > high:
+        return ScalingRange(RangeStatus.EMPTY, lower, upper, samples)
+    if not samples.gaps:
+        intervals: tuple[tuple[RangeEnd, RangeEnd], ...] = ((lower, upper),)
+    else:
+        intervals = tuple(
+            (
+                lower if piece.after is None else _end_of_gap(samples, piece.after, "upper"),
+                upper if piece.before is None else _end_of_gap(samples, piece.before, "lower"),
+            )
+            for piece in pieces(low, high, samples.gaps)
+        )
+    if not intervals:  # from the end of the highest gap on c² would do again
+        last = max((gap for gap in samples.gaps if gap.lower < high), key=lambda gap: gap.upper)
+        return ScalingRange(RangeStatus.EMPTY, _end_of_gap(samples, last, "upper"), upper, samples)
+    status = RangeStatus.UNBOUNDED if np.isinf(intervals[-1][1].c2) else RangeStatus.FEASIBLE
+    return ScalingRange(status, *intervals[-1], samples, intervals)
+
+
+def _end_of_gap(samples: SampleRanges, gap: Gap, side: Side) -> RangeEnd:
+    """An end of an interval that a gap sets: its lower one ends an interval, its upper one begins one."""
+    c2, rows, load = (
+        (gap.lower, gap.lower_rows, gap.lower_load) if side == "lower" else (gap.upper, gap.upper_rows, gap.upper_load)
+    )
+    return RangeEnd(c2, gap.sample, float(samples.time[gap.sample]), tuple(rows), load)
 
 
 def _end(

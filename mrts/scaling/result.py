@@ -2,7 +2,9 @@
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
 import json
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -12,7 +14,6 @@ from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import SolverError
-from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
@@ -20,15 +21,17 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import squared_limits
 from mrts.refinement.excess import Excess
-from mrts.samples import FormulationName
+from mrts.samples import DistributionName, FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.motor_terms import motor_terms
 from mrts.samples.range_status import RangeStatus
-from mrts.scaling.limit_use import limit_uses
+from mrts.samples.reserve import PlanReserve, plan_reserve
+from mrts.scaling.limit_use import largest_step, limit_uses
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result_html import result_html
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.solvers import DEFAULT_SOLVER
 
 END_TOLERANCE = 1e-7
 """Share by which c² may miss a range by rounding: a plan at its fastest read back from a file, another load's range."""
@@ -63,11 +66,13 @@ class DistributionRule:
         sharing: A fixed distribution of the load; None leaves it to the quadratic program.
         formulation: Unknowns of the programs.
         weights: W of the quadratic program, None for the identity.
+        distribute: "least-torque" is the quadratic program alone, "reserve" keeps most of every limit free before it.
     """
 
     sharing: LoadSharing | None = None
     formulation: FormulationName = "wrench"
     weights: Array | None = None
+    distribute: DistributionName = "least-torque"
 
 
 @dataclass(frozen=True, repr=False)
@@ -125,6 +130,27 @@ class ScalingResult:
             return {}
         return {name: self.trajectory.wrench[:, part] for name, part in self.cell.wrench_slices.items()}
 
+    @cached_property
+    def reserve(self) -> PlanReserve | None:
+        """By how much limits may shrink before c² is not admissible; None if there is no trajectory.
+
+        Whatever the distribution, and for all loads that were asked about. Found when it is asked for.
+
+        Raises:
+            SolverError: If no solver answers.
+        """
+        done, rule = self.trajectory, self.rule
+        if done is None:
+            return None
+        loads = (None,) if self.load is None else self.load.points or self.load.box.corners(self.load.box.varying)
+        return plan_reserve(self.cell, self.motion, rule.formulation, rule.sharing, DEFAULT_SOLVER, done.c2, loads)
+
+    def with_known_reserve(self, reserve: PlanReserve | None) -> Self:
+        """The same result with its `reserve` as found before: finding it takes the cell's functions."""
+        done = replace(self)
+        object.__setattr__(done, "reserve", reserve)
+        return done
+
     def too_fast(self) -> list[str]:
         """Velocities that pass their limit at the chosen speed, a sentence each.
 
@@ -145,23 +171,28 @@ class ScalingResult:
 
     def sentence(self) -> str:
         """The outcome alone."""
-        text = self._outcome()
+        text = f"{kept_text(self.cell.reserve)}{self._outcome()}"
         text = text if self.load is None else f"{self.load.sentence()}: {text}"
         return printable(f"{self.origin}; as it is now, {text}" if self.origin else text)
+
+    def explanation(self) -> str:
+        """Why no c² is admissible; empty if some is."""
+        why = self.range.explain()
+        return why and f"{kept_text(self.cell.reserve)}{why}"
 
     def _outcome(self) -> str:
         found = self.range
         if found.lower is None or found.upper is None or not found.status.admits_motion:
             return f"{found.status.value}: {found.explain()}"
-        least, most = found.lower.c2, found.upper.c2
+        least = found.lower.c2
         below = f"below {found.lower.place()}" if least > 0 else ""
         if found.upper.time is None:
-            return f"c² ∈ {interval_text(least, most)}: {found.status.advice}" + (f" Limited {below}." if below else "")
-        speed = _speed_advice(least, most, self.motion.object.time[-1])
+            return f"c² ∈ {found.text()}: {found.status.advice}" + (f" Limited {below}." if below else "")
+        speed = _speed_advice([(low.c2, high.c2) for low, high in found.intervals], self.motion.object.time[-1])
         limits = f"above {found.upper.place()}, {below}" if below else found.upper.place()
         advice = "" if self.origin else f": {speed}"  # of the fastest timing there is none to give
         passed = f"; but {self.excess}" if self.excess is not None and self.excess.passes else ""
-        return f"c² ∈ {interval_text(least, most)}{advice}; limited {limits}{passed}."
+        return f"c² ∈ {found.text()}{advice}; limited {limits}{passed}."
 
     def residuals(self) -> Residuals:
         """Check the trajectory against (8), (13), (20) and (24), from the terms and not from the programs.
@@ -212,18 +243,25 @@ class ScalingResult:
             "cell": self.cell.name,
             "summary": self.sentence(),
             "warnings": [warning.to_json() for warning in self.warnings],
-            "explanation": self.range.explain() or None,
+            "explanation": self.explanation() or None,
+            "distribute": self.rule.distribute,
+            "kept_reserve": self.cell.reserve,
             **self.range.to_json(),
             "samples": {
                 "time": samples.time.tolist(),
                 "status": [status.value for status in samples.status],
                 "c2_lower": _finite(samples.lower),
                 "c2_upper": _finite(samples.upper),
+                "gaps": [
+                    {"sample": gap.sample, "time": float(samples.time[gap.sample]), "c2": [gap.lower, gap.upper]}
+                    for gap in samples.gaps
+                ],
             },
             "conflicts": [
                 {
                     "sample": conflict.sample,
                     "time": conflict.time,
+                    "c2": conflict.c2,
                     "load": conflict.load.to_json() if conflict.load else None,
                     "rows": [row.to_json() for row in conflict.rows],
                     "multipliers": list(conflict.multipliers),
@@ -262,8 +300,16 @@ class ScalingResult:
                 "velocity_limits_passed": self.too_fast(),
                 "energy": done.energy,
                 "excess": None if self.excess is None else self.excess.to_json(),
-            }
+            } | self._nearness()
         return output
+
+    def _nearness(self) -> dict[str, Any]:
+        """How near the limits are, and how far torques and wrenches go from one sample to the next, as JSON values."""
+        steps = {kind: largest_step(self, kind) for kind in ("torque", "wrench")}
+        return {
+            "reserve": self.reserve and self.reserve.to_json(),
+            "largest_step": {kind: step and step.step_json() for kind, step in steps.items()},
+        }
 
     def json_text(self) -> str:
         """`to_json` as text."""
@@ -278,6 +324,15 @@ class ScalingResult:
         write_text_atomically(as_path("path", path), self.json_text() + "\n")
 
 
+def kept_text(reserve: float) -> str:
+    """What a reserve that all limits keep makes of an answer, as its beginning; empty without one.
+
+    Args:
+        reserve: Of the cell.
+    """
+    return f"with {100 * reserve:.4g} % of every limit in reserve, " if reserve else ""
+
+
 def _largest_excess(cell: Cell, done: ScaledTrajectory) -> float:
     """Largest excess over a limit, as a share of it."""
     rows, worst = squared_limits(cell, done.motion).given, 0.0
@@ -289,8 +344,17 @@ def _largest_excess(cell: Cell, done: ScaledTrajectory) -> float:
     return worst
 
 
-def _speed_advice(least: float, most: float, given: float) -> str:
+def _speed_advice(intervals: Sequence[tuple[float, float]], given: float) -> str:
     """What a range of c² means to who plays a motion that is given in so many seconds."""
+    least, most = intervals[-1]
+    if len(intervals) > 1:
+        verb = "may" if any(low <= 1 <= high for low, high in intervals) else "must"
+        ends = [(f"{np.sqrt(low):.3g} to" if low > 0 else "up to", np.sqrt(high)) for low, high in intervals]
+        return (
+            f"you {verb} play it {' or '.join(f'{start} {end:.3g}' for start, end in ends)} × as fast as given, not "
+            "in between, where inertia does not yet help the motors enough against friction: "
+            f"{given / np.sqrt(most):.4g} s at the fastest instead of {given:.4g} s"
+        )
     if most <= 0:
         return "the cell can hold the object still at every sample, but not move it along this path"
     fast = f"{np.sqrt(most):.3g} × as fast as given"

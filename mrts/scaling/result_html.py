@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mrts.base.interval_text import interval_text
 from mrts.base.printable import html_text
 from mrts.scaling.limit_use import limited_quantities
 
@@ -36,7 +35,7 @@ def _rows(result: "ScalingResult") -> Iterator[tuple[str, str]]:
     yield "outcome", result.status.value
     low, high = result.range.lower, result.range.upper
     if result.status.admits_motion and low and high:
-        yield "range of c²", interval_text(low.c2, high.c2)
+        yield "range of c²", result.range.text()
     done = result.trajectory
     if done is None:
         return

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
-from mrts.base.interval_text import interval_text
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinate import coordinate
@@ -23,7 +22,7 @@ from mrts.motion.object_courses import Geodesic, WaypointPath
 from mrts.motion.object_motion import ObjectMotion
 from mrts.refinement.excess import BETWEEN, checked_tolerance
 from mrts.refinement.search import Asked, Refinement, refine
-from mrts.samples import FormulationName
+from mrts.samples import DISTRIBUTIONS, DistributionName, FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
@@ -33,7 +32,7 @@ from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.motion_remarks import motion_remarks
 from mrts.scaling.range import ScalingRange, intersect
-from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult
+from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult, kept_text
 from mrts.scaling.uncertain_load import study_load
 from mrts.scaling.with_torques import with_torques
 from mrts.solvers import DEFAULT_SOLVER, check_solver
@@ -68,6 +67,8 @@ def scale(
     weights: Array | None = None,
     solver: str = DEFAULT_SOLVER,
     load: str = "auto",
+    distribute: DistributionName = "least-torque",
+    reserve: float | None = None,
     closure: ClosureBound | None = None,
     between: float | None = BETWEEN,
     progress: Progress = lambda _done, _total: None,
@@ -86,6 +87,9 @@ def scale(
         load: Which range is asked for where the load varies: "guaranteed" (for every load), "possible" (for some
             load), "grid:N" (for N masses), or "nominal". "auto" is "guaranteed" if the cell has a load box. Torques
             are those of the nominal load; "possible" has none, as it leaves open which load it is.
+        distribute: What redundant torques are chosen by: "least-torque", or "reserve", which first makes the largest
+            share of any limit as small as can be at each sample.
+        reserve: Share of every limit that is kept free, 0 or more and below 1; None is the cell's own.
         closure: How far given joints may be off their grasps; None allows 2 mm and 5 mrad.
         between: Share of a limit by which it may be overstepped between the samples; samples are added where it takes
             them. None looks at the given samples alone.
@@ -103,13 +107,15 @@ def scale(
     check_type("cell", cell, Cell)
     _check_select(select)
     check_type("sharing", sharing, LoadSharing, NoneType)
+    _check_distribution(distribute, sharing)
+    cell = cell if reserve is None else cell.with_reserve(reserve)
     check_type("formulation", formulation, str)
     check_callable("progress", progress)
     check_solver(solver)
     question = load_question(cell, load, select)
     torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
     tolerance = checked_tolerance(between)
-    rule = DistributionRule(sharing, formulation, weights)
+    rule = DistributionRule(sharing, formulation, weights, distribute)
     given = coordinate(cell, motion, closure)
     found = admissible_range(cell, given, question, rule, solver, tolerance, progress)
     remarks = motion_remarks(cell, given, found.range)
@@ -129,8 +135,9 @@ def scale(
     try:
         c2 = choose_c2(found.range, select)
     except SelectionError as error:
-        error.result = untouched
-        raise
+        refused = SelectionError(f"{kept_text(cell.reserve)}{error}")
+        refused.result = untouched
+        raise refused from None
     excess = None if found.refinement is None else found.refinement.excess(c2)
     return with_torques(replace(untouched, excess=excess), c2, found.range.samples, solver)
 
@@ -203,8 +210,9 @@ def admissible_range(
             return motion_ranges(cell, path, formulation, sharing, solver)
         return along(path, lambda _done, _total: None)[0].samples
 
+    assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
     asked = Asked(ranges, problem)
-    refined = refine(cell, motion, found.samples, asked, tolerance)
+    refined = refine(cell, motion, found.samples, (found.lower.c2, found.upper.c2), asked, tolerance)
     if refined.motion is motion:
         return AdmissibleRange(motion, found, study, refined)
     finer, study = along(refined.motion, progress)
@@ -225,6 +233,19 @@ def _interpolated(motion: CoordinatedMotion, bare: ScalingRange, finer: ScalingR
         "Where that matters, give more of them."
     )
     return (Remark("between-samples", text),)
+
+
+def _check_distribution(distribute: str, sharing: LoadSharing | None) -> None:
+    """There is such a distribution, and something to distribute."""
+    check_type("distribute", distribute, str)
+    if distribute not in DISTRIBUTIONS:
+        raise InputError("distribute", f"must be {' or '.join(map(repr, DISTRIBUTIONS))}.", value=distribute)
+    if distribute != "least-torque" and sharing is not None:
+        raise InputError(
+            "distribute",
+            "a fixed distribution of the load leaves no torques to choose; leave one out.",
+            value=distribute,
+        )
 
 
 def _check_select(select: object) -> None:
@@ -268,8 +289,8 @@ def choose_c2(found: ScalingRange, select: Selection) -> float:
         SelectionError: If the value is not in the range, not finite, or not above 0.
     """
     assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
-    low, high = found.lower.c2, found.upper.c2
-    interval = interval_text(low, high, digits=6)
+    high = found.upper.c2
+    interval = found.text(digits=6)
     unlimited = found.status is RangeStatus.UNBOUNDED
     if select == "auto":
         select = "nominal" if unlimited else "fastest"
@@ -277,20 +298,28 @@ def choose_c2(found: ScalingRange, select: Selection) -> float:
         if unlimited:
             raise SelectionError(f"no limit depends on the speed: c² ∈ {interval}. Choose a value.")
         if high <= 0:
-            raise SelectionError(f"c² ∈ {interval}: the cell can only hold still. {_end_text(found, 'upper')}")
+            raise SelectionError(
+                f"c² ∈ {interval}: the cell can only hold still. The upper end is set {found.upper.place()}."
+            )
         return high
     c2 = 1.0 if select == "nominal" else float(max(min(select, LARGEST_C2), -LARGEST_C2))
     if not (np.isfinite(c2) and c2 > 0):
         raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {interval}.")
-    if not low * (1 - END_TOLERANCE) <= c2 <= high * (1 + END_TOLERANCE):
-        side: Literal["lower", "upper"] = "lower" if c2 < low else "upper"
-        raise SelectionError(f"c² = {c2:g} is outside the admissible range {interval}. {_end_text(found, side)}")
-    return min(max(c2, low), high)
+    admitted = found.admitted(c2, END_TOLERANCE)
+    if admitted is not None:
+        return admitted
+    raise SelectionError(_refusal(found, c2, interval))
 
 
-def _end_text(found: ScalingRange, side: Literal["lower", "upper"]) -> str:
-    assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
-    end = found.lower if side == "lower" else found.upper
-    if end.time is None:
-        return ""
-    return f"The {side} end is set {end.place()}."
+def _refusal(found: ScalingRange, c2: float, interval: str) -> str:
+    """Why a c² is not admissible: what sets the end that it passes, or both ends of the gap that it is in."""
+    slower = [end for _, end in found.intervals if end.c2 < c2]
+    faster = [end for end, _ in found.intervals if end.c2 > c2]
+    if slower and faster:
+        return (
+            f"c² = {c2:g} lies in a gap of the admissible range {interval}: you may play it slower, or faster, where "
+            f"inertia helps the motors against friction. At most {slower[-1].c2:.6g} {slower[-1].place()}; at least "
+            f"{faster[0].c2:.6g} {faster[0].place()}."
+        )
+    side, end = ("lower", faster[0]) if faster else ("upper", slower[-1])
+    return f"c² = {c2:g} is outside the admissible range {interval}. The {side} end is set {end.place()}."

@@ -8,6 +8,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.samples.reserve import reserved
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.torque_distribution import distribute_torques, torque_weights
 from mrts.samples.widening import widening_at
@@ -22,7 +23,7 @@ def widened_torques(
 ) -> tuple[Array, Array]:
     """Torques, Shape (N, m), and wrenches, Shape (N, n w), at any c² > 0.
 
-    At a sample that keeps its limits at this c² they are those of `motion_torques`. At any other, all limits are first
+    At a sample that keeps its limits at this c² they are those of `TORQUES`. At any other, all limits are first
     moved outward by the least share of their size that leaves a solution, so that what is beyond its limit is what
     forbids the speed. A fixed distribution asks no limits.
 
@@ -37,6 +38,8 @@ def widened_torques(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
+    by_reserve = rule.distribute == "reserve"
+    cell = cell.with_reserve(0.0) if by_reserve else cell  # it is of the limits as they are given
     W = torque_weights(rule.weights, motion.q.shape[1])
     torques, wrenches = [], []
     for start in range(0, motion.samples, BLOCK):
@@ -46,6 +49,8 @@ def widened_torques(
         ).without_caps()  # no torques change what the speed alone moves
         widening = _least_widening(problem, c2, solver)[:, None] * problem.is_limit
         problem = replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)
+        if by_reserve:
+            problem, _ = reserved(problem, c2, solver)
         x, _ = distribute_torques(problem, c2, W, solver)
         torques.append(problem.torque(x))
         wrenches.append(problem.wrench(x))

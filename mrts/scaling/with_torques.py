@@ -3,9 +3,9 @@
 
 from dataclasses import replace
 
+from mrts.samples.reserve import TORQUES
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.torque_distribution import torque_weights
-from mrts.samples.trajectory_programs import motion_torques
 from mrts.scaling.holding_torques import holding_at_ends
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
@@ -25,8 +25,9 @@ def with_torques(result: ScalingResult, c2: float, samples: SampleRanges, solver
     """
     cell, motion, rule = result.cell, result.motion, result.rule
     W = torque_weights(rule.weights, motion.q.shape[1])
-    torque, wrench, fallbacks = motion_torques(cell, motion, rule.formulation, rule.sharing, solver, c2, W)
-    holding, unheld = holding_at_ends(cell, motion, samples, rule.sharing, rule.formulation, W, solver)
+    distribute = TORQUES[rule.distribute]
+    torque, wrench, fallbacks = distribute(cell, motion, rule.formulation, rule.sharing, solver, c2, W)
+    holding, unheld = holding_at_ends(cell, motion, samples, rule.sharing, rule.formulation, W, solver, rule.distribute)
     return replace(
         result,
         trajectory=ScaledTrajectory(cell, motion, c2, torque, wrench, holding),

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What a player of a motion shows: the chosen configuration, speed and time, and all that follows from them."""
 
+import re
 from dataclasses import dataclass
 from math import ceil, floor, isfinite, log10, sqrt
 
@@ -15,8 +16,8 @@ from mrts.limits import all_rows, limit_rows
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.reserve import TORQUES
 from mrts.samples.torque_distribution import torque_weights
-from mrts.samples.trajectory_programs import motion_torques
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError, scale
@@ -33,6 +34,9 @@ FASTEST_INFEASIBLE, FASTEST_UNBOUNDED = 2.0, 3.0
 
 SLOWEST = 0.02
 """Least offered c, as a share of the largest, where the cell may stand still."""
+
+DIRECTION = re.compile(r" ([+-][ab]?|[ab]|\d+)$")
+"""The end of a contact's row that tells it from others of its kind: `+a` of "pad friction +a"."""
 
 OWN_BARS = ("torque", "wrench", "velocity")
 """Kinds of limits that have bars of their own; others stand below them."""
@@ -245,7 +249,7 @@ class PlayerState:
     def further_bars(self) -> dict[str, dict[str, list[Bar]]]:
         """What limits beside those of a cell file bound at the chosen time, by kind and robot."""
         kinds = dict.fromkeys(name.kind for name in self._rows.names if name.kind not in OWN_BARS)
-        return {kind: self._bars(kind) for kind in kinds}
+        return {kind: self._contact_bars() if kind == "contact" else self._bars(kind) for kind in kinds}
 
     def joints_beyond_velocity(self) -> int:
         """How many joints pass their velocity limit at some time."""
@@ -264,6 +268,21 @@ class PlayerState:
             if name.kind == kind:
                 bar = Bar(name.element, float(value[row]), float(rows.lower[row]), float(rows.upper[row]), name.unit)
                 bars.setdefault(name.robot, []).append(bar)
+        return bars
+
+    def _contact_bars(self) -> dict[str, list[Bar]]:
+        """How much of what each hand can hold is in use at the chosen time, of friction in its worst direction."""
+        here, done = slice(self.sample, self.sample + 1), self.trajectory
+        rows = self._rows.at(here)
+        share = rows.share(rows.value(done.torque[here], done.wrench[here], 0.0, done.c))[0]
+        most: dict[tuple[str, str], float] = {}
+        for row, name in enumerate(rows.names):
+            if name.kind == "contact":
+                of = name.robot, DIRECTION.sub("", name.element)
+                most[of] = max(float(share[row]), most.get(of, 0.0))
+        bars: dict[str, list[Bar]] = {}
+        for (robot, what), used in most.items():
+            bars.setdefault(robot, []).append(Bar(what, 100 * used, -np.inf, 100.0, "%"))
         return bars
 
     def _play(self, cell: Cell) -> None:
@@ -290,7 +309,8 @@ class PlayerState:
         cell, motion, rule = result.cell, result.motion, result.rule
         if _admits(result.range, c2):
             W = torque_weights(rule.weights, motion.q.shape[1])
-            torque, wrench, _ = motion_torques(cell, motion, rule.formulation, rule.sharing, self._solver, c2, W)
+            distribute = TORQUES[rule.distribute]
+            torque, wrench, _ = distribute(cell, motion, rule.formulation, rule.sharing, self._solver, c2, W)
         else:
             torque, wrench = widened_torques(cell, motion, rule, c2, self._solver)
         rows = limit_rows(cell, motion)

@@ -9,14 +9,14 @@ import pytest
 import yaml
 from conftest import DATA, ROOT
 from embedded_target import cross_compile, missing_tools, run_on_target
-from exported_library import answers, link, run, sources, tool
+from exported_library import answers, changed_cell, link, run, sources, tool
 
 import mrts
 from mrts.cell.generation import export_to
 from mrts.cli import main
 from mrts.output.embedded_limits import embedded_limits
 
-CELLS = ("planar_dual_arm", "dual_ur5")
+CELLS = ("planar_dual_arm", "dual_ur5", "with_motors")
 WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror"]
 DOUBLE_HELPER = re.compile(r"__aeabi_d|__\w+df\d|\b(sin|cos|sqrt|sincos)\b")
 FORBIDDEN = re.compile(r"\b(malloc|calloc|realloc|free|printf|puts|fprintf)\b")
@@ -29,8 +29,18 @@ DRIFT_FREE = ROOT / "generated" / "embedded" / "planar_dual_arm"
 def library(request, tmp_path_factory):
     cell, precision = request.param
     folder = tmp_path_factory.mktemp(f"{cell}_{precision}")
-    assert main(["export", str(DATA.parent / cell / "cell.yaml"), "-o", str(folder), "--precision", precision]) == 0
-    return cell, precision, folder
+    path = changed_cell(folder, real_motors) if cell == "with_motors" else DATA.parent / cell / "cell.yaml"
+    assert main(["export", str(path), "-o", str(folder / "library"), "--precision", precision]) == 0
+    return cell, precision, folder / "library"
+
+
+def real_motors(cell):
+    """Motors with everything that they may have, where friction decides."""
+    cell["name"] = "with_motors"
+    curves = [[[0, 100], [0.2, 100], [0.8, 30]], [[0, 80], [0.3, 80], [1.0, 10]], [[0, 50], [1.5, 20]]]
+    friction = {"coulomb": [6, 5, 2], "viscous": [20, 20, 8]}
+    for robot in cell["robots"]:
+        robot["motors"] = {"armature": [0.5, 0.4, 0.1], "friction": friction, "torque_speed": curves}
 
 
 @pytest.mark.parametrize("compiler", [("gcc", "gcc"), ("clang", "clang")])
@@ -141,7 +151,8 @@ def test_out_of_tree_use_as_its_readme_says(library, tmp_path):
 
 def test_exporting_twice_gives_the_same_bytes(library, tmp_path):
     cell, precision, folder = library
-    assert main(["export", str(DATA.parent / cell / "cell.yaml"), "-o", str(tmp_path), "--precision", precision]) == 0
+    path = folder.parent / "cell.yaml" if cell == "with_motors" else DATA.parent / cell / "cell.yaml"
+    assert main(["export", str(path), "-o", str(tmp_path), "--precision", precision]) == 0
     files = sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
     assert files == sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file())
     for path in files:

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import yaml
 from conftest import DATA
-from exported_library import answers, run
+from exported_library import answers, changed_cell, run
 
 import mrts
 from mrts.cli import main
@@ -46,16 +45,6 @@ FOR_ALL = (
     "guaranteed_range(&planar_dual_arm_vectors[k].sample, &s, planar_dual_arm_load_corners, "
     "PLANAR_DUAL_ARM_CORNERS, &r, 0, 0, &w)"
 )
-
-
-def changed_cell(place, change):
-    """The planar cell after a change of its description."""
-    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
-    for robot in cell["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-    change(cell)
-    (place / "cell.yaml").write_text(yaml.safe_dump(cell))
-    return place / "cell.yaml"
 
 
 def exported(path, place):
@@ -177,3 +166,44 @@ def test_rows_that_do_not_fit_are_refused_by_the_name_of_their_limit(tmp_path, m
     monkeypatch.setitem(LIMITS, "narrow", lambda _cell, _motion: narrow)
     assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path / "x"), "--functions", "range"]) == 2
     assert "limit 'narrow': torque_matrix" in capsys.readouterr().err
+
+
+def hands(cell):
+    """A pad that presses toward the middle and a gripper, both tight, beside no limits of wrenches."""
+    kinds = {
+        "pad": {"friction": 0.9, "normal": [1, 0, 0], "half_width": [0.2], "force": [-0.0, 60]},
+        "gripper": {"force": 12, "friction": 0.8, "half_width": [0.3], "axis": [1, 0, 0]},
+    }
+    for robot, (kind, values) in zip(cell["robots"], kinds.items(), strict=True):
+        robot["contact"] = [{kind: values}]
+        del robot["wrench"]
+
+
+@pytest.mark.parametrize("precision", ["double", "float"])
+def test_hands_reach_the_library_and_bind(precision, tmp_path):
+    path = changed_cell(tmp_path, hands)
+    wanted = mrts.scale(mrts.load_cell(path), mrts.load_motion(LIFT)).range.upper
+    names = {str(row.name) for row in wanted.rows}
+    assert any("/pad" in name or "/gripper" in name for name in names)
+    folder = tmp_path / "library"
+    options = ["--motion", str(LIFT), "--precision", precision]
+    assert main(["export", str(path), "-o", str(folder), *options]) == 0
+    assert "0 mismatches" in run("make", "test", cwd=folder)
+    if precision == "double":
+        status, upper, sample, row = horizon(folder, tmp_path)
+        assert (status, sample) == (0, wanted.sample)
+        assert upper == pytest.approx(wanted.c2, rel=SAME)
+        assert row in names
+    told = (folder / "README.md").read_text()
+    assert "planar_dual_arm_real turned[" in (folder / "include" / "planar_dual_arm.h").read_text()
+    assert str(answers(folder, SIZE, tmp_path)) in told
+
+
+SIZE = """
+#include <stdio.h>
+#include "planar_dual_arm.h"
+int main(void) {
+    printf("%u", (unsigned)sizeof(planar_dual_arm_workspace));
+    return 0;
+}
+"""

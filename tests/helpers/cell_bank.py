@@ -161,12 +161,29 @@ def structure(name: str) -> Structure:
     return spatial_structure(np.random.default_rng([arms, number]), arms)
 
 
+def compiled(cell: mrts.Cell) -> mrts.Cell:
+    """A cell of the bank, as it is now, evaluated by its compiled C."""
+    return replace(cell, functions=compiled_functions(cell.name))
+
+
+@cache
+def compiled_functions(name: str):
+    """Of a structure, compiled once."""
+    with TemporaryDirectory() as folder:
+        return bind_functions(*generated_in_cache(bare_cell(name, Path(folder))), "compiled", None)
+
+
+def bare_cell(name: str, folder: Path) -> Path:
+    """A structure with some object, as files."""
+    bare = {"name": name, "object": {"mass": 1.0, "inertia": [1.0, 1.0, 1.0]}}
+    return write_cell(folder, structure(name).description | bare, structure(name).urdfs)
+
+
 @cache
 def structure_cell(name: str) -> mrts.Cell:
     """The cell of a structure; what another process generated for it comes from the cache of the tests."""
-    bare = {"name": name, "object": {"mass": 1.0, "inertia": [1.0, 1.0, 1.0]}}
     with TemporaryDirectory() as folder:
-        path = write_cell(Path(folder), structure(name).description | bare, structure(name).urdfs)
+        path = bare_cell(name, Path(folder))
         manifest, source = generated_in_cache(path)
         stored = cache_folder("structures") / f"{content_key(path)}.pickle"
         if not stored.is_file():

@@ -5,6 +5,8 @@ import shutil
 import subprocess
 
 import pytest
+import yaml
+from conftest import DATA
 
 
 def tool(name, package):
@@ -40,3 +42,13 @@ def answers(folder, text, place):
     (place / "main.c").write_text(text)
     return run(link(folder, place / "main.c", place / "main", "-g", "-fsanitize=address,undefined",
                     "-fno-sanitize-recover=all"))  # fmt: skip
+
+
+def changed_cell(place, change):
+    """The planar cell after a change of its description."""
+    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
+    for robot in cell["robots"]:
+        robot["urdf"] = str(DATA / "planar_arm.urdf")
+    change(cell)
+    (place / "cell.yaml").write_text(yaml.safe_dump(cell))
+    return place / "cell.yaml"

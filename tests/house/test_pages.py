@@ -17,7 +17,15 @@ DOCS = ROOT / "docs"
 
 @pytest.mark.parametrize(
     ("name", "blocks"),
-    [("tutorial", 13), ("own_cell", 4), ("own_robot", 4), ("command_line", 4), ("ros2", 3), ("optimal_profile", 2)],
+    [
+        ("tutorial", 13),
+        ("own_cell", 4),
+        ("own_robot", 4),
+        ("command_line", 4),
+        ("ros2", 3),
+        ("optimal_profile", 2),
+        ("real_cell", 8),
+    ],
 )
 def test_a_page_does_what_it_shows_and_prints_what_it_says(name, blocks, tmp_path):
     assert Page(DOCS / f"{name}.md", tmp_path).run().ran >= blocks

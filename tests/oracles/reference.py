@@ -262,3 +262,31 @@ def highs_minimum(A, lower, upper, x_lower, x_upper, direction):
     highs.passModel(lp)
     highs.run()
     return highs.getModelStatus(), highs.getInfo().objective_function_value
+
+
+def highs_cost(A, lower, upper, x_lower, x_upper, H, g):
+    """Minimum of ½ xᵀHx + gᵀx by HiGHS."""
+    rows, columns = A.shape
+    model = highspy.HighsModel()
+    lp = model.lp_
+    lp.num_col_, lp.num_row_ = columns, rows
+    lp.col_cost_, lp.col_lower_, lp.col_upper_ = g, x_lower, x_upper
+    lp.row_lower_, lp.row_upper_ = lower, upper
+    lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
+    lp.a_matrix_.start_ = np.arange(columns + 1) * rows
+    lp.a_matrix_.index_ = np.tile(np.arange(rows), columns)
+    lp.a_matrix_.value_ = A.T.ravel()
+    starts, indices, values = [0], [], []
+    for column in range(columns):
+        indices += range(column, columns)
+        values += H[column:, column].tolist()
+        starts.append(len(indices))
+    model.hessian_.dim_ = columns
+    model.hessian_.format_ = highspy.HessianFormat.kTriangular
+    model.hessian_.start_, model.hessian_.index_, model.hessian_.value_ = starts, indices, values
+    highs = highspy.Highs()
+    highs.silent()
+    highs.passModel(model)
+    highs.run()
+    assert highs.getModelStatus() == highspy.HighsModelStatus.kOptimal
+    return highs.getInfo().objective_function_value

@@ -52,6 +52,27 @@ MRTS_LOCAL void mrts_add_motors(int k, int joints, const mrts_terms *terms, mrts
     }
 }
 
+MRTS_LOCAL void mrts_turn_wrenches(int k, int arms, int size, const mrts_limits *limits, const mrts_real *rotation,
+                                   int down, int across, mrts_real *memory, mrts_form *form) {
+    const int wrenches = arms * size;
+    if (!limits->base) return;
+    form->object_map = memory;
+    form->object_offset = memory + k * wrenches;
+    for (int arm = 0; arm < arms; ++arm) {
+        mrts_real turn[9];
+        for (int i = 0; i < 9; ++i) {
+            const mrts_real *column = rotation + limits->axes[i / 3] * across, *base = limits->base + 9 * arm + i % 3;
+            turn[i] = column[0] * base[0] + column[down] * base[3] + column[2 * down] * base[6];
+        }
+        for (int j = 0; j <= k; ++j) {
+            for (int first = arm * size; first < (arm + 1) * size; first += 3) {
+                const mrts_real *given = j < k ? form->wrench_map + j * wrenches + first : form->wrench_offset + first;
+                for (int i = 0; i < 3; ++i) memory[j * wrenches + first + i] = mrts_dot(3, turn + 3 * i, given);
+            }
+        }
+    }
+}
+
 MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form *form, const mrts_limits *limits,
                                const mrts_terms *terms, mrts_rows *rows) {
     for (int i = 0; i < rows->count; ++i) {
@@ -61,16 +82,17 @@ MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form 
         const int first = limits->start[row], end = limits->start[row + 1];
         for (int j = 0; j < k && first == end; ++j) a[j] = 0;
         for (int entry = first; entry < end; ++entry) {
-            const int column = limits->column[entry], is_torque = column < joints;
-            const int place = is_torque ? column : column - joints, size = is_torque ? joints : wrenches;
-            const mrts_real *map = (is_torque ? form->torque_map : form->wrench_map) + place;
+            const int column = limits->column[entry], is_torque = column < joints, turned = column >= joints + wrenches;
+            const int place = column - (is_torque ? 0 : turned ? joints + wrenches : joints);
+            const int size = is_torque ? joints : wrenches;
+            const mrts_real *map = (is_torque ? form->torque_map : turned ? form->object_map : form->wrench_map) + place;
             const mrts_real value = limits->value[entry] * per_unit;
             if (entry == first) {
                 for (int j = 0; j < k; ++j) a[j] = value * map[j * size];
             } else {
                 for (int j = 0; j < k; ++j) a[j] += value * map[j * size];
             }
-            offset += value * (is_torque ? form->torque_offset[place] : form->wrench_offset[place]);
+            offset += value * (is_torque ? form->torque_offset : turned ? form->object_offset : form->wrench_offset)[place];
         }
         if (terms->square) a[k - 1] += terms->square[row] * per_unit;
         if (terms->offset) offset += terms->offset[row] * per_unit;

@@ -6,12 +6,13 @@
 #include "cell_sizes.h"
 #include "quadratic_programs.h"
 #include "rows.h"
+#include "speed_intervals.h"
 
 /* Rounding of an answer at the bound of c^2, as a share. */
 #define MRTS_AT_UNBOUNDED 1e-9
 
 /* Inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load. */
-enum { MRTS_INPUTS = 7 };
+enum { MRTS_INPUTS = 7, MRTS_ROTATION = 3 };
 
 /* The terms of a sample, of those of all samples one after the other. */
 static mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long sample, int rows) {
@@ -22,13 +23,15 @@ static mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long sample, 
     here.square = all->square ? all->square + limits : 0;
     here.offset = all->offset ? all->offset + limits : 0;
     here.margin = all->margin ? all->margin + limits : 0;
+    here.torque_speed = all->torque_speed ? all->torque_speed + torques : 0;
+    here.speed = all->speed ? all->speed + limits : 0;
     return here;
 }
 
 /* Evaluates the wrench form of a sample and builds its rows: 1 if they are finite, 0 if not, -1 if the form failed. */
 static int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
-                               const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows, const double **arg,
-                               double **res, long long *iw, double *w) {
+                               double *turned, const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows,
+                               const double **arg, double **res, long long *iw, double *w) {
     const mrts_terms terms = mrts_terms_of_sample(all, sample, limits->rows);
     for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + sample * stride[i];
     res[0] = form->torque_map;
@@ -37,6 +40,7 @@ static int mrts_rows_of_sample(const double *const *in, const long long *stride,
     res[3] = form->wrench_offset;
     if (MRTS_WRENCH_FORM(arg, res, iw, w, 0)) return -1;
     mrts_add_motors(MRTS_UNKNOWNS, MRTS_JOINTS, &terms, form);
+    mrts_turn_wrenches(MRTS_UNKNOWNS, MRTS_ROBOTS, MRTS_SIZE, limits, arg[MRTS_ROTATION], 1, 3, turned, form);
     return mrts_build_rows(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, form, limits, &terms, rows);
 }
 
@@ -73,6 +77,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     double g[K], x[K], y[K], column[K];
     int low_rows[K], high_rows[K], entering;
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
+    double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
     mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
@@ -80,7 +85,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     for (int j = 0; j < K; ++j) g[j] = 0;
     for (long long n = 0; n < count; ++n) {
         if (n % MRTS_CHUNK == 0) low_rows[0] = high_rows[0] = 0; /* so that chunks do not depend on each other */
-        const int built = mrts_rows_of_sample(in, stride, n, &form, limits, terms, &rows, arg, res, iw, w);
+        const int built = mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows, arg, res, iw, w);
         if (built < 0) return 1;
         if (!built) {
             low_status[n] = high_status[n] = MRTS_STOPPED;
@@ -123,6 +128,70 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     return 0;
 }
 
+/* The same of a curve: 0 for a tangent, and one place for both unknowns of the speed. */
+static short mrts_row_of_curve(const mrts_limits *limits, const mrts_rows *rows, int code) {
+    const int row = (code < 0 ? -code : code) - 1, of_speed = rows->count + MRTS_UNKNOWNS;
+    if (row == rows->count) return 0;
+    if (row < rows->count) return mrts_row_of_limits(limits, rows, code);
+    return mrts_row_of_limits(limits, rows, code < 0 ? -of_speed : of_speed);
+}
+
+MRTS_EXPORT void mrts_speed_ranges_work(int rows, long long *reals, long long *ints) {
+    *reals = MRTS_ROWS_WORK(MRTS_UNKNOWNS, rows) + rows + MRTS_CURVE_WORK(MRTS_UNKNOWNS, rows);
+    *ints = MRTS_ROWS_IWORK(rows) + MRTS_CURVE_IWORK(MRTS_UNKNOWNS, rows);
+}
+
+/* The speeds c <= most of samples 0 .. count - 1 where rows have terms in c beside those in c^2: of each the number of
+ * intervals, their ends, Shape (count, 2 MRTS_INTERVALS), a status of mrts_lp, and the largest effect on a row, of c^2 = 1 or
+ * of c = 1 squared. What determines the least and the largest speed is K + 1 rows each, as in mrts_ranges; a tangent is 0.
+ * `terms` and what is returned as there. */
+MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, const long long *stride,
+                                  const mrts_limits *limits, const mrts_terms *terms, const double *most, int *number,
+                                  double *speeds, unsigned char *status, double *effect, short *low_basis,
+                                  short *high_basis, float *low_dual, float *high_dual, const double **arg,
+                                  double **res, long long *iw, double *w, double *work, int *iwork) {
+    enum { K = MRTS_UNKNOWNS, N = MRTS_UNKNOWNS + 1 };
+    double *speed = work + MRTS_ROWS_WORK(K, limits->rows), column[K], end_dual[3 * N];
+    double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
+    double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
+    int basis[MRTS_CURVE_BASES * N], end_basis[3 * N];
+    mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
+    mrts_curve_ends ends = {0, basis, end_basis, end_dual};
+    mrts_curve curve;
+    mrts_rows rows;
+    if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
+    for (long long n = 0; n < count; ++n) {
+        double *found = speeds + n * 2 * MRTS_INTERVALS;
+        if (n % MRTS_CHUNK == 0) {
+            ends.speed = 0;
+            for (int i = 0; i < MRTS_CURVE_BASES; ++i) basis[i * N] = 0;
+        }
+        const int built = mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows, arg, res, iw, w);
+        if (built < 0) return 1;
+        number[n] = 0;
+        status[n] = MRTS_STOPPED;
+        if (!built) continue;
+        const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
+        mrts_speed_column(MRTS_JOINTS, limits, &here, &rows, speed);
+        mrts_scale_columns(K, &rows, column);
+        const double unit = mrts_curve_over(K, &rows, column, speed, speed + limits->rows,
+                                            iwork + MRTS_ROWS_IWORK(limits->rows), &curve);
+        const double size = unit > 0 ? MRTS_SQRT(unit) : 1;
+        effect[n] = unit > 0 ? 1 / unit : 0;
+        ends.speed /= size;
+        status[n] = (unsigned char)mrts_speed_intervals(&curve, most[n] / size, &ends, number + n, found);
+        ends.speed *= size;
+        for (int i = 0; i < 2 * number[n]; ++i) found[i] = found[i] < MRTS_INFINITY ? found[i] * size : INFINITY;
+        for (int j = 0; j < N && number[n]; ++j) {
+            low_basis[n * N + j] = mrts_row_of_curve(limits, &rows, end_basis[j]);
+            high_basis[n * N + j] = mrts_row_of_curve(limits, &rows, end_basis[N + j]);
+            low_dual[n * N + j] = low_basis[n * N + j] ? (float)end_dual[j] : 0;
+            high_dual[n * N + j] = high_basis[n * N + j] ? (float)end_dual[N + j] : 0;
+        }
+    }
+    return 0;
+}
+
 /* Torques and wrenches that minimise t'Wt at c2 (one value, or one a sample with c2_stride 1). Limits move outward by
  * `widening` of their unit where they are not equal; `terms` as in mrts_ranges. */
 MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const long long *stride,
@@ -136,6 +205,7 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     double H[F * F + 1], g[F + 1], x[K], u[F + 1], column[K], weighted[M], at_rest[M];
     int active[F + 1], active_count, is_diagonal = 1;
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
+    double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
     mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
@@ -145,7 +215,7 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     for (long long n = 0; n < count; ++n) {
         const double speed = c2[n * c2_stride];
         double largest = 0;
-        const int built = mrts_rows_of_sample(in, stride, n, &form, limits, terms, &rows, arg, res, iw, w);
+        const int built = mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows, arg, res, iw, w);
         if (built < 0) return 1;
         if (!built) {
             status[n] = MRTS_STOPPED;

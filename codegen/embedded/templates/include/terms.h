@@ -4,7 +4,7 @@
 typedef struct {
     @NAME@_real E[@MACRO@_JOINTS], A[@MACRO@_JOINTS], G[@MACRO@_JOINTS];
     @NAME@_real J[@MACRO@_WRENCH * @MACRO@_JOINTS], B[@MACRO@_WRENCH * @MACRO@_WRENCHES];
-    @NAME@_real P[@MACRO@_WRENCH], S[@MACRO@_WRENCH], Q[@MACRO@_WRENCH];
+    @NAME@_real P[@MACRO@_WRENCH], S[@MACRO@_WRENCH], Q[@MACRO@_WRENCH];@MOTOR_TERMS_FIELDS@
 } @NAME@_terms_of_sample;
 
 void @NAME@_terms(const @NAME@_sample *sample, const @NAME@_settings *settings, @NAME@_terms_of_sample *terms);

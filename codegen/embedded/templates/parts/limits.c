@@ -4,7 +4,7 @@ static const int row_start[ROWS + 1] = {@ROW_START@};
 static const int row_column[@ENTRIES@] = {@ROW_COLUMN@};
 static const mrts_real row_value[@ENTRIES@] = {@ROW_VALUE@};
 static const int row_group[ROWS] = {@ROW_GROUP@};
-
+@TURNING_TABLES@
 #define NO_EFFECT MRTS_C(1e-30) /* an effect of c^2 = 1 on a limit below this share of it is none */
 #define UNLIKELY MRTS_C(1e24) /* c^2 that only rounding of rest allows: velocities are below 1e-12 of their limits */
 
@@ -19,17 +19,9 @@ static int is_sound(const @NAME@_sample *sample, const mrts_real *load) {
 }
 
 static mrts_limits limits_of(const @NAME@_settings *settings) {
-    const mrts_limits limits = {ROWS, row_start, row_column, row_value, settings->lower, settings->upper, row_group};
+    const mrts_limits limits = {ROWS, row_start, row_column, row_value, settings->lower, settings->upper, row_group,
+                                @BASE_TABLE@, @AXES_TABLE@};
     return limits;
-}
-
-/* Rows of the limits in `unknowns` unknowns of a form, in the workspace; 0 if limits are reversed or a coefficient is
- * not finite. */
-static int build_rows(const mrts_limits *limits, int unknowns, const mrts_form *form, @NAME@_workspace *workspace,
-                      mrts_rows *rows) {
-    static const mrts_terms nothing = {0, 0, 0, 0, 0};
-    return mrts_rows_over(unknowns, limits, workspace->rows, workspace->which, rows) &&
-           mrts_build_rows(unknowns, JOINTS, WRENCHES, form, limits, &nothing, rows);
 }
 
 /* Largest c^2 that the velocities allow, MRTS_INFINITY if none bounds it, -1 if a limit is not > 0; `named` is the one
@@ -40,7 +32,7 @@ static mrts_real velocity_cap(const @NAME@_sample *sample, const @NAME@_settings
     for (int i = 0; i < VELOCITIES; ++i) {
         if (!(settings->velocity[i] > 0)) return -1;
     }
-    const mrts_real most = mrts_speed_cap(JOINTS, sample->dq, sample->twist, settings->velocity, &binding);
+    mrts_real most = mrts_speed_cap(JOINTS, sample->dq, sample->twist, settings->velocity, &binding);@MOTOR_ENDS@
     if (!(most < UNLIKELY)) return MRTS_INFINITY;
     *named = 1 + ROWS + binding;
     return most;

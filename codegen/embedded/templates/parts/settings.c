@@ -10,7 +10,7 @@ const char *@NAME@_status_text(@NAME@_status status) {
     case @MACRO@_UNBOUNDED: return "unbounded: nothing limits the speed";
     case @MACRO@_INFEASIBLE: return "infeasible: limits conflict at every speed";
     case @MACRO@_EMPTY: return "empty: no c^2 in common";
-    case @MACRO@_UNDECIDED: return "undecided at this precision";
+    case @MACRO@_UNDECIDED: return "undecided at this precision";@GAP_TEXT@
     case @MACRO@_BAD_ARGUMENT: return "bad argument";
     default: return "unknown status";
     }
@@ -27,7 +27,7 @@ void @NAME@_default_settings(@NAME@_settings *settings) {
         {@LOWER@},
         {@UPPER@},
         {@VELOCITY@},
-        {@WEIGHT@},
+        {@WEIGHT@},@MOTOR_DEFAULTS@@LINE_DEFAULTS@
     };
     *settings = defaults;
 }
@@ -45,10 +45,10 @@ void @NAME@_default_settings(@NAME@_settings *settings) {
     }
     for (int i = 0; i < JOINTS; ++i) {
         if (!(settings->weight[i] > 0)) return @MACRO@_BAD_ARGUMENT;
-    }
+    }@MOTOR_CHECK@@LINE_CHECK@
     return @MACRO@_OK;
 }
 
 void @NAME@_reset(@NAME@_workspace *workspace) {
-    for (int j = 0; j < K; ++j) workspace->lower_basis[j] = workspace->upper_basis[j] = 0;
+    for (int j = 0; j < K; ++j) workspace->lower_basis[j] = workspace->upper_basis[j] = 0;@RESET@
 }

@@ -3,12 +3,11 @@
                                    @NAME@_range *range, @NAME@_workspace *workspace) {
     mrts_real turned[9], shares[@MACRO@_ROBOTS], internal[WRENCHES], *res[4];
     const mrts_real *arg[9];
-    const mrts_limits limits = limits_of(settings);
-    const mrts_form form = mrts_form_in(1, JOINTS, WRENCHES, workspace->form);
+    mrts_form form = mrts_form_in(1, JOINTS, WRENCHES, workspace->form);
     mrts_rows rows;
     int fastest;
     range->lower = range->upper = 0;
-    range->lower_count = range->upper_count = 0;
+    range->lower_count = range->upper_count = 0;@NONE_BELOW@
     if (!is_sound(sample, settings->load)) return range->status = @MACRO@_BAD_ARGUMENT;
     for (int i = 0; i < @MACRO@_ROBOTS; ++i) shares[i] = (mrts_real)1 / @MACRO@_ROBOTS;
     for (int i = 0; i < WRENCHES; ++i) internal[i] = 0;
@@ -21,7 +20,9 @@
     res[3] = form.wrench_offset;
     @NAME@_model_fixed_distribution(arg, res);
     const mrts_real most = velocity_cap(sample, settings, &fastest);
-    if (most < 0 || !build_rows(&limits, 1, &form, workspace, &rows)) return range->status = @MACRO@_BAD_ARGUMENT;
+    if (most < 0 || !build_rows(sample, settings, 0, 1, &form, workspace, &rows)) {
+        return range->status = @MACRO@_BAD_ARGUMENT;
+    }@SHARE_OF_SPEED@
     range->lower = 0;
     range->upper = most;
     range->lower_count = 1;

@@ -12,5 +12,5 @@ void @NAME@_terms(const @NAME@_sample *sample, const @NAME@_settings *settings, 
     res[5] = terms->P;
     res[6] = terms->S;
     res[7] = terms->Q;
-    @NAME@_model_terms(arg, res);
+    @NAME@_model_terms(arg, res);@MOTOR_TERMS@
 }

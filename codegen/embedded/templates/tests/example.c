@@ -13,7 +13,7 @@ int main(void) {
     @NAME@_real torque[@MACRO@_JOINTS], wrench[@MACRO@_WRENCHES];
     const int samples = @MACRO@_PATH_SAMPLES, step = samples > 4 ? samples / 4 : 1;
 
-    @NAME@_default_settings(&settings);
+    @NAME@_default_settings(&settings);@SET_REST@
     @NAME@_horizon_start(&horizon);
     for (int k = 0; k < samples; ++k) {
         @NAME@_range_of_sample(&@NAME@_vectors[k].sample, &settings, &range, &workspace);

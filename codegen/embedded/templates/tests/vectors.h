@@ -5,7 +5,7 @@
 #include "@NAME@.h"
 
 #define @MACRO@_VECTORS @VECTORS@
-#define @MACRO@_PATH_SAMPLES @PATH_SAMPLES@ /* the first ones: one motion with the load of the cell file */
+#define @MACRO@_PATH_SAMPLES @PATH_SAMPLES@ /* the first ones: one motion with the load of the cell file */@REST_OF_VECTORS@
 
 /* A sample, the mass of its load, and what the Python runtime of mrts finds: status and ends of the range, free and
  * with equal shares, and the torques at one c^2 (0: not compared). */

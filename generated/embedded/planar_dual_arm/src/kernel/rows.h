@@ -9,7 +9,7 @@
 #include "numbers.h"
 
 /* Limits of torques and wrenches in compressed form: row i has the entries start[i] .. start[i + 1] - 1, each a column
- * (torques first, then wrenches) and a value. */
+ * (torques, then wrenches in base axes, then the same wrenches in object axes) and a value. */
 typedef struct {
     int rows;
     const int *start;
@@ -17,7 +17,10 @@ typedef struct {
     const mrts_real *value;
     const mrts_real *lower; /* in the unit of the row, -MRTS_INFINITY where there is none */
     const mrts_real *upper; /* MRTS_INFINITY where there is none */
-    const int *group;       /* alike for rows of one physical unit: what a limit of zero is measured by */
+    const int *group;       /* alike for rows of which one measures another's limit of zero */
+    const mrts_real *base;  /* rotation of each arm's base in the world, its columns as a triple of a wrench has its
+                             * components, (arms, 3, 3); null where no row is in object axes */
+    const int *axes;        /* of the object that a triple has, x, y, z being 0, 1, 2, (3) */
 } mrts_limits;
 
 /* Torques and wrenches as affine functions of k unknowns, the last of which is c^2: what a generated function gives.
@@ -27,6 +30,8 @@ typedef struct {
     mrts_real *torque_offset;
     mrts_real *wrench_map;
     mrts_real *wrench_offset;
+    mrts_real *object_map; /* of the wrenches in object axes, see mrts_turn_wrenches */
+    mrts_real *object_offset;
 } mrts_form;
 
 /* What is added at one sample to what the generated function and the limits say; null is nothing. Of the torques what
@@ -37,10 +42,13 @@ typedef struct {
     const mrts_real *square;        /* what c^2 adds to each row of the limits, in its unit, (rows) */
     const mrts_real *offset;        /* what is added to each row, likewise */
     const mrts_real *margin;        /* by how much both limits of each row move inward, likewise */
+    const mrts_real *torque_speed;  /* what the speed c adds to each torque, (joints): only ranges of c take it */
+    const mrts_real *speed;         /* what it adds to each row, in its unit, (rows): likewise */
 } mrts_terms;
 
-/* Reals of memory of a form, and a form laid out in it. */
+/* Reals of memory of a form, those of its wrenches in object axes, and a form laid out in the first. */
 #define MRTS_FORM_WORK(k, joints, wrenches) (((k) + 1) * ((joints) + (wrenches)))
+#define MRTS_TURNED_WORK(k, wrenches) (((k) + 1) * (wrenches))
 
 static inline mrts_form mrts_form_in(int k, int joints, int wrenches, mrts_real *memory) {
     mrts_form form;
@@ -48,6 +56,7 @@ static inline mrts_form mrts_form_in(int k, int joints, int wrenches, mrts_real 
     form.torque_offset = form.torque_map + k * joints;
     form.wrench_map = form.torque_offset + joints;
     form.wrench_offset = form.wrench_map + k * wrenches;
+    form.object_map = form.object_offset = 0;
     return form;
 }
 
@@ -73,6 +82,11 @@ MRTS_LOCAL int mrts_rows_over(int k, const mrts_limits *limits, mrts_real *work,
 
 /* Adds what motors give besides to the torques of a form. */
 MRTS_LOCAL void mrts_add_motors(int k, int joints, const mrts_terms *terms, mrts_form *form);
+
+/* Turns the wrenches of a form into object axes, in memory of MRTS_TURNED_WORK, where the limits want them. `size` is of
+ * one wrench, 6 or in a planar cell 3. Entry (i, j) of the object's rotation is rotation[i * down + j * across]. */
+MRTS_LOCAL void mrts_turn_wrenches(int k, int arms, int size, const mrts_limits *limits, const mrts_real *rotation,
+                                   int down, int across, mrts_real *memory, mrts_form *form);
 
 /* Fills the rows of one sample; of the terms it takes those of the rows. Returns 0 where a coefficient is not finite. */
 MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form *form, const mrts_limits *limits,

@@ -3,8 +3,7 @@ planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_s
                                    planar_dual_arm_range *range, planar_dual_arm_workspace *workspace) {
     mrts_real turned[9], shares[PLANAR_DUAL_ARM_ROBOTS], internal[WRENCHES], *res[4];
     const mrts_real *arg[9];
-    const mrts_limits limits = limits_of(settings);
-    const mrts_form form = mrts_form_in(1, JOINTS, WRENCHES, workspace->form);
+    mrts_form form = mrts_form_in(1, JOINTS, WRENCHES, workspace->form);
     mrts_rows rows;
     int fastest;
     range->lower = range->upper = 0;
@@ -21,7 +20,9 @@ planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_s
     res[3] = form.wrench_offset;
     planar_dual_arm_model_fixed_distribution(arg, res);
     const mrts_real most = velocity_cap(sample, settings, &fastest);
-    if (most < 0 || !build_rows(&limits, 1, &form, workspace, &rows)) return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
+    if (most < 0 || !build_rows(sample, settings, 0, 1, &form, workspace, &rows)) {
+        return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
+    }
     range->lower = 0;
     range->upper = most;
     range->lower_count = 1;

@@ -19,8 +19,8 @@ planar_dual_arm_status planar_dual_arm_torques(const planar_dual_arm_sample *sam
     for (int i = 0; i < WRENCHES; ++i) wrench[i] = 0;
     if (!(c2 >= 0 && c2 < MRTS_INFINITY) || !is_sound(sample, settings->load)) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
     const mrts_real most = velocity_cap(sample, settings, &fastest);
-    const mrts_form form = wrench_form(sample, settings->load, workspace);
-    if (most < 0 || !build_rows(&limits, K, &form, workspace, &rows)) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
+    mrts_form form = wrench_form(sample, settings->load, workspace);
+    if (most < 0 || !build_rows(sample, settings, c2, K, &form, workspace, &rows)) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
     mrts_fix_speed(K, &limits, c2, TORQUE_WIDENING, &rows);
     mrts_scale_columns(F, &rows, column);
     mrts_free_unknowns(F, &rows);

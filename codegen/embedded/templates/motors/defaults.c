@@ -1,0 +1,5 @@
+        {@ARMATURE@},
+        {@COULOMB@},
+        {@VISCOUS@},
+        @REST@,
+        @REST@,

@@ -1,0 +1,1 @@
+    range->below_count = 0;

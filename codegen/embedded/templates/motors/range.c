@@ -1,0 +1,3 @@
+    if (has_speed_terms(settings, &rows, workspace)) {
+        return range_of_speed(&rows, most, fastest, range, workspace);
+    }

@@ -1,0 +1,1 @@
+    printf("%d with a gap\n", seen[@MACRO@_GAP]);

@@ -1,0 +1,2 @@
+    LINES = @MACRO@_LINES,
+    ENDS = @ENDS@,

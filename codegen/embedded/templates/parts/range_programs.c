@@ -1,0 +1,80 @@
+/* @NOTICE@ */
+#ifdef MRTS_SINGLE
+#define BINDING MRTS_C(1e-4) /* a row binds if its multiplier exceeds this share of the largest */
+#else
+#define BINDING 1e-7
+#endif
+
+typedef char lp_work_holds[HOLDS(work, mrts_real, MRTS_LP_WORK(K))];
+typedef char lp_integers_hold[HOLDS(integers, int, MRTS_LP_IWORK(K, ROWS))];
+
+/* A row of the programs as @NAME@_range names it; `velocity` bounds c^2 by itself. */
+static int name_of(int code, int at_lower, const mrts_rows *rows, int velocity) {
+    const int row = (code < 0 ? -code : code) - 1;
+    if (row >= rows->count) return at_lower ? 0 : velocity;
+    return at_lower ? -rows->which[row] - 1 : rows->which[row] + 1;
+}
+
+/* Rows with a multiplier, the strongest first; returns how many. The side is that of the basis, or of a certificate's
+ * multiplier. */
+static int name_rows(const int *basis, const mrts_real *y, const mrts_rows *rows, int velocity, int by_sign,
+                     int *named) {
+    mrts_real largest = 0, size[K];
+    int count = 0;
+    for (int j = 0; j < K; ++j) {
+        size[j] = MRTS_ABS(y[j]);
+        if (size[j] > largest) largest = size[j];
+    }
+    for (int rank = 0; rank < K; ++rank) {
+        int next = 0;
+        for (int j = 1; j < K; ++j) {
+            if (size[j] > size[next]) next = j;
+        }
+        if (size[next] <= BINDING * largest || size[next] <= 0) break;
+        named[count++] = name_of(basis[next], by_sign ? y[next] > 0 : basis[next] < 0, rows, velocity);
+        size[next] = 0;
+    }
+    return count;
+}
+
+/* A kept basis that does not fit these rows starts cold. */
+static void check_basis(int k, int *basis, int rows) {
+    if (basis[0] == 0) return;
+    for (int j = 0; j < k; ++j) {
+        if (basis[j] == 0 || basis[j] > rows + k || basis[j] < -rows - k) {
+            basis[0] = 0;
+            return;
+        }
+    }
+}
+
+static @NAME@_status solve_end(const mrts_rows *rows, int velocity, mrts_real sign, int *basis, mrts_real column,
+                               @NAME@_workspace *workspace, mrts_real *end, int *count, int *named) {
+    mrts_real g[K], x[K], y[K];
+    int entering = 0, status = MRTS_STOPPED;
+    for (int j = 0; j < K; ++j) g[j] = j == F ? sign : 0;
+    check_basis(K, basis, rows->count);
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        const int cold = basis[0] == 0;
+        status = mrts_lp(K, rows->count, rows->A, rows->lower, rows->upper, g, basis, x, y, &entering, workspace->work,
+                         workspace->integers);
+        if (status == MRTS_OPTIMAL || cold) break;
+        basis[0] = 0;
+    }
+    if (status == MRTS_INFEASIBLE) {
+        named[0] = name_of(entering, entering < 0, rows, velocity);
+        *count = name_rows(basis, y, rows, velocity, 1, named + 1) + 1;
+        basis[0] = 0;
+        return @MACRO@_INFEASIBLE;
+    }
+    if (status != MRTS_OPTIMAL) {
+        basis[0] = 0;
+        *count = 0;
+        return @MACRO@_UNDECIDED;
+    }
+    *end = x[F] * column;
+    if (*end < 0) *end = 0;
+    if (sign < 0 && !velocity && x[F] >= MRTS_UNBOUNDED * (1 - 10 * MRTS_FEASIBLE)) return @MACRO@_UNBOUNDED;
+    *count = name_rows(basis, y, rows, velocity, 0, named);
+    return @MACRO@_OK;
+}

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: MIT
+"""`contact` of the cell file: what each hand can exert on the object, and the rows that it becomes."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.input_file import Finite, StrictModel, Vector3, broken_rule
+from mrts.hands.box import box_contact
+from mrts.hands.contact import Contact, numbered
+from mrts.hands.contact_axes import NOT_IN_PLANE, tip_components
+from mrts.hands.gripper import gripper_contact
+from mrts.hands.pad import pad_contact
+from mrts.hands.polytope import rows_contact
+from mrts.hands.suction import suction_contact
+
+MOST_CONTACTS = 20
+"""Of one robot."""
+
+
+class BoxDescription(StrictModel):
+    """Limits of each component; null or an absent side is unbounded."""
+
+    lower: list[Finite | None] | None = None
+    upper: list[Finite | None] | None = None
+    frame: Literal["tip", "base", "object"] = "tip"
+
+
+class PadDescription(StrictModel):
+    """A rectangular pad that is pressed on the object."""
+
+    friction: Finite
+    normal: Vector3
+    half_width: list[Finite]
+    force: list[Finite]
+
+
+class SuctionDescription(StrictModel):
+    """A suction cup."""
+
+    holding_force: Finite
+    friction: Finite
+    radius: Finite
+    normal: Vector3
+
+
+class GripperDescription(StrictModel):
+    """Two pads that squeeze the object."""
+
+    force: Finite
+    friction: Finite
+    half_width: list[Finite]
+    axis: Vector3
+
+
+class RowsDescription(StrictModel):
+    """Rows A F <= upper."""
+
+    A: Annotated[list[list[Finite]], Field(min_length=1)]
+    upper: Annotated[list[Finite], Field(min_length=1)]
+
+
+class ContactDescription(StrictModel):
+    """One contact, of one kind; see docs/cell_file.md."""
+
+    box: BoxDescription | None = None
+    pad: PadDescription | None = None
+    suction: SuctionDescription | None = None
+    gripper: GripperDescription | None = None
+    rows: RowsDescription | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        if len(self.model_fields_set) != 1 or getattr(self, self.kind) is None:
+            raise broken_rule(
+                f"each entry of 'contact' is one of {', '.join(type(self).model_fields)}, such as "
+                "'- pad: {friction: 0.5, normal: [0, 0, 1], half_width: [0.03, 0.02], force: [0, 100]}'"
+            )
+        return self
+
+    @property
+    def kind(self) -> str:
+        """Which it is."""
+        return next(iter(self.model_fields_set))
+
+
+KINDS: dict[str, Callable[..., Contact]] = {
+    "box": box_contact,
+    "pad": pad_contact,
+    "suction": suction_contact,
+    "gripper": gripper_contact,
+    "rows": rows_contact,
+}
+"""How each kind becomes rows."""
+
+
+def build_contacts(
+    path: Path,
+    key: str,
+    descriptions: Sequence[ContactDescription],
+    components: Sequence[str],
+    R_object_tip: Array,
+) -> tuple[Contact, ...]:
+    """The contacts of one robot.
+
+    Args:
+        path: The cell file, for messages.
+        key: Of the list, likewise.
+        descriptions: What stands there.
+        components: Of the cell's wrenches.
+        R_object_tip: Rotation of the robot's grasp, Shape (3, 3).
+
+    Raises:
+        InputError: If one breaks a rule.
+    """
+    in_tip = tip_components(components, R_object_tip)
+    contacts = []
+    for place, (given, name) in enumerate(
+        zip(descriptions, numbered([given.kind for given in descriptions]), strict=True)
+    ):
+        values = getattr(given, given.kind).model_dump()
+        here = f"{key}[{place}].{given.kind}"
+        there = in_tip if values.get("frame", "tip") == "tip" else components
+        if there is None:
+            raise InputError(path, NOT_IN_PLANE, key=here)
+        try:
+            contacts.append(KINDS[given.kind](**values, components=there, name=name))
+        except InputError as error:
+            inside = f"{here}.{error.key}" if error.key else here
+            raise InputError(path, error.rule, key=inside, value=error.value) from None
+    return tuple(contacts)

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: MIT
+"""A contact: the wrenches that a hand can exert on the object, as named two-sided rows."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Literal
+
+import numpy as np
+
+from mrts.base.argument_types import check_list, check_type
+from mrts.base.arrays import Array, freeze_array
+from mrts.base.errors import InputError, as_array
+from mrts.base.manifest import WRENCH_COMPONENTS
+
+Frame = Literal["tip", "object", "base"]
+
+FRAMES: tuple[Frame, ...] = ("tip", "object", "base")
+"""Axes in which a contact may be told."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Contact:
+    """r rows lower <= A F <= upper over the wrench F that a hand exerts **on the object** at its contact point.
+
+    The contact point is the tip frame's origin: moments are about it in every frame. Several contacts of one robot
+    must all hold for its one wrench. Make them by `mrts.pad_contact` and its neighbours, or row by row.
+
+    Attributes:
+        name: Such as "pad", without blanks; each contact of a robot has its own.
+        frame: In which axes F is: of the "tip" link, of the "object", or of the robot's "base".
+        rows: What each row limits, such as "friction +a".
+        units: One a row.
+        A: Shape (r, w).
+        lower: Minus infinity where unbounded, Shape (r,).
+        upper: Infinity where unbounded, Shape (r,). A row whose limit is 0 is measured by the largest limit of the
+            contact that has its unit.
+
+    Raises:
+        InputError: If an array has another shape, holds what is no number, or a row limits nothing.
+    """
+
+    name: str
+    frame: Frame
+    rows: tuple[str, ...]
+    units: tuple[str, ...]
+    A: Array
+    lower: Array
+    upper: Array
+
+    def __post_init__(self) -> None:
+        check_type("contact: name", self.name, str)
+        where = f"contact '{self.name}'"
+        if not self.name or self.name != "".join(self.name.split()):
+            raise InputError("contact", "its name must be text without blanks.", key="name", value=self.name)
+        if self.frame not in FRAMES:
+            raise InputError(where, f"must be {', '.join(FRAMES)}.", key="frame", value=self.frame)
+        for key in ("rows", "units"):
+            check_list(f"{where}: {key}", getattr(self, key), str)
+            object.__setattr__(self, key, tuple(getattr(self, key)))
+        count = len(self.rows)
+        if len({*self.rows}) < count or len(self.units) != count or not count:
+            raise InputError(where, "must name at least one row, each by its own name, with a unit a row.", key="rows")
+        columns = as_array(f"{where}: A", self.A).shape[-1:]
+        if columns not in {(3,), (len(WRENCH_COMPONENTS),)}:
+            rule = "must have 6 columns (fx, fy, fz, nx, ny, nz), in a planar cell 3."
+            raise InputError(where, rule, key="A", value=self.A)
+        freeze_array(self, "A", where, (count, *columns), finite=True)
+        for key in ("lower", "upper"):
+            freeze_array(self, key, where, (count,), finite=False)
+        limited = np.isfinite(self.lower) | np.isfinite(self.upper)
+        sound = limited & (self.lower <= self.upper) & (self.lower < np.inf) & (self.upper > -np.inf)
+        sound &= np.any(self.A != 0, axis=1)
+        if not np.all(sound):
+            row = int(np.argmin(sound))
+            rule = f"row '{self.rows[row]}' must hold a number beside 0 and have limits, lower <= upper."
+            raise InputError(where, rule, key="lower, upper", value=[float(self.lower[row]), float(self.upper[row])])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Contact, tuple(getattr(self, entry.name) for entry in fields(self))  # arrays come back validated, frozen
+
+    def __repr__(self) -> str:
+        return f"<Contact '{self.name}': {len(self.rows)} rows in {self.frame} axes>"
+
+
+def numbered(kinds: Sequence[str]) -> list[str]:
+    """Names of a robot's contacts from their kinds: "pad", and a second one "pad2"."""
+    seen: Counter[str] = Counter()
+    names = []
+    for kind in kinds:
+        seen[kind] += 1
+        names.append(kind if seen[kind] == 1 else f"{kind}{seen[kind]}")
+    return names

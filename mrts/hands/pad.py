@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: MIT
+"""A rectangular pad that is pressed on the object, with friction."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mrts.base.argument_types import is_number
+from mrts.base.errors import InputError
+from mrts.base.input_file import LARGEST_NUMBER
+from mrts.base.manifest import WRENCH_COMPONENTS
+from mrts.hands.contact import Contact
+from mrts.hands.contact_axes import contact_axes, in_tip_axes
+from mrts.hands.friction import NORMAL_FORCE, along_normal, half_widths, normal_force_needed, pyramid
+
+
+def pad_contact(
+    *,
+    friction: float,
+    normal: Sequence[float],
+    half_width: Sequence[float],
+    force: Sequence[float],
+    components: Sequence[str] = WRENCH_COMPONENTS,
+    name: str = "pad",
+) -> Contact:
+    """A pad that presses with f_n = normal · f, least <= f_n <= most, and needs no more than that: 17 rows.
+
+    The rows of friction, tilt and torsion are in N: the normal force that lacks, at most 0.
+
+    Args:
+        friction: Coefficient of friction with the object, > 0.
+        normal: From the hand into the object, in tip axes, Shape (3,): pressing is positive.
+        half_width: Of the pad along its axes a and b (`mrts.hands.contact_axes.contact_axes`) [m]; planar: [a].
+        force: Least and most normal force, 0 <= least < most [N].
+        components: Of the wrench in tip axes.
+        name: Of the contact.
+
+    Raises:
+        InputError: If a value breaks a rule.
+    """
+    axes = contact_axes("normal", normal, components)
+    needed = normal_force_needed(pyramid(friction, components), half_widths("half_width", half_width, components))
+    pair = isinstance(force, list | tuple | np.ndarray) and len(force) == 2  # noqa: PLR2004 (least, most)
+    if not pair or not all(is_number(value, 0, LARGEST_NUMBER) for value in force) or not force[0] < force[1]:
+        rule = "must be [least, most] normal force in N with 0 <= least < most: a pad presses and cannot pull."
+        raise InputError("contact", rule, key="force", value=force)
+    pressed = along_normal(components)
+    rows = np.array([pressed, *(row - pressed for row in needed.values())])
+    return Contact(
+        name=name,
+        frame="tip",
+        rows=(NORMAL_FORCE, *needed),
+        units=("N",) * len(rows),
+        A=in_tip_axes(rows, axes),
+        lower=np.array([force[0], *(-np.inf for _ in needed)]),
+        upper=np.array([force[1], *(0.0 for _ in needed)]),
+    )

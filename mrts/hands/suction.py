@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: MIT
+"""A suction cup that holds the object."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mrts.base.manifest import WRENCH_COMPONENTS
+from mrts.hands.contact import Contact
+from mrts.hands.contact_axes import contact_axes, in_tip_axes
+from mrts.hands.friction import NORMAL_FORCE, along_normal, normal_force_needed, positive, pyramid
+
+
+def suction_contact(
+    *,
+    holding_force: float,
+    friction: float,
+    radius: float,
+    normal: Sequence[float],
+    components: Sequence[str] = WRENCH_COMPONENTS,
+    name: str = "suction",
+) -> Contact:
+    """A cup that the vacuum presses on the object with its holding force, so that f_n >= -holding_force: 17 rows.
+
+    Its lip bears holding_force + f_n, f_n = normal · f, by friction, at the corners of the square inside its circle: so
+    what the rows admit a round lip of that radius bears. They are in N: the normal force that it takes, at most the
+    holding force.
+
+    Args:
+        holding_force: By which it can pull at most, underpressure times area [N].
+        friction: Coefficient of friction of the lip with the object, > 0.
+        radius: Of the lip [m].
+        normal: From the hand into the object, in tip axes, Shape (3,).
+        components: Of the wrench in tip axes.
+        name: Of the contact.
+
+    Raises:
+        InputError: If a value breaks a rule.
+    """
+    axes = contact_axes("normal", normal, components)
+    holding, width = positive("holding_force", holding_force), positive("radius", radius)
+    in_space = len(components) == len(WRENCH_COMPONENTS)
+    widths = [width / np.sqrt(2)] * 2 if in_space else [width]
+    needed = normal_force_needed(pyramid(friction, components), widths)
+    pressed = along_normal(components)
+    rows = np.array([pressed, *(row - pressed for row in needed.values())])
+    return Contact(
+        name=name,
+        frame="tip",
+        rows=(NORMAL_FORCE, *needed),
+        units=("N",) * len(rows),
+        A=in_tip_axes(rows, axes),
+        lower=np.array([-holding, *(-np.inf for _ in needed)]),
+        upper=np.array([np.inf, *(holding for _ in needed)]),
+    )

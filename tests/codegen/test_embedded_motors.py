@@ -1,0 +1,322 @@
+"""Motors in exported libraries: against programs at fixed speeds and the desktop's torques; gaps; turning points."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import DATA
+from exported_library import changed_cell, run, sources, tool
+from loaded_library import PLACES, LoadedLibrary, reals, structure
+from scipy.optimize import linprog
+
+import mrts
+from mrts.cli import main
+from mrts.motors.joint_motors import JointMotors
+from mrts.samples.motor_terms import motor_terms
+from mrts.samples.sample_problem import build_sample_problem
+from mrts.samples.torque_distribution import distribute_torques
+from mrts.solvers import DEFAULT_SOLVER
+
+OK, INFEASIBLE, EMPTY, BAD_ARGUMENT, GAP = 0, 2, 3, 5, 6
+FREE, EVEN = "range_of_sample", "equal_share_range"
+
+SAME_TORQUE = 1e-9
+"""Of a torque by the library and by Python, as a share of its limit."""
+
+ON_END = 1e-8
+"""Widening of limits, in their units, at which an end of an interval must be feasible: HiGHS is asked for 1e-9."""
+
+BEYOND = 1e-6
+"""How far past an end a speed is not admissible."""
+
+CURVES = [[[0, 100], [1.5, 100], [4, 30]], [[0, 80], [2, 80], [5, 10]], [[0, 50], [6, 20]]]
+
+
+def with_curves(cell):
+    """Curves, and the friction of which settings at run time take the place."""
+    friction = {"coulomb": [6, 5, 2], "viscous": [8, 8, 3]}
+    for robot in cell["robots"]:
+        robot["motors"] = {"armature": [0.5, 0.4, 0.1], "friction": friction, "torque_speed": CURVES}
+
+
+def with_a_gap(cell):
+    """Friction hinders in the middle of the speeds that inertia helps to."""
+    for robot in cell["robots"]:
+        robot["motors"] = {"friction": {"viscous": [37, 15, 0]}}
+        robot["torque"] = [31, 79, 71]
+
+
+def loaded(folder, change):
+    """The library of the planar cell after a change, the cell, and its lift."""
+    path = changed_cell(folder, change)
+    assert main(["export", str(path), "-o", str(folder / "library"), "--motion", str(DATA / "lift.yaml")]) == 0
+    cell = mrts.load_cell(path)
+    return (
+        LoadedLibrary(folder / "library", folder),
+        cell,
+        mrts.follow_object(cell, mrts.load_motion(DATA / "lift.yaml")),
+    )
+
+
+@pytest.fixture(scope="module")
+def curved(tmp_path_factory):
+    return loaded(tmp_path_factory.mktemp("curved"), with_curves)
+
+
+@pytest.fixture(scope="module")
+def gapped(tmp_path_factory):
+    return loaded(tmp_path_factory.mktemp("gapped"), with_a_gap)
+
+
+def admits(problem, speed, widening=0.0):
+    """Whether some wrenches keep all rows at a speed, by HiGHS."""
+    lower, upper = (limit[0] for limit in problem.limits_at(speed**2))
+    A, lower, upper = problem.free[0], lower - widening, upper + widening
+    above, below = np.isfinite(upper), np.isfinite(lower)
+    if not A.shape[1]:
+        return bool(np.all(lower <= 0) and np.all(upper >= 0))
+    rows, limits = np.vstack([A[above], -A[below]]), np.concatenate([upper[above], -lower[below]])
+    return linprog(np.zeros(A.shape[1]), A_ub=rows, b_ub=limits, bounds=(None, None), method="highs").status == 0
+
+
+def inside(speed, intervals):
+    return any(low <= speed <= high for low, high in intervals)
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_ranges_of_random_motors_are_those_of_programs_at_fixed_speeds(curved, seed):
+    library, cell, motion = curved
+    rng = np.random.default_rng(seed)
+    limit = np.array([100.0, 80.0, 50.0])
+    motors = [
+        JointMotors(
+            **{name: getattr(robot.motors, name) for name in ("torque_speed", "torque_rate", "jerk", "rated")},
+            armature=rng.uniform(0, 0.01, 3) * limit * rng.choice([0, 1, 3], 3),
+            coulomb=rng.uniform(0, 0.15, 3) * limit * rng.choice([0, 1], 3),
+            viscous=rng.uniform(0, 0.5, 3) * limit * rng.choice([0, 1, 2], 3),
+        )
+        for robot in cell.robots
+    ]
+    for name in ("armature", "coulomb", "viscous"):
+        getattr(library.settings, name)[:] = np.concatenate([getattr(motor, name) for motor in motors]).tolist()
+    robots = tuple(replace(robot, motors=motor) for robot, motor in zip(cell.robots, motors, strict=True))
+    changed = replace(cell, robots=robots)
+    index = np.array([rng.integers(motion.samples)])
+    sample = library.sample(motion, int(index[0]))
+    for call, sharing in ((FREE, None), (EVEN, mrts.LoadSharing())):
+        problem = build_sample_problem(changed, motion, sharing=sharing, samples=index)
+        status, found, rows = library.range(sample, call)
+        intervals = np.sqrt(found)
+        assert (status == INFEASIBLE) == (not found.size)
+        for ends, named in zip(intervals, rows, strict=True):
+            assert all(named)
+            for speed, past in zip(ends, (-BEYOND, BEYOND), strict=True):
+                assert admits(problem, speed, ON_END)
+                out = speed + past * max(1.0, speed)
+                assert out < 0 or inside(out, intervals) or not admits(problem, out)
+        most = intervals[-1, 1] if found.size else 3.0
+        for speed in rng.uniform(0, 1.3 * most, 6):
+            assert admits(problem, speed) == inside(speed, intervals)
+    _, found, _ = library.range(sample)
+    if found.size:
+        c2 = float(found[-1].mean())
+        problem = build_sample_problem(changed, motion, samples=index)
+        x, _ = distribute_torques(problem, c2, np.eye(6), DEFAULT_SOLVER)
+        status, torque, wrench = library.torques(sample, c2)
+        assert status == OK
+        assert np.abs(torque - problem.torque(x)[0]).max() <= SAME_TORQUE * limit.min()
+        assert np.abs(wrench - problem.wrench(x)[0]).max() <= SAME_TORQUE * limit.max()
+
+
+def test_a_gap_has_a_status_and_what_lies_below_is_told(gapped):
+    library, cell, motion = gapped
+    sample = library.sample(motion, 75)
+    status, found, rows = library.range(sample, EVEN)
+    assert status == GAP
+    assert len(found) == 2
+    assert found[0, 0] == 0
+    assert found[0, 1] < found[1, 0] < found[1, 1]
+    assert {row.split("/")[1] for row in (*rows[0][1], *rows[1][0])} == {"shoulder torque"}  # hindered, then helped
+    problem = build_sample_problem(cell, motion, sharing=mrts.LoadSharing(), samples=np.array([75]))
+    middle = found.ravel()[1:3].mean()
+    assert [admits(problem, c2**0.5) for c2 in (*found.mean(axis=1), middle)] == [True, True, False]
+
+
+def test_torques_in_a_gap_are_no_answer(gapped):
+    library, _, motion = gapped
+    gaps = []
+    for index in range(motion.samples):
+        sample = library.sample(motion, index)
+        status, found, _ = library.range(sample)
+        if status == GAP:
+            gaps.append(index)
+            asked = (*found.mean(axis=1), found.ravel()[1:3].mean())
+            assert [library.torques(sample, c2)[0] for c2 in asked] == [OK, OK, INFEASIBLE]
+    assert gaps
+
+
+def intersection(unions):
+    """What unions of intervals have in common, ascending."""
+    left = [(0.0, np.inf)]
+    for union in unions:
+        left = [(max(a, c), min(b, d)) for a, b in left for c, d in union if max(a, c) <= min(b, d)]
+    return np.reshape(left, (-1, 2))
+
+
+def test_a_horizon_is_the_intersection_of_unions(gapped):
+    library, _, motion = gapped
+    for chosen in (range(70, 80), range(75, 77), [75, 2], range(motion.samples)):
+        horizon, unions = library.Horizon(), []
+        library.call("horizon_start", horizon)
+        for index in chosen:
+            found = library.Range()
+            library.call(EVEN, library.sample(motion, index), library.settings, found, library.workspace)
+            unions.append(library.intervals(found)[0])
+            library.call("horizon_add", horizon, found)
+        wanted = intersection(unions)
+        assert np.array_equal(library.intervals(horizon)[0], wanted)
+        none = EMPTY if all(map(len, unions)) else INFEASIBLE
+        assert horizon.status == {0: none, 1: OK, 2: GAP}[len(wanted)]
+        assert not wanted.size or horizon.upper in unions[horizon.upper_sample][:, 1]
+
+
+def test_samples_without_a_speed_in_common_are_empty(gapped):
+    library, _, motion = gapped
+    one, other, horizon = library.Range(), library.Range(), library.Horizon()
+    library.call(EVEN, library.sample(motion, 75), library.settings, one, library.workspace)
+    other.status, other.lower, other.upper = OK, one.below[0].upper * 1.01, one.lower * 0.99
+    library.call("horizon_start", horizon)
+    assert [library.call("horizon_add", horizon, part) for part in (one, other)] == [GAP, EMPTY]
+
+
+def test_a_range_for_several_loads_is_the_intersection_of_unions(gapped):
+    library, _, motion = gapped
+    masses, gaps = (1.0, 1.02, 0.97), 0
+    for index in (20, 60, 70, 80, 86):
+        sample, unions = library.sample(motion, index), []
+        nominal = list(library.settings.load)
+        loads = (type(library.settings.load) * len(masses))()
+        for place, factor in enumerate(masses):
+            library.settings.load[0] = loads[place][0] = factor * nominal[0]
+            loads[place][1:] = nominal[1:]
+            status, found, _ = library.range(sample)
+            gaps += status == GAP
+            unions.append(found)
+        library.settings.load[:] = nominal
+        both, given = library.Range(), (library.settings, loads, len(masses))
+        library.call("guaranteed_range", sample, *given, both, None, None, library.workspace)
+        assert np.allclose(library.intervals(both)[0], intersection(unions), rtol=SAME_TORQUE, atol=0), index
+    assert gaps
+
+
+def terms_of(library, sample):
+    """Terms of a sample by name."""
+    joints, part, wrenches = (library.sizes[name] for name in ("JOINTS", "WRENCH", "WRENCHES"))
+    sizes = {"E": joints, "A": joints, "G": joints, "J": part * joints, "B": part * wrenches}
+    found = structure(reals(sizes | dict.fromkeys("PSQ", part) | dict.fromkeys(("V", "C", "turning"), joints)))()
+    library.call("terms", sample, library.settings, found)
+    return {name: np.array(getattr(found, name)) for name, _ in found._fields_}
+
+
+def test_terms_have_armature_and_friction_as_on_the_desktop(curved):
+    library, cell, motion = curved
+    wanted = motor_terms(cell, motion)
+    for index in (0, 1, 50, 100):
+        sample = library.sample(motion, index)
+        with_motors = terms_of(library, sample)
+        library.settings.armature[:] = [0.0] * 6
+        ideal = terms_of(library, sample)
+        library.call("default_settings", library.settings)
+        assert np.allclose(with_motors["E"] - ideal["E"], wanted.square[index], rtol=0, atol=SAME_TORQUE)
+        assert np.allclose(with_motors["A"] - ideal["A"], wanted.rate[index], rtol=0, atol=SAME_TORQUE)
+        assert np.array_equal(with_motors["V"], wanted.speed[index])
+        assert np.array_equal(with_motors["C"], wanted.dry[index])
+        assert not with_motors["turning"].any()
+
+
+def test_friction_of_a_joint_that_stands_is_against_its_travel(curved):
+    library, _, motion = curved
+    sample, coulomb = library.sample(motion, 40), np.array(library.settings.coulomb)
+    ddq = np.where(np.arange(6) % 2, 1.0, -1.0)
+    sample.dq[:], sample.ddq[:] = [0.0] * 6, ddq.tolist()
+    wanted = {"inside": 0 * coulomb, "start": coulomb * ddq, "end": -coulomb * ddq}
+    for place, number in PLACES.items():
+        sample.place = number
+        found = terms_of(library, sample)
+        assert np.array_equal(found["C"], wanted[place])
+        assert np.array_equal(found["turning"], coulomb if place == "inside" else 0 * coulomb)
+    sample.place = PLACES["inside"]
+    for call in (FREE, EVEN):
+        _, turning, _ = library.range(sample, call)
+        narrowed(library, coulomb)
+        _, wanted_range, _ = library.range(sample, call)
+        library.call("default_settings", library.settings)
+        assert turning.size
+        assert np.allclose(turning, wanted_range, rtol=SAME_TORQUE, atol=0)
+        one_way = []
+        for place in ("start", "end"):
+            sample.place = PLACES[place]
+            one_way.append(library.range(sample, call)[1][0, 1])
+        assert turning[0, 1] <= min(one_way) * (1 + SAME_TORQUE) < max(one_way)
+        sample.place = PLACES["inside"]
+
+
+def narrowed(library, coulomb):
+    """No dry friction, and limits of torques that leave room for it in both directions."""
+    settings, joint_of_line = library.settings, [j + 3 * arm for arm in (0, 1) for j in (0, 1, 2)]
+    lines = library.sizes["ROWS"] - library.sizes["LINES"]
+    settings.coulomb[:] = [0.0] * 6
+    for row in (*range(6), *range(lines, library.sizes["ROWS"])):
+        room = coulomb[row if row < lines else joint_of_line[row - lines]]
+        settings.lower[row] += room
+        settings.upper[row] -= room
+
+
+def test_ends_of_curves_bound_the_speed(curved):
+    library, _, motion = curved
+    settings, found = library.settings, []
+    settings.lower[:], settings.upper[:] = [-1e300] * len(settings.lower), [1e300] * len(settings.upper)
+    for index in range(motion.samples):
+        status, range_, rows = library.range(library.sample(motion, index))
+        speed = np.abs(motion.dq[index]) / np.tile([4.0, 5.0, 6.0], 2)
+        if speed.max() > 1e-6:
+            assert status == OK
+            assert np.allclose(range_, [[0, 1 / speed.max() ** 2]], rtol=SAME_TORQUE)
+            found.append(rows[0][1][0])
+    library.call("default_settings", settings)
+    assert {row.split(" ", 1)[1] for row in found} == {"motor speed"}
+
+
+@pytest.mark.parametrize("name", ["armature", "coulomb", "viscous", "slope", "rest"])
+def test_motors_that_are_none_are_refused(curved, name):
+    library, _, motion = curved
+    sample, settings = library.sample(motion, 40), library.settings
+    assert library.call("check_settings", settings) == OK
+    for wrong in (-1.0, np.nan, np.inf):
+        if name == "rest" and wrong == np.inf:
+            continue
+        getattr(settings, name)[1] = wrong
+        assert library.call("check_settings", settings) == BAD_ARGUMENT
+        if name != "rest" and wrong != -1.0:
+            assert [library.range(sample, call)[0] for call in (FREE, EVEN)] == [BAD_ARGUMENT] * 2
+            assert library.torques(sample, 1.0)[0] == BAD_ARGUMENT
+        library.call("default_settings", settings)
+    for place in (-1, 3):
+        sample.place = place
+        assert library.range(sample)[0] == library.torques(sample, 1.0)[0] == BAD_ARGUMENT
+
+
+@pytest.mark.parametrize("parts", ["terms", "range", "share", "torques"])
+def test_parts_of_a_library_with_motors_compile_alone(parts, tmp_path):
+    path = changed_cell(tmp_path, with_curves)
+    assert main(["export", str(path), "-o", str(tmp_path / "x"), "--functions", parts]) == 0
+    for source in sources(tmp_path / "x"):
+        flags = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", f"-I{tmp_path}/x/include")
+        run(tool("gcc", "gcc"), *flags, "-c", source, "-o", tmp_path / "o")
+
+
+def test_a_cell_of_ideal_motors_has_nothing_of_them(tmp_path):
+    assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path)]) == 0
+    header = (tmp_path / "include/planar_dual_arm.h").read_text()
+    assert not [word for word in ("armature", "coulomb", "place", "GAP", "interval") if word in header]
+    assert not [path for path in tmp_path.rglob("*.c") if "speed" in path.name or "motor" in path.name]

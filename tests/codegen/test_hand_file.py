@@ -1,0 +1,172 @@
+"""`contact` of a cell file: what it becomes, and what is refused with file, key, value and rule."""
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+
+import mrts
+from mrts.cli import main
+from mrts.hands.pad import pad_contact
+from mrts.scaling.limit_use import limit_uses
+
+UR5 = DATA.parent / "dual_ur5"
+
+PAD = {"friction": 0.5, "normal": [0, 0, 1], "half_width": [0.03, 0.02], "force": [0, 100]}
+CUP = {"holding_force": 80, "friction": 0.5, "radius": 0.03, "normal": [0, 0, 1]}
+JAWS = {"force": 60, "friction": 0.5, "half_width": [0.02, 0.01], "axis": [0, 1, 0]}
+FLAT = {"friction": 0.5, "normal": [0, 1, 0], "half_width": [0.03], "force": [0, 100]}
+
+
+def cell_with(contacts, place, data=UR5, file="ur5_class_arm.urdf", **change):
+    """A shipped cell with contacts of the left robot."""
+    cell = yaml.safe_load((data / "cell.yaml").read_text())
+    for robot in cell["robots"]:
+        robot["urdf"] = str(data / file)
+    cell["robots"][0]["contact"] = contacts
+    cell["robots"][0] |= change
+    path = place / "cell.yaml"
+    path.write_text(yaml.safe_dump(cell))
+    return path
+
+
+def planar_with(contacts, place, **change):
+    return cell_with(contacts, place, DATA, "planar_arm.urdf", **change)
+
+
+def test_contacts_are_read_in_order_and_named_by_kind(tmp_path):
+    rows = {"A": [[0, 0, -1, 0, 0, 0], [0, 0, 1, 0, 0, 0]], "upper": [3, 200]}
+    box = {"upper": [None, 40, None, None, None, 3], "frame": "object"}
+    given = [{"pad": PAD}, {"suction": CUP}, {"gripper": JAWS}, {"rows": rows}, {"box": box}, {"pad": PAD}]
+    cell = mrts.load_cell(cell_with(given, tmp_path))
+    left, right = cell.robots
+    assert right.contacts == ()
+    assert [contact.name for contact in left.contacts] == ["pad", "suction", "gripper", "rows", "box", "pad2"]
+    assert [len(contact.rows) for contact in left.contacts] == [17, 17, 30, 2, 2, 17]
+    assert [contact.frame for contact in left.contacts] == ["tip"] * 4 + ["object", "tip"]
+    made = pad_contact(friction=0.5, normal=[0, 0, 1], half_width=[0.03, 0.02], force=[0, 100])
+    read = left.contacts[0]
+    assert read.rows == made.rows
+    for array in ("A", "lower", "upper"):
+        assert np.array_equal(getattr(read, array), getattr(made, array))
+    assert (left.contacts[4].rows, left.contacts[4].units) == (("fy", "nz"), ("N", "N m"))
+    assert cell.without_wrench_limits().robots[0].contacts == ()
+
+
+WRONG = [
+    ([{"pad": PAD | {"normal": [0, 0, 0]}}], "[0].pad.normal", "zero length"),
+    ([{"suction": CUP | {"normal": [0, 1e-12, 0]}}], "[0].suction.normal", "zero length"),
+    ([{"gripper": JAWS | {"axis": [0, 0, 0]}}], "[0].gripper.axis", "zero length"),
+    ([{"pad": PAD | {"normal": [0, 1]}}], "[0].pad.normal", "has 2 values, at least 3"),
+    ([{"pad": PAD | {"friction": -0.5}}], "[0].pad.friction", "must be a number > 0"),
+    ([{"pad": PAD | {"friction": 0}}], "[0].pad.friction", "must be a number > 0"),
+    ([{"suction": CUP | {"friction": -1}}], "[0].suction.friction", "must be a number > 0"),
+    ([{"gripper": JAWS | {"friction": -1}}], "[0].gripper.friction", "must be a number > 0"),
+    ([{"suction": CUP | {"holding_force": -1}}], "[0].suction.holding_force", "must be a number > 0"),
+    ([{"suction": CUP | {"radius": 0}}], "[0].suction.radius", "must be a number > 0"),
+    ([{"gripper": JAWS | {"force": 0}}], "[0].gripper.force", "must be a number > 0"),
+    ([{"pad": PAD | {"half_width": [0.03]}}], "[0].pad.half_width", "must be [a, b]"),
+    ([{"pad": PAD | {"half_width": [0.03, -0.02]}}], "[0].pad.half_width", "must be a number > 0"),
+    ([{"gripper": JAWS | {"half_width": [0.1, 0.1, 0.1]}}], "[0].gripper.half_width", "must be [a, b]"),
+    ([{"pad": PAD | {"force": [50, 20]}}], "[0].pad.force", "0 <= least < most"),
+    ([{"pad": PAD | {"force": [20, 20]}}], "[0].pad.force", "0 <= least < most"),
+    ([{"pad": PAD | {"force": [-5, 20]}}], "[0].pad.force", "cannot pull"),
+    ([{"pad": PAD | {"force": [20]}}], "[0].pad.force", "[least, most]"),
+    ([{"pad": PAD | {"force": [0, float("inf")]}}], "[0].pad.force[1]", "finite"),
+    ([{"pad": PAD | {"wide": 1}}], "[0].pad", "unknown key 'wide'"),
+    ([{"pad": {"friction": 0.5}}], "[0].pad.normal", "this key is required"),
+    ([{"pad": PAD, "box": {"upper": [1] * 6}}], "[0]", "is one of box, pad, suction, gripper, rows"),
+    ([{}], "[0]", "is one of box, pad, suction, gripper, rows"),
+    ([{"pad": None}], "[0]", "is one of box, pad, suction, gripper, rows"),
+    ([{"box": {}}], "[0].box", "must limit something"),
+    ([{"box": {"upper": [1, 2, 3]}}], "[0].box.upper", "must have 6 values (fx, fy, fz, nx, ny, nz)"),
+    ([{"box": {"lower": [2] * 6, "upper": [1] * 6}}], "[0].box.lower", "of fx, 2, must be at most the upper one, 1"),
+    ([{"box": {"upper": [1] * 6, "frame": "hand"}}], "[0].box.frame", "must be 'tip', 'base' or 'object'"),
+    ([{"rows": {"A": [[1, 0, 0, 0, 0]], "upper": [1]}}], "[0].rows.A", "each row must have 6 numbers"),
+    ([{"rows": {"A": [[1, 0, 0, 0, 0, 0]], "upper": [1, 2]}}], "[0].rows.A", "in 2 rows, as many as upper"),
+    ([{"rows": {"A": [[0] * 6], "upper": [1]}}], "[0].rows.A", "row 1 is zero"),
+    ([{"rows": {"A": [[1] * 6, [-1] * 6], "upper": [3, -4]}}], "[0].rows.A, upper", "leaves no wrench"),
+    ([{"rows": {"A": [[1] * 6, [-1] * 6], "upper": [3, -3]}}], "[0].rows.A, upper", "leaves no wrench"),
+    ([{"rows": {"A": [], "upper": []}}], "[0].rows.A", "has 0 values, at least 1"),
+    ([{"pad": PAD}] * 21, "", "has 21 values, at most 20"),
+    ({"pad": PAD}, "", "must be a list"),
+]
+
+
+@pytest.mark.parametrize(("contacts", "key", "rule"), WRONG)
+def test_what_cannot_be_is_refused_by_file_key_and_rule(contacts, key, rule, tmp_path, capsys):
+    path = cell_with(contacts, tmp_path)
+    with pytest.raises(mrts.InputError) as error:
+        mrts.load_cell(path)
+    said = str(error.value)
+    assert str(path) in said
+    assert rule in said
+    assert f"contact{key}" in said.replace(" (left)", "")
+    assert main(["generate", str(path)]) == 2
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_a_planar_hand_has_three_components(tmp_path):
+    box = {"lower": [-5, None, -1], "upper": [5, 30, 1]}
+    given = [{"pad": FLAT}, {"box": box}, {"rows": {"A": [[1, 1, 0]], "upper": [20]}}]
+    cell = mrts.load_cell(planar_with(given, tmp_path))
+    flat, square, rows = cell.robots[0].contacts
+    assert flat.rows == ("normal force", "friction +a", "friction -a", "tilt +", "tilt -")
+    assert square.rows == ("fx", "fy", "nz")
+    assert rows.A.shape == (1, 3)
+    result = mrts.scale(cell, mrts.load_motion(DATA / "lift.yaml"))
+    assert result.trajectory is not None
+
+
+@pytest.mark.parametrize(
+    ("contacts", "key", "rule"),
+    [
+        ([{"pad": PAD}], "[0].pad.normal", "must lie in the plane"),
+        ([{"pad": FLAT | {"half_width": [0.1, 0.1]}}], "[0].pad.half_width", "the contact is a line"),
+        ([{"gripper": JAWS | {"axis": [0, 0, 1]}}], "[0].gripper.axis", "must lie in the plane"),
+        ([{"box": {"upper": [1] * 6}}], "[0].box.upper", "must have 3 values (fx, fy, nz)"),
+        ([{"rows": {"A": [[1] * 6], "upper": [1]}}], "[0].rows.A", "each row must have 3 numbers"),
+    ],
+)
+def test_what_a_planar_hand_cannot_do_is_refused(contacts, key, rule, tmp_path):
+    with pytest.raises(mrts.InputError) as error:
+        mrts.load_cell(planar_with(contacts, tmp_path))
+    assert rule in str(error.value)
+    assert f"contact{key}" in str(error.value).replace(" (left)", "")
+
+
+def tilted(place, turn):
+    """The planar arm with a tip frame that is turned out of the plane."""
+    text = (DATA / "planar_arm.urdf").read_text()
+    fixed = (
+        '<link name="turned"/><joint name="turn" type="fixed"><parent link="contact"/><child link="turned"/>'
+        f'<origin xyz="0 0 0" rpy="{turn}"/></joint></robot>'
+    )
+    (place / "tilted.urdf").write_text(text.replace("</robot>", fixed))
+    return str(place / "tilted.urdf")
+
+
+def test_tip_axes_of_a_planar_cell_are_those_in_its_plane(tmp_path):
+    """A tip link whose y axis is normal to the plane has forces along x and z; one that is askew has no tip axes."""
+    turn = "1.5707963267948966 0 0"
+    change = {"urdf": tilted(tmp_path, turn), "tip_link": "turned", "wrench": {}}
+    grasp = {"xyz": [-1.1, 0, 0], "rpy": [1.5707963267948966, 0, 0]}
+    wrong = {"lower": [None] * 3, "upper": [1] * 4}
+    with pytest.raises(mrts.InputError, match=r"\(fx, fz, ny\)"):
+        mrts.load_cell(planar_with([{"box": wrong}], tmp_path, grasp=grasp, **change))
+    limits = {"lower": [-3, -4, -2], "upper": [5, 6, 0.5]}
+    turned = mrts.load_cell(planar_with([{"box": limits}], tmp_path, grasp=grasp, **change))
+    # tip x, z, y are object x, -y, z up to sign: R = Rx(90°) turns z to -y and y to z
+    same = {"lower": [-3, -6, -2], "upper": [5, 4, 0.5], "frame": "object"}
+    straight = mrts.load_cell(planar_with([{"box": same}], tmp_path, wrench={}))
+    lift = mrts.load_motion(DATA / "lift.yaml")
+    ours, theirs = mrts.scale(turned, lift), mrts.scale(straight, lift)
+    assert ours.range.upper.c2 == pytest.approx(theirs.range.upper.c2, rel=1e-9)
+    np.testing.assert_allclose(ours.trajectory.torque, theirs.trajectory.torque, atol=1e-6)
+    assert max(use.share for use in limit_uses(ours, "contact")) > 0.99
+    change = {"urdf": tilted(tmp_path, "0.3 0 0"), "tip_link": "turned", "wrench": {}}
+    askew = {"xyz": [-1.1, 0, 0], "rpy": [0.3, 0, 0]}
+    with pytest.raises(mrts.InputError, match="one must be normal to the plane"):
+        mrts.load_cell(planar_with([{"box": limits}], tmp_path, grasp=askew, **change))
+    again = mrts.load_cell(planar_with([{"box": same}], tmp_path, grasp=askew, **change))
+    assert mrts.scale(again, lift).range.upper.c2 == pytest.approx(theirs.range.upper.c2, rel=1e-9)

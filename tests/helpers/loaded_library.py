@@ -1,0 +1,105 @@
+"""An exported library of a cell with motors in this process: its calls with the samples of a motion."""
+
+import ctypes
+import re
+
+import numpy as np
+from exported_library import run, sources, tool
+
+BELOW = 3
+"""Intervals below the highest that a range tells: `_BELOW` of the header."""
+
+NO_INTERVALS = {2, 3, 4, 5}
+"""Of its statuses: infeasible, empty, undecided, bad argument."""
+
+PLACES = {"inside": 0, "start": 1, "end": 2}
+
+BYTES = 1 << 18
+"""More than a workspace has."""
+
+
+class LoadedLibrary:
+    """A library in double precision, compiled and loaded, with the settings of its cell file."""
+
+    def __init__(self, folder, place):
+        (header,) = (folder / "include").glob("*.h")
+        self.name, text = header.stem, header.read_text()
+        self.sizes = {
+            name: int(value) for name, value in re.findall(rf"#define {self.name.upper()}_(\w+) (\d+)\s", text)
+        }
+        shared = place / f"{self.name}.so"
+        run(tool("gcc", "gcc"), "-std=c99", "-O2", "-shared", "-fPIC", f"-I{folder}/include", *sources(folder), "-lm",
+            "-o", shared)  # fmt: skip
+        self.code = ctypes.CDLL(str(shared))
+        joints, limits = self.sizes["JOINTS"], self.sizes["ROWS"]
+        moving = {"q": joints, "dq": joints, "ddq": joints, "rotation": 9, "twist": 6, "acceleration": 6}
+        self.Sample = structure([*reals(moving), ("place", ctypes.c_int)])
+        self.Range, self.Horizon = range_structures(self.sizes["UNKNOWNS"])
+        ends = re.search(r"_VELOCITIES \(\w+ \+ 2(?: \+ (\d+))?\)", text).group(1)
+        given = {"load": 10, "lower": limits, "upper": limits, "velocity": joints + 2 + int(ends or 0)}
+        given |= dict.fromkeys(("weight", "armature", "coulomb", "viscous"), joints)
+        self.settings = structure(reals(given | {"rest": 2, "slope": self.sizes["LINES"]}))()
+        self.workspace = ctypes.create_string_buffer(BYTES)
+        self.call("default_settings", self.settings)
+        getattr(self.code, f"{self.name}_row_text").restype = ctypes.c_char_p
+
+    def call(self, name, *given):
+        """What a function of the library returns; structures go by reference."""
+        parts = (ctypes.byref(part) if isinstance(part, ctypes.Structure) else part for part in given)
+        return getattr(self.code, f"{self.name}_{name}")(*parts)
+
+    def sample(self, motion, index):
+        """A sample of a coordinated motion as the library takes it."""
+        given = motion.object
+        fields = (motion.q, motion.dq, motion.ddq, given.rotation, given.twist, given.acceleration)
+        place = "start" if index == 0 else "end" if index == motion.samples - 1 else "inside"
+        found = self.Sample(place=PLACES[place])
+        for (name, _), field in zip(self.Sample._fields_, fields, strict=False):
+            getattr(found, name)[:] = np.ravel(field[index]).tolist()
+        return found
+
+    def range(self, sample, call="range_of_sample"):
+        """Status, and the intervals of c² as an array, ascending, with the rows that bind at their ends."""
+        found = self.Range()
+        self.call(call, sample, self.settings, found, self.workspace)
+        return found.status, *self.intervals(found)
+
+    def intervals(self, found):
+        """Intervals of a range, ascending, Shape (i, 2), and the texts of the rows that bind at both ends of each."""
+        if found.status in NO_INTERVALS:
+            return np.zeros((0, 2)), []
+        every = [found, *found.below[: found.below_count]][::-1]
+        rows = [self._rows(part) for part in every] if isinstance(found, self.Range) else []
+        return np.array([[part.lower, part.upper] for part in every]), rows
+
+    def _rows(self, part):
+        lower, upper = part.lower_rows[: part.lower_count], part.upper_rows[: part.upper_count]
+        return [[self.call("row_text", row).decode() for row in rows] for rows in (lower, upper)]
+
+    def torques(self, sample, c2):
+        """Status, torques and wrenches at a c²."""
+        torque, wrench = ((ctypes.c_double * self.sizes[name])() for name in ("JOINTS", "WRENCHES"))
+        status = self.call("torques", sample, self.settings, ctypes.c_double(c2), torque, wrench, self.workspace)
+        return status, np.array(torque), np.array(wrench)
+
+
+def range_structures(unknowns):
+    """The structures of a range and of a horizon."""
+    count, rows, ends = ctypes.c_int, ctypes.c_int * (unknowns + 1), reals({"lower": None, "upper": None})
+    named = [("lower_count", count), ("upper_count", count), ("lower_rows", rows), ("upper_rows", rows)]
+    interval = structure([*ends, ("lower_from", ctypes.c_long), ("upper_from", ctypes.c_long), *named])
+    below = [("below_count", count), ("below", interval * BELOW)]
+    sampled = [(name, ctypes.c_long) for name in ("samples", "lower_sample", "upper_sample")]
+    return structure([("status", count), *ends, *named, *below]), structure(
+        [("status", count), *ends, *sampled, *below]
+    )
+
+
+def reals(sizes):
+    """Fields of so many numbers each; None is one that is no array."""
+    return [(name, ctypes.c_double if size is None else ctypes.c_double * size) for name, size in sizes.items()]
+
+
+def structure(fields):
+    """A class of ctypes with these fields."""
+    return type("Structure", (ctypes.Structure,), {"_fields_": fields})

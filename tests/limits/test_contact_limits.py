@@ -1,0 +1,272 @@
+"""Contacts along a motion: their rows turn with the object, and every path to an answer has the same."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cell_bank import compiled, random_planar_cell, random_spatial_cell
+from conftest import DATA
+from contact_forces import least_pressing
+
+import mrts
+from mrts.hands.box import box_contact
+from mrts.hands.contact import Contact
+from mrts.hands.contact_axes import tip_components
+from mrts.hands.gripper import gripper_contact
+from mrts.hands.pad import pad_contact
+from mrts.hands.suction import suction_contact
+from mrts.limits import limit_rows
+from mrts.limits.object_axes import object_axes
+from mrts.output.saved_result import load_result, save_result
+from mrts.samples.sample_problem import build_sample_problem
+
+SAME = 1e-8
+"""Of c² by different programs, relative, and of torques, to their limits: each is right to 1e-9 of a limit."""
+
+
+@pytest.fixture(scope="module")
+def lift_and_turn():
+    return mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
+
+
+def with_contacts(cell, *of_robots):
+    """The cell with other contacts and no other limits of wrenches, robot by robot."""
+    free = cell.without_wrench_limits()
+    return replace(
+        free,
+        robots=tuple(replace(robot, contacts=contacts) for robot, contacts in zip(free.robots, of_robots, strict=True)),
+    )
+
+
+def squeezing(dual_ur5, force=400.0, friction=0.7):
+    """Two palms that press on the box from both sides, tool z into it."""
+    palm = pad_contact(friction=friction, normal=[0, 0, 1], half_width=[0.05, 0.04], force=[1, force])
+    return with_contacts(dual_ur5, (palm,), (palm,))
+
+
+def in_tip(cell, motion, wrench):
+    """Wrenches in tip axes, from the joints: by the generated kinematics, not by the object's pose."""
+    whole = mrts.follow_object(cell, motion)
+    R = cell.functions("kinematics", whole.samples, {"q": whole.q})["rotation"]
+    found = {}
+    for index, robot in enumerate(cell.robots):
+        F = wrench[robot.name].reshape(whole.samples, -1, 3) @ robot.T_world_base.R.T
+        found[robot.name] = np.einsum("nki,ntk->nti", R[:, :, 3 * index : 3 * index + 3], F).reshape(len(F), -1)
+    return found
+
+
+def random_contacts(rng, cell):
+    """Contacts that leave room for the wrenches of a plan without them, of random kinds, and some that are tight."""
+    contacts = []
+    for robot in cell.robots:
+        components = tip_components(cell.wrench_components, robot.T_object_tip.R)
+        size = len(components)
+        normal = np.zeros(3)
+        normal[["xyz".index(component[1]) for component in components if component[0] == "f"]] = rng.normal(
+            size=size // 3 + 1 if size == 6 else 2
+        )
+        widths = rng.uniform(0.02, 0.2, 2 if size == 6 else 1).tolist()
+        grip = {"friction": rng.uniform(0.3, 1.0), "half_width": widths, "components": components}
+        strength = float(rng.uniform(10, 80))
+        held = gripper_contact(force=strength, axis=normal, **grip)
+        pressed = pad_contact(force=[0, 3 * strength], normal=normal, **grip)
+        cup = suction_contact(
+            holding_force=strength, radius=widths[0], normal=normal, friction=0.6, components=components
+        )
+        most = rng.uniform(5, 60, size).tolist()
+        least = [-value for value in most]
+        boxes = [
+            box_contact(lower=least, upper=most, frame=frame, components=there, name=f"box{number}")
+            for number, (frame, there) in enumerate(
+                (("tip", components), ("object", cell.wrench_components), ("base", cell.wrench_components))
+            )
+        ]
+        kinds = [(held,), (cup,), (held, boxes[0]), (boxes[1], boxes[2]), (pressed,), ()]
+        contacts.append(kinds[int(rng.choice(len(kinds), p=[0.25, 0.15, 0.2, 0.2, 0.1, 0.1]))])
+    return replace(
+        cell, robots=tuple(replace(robot, contacts=own) for robot, own in zip(cell.robots, contacts, strict=True))
+    )
+
+
+@pytest.mark.parametrize("draw", [random_planar_cell, random_spatial_cell])
+def test_compiled_rows_are_those_of_numpy_on_random_cells(draw, tmp_path):
+    """With contacts of every kind: ranges and torques by the kernel, and by CasADi's solvers on numpy's rows."""
+    rng = np.random.default_rng(7)
+    answered = contacts_bind = 0
+    for number in range(16):
+        case = draw(rng, tmp_path / str(number), 2 + number % 2)
+        cell = random_contacts(rng, case.cell.without_velocity_limits())
+        try:
+            ours, theirs = (
+                mrts.scale(compiled(cell), case.motion),
+                mrts.scale(cell, case.motion, solver="qpsol:qpoases"),
+            )
+        except mrts.MotionError:
+            continue
+        assert ours.status is theirs.status
+        for end in ("lower", "upper"):
+            mine, other = getattr(ours.range, end), getattr(theirs.range, end)
+            assert (mine is None) == (other is None)
+            if mine is not None:
+                assert mine.c2 == pytest.approx(other.c2, rel=SAME, abs=SAME)
+                assert set(mine.rows) == set(other.rows)
+                contacts_bind += any(row.name.kind == "contact" for row in mine.rows)
+        if ours.trajectory is None:
+            continue
+        answered += 1
+        limit = np.concatenate([robot.torque_upper for robot in cell.robots])
+        assert np.max(np.abs(ours.trajectory.torque - theirs.trajectory.torque) / limit) < 1e-6
+    assert answered > 5
+    assert contacts_bind > 3
+
+
+def test_a_box_in_base_axes_is_the_limits_of_the_wrench(dual_ur5, lift_and_turn):
+    boxed = with_contacts(
+        dual_ur5,
+        *(
+            (box_contact(lower=robot.wrench_lower.tolist(), upper=robot.wrench_upper.tolist(), frame="base"),)
+            for robot in dual_ur5.robots
+        ),
+    )
+    slow = [cell.without_velocity_limits() for cell in (dual_ur5, boxed)]
+    given, ours = (mrts.scale(cell, lift_and_turn) for cell in slow)
+    assert ours.range.upper.c2 == pytest.approx(given.range.upper.c2, rel=SAME)
+    names = [
+        {(row.name.robot, row.name.element.removeprefix("box "), row.side) for row in result.range.upper.rows}
+        for result in (given, ours)
+    ]
+    assert names[0] == names[1]
+    np.testing.assert_allclose(ours.trajectory.torque, given.trajectory.torque, atol=1e-6)
+    np.testing.assert_allclose(ours.trajectory.wrench, given.trajectory.wrench, atol=1e-6)
+
+
+def test_one_box_in_the_axes_of_tip_object_and_base_is_one_limit(dual_ur5):
+    """Along a motion that does not turn, in a cell whose left base does not, and its grasps by quarter turns only."""
+    path = {"start": {"xyz": [0.0, 0.1, 0.35]}, "end": {"xyz": [0.03, 0.2, 0.5]}}
+    motion = mrts.sample_motion(mrts.MotionDescription(duration=0.4, samples=41, profile="quintic", **path))
+    lower, upper = np.array([-30.0, -20, 5, -4, -3, -6]), np.array([60.0, 25, 90, 4, 5, 7])
+    left, _ = dual_ur5.robots
+    R = left.T_object_tip.R.round()
+    np.testing.assert_allclose(R, left.T_object_tip.R, atol=1e-12)
+    turned = [np.concatenate([R.T @ part for part in np.split(side, 2)]) for side in (lower, upper)]
+    sides = {
+        "object": (lower, upper),
+        "base": (lower, upper),
+        "tip": (np.minimum(*turned), np.maximum(*turned)),
+    }
+    found = {}
+    for frame, (least, most) in sides.items():
+        own = (box_contact(lower=least.tolist(), upper=most.tolist(), frame=frame),)
+        found[frame] = mrts.scale(with_contacts(dual_ur5, own, ()).without_velocity_limits(), motion)
+        F = found[frame].wrench["left"]
+        assert np.all((lower - 1e-6 <= F) & (upper + 1e-6 >= F))
+    for result in found.values():
+        assert result.range.upper.c2 == pytest.approx(found["base"].range.upper.c2, rel=SAME)
+        np.testing.assert_allclose(result.trajectory.torque, found["base"].trajectory.torque, atol=1e-6)
+
+
+def test_palms_press_what_their_corners_can_make(dual_ur5, lift_and_turn):
+    """Every wrench of the plan, in tip axes found from the joints, is one of corner forces; and friction is in use."""
+    cell = squeezing(dual_ur5).without_velocity_limits()
+    result = mrts.scale(cell, lift_and_turn)
+    assert {row.name.robot for row in result.range.upper.rows if row.name.kind == "contact"}
+    mu = 0.7 / np.sqrt(2)
+    for robot in cell.robots:
+        F = in_tip(cell, lift_and_turn, result.wrench)[robot.name]
+        least = least_pressing(F, [0, 0, 1], [0.05, 0.04], mu)
+        assert np.all(F[:, 2] >= least - 1e-5)
+        assert np.all((F[:, 2] >= 1 - 1e-5) & (F[:, 2] <= 400 + 1e-5))
+    rows = limit_rows(cell, result.motion)
+    done = result.trajectory
+    value = rows.value(done.torque, done.wrench, 0.0, done.c)
+    friction = [place for place, name in enumerate(rows.names) if name.kind == "contact" and "friction" in name.element]
+    assert np.max(rows.share(value)[:, friction]) == pytest.approx(1.0, abs=1e-6)
+    some = np.array([3, 50])
+    np.testing.assert_allclose(
+        rows.at(some).value(done.torque[some], done.wrench[some], 0.0, done.c), value[some], atol=1e-12
+    )
+
+
+def test_palms_without_squeeze_conflict_and_say_why(dual_ur5, lift_and_turn):
+    result = mrts.scale(squeezing(dual_ur5, force=60.0), lift_and_turn)
+    assert result.status is mrts.ScalingStatus.INFEASIBLE
+    assert "left/pad normal force (upper, 60 N)" in str(result.range.samples.conflicts[0])
+    even = mrts.scale(squeezing(dual_ur5), lift_and_turn, sharing=mrts.LoadSharing())
+    assert even.status is mrts.ScalingStatus.INFEASIBLE  # equal shares do not squeeze
+    inward = np.zeros(12)
+    inward[0], inward[6] = 300.0, 300.0  # each along its own base's x, which points at the other
+    held = mrts.scale(squeezing(dual_ur5), slow_lift(), sharing=mrts.LoadSharing(internal_wrench=inward))
+    assert held.status is mrts.ScalingStatus.FEASIBLE
+
+
+def slow_lift():
+    """Straight up, so that what squeezes along x stays along x."""
+    ends = {"start": {"xyz": [0, 0.1, 0.35]}, "end": {"xyz": [0, 0.1, 0.4]}}
+    return mrts.sample_motion(mrts.MotionDescription(duration=0.8, samples=21, profile="quintic", **ends))
+
+
+def test_the_torque_form_has_the_same_rows(dual_ur5, lift_and_turn):
+    cell = squeezing(dual_ur5).without_velocity_limits()
+    wrench, torque = (mrts.scale(cell, lift_and_turn, formulation=name) for name in ("wrench", "torque"))
+    assert torque.range.upper.c2 == pytest.approx(wrench.range.upper.c2, rel=SAME)
+
+
+def test_the_fastest_timing_keeps_the_palms(dual_ur5, lift_and_turn):
+    cell = squeezing(dual_ur5)
+    fastest = mrts.retime(cell, lift_and_turn)
+    assert fastest.status is mrts.RetimingStatus.OPTIMAL
+    played = fastest.retimed
+    rows = limit_rows(cell, played.motion)
+    done = played.trajectory
+    assert np.max(rows.excess(rows.value(done.torque, done.wrench, 0.0, done.c))) < 1e-7
+    assert done.duration <= mrts.scale(cell, lift_and_turn).trajectory.duration
+
+
+def test_an_uncertain_load_is_held_at_every_corner(dual_ur5, lift_and_turn):
+    cell = squeezing(dual_ur5).without_velocity_limits()
+    uncertain = cell.with_variation(mass=(0.8, 1.3))
+    guaranteed = mrts.scale(uncertain, lift_and_turn, load="guaranteed")
+    corners = [mrts.scale(cell.with_mass(8.0 * factor), lift_and_turn).range.upper.c2 for factor in (0.8, 1.3)]
+    possible = mrts.scale(uncertain, lift_and_turn, load="possible").range.upper.c2
+    assert guaranteed.range.upper.c2 == pytest.approx(min(corners), rel=SAME)
+    assert max(corners) <= possible * (1 + SAME)
+
+
+def test_a_saved_result_keeps_its_contacts(dual_ur5, lift_and_turn, tmp_path):
+    cell = squeezing(dual_ur5)
+    result = mrts.scale(cell, lift_and_turn)
+    save_result(result, tmp_path / "kept.npz")
+    again = load_result(tmp_path / "kept.npz")
+    for robot, kept in zip(cell.robots, again.cell.robots, strict=True):
+        assert [contact.rows for contact in kept.contacts] == [contact.rows for contact in robot.contacts]
+        for contact, copy in zip(robot.contacts, kept.contacts, strict=True):
+            assert (copy.name, copy.frame, copy.units) == (contact.name, contact.frame, contact.units)
+            for array in ("A", "lower", "upper"):
+                assert np.array_equal(getattr(copy, array), getattr(contact, array))
+
+
+def test_rows_in_object_axes_without_axes_are_refused(dual_ur5, lift_and_turn, monkeypatch):
+    whole = mrts.follow_object(dual_ur5, lift_and_turn)
+    rows = replace(limit_rows(squeezing(dual_ur5), whole), object_axes=None)
+    monkeypatch.setitem(mrts.limits.LIMITS, "mine", lambda _cell, _motion: rows)
+    with pytest.raises(mrts.InputError, match=r"limit 'mine': object_axes: must be .*object_axes\(cell, motion\)"):
+        mrts.scale(dual_ur5, whole)
+    other = replace(object_axes(dual_ur5, whole), base=np.zeros((2, 3, 3)))
+    monkeypatch.setitem(mrts.limits.LIMITS, "mine", lambda _cell, _motion: replace(rows, object_axes=other))
+    with pytest.raises(mrts.InputError, match="object_axes"):
+        mrts.scale(dual_ur5, whole)
+
+
+def test_zero_limits_of_a_contact_are_measured_by_its_own_force(dual_ur5, lift_and_turn):
+    palm = pad_contact(friction=0.5, normal=[0, 0, 1], half_width=[0.05, 0.04], force=[0, 70])
+    tie = Contact("tie", "tip", ("sum",), ("N",), np.ones((1, 6)), np.array([0.0]), np.array([0.0]))
+    cell = with_contacts(dual_ur5, (palm, tie), ())
+    rows = limit_rows(cell, mrts.follow_object(dual_ur5, lift_and_turn))
+    unit = {str(name): unit for name, unit in zip(rows.names, rows.units(), strict=True)}
+    assert unit["left/pad friction +a"] == 70.0
+    assert unit["left/tie sum"] == 1.0
+    problem = build_sample_problem(cell.without_velocity_limits(), mrts.follow_object(dual_ur5, lift_and_turn))
+    assert (
+        problem.names == limit_rows(cell.without_velocity_limits(), mrts.follow_object(dual_ur5, lift_and_turn)).names
+    )
+    assert {str(name): unit for name, unit in zip(problem.names, problem.unit, strict=True)}.items() <= unit.items()
