@@ -255,19 +255,7 @@ class ScalingResult:
                     for gap in samples.gaps
                 ],
             },
-            "conflicts": [
-                {
-                    "sample": conflict.sample,
-                    "time": conflict.time,
-                    "c2": conflict.c2,
-                    "load": conflict.load.to_json() if conflict.load else None,
-                    "rows": [row.to_json() for row in conflict.rows],
-                    "multipliers": list(conflict.multipliers),
-                    "widening": conflict.widening,
-                    "moves": list(conflict.moves),
-                }
-                for conflict in samples.conflicts
-            ],
+            "conflicts": [conflict.to_json() for conflict in samples.conflicts],
             "solver_fallbacks": self.fallbacks,
         }
         if self.load is not None:
