@@ -10,13 +10,13 @@ from pydantic import Field, model_validator
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import Finite, StrictModel, Vector3, broken_rule
-from mrts.hands.box import box
+from mrts.hands.box import box_contact
 from mrts.hands.contact import Contact, numbered
 from mrts.hands.contact_axes import NOT_IN_PLANE, tip_components
-from mrts.hands.gripper import gripper
-from mrts.hands.pad import pad
-from mrts.hands.polytope import polytope
-from mrts.hands.suction import suction
+from mrts.hands.gripper import gripper_contact
+from mrts.hands.pad import pad_contact
+from mrts.hands.polytope import rows_contact
+from mrts.hands.suction import suction_contact
 
 MOST_CONTACTS = 20
 """Of one robot."""
@@ -89,11 +89,11 @@ class ContactDescription(StrictModel):
 
 
 KINDS: dict[str, Callable[..., Contact]] = {
-    "box": box,
-    "pad": pad,
-    "suction": suction,
-    "gripper": gripper,
-    "rows": polytope,
+    "box": box_contact,
+    "pad": pad_contact,
+    "suction": suction_contact,
+    "gripper": gripper_contact,
+    "rows": rows_contact,
 }
 """How each kind becomes rows."""
 

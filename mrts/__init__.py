@@ -18,10 +18,19 @@ if TYPE_CHECKING:
     from mrts.cell.robot import Robot
     from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
     from mrts.coordination.grasp_closure import ClosureBound
+    from mrts.hands.box import box_contact
+    from mrts.hands.contact import Contact
+    from mrts.hands.gripper import gripper_contact
+    from mrts.hands.pad import pad_contact
+    from mrts.hands.polytope import rows_contact
+    from mrts.hands.suction import suction_contact
     from mrts.limits.rows import ActiveRow, RowName
+    from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
     from mrts.motion.joint_table import JointTable
     from mrts.motion.motion_file import MotionDescription, load_motion, sample_motion
     from mrts.motion.object_motion import ObjectMotion
+    from mrts.motors.joint_duty import JointDuty
+    from mrts.motors.joint_motors import JointMotors
     from mrts.output.ros_bag import write_ros_bag
     from mrts.output.saved_result import load_result, save_result
     from mrts.output.trajectory_table import write_trajectory_csv
@@ -41,9 +50,12 @@ if TYPE_CHECKING:
     from mrts.scaling.scale import SelectionError, scale
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
+    from mrts.studies.identified_motors import ArmMotors, MotorIdentification, MotorParameter
+    from mrts.studies.identify import identify
 
 _HOMES = {
     "ActiveRow": "limits.rows",
+    "ArmMotors": "studies.identified_motors",
     "Branch": "studies.configurations",
     "Cell": "cell.cell",
     "ClosureBound": "coordination.grasp_closure",
@@ -51,10 +63,14 @@ _HOMES = {
     "Configuration": "studies.configurations",
     "ConfigurationStudy": "studies.configurations",
     "Conflict": "samples.infeasibility",
+    "Contact": "hands.contact",
     "CoordinatedMotion": "coordination.coordinated_motion",
     "DistributionRule": "scaling.result",
     "Holding": "scaling.holding_torques",
     "InputError": "base.errors",
+    "JointDuty": "motors.joint_duty",
+    "JointMotors": "motors.joint_motors",
+    "JointRecording": "motion.joint_recording",
     "JointTable": "motion.joint_table",
     "LoadBox": "base.load_box",
     "LoadPoint": "base.load_box",
@@ -62,10 +78,13 @@ _HOMES = {
     "LoadStudy": "scaling.load_study",
     "MotionDescription": "motion.motion_file",
     "MotionError": "base.errors",
+    "MotorIdentification": "studies.identified_motors",
+    "MotorParameter": "studies.identified_motors",
     "MrtsError": "base.errors",
     "ObjectMotion": "motion.object_motion",
     "PlanReserve": "samples.reserve",
     "RangeEnd": "scaling.range",
+    "RecordedJoint": "motion.joint_recording",
     "Remark": "base.remark",
     "Reserve": "samples.reserve",
     "Residuals": "scaling.result",
@@ -82,15 +101,22 @@ _HOMES = {
     "ScalingStatus": "samples.range_status",
     "SelectionError": "scaling.scale",
     "SolverError": "base.errors",
+    "box_contact": "hands.box",
     "follow_object": "coordination.coordinated_motion",
+    "gripper_contact": "hands.gripper",
+    "identify": "studies.identify",
     "load_cell": "cell.cell",
     "load_motion": "motion.motion_file",
+    "load_recording": "motion.joint_recording",
     "load_result": "output.saved_result",
+    "pad_contact": "hands.pad",
     "rank_configurations": "studies.configurations",
     "retime": "retiming.retime",
+    "rows_contact": "hands.polytope",
     "sample_motion": "motion.motion_file",
     "save_result": "output.saved_result",
     "scale": "scaling.scale",
+    "suction_contact": "hands.suction",
     "torques_for_load": "scaling.known_load",
     "write_report": "report",
     "write_ros_bag": "output.ros_bag",
@@ -99,6 +125,7 @@ _HOMES = {
 
 __all__ = [
     "ActiveRow",
+    "ArmMotors",
     "Branch",
     "Cell",
     "ClosureBound",
@@ -106,10 +133,14 @@ __all__ = [
     "Configuration",
     "ConfigurationStudy",
     "Conflict",
+    "Contact",
     "CoordinatedMotion",
     "DistributionRule",
     "Holding",
     "InputError",
+    "JointDuty",
+    "JointMotors",
+    "JointRecording",
     "JointTable",
     "LoadBox",
     "LoadPoint",
@@ -117,10 +148,13 @@ __all__ = [
     "LoadStudy",
     "MotionDescription",
     "MotionError",
+    "MotorIdentification",
+    "MotorParameter",
     "MrtsError",
     "ObjectMotion",
     "PlanReserve",
     "RangeEnd",
+    "RecordedJoint",
     "Remark",
     "Reserve",
     "Residuals",
@@ -137,15 +171,22 @@ __all__ = [
     "ScalingStatus",
     "SelectionError",
     "SolverError",
+    "box_contact",
     "follow_object",
+    "gripper_contact",
+    "identify",
     "load_cell",
     "load_motion",
+    "load_recording",
     "load_result",
+    "pad_contact",
     "rank_configurations",
     "retime",
+    "rows_contact",
     "sample_motion",
     "save_result",
     "scale",
+    "suction_contact",
     "torques_for_load",
     "write_report",
     "write_ros_bag",

@@ -17,7 +17,7 @@ WORDS = {
     "Cell": "a cell, as from mrts.load_cell",
     "ClosureBound": "a ClosureBound, such as mrts.ClosureBound(2e-3, 5e-3)",
     "CellFunctions": "the functions of a cell from mrts.load_cell",
-    "Contact": "a contact, as from mrts.hands.pad.pad",
+    "Contact": "a contact, as from mrts.pad_contact",
     "CoordinatedMotion": "motion of the whole cell, as from mrts.follow_object",
     "JointTable": "a table of joint motion, as from mrts.load_motion",
     "LoadBox": "a mrts.LoadBox",

@@ -42,7 +42,7 @@ class RigidTransform:
 
 
 def multiply(a: Array, b: Array) -> Array:
-    """Product of a matrix, Shape (3, 3), with a matrix or vector; each sum runs in index order."""
+    """Product of a matrix, Shape (r, 3), with a matrix or vector; each sum runs in index order."""
     if b.ndim == 1:
         b = b[:, None]
         return multiply(a, b)[:, 0]

@@ -7,6 +7,7 @@ import os
 SUFFIXES = {
     "cell": ("yaml", "yml"),
     "motion": ("yaml", "yml", "csv", "mcap"),
+    "recording": ("csv", "mcap", "db3"),
     "result": ("npz",),
     "json": ("json",),
     "csv": ("csv",),

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Motion of the whole cell from whatever is known of it: the object, a table of joints, or both."""
 
-import difflib
 from copy import copy
 from types import NoneType
 
@@ -14,6 +13,7 @@ from mrts.cell.cell import Cell
 from mrts.coordination.closed_chain import close_chain
 from mrts.coordination.coordinated_motion import CoordinatedMotion, carried_by_first, follow_object
 from mrts.coordination.grasp_closure import ClosureBound
+from mrts.coordination.joint_columns import columns_by_joint, meant_instead
 from mrts.inverse_kinematics.joint_limits import PRINTED_TOLERANCE, check_joint_limits
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
@@ -69,22 +69,10 @@ def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> Coordi
 
 def _names_by_joint(cell: Cell, table: JointTable) -> tuple[list[str], tuple[Remark, ...]]:
     """What the table calls each joint of the cell, in the cell's order, and what it has besides."""
-    robots = {robot.name: robot.joints for robot in cell.robots}
-    joints = [f"{robot}/{joint}" for robot in robots for joint in robots[robot]]
     columns = [*table.positions, *table.unusable]
-    found = {name: name for name in columns if name in joints}
-    for name in columns:
-        prefix, _, joint = name.rpartition("/")
-        owners = [robot for robot in robots if joint in robots[robot]]
-        if name in found or prefix in robots or len(owners) != 1:
-            continue
-        meant = f"{owners[0]}/{joint}"
-        if found.get(meant) == meant:
-            continue  # another robot's joint of the same name
-        if meant in found:
-            raise InputError(table.path, f"'{found[meant]}' and '{name}' are the same joint of cell '{cell.name}'.")
-        found[meant] = name
+    found = columns_by_joint(cell, table.path, columns)
     extra = [name for name in columns if name not in found.values()]
+    joints = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
     for joint in joints:
         if joint not in found:
             raise InputError(table.path, _missing(cell, joint, extra))
@@ -95,11 +83,9 @@ def _names_by_joint(cell: Cell, table: JointTable) -> tuple[list[str], tuple[Rem
 
 
 def _missing(cell: Cell, joint: str, extra: list[str]) -> str:
-    close = difflib.get_close_matches(joint, extra, n=1)
-    hint = f" There is '{close[0]}', which no arm of the cell has: is it meant?" if close else ""
     return (
         f"nothing is said of joint '{joint}' of cell '{cell.name}': the column 'q.{joint}' is needed, in a bag a "
-        f"trajectory under /{joint.partition('/')[0]}/joint_trajectory.{hint}"
+        f"trajectory under /{joint.partition('/')[0]}/joint_trajectory.{meant_instead(joint, extra)}"
     )
 
 

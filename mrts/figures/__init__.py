@@ -9,6 +9,7 @@ May import base to output. Start at `result_figures.py`.
 from mrts.figures.c2_range import draw_binding_rows, draw_range, range_figure
 from mrts.figures.configurations import draw_ranking, ranking_figure
 from mrts.figures.loads import draw_load_study, load_figure, study_figure
+from mrts.figures.motors import draw_friction, draw_motor_residual, draw_motor_torque, motor_figure, write_motor_figures
 from mrts.figures.phase_plane import draw_phase_plane, phase_plane_figure
 from mrts.figures.power import draw_energy, draw_power, power_figure
 from mrts.figures.result_figures import write_result_figures
@@ -20,13 +21,17 @@ __all__ = [
     "draw_contact_forces",
     "draw_contact_moments",
     "draw_energy",
+    "draw_friction",
     "draw_load_study",
+    "draw_motor_residual",
+    "draw_motor_torque",
     "draw_phase_plane",
     "draw_power",
     "draw_range",
     "draw_ranking",
     "draw_torques",
     "load_figure",
+    "motor_figure",
     "phase_plane_figure",
     "power_figure",
     "range_figure",
@@ -34,5 +39,6 @@ __all__ = [
     "study_figure",
     "trajectory_figure",
     "write_figure",
+    "write_motor_figures",
     "write_result_figures",
 ]

@@ -10,7 +10,7 @@ from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.hands.contact import Contact, Frame
 
 
-def box(
+def box_contact(
     *,
     lower: Sequence[float | None] | None = None,
     upper: Sequence[float | None] | None = None,

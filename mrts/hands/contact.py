@@ -24,7 +24,7 @@ class Contact:
     """r rows lower <= A F <= upper over the wrench F that a hand exerts **on the object** at its contact point.
 
     The contact point is the tip frame's origin: moments are about it in every frame. Several contacts of one robot
-    must all hold for its one wrench. Make them by `mrts.hands.pad.pad` and its neighbours, or row by row.
+    must all hold for its one wrench. Make them by `mrts.pad_contact` and its neighbours, or row by row.
 
     Attributes:
         name: Such as "pad", without blanks; each contact of a robot has its own.

@@ -8,16 +8,13 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.manifest import WRENCH_COMPONENTS
+from mrts.base.rigid_transform import multiply
 
 SHORTEST_DIRECTION = 1e-9
 """A direction is given by numbers near 1: what is shorter is zero, misprinted."""
 
 OUT_OF_PLANE = 1e-9
 """Largest entry of a rotation or direction that still counts as zero."""
-
-
-ROUNDED_TURN = 1e-15
-"""Entries of a rotation below this are rounding of quarter turns, such as cos π/2."""
 
 NOT_IN_PLANE = (
     "is in tip axes, of which one must be normal to the plane of a planar cell. Turn the tip frame in the URDF and the "
@@ -105,7 +102,6 @@ def in_object_axes(rows: Array, R_object_tip: Array, components: Sequence[str]) 
     if there is None:
         raise InputError("contact", NOT_IN_PLANE, key="frame", value="tip")
     turn = R_object_tip[np.ix_(triple_axes(components), triple_axes(there))].T
-    turn = np.where(np.abs(turn) > ROUNDED_TURN, turn, 0.0)
     return in_tip_axes(rows, turn)
 
 
@@ -116,4 +112,4 @@ def in_tip_axes(rows: Array, axes: Array) -> Array:
         rows: Shape (r, w).
         axes: From `contact_axes`.
     """
-    return np.hstack([part @ axes for part in np.split(rows, rows.shape[1] // 3, axis=1)])
+    return np.hstack([multiply(part, axes) for part in np.split(rows, rows.shape[1] // 3, axis=1)])

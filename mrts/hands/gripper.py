@@ -13,7 +13,7 @@ from mrts.hands.contact_axes import contact_axes, in_tip_axes
 from mrts.hands.friction import half_widths, positive, pyramid
 
 
-def gripper(
+def gripper_contact(
     *,
     force: float,
     friction: float,

@@ -14,7 +14,7 @@ from mrts.hands.contact_axes import contact_axes, in_tip_axes
 from mrts.hands.friction import NORMAL_FORCE, along_normal, half_widths, normal_force_needed, pyramid
 
 
-def pad(
+def pad_contact(
     *,
     friction: float,
     normal: Sequence[float],

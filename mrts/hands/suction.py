@@ -11,7 +11,7 @@ from mrts.hands.contact_axes import contact_axes, in_tip_axes
 from mrts.hands.friction import NORMAL_FORCE, along_normal, normal_force_needed, positive, pyramid
 
 
-def suction(
+def suction_contact(
     *,
     holding_force: float,
     friction: float,

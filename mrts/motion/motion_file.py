@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The motion file: a pose to a pose, waypoints, or a table of object or joint motion; tables and bags by themselves."""
 
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -15,6 +14,8 @@ from mrts.base.rigid_transform import rotation_from_rpy
 from mrts.motion.csv_motion import MAX_SAMPLES, read_joint_table, read_object_table, read_table
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion, geodesic_motion, waypoint_motion
+from mrts.motion.ros_messages import is_bag
+from mrts.motion.ros_trajectory import read_joint_trajectories
 from mrts.motion.velocity_profile import PROFILES
 
 MIN_SAMPLES = 11
@@ -100,8 +101,8 @@ def load_motion(path: Path | str) -> ObjectMotion | JointTable:
         InputError: If the file or a table that it names is missing, malformed, or breaks a rule.
     """
     path = as_path("path", path)
-    if _is_bag(path):
-        return _read_bag(path, None)
+    if is_bag(path):
+        return read_joint_trajectories(path, None)
     if path.suffix.lower() == ".csv":
         return read_table(path, None)
     description = read_model(path, MotionDescription, "motion file")
@@ -109,23 +110,11 @@ def load_motion(path: Path | str) -> ObjectMotion | JointTable:
         return read_object_table(path.parent / description.file, description.samples)
     if description.joints is not None:
         joints = path.parent / description.joints
-        return (_read_bag if _is_bag(joints) else read_joint_table)(joints, description.samples)
+        return (read_joint_trajectories if is_bag(joints) else read_joint_table)(joints, description.samples)
     try:
         return sample_motion(description)
     except InputError as error:
         raise InputError(path, error.rule, key=error.where) from None
-
-
-def _is_bag(path: Path) -> bool:
-    return path.is_dir() or path.suffix.lower() in {".mcap", ".db3"}
-
-
-def _read_bag(path: Path, samples: int | None) -> JointTable:
-    if find_spec("rosbags") is None:
-        raise InputError(path, "reading a ROS 2 bag needs rosbags: pip install 'mrts[ros]'.")
-    from mrts.motion.ros_trajectory import read_joint_trajectories  # noqa: PLC0415 (needs an extra)
-
-    return read_joint_trajectories(path, samples)
 
 
 def sample_motion(description: MotionDescription) -> ObjectMotion:

@@ -2,10 +2,22 @@
 """What reading and writing a ROS 2 bag share; needs the extra 'ros' (rosbags)."""
 
 from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
+
+from mrts.base.errors import InputError
+from mrts.base.input_file import read_text
+from mrts.base.regular_file import open_regular
+from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
 
 NANOSECONDS = 1_000_000_000
 """A second in the unit of a bag's time stamps."""
+
+METADATA = "metadata.yaml"
+
+MAX_BAG_BYTES = 500_000_000
+"""Of one file; a trajectory of a million points takes half of it."""
 
 
 @cache
@@ -14,3 +26,64 @@ def message_types() -> Any:
     from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 (an extra, needed when a bag is)
 
     return get_typestore(Stores.ROS2_HUMBLE)
+
+
+def is_bag(path: Path) -> bool:
+    """Whether a path names a bag: a folder, or one of its files by itself."""
+    return path.is_dir() or path.suffix.lower() in {".mcap", ".db3"}
+
+
+def joint_column(topic: str, joint: str) -> str:
+    """What a joint of a topic is called: after the topic's first name, as in /ROBOT/joint_states."""
+    return f"{topic.strip('/').partition('/')[0]}/{joint}"
+
+
+def bag_messages(path: Path, kind: str) -> dict[str, list[tuple[int, Any]]]:
+    """All messages of one type.
+
+    Args:
+        path: Folder of a bag, or one of its files by itself.
+        kind: The type, such as "sensor_msgs/msg/JointState".
+
+    Returns:
+        By topic in the order of their names: when each was recorded [ns], and the message.
+
+    Raises:
+        InputError: If the extra 'ros' is missing, it is no bag, or holds no such message.
+    """
+    if find_spec("rosbags") is None:
+        raise InputError(path, "reading a ROS 2 bag needs rosbags: pip install 'mrts[ros]'.")
+    from rosbags.rosbag2 import Reader  # noqa: PLC0415 (an extra, needed when a bag is)
+
+    _check_files(path)
+    found: dict[str, list[tuple[int, Any]]] = {}
+    try:
+        with Reader(path) as bag:
+            topics = sorted(bag.topics)
+            wanted = [connection for connection in bag.connections if connection.msgtype == kind]
+            for connection, stamp, data in bag.messages(wanted) if wanted else ():
+                message = message_types().deserialize_cdr(data, kind)
+                found.setdefault(connection.topic, []).append((stamp, message))
+    except Exception as error:  # noqa: BLE001 (what the reader raises of damaged bags is no short list)
+        reason = " ".join(str(error).split()) or type(error).__name__  # a YAML error draws where it is
+        raise InputError(path, f"cannot be read as a ROS 2 bag: {reason}") from None
+    if not found:
+        raise InputError(path, f"holds no message {kind}; its topics are {', '.join(topics) or 'none'}.")
+    return dict(sorted(found.items()))
+
+
+def _check_files(path: Path) -> None:
+    """Refuse what rosbags would wait for, or take long to parse."""
+    if not path.is_dir():
+        with open_regular(path, "bag", MAX_BAG_BYTES):
+            return
+    if not (path / METADATA).exists():
+        raise InputError(path, f"this folder holds no {METADATA}; a ROS 2 bag does. Name the .mcap file by itself.")
+    try:
+        parse_yaml(read_text(path / METADATA, "description of a bag", MAX_YAML_BYTES))
+    except ValueError as error:
+        raise InputError(path / METADATA, f"this description of a bag {error}.") from None
+    for file in path.iterdir():
+        if not file.is_dir():
+            with open_regular(file, "file of a bag", MAX_BAG_BYTES):
+                pass

@@ -7,20 +7,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rosbags.rosbag2 import Reader
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.input_file import LARGEST_NUMBER, read_text
-from mrts.base.regular_file import open_regular
-from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
+from mrts.base.input_file import LARGEST_NUMBER
 from mrts.motion.joint_table import JointTable, joint_motion
-from mrts.motion.ros_messages import NANOSECONDS, message_types
-
-METADATA = "metadata.yaml"
-
-MAX_BAG_BYTES = 500_000_000
-"""Of one file; a trajectory of a million points takes half of it."""
+from mrts.motion.ros_messages import NANOSECONDS, bag_messages, joint_column
 
 KIND = "trajectory_msgs/msg/JointTrajectory"
 
@@ -75,8 +67,7 @@ def read_joint_trajectories(path: Path, samples: int | None) -> JointTable:
 
 def _names(topic: str, message: Any) -> list[str]:
     """Columns of a trajectory."""
-    robot = topic.strip("/").partition("/")[0]
-    return [f"{robot}/{joint}" for joint in message.joint_names]
+    return [joint_column(topic, joint) for joint in message.joint_names]
 
 
 def _joints_at(usable: dict[str, tuple[Any, NDArray[np.int64]]], stamps: NDArray[np.int64]) -> int:
@@ -86,39 +77,7 @@ def _joints_at(usable: dict[str, tuple[Any, NDArray[np.int64]]], stamps: NDArray
 
 def _trajectories(path: Path) -> dict[str, list[Any]]:
     """The trajectories of each topic, by topic in the order of their names."""
-    _check_files(path)
-    try:
-        with Reader(path) as bag:
-            topics = sorted(bag.topics)
-            wanted = [connection for connection in bag.connections if connection.msgtype == KIND]
-            messages = bag.messages(wanted) if wanted else ()
-            found = [
-                (connection.topic, message_types().deserialize_cdr(data, KIND)) for connection, _, data in messages
-            ]
-    except Exception as error:  # noqa: BLE001 (what the reader raises of damaged bags is no short list)
-        reason = " ".join(str(error).split()) or type(error).__name__  # a YAML error draws where it is
-        raise InputError(path, f"cannot be read as a ROS 2 bag: {reason}") from None
-    if not found:
-        raise InputError(path, f"holds no message {KIND}; its topics are {', '.join(topics) or 'none'}.")
-    topics = sorted({topic for topic, _ in found})
-    return {topic: [message for of, message in found if of == topic] for topic in topics}
-
-
-def _check_files(path: Path) -> None:
-    """Refuse what rosbags would wait for, or take long to parse."""
-    if not path.is_dir():
-        with open_regular(path, "bag", MAX_BAG_BYTES):
-            return
-    if not (path / METADATA).exists():
-        raise InputError(path, f"this folder holds no {METADATA}; a ROS 2 bag does. Name the .mcap file by itself.")
-    try:
-        parse_yaml(read_text(path / METADATA, "description of a bag", MAX_YAML_BYTES))
-    except ValueError as error:
-        raise InputError(path / METADATA, f"this description of a bag {error}.") from None
-    for file in path.iterdir():
-        if not file.is_dir():
-            with open_regular(file, "file of a bag", MAX_BAG_BYTES):
-                pass
+    return {topic: [content for _, content in messages] for topic, messages in bag_messages(path, KIND).items()}
 
 
 def _stamps(path: Path, topic: str, messages: list[Any]) -> NDArray[np.int64]:

@@ -119,11 +119,28 @@ class ConflictEntry(_Record):
     widening: float
     moves: list[float]
     load: Index | None
+    c2: Annotated[float, Field(ge=0)] | None = None
 
     @model_validator(mode="after")
     def _one_of_each_a_row(self) -> Self:
         if not len(self.rows) == len(self.multipliers) == len(self.moves):
             raise broken_rule("rows, multipliers and moves must be of one length")
+        return self
+
+
+class GapEntry(_Record):
+    """What a sample of one range does not admit, as `mrts.samples.range_ends.Gap`; rows and loads are indices."""
+
+    range: Index
+    sample: Index
+    c2: tuple[Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]]
+    rows: tuple[list[Index], list[Index]]
+    loads: tuple[Index | None, Index | None]
+
+    @model_validator(mode="after")
+    def _ascending(self) -> Self:
+        if not self.c2[0] < self.c2[1]:
+            raise broken_rule("c2 must rise")
         return self
 
 
@@ -190,6 +207,7 @@ class Description(_Record):
     reserve: PlanReserveEntry | None = None
     loads: Annotated[list[LoadEntry], FailFast()]
     conflicts: Annotated[list[ConflictEntry], FailFast()]
+    gaps: Annotated[list[GapEntry], FailFast()] = []
 
     def text(self) -> str:
         """As JSON."""

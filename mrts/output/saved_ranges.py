@@ -17,12 +17,14 @@ from mrts.output.saved_json import (
     DAMAGED,
     ConflictEntry,
     Description,
+    GapEntry,
     LoadEntry,
     PlanReserveEntry,
     ReserveEntry,
     RowEntry,
 )
 from mrts.samples.infeasibility import Conflict
+from mrts.samples.range_ends import Gap
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.reserve import PlanReserve, Reserve
 from mrts.samples.sample_ranges import SampleRanges
@@ -94,9 +96,34 @@ def conflict_entries(ranges: Sequence[SampleRanges], tables: Tables) -> list[Con
             widening=one.widening,
             moves=list(one.moves),
             load=None if one.load is None else tables.load(one.load),
+            c2=one.c2,
         )
         for number, of in enumerate(ranges)
         for one in of.conflicts
+    ]
+
+
+def gap_entries(ranges: Sequence[SampleRanges], tables: Tables) -> list[GapEntry]:
+    """Entries of the gaps of all ranges.
+
+    Args:
+        ranges: R of them.
+        tables: Take up the rows and loads.
+    """
+
+    def place(load: LoadPoint | None) -> int | None:
+        return None if load is None else tables.load(load)
+
+    return [
+        GapEntry(
+            range=number,
+            sample=gap.sample,
+            c2=(gap.lower, gap.upper),
+            rows=([tables.row(row) for row in gap.lower_rows], [tables.row(row) for row in gap.upper_rows]),
+            loads=(place(gap.lower_load), place(gap.upper_load)),
+        )
+        for number, of in enumerate(ranges)
+        for gap in of.gaps
     ]
 
 
@@ -124,6 +151,12 @@ def read_ranges(path: Path, arrays: Arrays, said: Description, time: Array) -> l
     require_places(path, "conflicts: sample", [one.sample for one in entries], samples)
     require_places(path, "conflicts: rows", [row for one in entries for row in one.rows], len(rows))
     require_places(path, "conflicts: load", [one.load for one in entries if one.load is not None], len(loads))
+    require_places(path, "gaps: range", [one.range for one in said.gaps], count)
+    require_places(path, "gaps: sample", [one.sample for one in said.gaps], samples)
+    require_places(path, "gaps: rows", [row for one in said.gaps for side in one.rows for row in side], len(rows))
+    require_places(
+        path, "gaps: loads", [load for one in said.gaps for load in one.loads if load is not None], len(loads)
+    )
     stops = np.concatenate([[0], np.cumsum(arrays["binding_count"])]).tolist()
     bound = [tuple(rows[row] for row in binding[start:stop]) for start, stop in pairwise(stops)]
     conflicts: list[list[Conflict]] = [[] for _ in range(count)]
@@ -146,6 +179,7 @@ def read_ranges(path: Path, arrays: Arrays, said: Description, time: Array) -> l
                 fallbacks=said.range_fallbacks[number],
                 lower_loads=lower_loads,
                 upper_loads=upper_loads,
+                gaps=tuple(_gap(one, rows, loads) for one in said.gaps if one.range == number),
             )
         )
     return found
@@ -222,4 +256,19 @@ def _conflict(entry: ConflictEntry, rows: list[ActiveRow], loads: list[LoadPoint
         widening=entry.widening,
         moves=tuple(entry.moves),
         load=None if entry.load is None else loads[entry.load],
+        c2=entry.c2,
+    )
+
+
+def _gap(entry: GapEntry, rows: list[ActiveRow], loads: list[LoadPoint]) -> Gap:
+    lower_load, upper_load = (None if place is None else loads[place] for place in entry.loads)
+    lower_rows, upper_rows = (tuple(rows[place] for place in side) for side in entry.rows)
+    return Gap(
+        sample=entry.sample,
+        lower=entry.c2[0],
+        upper=entry.c2[1],
+        lower_rows=lower_rows,
+        upper_rows=upper_rows,
+        lower_load=lower_load,
+        upper_load=upper_load,
     )

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The admissible range of c² at every sample."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -10,15 +10,16 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, Side
-from mrts.samples.binding_rows import RowsAtEnd, RowsOfEnds
 from mrts.samples.closed_form import ends_in_closed_form
-from mrts.samples.gaps import Gap, gaps_of
+from mrts.samples.end_rows import RowsAtEnd, RowsExcept, RowsOfEnds, RowsWithEnd
 from mrts.samples.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
 from mrts.samples.linear_programs import ends_by_linear_programs
-from mrts.samples.range_ends import RangeEnds, require_decided
+from mrts.samples.range_ends import Gap, Piece, RangeEnds, gaps_between, gaps_of, pieces, require_decided
 from mrts.samples.range_status import RangeStatus
-from mrts.samples.sample_problem import SampleProblem
+from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.speed_intervals import speed_intervals
 
 REST_TOLERANCE = 1e-12
@@ -162,6 +163,76 @@ def first_least(values: Array) -> Any:
     """
     least = np.min(values, axis=0)
     return np.argmax(values <= least + TIE * np.abs(np.where(np.isfinite(least), least, 0.0)), axis=0)
+
+
+def with_gaps(samples: SampleRanges, gaps: Mapping[int, Sequence[Gap]]) -> SampleRanges:
+    """The same ranges without what gaps take away: in their middle, or at their ends.
+
+    Args:
+        samples: Ranges without gaps, as of several loads.
+        gaps: By sample, of several loads; they may overlap and reach beyond the ends.
+    """
+    lower, upper, kept = samples.lower.copy(), samples.upper.copy(), list(samples.gaps)
+    rows: tuple[dict[int, tuple[ActiveRow, ...]], ...] = ({}, {})
+    loads = [None if of is None else list(of) for of in (samples.lower_loads, samples.upper_loads)]
+    for sample in sorted(gaps):
+        if not lower[sample] <= upper[sample]:
+            continue
+        left = pieces(float(lower[sample]), float(upper[sample]), gaps[sample])
+        if not left:  # the last gap ends above what is asked for
+            last = max(gaps[sample], key=lambda gap: gap.upper)
+            left = [Piece(last.upper, float(upper[sample]), last, None)]
+        kept += gaps_between(left, sample)
+        first, final = left[0].after, left[-1].before
+        if first is not None:
+            lower[sample], rows[0][sample] = first.upper, tuple(first.upper_rows)
+            _put(loads[0], sample, first.upper_load)
+        if final is not None:
+            upper[sample], rows[1][sample] = final.lower, tuple(final.lower_rows)
+            _put(loads[1], sample, final.lower_load)
+    return replace(
+        samples,
+        status=statuses(lower, upper, samples.conflicts),
+        lower=lower,
+        upper=upper,
+        lower_rows=RowsExcept(samples.lower_rows, rows[0]),
+        upper_rows=RowsExcept(samples.upper_rows, rows[1]),
+        lower_loads=None if loads[0] is None else tuple(loads[0]),
+        upper_loads=None if loads[1] is None else tuple(loads[1]),
+        gaps=tuple(kept),
+    )
+
+
+def _put(loads: list[LoadPoint] | None, sample: int, load: LoadPoint | None) -> None:
+    if loads is not None and load is not None:
+        loads[sample] = load
+
+
+def with_end_rows(
+    cell: Cell, motion: CoordinatedMotion, samples: SampleRanges, load_at: Callable[[int, Side], Array | None]
+) -> SampleRanges:
+    """The same ranges, which name all rows that set the ends over the motion.
+
+    Args:
+        cell: The cell; the distribution of its load is free.
+        motion: Its motion.
+        samples: Ranges of all samples.
+        load_at: Load vector of one end of a sample, Shape (10,); None for the cell's.
+    """
+    if len(cell.robots) == 1:
+        return samples  # nothing is free: the closed form names all
+
+    def rows(side: Side, ends: Array, given: Sequence[tuple[ActiveRow, ...]], sample: int) -> RowsWithEnd:
+        load = load_at(sample, side)
+        loads = None if load is None else np.broadcast_to(load, (motion.samples, len(load)))
+        one = partial(build_sample_problem, cell, motion, load=loads, samples=np.array([sample]))
+        return RowsWithEnd(given, sample, RowsAtEnd(one, float(ends[sample]), side))
+
+    return replace(
+        samples,
+        lower_rows=rows("lower", samples.lower, samples.lower_rows, int(first_least(-samples.lower))),
+        upper_rows=rows("upper", samples.upper, samples.upper_rows, int(first_least(samples.upper))),
+    )
 
 
 def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> SampleProblem:

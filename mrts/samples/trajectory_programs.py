@@ -17,15 +17,20 @@ from mrts.limits import squared_limits
 from mrts.limits.rows import ActiveRow, Side
 from mrts.limits.squared_rows import SpeedCaps, SquaredRows
 from mrts.samples import FormulationName
-from mrts.samples.binding_rows import RowsAtEnd
-from mrts.samples.end_rows import with_end_rows
-from mrts.samples.gaps import Gap, gaps_of
+from mrts.samples.end_rows import RowsAtEnd
 from mrts.samples.infeasibility import Conflict, find_conflicts
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.motor_terms import MotorTerms, motor_terms
-from mrts.samples.range_ends import KernelRows
+from mrts.samples.range_ends import Gap, KernelRows, gaps_of
 from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses, without_speed_at_rest
+from mrts.samples.sample_ranges import (
+    REST_TOLERANCE,
+    SampleRanges,
+    sample_ranges,
+    statuses,
+    with_end_rows,
+    without_speed_at_rest,
+)
 from mrts.samples.torque_distribution import TORQUE_WIDENING, distribute_torques
 from mrts.solvers import check_solver
 

@@ -20,7 +20,8 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.samples.closed_form import ends_in_closed_form, load_sensitivity, worst_parameters
 from mrts.samples.infeasibility import Conflict
-from mrts.samples.sample_ranges import SampleRanges, first_least, statuses, without_speed_at_rest
+from mrts.samples.range_ends import Gap
+from mrts.samples.sample_ranges import SampleRanges, first_least, statuses, with_gaps, without_speed_at_rest
 from mrts.scaling.load_study import LoadQuestion, LoadStudy, ends_of_loads
 from mrts.scaling.range import ScalingRange, intersect
 
@@ -104,13 +105,21 @@ def _intersection(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -
             if worst is None or conflict.widening > worst.widening:
                 conflicts[conflict.sample] = replace(conflict, load=point)
     ordered = tuple(conflicts[sample] for sample in sorted(conflicts))
-    return ends_of_loads(points, ranges, (np.max(low, axis=0), np.min(high, axis=0)), (at_low, at_high), ordered)
+    ends = np.max(low, axis=0), np.min(high, axis=0)
+    found = ends_of_loads(points, ranges, ends, (at_low, at_high), ordered)
+    gaps: dict[int, list[Gap]] = {}
+    for point, of_point in zip(points, ranges, strict=True):
+        for gap in of_point.gaps:
+            gaps.setdefault(gap.sample, []).append(replace(gap, lower_load=point, upper_load=point))
+    return with_gaps(found, gaps) if gaps else found
 
 
 def _in_closed_form(asked: LoadQuestion, box: LoadBox, varying: tuple[str, ...]) -> SampleRanges | None:
-    """The guaranteed range of a fixed distribution, no corner enumerated; None if some sample has none."""
+    """The guaranteed range of a fixed distribution, no corner enumerated; None if it needs the corners all the same."""
     least = {name: box.ranges[name][0] for name in varying}
     problem = without_speed_at_rest(asked.problem(box.load_at(least)))
+    if problem.speed is not None:
+        return None  # a row then leaves a union of intervals for each load: the corners are looked at
     others = [asked.problem(box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
     sensitivity = load_sensitivity(problem, others)
     ends = ends_in_closed_form(problem, sensitivity)

@@ -14,12 +14,11 @@ from mrts.base.load_box import LoadBox, LoadPoint
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.samples import FormulationName
-from mrts.samples.end_rows import with_end_rows
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_ends import SelectedRows
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
-from mrts.samples.sample_ranges import SampleRanges, statuses
+from mrts.samples.sample_ranges import SampleRanges, statuses, with_end_rows
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.range import ScalingRange, intersect
 

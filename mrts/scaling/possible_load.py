@@ -52,6 +52,9 @@ class _BestLoad:
 def possible_range(asked: LoadQuestion, box: LoadBox, varying: tuple[str, ...]) -> tuple[ScalingRange, LoadStudy]:
     """The range of c² of the best load of a box, at each sample by itself.
 
+    Of each sample it is what lies between the least and the largest c² of any load: where loads leave gaps between
+    their speeds, whether another load of the box fills them is not asked.
+
     Args:
         asked: Of which cell and motion.
         box: The box.
@@ -210,8 +213,8 @@ class _Search:
     """Eqs. (42), (43), (44), (45), (46): least or largest c² over torques and load together, with (24) as well.
 
     Unknowns are those of the linear program and the uncertain parameters as shares s in [0, 1] of their ranges: rows
-    read A x + (a + Σ_j s_j a_j) c² + Σ_j s_j o_j. IPOPT (Wächter and Biegler, 2006) finds a local optimum from each
-    start.
+    read A x + (a + Σ_j s_j a_j) c² + b c + Σ_j s_j o_j. IPOPT (Wächter and Biegler, 2006) finds a local optimum from
+    each start. Where some row has a term b in c, c is the unknown, else c².
 
     Args:
         problem: Rows with every parameter at its least value.
@@ -222,7 +225,10 @@ class _Search:
         count, rows, unknowns = problem.A.shape
         p = len(sensitivity.c2)
         effect = np.maximum(effect_of_speed(problem), np.max(np.abs(sensitivity.c2), axis=(0, 2), initial=0.0))
+        if problem.speed is not None:
+            effect = np.maximum(effect, np.max(np.abs(problem.speed), axis=1, initial=0.0) ** 2)
         self.unit = 1 / np.where(effect > NO_EFFECT, effect, 1.0)
+        self.b = None if problem.speed is None else problem.speed * np.sqrt(self.unit)[:, None]
         size = np.max(np.abs(problem.free), axis=1, initial=0.0)
         self.column = 1 / np.where(size > NO_EFFECT, size, 1.0)
         self.A = problem.free * self.column[:, None, :]
@@ -235,11 +241,13 @@ class _Search:
         x, y, s = ca.SX.sym("x", unknowns - 1), ca.SX.sym("y"), ca.SX.sym("s", p)
         A, a = ca.SX.sym("A", rows, unknowns - 1), ca.SX.sym("a", rows)
         da, do, sign = ca.SX.sym("da", rows, p), ca.SX.sym("do", rows, p), ca.SX.sym("sign")
+        b = ca.SX.sym("b", 0 if self.b is None else rows)
+        square = y if self.b is None else y**2
         program = {
             "x": ca.vertcat(x, y, s),
             "f": sign * y,
-            "g": A @ x + (a + da @ s) * y + do @ s,
-            "p": ca.vertcat(ca.vec(A), a, ca.vec(da), ca.vec(do), sign),
+            "g": A @ x + (a + da @ s) * square + do @ s + (0 if self.b is None else b * y),
+            "p": ca.vertcat(ca.vec(A), a, ca.vec(da), ca.vec(do), b, sign),
         }
         self.solve = ca.nlpsol("possible_load", "ipopt", program, IPOPT_OPTIONS)
         self.free, self.p, self.samples = unknowns - 1, p, count
@@ -280,6 +288,10 @@ class _Search:
     def _from(self, sample: int, sign: float, y: float, s: Array) -> tuple[Array, float, bool]:
         target = np.clip(0.0, self.lower[sample], self.upper[sample])
         rest = (self.a[sample] + s @ self.da[:, sample]) * y + s @ self.do[:, sample]
+        largest, of_speed = UNBOUNDED, np.zeros(0)
+        if self.b is not None:
+            y, largest, of_speed = float(np.sqrt(y)), float(np.sqrt(UNBOUNDED)), self.b[sample]
+            rest = rest + of_speed * y
         x = np.linalg.lstsq(self.A[sample], target - rest, rcond=None)[0]
         found = self.solve(
             x0=np.concatenate([x, [y], s]),
@@ -289,15 +301,16 @@ class _Search:
                     self.a[sample],
                     self.da[:, sample].ravel(),
                     self.do[:, sample].ravel(),
+                    of_speed,
                     [sign],
                 ]
             ),
             lbx=np.concatenate([np.full(self.free, -np.inf), np.zeros(1 + self.p)]),
-            ubx=np.concatenate([np.full(self.free, np.inf), [UNBOUNDED], np.ones(self.p)]),
+            ubx=np.concatenate([np.full(self.free, np.inf), [largest], np.ones(self.p)]),
             lbg=self.lower[sample],
             ubg=self.upper[sample],
         )
         z = found["x"].full()[:, 0]
         shares = np.clip(np.nan_to_num(z[self.free + 1 :], nan=0.5), 0.0, 1.0)
-        value = float(z[self.free] * self.unit[sample])
+        value = float(z[self.free] if self.b is None else z[self.free] ** 2) * float(self.unit[sample])
         return shares, value if np.isfinite(value) else sign * np.inf, bool(self.solve.stats()["success"])

@@ -10,9 +10,12 @@ import numpy as np
 from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
 from mrts.limits.rows import ActiveRow, Side
-from mrts.samples.gaps import Gap, pieces
+from mrts.samples.range_ends import Gap, pieces
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
+
+SPEEDS = {"velocity", "motor speed"}
+"""Kinds of rows that a load does not move."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,7 @@ class RangeEnd:
 
     def place(self) -> str:
         """When, with which load and by which rows this end is set, in words."""
-        of_load = self.load is not None and any(row.name.kind != "velocity" for row in self.rows)
+        of_load = self.load is not None and any(row.name.kind not in SPEEDS for row in self.rows)
         load = f" with {self.load}" if of_load else ""
         return f"at t = {self.time:.4g} s{load} by {', '.join(str(row) for row in self.rows)}"
 
@@ -109,8 +112,8 @@ class ScalingRange:
             conflicts = self.samples.conflicts
             worst = max(conflicts, key=lambda conflict: conflict.widening)
             text = f"{len(conflicts)} of {len(self.samples.time)} samples are infeasible. The worst: {worst}."
-        elif self.status is RangeStatus.EMPTY and self.lower and self.upper and self.lower.c2 <= self.upper.c2:
-            text = f"of {self.text()} all is excluded: {self._exclusions(self.lower.c2, self.upper.c2)}."
+        elif self.status is RangeStatus.EMPTY and (exclusions := self._exclusions()):
+            text = exclusions
         elif self.status is RangeStatus.EMPTY and self.lower and self.upper:
             slow, fast = self.lower, self.upper
             text = f"c² must be at least {slow.c2:.6g} {slow.place()}, but at most {fast.c2:.6g} {fast.place()}."
@@ -118,17 +121,20 @@ class ScalingRange:
             return ""
         return f"{text} {self.status.advice}"
 
-    def _exclusions(self, lower: float, upper: float) -> str:
-        """The gaps that cover what lies between two c², each with where it is and what sets its ends."""
-        covering, reached = [], lower
+    def _exclusions(self) -> str:
+        """Which gaps of single samples leave nothing of what lies between all samples' ends; empty if no gap does."""
+        lower, upper = float(np.max(self.samples.lower)), float(np.min(self.samples.upper))
+        covering: list[Gap] = []
+        reached = lower
         while reached <= upper:
-            reaching = [gap for gap in self.samples.gaps if gap.lower < reached < gap.upper or reached == gap.lower]
+            reaching = [gap for gap in self.samples.gaps if gap.lower <= reached < gap.upper]
             if not reaching:
-                break
+                return ""
             covering.append(max(reaching, key=lambda gap: gap.upper))
             reached = covering[-1].upper
-        return "; ".join(
-            f"c² between {gap.lower:.6g} and {gap.upper:.6g} {gap_place(self.samples, gap)}" for gap in covering
+        parts = [f"none from {gap.lower:.6g} to {gap.upper:.6g} {gap_place(self.samples, gap)}" for gap in covering]
+        return (
+            f"of c² ∈ {interval_text(lower, upper)} single samples leave nothing: {'; '.join(parts)}." if parts else ""
         )
 
 
@@ -141,7 +147,7 @@ def gap_place(samples: SampleRanges, gap: Gap) -> str:
     """
     slower, faster = (", ".join(str(row) for row in rows) for rows in (gap.lower_rows, gap.upper_rows))
     load = f" with {gap.upper_load}" if gap.upper_load else ""
-    return f"at t = {samples.time[gap.sample]:.4g} s{load} (slower it is limited by {slower}; faster by {faster})"
+    return f"at t = {samples.time[gap.sample]:.4g} s{load} (from below by {slower}; from above by {faster})"
 
 
 def intersect(samples: SampleRanges) -> ScalingRange:
@@ -173,8 +179,9 @@ def intersect(samples: SampleRanges) -> ScalingRange:
             )
             for piece in pieces(low, high, samples.gaps)
         )
-    if not intervals:
-        return ScalingRange(RangeStatus.EMPTY, lower, upper, samples)
+    if not intervals:  # from the end of the highest gap on c² would do again
+        last = max((gap for gap in samples.gaps if gap.lower < high), key=lambda gap: gap.upper)
+        return ScalingRange(RangeStatus.EMPTY, _end_of_gap(samples, last, "upper"), upper, samples)
     status = RangeStatus.UNBOUNDED if np.isinf(intervals[-1][1].c2) else RangeStatus.FEASIBLE
     return ScalingRange(status, *intervals[-1], samples, intervals)
 

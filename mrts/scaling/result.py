@@ -2,6 +2,7 @@
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,8 +14,6 @@ from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import SolverError
-from mrts.base.interval_text import interval_text
-from mrts.base.load_box import LoadPoint
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
@@ -181,14 +180,14 @@ class ScalingResult:
         found = self.range
         if found.lower is None or found.upper is None or not found.status.admits_motion:
             return f"{found.status.value}: {found.explain()}"
-        least, most = found.lower.c2, found.upper.c2
+        least = found.lower.c2
         below = f"below {found.lower.place()}" if least > 0 else ""
         if found.upper.time is None:
-            return f"c² ∈ {interval_text(least, most)}: {found.status.advice}" + (f" Limited {below}." if below else "")
-        speed = _speed_advice(least, most, self.motion.object.time[-1])
+            return f"c² ∈ {found.text()}: {found.status.advice}" + (f" Limited {below}." if below else "")
+        speed = _speed_advice([(low.c2, high.c2) for low, high in found.intervals], self.motion.object.time[-1])
         limits = f"above {found.upper.place()}, {below}" if below else found.upper.place()
         advice = "" if self.origin else f": {speed}"  # of the fastest timing there is none to give
-        return f"c² ∈ {interval_text(least, most)}{advice}; limited {limits}."
+        return f"c² ∈ {found.text()}{advice}; limited {limits}."
 
     def residuals(self) -> Residuals:
         """Check the trajectory against (8), (13), (20) and (24), from the terms and not from the programs.
@@ -234,7 +233,6 @@ class ScalingResult:
     def to_json(self) -> dict[str, Any]:
         """The result as JSON values; null stands for an unbounded end."""
         samples = self.range.samples
-        names = tuple(robot.name for robot in self.cell.robots)
         output: dict[str, Any] = {
             "cell": self.cell.name,
             "summary": self.sentence(),
@@ -248,11 +246,16 @@ class ScalingResult:
                 "status": [status.value for status in samples.status],
                 "c2_lower": _finite(samples.lower),
                 "c2_upper": _finite(samples.upper),
+                "gaps": [
+                    {"sample": gap.sample, "time": float(samples.time[gap.sample]), "c2": [gap.lower, gap.upper]}
+                    for gap in samples.gaps
+                ],
             },
             "conflicts": [
                 {
                     "sample": conflict.sample,
                     "time": conflict.time,
+                    "c2": conflict.c2,
                     "load": conflict.load.to_json() if conflict.load else None,
                     "rows": [row.to_json() for row in conflict.rows],
                     "multipliers": list(conflict.multipliers),
@@ -265,32 +268,8 @@ class ScalingResult:
         }
         if self.load is not None:
             output["load"] = self.load.to_json()
-        done = self.trajectory
-        if done is not None:
-            time = done.time.tolist()
-            internal = {name: done.internal_wrench[:, part].tolist() for name, part in self.cell.wrench_slices.items()}
-            joints = {
-                name: {
-                    "names": list(robot.joints),
-                    "q": done.q[:, part].tolist(),
-                    "dq": done.dq[:, part].tolist(),
-                    "ddq": done.ddq[:, part].tolist(),
-                }
-                for (name, part), robot in zip(self.cell.joint_slices.items(), self.cell.robots, strict=True)
-            }
-            power = {name: done.power[:, part].tolist() for name, part in self.cell.joint_slices.items()}
-            load = LoadPoint({}, self.cell.load).to_json()["load"]
-            output |= {
-                "selected": {"c2": done.c2, "duration": done.duration, "load": load},
-                "joints": {"time": time} | joints,
-                "torque": {"time": time} | {name: self.torque[name].tolist() for name in names},
-                "wrench": {"time": time, "components": list(self.cell.wrench_components)}
-                | {name: self.wrench[name].tolist() for name in names},
-                "internal_wrench": {"time": time} | internal,
-                "power": {"time": time} | power,
-                "velocity_limits_passed": self.too_fast(),
-                "energy": done.energy,
-            } | self._nearness()
+        if self.trajectory is not None:
+            output |= self.trajectory.to_json() | {"velocity_limits_passed": self.too_fast()} | self._nearness()
         return output
 
     def _nearness(self) -> dict[str, Any]:
@@ -334,8 +313,17 @@ def _largest_excess(cell: Cell, done: ScaledTrajectory) -> float:
     return worst
 
 
-def _speed_advice(least: float, most: float, given: float) -> str:
+def _speed_advice(intervals: Sequence[tuple[float, float]], given: float) -> str:
     """What a range of c² means to who plays a motion that is given in so many seconds."""
+    least, most = intervals[-1]
+    if len(intervals) > 1:
+        verb = "may" if any(low <= 1 <= high for low, high in intervals) else "must"
+        ends = [(f"{np.sqrt(low):.3g} to" if low > 0 else "up to", np.sqrt(high)) for low, high in intervals]
+        return (
+            f"you {verb} play it {' or '.join(f'{start} {end:.3g}' for start, end in ends)} × as fast as given, not "
+            "in between, where inertia does not yet help the motors enough against friction: "
+            f"{given / np.sqrt(most):.4g} s at the fastest instead of {given:.4g} s"
+        )
     if most <= 0:
         return "the cell can hold the object still at every sample, but not move it along this path"
     fast = f"{np.sqrt(most):.3g} × as fast as given"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Many questions about a cell at once: its configurations, ranked.
+"""Questions about a cell beside one motion: its configurations, ranked; its motors, from recordings.
 
 May import base to retiming. Start at `configurations.py`.
 """

@@ -7,7 +7,7 @@ from conftest import DATA
 
 import mrts
 from mrts.cli import main
-from mrts.hands.pad import pad
+from mrts.hands.pad import pad_contact
 from mrts.scaling.limit_use import limit_uses
 
 UR5 = DATA.parent / "dual_ur5"
@@ -44,7 +44,7 @@ def test_contacts_are_read_in_order_and_named_by_kind(tmp_path):
     assert [contact.name for contact in left.contacts] == ["pad", "suction", "gripper", "rows", "box", "pad2"]
     assert [len(contact.rows) for contact in left.contacts] == [17, 17, 30, 2, 2, 17]
     assert [contact.frame for contact in left.contacts] == ["tip"] * 4 + ["object", "tip"]
-    made = pad(friction=0.5, normal=[0, 0, 1], half_width=[0.03, 0.02], force=[0, 100])
+    made = pad_contact(friction=0.5, normal=[0, 0, 1], half_width=[0.03, 0.02], force=[0, 100])
     read = left.contacts[0]
     assert read.rows == made.rows
     for array in ("A", "lower", "upper"):

@@ -5,9 +5,9 @@ import pytest
 from contact_forces import axes_of, least_pressing, least_squeezing
 
 from mrts.base.manifest import WRENCH_COMPONENTS
-from mrts.hands.gripper import gripper
-from mrts.hands.pad import pad
-from mrts.hands.suction import suction
+from mrts.hands.gripper import gripper_contact
+from mrts.hands.pad import pad_contact
+from mrts.hands.suction import suction_contact
 
 WRENCHES = 10_000
 SHAPES = 5
@@ -45,7 +45,7 @@ def holds(contact, wrenches):
 def test_a_pad_holds_what_its_corners_can_make():
     for rng, normal, mu, widths, n, demands in shapes("pad"):
         force = np.sort(rng.uniform(0, 300, 2)).tolist()
-        given = pad(friction=mu * np.sqrt(2), normal=normal, half_width=widths, force=force)
+        given = pad_contact(friction=mu * np.sqrt(2), normal=normal, half_width=widths, force=force)
         wrenches = demands * 100
         lacks = value(given, wrenches)[:, 1:] + (wrenches[:, :3] @ n)[:, None]
         least = least_pressing(wrenches, normal, widths, mu)
@@ -62,7 +62,7 @@ def test_a_pad_holds_what_its_corners_can_make():
 def test_a_suction_cup_holds_what_its_lip_can_make_inside_its_circle():
     for rng, normal, mu, (radius, _), n, demands in shapes("suction"):
         holding = rng.uniform(20, 200)
-        cup = suction(holding_force=holding, friction=mu * np.sqrt(2), radius=radius, normal=normal)
+        cup = suction_contact(holding_force=holding, friction=mu * np.sqrt(2), radius=radius, normal=normal)
         wrenches = demands * [holding] * np.array([1, 1, 1, *(radius / 0.05,) * 3])
         least = least_pressing(wrenches, normal, [radius / np.sqrt(2)] * 2, mu)
         lip = holding + wrenches[:, :3] @ n
@@ -75,7 +75,7 @@ def test_a_suction_cup_holds_what_its_lip_can_make_inside_its_circle():
 def test_a_gripper_holds_what_both_pads_can_make():
     for rng, axis, mu, widths, _, demands in shapes("gripper"):
         force = rng.uniform(10, 200)
-        given = gripper(force=force, friction=mu * np.sqrt(2), half_width=widths, axis=axis)
+        given = gripper_contact(force=force, friction=mu * np.sqrt(2), half_width=widths, axis=axis)
         wrenches = demands * 2 * force
         least = least_squeezing(wrenches, axis, widths, mu)
         np.testing.assert_allclose(np.max(np.abs(value(given, wrenches)), axis=1), least, atol=SAME * least.max())
@@ -102,9 +102,9 @@ def test_planar_hands_are_spatial_ones_that_stay_in_the_plane(plane_axis):
         needed = np.maximum(np.abs(f_a) / mu, np.abs(wrenches[:, 3 + plane_axis]) / width)
         planar = wrenches[:, [first, second, 3 + plane_axis]]
         common = {"friction": mu, "components": components}
-        flat = pad(normal=normal, half_width=[width], force=[0, 1000], **common)
-        cup = suction(holding_force=2.0, radius=width, normal=normal, **common)
-        jaws = gripper(force=1.0, half_width=[width], axis=normal, **common)
+        flat = pad_contact(normal=normal, half_width=[width], force=[0, 1000], **common)
+        cup = suction_contact(holding_force=2.0, radius=width, normal=normal, **common)
+        jaws = gripper_contact(force=1.0, half_width=[width], axis=normal, **common)
         assert np.array_equal(holds(flat, planar), pressed >= needed)
         assert np.array_equal(holds(cup, planar), pressed + 2 >= needed)
         assert np.array_equal(holds(jaws, planar), np.maximum(needed, np.abs(pressed)) <= 2)

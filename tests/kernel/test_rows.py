@@ -134,6 +134,28 @@ def test_a_given_speed_moves_to_the_limits_and_columns_get_the_size_of_a_limit(r
     np.testing.assert_allclose(np.max(np.abs(left), axis=0), 1.0, rtol=1e-13)
 
 
+def test_wrenches_are_turned_into_object_axes(rows_c):
+    """Spatial and planar arms, with the object's rotation given row after row and column after column."""
+    rng = np.random.default_rng(6)
+    for arms, size, axes in ((2, 6, (0, 1, 2)), (1, 3, (0, 2, 1)), (3, 3, (1, 2, 0))):
+        wrenches = arms * size
+        R, base = (np.linalg.qr(rng.normal(size=shape))[0] for shape in ((3, 3), (arms, 3, 3)))
+        wrench_map, wrench_offset = rng.normal(size=(K, wrenches)), rng.normal(size=wrenches)
+        limits = SparseLimits(matrix=np.eye(1), lower=np.zeros(1), upper=np.ones(1), group=("N",), base=base, axes=axes)
+        turn = R.T[list(axes)] @ base
+        wanted = np.einsum("aij,katj->kati", turn, np.vstack([wrench_map, wrench_offset]).reshape(K + 1, arms, -1, 3))
+        for rotation, down, across in ((R, 3, 1), (R.T, 1, 3)):
+            memory = np.zeros((K + 1, wrenches))
+            form = Form(None, None, address(wrench_map), address(wrench_offset), None, None)
+            given = np.ascontiguousarray(rotation)
+            rows_c.mrts_turn_wrenches(
+                K, arms, size, ctypes.byref(limits.structure), address(given), down, across, address(memory),
+                ctypes.byref(form),
+            )  # fmt: skip
+            assert form.object_map == memory.ctypes.data
+            np.testing.assert_allclose(memory, wanted.reshape(K + 1, wrenches), atol=1e-14)
+
+
 def test_velocities_cap_the_speed(rows_c):
     dq, twist = np.array([0.5, -2.0, 1.0]), np.array([0.0, 3.0, 4.0, 0.0, 0.0, 1.0])
     binding = ctypes.c_int()

@@ -9,12 +9,12 @@ from conftest import DATA
 from contact_forces import least_pressing
 
 import mrts
-from mrts.hands.box import box
+from mrts.hands.box import box_contact
 from mrts.hands.contact import Contact
 from mrts.hands.contact_axes import tip_components
-from mrts.hands.gripper import gripper
-from mrts.hands.pad import pad
-from mrts.hands.suction import suction
+from mrts.hands.gripper import gripper_contact
+from mrts.hands.pad import pad_contact
+from mrts.hands.suction import suction_contact
 from mrts.limits import limit_rows
 from mrts.limits.object_axes import object_axes
 from mrts.output.saved_result import load_result, save_result
@@ -40,7 +40,7 @@ def with_contacts(cell, *of_robots):
 
 def squeezing(dual_ur5, force=400.0, friction=0.7):
     """Two palms that press on the box from both sides, tool z into it."""
-    palm = pad(friction=friction, normal=[0, 0, 1], half_width=[0.05, 0.04], force=[1, force])
+    palm = pad_contact(friction=friction, normal=[0, 0, 1], half_width=[0.05, 0.04], force=[1, force])
     return with_contacts(dual_ur5, (palm,), (palm,))
 
 
@@ -68,12 +68,15 @@ def random_contacts(rng, cell):
         widths = rng.uniform(0.02, 0.2, 2 if size == 6 else 1).tolist()
         grip = {"friction": rng.uniform(0.3, 1.0), "half_width": widths, "components": components}
         strength = float(rng.uniform(10, 80))
-        held = gripper(force=strength, axis=normal, **grip)
-        pressed = pad(force=[0, 3 * strength], normal=normal, **grip)
-        cup = suction(holding_force=strength, radius=widths[0], normal=normal, friction=0.6, components=components)
-        sides = rng.uniform(5, 60, size)
+        held = gripper_contact(force=strength, axis=normal, **grip)
+        pressed = pad_contact(force=[0, 3 * strength], normal=normal, **grip)
+        cup = suction_contact(
+            holding_force=strength, radius=widths[0], normal=normal, friction=0.6, components=components
+        )
+        most = rng.uniform(5, 60, size).tolist()
+        least = [-value for value in most]
         boxes = [
-            box(lower=(-sides).tolist(), upper=sides.tolist(), frame=frame, components=there, name=f"box{number}")
+            box_contact(lower=least, upper=most, frame=frame, components=there, name=f"box{number}")
             for number, (frame, there) in enumerate(
                 (("tip", components), ("object", cell.wrench_components), ("base", cell.wrench_components))
             )
@@ -121,7 +124,7 @@ def test_a_box_in_base_axes_is_the_limits_of_the_wrench(dual_ur5, lift_and_turn)
     boxed = with_contacts(
         dual_ur5,
         *(
-            (box(lower=robot.wrench_lower.tolist(), upper=robot.wrench_upper.tolist(), frame="base"),)
+            (box_contact(lower=robot.wrench_lower.tolist(), upper=robot.wrench_upper.tolist(), frame="base"),)
             for robot in dual_ur5.robots
         ),
     )
@@ -153,7 +156,7 @@ def test_one_box_in_the_axes_of_tip_object_and_base_is_one_limit(dual_ur5):
     }
     found = {}
     for frame, (least, most) in sides.items():
-        own = (box(lower=least.tolist(), upper=most.tolist(), frame=frame),)
+        own = (box_contact(lower=least.tolist(), upper=most.tolist(), frame=frame),)
         found[frame] = mrts.scale(with_contacts(dual_ur5, own, ()).without_velocity_limits(), motion)
         F = found[frame].wrench["left"]
         assert np.all((lower - 1e-6 <= F) & (upper + 1e-6 >= F))
@@ -255,7 +258,7 @@ def test_rows_in_object_axes_without_axes_are_refused(dual_ur5, lift_and_turn, m
 
 
 def test_zero_limits_of_a_contact_are_measured_by_its_own_force(dual_ur5, lift_and_turn):
-    palm = pad(friction=0.5, normal=[0, 0, 1], half_width=[0.05, 0.04], force=[0, 70])
+    palm = pad_contact(friction=0.5, normal=[0, 0, 1], half_width=[0.05, 0.04], force=[0, 70])
     tie = Contact("tie", "tip", ("sum",), ("N",), np.ones((1, 6)), np.array([0.0]), np.array([0.0]))
     cell = with_contacts(dual_ur5, (palm, tie), ())
     rows = limit_rows(cell, mrts.follow_object(dual_ur5, lift_and_turn))

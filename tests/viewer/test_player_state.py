@@ -320,3 +320,16 @@ def test_every_limit_of_the_cell_is_on_a_bar(dual_ur5, turning):
     rows = limit_rows(dual_ur5, state.result.motion)
     for name, lower, upper in zip(rows.names, rows.lower, rows.upper, strict=True):
         assert (name.kind, name.robot, name.element, name.unit, lower, upper) in bars
+
+
+def test_bars_of_hands_say_how_much_of_what_they_hold_is_in_use():
+    squeeze = DATA.parent / "squeeze"
+    state = PlayerState(mrts.load_cell(squeeze / "cell.yaml"), mrts.load_motion(squeeze / "lift_and_turn.yaml"))
+    for sample in (0, 30, 100):
+        state.sample = sample
+        bars = state.further_bars()["contact"]
+        assert [bar.name for bar in bars["left"]] == ["pad normal force", "pad friction", "pad tilt", "pad torsion"]
+        used = [bar.share for of_robot in bars.values() for bar in of_robot]
+        assert max(used) == pytest.approx(1.0, abs=1e-6)
+        assert not [bar for of_robot in bars.values() for bar in of_robot if bar.over]
+        assert "left/pad friction" in bars_html("contact", bars)

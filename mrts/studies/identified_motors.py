@@ -1,0 +1,252 @@
+# SPDX-License-Identifier: MIT
+"""What an identification found of the motors: numbers with their confidence, as text and as YAML for the cell file."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.argument_types import as_path
+from mrts.base.arrays import Array, freeze
+from mrts.base.atomic_file import write_text_atomically
+from mrts.base.errors import InputError
+from mrts.base.printable import printable
+from mrts.base.remark import Remark
+from mrts.base.version import __version__
+from mrts.cell.robot import Robot
+
+DIGITS = 5
+"""Significant digits in the YAML: more than any recording tells."""
+
+NAME_WIDTH = 28
+"""Of the column of joints, unless a name is longer [characters]."""
+
+UNITS = {
+    "armature": ("kg m²", "kg"),
+    "coulomb": ("N m", "N"),
+    "viscous": ("N m s/rad", "N s/m"),
+}
+"""Of a parameter, for a revolute and for a prismatic joint."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotorParameter:
+    """One parameter of every joint of an arm.
+
+    Attributes:
+        value: Shape (n,), 0 where it is not identified.
+        standard_error: Shape (n,), infinity where it is not identified.
+        half_width: Half the interval of 95 % confidence, Shape (n,), likewise.
+        identified: Whether the motion shows it, Shape (n,).
+        reasons: Why it does not, "" where it does, one a joint.
+        bounded: Whether it is 0 because it must not be negative, Shape (n,).
+        free: What it would be if it might, Shape (n,).
+    """
+
+    value: Array
+    standard_error: Array
+    half_width: Array
+    identified: NDArray[np.bool_]
+    reasons: tuple[str, ...]
+    bounded: NDArray[np.bool_]
+    free: Array
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+
+@dataclass(frozen=True, eq=False)
+class ArmMotors:
+    """The motors of one arm, joint side of their gears, and what they leave unexplained.
+
+    Attributes:
+        robot: The arm.
+        armature: Rotor inertia by the square of the gear ratio [kg m² or kg].
+        coulomb: Dry friction [N m or N].
+        viscous: Friction by speed [N m s/rad or N s/m].
+        offset: Constant part of the effort, which no motor has: a sensor's zero, a load that the model lacks,
+            Shape (n,) [N m or N].
+        residual_rms: Of what was not explained, means of blocks, Shape (n,) [N m or N].
+        explained: Share of the effort's variance that model and motors explain, Shape (n,).
+        cutoff: Of the filter [Hz].
+        time: Of the blocks, Shape (B,) [s].
+        used: Which blocks count, Shape (B, n).
+        velocity: Shape (B, n) [rad/s or m/s].
+        acceleration: Shape (B, n) [rad/s² or m/s²].
+        left_over: Effort without the torque of the rigid bodies, Shape (B, n) [N m or N].
+        fitted: What the motors say of that, Shape (B, n) [N m or N].
+    """
+
+    robot: Robot
+    armature: MotorParameter
+    coulomb: MotorParameter
+    viscous: MotorParameter
+    offset: Array
+    residual_rms: Array
+    explained: Array
+    cutoff: float
+    time: Array
+    used: NDArray[np.bool_]
+    velocity: Array
+    acceleration: Array
+    left_over: Array
+    fitted: Array
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+    @property
+    def estimates(self) -> dict[str, MotorParameter]:
+        """Armature, coulomb and viscous, by these names."""
+        return {name: getattr(self, name) for name in UNITS}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MotorIdentification:
+    """What `identify` found.
+
+    Attributes:
+        cell: Name of the cell.
+        recording: The file.
+        arms: The arms that were recorded.
+        remarks: What to know of it.
+    """
+
+    cell: str
+    recording: Path
+    arms: tuple[ArmMotors, ...]
+    remarks: tuple[Remark, ...]
+
+    def __repr__(self) -> str:
+        return f"<MotorIdentification of {self.cell}: {', '.join(arm.robot.name for arm in self.arms)}>"
+
+    def arm(self, robot: str) -> ArmMotors:
+        """What was found of one arm.
+
+        Raises:
+            InputError: If it was not recorded.
+        """
+        for arm in self.arms:
+            if arm.robot.name == robot:
+                return arm
+        known = ", ".join(arm.robot.name for arm in self.arms)
+        raise InputError("robot", f"is not in the recording; there are {known}.", value=robot)
+
+    @property
+    def empty(self) -> bool:
+        """Whether no parameter is identified of all joints of an arm, so that nothing can be written."""
+        return not any(np.all(found.identified) for arm in self.arms for found in arm.estimates.values())
+
+    def sentence(self) -> str:
+        """The outcome in one line."""
+        every = sum(found.identified.size for arm in self.arms for found in arm.estimates.values())
+        known = sum(int(np.count_nonzero(found.identified)) for arm in self.arms for found in arm.estimates.values())
+        arms = ", ".join(arm.robot.name for arm in self.arms)
+        return f"{known} of {every} parameters of the motors of {arms} identified"
+
+    def table(self) -> str:
+        """Every joint with its parameters and half their intervals of 95 % confidence."""
+        width = max(NAME_WIDTH, *(len(_joint(arm, n)) + 2 for arm in self.arms for n in range(len(arm.robot.joints))))
+        heads = (f"{name} [{', '.join(dict.fromkeys(_units(name, self.arms)))}]" for name in UNITS)
+        lines = [f"{'joint':<{width}}" + "".join(f"{head:>24}" for head in heads) + f"{'residual rms':>18}"]
+        for arm in self.arms:
+            for place, unit in enumerate(arm.robot.torque_units):
+                cells = [_cell(found, place) for found in arm.estimates.values()]
+                residual = f"{arm.residual_rms[place]:.3g} {unit}" if arm.used[:, place].any() else "-"
+                row = f"{_joint(arm, place):<{width}}" + "".join(f"{cell:>24}" for cell in cells) + f"{residual:>18}"
+                lines.append(row)
+        return "\n".join(lines)
+
+    def to_yaml(self) -> str:
+        """The `motors` block of each recorded robot, as it stands in a cell file, with what is known of its numbers.
+
+        A parameter that the motion does not show of every joint is left out, and a comment says why.
+        """
+        lines = [
+            f"# Found by mrts {__version__} for cell {printable(self.cell)} from {printable(self.recording.name)}.",
+            "# Put each `motors` block under its robot in the cell file. ± is half an interval of 95 % confidence.",
+            "robots:",
+        ]
+        for arm in self.arms:
+            lines += [f"  - name: {arm.robot.name}", *_block(arm)]
+        return "\n".join(lines) + "\n"
+
+    def write_yaml(self, path: Path | str) -> None:
+        """Write `to_yaml` to a file, whole or not at all.
+
+        Raises:
+            InputError: If the file cannot be written.
+        """
+        write_text_atomically(as_path("path", path), self.to_yaml())
+
+
+def _joint(arm: ArmMotors, place: int) -> str:
+    return printable(f"{arm.robot.name}/{arm.robot.joints[place]}")
+
+
+def _cell(found: MotorParameter, place: int) -> str:
+    if not found.identified[place]:
+        return "not shown"
+    return f"{found.value[place]:.4g} ± {found.half_width[place]:.2g}"
+
+
+def _block(arm: ArmMotors) -> list[str]:
+    """The lines of one robot's block."""
+    time = f"{arm.time[-1] - arm.time[0]:.3g} s, filter {arm.cutoff:.4g} Hz"
+    units = arm.robot.torque_units
+    rms = ", ".join(f"{value:.3g} {unit}" for value, unit in zip(arm.residual_rms, units, strict=True))
+    lines = [f"    # {time}; residual rms {rms}"]
+    kept = {name: found for name, found in arm.estimates.items() if np.all(found.identified)}
+    frictions = kept.keys() - {"armature"}
+    if kept:
+        lines.append("    motors:")
+    if "armature" in kept:
+        lines += _entry(arm, "armature", "      ")
+    if frictions:
+        lines.append("      friction:")
+    for name in sorted(frictions):
+        lines += _entry(arm, name, "        ")
+    for name, found in arm.estimates.items():
+        if name not in kept:
+            without = [place for place, known in enumerate(found.identified) if not known]
+            lines.append(f"      # {name} is not known of every joint, so it is left out:")
+            lines += [f"      #   {printable(arm.robot.joints[place])}: {found.reasons[place]}" for place in without]
+            lines += [f"      #   known: {_known(arm, found)}"] if len(without) < len(found.reasons) else []
+    return lines
+
+
+def _entry(arm: ArmMotors, name: str, indent: str) -> list[str]:
+    """A list of numbers, and what is known of them."""
+    found = arm.estimates[name]
+    units = dict.fromkeys(_units(name, [arm]))
+    widths = ", ".join(f"{width:.2g}" for width in found.half_width)
+    bounded = [printable(arm.robot.joints[place]) for place in np.flatnonzero(found.bounded)]
+    zero = f"; held at 0: {', '.join(bounded)}" if bounded else ""
+    return [f"{indent}{name}: {_numbers(found.value)}  # {' or '.join(units)}; ± {widths}{zero}"]
+
+
+def _units(name: str, arms: Sequence[ArmMotors]) -> list[str]:
+    """Units of a parameter of every joint."""
+    turning, sliding = UNITS[name]
+    return [turning if unit == "rad" else sliding for arm in arms for unit in arm.robot.position_units]
+
+
+def _known(arm: ArmMotors, found: MotorParameter) -> str:
+    return ", ".join(
+        f"{printable(joint)} {_cell(found, place)}"
+        for place, joint in enumerate(arm.robot.joints)
+        if found.identified[place]
+    )
+
+
+def _numbers(values: Sequence[float] | Array) -> str:
+    """A list in YAML; its numbers are floats to any parser."""
+    return f"[{', '.join(_number(float(value)) for value in values)}]"
+
+
+def _number(value: float) -> str:
+    text = f"{value:.{DIGITS}g}"
+    mantissa, mark, exponent = text.partition("e")
+    return (mantissa if "." in mantissa else f"{mantissa}.0") + mark + exponent

@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: MIT
+"""Armature and friction of an arm's motors from a recording of its free motion."""
+
+from pathlib import Path
+
+import numpy as np
+
+from mrts.base.argument_types import check_type, is_number
+from mrts.base.arrays import Array, apply
+from mrts.base.errors import InputError
+from mrts.base.remark import Remark
+from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
+from mrts.coordination.joint_columns import columns_by_joint, meant_instead
+from mrts.inverse_kinematics.joint_limits import DEGREES_SUSPECTED, PRINTED_TOLERANCE, within_limits
+from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
+from mrts.studies.identified_motors import ArmMotors, MotorIdentification, MotorParameter
+from mrts.studies.motor_regression import PARAMETERS, JointFit, fit_joint
+from mrts.studies.recorded_motion import RecordedMotion, smoothed_motion
+
+CHUNK = 4096
+"""Samples whose mass matrices are held at once."""
+
+EXPLAINED = 0.5
+"""Share of an effort's variance that model and motors explain at least, or something is wrong with either."""
+
+NOISY = 0.01
+"""Share of a joint's squared accelerations that may be noise: its inertia is too small by as much."""
+
+MOST_NAMED = 12
+"""Columns named in a message; a humanoid has more."""
+
+
+def identify(cell: Cell, recording: JointRecording | Path | str, *, cutoff: float | None = None) -> MotorIdentification:
+    """Find armature, Coulomb and viscous friction of every joint from a recording of the arms' free motion.
+
+    The arms move without the object, and nothing touches them. What the torque of the rigid bodies leaves of the
+    measured effort is fitted by bounded least squares, joint by joint:
+
+        effort - τ_rb(q, q̇, q̈) = I_a q̈ + b q̇ + τ_c sign(q̇) + offset,  I_a, b, τ_c >= 0
+
+    Positions and efforts go through the same filter without delay (`mrts.studies.recorded_motion`); where a joint is so
+    slow that its sign of travel is not known, nothing is asked of it. `motors` that the cell has already are not used.
+
+    Args:
+        cell: The cell; of its arms, links and gravity are used.
+        recording: What was measured, or the file: `mrts.load_recording`. All arms, or some.
+        cutoff: Of the filter [Hz]; None takes 20 Hz, or less where samples are too few.
+
+    Raises:
+        InputError: If the recording lacks a joint of an arm or its effort, is too short, or nothing moves in it.
+    """
+    check_type("cell", cell, Cell)
+    if cutoff is not None and (not is_number(cutoff, 0) or cutoff == 0):
+        raise InputError("cutoff", "must be a number > 0, in Hz.", value=cutoff)
+    if not isinstance(recording, JointRecording):
+        recording = load_recording(recording)
+    found = _recorded_arms(cell, recording)
+    remarks: list[Remark] = []
+    arms = []
+    for robot, joints in found:
+        _check_units(recording, robot, joints)
+        motion = smoothed_motion(recording.path, robot, joints, cutoff)
+        _check_efforts(recording, robot, joints, motion)
+        remarks += _limit_remarks(robot, motion)
+        arms.append(_identify_arm(cell, robot, motion))
+        remarks += _remarks(arms[-1]) + _noise_remarks(arms[-1], motion.speed_noise)
+    if not any(np.any(arm.used) for arm in arms):
+        raise InputError(
+            recording.path,
+            "nothing moves in this recording faster than what rest looks like: record a motion that turns every joint "
+            "to and fro.",
+        )
+    if missing := [robot.name for robot in cell.robots if robot not in [robot for robot, _ in found]]:
+        remarks.append(Remark("not-recorded", f"the recording says nothing of {', '.join(missing)}."))
+    return MotorIdentification(cell.name, recording.path, tuple(arms), tuple(remarks))
+
+
+def _recorded_arms(cell: Cell, recording: JointRecording) -> list[tuple[Robot, list[RecordedJoint]]]:
+    """The arms that were recorded, with what was measured of their joints."""
+    columns = [*recording.joints, *recording.unusable]
+    found = columns_by_joint(cell, recording.path, columns)
+    extra = [name for name in columns if name not in found.values()]
+    arms = []
+    for robot in cell.robots:
+        joints = [f"{robot.name}/{joint}" for joint in robot.joints]
+        if not any(joint in found for joint in joints):
+            continue
+        for joint in joints:
+            if joint not in found:
+                rule = f"nothing is recorded of joint '{joint}' of cell '{cell.name}', but of others of this arm."
+                raise InputError(recording.path, rule + meant_instead(joint, extra))
+            if found[joint] in recording.unusable:
+                raise recording.unusable[found[joint]]
+        arms.append((robot, [recording.joints[found[joint]] for joint in joints]))
+    if not arms:
+        names = ", ".join(sorted(columns)[:MOST_NAMED])
+        first = f"{cell.robots[0].name}/{cell.robots[0].joints[0]}"
+        raise InputError(
+            recording.path,
+            f"no arm of cell '{cell.name}' has joints of these names: {names}. Names are ROBOT/JOINT as in the cell "
+            f"file and its URDF, such as '{first}'; in a bag, ROBOT is the first name of the topic.",
+        )
+    return arms
+
+
+def _check_units(recording: JointRecording, robot: Robot, joints: list[RecordedJoint]) -> None:
+    """Refuse positions in degrees: beyond two turns of a joint that has limits."""
+    limits = np.maximum(np.abs(robot.position_lower), np.abs(robot.position_upper))
+    for place, (name, joint) in enumerate(zip(robot.joints, joints, strict=True)):
+        furthest = float(np.max(np.abs(joint.position)))
+        if robot.position_units[place] == "rad" and furthest > max(limits[place], DEGREES_SUSPECTED):
+            raise InputError(
+                recording.path,
+                f"is more than two turns and its limit, {limits[place]:.4g}: positions are in rad, are these degrees?",
+                key=f"position of {robot.name}/{name}",
+                value=furthest,
+            )
+
+
+def _limit_remarks(robot: Robot, motion: RecordedMotion) -> list[Remark]:
+    """Joints recorded beyond their position limits, by whole turns or not: their zero may not be that of the URDF."""
+    q = within_limits(robot, motion.q)
+    low, high = np.min(q, axis=0), np.max(q, axis=0)
+    beyond = (low < robot.position_lower - PRINTED_TOLERANCE) | (high > robot.position_upper + PRINTED_TOLERANCE)
+    return [
+        Remark(
+            "past-position-limit",
+            f"'{robot.name}/{robot.joints[place]}' moves from {low[place]:.4g} to {high[place]:.4g} "
+            f"{robot.position_units[place]}, its limits are [{robot.position_lower[place]:.4g}, "
+            f"{robot.position_upper[place]:.4g}]: is its zero that of the URDF? Gravity depends on it.",
+        )
+        for place in np.flatnonzero(beyond)
+    ]
+
+
+def _check_efforts(
+    recording: JointRecording, robot: Robot, joints: list[RecordedJoint], motion: RecordedMotion
+) -> None:
+    """Refuse an effort that stays the same while its joint moves."""
+    for place, (name, joint) in enumerate(zip(robot.joints, joints, strict=True)):
+        if np.ptp(joint.effort) == 0 and np.any(motion.known[:, place]):
+            raise InputError(
+                recording.path,
+                "is constant although the joint moves: no effort was measured.",
+                key=f"effort of {robot.name}/{name}",
+                value=float(joint.effort[0]),
+            )
+
+
+def _identify_arm(cell: Cell, robot: Robot, motion: RecordedMotion) -> ArmMotors:
+    left_over = motion.blocks(motion.effort - _rigid_torque(cell, robot, motion))
+    effort, velocity, acceleration, sign = map(motion.blocks, (motion.effort, motion.dq, motion.ddq, motion.sign))
+    used = motion.blocks(motion.known.astype(np.float64)) == 1
+    limits = np.maximum(np.abs(robot.torque_lower), np.abs(robot.torque_upper))
+    recorded = np.max(np.abs(motion.dq), axis=0)
+    fastest = np.where(np.isfinite(robot.velocity_limit), robot.velocity_limit, recorded)
+    fits = [
+        fit_joint(
+            np.column_stack([acceleration[:, place], velocity[:, place], sign[:, place]]),
+            left_over[:, place],
+            used[:, place],
+            float(fastest[place]),
+            float(limits[place]),
+        )
+        for place in range(len(robot.joints))
+    ]
+    fitted = np.column_stack([fit.fitted for fit in fits])
+    return ArmMotors(
+        robot=robot,
+        **{name: _estimate(fits, PARAMETERS.index(name)) for name in PARAMETERS},
+        offset=np.array([fit.offset for fit in fits]),
+        residual_rms=np.array([fit.residual_rms for fit in fits]),
+        explained=_explained(effort, left_over - fitted, used),
+        cutoff=motion.cutoff,
+        time=motion.blocks(motion.time),
+        used=used,
+        velocity=velocity,
+        acceleration=acceleration,
+        left_over=left_over,
+        fitted=fitted,
+    )
+
+
+def _rigid_torque(cell: Cell, robot: Robot, motion: RecordedMotion) -> Array:
+    """Torque of the links alone along the smoothed motion, the other arms at rest, Shape (N, n) [N m or N]."""
+    part = cell.joint_slices[robot.name]
+    rest = np.concatenate([other.posture for other in cell.robots])
+    parts = []
+    for start in range(0, len(motion.time), CHUNK):
+        some = slice(start, start + CHUNK)
+        count = len(motion.q[some])
+        q, dq = np.tile(rest, (count, 1)), np.zeros((count, len(rest)))
+        q[:, part], dq[:, part] = motion.q[some], motion.dq[some]
+        of = cell.functions("dynamics", count, {"q": q, "dq": dq})
+        torque = apply(of["mass_matrix"][:, part, part], motion.ddq[some])
+        parts.append(torque + of["coriolis_torque"][:, part] + of["gravity_torque"][:, part])
+    return np.concatenate(parts)
+
+
+def _estimate(fits: list[JointFit], place: int) -> MotorParameter:
+    return MotorParameter(
+        value=np.array([fit.value[place] for fit in fits]),
+        standard_error=np.array([fit.standard_error[place] for fit in fits]),
+        half_width=np.array([fit.half_width[place] for fit in fits]),
+        identified=np.array([not fit.reason[place] for fit in fits]),
+        reasons=tuple(fit.reason[place] for fit in fits),
+        bounded=np.array([fit.bounded[place] for fit in fits]),
+        free=np.array([fit.free[place] for fit in fits]),
+    )
+
+
+def _explained(effort: Array, residual: Array, used: np.typing.NDArray[np.bool_]) -> Array:
+    """Share of the effort's variance that is explained, 1 where nothing counts, Shape (n,)."""
+    shares = np.ones(effort.shape[1])
+    for place, counted in enumerate(used.T):
+        variance = float(np.var(effort[counted, place])) if np.any(counted) else 0.0
+        if variance > 0:
+            shares[place] = 1 - np.mean(residual[counted, place] ** 2) / variance
+    return shares
+
+
+def _remarks(arm: ArmMotors) -> list[Remark]:
+    """What to know of one arm."""
+    remarks = []
+    for place, joint in enumerate(arm.robot.joints):
+        name = f"{arm.robot.name}/{joint}"
+        unknown = [kind for kind, found in arm.estimates.items() if found.reasons[place]]
+        for kind in unknown:
+            text = f"{kind} of '{name}' is not identified: {arm.estimates[kind].reasons[place]}."
+            remarks.append(Remark("not-excited", text))
+        for kind, found in arm.estimates.items():
+            if found.bounded[place]:
+                remarks.append(_bound_remark(name, kind, found, place))
+        if arm.explained[place] < EXPLAINED:
+            remarks.append(
+                Remark(
+                    "unexplained-effort",
+                    f"only {100 * max(arm.explained[place], 0.0):.2g} % of the effort of '{name}' is explained: is it "
+                    "in N m (N) and not in A, on the joint side of the gear, was nothing in the hand, is the URDF that "
+                    "of this arm?",
+                )
+            )
+    return remarks
+
+
+def _noise_remarks(arm: ArmMotors, speed_noise: Array) -> list[Remark]:
+    """Joints whose accelerations are so noisy that least squares, which take them for exact, find too little inertia.
+
+    The mean acceleration of a block is the difference of two velocities by the block's length.
+    """
+    remarks = []
+    for place, joint in enumerate(arm.robot.joints):
+        moving = arm.acceleration[arm.used[:, place], place]
+        noise = 2 * (speed_noise[place] * arm.cutoff) ** 2
+        share = noise / np.mean(moving**2) if len(moving) and np.any(moving) else 0.0
+        if share > NOISY:
+            remarks.append(
+                Remark(
+                    "noisy-positions",
+                    f"noise of the positions of '{arm.robot.name}/{joint}' is {100 * share:.2g} % of its squared "
+                    "accelerations: its armature is too small by that share of the whole inertia that the joint turns. "
+                    "Lower the cutoff, or accelerate more.",
+                )
+            )
+    return remarks
+
+
+def _bound_remark(name: str, kind: str, found: MotorParameter, place: int) -> Remark:
+    return Remark(
+        "bound-active",
+        f"{kind} of '{name}' is 0 because it cannot be negative; free, it were {found.free[place]:.3g} ± "
+        f"{found.half_width[place]:.2g}: where that is far from 0, masses of the URDF or efforts are wrong.",
+    )

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: MIT
+"""Armature, viscous and Coulomb friction of one joint by bounded least squares, and how sure each is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+
+PARAMETERS = ("armature", "viscous", "coulomb")
+"""In the order of the columns of the regression; an offset of the effort follows, which no motor has."""
+
+CONFIDENCE = 0.95
+"""Of the intervals."""
+
+INDEPENDENT = 0.01
+"""Share of a column that the other columns must leave, or the motion does not tell its parameter from theirs."""
+
+REFERENCE_RAMP = 0.1
+"""Time to the joint's fastest speed [s] that gives the largest acceleration to speak of."""
+
+UNCERTAIN = 0.05
+"""Share of the torque limit by which half an interval may put the torque in doubt, at the fastest the joint can do."""
+
+BANDWIDTH = 0.5
+"""Lags that carry the covariance of residuals, by the root of the number of blocks: with fewer, intervals are too
+narrow where residuals follow each other; more do not help with some hundred blocks."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointFit:
+    """What a regression says of one joint; parameters in the order of `PARAMETERS`.
+
+    Attributes:
+        value: Shape (3,), 0 where nothing is known.
+        standard_error: Shape (3,), infinity where nothing is known.
+        half_width: Of the interval of confidence, Shape (3,).
+        free: The value without the bound at 0, Shape (3,).
+        reason: Why a parameter is not identified, "" where it is.
+        bounded: Whether the bound at 0 holds the value, Shape (3,).
+        offset: Constant part of the effort [N m or N].
+        fitted: What the parameters say of the blocks, Shape (B,) [N m or N].
+        residual_rms: Of the blocks [N m or N].
+    """
+
+    value: Array
+    standard_error: Array
+    half_width: Array
+    free: Array
+    reason: tuple[str, ...]
+    bounded: NDArray[np.bool_]
+    offset: float
+    fitted: Array
+    residual_rms: float
+
+
+def fit_joint(
+    columns: Array, left_over: Array, used: NDArray[np.bool_], fastest: float, torque_limit: float
+) -> JointFit:
+    """Least squares of effort - τ_rb = I_a q̈ + b q̇ + τ_c sign(q̇) + offset, with I_a, b, τ_c >= 0.
+
+    Variances come from the residuals: the larger of the two that ordinary least squares and Newey and West (1987)
+    give, who let residuals depend on the motion and on each other along time (`used` says where blocks are missing).
+
+    Args:
+        columns: q̈, q̇, sign(q̇) of B blocks along time, Shape (B, 3).
+        left_over: effort - τ_rb, Shape (B,) [N m or N].
+        used: Which blocks count, Shape (B,).
+        fastest: Speed that the joint may have [rad/s or m/s].
+        torque_limit: That it has [N m or N].
+    """
+    full = np.column_stack([columns, np.ones(len(columns))])
+    X, y = full[used], left_over[used]
+    if len(y) <= X.shape[1]:
+        return _unknown(len(columns), "it hardly moves in the recording")
+    scale = np.sqrt(np.mean(X**2, axis=0))
+    scale[scale == 0] = 1.0
+    X = X / scale
+    independent = np.array([_left_by_others(X, column) > INDEPENDENT for column in range(X.shape[1])])
+    free = np.linalg.lstsq(X, y, rcond=INDEPENDENT**2)[0]
+    theta, held = _bounded(X, y)
+    error = _standard_errors(full / scale, left_over, used, theta, ~held)
+    error[held] = _standard_errors(full / scale, left_over, used, free, np.ones(len(free), bool))[held]
+    theta, error, free = theta / scale, error / scale, free / scale
+    half = _quantile(len(y) - X.shape[1]) * error
+    doubt = half[:3] * np.array([fastest / REFERENCE_RAMP, fastest, 1.0])
+    reasons = _reasons(columns[used], independent, doubt, torque_limit)
+    known = np.array([not reason for reason in reasons])
+    fitted = full @ theta
+    return JointFit(
+        value=np.where(known, theta[:3], 0.0),
+        standard_error=np.where(known, error[:3], np.inf),
+        half_width=np.where(known, half[:3], np.inf),
+        free=np.where(known, free[:3], 0.0),
+        reason=reasons,
+        bounded=held[:3] & known,
+        offset=float(theta[3]),
+        fitted=fitted,
+        residual_rms=float(np.sqrt(np.mean((left_over - fitted)[used] ** 2))),
+    )
+
+
+def _unknown(blocks: int, reason: str) -> JointFit:
+    return JointFit(
+        value=np.zeros(3),
+        standard_error=np.full(3, np.inf),
+        half_width=np.full(3, np.inf),
+        free=np.zeros(3),
+        reason=(reason,) * 3,
+        bounded=np.zeros(3, bool),
+        offset=0.0,
+        fitted=np.zeros(blocks),
+        residual_rms=0.0,
+    )
+
+
+def _left_by_others(X: Array, column: int) -> float:
+    """Length of what the other columns leave of one, as a share of it."""
+    others, one = np.delete(X, column, axis=1), X[:, column]
+    size = float(np.linalg.norm(one))
+    if size == 0:
+        return 0.0
+    return float(np.linalg.norm(one - others @ np.linalg.lstsq(others, one, rcond=None)[0])) / size
+
+
+def _bounded(X: Array, y: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """The least squares with all but the offset at least 0, and which are held there."""
+    from scipy.optimize import lsq_linear  # noqa: PLC0415 (slow to import)
+
+    lower = np.array([0.0, 0.0, 0.0, -np.inf])
+    found = lsq_linear(X, y, (lower, np.full(4, np.inf)), method="bvls")
+    return np.asarray(found.x, dtype=np.float64), np.asarray(found.active_mask != 0)
+
+
+def _standard_errors(
+    full: Array, left_over: Array, used: NDArray[np.bool_], theta: Array, varied: NDArray[np.bool_]
+) -> Array:
+    """Of the parameters that are varied, 0 of the others, Shape (4,)."""
+    X = np.where(used[:, None], full, 0.0)[:, varied]
+    residual = np.where(used, left_over - full @ theta, 0.0)
+    count = int(np.count_nonzero(used))
+    freedom = max(count - X.shape[1], 1)
+    inverse = np.linalg.pinv(X.T @ X)
+    ordinary = inverse * (residual @ residual) / freedom
+    scores = X * residual[:, None]
+    between = scores.T @ scores
+    lags = int(BANDWIDTH * np.sqrt(count))
+    for lag in range(1, lags + 1):
+        crossed = scores[lag:].T @ scores[:-lag]
+        between += (1 - lag / (lags + 1)) * (crossed + crossed.T)
+    robust = inverse @ between @ inverse * count / freedom
+    errors = np.zeros(len(varied))
+    errors[varied] = np.sqrt(np.maximum(np.diag(ordinary), np.diag(robust)))
+    return errors
+
+
+def _quantile(freedom: int) -> float:
+    """Of Student's t distribution, for a two-sided interval."""
+    from scipy.special import stdtrit  # noqa: PLC0415 (slow to import)
+
+    return float(stdtrit(freedom, (1 + CONFIDENCE) / 2))
+
+
+def _reasons(columns: Array, independent: NDArray[np.bool_], doubt: Array, torque_limit: float) -> tuple[str, ...]:
+    """Why each parameter is not identified, "" where it is."""
+    one_way = np.min(columns[:, 2]) * np.max(columns[:, 2]) > 0
+    reasons = []
+    for place in range(3):
+        if not independent[place]:
+            told = ("it hardly accelerates", "it moves at one speed", "it moves at one speed")[place]
+            reasons.append("it moves one way only" if one_way and place else told)
+        elif doubt[place] > UNCERTAIN * torque_limit:
+            share = 100 * doubt[place] / torque_limit
+            reasons.append(f"the motion and its noise leave {share:.3g} % of the torque limit in doubt")
+        else:
+            reasons.append("")
+    return tuple(reasons)

@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: MIT
+"""Recorded joints of one arm at uniform times, smoothed without delay, and where the signs of their speeds are known.
+
+Positions and efforts go through one filter, a Butterworth low pass of second order run forwards and backwards: it is
+flat far below its cutoff, where arms move, delays nothing, and forgets within a period of its cutoff. Effort must not
+keep what positions have lost: filtered alike, both sides of an equation that is linear in them stay equal. Velocities
+and accelerations are those of the quintic spline through the smoothed positions.
+"""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.cell.robot import Robot
+from mrts.motion.joint_recording import RecordedJoint
+
+DEFAULT_CUTOFF = 20.0
+"""Of the filter [Hz]: ten times what large arms move at, far below where counted positions have their noise."""
+
+SLOW_SAMPLING = 10.0
+"""Samples in a period of the default cutoff: it is lower than `DEFAULT_CUTOFF` where there would be fewer."""
+
+FEWEST_SAMPLES = 5.0
+"""Samples in a period of a cutoff that is asked for: with fewer the filter takes away next to nothing."""
+
+ORDER = 2
+"""Of the filter, run twice: with more it would ring."""
+
+FORGOTTEN = 1.0
+"""Periods of the cutoff after which the filter has forgotten a sample but for 1 %."""
+
+ENDS = 4.0
+"""Periods of the cutoff at both ends of a recording, where the filter has to guess what was before and after."""
+
+FEWEST_BLOCKS = 20
+"""Blocks of a recording: with fewer, nothing can be said of four numbers and how sure they are."""
+
+SLOWEST = 0.01
+"""Speeds below this are not known to be a motion [rad/s or m/s]: elastic arms creep where friction holds them."""
+
+SLOW_SHARE = 0.05
+"""Share of a joint's fastest speed below which its friction is not the one modelled: it sticks, and grows when slow."""
+
+NOISE_MULTIPLE = 4.0
+"""Speeds below this many times the noise of the speed may have either sign."""
+
+UNEVEN = 1e-3
+"""Share of a step by which times of even samples may be off: stamps are rounded."""
+
+GAP = 1.5
+"""Times the median step from which on samples are missing between two."""
+
+LONGEST_GAP = 0.25
+"""Periods of the cutoff between two samples that are still bridged: what happens in longer ones is not known."""
+
+DEGREE = 5
+"""Of the spline through smoothed positions."""
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedMotion:
+    """N uniform samples of an arm, smoothed.
+
+    Attributes:
+        time: Shape (N,) [s] from 0.
+        rate: Of the samples [Hz].
+        cutoff: Of the filter [Hz].
+        q: Joint positions, Shape (N, n) [rad or m].
+        dq: Shape (N, n) [rad/s or m/s].
+        ddq: Shape (N, n) [rad/s² or m/s²].
+        sign: Sign of the velocity, filtered like the effort, Shape (N, n).
+        effort: Shape (N, n) [N m or N].
+        speed_noise: Standard deviation of what noise of the positions leaves in `dq`, Shape (n,) [rad/s or m/s].
+        known: Where the sign of the velocity is known, as far back and ahead as the filter reaches, Shape (N, n).
+    """
+
+    time: Array
+    rate: float
+    cutoff: float
+    q: Array
+    dq: Array
+    ddq: Array
+    sign: Array
+    effort: Array
+    speed_noise: Array
+    known: NDArray[np.bool_]
+
+    @property
+    def block(self) -> int:
+        """Samples of a block: a period of the cutoff, beyond which the filter does not tie samples to each other."""
+        return _block(self.rate, self.cutoff)
+
+    def blocks(self, values: Array) -> Array:
+        """Means of the blocks, Shape (B, …), of values of the samples, Shape (N, …)."""
+        whole = len(values) // self.block
+        return np.asarray(values[: whole * self.block].reshape(whole, self.block, *values.shape[1:]).mean(axis=1))
+
+
+def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutoff: float | None) -> RecordedMotion:
+    """The recorded motion of one arm.
+
+    Args:
+        path: Of the recording, for messages.
+        robot: The arm.
+        joints: What was recorded of its joints, base to tip.
+        cutoff: Of the filter [Hz]; None takes `DEFAULT_CUTOFF`, or less where samples are too few.
+
+    Raises:
+        InputError: If the recording is too short, or the cutoff too high for it.
+    """
+    from scipy.interpolate import make_interp_spline  # noqa: PLC0415 (slow to import)
+    from scipy.signal import butter, sosfiltfilt  # noqa: PLC0415 (likewise)
+
+    start, end = max(joint.time[0] for joint in joints), min(joint.time[-1] for joint in joints)
+    step = max(_step(joint.time) for joint in joints)
+    rate = 1 / step
+    cutoff = _cutoff(rate, cutoff)
+    count = int(np.floor((end - start) / step * (1 + UNEVEN))) + 1
+    if count < (FEWEST_BLOCKS + 2 * ENDS) * _block(rate, cutoff):
+        least = (FEWEST_BLOCKS + 2 * ENDS) / cutoff
+        raise InputError(
+            path,
+            f"holds all joints of robot '{robot.name}' for {max(end - start, 0.0):.3g} s; the filter of {cutoff:.4g} Hz"
+            f" needs at least {least:.3g} s, a good identification 20 s or more.",
+        )
+    time = start + step * np.arange(count)
+    joints = [
+        _without_turns(joint) if unit == "rad" else joint
+        for joint, unit in zip(joints, robot.position_units, strict=True)
+    ]
+    position, effort = (np.column_stack(part) for part in zip(*(_at(joint, time) for joint in joints), strict=True))
+    low_pass = butter(ORDER, cutoff, fs=rate, output="sos")
+    q = sosfiltfilt(low_pass, position, axis=0)
+    spline = make_interp_spline(time - start, q, k=DEGREE)
+    dq, ddq = (np.asarray(spline(time - start, order), dtype=np.float64) for order in (1, 2))
+    speed_noise = _speed_noise(position - q, rate, cutoff)
+    fastest = np.max(np.abs(dq), axis=0)
+    sure = np.abs(dq) > np.maximum(np.maximum(SLOW_SHARE * fastest, NOISE_MULTIPLE * speed_noise), SLOWEST)
+    sure &= np.column_stack([_near_samples(joint.time, time, LONGEST_GAP / cutoff) for joint in joints])
+    ends = int(np.ceil(ENDS * rate / cutoff))
+    sure[:ends], sure[-ends:] = False, False
+    return RecordedMotion(
+        time=time - start,
+        rate=rate,
+        cutoff=cutoff,
+        q=q,
+        dq=dq,
+        ddq=ddq,
+        sign=sosfiltfilt(low_pass, np.sign(dq), axis=0),
+        effort=sosfiltfilt(low_pass, effort, axis=0),
+        speed_noise=speed_noise,
+        known=_without_neighbours(sure, int(np.ceil(FORGOTTEN * rate / cutoff))),
+    )
+
+
+def _step(time: Array) -> float:
+    """Mean time between samples but for gaps [s]."""
+    steps = np.diff(time)
+    return float(np.mean(steps[steps <= GAP * np.median(steps)]))
+
+
+def _cutoff(rate: float, given: float | None) -> float:
+    """The cutoff of the filter [Hz]."""
+    if given is None:
+        return min(DEFAULT_CUTOFF, rate / SLOW_SAMPLING)
+    if given > rate / FEWEST_SAMPLES:
+        rule = f"must be at most {rate / FEWEST_SAMPLES:.4g} Hz: the recording has {rate:.4g} samples a second."
+        raise InputError("cutoff", rule, value=given)
+    return given
+
+
+def _block(rate: float, cutoff: float) -> int:
+    return round(rate / cutoff)
+
+
+def _without_turns(joint: RecordedJoint) -> RecordedJoint:
+    """A joint whose encoder leaps from π to -π, without these leaps."""
+    return replace(joint, position=np.unwrap(joint.position))
+
+
+def _at(joint: RecordedJoint, time: Array) -> tuple[Array, Array]:
+    """Position and effort at uniform times: as they are where those are its own, on splines and lines between them."""
+    from scipy.interpolate import make_interp_spline  # noqa: PLC0415
+
+    first = int(np.searchsorted(joint.time, time[0] - UNEVEN * (time[1] - time[0])))
+    own = joint.time[first : first + len(time)]
+    if len(own) == len(time) and np.max(np.abs(own - time)) <= UNEVEN * (time[1] - time[0]):
+        kept = slice(first, first + len(time))
+        return joint.position[kept], joint.effort[kept]
+    within = np.clip(time, joint.time[0], joint.time[-1])
+    position = make_interp_spline(joint.time, joint.position, k=3)(within)
+    return np.asarray(position, dtype=np.float64), np.interp(within, joint.time, joint.effort)
+
+
+def _near_samples(recorded: Array, time: Array, longest: float) -> NDArray[np.bool_]:
+    """Where the samples recorded before and after are not too far apart [s], Shape (N,)."""
+    after = np.clip(np.searchsorted(recorded, time), 1, len(recorded) - 1)
+    near: NDArray[np.bool_] = recorded[after] - recorded[after - 1] <= longest
+    return near
+
+
+def _speed_noise(filtered_out: Array, rate: float, cutoff: float) -> Array:
+    """Noise of the smoothed velocities, Shape (n,): 2π f_c √(2 f_c / 3 f_s) times white noise of the positions."""
+    share = 2 * np.pi * cutoff * np.sqrt(2 * cutoff / (3 * rate))
+    return np.asarray(share * np.std(filtered_out, axis=0), dtype=np.float64)
+
+
+def _without_neighbours(sure: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    """What is sure and has nothing that is not within so many samples, Shape (N, n)."""
+    from scipy.ndimage import minimum_filter1d  # noqa: PLC0415
+
+    least = minimum_filter1d(sure.astype(np.uint8), 2 * reach + 1, axis=0, mode="nearest")
+    return np.asarray(least > 0)

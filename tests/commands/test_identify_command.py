@@ -1,0 +1,112 @@
+"""`mrts identify` as it is typed: files, figures, warnings, exit codes, and what it refuses."""
+
+import numpy as np
+import pytest
+import yaml
+from command_line import mrts_command
+from conftest import DATA
+from motor_recordings import exact_recording, random_motors, write_recording
+
+from mrts.cli import main
+
+CELL = str(DATA / "cell.yaml")
+
+
+@pytest.fixture(scope="module")
+def tables(planar_cell, tmp_path_factory):
+    """Recordings of both arms: whole, with a left elbow that stands still, of nothing that moves, with mistakes."""
+    folder = tmp_path_factory.mktemp("recordings")
+    motors = random_motors(6)
+    for name, still in (("whole", ()), ("still", (1,)), ("rest", range(6))):
+        recorded = exact_recording(planar_cell, motors, rate=200, still=still)
+        write_recording(folder / f"{name}.csv", *recorded)
+    joints, time, q, effort = exact_recording(planar_cell, motors, rate=200)
+    write_recording(folder / "right.csv", joints[3:], time, q[:, 3:], effort[:, 3:])
+    write_recording(folder / "constant.csv", joints, time, q, np.where(np.arange(6) == 4, 1.5, effort))
+    write_recording(folder / "short.csv", joints, time[:100], q[:100], effort[:100])
+    write_recording(folder / "renamed.csv", [f"arm/joint_{k}" for k in range(6)], time, q, effort)
+    text = (folder / "whole.csv").read_text().splitlines()
+    text[3] = text[3].replace(text[3].split(",")[1], "nan")
+    (folder / "nan.csv").write_text("\n".join(text))
+    (folder / "no_effort.csv").write_text("\n".join(",".join(line.split(",")[:7]) for line in text[:3]))
+    return folder
+
+
+@pytest.mark.quick
+def test_motors_are_written_with_figures(tables, tmp_path):
+    target, plots = tmp_path / "motors.yaml", tmp_path / "plots"
+    done = mrts_command("identify", CELL, tables / "whole.csv", "-o", target, "--plot", plots)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("planar_dual_arm: 18 of 18 parameters of the motors of left, right identified\n")
+    motors = random_motors(6)
+    blocks = [robot["motors"] for robot in yaml.safe_load(target.read_text())["robots"]]
+    for key, values in (("coulomb", motors.coulomb), ("viscous", motors.viscous)):
+        found = np.concatenate([block["friction"][key] for block in blocks])
+        np.testing.assert_allclose(found, values, rtol=1e-3)
+    armature = np.concatenate([block["armature"] for block in blocks])
+    np.testing.assert_allclose(armature, motors.armature, rtol=2e-3)
+    assert sorted(path.name for path in plots.iterdir()) == ["motors_left.png", "motors_right.png"]
+
+
+def test_what_is_not_known_is_said(tables, tmp_path, capsys):
+    target = tmp_path / "motors.yaml"
+    assert main(["identify", CELL, str(tables / "still.csv"), "-o", str(target)]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert "planar_dual_arm: 15 of 18 parameters" in out
+    assert "warning: armature of 'left/elbow' is not identified: it hardly moves in the recording." in out
+    assert out.count("not shown") == 3
+    assert main(["identify", CELL, str(tables / "right.csv"), "-o", str(target), "-q"]) == 0
+    assert capsys.readouterr() == ("", "")
+    assert [robot["name"] for robot in yaml.safe_load(target.read_text())["robots"]] == ["right"]
+
+
+def test_what_nothing_is_known_of_is_not_written(tables, tmp_path, capsys):
+    """Both arms with one joint that stands still: an outcome, and no file."""
+    recorded = (tables / "still.csv").read_text().splitlines()
+    names = recorded[0].split(",")
+    kept = [names.index("t"), *(k for k, name in enumerate(names) if "left" in name)]
+    path = tmp_path / "left.csv"
+    path.write_text("\n".join(",".join(np.array(line.split(","))[kept]) for line in recorded))
+    target = tmp_path / "motors.yaml"
+    assert main(["identify", CELL, str(path), "-o", str(target)]) == 1
+    out, err = capsys.readouterr()
+    assert "6 of 9 parameters" in out
+    assert f"{target} not written" in err
+    assert not target.exists()
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ("renamed", "no arm of cell 'planar_dual_arm' has joints of these names"),
+        ("nan", "nan.csv: row 3, column q.left/shoulder = 'nan': must be a finite number."),
+        ("no_effort", "no_effort.csv: holds no column tau.ROBOT/JOINT: efforts are needed, in N m"),
+        ("short", "short.csv: holds all joints of robot 'left' for 0.495 s; the filter of 20 Hz needs at least 1.4 s"),
+        ("constant", "constant.csv: effort of right/elbow = 1.5: is constant although the joint moves"),
+        ("rest", "rest.csv: nothing moves in this recording"),
+        ("absent", "absent.csv: "),
+    ],
+)
+def test_bad_recordings_are_refused_by_name(tables, tmp_path, capsys, table, said):
+    target = tmp_path / "motors.yaml"
+    assert main(["identify", CELL, str(tables / f"{table}.csv"), "-o", str(target)]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert said in err
+    assert not target.exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--cutoff", "60"], "--cutoff = 60.0: must be at most 40 Hz: the recording has 200 samples a second."),
+        (["--cutoff", "0"], "--cutoff = 0.0: must be a number > 0, in Hz."),
+        (["--cutoff", "nan"], "--cutoff = nan: must be a number > 0, in Hz."),
+        (["-o", "-"], "--output = '-': writes a file"),
+    ],
+)
+def test_bad_options_are_refused(tables, tmp_path, capsys, options, said):
+    target = ["-o", str(tmp_path / "motors.yaml")]
+    assert main(["identify", CELL, str(tables / "whole.csv"), *target, *options]) == 2
+    assert said in capsys.readouterr().err

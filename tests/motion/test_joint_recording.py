@@ -1,0 +1,184 @@
+"""Recordings of joints: tables and bags say the same, and what is wrong with one is said by file, column and rule."""
+
+import numpy as np
+import pytest
+from conftest import DATA
+from motor_recordings import exact_recording, random_motors, write_recording
+from ros_bags import TYPES, write_bag
+from rosbags.rosbag2 import StoragePlugin, Writer
+
+import mrts
+
+UR5 = DATA.parent / "dual_ur5"
+STATE = "sensor_msgs/msg/JointState"
+START = 1_700_000_000 * 10**9
+"""Of a clock that counts from 1970 [ns]."""
+
+
+def state(stamp, joints, position, effort):
+    make = TYPES.types
+    header = make["std_msgs/msg/Header"](make["builtin_interfaces/msg/Time"](*divmod(stamp, 10**9)), "")
+    return make[STATE](header, list(joints), np.asarray(position, float), np.zeros(0), np.asarray(effort, float))
+
+
+def write_states(folder, messages):
+    """A bag of states: topic, when it was recorded [ns], message."""
+    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        topics = {
+            topic: writer.add_connection(topic, STATE, typestore=TYPES) for topic in {each[0] for each in messages}
+        }
+        for topic, stamp, message in messages:
+            writer.write(topics[topic], stamp, TYPES.serialize_cdr(message, STATE))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def recorded(planar_cell):
+    """Names, times, positions and efforts of both arms for a tenth of a second."""
+    return exact_recording(planar_cell, random_motors(6), seconds=0.1)
+
+
+def states(recorded, *, header=True):
+    """Two robots on topics of their own, the first in halves and in turned order, as controllers publish them."""
+    joints, time, q, effort = recorded
+    messages = []
+    for row, t in enumerate(time):
+        stamp = START + round(t * 1e9)
+        for robot, columns in (("left", [2, 0]), ("left", [1]), ("right", [5, 4, 3])):
+            listed = [joints[column].partition("/")[2] for column in columns]
+            content = state(stamp if header else 0, listed, q[row, columns], effort[row, columns])
+            messages.append((f"/{robot}/joint_states", stamp + (7 if header else 0), content))
+    return messages
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("header", [True, False])
+def test_a_bag_says_what_a_table_says(recorded, tmp_path, header):
+    """Times are those of the headers, or of the recorder where headers have none."""
+    bag = mrts.load_recording(write_states(tmp_path / "bag", states(recorded, header=header)))
+    table = mrts.load_recording(write_recording(tmp_path / "recorded.csv", *recorded))
+    assert set(bag.joints) == set(table.joints) == set(recorded[0])
+    assert (bag.unusable, table.unusable) == ({}, {})
+    for name, joint in table.joints.items():
+        np.testing.assert_allclose(bag.joints[name].time, joint.time, atol=1e-9)
+        np.testing.assert_allclose(bag.joints[name].position, joint.position, rtol=1e-7)
+        np.testing.assert_allclose(bag.joints[name].effort, joint.effort, rtol=1e-7)
+    assert repr(table) == f"<JointRecording from recorded.csv: {', '.join(recorded[0])}>"
+
+
+def test_motors_are_those_of_a_bag_and_of_a_table(planar_cell, tmp_path):
+    motors = random_motors(6)
+    recorded = exact_recording(planar_cell, motors, seconds=10, rate=200)
+    bag, table = write_states(tmp_path / "bag", states(recorded)), write_recording(tmp_path / "table.csv", *recorded)
+    found = [mrts.identify(planar_cell, path) for path in (bag, bag / "bag.mcap", table)]
+    for ours in found:
+        armature = np.concatenate([arm.armature.value for arm in ours.arms])
+        np.testing.assert_allclose(armature, motors.armature, rtol=5e-3)
+        theirs = np.concatenate([arm.armature.value for arm in found[-1].arms])
+        np.testing.assert_allclose(armature, theirs, rtol=1e-5)
+
+
+def test_a_state_that_is_published_twice_counts_once(recorded, tmp_path):
+    messages = states(recorded)
+    bag = mrts.load_recording(write_states(tmp_path / "bag", [each for each in messages for _ in range(2)]))
+    assert all(len(joint.time) == len(recorded[1]) for joint in bag.joints.values())
+
+
+def test_what_an_arm_does_not_need_may_lack_an_effort(recorded, tmp_path):
+    """A gripper's effort is often not measured; the cell does not have it."""
+    gripper = [("/left/joint_states", START + k, state(START + k, ["finger"], [0.0], [np.nan])) for k in range(3)]
+    bag = mrts.load_recording(write_states(tmp_path / "bag", [*gripper, *states(recorded)]))
+    assert set(bag.joints) == set(recorded[0])
+    assert "no message holds one; efforts are needed" in str(bag.unusable["left/finger"])
+
+
+def broken(recorded, kind):
+    """Messages of a bag with one mistake."""
+    messages = states(recorded)
+    topic, _, message = messages[0]
+    if kind == "no efforts":
+        for _, _, each in messages:
+            each.effort = np.zeros(0)
+    if kind == "not a number":
+        message.effort[0] = np.nan
+    if kind == "back in time":
+        message.header.stamp.sec += 1
+    if kind == "two topics":
+        messages += [("/left/again", *each[1:]) for each in messages if each[0] == topic]
+    return messages
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [
+        ("no efforts", "effort of wrist: no message holds one; efforts are needed"),
+        ("not a number", r"message 1, effort of wrist = nan: must be a finite number in every message"),
+        ("back in time", "message 2 of shoulder, header.stamp: is earlier than that of the message before"),
+        ("two topics", "the joint 'shoulder' is recorded in another topic as well"),
+    ],
+)
+def test_states_that_cannot_be_used_are_refused_by_name(planar_cell, recorded, tmp_path, kind, said):
+    bag = write_states(tmp_path / "bag", broken(recorded, kind))
+    with pytest.raises(mrts.InputError, match=said) as raised:
+        mrts.identify(planar_cell, bag)
+    assert raised.value.where == str(bag)
+
+
+def test_a_bag_without_states_is_refused(tmp_path):
+    text = TYPES.types["std_msgs/msg/String"]("hello")
+    bag = write_bag(tmp_path / "bag", [("/chatter", text)], kind="std_msgs/msg/String")
+    with pytest.raises(mrts.InputError, match=r"holds no message sensor_msgs/msg/JointState; its topics are /chatter"):
+        mrts.load_recording(bag)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("t,q.left/elbow\n0,1\n1,2\n", r"holds no column tau\.ROBOT/JOINT: efforts are needed"),
+        ("t,tau.left/elbow\n0,1\n1,2\n", r"holds no column q\.ROBOT/JOINT: a recording has positions and efforts"),
+        (
+            "t,q.left/elbow,tau.left/elbow\n0,1,1\n1,nan,2\n",
+            "row 2, column q.left/elbow = 'nan': must be a finite number",
+        ),
+        ("t,q.left/elbow,tau.left/elbow\n0,1,1\n0,1,2\n", "row 2, column t = 0.0: must be later than the row before"),
+        ("t,q.left/elbow,effort.left/elbow\n0,1,1\n1,1,2\n", "unknown column 'effort.left/elbow'"),
+        (
+            "t,q.left/elbow,tau.left/wrist,tau.left/elbow,q.left/shoulder\n0,1,1,2,3\n1,1,2,2,3\n",
+            "no column tau.left/sh",
+        ),
+    ],
+)
+def test_tables_that_cannot_be_used_are_refused_by_column(planar_cell, tmp_path, text, said):
+    path = tmp_path / "recorded.csv"
+    path.write_text(text)
+    with pytest.raises(mrts.InputError, match=said) as raised:
+        mrts.identify(planar_cell, path)
+    assert raised.value.where == str(path)
+
+
+def test_a_missing_joint_of_an_arm_is_named(planar_cell, recorded):
+    joints, time, q, effort = recorded
+    parts = {name: mrts.RecordedJoint(time, q[:, k], effort[:, k]) for k, name in enumerate(joints)}
+    parts["left/elbo"] = parts.pop("left/elbow")
+    with pytest.raises(mrts.InputError, match=r"nothing is recorded of joint 'left/elbow'.* There is 'left/elbo'"):
+        mrts.identify(planar_cell, mrts.JointRecording(DATA / "x.csv", parts, {}))
+    other = {f"robot/axis_{k}": part for k, part in enumerate(parts.values())}
+    with pytest.raises(
+        mrts.InputError, match=r"no arm of cell 'planar_dual_arm' has joints of these names: robot/axis"
+    ):
+        mrts.identify(planar_cell, mrts.JointRecording(DATA / "x.csv", other, {}))
+
+
+@pytest.mark.parametrize(
+    ("time", "position", "said"),
+    [
+        ([0, 1], [0, np.nan], "position: must be finite numbers with the Shape"),
+        ([0, 1], [0, 1, 2], "position: must be finite numbers with the Shape"),
+        ([0, 0], [0, 1], "time: must be at least two times that strictly increase"),
+        ([0], [0], "time: must be at least two times that strictly increase"),
+        ([0, 1], "left", "position = 'left': must be numbers"),
+    ],
+)
+def test_recorded_joints_made_in_python_are_checked(time, position, said):
+    with pytest.raises(mrts.InputError, match=said):
+        mrts.RecordedJoint(time, position, np.zeros(len(time)))
