@@ -243,29 +243,8 @@ class ScalingResult:
             "distribute": self.rule.distribute,
             "kept_reserve": self.cell.reserve,
             **self.range.to_json(),
-            "samples": {
-                "time": samples.time.tolist(),
-                "status": [status.value for status in samples.status],
-                "c2_lower": _finite(samples.lower),
-                "c2_upper": _finite(samples.upper),
-                "gaps": [
-                    {"sample": gap.sample, "time": float(samples.time[gap.sample]), "c2": [gap.lower, gap.upper]}
-                    for gap in samples.gaps
-                ],
-            },
-            "conflicts": [
-                {
-                    "sample": conflict.sample,
-                    "time": conflict.time,
-                    "c2": conflict.c2,
-                    "load": conflict.load.to_json() if conflict.load else None,
-                    "rows": [row.to_json() for row in conflict.rows],
-                    "multipliers": list(conflict.multipliers),
-                    "widening": conflict.widening,
-                    "moves": list(conflict.moves),
-                }
-                for conflict in samples.conflicts
-            ],
+            "samples": samples.to_json(),
+            "conflicts": [conflict.to_json() for conflict in samples.conflicts],
             "solver_fallbacks": self.fallbacks,
         }
         if self.load is not None:
@@ -359,7 +338,3 @@ def _speed_advice(intervals: Sequence[tuple[float, float]], given: float) -> str
         return f"you {verb} play it {np.sqrt(least):.3g} to {fast}: {times}"
     allowed = "may play it up to" if most >= 1 - END_TOLERANCE else "must play it at most"
     return f"you {allowed} {fast}: {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
-
-
-def _finite(values: Array) -> list[float | None]:
-    return [float(value) if np.isfinite(value) else None for value in values]
