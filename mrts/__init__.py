@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from mrts.motion.joint_table import JointTable
     from mrts.motion.motion_file import MotionDescription, load_motion, sample_motion
     from mrts.motion.object_motion import ObjectMotion
+    from mrts.motors.joint_duty import JointDuty
+    from mrts.motors.joint_motors import JointMotors
     from mrts.output.ros_bag import write_ros_bag
     from mrts.output.saved_result import load_result, save_result
     from mrts.output.trajectory_table import write_trajectory_csv
@@ -66,6 +68,8 @@ _HOMES = {
     "DistributionRule": "scaling.result",
     "Holding": "scaling.holding_torques",
     "InputError": "base.errors",
+    "JointDuty": "motors.joint_duty",
+    "JointMotors": "motors.joint_motors",
     "JointRecording": "motion.joint_recording",
     "JointTable": "motion.joint_table",
     "LoadBox": "base.load_box",
@@ -134,6 +138,8 @@ __all__ = [
     "DistributionRule",
     "Holding",
     "InputError",
+    "JointDuty",
+    "JointMotors",
     "JointRecording",
     "JointTable",
     "LoadBox",

@@ -32,6 +32,8 @@ class CoordinatedMotion:
         dq: q', Shape (N, m) [rad/s or m/s].
         ddq: q'', Shape (N, m) [rad/s² or m/s²].
         remarks: What to know of how it was read or found.
+        travel: Signs of the joints' velocities just before and just after every sample, where `dq` and `ddq` do not
+            show them: a motion at a stop of a retimed path has none of its own. Shape (2, N, m); None where they do.
     """
 
     object: ObjectMotion
@@ -39,6 +41,7 @@ class CoordinatedMotion:
     dq: Array
     ddq: Array
     remarks: tuple[Remark, ...] = ()
+    travel: Array | None = None
 
     def __post_init__(self) -> None:
         check_type("object", self.object, ObjectMotion)
@@ -49,6 +52,11 @@ class CoordinatedMotion:
             object.__setattr__(self, name, value)
             if np.shape(value) != (len(self.object.time), joints) or not np.all(np.isfinite(value)):
                 raise InputError(name, f"must have Shape ({len(self.object.time)}, joints) and be finite.")
+        if self.travel is not None:
+            travel = as_array("travel", self.travel)
+            object.__setattr__(self, "travel", travel)
+            if travel.shape != (2, *q.shape) or not np.all(np.abs(travel) <= 1):
+                raise InputError("travel", f"must have Shape {(2, *q.shape)} and lie between -1 and 1.")
         freeze(self)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -74,7 +82,8 @@ class CoordinatedMotion:
             of.acceleration[samples],
             smooth=False,
         )
-        return CoordinatedMotion(some, self.q[samples], self.dq[samples], self.ddq[samples])
+        travel = None if self.travel is None else self.travel[:, samples]
+        return CoordinatedMotion(some, self.q[samples], self.dq[samples], self.ddq[samples], travel=travel)
 
     def inputs(self, load: Array) -> dict[str, Array]:
         """Inputs of the generated functions of a moving sample.

@@ -66,7 +66,7 @@ TRAJECTORY = ("torque", "wrench", "internal_wrench")
 """Arrays that are there if some c² was chosen."""
 
 KNOWN = frozenset(
-    {*MOTION, "q", "dq", "ddq", "status", "c2_lower", "c2_upper", "binding_count", "binding_row", "end_load"}
+    {*MOTION, "q", "dq", "ddq", "travel", "status", "c2_lower", "c2_upper", "binding_count", "binding_row", "end_load"}
     | {*TRAJECTORY, "holds", "holding_torque", "holding_wrench"}
 )
 """All arrays that a file may hold, beside its description."""
@@ -92,6 +92,8 @@ def save_result(result: ScalingResult, path: Path | str) -> None:
     tables = Tables()
     arrays: Arrays = {name: getattr(motion.object, name) for name in MOTION}
     arrays |= {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq} | range_arrays(ranges, tables)
+    if motion.travel is not None:
+        arrays["travel"] = motion.travel
     if done is not None:
         arrays |= {name: getattr(done, name) for name in TRAJECTORY}
         if done.holding is not None:
@@ -139,7 +141,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         )
         time, position, rotation, twist, acceleration = (arrays[name] for name in MOTION)
         carried = ObjectMotion(time, position, rotation, twist, acceleration, smooth=False)  # it may be a retimed one
-        motion = CoordinatedMotion(carried, arrays["q"], arrays["dq"], arrays["ddq"])
+        motion = CoordinatedMotion(carried, arrays["q"], arrays["dq"], arrays["ddq"], travel=arrays.get("travel"))
         rule = _rule(said.rule)
         box = None if said.study is None else said.study.box.box()
     first, *others = (intersect(samples) for samples in read_ranges(path, arrays, said, motion.object.time))
@@ -320,8 +322,7 @@ def _check_arrays(path: Path, arrays: Arrays, said: Description, cell: Cell) -> 
     shapes |= {"twist": (N, 6), "acceleration": (N, 6), "q": (N, m), "dq": (N, m), "ddq": (N, m)}
     shapes |= {"c2_lower": (ranges, N), "c2_upper": (ranges, N), "status": (ranges, N)}
     shapes |= {"binding_count": (ranges, 2, N), "binding_row": (np.size(arrays.get("binding_row", ())),)}
-    if "end_load" in arrays:
-        shapes["end_load"] = (2, N)
+    shapes |= {name: shape for name, shape in (("end_load", (2, N)), ("travel", (2, N, m))) if name in arrays}
     if said.c2 is not None:
         shapes |= {"torque": (N, m), "wrench": (N, f), "internal_wrench": (N, f)}
         if "holds" in arrays:

@@ -117,10 +117,11 @@ def _limited(name: str, title: str, ytitle: str, time: Array, values: Array, nam
     for index, (label, unit) in enumerate(names):
         own = line(time[samples], values[samples, index], shortened(label), index, unit) | {"legendgroup": str(index)}
         traces.append(own)
-        for limit in limits[:, index]:
-            if np.isfinite(limit):
-                ends = line(time[[0, -1]], np.array([limit, limit]), "", index, None, width=0.8)
-                traces.append(ends | {"legendgroup": str(index), "showlegend": False})
+        for limit in limits[:, :, index]:
+            if np.any(np.isfinite(limit)):
+                at = np.array([0, -1]) if np.all(limit == limit[0]) else samples
+                drawn = line(time[at], limit[at], "", index, None, width=0.8)
+                traces.append(drawn | {"legendgroup": str(index), "showlegend": False})
     legend = LEGEND_LINE * len(names) if max(len(label) for label, _ in names) >= LONG_NAME else 0
     shape = layout("time [s]", ytitle, value_reach(values, limits))
     return Plot(name, title, traces, shape, PLOT_HEIGHT + legend)
@@ -155,7 +156,7 @@ def wrench_plots(result: ScalingResult) -> list[Plot]:
             values = wrenches.values[:, part]
             title, time = f"{robot.name}: contact {what} on the object", result.trajectory.time
             name, ytitle = f"{what}-{number}", f"{what} [{unit}]"
-            plots.append(_limited(name, title, ytitle, time, values, names, limits[:, part]))
+            plots.append(_limited(name, title, ytitle, time, values, names, limits[:, :, part]))
     return plots
 
 
@@ -169,7 +170,7 @@ def power_plots(result: ScalingResult) -> list[Plot]:
         values = done.power[:, result.cell.joint_slices[robot.name]]
         names = [(joint, "W") for joint in robot.joints]
         title = f"{robot.name}: power of the joints"
-        none = np.empty((0, len(names)))
+        none = np.empty((0, *values.shape))
         plots.append(_limited(f"power-{number}", title, "power [W]", done.time, values, names, none))
         energies.append(accumulated_energy(done.time, values))
     total = accumulated_energy(done.time, done.power)

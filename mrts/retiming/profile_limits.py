@@ -42,6 +42,9 @@ def profile_limits(
                 found = motion_ranges(cell, motion, "wrench", sharing, DEFAULT_SOLVER, load)
                 for segment in np.flatnonzero(found.upper <= 1 + BINDING).tolist():
                     rows[segment] |= {str(row) for row in found.upper_rows[segment]}
+                for gap in found.gaps:
+                    if gap.lower <= 1 + BINDING < gap.upper:
+                        rows[gap.sample] |= {str(row) for row in gap.lower_rows}
         for names, time in zip(rows, part.segment_times.tolist(), strict=True):
             for name in names:
                 shares[name] = shares.get(name, 0.0) + time / duration

@@ -23,6 +23,7 @@ from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import TimedPiece, retimed_motion
 from mrts.retiming.speed_conflict import sample_conflict, segment_conflict
 from mrts.retiming.speed_regions import SpeedRegions, intersect_regions, speed_regions
+from mrts.retiming.successive_profiles import successive_profiles
 from mrts.samples import DistributionName
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.load_sharing import LoadSharing
@@ -227,10 +228,22 @@ class _Search:
 
     def run(self, progress: Progress) -> TimedPiece | _Failure:
         """The fastest profile, or why there is none."""
-        parts = []
+        parts, with_root = [], []
         for number, point in enumerate(self.points):
             progress(number, len(self.points))
-            parts.append(speed_regions(self._problem(point), float(np.sum(self.piece.step)), self.ends))
+            problem = self._problem(point)
+            if problem.speed is None:
+                parts.append(speed_regions(problem, float(np.sum(self.piece.step)), self.ends))
+            else:
+                with_root.append(problem)
+        if with_root:
+            steps = successive_profiles(with_root, self.piece.step, self.ends)
+            progress(len(self.points), len(self.points))
+            if isinstance(steps, Obstacle):
+                return self._explained(steps)
+            return self._unusual(steps[-1].profile, steps[-1].regions) or TimedPiece(
+                self.piece, steps[-1].regions, steps[-1].profile
+            )
         progress(len(self.points), len(self.points))
         regions = parts[0] if len(parts) == 1 else intersect_regions(parts)
         for sample in regions.undecided:
@@ -264,12 +277,12 @@ class _Search:
 
     def _explained(self, obstacle: Obstacle) -> _Failure:
         k, reach = obstacle.sample, obstacle.reach
-        if obstacle.kind != "segment":
-            return self._wrong_end(obstacle)
-        for sample in (k, k + 1):
+        for sample in (k, k + 1) if obstacle.kind == "segment" else (k,):
             conflict = self._conflict(sample)
             if conflict is not None:
                 return _Failure((RetimingStatus.INFEASIBLE, f"{conflict}."), conflict)
+        if obstacle.kind != "segment":
+            return self._wrong_end(obstacle)
         conflict = self._conflict(k, reach)
         low, high = (np.sqrt(x) / self.piece.speed[k + 1] if self.piece.speed[k + 1] > 0 else 0.0 for x in reach)
         why = (

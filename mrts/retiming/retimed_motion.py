@@ -13,6 +13,7 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.retiming.path_pieces import PathPiece
 from mrts.retiming.reachability import SpeedProfile
 from mrts.retiming.speed_regions import SpeedRegions
+from mrts.samples.motor_terms import travel_directions
 
 HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
 """Cubic polynomials on [0, 1] by value and slope at both ends; coefficients by rising power."""
@@ -49,22 +50,30 @@ class TimedPiece:
 def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> CoordinatedMotion:
     """The given samples at their new times.
 
-    s̈ jumps at samples; there it is the mean of before and after, which limits admit as they admit both.
+    s̈ jumps at samples; there it is the mean of before and after, which limits admit as they admit both. So is the
+    direction of travel at a stop, where friction jumps with it.
 
     Args:
         motion: The given motion, N samples.
         pieces: All of its path.
     """
-    played = []
+    played, directions = [], []
     for part in pieces:
         rate = part.rate
         at_samples = np.concatenate([rate[:1], (rate[:-1] + rate[1:]) / 2, rate[-1:]])
         played.append(_played(part.piece.path, np.sqrt(part.profile.x), part.profile.x, at_samples))
+        directions.append(_directions(part.piece.path))
     time = np.concatenate([[0.0], np.cumsum(np.concatenate([part.segment_times for part in pieces]))])
     given = motion.object
     dq, ddq, twist, acceleration = (_joined([rates[index] for rates in played]) for index in range(4))
     carried = ObjectMotion(time, given.position, given.rotation, twist, acceleration, smooth=False)
-    return CoordinatedMotion(carried, motion.q, dq, ddq)
+    travel = np.stack([_joined([signs[place] for signs in directions]) for place in (0, 1)])
+    return CoordinatedMotion(carried, motion.q, dq, ddq, travel=travel)
+
+
+def _directions(path: CoordinatedMotion) -> Array:
+    """Signs of the joints' velocities before and after every sample of a piece, Shape (2, n, m)."""
+    return np.stack(travel_directions(path.dq, path.ddq))
 
 
 def _joined(parts: list[Array]) -> Array:
@@ -89,7 +98,8 @@ def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMot
         there = ObjectMotion(
             count, given.position[side], given.rotation[side], given.twist[side], given.acceleration[side], smooth=False
         )
-        piece = CoordinatedMotion(there, path.q[side], path.dq[side], path.ddq[side])
+        travel = _directions(path)[:, side]
+        piece = CoordinatedMotion(there, path.q[side], path.dq[side], path.ddq[side], travel=travel)
         motions.append(_retimed(piece, np.sqrt(x[side]), x[side], part.rate))
     return motions[0], motions[1]
 
@@ -126,7 +136,7 @@ def _retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> Co
     dq, ddq, twist, acceleration = _played(path, speed, x, rate)
     given = path.object
     carried = ObjectMotion(given.time, given.position, given.rotation, twist, acceleration, smooth=False)
-    return CoordinatedMotion(carried, path.q, dq, ddq)
+    return CoordinatedMotion(carried, path.q, dq, ddq, travel=path.travel)
 
 
 def _played(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> tuple[Array, Array, Array, Array]:

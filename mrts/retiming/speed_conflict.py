@@ -11,6 +11,18 @@ from mrts.samples.infeasibility import Conflict, find_conflicts
 from mrts.samples.sample_problem import SampleProblem
 from mrts.solvers import DEFAULT_SOLVER
 
+SLOWEST = 1e-6
+"""Least speed squared at which rows with terms in √x are looked at, of one that moves a row by its limit."""
+
+FASTEST = 10.0
+"""The largest, likewise."""
+
+TRIED = 48
+"""How many there are, beside standstill."""
+
+REACHED = 3
+"""Speeds at the next sample, from the least to the largest, that are looked at with each of them."""
+
 
 def sample_conflict(problem: SampleProblem, time: Array, sample: int, x: float | None = None) -> Conflict | None:
     """The limits that no wrenches, u and x keep at one sample; None if some do.
@@ -21,6 +33,12 @@ def sample_conflict(problem: SampleProblem, time: Array, sample: int, x: float |
         sample: Index.
         x: The speed squared that is asked for; None leaves it free.
     """
+    if problem.speed is not None:
+        tried = _tried(problem, sample) if x is None else np.array([x])
+        here = _at_speeds(problem, sample, tried)
+        return _least(
+            find_conflicts(here, np.full(len(tried), time[sample]), np.arange(len(tried)), DEFAULT_SOLVER), sample
+        )
     here = problem.at(np.array([sample]))
     if x is not None:
         column = np.zeros(problem.unknowns)
@@ -48,6 +66,8 @@ def segment_conflict(
         reach: Least and largest x at its end.
         x: The speed squared that is asked for at its start; None leaves it free.
     """
+    if problem.speed is not None:
+        return _at_pairs(problem, time, sample, step, reach, x)
     here, there = problem.at(np.array([sample])), problem.at(np.array([sample + 1]))
     rows, unknowns = problem.A.shape[1:]
     free = unknowns - 2
@@ -77,6 +97,50 @@ def segment_conflict(
     both = _with_law(both, RowName("speed", element="at the next sample"), column, *reach)
     found = find_conflicts(both, time[[sample]], np.array([0]), DEFAULT_SOLVER)[0]
     return None if found is None else replace(found, sample=sample)
+
+
+def _tried(problem: SampleProblem, sample: int) -> Array:
+    """Speeds squared at which rows with a term in √x are looked at: from standstill to where they end, Shape (p,)."""
+    root = np.zeros(1) if problem.speed is None else problem.speed[sample]
+    size = [float(np.max(np.abs(problem.square[sample]))), float(np.max(np.abs(root))) ** 2]
+    likely = [1 / one for one in size if one > 0]
+    ladder = np.geomspace(SLOWEST * min(likely), FASTEST * max(likely), TRIED)
+    return np.append(0.0, ladder[ladder <= problem.cap()[sample]])
+
+
+def _at_speeds(problem: SampleProblem, sample: int, x: Array) -> SampleProblem:
+    """One sample's rows where x, Shape (p,), is given; its unknown is left and has no effect."""
+    here = problem.at(np.full(len(x), sample))
+    lower, upper = here.limits_at(x[:, None])
+    A = here.A.copy()
+    A[:, :, -1] = 0.0
+    return replace(here, A=A, lower=lower, upper=upper, speed=None)
+
+
+def _least(found: list[Conflict | None], sample: int) -> Conflict | None:
+    """The conflict for which limits must move least; None where there is none at some speed."""
+    conflicts = [one for one in found if one is not None]
+    if len(conflicts) < len(found):
+        return None
+    return replace(min(conflicts, key=lambda one: one.widening), sample=sample)
+
+
+def _at_pairs(
+    problem: SampleProblem, time: Array, sample: int, step: float, reach: tuple[float, float], x: float | None
+) -> Conflict | None:
+    """`segment_conflict` where rows have terms in √x: with x given at both ends, u is known, and each is by itself."""
+    starts = _tried(problem, sample) if x is None else np.array([x])
+    pairs = np.array([(start, end) for start in starts for end in np.linspace(*reach, REACHED)])
+    u = (pairs[:, 1] - pairs[:, 0]) / (2 * step)
+    ends = []
+    for place in (0, 1):
+        rows = _at_speeds(problem, sample + place, pairs[:, place])
+        given, A = rows.rate * u[:, None], rows.A.copy()
+        A[:, :, -2] = 0.0
+        rows = replace(rows, A=A, lower=rows.lower - given, upper=rows.upper - given)
+        ends.append(find_conflicts(rows, np.full(len(u), time[sample]), np.arange(len(u)), DEFAULT_SOLVER))
+    worse = [max(filter(None, pair), key=lambda one: one.widening, default=None) for pair in zip(*ends, strict=True)]
+    return _least(worse, sample)
 
 
 def _with_law(problem: SampleProblem, name: RowName, column: Array, lower: float, upper: float) -> SampleProblem:

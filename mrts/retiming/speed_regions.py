@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import MrtsError
-from mrts.kernel.programs import OPTIMAL
+from mrts.kernel.programs import INFEASIBLE, OPTIMAL
 from mrts.retiming.speed_kernel import speed_kernel
 from mrts.samples.sample_problem import SampleProblem
 from mrts.samples.sample_ranges import REST_TOLERANCE
@@ -26,6 +25,9 @@ FARTHEST = 1e3
 NEGLIGIBLE = 1e-11
 """x has no effect where the largest likely one moves no row by more than this share of a limit: on a straight path what
 is left of it is rounding."""
+
+NO_DIRECTION = 1e-12
+"""A principal direction of the free unknowns that moves rows by less than this share of the first moves none."""
 
 PROBES = 33
 """Samples whose accelerations are looked at, to learn how fast the path may become."""
@@ -64,8 +66,6 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
         length: Of the path: over it u changes x by 2 u times that.
         ends: x at the first and the last sample.
     """
-    if problem.speed is not None:
-        raise MrtsError("viscous friction and torque-speed curves have no fastest timing yet.")
     caps, most = problem.is_cap, problem.cap()
     A, lower, upper = problem.A[:, ~caps], problem.lower[:, ~caps], problem.upper[:, ~caps]
     effect = np.max(np.abs(A), axis=1, initial=0.0)
@@ -140,6 +140,25 @@ def _by_rows(A: Array, lower: Array, upper: Array, unit: Array, most: Array, bou
     return SpeedRegions(start, planes, np.zeros(count), most, bound, ())
 
 
+def _projections(A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+    """The projections of all samples; what the kernel did not decide, once more over other free unknowns.
+
+    Along principal directions of the rows unknowns do not replace each other but for a small rest, whose multiplier is
+    too small to be told from rounding.
+    """
+    kernel = speed_kernel()
+    number, corners, status = kernel.projections(A, lower, upper)
+    again = np.flatnonzero((status != OPTIMAL) & (status != INFEASIBLE))
+    if again.size:
+        turned, free = A[again], A.shape[2] - 2
+        directions, sizes, _ = np.linalg.svd(turned[:, :, :free], full_matrices=False)
+        used = sizes > NO_DIRECTION * sizes[:, :1]
+        turned[:, :, :free] = 0.0
+        turned[:, :, : used.shape[1]] = directions * used[:, None, :]
+        number[again], corners[again], status[again] = kernel.projections(turned, lower[again], upper[again])
+    return number, corners, status
+
+
 def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Array, bound: float) -> SpeedRegions:
     count, _, unknowns = A.shape
     scale = np.where(np.isfinite(unit[:, -1]), unit[:, -1], 0.0)
@@ -151,7 +170,7 @@ def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Arra
     for column in (-2, -1):
         still = np.isinf(unit[:, column])
         least[still, column] = largest[still, column] = 0.0
-    number, corners, status = speed_kernel().projections(
+    number, corners, status = _projections(
         A, np.concatenate([lower, least], axis=1), np.concatenate([upper, largest], axis=1)
     )
     corners = corners[:, : max(int(np.max(number)), 1)]

@@ -71,7 +71,7 @@ def motor_terms(cell: Cell, motion: CoordinatedMotion) -> MotorTerms | None:
     armature, coulomb, viscous = (
         np.concatenate([getattr(motor, name) for motor in motors]) for name in ("armature", "coulomb", "viscous")
     )
-    before, after = travel_directions(motion.dq, motion.ddq)
+    before, after = travel_directions(motion.dq, motion.ddq) if motion.travel is None else motion.travel
     turns = (before != after) & (coulomb > 0)
     return MotorTerms(
         square=armature * motion.ddq,

@@ -4,6 +4,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.remark import Remark
@@ -13,7 +14,10 @@ from mrts.motion.rows_at_rest import pushing_ends
 from mrts.samples import DistributionName, FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.reserve import TORQUES
+from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import SampleRanges
+from mrts.samples.torque_distribution import TORQUE_WIDENING
+from mrts.samples.widening import widening_at
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,8 @@ def holding_at_ends(
     Args:
         cell: The cell, with its load.
         motion: Its motion.
-        samples: The ranges of c²: where 0 is in none, the limits do not let the cell hold still.
+        samples: The ranges of c²: where 0 is in none, the limits do not let the cell hold still. Dry friction does
+            not count for it.
         sharing: A fixed distribution of the load, None for a free one.
         formulation: Unknowns of the programs.
         weights: W, Shape (m, m).
@@ -62,6 +67,10 @@ def holding_at_ends(
     """
     pushing, places = pushing_ends(motion.dq, motion.ddq), (0, motion.samples - 1)
     free = [bool(samples.lower[place] <= 0) for place in places]
+    if any(np.any(robot.motors.coulomb) for robot in cell.robots) and any(pushing):
+        still, shared = _still(motion, sharing, np.array(places))  # friction that opposes a motion does not hold
+        problem = build_sample_problem(cell, still, formulation=formulation, sharing=shared)
+        free = (widening_at(problem, 0.0, solver, "whether the cell can hold still") <= TORQUE_WIDENING).tolist()
     ends = (pushing[0] and free[0], pushing[1] and free[1])
     remarks = tuple(
         Remark(
@@ -79,11 +88,18 @@ def holding_at_ends(
     if not any(ends):
         return none, remarks
     held = [place for place, end in zip(places, ends, strict=True) if end]
-    chosen = np.array([held[0], held[-1]])
+    still, shared = _still(motion, sharing, np.array([held[0], held[-1]]))
+    torque, wrench, _ = TORQUES[distribute](cell, still, formulation, shared, solver, 0.0, weights)
+    kept = np.array(ends)[:, None]
+    return replace(none, torque=np.where(kept, torque, 0.0), wrench=np.where(kept, wrench, 0.0)), remarks
+
+
+def _still(
+    motion: CoordinatedMotion, sharing: LoadSharing | None, chosen: NDArray[np.int_]
+) -> tuple[CoordinatedMotion, LoadSharing | None]:
+    """Some samples at which the joints stand, with the distribution there."""
     internal = None if sharing is None else sharing.internal_wrench
     if sharing is not None and internal is not None and np.ndim(internal) > 1:
         sharing = replace(sharing, internal_wrench=np.asarray(internal)[chosen])
-    still = replace(motion.at(chosen), dq=np.zeros((2, motion.q.shape[1])), ddq=np.zeros((2, motion.q.shape[1])))
-    torque, wrench, _ = TORQUES[distribute](cell, still, formulation, sharing, solver, 0.0, weights)
-    kept = np.array(ends)[:, None]
-    return replace(none, torque=np.where(kept, torque, 0.0), wrench=np.where(kept, wrench, 0.0)), remarks
+    stands = np.zeros((len(chosen), motion.q.shape[1]))
+    return replace(motion.at(chosen), dq=stands, ddq=stands, travel=None), sharing

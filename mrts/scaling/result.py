@@ -14,7 +14,6 @@ from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import SolverError
-from mrts.base.load_box import LoadPoint
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
@@ -234,7 +233,6 @@ class ScalingResult:
     def to_json(self) -> dict[str, Any]:
         """The result as JSON values; null stands for an unbounded end."""
         samples = self.range.samples
-        names = tuple(robot.name for robot in self.cell.robots)
         output: dict[str, Any] = {
             "cell": self.cell.name,
             "summary": self.sentence(),
@@ -249,32 +247,8 @@ class ScalingResult:
         }
         if self.load is not None:
             output["load"] = self.load.to_json()
-        done = self.trajectory
-        if done is not None:
-            time = done.time.tolist()
-            internal = {name: done.internal_wrench[:, part].tolist() for name, part in self.cell.wrench_slices.items()}
-            joints = {
-                name: {
-                    "names": list(robot.joints),
-                    "q": done.q[:, part].tolist(),
-                    "dq": done.dq[:, part].tolist(),
-                    "ddq": done.ddq[:, part].tolist(),
-                }
-                for (name, part), robot in zip(self.cell.joint_slices.items(), self.cell.robots, strict=True)
-            }
-            power = {name: done.power[:, part].tolist() for name, part in self.cell.joint_slices.items()}
-            load = LoadPoint({}, self.cell.load).to_json()["load"]
-            output |= {
-                "selected": {"c2": done.c2, "duration": done.duration, "load": load},
-                "joints": {"time": time} | joints,
-                "torque": {"time": time} | {name: self.torque[name].tolist() for name in names},
-                "wrench": {"time": time, "components": list(self.cell.wrench_components)}
-                | {name: self.wrench[name].tolist() for name in names},
-                "internal_wrench": {"time": time} | internal,
-                "power": {"time": time} | power,
-                "velocity_limits_passed": self.too_fast(),
-                "energy": done.energy,
-            } | self._nearness()
+        if self.trajectory is not None:
+            output |= self.trajectory.to_json() | {"velocity_limits_passed": self.too_fast()} | self._nearness()
         return output
 
     def _nearness(self) -> dict[str, Any]:

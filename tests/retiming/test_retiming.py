@@ -3,16 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
-import pinocchio as pin
 import pytest
-import toppra
 import yaml
-from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
+from cell_bank import drawn_until, random_planar_cell
 from conftest import DATA
 from gantries import along_x, gantries
-from random_cells import chain_model, configuration
+from one_arm import by_toppra, duration, one_arm
 from scipy.optimize import linprog
-from toppra.constraint import DiscretizationType
 from transcription import transcription
 
 import mrts
@@ -28,57 +25,6 @@ TOPPRA_TOLERANCE = 1e-4  # seidel keeps limits to 1e-6 of their size; a thin reg
 DURATION_TOLERANCE = 1e-3
 TRANSCRIPTION_TOLERANCE = 1e-3
 EXCESS_GOAL = 1e-3
-
-toppra.setup_logging("ERROR")
-
-
-def one_arm(seed, folder):
-    """An arm with its load, as a cell of ours and as a model of Pinocchio with the object welded to its hand."""
-    rng = np.random.default_rng([77, seed])
-    cell = random_spatial_cell(rng, folder, 1).cell.without_wrench_limits()
-    robot = cell.robots[0]
-    model = chain_model(folder / "arm0.urdf")
-    model.gravity.linear = robot.T_world_base.R.T @ cell.gravity
-    frame = model.frames[model.getFrameId("tip")]
-    tip_object = pin.SE3(robot.T_object_tip.R, robot.T_object_tip.p).inverse()
-    model.appendBodyToJoint(
-        frame.parentJoint, pin.Inertia(cell.mass, np.zeros(3), cell.inertia), frame.placement * tip_object
-    )
-    strong = rng.uniform(150, 400, 6)
-    robot = replace(
-        robot,
-        torque_lower=-strong,
-        torque_upper=strong,
-        position_lower=np.full(6, -10.0),
-        position_upper=np.full(6, 10.0),
-    )
-    path = toppra.SplineInterpolator(np.linspace(0, 1, 5), robot.posture + rng.uniform(-0.8, 0.8, (5, 6)))
-    return replace(cell, robots=(robot,)), model, path
-
-
-def by_toppra(cell, model, path, grid):
-    """Speeds squared at the grid points, None if there are none."""
-    data, robot = model.createData(), cell.robots[0]
-
-    def torque(q, dq, ddq):
-        return pin.rnea(model, data, configuration(model, q), dq, ddq)
-
-    limits = np.column_stack([robot.torque_lower, robot.torque_upper])
-    speed = np.column_stack([-robot.velocity_limit, robot.velocity_limit])
-    constraints = [
-        toppra.constraint.JointTorqueConstraint(
-            torque, limits, np.zeros(6), discretization_scheme=DiscretizationType.Interpolation
-        ),
-        toppra.constraint.JointVelocityConstraint(speed),
-    ]
-    instance = toppra.algorithm.TOPPRA(constraints, path, gridpoints=grid, solver_wrapper="seidel")
-    _, speeds, *_ = instance.compute_parameterization(0, 0)
-    return None if speeds is None else np.asarray(speeds) ** 2
-
-
-def duration(step, x):
-    speed = np.sqrt(x)
-    return float(np.sum(2 * step / (speed[:-1] + speed[1:])))
 
 
 @pytest.mark.parametrize("seed", range(50))
