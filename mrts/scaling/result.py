@@ -245,16 +245,7 @@ class ScalingResult:
             "distribute": self.rule.distribute,
             "kept_reserve": self.cell.reserve,
             **self.range.to_json(),
-            "samples": {
-                "time": samples.time.tolist(),
-                "status": [status.value for status in samples.status],
-                "c2_lower": _finite(samples.lower),
-                "c2_upper": _finite(samples.upper),
-                "gaps": [
-                    {"sample": gap.sample, "time": float(samples.time[gap.sample]), "c2": [gap.lower, gap.upper]}
-                    for gap in samples.gaps
-                ],
-            },
+            "samples": samples.to_json(),
             "conflicts": [conflict.to_json() for conflict in samples.conflicts],
             "solver_fallbacks": self.fallbacks,
         }
@@ -326,7 +317,3 @@ def _speed_advice(intervals: Sequence[tuple[float, float]], given: float) -> str
         return f"you {verb} play it {np.sqrt(least):.3g} to {fast}: {times}"
     allowed = "may play it up to" if most >= 1 - END_TOLERANCE else "must play it at most"
     return f"you {allowed} {fast}: {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
-
-
-def _finite(values: Array) -> list[float | None]:
-    return [float(value) if np.isfinite(value) else None for value in values]
