@@ -21,7 +21,7 @@ def motor_words(limits: EmbeddedLimits, words: dict[str, str], precision: Precis
         words: All other words.
         precision: "double" or "float".
     """
-    motors, texts = limits.motors, sections("parts/motors.txt")
+    motors, texts = limits.motors, sections("motors/words.txt")
     nothing = dict.fromkeys((*texts, "MORE_VELOCITIES", "AND_ENDS"), "")
     if motors is None:
         return nothing
