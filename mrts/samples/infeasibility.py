@@ -60,6 +60,19 @@ class Conflict:
     load: LoadPoint | None = None
     c2: float | None = None
 
+    def to_json(self) -> dict[str, Any]:
+        """Entry of "conflicts" in the JSON result."""
+        return {
+            "sample": self.sample,
+            "time": self.time,
+            "c2": self.c2,
+            "load": self.load.to_json() if self.load else None,
+            "rows": [row.to_json() for row in self.rows],
+            "multipliers": list(self.multipliers),
+            "widening": self.widening,
+            "moves": list(self.moves),
+        }
+
     def __str__(self) -> str:
         names = "; ".join(str(row) for row in self.rows)
         carried = "the object" if self.load is None else f"the object with {self.load}"
@@ -73,19 +86,6 @@ class Conflict:
             f"limits conflict: {names}. It takes moving all limits outward by {100 * self.widening:.3g} % of their "
             f"size ({moves})"
         )
-
-    def to_json(self) -> dict[str, Any]:
-        """Entry of "conflicts" in the JSON result."""
-        return {
-            "sample": self.sample,
-            "time": self.time,
-            "c2": self.c2,
-            "load": self.load.to_json() if self.load else None,
-            "rows": [row.to_json() for row in self.rows],
-            "multipliers": list(self.multipliers),
-            "widening": self.widening,
-            "moves": list(self.moves),
-        }
 
 
 def find_conflicts(
