@@ -104,7 +104,9 @@ def build_motors(
         raise InputError(path, error.rule, key=f"{key}.{error.key}", value=error.value) from None
     contradiction = motors.problem_with(*limits, joints)
     if contradiction is not None:
-        raise InputError(path, contradiction[1], key=f"{key}.{contradiction[0]}")
+        of_urdf = contradiction[0].startswith("friction") and bool(remarks)
+        advice = " It is that of the URDF's <dynamics>, which 'motors: {friction: none}' ignores." if of_urdf else ""
+        raise InputError(path, contradiction[1] + advice, key=f"{key}.{contradiction[0]}")
     return motors, remarks
 
 

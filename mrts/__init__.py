@@ -29,9 +29,12 @@ if TYPE_CHECKING:
     from mrts.motion.joint_table import JointTable
     from mrts.motion.motion_file import MotionDescription, load_motion, sample_motion
     from mrts.motion.object_motion import ObjectMotion
+    from mrts.motors.joint_duty import JointDuty
+    from mrts.motors.joint_motors import JointMotors
     from mrts.output.ros_bag import write_ros_bag
     from mrts.output.saved_result import load_result, save_result
     from mrts.output.trajectory_table import write_trajectory_csv
+    from mrts.refinement.excess import Excess
     from mrts.report import write_report
     from mrts.retiming.result import RetimingResult, RetimingStatus
     from mrts.retiming.retime import retime
@@ -64,8 +67,11 @@ _HOMES = {
     "Contact": "hands.contact",
     "CoordinatedMotion": "coordination.coordinated_motion",
     "DistributionRule": "scaling.result",
+    "Excess": "refinement.excess",
     "Holding": "scaling.holding_torques",
     "InputError": "base.errors",
+    "JointDuty": "motors.joint_duty",
+    "JointMotors": "motors.joint_motors",
     "JointRecording": "motion.joint_recording",
     "JointTable": "motion.joint_table",
     "LoadBox": "base.load_box",
@@ -132,8 +138,11 @@ __all__ = [
     "Contact",
     "CoordinatedMotion",
     "DistributionRule",
+    "Excess",
     "Holding",
     "InputError",
+    "JointDuty",
+    "JointMotors",
     "JointRecording",
     "JointTable",
     "LoadBox",

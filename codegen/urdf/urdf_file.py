@@ -22,7 +22,7 @@ _INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 XACRO_NAMESPACE = "http://www.ros.org/wiki/xacro"
 _HARMLESS = ("NS_ERR_UNDEFINED_NAMESPACE", "ERR_UNKNOWN_VERSION")
-_JOINT_CHILDREN = ("parent", "child", "origin", "axis", "limit", "mimic")
+_JOINT_CHILDREN = ("parent", "child", "origin", "axis", "limit", "mimic", "dynamics")
 
 
 def read_urdf(path: Path) -> Any:

@@ -67,17 +67,15 @@ def friction(path: Path, joint: Any) -> tuple[float, float]:
     """Dry friction [N m or N] and damping [N m s/rad or N s/m] of a joint, 0 where the URDF says nothing.
 
     Raises:
-        InputError: If one is negative or no number.
+        InputError: If one is negative, or so large that nothing would move.
     """
     values = []
     for name in ("friction", "damping"):
         text = None if joint.dynamics is None else getattr(joint.dynamics, name)
-        try:
-            value = float(text or 0.0)  # yourdfpy leaves them text
-        except ValueError:
-            value = np.nan
+        value = float(text or 0.0)  # yourdfpy leaves text as it is
         if not 0 <= value < NO_LIMIT:
-            raise InputError(path, "must be a number >= 0.", key=f"joint '{joint.name}' dynamics {name}", value=text)
+            key = f"joint '{joint.name}', <dynamics> {name}"
+            raise InputError(path, f"must be >= 0 and below {NO_LIMIT:.0e}.", key=key, value=text)
         values.append(value)
     return values[0], values[1]
 

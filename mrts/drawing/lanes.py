@@ -48,16 +48,21 @@ def binding_lanes(found: ScalingRange) -> list[Lane]:
         found: The range over the motion.
     """
     samples = found.samples
+    lower_rows, upper_rows = list(samples.lower_rows), list(samples.upper_rows)
+    for gap in samples.gaps:  # where it begins, something forbids to be faster; where it ends, to be slower
+        upper_rows[gap.sample] = (*upper_rows[gap.sample], *gap.lower_rows)
+        lower_rows[gap.sample] = (*lower_rows[gap.sample], *gap.upper_rows)
     conflicts: list[tuple[ActiveRow, ...]] = [()] * len(samples.time)
     for conflict in samples.conflicts:
         conflicts[conflict.sample] = tuple(row for row in conflict.rows if row.name.kind != "balance")
     lanes = _lanes("conflict", conflicts, ())
-    lanes += _lanes("upper", samples.upper_rows, found.upper.rows if found.upper else ())
-    lower = _lanes("lower", samples.lower_rows, found.lower.rows if found.lower else ())
+    ends = found.intervals or ([(found.lower, found.upper)] if found.lower and found.upper else [])
+    lanes += _lanes("upper", upper_rows, [row for _, upper in ends for row in upper.rows])
+    lower = _lanes("lower", lower_rows, [row for lower, _ in ends for row in lower.rows])
     return lanes + ([] if {lane.label for lane in lower} <= {str(STANDSTILL)} else lower)
 
 
-def _lanes(kind: LaneKind, rows: Sequence[tuple[ActiveRow, ...]], first: tuple[ActiveRow, ...]) -> list[Lane]:
+def _lanes(kind: LaneKind, rows: Sequence[tuple[ActiveRow, ...]], first: Sequence[ActiveRow]) -> list[Lane]:
     labels = [{row_label(row) for row in of_sample} for of_sample in rows]
     counts = Counter(sorted(label for of_sample in labels for label in of_sample))
     setting = [label for label in dict.fromkeys(map(row_label, first)) if label in counts]
@@ -77,6 +82,38 @@ def infeasible_spans(samples: SampleRanges) -> list[tuple[float, float]]:
     return spans(samples.time, np.array([status is RangeStatus.INFEASIBLE for status in samples.status]))
 
 
+@dataclass(frozen=True)
+class GapBox:
+    """A gap between the intervals of one sample, which reaches half way to its neighbours.
+
+    Attributes:
+        start: [s].
+        end: [s].
+        lower: Largest c² of the interval below.
+        upper: Least c² of the interval above.
+    """
+
+    start: float
+    end: float
+    lower: float
+    upper: float
+
+
+def gap_boxes(samples: SampleRanges, highest: float) -> list[GapBox]:
+    """The gaps of all samples as boxes over time and c².
+
+    Args:
+        samples: Ranges of all samples.
+        highest: Largest c² of the picture.
+    """
+    edges = _edges(samples.time)
+    return [
+        GapBox(float(edges[gap.sample]), float(edges[gap.sample + 1]), gap.lower, min(gap.upper, highest))
+        for gap in samples.gaps
+        if gap.lower < highest
+    ]
+
+
 def spans(time: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
     """Spans of time of consecutive samples, each sample reaching half way to its neighbours.
 
@@ -87,6 +124,11 @@ def spans(time: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
     Returns:
         Start and end of every span [s].
     """
-    edges = np.concatenate([time[:1], (time[1:] + time[:-1]) / 2, time[-1:]])
+    edges = _edges(time)
     steps = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(int)))
     return [(float(edges[start]), float(edges[end])) for start, end in steps.reshape(-1, 2)]
+
+
+def _edges(time: Array) -> Array:
+    """Where samples begin and end that reach half way to their neighbours, Shape (N + 1,) [s]."""
+    return np.concatenate([time[:1], (time[1:] + time[:-1]) / 2, time[-1:]])

@@ -80,7 +80,7 @@ def trajectory_figure(result: ScalingResult, title: str) -> Figure:
 def _draw_wrench(axes: Axes, result: ScalingResult, robot: str, first: str, label: str) -> None:
     wrenches = limited_quantities(result, "wrench", robot)
     part = [index for index, name in enumerate(wrenches.names) if name.startswith(first)]
-    limits = np.stack([wrenches.lower, wrenches.upper])[:, part]
+    limits = np.stack([wrenches.lower, wrenches.upper])[:, :, part]
     _draw(axes, result, wrenches.values[:, part], [wrenches.names[index] for index in part], limits, label)
 
 
@@ -89,9 +89,11 @@ def _draw(axes: Axes, result: ScalingResult, values: Array, names: list[str], li
     for index, name in enumerate(names):
         style = line_style(index)
         axes.plot(result.trajectory.time, values[:, index], label=name, **style)
-        for limit in limits[:, index]:
-            if np.isfinite(limit):
-                axes.axhline(limit, linewidth=0.7, alpha=0.8, **style)
+        for limit in limits[:, :, index]:
+            if not np.all(limit == limit[0]):
+                axes.plot(result.trajectory.time, limit, linewidth=0.7, alpha=0.8, **style)
+            elif np.isfinite(limit[0]):
+                axes.axhline(limit[0], linewidth=0.7, alpha=0.8, **style)
     axes.set_ylim(value_reach(values, limits))
     finish(axes, "time [s]", label)
     legend_below(axes)

@@ -16,7 +16,6 @@ SHORTEST_DIRECTION = 1e-9
 OUT_OF_PLANE = 1e-9
 """Largest entry of a rotation or direction that still counts as zero."""
 
-
 NOT_IN_PLANE = (
     "is in tip axes, of which one must be normal to the plane of a planar cell. Turn the tip frame in the URDF and the "
     "grasp with it, or give a box in the frame of the object or the base."

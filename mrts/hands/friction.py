@@ -15,7 +15,6 @@ from mrts.base.manifest import WRENCH_COMPONENTS
 SMALLEST = 1e-6
 """Of a coefficient of friction, of a half width [m] and of a force [N]: what is smaller is a misprint, or zero."""
 
-
 NORMAL_FORCE = "normal force"
 """Name of the row of how hard a surface presses."""
 

@@ -10,8 +10,8 @@ from mrts.base.errors import InputError, as_array
 from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.hands.contact import Contact
 
-INTERIOR = 1e-9
-"""Least radius of a ball inside a polytope, as a share of how far its rows are from the origin: rounding is below."""
+INTERIOR = 1e-6
+"""Least radius of a ball in a polytope, as a share of how far its rows are from the origin: HiGHS is right to 1e-7."""
 
 
 def rows_contact(

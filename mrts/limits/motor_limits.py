@@ -7,7 +7,7 @@ import numpy as np
 
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import LimitRows, RowName
+from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName
 from mrts.motors.joint_motors import torque_speed_lines
 
 
@@ -39,7 +39,7 @@ def curve_rows(cell: Cell) -> tuple[CurveRow, ...]:
         for j, curve in enumerate(robot.motors.torque_speed):
             if curve is None:
                 continue
-            line = RowName("torque-speed", robot.name, robot.joints[j], robot.torque_units[j])
+            line = RowName(TORQUE_SPEED, robot.name, robot.joints[j], robot.torque_units[j])
             end = RowName("motor speed", robot.name, robot.joints[j], f"{robot.position_units[j]}/s")
             place = part.start + j
             rows += [CurveRow(name=line, joint=place, limit=a, slope=m) for a, m in torque_speed_lines(curve)]

@@ -14,6 +14,9 @@ from mrts.limits.object_axes import ObjectAxes
 
 Side = Literal["lower", "upper"]
 
+TORQUE_SPEED = "torque-speed"
+"""Kind of the rows that are lines of a motor's curve."""
+
 
 @dataclass(frozen=True)
 class RowName:
@@ -189,6 +192,19 @@ class LimitRows:
             if column is not None:
                 value += column * factor
         return value
+
+    def moving(self, speed: Array | float) -> Array:
+        """What the speed adds to torque-speed lines, Shape (N, r) or (1, r); 0 in other rows.
+
+        Value and limits less it are the torque and what the motor gives at that speed.
+
+        Args:
+            speed: ṙ, one for all samples, or Shape (N,).
+        """
+        lines = np.array([name.kind == TORQUE_SPEED for name in self.names], dtype=bool)
+        if self.speed is None or not np.any(lines):
+            return np.zeros((1, len(self.names)))
+        return np.where(lines, self.speed * np.reshape(np.asarray(speed, dtype=np.float64), (-1, 1)), 0.0)
 
     def share(self, value: Array) -> Array:
         """The share of its limit that each value uses, Shape (N, r): 1 is at the limit, the nearer of both sides.

@@ -14,7 +14,8 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER, read_text
 from mrts.motion.joint_table import JointTable, joint_motion
-from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion, spline_motion
+from mrts.motion.object_courses import spline_motion
+from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion
 from mrts.motion.rounded_samples import derivative
 
 POSE_COLUMNS = ("px", "py", "pz", "qx", "qy", "qz", "qw")
@@ -23,7 +24,10 @@ RATE_COLUMNS = (*VELOCITY_COLUMNS, "ax", "ay", "az", "alphax", "alphay", "alphaz
 
 MAX_SAMPLES = 1_000_000
 MAX_COLUMNS = 1000
-"""Position, velocity, acceleration and torque of some two hundred joints."""
+"""Position, velocity, acceleration, torque and friction of some two hundred joints."""
+
+PASSED_OVER = ("tau_friction", "F")
+"""What a table of joints says beside their motion."""
 
 QUATERNION_TOLERANCE = 1e-3
 """How far from 1 a quaternion's length may be: tables carry few digits."""
@@ -111,7 +115,7 @@ def _object_table(path: Path, columns: dict[str, Array], samples: int | None) ->
 def read_joint_table(path: Path, samples: int | None) -> JointTable:
     """Read a table with t and, for every joint, `q.ROBOT/JOINT`, and maybe `dq.…`, and with these maybe `ddq.…`.
 
-    The torques `tau.…` and wrenches `F.…` that `mrts scale --csv` writes are passed over.
+    The torques `tau.…`, `tau_friction.…` and wrenches `F.…` that `mrts scale --csv` writes are passed over.
 
     Args:
         path: The file.
@@ -148,11 +152,11 @@ def read_joint_columns(path: Path) -> tuple[Array, dict[str, dict[str, Array]]]:
 
 
 def _joint_parts(path: Path, columns: dict[str, Array]) -> dict[str, dict[str, Array]]:
-    """The columns of joints by what they are, then by joint; contact wrenches are passed over."""
+    """The columns of joints by what they are, then by joint; friction apart and contact wrenches are passed over."""
     parts: dict[str, dict[str, Array]] = {"q": {}, "dq": {}, "ddq": {}, "tau": {}}
     for name, values in columns.items():
         part, _, joint = name.partition(".")
-        if name == "t" or part == "F":
+        if name == "t" or part in PASSED_OVER:
             continue
         if part not in parts or not joint:
             raise InputError(path, f"unknown column '{name}'. Columns are t, q.ROBOT/JOINT, dq.…, ddq.…, tau.….")

@@ -99,7 +99,11 @@ def _from_table(path: Path) -> JointRecording:
 def _from_bag(path: Path) -> JointRecording:
     joints: dict[str, RecordedJoint] = {}
     unusable: dict[str, InputError] = {}
-    by_topic = bag_messages(path, KIND)
+    found = bag_messages(path, KIND)
+    with_positions = {
+        topic: messages for topic, messages in found.items() if any(len(message.position) for _, message in messages)
+    }
+    by_topic = with_positions or found  # a plan's friction is a topic of efforts alone
     stamps_of = {topic: _stamps(messages) for topic, messages in by_topic.items()}
     first = min(int(np.min(stamps)) for stamps in stamps_of.values())  # seconds since 1970 leave few digits for steps
     for topic, messages in by_topic.items():

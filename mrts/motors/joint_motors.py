@@ -74,7 +74,12 @@ class JointMotors:
     @property
     def has_effect(self) -> bool:
         """Whether torques differ from those of ideal motors."""
-        return bool(np.any(self.armature) or np.any(self.coulomb) or np.any(self.viscous))
+        return self.has_friction or bool(np.any(self.armature))
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether some of the torque overcomes friction."""
+        return bool(np.any(self.coulomb) or np.any(self.viscous))
 
     def problem_with(self, lower: Array, upper: Array, joints: Sequence[str]) -> tuple[str, str] | None:
         """What contradicts the torque limits: the key and the rule; None if nothing does.

@@ -28,7 +28,8 @@ def write_ros_bag(result: ScalingResult, folder: Path | str) -> None:
     Topics, for each robot: /ROBOT/joint_trajectory (trajectory_msgs/JointTrajectory, one message with positions,
     velocities, accelerations and effort feed-forward, joints named as in the URDF, times from the start strictly
     increasing), /ROBOT/joint_states (sensor_msgs/JointState) and /ROBOT/contact_wrench (geometry_msgs/WrenchStamped on
-    the object at the contact, in the robot's base axes) at every sample.
+    the object at the contact, in the robot's base axes) at every sample. Where motors have friction also
+    /ROBOT/joint_friction (sensor_msgs/JointState with effort alone): the part of the effort that overcomes it.
 
     Args:
         result: A result with a trajectory.
@@ -56,11 +57,11 @@ def _write(result: ScalingResult, rows: PlayedRows, stamps: np.typing.NDArray[np
             part = result.cell.joint_slices[robot.name]
             motion = (rows.q[:, part], rows.dq[:, part], rows.ddq[:, part], rows.torque[:, part])
             _add(writer, f"/{robot.name}/joint_trajectory", [(0, _trajectory(robot, stamps, *motion))])
-            states = [
-                (int(stamp), _joint_state(robot, int(stamp), motion[0][k], motion[1][k], motion[3][k]))
-                for k, stamp in enumerate(stamps)
-            ]
-            _add(writer, f"/{robot.name}/joint_states", states)
+            _add(writer, f"/{robot.name}/joint_states", _joint_states(robot, stamps, *motion[:2], motion[3]))
+            if rows.friction is not None:
+                unsaid = np.zeros((len(stamps), 0))
+                alone = _joint_states(robot, stamps, unsaid, unsaid, rows.friction[:, part])
+                _add(writer, f"/{robot.name}/joint_friction", alone)
             six = np.zeros((len(stamps), 6))
             six[:, result.cell.wrench_rows] = rows.wrench[:, result.cell.wrench_slices[robot.name]]
             wrenches = [(int(stamp), _wrench(robot, int(stamp), six[k])) for k, stamp in enumerate(stamps)]
@@ -106,15 +107,23 @@ def _trajectory(
     )
 
 
-def _joint_state(robot: Robot, stamp: int, q: Array, dq: Array, torque: Array) -> Any:
-    return _message(
-        "sensor_msgs/msg/JointState",
-        header=_header(stamp, ""),
-        name=list(robot.joints),
-        position=q,
-        velocity=dq,
-        effort=torque,
-    )
+def _joint_states(
+    robot: Robot, stamps: np.typing.NDArray[np.int64], q: Array, dq: Array, torque: Array
+) -> list[tuple[int, Any]]:
+    return [
+        (
+            stamp,
+            _message(
+                "sensor_msgs/msg/JointState",
+                header=_header(stamp, ""),
+                name=list(robot.joints),
+                position=q[k],
+                velocity=dq[k],
+                effort=torque[k],
+            ),
+        )
+        for k, stamp in enumerate(stamps.tolist())
+    ]
 
 
 def _wrench(robot: Robot, stamp: int, six: Array) -> Any:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from mrts.base.interval_text import interval_text
 from mrts.drawing.range_sentences import range_text
 from mrts.hands.friction import NORMAL_FORCE
+from mrts.limits.rows import TORQUE_SPEED
 from mrts.retiming.result import RetimingResult
 from mrts.scaling.limit_use import largest_step, limit_uses
 from mrts.scaling.load_study import LoadStudy
@@ -18,7 +19,7 @@ LOADS_SHOWN = 8
 LIMITS_SHOWN = 4
 """Limits that are printed of a timing."""
 
-OWN_KINDS = ("torque", "wrench", "velocity")
+OWN_KINDS = ("torque", "wrench", "velocity", TORQUE_SPEED, "motor speed")
 """What a cell file limits; of these, torques are printed."""
 
 NAME_WIDTH = 28
@@ -102,7 +103,28 @@ def _torque_lines(result: ScalingResult) -> Iterator[str]:
         least, largest = (f"{value:.4g} {unit}" for value in (use.least, use.largest))
         limits = interval_text(use.lower, use.upper, unit, LIMIT_DIGITS)
         yield f"{name:<{names}} {least:>14} {largest:>15} {limits:>22}"
+    yield from _motor_lines(result)
     yield from _contact_lines(result)
+
+
+def _motor_lines(result: ScalingResult) -> Iterator[str]:
+    """How far motors are used where more than their largest torque is known of them, a line for each thing known."""
+    assert result.trajectory is not None  # noqa: S101 (checked by every caller)
+    for use in limit_uses(result):
+        if use.name.kind == TORQUE_SPEED:
+            joint = f"{use.name.robot}/{use.name.element}"
+            yield f"torque-speed curves: at most {100 * use.share:.3g} % is used, by {joint} at t = {use.time:.4g} s"
+            break
+    rated = [
+        (share, f"{robot.name}/{joint} ({rms:.4g} of {most:g} {unit})")
+        for robot, duty in zip(result.cell.robots, result.trajectory.duty.values(), strict=True)
+        for joint, share, rms, most, unit in zip(
+            robot.joints, duty.rated_share, duty.rms_torque, robot.motors.rated, robot.torque_units, strict=True
+        )
+    ]
+    share, worst = max(rated)
+    if share > 0:
+        yield f"root mean square torques: at most {100 * share:.3g} % of what motors bear for ever, by {worst}"
 
 
 def _contact_lines(result: ScalingResult) -> Iterator[str]:

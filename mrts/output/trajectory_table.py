@@ -26,7 +26,8 @@ class PlayedRows:
         q: Joint positions, Shape (R, m) [rad or m].
         dq: Joint velocities, Shape (R, m).
         ddq: Joint accelerations, Shape (R, m).
-        torque: Shape (R, m) [N m or N].
+        torque: What the motors give, Shape (R, m) [N m or N].
+        friction: The part of it that overcomes friction, none at rest; None where no motor has friction.
         wrench: Shape (R, n w) [N, N m].
     """
 
@@ -35,6 +36,7 @@ class PlayedRows:
     dq: Array
     ddq: Array
     torque: Array
+    friction: Array | None
     wrench: Array
 
 
@@ -44,20 +46,33 @@ def played_rows(done: ScaledTrajectory) -> PlayedRows:
     Args:
         done: The trajectory.
     """
-    samples = PlayedRows(done.time, done.q, done.dq, done.ddq, done.torque, done.wrench)
+    samples = PlayedRows(
+        time=done.time,
+        q=done.q,
+        dq=done.dq,
+        ddq=done.ddq,
+        torque=done.torque,
+        friction=done.friction if done.has_friction else None,
+        wrench=done.wrench,
+    )
     held = done.holding
     if held is None or not any(held.ends):
         return samples
     before, after = (slice(int(end)) for end in held.ends)
     step, none = holding_step(done.time), np.zeros((1, done.q.shape[1]))
+
+    def framed(start: Array, rows: Array, end: Array) -> Array:
+        return np.concatenate([start[before], rows, end[after]])
+
     shifted = done.time + step * held.ends[0]
     return PlayedRows(
-        np.concatenate([np.zeros(1)[before], shifted, (shifted[-1:] + step)[after]]),
-        np.concatenate([done.q[:1][before], done.q, done.q[-1:][after]]),
-        np.concatenate([none[before], done.dq, none[after]]),
-        np.concatenate([none[before], done.ddq, none[after]]),
-        np.concatenate([held.torque[:1][before], done.torque, held.torque[1:][after]]),
-        np.concatenate([held.wrench[:1][before], done.wrench, held.wrench[1:][after]]),
+        time=framed(np.zeros(1), shifted, shifted[-1:] + step),
+        q=framed(done.q[:1], done.q, done.q[-1:]),
+        dq=framed(none, done.dq, none),
+        ddq=framed(none, done.ddq, none),
+        torque=framed(held.torque[:1], done.torque, held.torque[1:]),
+        friction=None if samples.friction is None else framed(none, samples.friction, none),
+        wrench=framed(held.wrench[:1], done.wrench, held.wrench[1:]),
     )
 
 
@@ -79,6 +94,8 @@ def trajectory_to_write(result: ScalingResult) -> ScaledTrajectory:
 def trajectory_columns(result: ScalingResult) -> dict[str, Array]:
     """Columns t, then q.ROBOT/JOINT, dq., ddq. and tau. of every joint, then F.ROBOT/COMPONENT, each Shape (R,).
 
+    Where motors have friction, tau_friction. of every joint follows tau.: the part of it that overcomes friction.
+
     Args:
         result: A result with a trajectory.
 
@@ -88,9 +105,11 @@ def trajectory_columns(result: ScalingResult) -> dict[str, Array]:
     rows = played_rows(trajectory_to_write(result))
     joints = [f"{robot.name}/{joint}" for robot in result.cell.robots for joint in robot.joints]
     wrenches = [f"{robot.name}/{part}" for robot in result.cell.robots for part in result.cell.wrench_components]
-    head = ["t", *(f"{kind}.{joint}" for kind in ("q", "dq", "ddq", "tau") for joint in joints)]
+    of_joints = {"q": rows.q, "dq": rows.dq, "ddq": rows.ddq, "tau": rows.torque}
+    of_joints |= {} if rows.friction is None else {"tau_friction": rows.friction}
+    head = ["t", *(f"{kind}.{joint}" for kind in of_joints for joint in joints)]
     head += [f"F.{wrench}" for wrench in wrenches]
-    table = np.column_stack([rows.time, rows.q, rows.dq, rows.ddq, rows.torque, rows.wrench])
+    table = np.column_stack([rows.time, *of_joints.values(), rows.wrench])
     return dict(zip(head, table.T, strict=True))
 
 

@@ -15,6 +15,7 @@ from mrts.report.plots import Plot, load_plot, power_plots, torque_plots, wrench
 from mrts.report.range_plot import range_plot
 from mrts.report.tables import (
     conflicts_table,
+    duty_table,
     inputs_table,
     joints_table,
     loads_table,
@@ -106,6 +107,7 @@ def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[H
     if done is not None:
         pieces += [
             section("margins", "How far the limits are used", margins_table(result)),
+            section("duty", "What is asked of the motors", _duty_note(), duty_table(result)),
             section("torques", "Joint torques", _limit_note(), place(*torque_plots(result))),
             section("wrenches", "Contact wrenches", _limit_note(), place(*wrench_plots(result))),
             section("power", "Power and energy", place(*power_plots(result))),
@@ -158,6 +160,15 @@ def _limit_note() -> Html:
     return element(
         "p", "Thin lines are limits; those far outside are not shown. A click on a name hides its lines.", class_="note"
     )
+
+
+def _duty_note() -> Html:
+    text = (
+        "Percentages are shares of what the joint bears: the torque rated for ever, the largest torque, speed, torque "
+        "rate and jerk, where they are known. Torque rate and jerk are differences of neighbouring samples; nothing "
+        "limits them."
+    )
+    return element("p", text, class_="note")
 
 
 def _player_section(scene: Player, *, given: bool) -> Html:

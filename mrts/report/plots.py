@@ -12,8 +12,10 @@ from mrts.base.arrays import Array
 from mrts.drawing.axis_reach import c2_reach, value_reach
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.labels import shortened
+from mrts.drawing.lanes import gap_boxes
 from mrts.drawing.load_envelope import load_envelope
 from mrts.report.markup import plot_text
+from mrts.samples.sample_ranges import SampleRanges
 from mrts.scaling.limit_use import limited_quantities
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import accumulated_energy
@@ -117,10 +119,11 @@ def _limited(name: str, title: str, ytitle: str, time: Array, values: Array, nam
     for index, (label, unit) in enumerate(names):
         own = line(time[samples], values[samples, index], shortened(label), index, unit) | {"legendgroup": str(index)}
         traces.append(own)
-        for limit in limits[:, index]:
-            if np.isfinite(limit):
-                ends = line(time[[0, -1]], np.array([limit, limit]), "", index, None, width=0.8)
-                traces.append(ends | {"legendgroup": str(index), "showlegend": False})
+        for limit in limits[:, :, index]:
+            if np.any(np.isfinite(limit)):
+                at = np.array([0, -1]) if np.all(limit == limit[0]) else samples
+                drawn = line(time[at], limit[at], "", index, None, width=0.8)
+                traces.append(drawn | {"legendgroup": str(index), "showlegend": False})
     legend = LEGEND_LINE * len(names) if max(len(label) for label, _ in names) >= LONG_NAME else 0
     shape = layout("time [s]", ytitle, value_reach(values, limits))
     return Plot(name, title, traces, shape, PLOT_HEIGHT + legend)
@@ -155,7 +158,7 @@ def wrench_plots(result: ScalingResult) -> list[Plot]:
             values = wrenches.values[:, part]
             title, time = f"{robot.name}: contact {what} on the object", result.trajectory.time
             name, ytitle = f"{what}-{number}", f"{what} [{unit}]"
-            plots.append(_limited(name, title, ytitle, time, values, names, limits[:, part]))
+            plots.append(_limited(name, title, ytitle, time, values, names, limits[:, :, part]))
     return plots
 
 
@@ -169,7 +172,7 @@ def power_plots(result: ScalingResult) -> list[Plot]:
         values = done.power[:, result.cell.joint_slices[robot.name]]
         names = [(joint, "W") for joint in robot.joints]
         title = f"{robot.name}: power of the joints"
-        none = np.empty((0, len(names)))
+        none = np.empty((0, *values.shape))
         plots.append(_limited(f"power-{number}", title, "power [W]", done.time, values, names, none))
         energies.append(accumulated_energy(done.time, values))
     total = accumulated_energy(done.time, done.power)
@@ -184,6 +187,26 @@ def power_plots(result: ScalingResult) -> list[Plot]:
     reach = value_reach(np.stack([*energies, total]), np.empty(0))
     shape = layout("time [s]", "energy [J]", reach)
     return [*plots, Plot("energy", "Energy that the motors have given", traces, shape)]
+
+
+def gap_traces(samples: SampleRanges, high: float) -> list[dict[str, Any]]:
+    """What samples do not admit between their least and their largest c², hatched; none where there are no gaps.
+
+    Args:
+        samples: Ranges of all samples.
+        high: Largest c² of the plot.
+    """
+    boxes = gap_boxes(samples, high)
+    if not boxes:
+        return []
+    x: list[float | None] = []
+    y: list[float | None] = []
+    for box in boxes:
+        x += [*numbers(np.array([box.start, box.end, box.end, box.start, box.start])), None]
+        y += [*numbers(np.array([box.lower, box.lower, box.upper, box.upper, box.lower])), None]
+    hatched = {"shape": "/", "bgcolor": "#e4e4e4", "fgcolor": "#9a9a9a", "size": 8}
+    look = {"mode": "lines", "line": {"width": 0}, "fill": "toself", "fillpattern": hatched, "hoverinfo": "skip"}
+    return [{"x": x, "y": y, "name": "gap: no admissible c²"} | look]
 
 
 def load_plot(result: ScalingResult) -> Plot | None:
@@ -206,5 +229,6 @@ def load_plot(result: ScalingResult) -> Plot | None:
         upper = study.ranges[index].samples.upper[samples]
         traces.append(line(time[samples], upper, f"{name}: {study.points[index]}", 1 + (name == "best"), ""))
     traces.append(line(time[samples], result.range.samples.upper[samples], study.question, 0, "", width=3))
+    traces += gap_traces(result.range.samples, high)
     shape = layout("time of the given motion [s]", "largest c² [1]", (low, high))
     return Plot("loads", "c²⁺(t) by load", traces, shape, 400)

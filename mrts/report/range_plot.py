@@ -15,7 +15,7 @@ from mrts.drawing.lanes import Lane, binding_lanes, infeasible_spans, spans
 from mrts.drawing.range_sentences import range_text
 from mrts.limits.rows import ActiveRow
 from mrts.report.markup import plot_text
-from mrts.report.plots import Plot, layout, line, numbers, shown_samples
+from mrts.report.plots import Plot, gap_traces, layout, line, numbers, shown_samples
 from mrts.samples.range_status import RangeStatus
 from mrts.scaling.range import ScalingRange
 
@@ -50,7 +50,7 @@ def range_plot(found: ScalingRange) -> Plot:
             shape["shapes"].append(level | {"line": {"color": END_COLOURS[kind], "dash": "dot", "width": 1.5}})
     if found.status is RangeStatus.UNBOUNDED:
         shape["annotations"].append(word | {"x": 0.5, "xref": "paper", "text": "no limit depends on the speed"})
-    traces = [*_admissible(found, high), *_curves(found), *_ends(found)]
+    traces = [*_admissible(found, high), *gap_traces(found.samples, high), *_curves(found), *_ends(found)]
     lanes = binding_lanes(found)
     below = LANE_HEIGHT * len(lanes) + 12
     if lanes:
@@ -95,19 +95,24 @@ def _admissible(found: ScalingRange, high: float) -> list[dict[str, Any]]:
     if not found.status.admits_motion or found.lower is None or found.upper is None:
         return []
     time = found.samples.time[[0, -1]]
-    sides = [
-        line(time, np.array([c2, c2]), f"range {range_text(found)}", 0, None, width=0) | {"showlegend": fill}
-        for c2, fill in ((found.lower.c2, False), (min(found.upper.c2, high), True))
-    ]
-    sides[1] |= {"fill": "tonexty", "fillcolor": f"{ADMISSIBLE}30"}
-    return sides
+    name, traces = f"range {range_text(found)}", []
+    for number, (lower, upper) in enumerate(found.intervals):
+        sides = [line(time, np.array([c2, c2]), name, 0, None, width=0) for c2 in (lower.c2, min(upper.c2, high))]
+        sides[0] |= {"showlegend": False}
+        sides[1] |= {"showlegend": number == 0, "fill": "tonexty", "fillcolor": f"{ADMISSIBLE}30"}
+        traces += sides
+    return traces
 
 
 def _ends(found: ScalingRange) -> list[dict[str, Any]]:
     """The points that set the range over the motion."""
     marks = []
     middle = float(np.mean(found.samples.time[[0, -1]]))
-    for kind, name, end in (("upper", "c²⁺", found.upper), ("lower", "c²⁻", found.lower)):
+    others = [
+        ("", side, end) for pair in found.intervals[:-1] for side, end in zip(("lower", "upper"), pair, strict=True)
+    ]
+    named = [("c²⁺", "upper", found.upper), ("c²⁻", "lower", found.lower)]
+    for name, kind, end in [*named, *others]:
         if end is None or end.time is None or (kind == "lower" and end.c2 <= 0):
             continue
         marks.append(
@@ -115,7 +120,7 @@ def _ends(found: ScalingRange) -> list[dict[str, Any]]:
                 "x": numbers(np.array([end.time])),
                 "y": numbers(np.array([end.c2])),
                 "mode": "markers+text",
-                "text": [f"<b>{name} = {end.c2:.4g}</b>"],
+                "text": [f"<b>{name} = {end.c2:.4g}</b>" if name else f"{end.c2:.4g}"],
                 "textposition": f"{'bottom' if kind == 'upper' else 'top'} {'right' if end.time < middle else 'left'}",
                 "marker": {"color": END_COLOURS[kind], "size": 11},
                 "cliponaxis": False,

@@ -106,9 +106,12 @@ def wrench_limits_table(cell: Cell) -> Html:
 
 
 def range_table(found: ScalingRange) -> list[Html]:
-    """Both ends of the range and what sets them; nothing if there are none."""
+    """Both ends of the range, or of all its intervals, and what sets them; nothing if there are none."""
     rows = []
-    for name, end in (("c²⁻", found.lower), ("c²⁺", found.upper)):
+    ends = [("c²⁻", found.lower), ("c²⁺", found.upper)]
+    for number, (lower, upper) in reversed(list(enumerate(found.intervals[:-1], start=1))):
+        ends = [(f"interval {number}: from", lower), (f"interval {number}: to", upper), *ends]
+    for name, end in ends:
         if end is None:
             continue
         if end.time is None:
@@ -128,6 +131,34 @@ def margins_table(result: ScalingResult) -> Html:
         limits = interval_text(use.lower, use.upper, use.name.unit)
         rows.append((str(use.name), limits, f"{use.least:.4g}", f"{use.largest:.4g}", bar, f"{use.time:.4g} s"))
     return table(("limit", "from … to", "least", "largest", "share used", "most used at"), rows)
+
+
+def duty_table(result: ScalingResult) -> Html:
+    """What the motion asks of every motor, with the share of what it bears where that is known."""
+    done = result.trajectory
+    if done is None:
+        return Html("")
+    rows = []
+    for robot, duty in zip(result.cell.robots, done.duty.values(), strict=True):
+        for j, joint in enumerate(robot.joints):
+            torque, speed = robot.torque_units[j], f"{robot.position_units[j]}/s"
+            rows.append(
+                (
+                    f"{robot.name}/{joint}",
+                    _of_limit(duty.rms_torque[j], torque, duty.rated_share[j]),
+                    _of_limit(duty.peak_torque[j], torque, duty.torque_share[j]),
+                    _of_limit(duty.peak_speed[j], speed, duty.speed_share[j]),
+                    f"{duty.drive_power[j]:.3g} / {duty.brake_power[j]:.3g} W",
+                    _of_limit(duty.torque_rate[j], f"{torque}/s", duty.torque_rate_share[j]),
+                    _of_limit(duty.jerk[j], f"{speed}³", duty.jerk_share[j]),
+                )
+            )
+    head = ("joint", "rms torque", "peak torque", "peak speed", "power given / taken", "torque rate", "jerk")
+    return table(head, rows)
+
+
+def _of_limit(value: float, unit: str, share: float) -> Html:
+    return joined([html(f"{value:.4g} {unit}"), *([Html("<br>"), html(f"{100 * share:.1f} %")] if share > 0 else [])])
 
 
 def conflicts_table(conflicts: Sequence[Conflict]) -> Html:

@@ -8,7 +8,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.limits import all_rows
-from mrts.limits.rows import RowName
+from mrts.limits.rows import TORQUE_SPEED, RowName
 
 if TYPE_CHECKING:
     from mrts.scaling.result import ScalingResult
@@ -18,10 +18,13 @@ if TYPE_CHECKING:
 class LimitUse:
     """How much of its limits one row uses along a trajectory.
 
+    Of a torque-speed line, values are torques, limits what the motor gives at the speed of that moment, and the share
+    is that of what the line gives at standstill.
+
     Attributes:
         name: What the row limits.
-        lower: Its lower limit, minus infinity where unbounded.
-        upper: Its upper limit, infinity where unbounded.
+        lower: Its lower limit, minus infinity where unbounded; where it moves, that at `time`.
+        upper: Its upper limit, infinity where unbounded; likewise.
         least: Its least value.
         largest: Its largest value.
         share: The largest share of a limit that is used; 1 is at the limit. Of a limit of zero, what 100 % is says
@@ -56,8 +59,8 @@ class LimitedQuantities:
         names: Joint, wrench component, or what else the rows call their elements.
         units: One a quantity.
         values: Shape (N, k).
-        lower: Minus infinity where unbounded, Shape (k,).
-        upper: Infinity where unbounded, Shape (k,).
+        lower: Minus infinity where unbounded, at the speed of each sample, Shape (N, k).
+        upper: Infinity where unbounded, likewise.
     """
 
     names: tuple[str, ...]
@@ -83,12 +86,14 @@ def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUs
     value = rows.value(done.torque, done.wrench, 0.0, done.c)
     share = rows.share(value)
     at = np.argmax(share, axis=0)
+    moving = np.broadcast_to(rows.moving(done.c), value.shape)
+    value = value - moving
     steps, units = np.max(np.abs(np.diff(value, axis=0)), axis=0, initial=0.0), rows.units()
     uses = [
         LimitUse(
             name=name,
-            lower=float(rows.lower[row]),
-            upper=float(rows.upper[row]),
+            lower=float(rows.lower[row] - moving[at[row], row]),
+            upper=float(rows.upper[row] - moving[at[row], row]),
             least=float(np.min(value[:, row])),
             largest=float(np.max(value[:, row])),
             share=max(0.0, float(share[at[row], row])),
@@ -127,11 +132,15 @@ def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> Limite
     if done is None:
         raise ValueError("there is no trajectory to draw")
     rows = all_rows(result.cell, result.motion)
-    rows = rows.only(np.array([name.kind == kind and name.robot == robot for name in rows.names], dtype=bool))
-    return LimitedQuantities(
-        tuple(name.element for name in rows.names),
-        tuple(name.unit for name in rows.names),
-        rows.value(done.torque, done.wrench, 0.0, done.c),
-        rows.lower,
-        rows.upper,
-    )
+    kinds, robots = (np.array([getattr(name, part) for name in rows.names]) for part in ("kind", "robot"))
+    chosen = rows.only((kinds == kind) & (robots == robot))
+    value = chosen.value(done.torque, done.wrench, 0.0, done.c)
+    lower, upper = (np.broadcast_to(limit, value.shape).copy() for limit in (chosen.lower, chosen.upper))
+    elements = tuple(name.element for name in chosen.names)
+    if kind == "torque":
+        lines = rows.only((kinds == TORQUE_SPEED) & (robots == robot))
+        for row, (name, moving) in enumerate(zip(lines.names, lines.moving(done.c).T, strict=True)):
+            joint = elements.index(name.element)
+            lower[:, joint] = np.maximum(lower[:, joint], lines.lower[row] - moving)
+            upper[:, joint] = np.minimum(upper[:, joint], lines.upper[row] - moving)
+    return LimitedQuantities(elements, tuple(name.unit for name in chosen.names), value, lower, upper)

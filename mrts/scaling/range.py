@@ -14,7 +14,6 @@ from mrts.samples.range_ends import Gap, pieces
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
 
-
 SPEEDS = {"velocity", "motor speed"}
 """Kinds of rows that a load does not move."""
 

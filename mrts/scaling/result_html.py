@@ -33,8 +33,7 @@ def result_html(result: "ScalingResult") -> str:
 
 def _rows(result: "ScalingResult") -> Iterator[tuple[str, str]]:
     yield "outcome", result.status.value
-    low, high = result.range.lower, result.range.upper
-    if result.status.admits_motion and low and high:
+    if result.status.admits_motion:
         yield "range of c²", result.range.text()
     done = result.trajectory
     if done is None:
@@ -45,7 +44,7 @@ def _rows(result: "ScalingResult") -> Iterator[tuple[str, str]]:
         torques = limited_quantities(result, "torque", robot.name)
         margins = np.min(np.minimum(torques.values - torques.lower, torques.upper - torques.values), axis=0)
         for joint, margin, lower, upper, unit in zip(
-            torques.names, margins, torques.lower, torques.upper, torques.units, strict=True
+            torques.names, margins, robot.torque_lower, robot.torque_upper, torques.units, strict=True
         ):
             limits = f"limits [{lower:g}, {upper:g}] {unit}"
             yield f"{robot.name}/{joint}", f"margin {max(round(margin, ROUNDING), 0.0):.3g} {unit}, {limits}"

@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: MIT
 """The motion played at the chosen speed: what a controller gets."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.load_box import LoadPoint
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.limits.torque_limits import torque_limits
+from mrts.motors.joint_duty import JointDuty, joint_duty
 from mrts.samples.motor_terms import motor_terms
 from mrts.scaling.holding_torques import Holding
 
@@ -74,6 +78,29 @@ class ScaledTrajectory:
         return np.zeros_like(self.torque) if motors is None else motors.friction(self.c)
 
     @property
+    def has_friction(self) -> bool:
+        """Whether some motor has friction."""
+        return any(robot.motors.has_friction for robot in self.cell.robots)
+
+    @property
+    def duty(self) -> dict[str, JointDuty]:
+        """What the motion asks of the motors, by robot."""
+        share = torque_limits(self.cell, self.motion).share(self.torque)
+        parts = zip(self.cell.robots, self.cell.joint_slices.values(), strict=True)
+        return {
+            robot.name: joint_duty(
+                robot.motors,
+                self.time,
+                self.dq[:, part],
+                self.ddq[:, part],
+                self.torque[:, part],
+                torque_share=share[:, part],
+                velocity_limit=robot.velocity_limit,
+            )
+            for robot, part in parts
+        }
+
+    @property
     def power(self) -> Array:
         """q̇ · τ of every joint, Shape (N, m) [W]."""
         return self.dq * self.torque
@@ -91,6 +118,32 @@ class ScaledTrajectory:
         carried = transposed @ np.linalg.solve(B @ transposed, B @ self.wrench[:, :, None])
         internal: Array = self.wrench - carried[:, :, 0]
         return internal
+
+    def to_json(self) -> dict[str, Any]:
+        """The entries of the JSON result that a chosen c² adds."""
+        cell, time = self.cell, self.time.tolist()
+
+        def by_robot(parts: Mapping[str, slice], values: Array) -> dict[str, Any]:
+            return {"time": time} | {name: values[:, part].tolist() for name, part in parts.items()}
+
+        joints, wrenches = cell.joint_slices, cell.wrench_slices
+        motion = {
+            robot.name: {"names": list(robot.joints)}
+            | {name: getattr(self, name)[:, joints[robot.name]].tolist() for name in ("q", "dq", "ddq")}
+            for robot in cell.robots
+        }
+        load = LoadPoint({}, cell.load).to_json()["load"]
+        output = {
+            "selected": {"c2": self.c2, "duration": self.duration, "load": load},
+            "joints": {"time": time} | motion,
+            "torque": by_robot(joints, self.torque),
+            "wrench": {"time": time, "components": list(cell.wrench_components)} | by_robot(wrenches, self.wrench),
+            "internal_wrench": by_robot(wrenches, self.internal_wrench),
+            "power": by_robot(joints, self.power),
+            "energy": self.energy,
+            "joint_duty": {name: duty.to_json() for name, duty in self.duty.items()},
+        }
+        return output | ({"torque_friction": by_robot(joints, self.friction)} if self.has_friction else {})
 
     def with_internal_wrench(self, internal: Array) -> Self:
         """The same trajectory with its `internal_wrench` as found before: finding it takes the cell's functions."""

@@ -3,12 +3,19 @@
 
 from dataclasses import replace
 
+from mrts.base.remark import Remark
 from mrts.samples.reserve import TORQUES
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.torque_distribution import torque_weights
 from mrts.scaling.holding_torques import holding_at_ends
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
+
+OVERRATED = "above-rated"
+"""Code of the remark on torques that a motor does not bear for ever."""
+
+NAMED = 3
+"""Further joints that it names."""
 
 
 def with_torques(result: ScalingResult, c2: float, samples: SampleRanges, solver: str) -> ScalingResult:
@@ -28,9 +35,31 @@ def with_torques(result: ScalingResult, c2: float, samples: SampleRanges, solver
     distribute = TORQUES[rule.distribute]
     torque, wrench, fallbacks = distribute(cell, motion, rule.formulation, rule.sharing, solver, c2, W)
     holding, unheld = holding_at_ends(cell, motion, samples, rule.sharing, rule.formulation, W, solver, rule.distribute)
+    done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
+    before = tuple(warning for warning in result.warnings if warning.code != OVERRATED)
     return replace(
         result,
-        trajectory=ScaledTrajectory(cell, motion, c2, torque, wrench, holding),
+        trajectory=done,
         fallbacks=result.fallbacks + fallbacks,
-        warnings=tuple(dict.fromkeys(result.warnings + unheld)),
+        warnings=tuple(dict.fromkeys(before + unheld + _overrated(done))),
     ).checked()
+
+
+def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
+    """What to say of joints whose motors bear their torque for a while only."""
+    shares = {
+        f"{robot.name}/{joint}": float(share)
+        for robot, duty in zip(done.cell.robots, done.duty.values(), strict=True)
+        for joint, share in zip(robot.joints, duty.rated_share, strict=True)
+        if share > 1
+    }
+    if not shares:
+        return ()
+    worst, *others = sorted(shares, key=lambda joint: -shares[joint])
+    more = f" and {len(others) - NAMED} more" if len(others) > NAMED else ""
+    also = f"; above theirs too: {', '.join(others[:NAMED])}{more}" if others else ""
+    text = (
+        f"{worst}: its root mean square torque over the motion is {100 * shares[worst]:.0f} % of what its motor bears "
+        f"for ever ('rated'{also}): repeated without a pause it overheats. Play the motion slower, or less often."
+    )
+    return (Remark(OVERRATED, text),)

@@ -174,7 +174,7 @@ def _cutoff(rate: float, given: float | None) -> float:
 
 
 def _block(rate: float, cutoff: float) -> int:
-    return int(np.ceil(rate / cutoff))
+    return round(rate / cutoff)
 
 
 def _without_turns(joint: RecordedJoint) -> RecordedJoint:

@@ -73,11 +73,14 @@ def moment_html(state: PlayerState) -> str:
     if conflict is not None:
         return _paragraph("moment", f"{text}Infeasible: {html_text(str(conflict))}.", OVER)
     low, high = found.lower[sample], found.upper[sample]
+    gaps = sorted((gap.lower, gap.upper) for gap in found.gaps if gap.sample == sample)
+    starts, stops = [low, *(upper for _, upper in gaps)], [*(lower for lower, _ in gaps), high]
+    alone = " or ".join(interval_text(*ends) for ends in zip(starts, stops, strict=True))
     if np.isinf(high):
-        return _paragraph("moment", f"{text}Nothing limits the speed of this sample: c² ∈ {interval_text(low, high)}.")
-    reach = f"This sample alone admits c² ∈ {interval_text(low, high)}"
+        return _paragraph("moment", f"{text}Nothing limits how fast this sample may be played: c² ∈ {alone}.")
     empty = found.status[sample] is RangeStatus.EMPTY
-    text += f"No c² suits every load here: {interval_text(low, high)}; " if empty else f"{reach}; "
+    reach = f"This sample alone admits c² ∈ {alone}"
+    text += f"No c² suits every load here: {alone}; " if empty else f"{reach}; "
     text += f"faster is forbidden by {_rows(found.upper_rows, found.upper_loads, sample)}"
     if low > 0:
         text += f", slower by {_rows(found.lower_rows, found.lower_loads, sample)}"

@@ -50,7 +50,7 @@ class Speeds:
     """The speeds that are offered.
 
     Attributes:
-        ends: c² of "c⁻" and "c⁺", as far as they are finite and > 0.
+        ends: c² of "c⁻" and "c⁺", and of the ends of slower intervals, as far as they are finite and > 0.
         lower: Least c on offer.
         upper: Largest.
         step: Between neighbours, a power of ten; `lower` and `upper` are multiples of it.
@@ -262,11 +262,13 @@ class PlayerState:
         """What rows of one kind limit at the chosen time, by robot."""
         here, done = slice(self.sample, self.sample + 1), self.trajectory
         rows = self._rows.at(here)
-        value = rows.value(done.torque[here], done.wrench[here], 0.0, done.c)[0]
+        moving = rows.moving(done.c)[0]
+        value = rows.value(done.torque[here], done.wrench[here], 0.0, done.c)[0] - moving
+        lower, upper = rows.lower - moving, rows.upper - moving
         bars: dict[str, list[Bar]] = {}
         for row, name in enumerate(rows.names):
             if name.kind == kind:
-                bar = Bar(name.element, float(value[row]), float(rows.lower[row]), float(rows.upper[row]), name.unit)
+                bar = Bar(name.element, float(value[row]), float(lower[row]), float(upper[row]), name.unit)
                 bars.setdefault(name.robot, []).append(bar)
         return bars
 
@@ -326,15 +328,19 @@ def offered_speeds(found: ScalingRange) -> Speeds:
         found: The range; without an admissible speed, the motion as given is the first choice.
     """
     both = [end.c2 for end in (found.lower, found.upper) if end is not None]
-    ends = {name: c2 for name, c2 in zip(("c⁻", "c⁺"), both, strict=False) if isfinite(c2) and c2 > 0}
+    slowest = found.intervals[0][0].c2 if found.intervals else both[0] if both else 0.0
+    named = list(zip(("c⁻", "c⁺"), both, strict=False))
+    for number, interval in enumerate(found.intervals[:-1], start=1):
+        named += [(f"c{side} of interval {number}", end.c2) for side, end in zip("⁻⁺", interval, strict=True)]
+    ends = {name: c2 for name, c2 in named if isfinite(c2) and c2 > 0}
     of_ends = [sqrt(c2) for c2 in ends.values()]
-    least = sqrt(both[0]) if both else 0.0
+    least = sqrt(slowest)
     moves = found.status.admits_motion and both[1] > 0
     if moves and isfinite(both[1]):
         start = upper = sqrt(both[1])
         upper *= BEYOND
     else:
-        start = max(1.0, least) if moves else 1.0
+        start = max(1.0, sqrt(both[0])) if moves else 1.0
         upper = FASTEST_UNBOUNDED if moves else FASTEST_INFEASIBLE
         upper = max([upper, *(BEYOND * c for c in of_ends)])
     lower = min([start, *of_ends]) / BEYOND if least > 0 else SLOWEST * upper
@@ -345,6 +351,4 @@ def offered_speeds(found: ScalingRange) -> Speeds:
 
 
 def _admits(found: ScalingRange, c2: float) -> bool:
-    if not found.status.admits_motion or found.lower is None or found.upper is None:
-        return False
-    return found.lower.c2 <= c2 <= found.upper.c2
+    return found.admitted(c2, 0.0) is not None

@@ -42,8 +42,8 @@ def with_curves(cell):
 def with_a_gap(cell):
     """Friction hinders in the middle of the speeds that inertia helps to."""
     for robot in cell["robots"]:
-        robot["motors"] = {"friction": {"viscous": [12.4, 27.2, 16.2]}}
-        robot["torque"] = [70, 56, 35]
+        robot["motors"] = {"friction": {"viscous": [37, 15, 0]}}
+        robot["torque"] = [31, 79, 71]
 
 
 def loaded(folder, change):
@@ -136,9 +136,9 @@ def test_a_gap_has_a_status_and_what_lies_below_is_told(gapped):
     assert len(found) == 2
     assert found[0, 0] == 0
     assert found[0, 1] < found[1, 0] < found[1, 1]
-    assert rows[0][1] == rows[1][0]  # one row, hindered by friction and helped by inertia
+    assert {row.split("/")[1] for row in (*rows[0][1], *rows[1][0])} == {"shoulder torque"}  # hindered, then helped
     problem = build_sample_problem(cell, motion, sharing=mrts.LoadSharing(), samples=np.array([75]))
-    middle = found[:, :].ravel()[1:3].mean()
+    middle = found.ravel()[1:3].mean()
     assert [admits(problem, c2**0.5) for c2 in (*found.mean(axis=1), middle)] == [True, True, False]
 
 
@@ -160,12 +160,12 @@ def intersection(unions):
     left = [(0.0, np.inf)]
     for union in unions:
         left = [(max(a, c), min(b, d)) for a, b in left for c, d in union if max(a, c) <= min(b, d)]
-    return np.array(left)
+    return np.reshape(left, (-1, 2))
 
 
 def test_a_horizon_is_the_intersection_of_unions(gapped):
     library, _, motion = gapped
-    for chosen in (range(70, 80), range(75, 77), [75, 10], range(motion.samples)):
+    for chosen in (range(70, 80), range(75, 77), [75, 2], range(motion.samples)):
         horizon, unions = library.Horizon(), []
         library.call("horizon_start", horizon)
         for index in chosen:
@@ -175,9 +175,9 @@ def test_a_horizon_is_the_intersection_of_unions(gapped):
             library.call("horizon_add", horizon, found)
         wanted = intersection(unions)
         assert np.array_equal(library.intervals(horizon)[0], wanted)
-        assert horizon.status == (GAP if len(wanted) > 1 else OK)
-        assert unions[horizon.upper_sample][:, 1].tolist().count(horizon.upper) == 1
-    assert len(intersection(unions[75:77])) == 2
+        none = EMPTY if all(map(len, unions)) else INFEASIBLE
+        assert horizon.status == {0: none, 1: OK, 2: GAP}[len(wanted)]
+        assert not wanted.size or horizon.upper in unions[horizon.upper_sample][:, 1]
 
 
 def test_samples_without_a_speed_in_common_are_empty(gapped):
@@ -205,7 +205,7 @@ def test_a_range_for_several_loads_is_the_intersection_of_unions(gapped):
         library.settings.load[:] = nominal
         both, given = library.Range(), (library.settings, loads, len(masses))
         library.call("guaranteed_range", sample, *given, both, None, None, library.workspace)
-        assert np.allclose(library.intervals(both)[0], intersection(unions), rtol=SAME_TORQUE, atol=0)
+        assert np.allclose(library.intervals(both)[0], intersection(unions), rtol=SAME_TORQUE, atol=0), index
     assert gaps
 
 
@@ -253,8 +253,11 @@ def test_friction_of_a_joint_that_stands_is_against_its_travel(curved):
         library.call("default_settings", library.settings)
         assert turning.size
         assert np.allclose(turning, wanted_range, rtol=SAME_TORQUE, atol=0)
-        sample.place = PLACES["start"]
-        assert not np.allclose(library.range(sample, call)[1], turning, rtol=SAME_TORQUE, atol=0)
+        one_way = []
+        for place in ("start", "end"):
+            sample.place = PLACES[place]
+            one_way.append(library.range(sample, call)[1][0, 1])
+        assert turning[0, 1] <= min(one_way) * (1 + SAME_TORQUE) < max(one_way)
         sample.place = PLACES["inside"]
 
 

@@ -1,5 +1,8 @@
 """Two gantries that push one object along x, for closed forms."""
 
+from dataclasses import replace
+
+import numpy as np
 import yaml
 
 import mrts
@@ -16,7 +19,7 @@ GANTRY = """<robot name="gantry"><link name="base"/>
 <limit effort="20" velocity="0"/></joint></robot>"""
 
 
-def gantries(folder, velocity=0.0, wrench=None, variation=None, object_velocity=None):
+def gantries(folder, velocity=0.0, wrench=None, variation=None, object_velocity=None, gravity=(0, 0, 0)):
     """Two gantries of 4 kg push an object of 3 kg along x with 20 N each; its path has length 2."""
     (folder / "gantry.urdf").write_text(GANTRY.format(velocity=velocity))
     limits = {} if wrench is None else {"wrench": {"lower": [-wrench, None, None], "upper": [wrench, None, None]}}
@@ -31,7 +34,7 @@ def gantries(folder, velocity=0.0, wrench=None, variation=None, object_velocity=
         carried["variation"] = variation
     if object_velocity:
         carried["velocity"] = object_velocity
-    cell = {"name": "gantries", "gravity": [0, 0, 0], "plane": "xy", "object": carried, "robots": robots}
+    cell = {"name": "gantries", "gravity": list(gravity), "plane": "xy", "object": carried, "robots": robots}
     (folder / "cell.yaml").write_text(yaml.safe_dump(cell))
     return mrts.load_cell(folder / "cell.yaml")
 
@@ -40,3 +43,43 @@ def along_x(samples=101, **changes):
     description = {"duration": 1.0, "samples": samples, "profile": "cubic"}
     description |= {"start": {"xyz": [0, 0, 0]}, "end": {"xyz": [2, 0, 0]}}
     return mrts.sample_motion(mrts.MotionDescription.model_validate(description | changes))
+
+
+UPHILL = 36 / 11  # m/s²; against it the two arms and the object need 36 of 40 N
+SLOWING = 1.0  # m/s², from 1.5 to 0.5 m/s
+VISCOUS = 6.0  # N s/m of each arm
+
+
+def uphill_gantries(folder, viscous=VISCOUS, **motors):
+    """Gantries that push uphill against viscous friction: as the motion slows down, its inertia helps them."""
+    cell = gantries(folder, gravity=(-UPHILL, 0, 0))
+    columns = {"viscous": np.array([viscous, 0, 0])} | motors
+    robots = (replace(robot, motors=replace(robot.motors, **columns)) for robot in cell.robots)
+    return replace(cell, robots=tuple(robots))
+
+
+def slowing_down(samples=41):
+    """A motion along x that loses speed all the way: at 1.5 m/s friction needs 18 c N, inertia gives 11 c² N."""
+    time = np.linspace(0, 1, samples)
+    zero, one = np.zeros((samples, 1)), np.ones((samples, 1))
+    x, v = (1.5 * time - SLOWING * time**2 / 2)[:, None], (1.5 - SLOWING * time)[:, None]
+    rotation = np.broadcast_to(np.eye(3), (samples, 3, 3)).copy()
+    return mrts.ObjectMotion(
+        time,
+        np.hstack([x, zero, zero]),
+        rotation,
+        np.hstack([v, *[zero] * 5]),
+        np.hstack([-SLOWING * one, *[zero] * 5]),
+    )
+
+
+def intervals_uphill():
+    """c² of the two intervals that the motion admits: friction forbids between, one end from the first sample each.
+
+    36 - 11 c² + 2 · 6 v c <= 40 at the fastest v = 1.5, and >= -40 at the slowest v = 0.5.
+    """
+    b, least, most = 2 * VISCOUS * 1.5, 4.0, 76.0
+    middle, root = b, np.sqrt(b * b - 4 * 11 * least)
+    slow = 2 * VISCOUS * 0.5
+    top = (slow + np.sqrt(slow**2 + 4 * 11 * most)) / 22
+    return [(0.0, ((middle - root) / 22) ** 2), (((middle + root) / 22) ** 2, top**2)]

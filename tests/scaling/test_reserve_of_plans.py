@@ -28,7 +28,7 @@ def largest_share(result, kinds=("torque", "wrench")):
 
 def admits(cell, motion, c2, reserve, **asked):
     found = mrts.scale(cell, motion, "auto", reserve=reserve, **asked).range
-    return found.status.admits_motion and found.lower.c2 <= c2 <= found.upper.c2
+    return any(low.c2 <= c2 <= high.c2 for low, high in found.intervals)
 
 
 def feasible(case, question):
@@ -64,11 +64,13 @@ def asked_questions(seed, cell):
 
 
 def with_motors(cell):
-    """Motors with rotor inertia and dry friction of a tenth of each torque limit."""
+    """Motors with rotor inertia, both kinds of friction and a torque that falls with the speed."""
 
     def motor(robot):
-        friction = 0.1 * robot.torque_upper
-        return replace(robot.motors, armature=np.full(len(friction), 0.02), coulomb=friction)
+        most = robot.torque_upper
+        curves = tuple(np.array([[0, torque], [0.3, torque], [3, 0.3 * torque]]) for torque in most)
+        friction = {"coulomb": 0.1 * most, "viscous": 0.05 * most}
+        return replace(robot.motors, armature=np.full(len(most), 0.02), torque_speed=curves, **friction)
 
     return replace(cell, robots=tuple(replace(robot, motors=motor(robot)) for robot in cell.robots))
 

@@ -9,50 +9,14 @@ import numpy as np
 import pytest
 import yaml
 from conftest import DATA
+from mujoco_cells import STEP, simulator
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 import mrts
 
 UR5 = DATA.parent / "dual_ur5"
-STEP = 5e-5  # s; a weld is a stiff spring in MuJoCo, and its time constant is two steps
 POSITION_GAIN, VELOCITY_GAIN = 300.0, 10.0  # N m/rad, N m s/rad
-
-
-def quaternion(R):
-    return np.roll(Rotation.from_matrix(R).as_quat(), 1)
-
-
-def simulator(cell, start_pose):
-    spec = mujoco.MjSpec()
-    spec.option.timestep = STEP
-    spec.option.gravity = cell.gravity
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
-    carried = spec.worldbody.add_body(name="object", pos=start_pose[0], quat=quaternion(start_pose[1]))
-    carried.add_freejoint()
-    carried.explicitinertial = True
-    carried.mass, carried.ipos = cell.mass, np.zeros(3)
-    carried.inertia, carried.iquat = np.diag(cell.inertia), [1, 0, 0, 0]
-    urdf = UR5 / yaml.safe_load((UR5 / "cell.yaml").read_text())["robots"][0]["urdf"]
-    for robot in cell.robots:
-        T = robot.T_world_base
-        frame = spec.worldbody.add_frame(pos=T.p, quat=quaternion(T.R))
-        spec.attach(mujoco.MjSpec.from_file(str(urdf)), frame=frame, prefix=f"{robot.name}/")
-        weld = spec.add_equality(
-            type=mujoco.mjtEq.mjEQ_WELD,
-            objtype=mujoco.mjtObj.mjOBJ_BODY,
-            name1=f"{robot.name}/wrist_3",
-            name2="object",
-            solref=[2 * STEP, 1.0],
-            solimp=[0.9999, 0.9999, 1e-3, 0.5, 2.0],
-        )
-        R_tip_object = robot.T_object_tip.R.T
-        weld.data[:11] = np.concatenate(
-            [np.zeros(3), -R_tip_object @ robot.T_object_tip.p, quaternion(R_tip_object), [1.0]]
-        )
-    model = spec.compile()
-    return model, mujoco.MjData(model)
 
 
 def weld_wrench(model, data, weld):
@@ -76,7 +40,8 @@ def run():
     description = yaml.safe_load((UR5 / "lift_and_turn.yaml").read_text()) | {"samples": 1001}
     result = mrts.scale(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(description)))
     done, given = result.trajectory, result.motion.object
-    model, data = simulator(cell, (given.position[0], given.rotation[0]))
+    urdf = UR5 / yaml.safe_load((UR5 / "cell.yaml").read_text())["robots"][0]["urdf"]
+    model, data = simulator(cell, urdf, (given.position[0], given.rotation[0]))
     assert model.nv == 18
     joints = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
     q_index = [model.joint(name).qposadr[0] for name in joints]

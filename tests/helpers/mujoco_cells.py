@@ -1,0 +1,65 @@
+"""Cells as MuJoCo builds them: arms from their URDF through its own parser, the object welded to the hands."""
+
+import mujoco
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+STEP = 5e-5  # s; a weld is a stiff spring in MuJoCo, and its time constant is two steps
+
+STIFF = [2 * STEP, 1.0], [0.9999, 0.9999, 1e-3, 0.5, 2.0]  # solref, solimp
+
+
+def quaternion(R):
+    return np.roll(Rotation.from_matrix(R).as_quat(), 1)
+
+
+def empty_world(cell):
+    spec = mujoco.MjSpec()
+    spec.option.timestep = STEP
+    spec.option.gravity = cell.gravity
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
+    return spec
+
+
+def add_arm(spec, robot, urdf):
+    frame = spec.worldbody.add_frame(pos=robot.T_world_base.p, quat=quaternion(robot.T_world_base.R))
+    spec.attach(mujoco.MjSpec.from_file(str(urdf)), frame=frame, prefix=f"{robot.name}/")
+
+
+def set_motors(model, robot):
+    """Armature, damping and frictionloss of MuJoCo; its dry friction is as steep near standstill as a weld is stiff."""
+    for j, joint in enumerate(robot.joints):
+        dof = model.joint(f"{robot.name}/{joint}").dofadr[0]
+        model.dof_armature[dof] = robot.motors.armature[j]
+        model.dof_damping[dof] = robot.motors.viscous[j]
+        model.dof_frictionloss[dof] = robot.motors.coulomb[j]
+        model.dof_solref[dof], model.dof_solimp[dof] = STIFF
+
+
+def simulator(cell, urdf, start_pose, *, motors=False):
+    """Every arm of a cell from one URDF, and the object as a free body welded to all hands."""
+    spec = empty_world(cell)
+    carried = spec.worldbody.add_body(name="object", pos=start_pose[0], quat=quaternion(start_pose[1]))
+    carried.add_freejoint()
+    carried.explicitinertial = True
+    carried.mass, carried.ipos = cell.mass, np.zeros(3)
+    carried.inertia, carried.iquat = np.diag(cell.inertia), [1, 0, 0, 0]
+    for robot in cell.robots:
+        add_arm(spec, robot, urdf)
+        weld = spec.add_equality(
+            type=mujoco.mjtEq.mjEQ_WELD,
+            objtype=mujoco.mjtObj.mjOBJ_BODY,
+            name1=f"{robot.name}/wrist_3",
+            name2="object",
+            solref=STIFF[0],
+            solimp=STIFF[1],
+        )
+        R_tip_object = robot.T_object_tip.R.T
+        weld.data[:11] = np.concatenate(
+            [np.zeros(3), -R_tip_object @ robot.T_object_tip.p, quaternion(R_tip_object), [1.0]]
+        )
+    model = spec.compile()
+    for robot in cell.robots if motors else ():
+        set_motors(model, robot)
+    return model, mujoco.MjData(model)

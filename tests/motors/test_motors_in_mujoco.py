@@ -1,0 +1,140 @@
+"""Torques of a plan against MuJoCo with armature, damping and frictionloss: its inverse dynamics, and played in it."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+from mujoco_cells import STEP, add_arm, empty_world, set_motors, simulator
+from scipy.interpolate import CubicSpline, make_interp_spline
+
+import mrts
+
+UR5 = DATA.parent / "dual_ur5"
+UR5_MOTORS = {
+    "armature": [0.66, 0.66, 0.66, 0.1, 0.1, 0.1],
+    "coulomb": [7.0, 7.0, 5.0, 2.0, 2.0, 2.0],
+    "viscous": [8.0, 8.0, 6.0, 1.0, 1.0, 1.0],
+}
+"""Of the size that is published for arms of this class [kg m², N m, N m s/rad]."""
+
+PLANAR_MOTORS = {"armature": [0.4, 0.3, 0.05], "coulomb": [4.0, 3.0, 0.5], "viscous": [1.0, 0.8, 0.1]}
+
+SAME_TORQUE = 1e-9
+"""Between two formulations of the same dynamics, in N m of friction and as a share of the largest torque: the rounding
+of a thousand operations on terms a thousand times as large."""
+
+STEADY = 0.05
+"""Share of a joint's largest speed above which MuJoCo's soft dry friction has the size of the given one; below, it
+depends on how fast the speed changes."""
+
+TRACKED = 2e-3
+"""[rad]"""
+
+POSITION_GAIN, VELOCITY_GAIN = 300.0, 10.0  # N m/rad, N m s/rad
+
+
+def with_motors(cell, columns):
+    """The cell with these motors in every arm."""
+    arrays = {name: np.array(values) for name, values in columns.items()}
+    robots = (replace(robot, motors=replace(robot.motors, **arrays)) for robot in cell.robots)
+    return replace(cell, robots=tuple(robots))
+
+
+def urdf_of(folder):
+    return folder / yaml.safe_load((folder / "cell.yaml").read_text())["robots"][0]["urdf"]
+
+
+def cases(name):
+    folder, columns, motion = {
+        "dual_ur5": (UR5, UR5_MOTORS, "lift_and_turn.yaml"),
+        "planar_dual_arm": (DATA, PLANAR_MOTORS, "lift.yaml"),
+    }[name]
+    cell = with_motors(mrts.load_cell(folder / "cell.yaml"), columns)
+    return cell, mrts.load_motion(folder / motion), urdf_of(folder)
+
+
+@pytest.mark.parametrize("name", ["dual_ur5", "planar_dual_arm"])
+@pytest.mark.quick
+def test_torques_are_those_of_inverse_dynamics(name):
+    """Arm by arm: what MuJoCo needs for the joints' motion, and to push the object with the wrench of the plan."""
+    cell, motion, urdf = cases(name)
+    done = mrts.scale(cell, motion).trajectory
+    given = done.motion.object
+    for robot in cell.robots:
+        joints, wrenches = cell.joint_slices[robot.name], cell.wrench_slices[robot.name]
+        spec = empty_world(cell)
+        add_arm(spec, robot, urdf)
+        model = spec.compile()
+        set_motors(model, robot)
+        data = mujoco.MjData(model)
+        places = [model.joint(f"{robot.name}/{joint}").dofadr[0] for joint in robot.joints]
+        tip = model.njnt - 1
+        R, six = robot.T_world_base.R, np.zeros(6)
+        wanted, dry = [], []
+        for k in range(len(given.time)):
+            for values, ours in ((data.qpos, done.q), (data.qvel, done.dq), (data.qacc, done.ddq)):
+                values[places] = ours[k, joints]
+            mujoco.mj_inverse(model, data)
+            six[cell.wrench_rows] = done.wrench[k, wrenches]
+            J = np.zeros((2, 3, model.nv))
+            point = given.position[k] + given.rotation[k] @ robot.T_object_tip.p
+            mujoco.mj_jac(model, data, J[0], J[1], point, model.jnt_bodyid[tip])
+            pushed = J[0].T @ R @ six[:3] + J[1].T @ R @ six[3:]
+            wanted.append((data.qfrc_inverse + data.qfrc_constraint + pushed)[places])
+            dry.append(-data.qfrc_constraint[places])
+        wanted, dry = np.array(wanted), np.array(dry)
+        moving = np.abs(done.dq[:, joints]) > STEADY * np.max(np.abs(done.dq[:, joints]), axis=0)
+        ours = np.sign(done.dq[:, joints]) * robot.motors.coulomb
+        np.testing.assert_allclose(dry[moving], ours[moving], atol=SAME_TORQUE)
+        assert np.mean(moving) > 0.5
+        viscous = done.dq[:, joints] * robot.motors.viscous
+        friction = done.friction[:, joints]
+        np.testing.assert_allclose(friction[moving], (ours + viscous)[moving], atol=SAME_TORQUE)
+        off = done.torque[:, joints] - (friction - viscous) - wanted  # MuJoCo's own damping is in what is wanted
+        print(robot.name, "largest difference [N m]", np.max(np.abs(off)), "of", np.max(np.abs(done.torque)))
+        assert np.max(np.abs(off)) < SAME_TORQUE * np.max(np.abs(done.torque))
+
+
+@pytest.fixture(scope="module")
+def played():
+    """Largest errors of the joints along the plan, with the friction of the plan fed forward, and without [rad]."""
+    cell, _, urdf = cases("dual_ur5")
+    cell = cell.without_velocity_limits()
+    description = yaml.safe_load((UR5 / "lift_and_turn.yaml").read_text()) | {"samples": 1001}
+    done = mrts.scale(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(description))).trajectory
+    return {kind: largest_error(cell, urdf, done, forward) for kind, forward in (
+        ("with", done.torque), ("without", done.torque - done.friction),
+    )}  # fmt: skip
+
+
+def largest_error(cell, urdf, done, forward):
+    """Of the joints, when these torques and a small feedback play the motion in MuJoCo [rad]."""
+    given = done.motion.object
+    model, data = simulator(cell, urdf, (given.position[0], given.rotation[0]), motors=True)
+    joints = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
+    q_index = [model.joint(name).qposadr[0] for name in joints]
+    v_index = [model.joint(name).dofadr[0] for name in joints]
+    data.qpos[q_index] = done.q[0]
+    torque, wanted = make_interp_spline(done.time, forward, k=1), CubicSpline(done.time, done.q)
+    worst = 0.0
+    for _ in range(int(done.duration / STEP)):
+        t = data.time
+        feedback = POSITION_GAIN * (wanted(t) - data.qpos[q_index])
+        feedback += VELOCITY_GAIN * (wanted(t, 1) - data.qvel[v_index])
+        data.qfrc_applied[v_index] = torque(t) + feedback
+        mujoco.mj_step(model, data)
+        worst = max(worst, float(np.max(np.abs(data.qpos[q_index] - wanted(data.time)))))
+    return worst
+
+
+def test_friction_fed_forward_keeps_the_joints_on_their_path(played):
+    print("largest error of a joint [rad]", played)
+    assert played["with"] < TRACKED
+
+
+def test_without_it_they_leave_it(played):
+    """The friction is felt: else the test above says nothing about it."""
+    assert played["without"] > 3 * TRACKED
