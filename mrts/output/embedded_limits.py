@@ -106,8 +106,8 @@ def _check_constant(limit: str, rows: LimitRows, again: LimitRows) -> None:
         raise InputError(
             f"limit '{limit}'",
             f"depends on the {'speed' if of_speed else 'motion'}, which an exported library cannot compute: it carries "
-            "velocity limits, and tables of limits that are constant in torques and wrenches. Take the limit out of "
-            "mrts.limits.LIMITS for the export, and keep it by other means.",
+            "velocity limits, motors, and tables of limits that are constant in torques and wrenches. Take the limit "
+            "out of mrts.limits.LIMITS for the export, and keep it by other means.",
         )
 
 

@@ -2,6 +2,7 @@
 """Why a sample is infeasible: a verified Farkas certificate and the limits that it names."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +59,19 @@ class Conflict:
     moves: tuple[float, ...]
     load: LoadPoint | None = None
     c2: float | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Entry of "conflicts" in the JSON result."""
+        return {
+            "sample": self.sample,
+            "time": self.time,
+            "c2": self.c2,
+            "load": self.load.to_json() if self.load else None,
+            "rows": [row.to_json() for row in self.rows],
+            "multipliers": list(self.multipliers),
+            "widening": self.widening,
+            "moves": list(self.moves),
+        }
 
     def __str__(self) -> str:
         names = "; ".join(str(row) for row in self.rows)
