@@ -299,16 +299,16 @@ class ScalingResult:
                 "power": {"time": time} | power,
                 "velocity_limits_passed": self.too_fast(),
                 "energy": done.energy,
-                "excess": None if self.excess is None else self.excess.to_json(),
             } | self._nearness()
         return output
 
     def _nearness(self) -> dict[str, Any]:
-        """How near the limits are, and how far torques and wrenches go from one sample to the next, as JSON values."""
+        """How near the limits are, and how far all goes from sample to sample and between, as JSON values."""
         steps = {kind: largest_step(self, kind) for kind in ("torque", "wrench")}
         return {
             "reserve": self.reserve and self.reserve.to_json(),
             "largest_step": {kind: step and step.step_json() for kind, step in steps.items()},
+            "excess": self.excess and self.excess.to_json(),
         }
 
     def json_text(self) -> str:
