@@ -3,6 +3,8 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from mrts.base.remark import Remark
 from mrts.samples.reserve import TORQUES
 from mrts.samples.sample_ranges import SampleRanges
@@ -47,6 +49,8 @@ def with_torques(result: ScalingResult, c2: float, samples: SampleRanges, solver
 
 def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
     """What to say of joints whose motors bear their torque for a while only."""
+    if not any(np.any(np.isfinite(robot.motors.rated)) for robot in done.cell.robots):
+        return ()
     shares = {
         f"{robot.name}/{joint}": float(share)
         for robot, duty in zip(done.cell.robots, done.duty.values(), strict=True)

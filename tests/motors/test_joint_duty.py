@@ -15,6 +15,7 @@ from mrts.motors.joint_duty import joint_duty
 from mrts.output.summary_lines import scaling_lines
 from mrts.output.trajectory_table import trajectory_columns, trajectory_csv
 from mrts.report import write_report
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 pytestmark = pytest.mark.quick
 
@@ -107,6 +108,14 @@ def test_motors_above_their_rating_are_a_warning_until_the_motion_is_slow_enough
     relaxed = replace(cell.robots[0].motors, rated=np.full(3, 1e4))
     easy = mrts.scale(replace(cell, robots=(replace(cell.robots[0], motors=relaxed), cell.robots[1])), lift)
     assert not [warning for warning in easy.warnings if warning.code == "above-rated"]
+
+
+def test_a_scale_without_ratings_computes_no_duty(lift, planar_cell, monkeypatch):
+    def asked(_trajectory):
+        raise AssertionError("duty")
+
+    monkeypatch.setattr(ScaledTrajectory, "duty", property(asked))
+    assert mrts.scale(planar_cell, lift).trajectory is not None
 
 
 def test_torques_of_another_load_are_judged_anew(cell, lift):
