@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -71,12 +72,12 @@ class JointMotors:
         """Ideal motors: no inertia, no friction, no limits but those of the torque."""
         return cls(torque_speed=(None,) * joints, **{name: np.full(joints, NONE_GIVEN[name]) for name in PER_JOINT})
 
-    @property
+    @cached_property
     def has_effect(self) -> bool:
         """Whether torques differ from those of ideal motors."""
         return self.has_friction or bool(np.any(self.armature))
 
-    @property
+    @cached_property
     def has_friction(self) -> bool:
         """Whether some of the torque overcomes friction."""
         return bool(np.any(self.coulomb) or np.any(self.viscous))

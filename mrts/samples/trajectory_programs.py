@@ -2,7 +2,7 @@
 """The programs of a whole trajectory: by the compiled kernel in one call, or put together here for another solver."""
 
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from mrts.kernel.cell_library import CellLibrary, KernelIntervals, KernelRanges,
 from mrts.kernel.programs import OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits import squared_limits
-from mrts.limits.rows import ActiveRow, Side
+from mrts.limits.rows import ActiveRow, LimitRows, Side
 from mrts.limits.squared_rows import SpeedCaps, SquaredRows
 from mrts.samples import FormulationName
 from mrts.samples.end_rows import RowsAtEnd
@@ -189,9 +189,14 @@ class _Compiled:
         """Whether a row has a term in ṙ beside others."""
         return self.form.rows.speed is not None or (self.motors is not None and self.motors.speed is not None)
 
+    @cached_property
+    def rows(self) -> LimitRows:
+        """The rows that it takes."""
+        return self.form.rows.only(~self.form.is_cap)
+
     def sparse(self) -> SparseLimits:
         """The rows that it takes, as C reads them."""
-        rows = self.form.rows.only(~self.form.is_cap)
+        rows = self.rows
         turned = rows.object_axes
         return SparseLimits(
             matrix=rows.matrix,
@@ -204,7 +209,7 @@ class _Compiled:
 
     def terms(self, speed: float | None = None) -> SampleTerms:
         """What is added at every sample, those in ṙ at a speed, or by themselves where it is to be found."""
-        rows, motors = self.form.rows.only(~self.form.is_cap), self.motors
+        rows, motors = self.rows, self.motors
         if rows.speed is None or speed is None:
             of_rows = SampleTerms(square=rows.square, speed=rows.speed)
         else:
