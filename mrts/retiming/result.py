@@ -46,6 +46,13 @@ class RetimingStatus(Enum):
         return self in {RetimingStatus.OPTIMAL, RetimingStatus.AT_SAMPLES}
 
 
+OF_TRAJECTORY = (
+    *("joints", "torque", "torque_friction", "wrench", "internal_wrench"),
+    *("power", "energy", "joint_duty", "largest_step"),
+)
+"""Entries of the JSON result that are those of the retimed motion."""
+
+
 @dataclass(frozen=True, repr=False)
 class RetimingResult:
     """What `mrts.retime` found.
@@ -162,9 +169,7 @@ class RetimingResult:
             }
             for part in self.pieces
         ]
-        for key in ("joints", "torque", "wrench", "internal_wrench", "power", "energy", "largest_step"):
-            output[key] = whole[key]
-        return output
+        return output | {key: whole[key] for key in OF_TRAJECTORY if key in whole}
 
     def json_text(self) -> str:
         """`to_json` as text."""

@@ -252,16 +252,16 @@ class ScalingResult:
         if self.load is not None:
             output["load"] = self.load.to_json()
         if self.trajectory is not None:
-            passed = {"velocity_limits_passed": self.too_fast(), "excess": self.excess and self.excess.to_json()}
-            output |= self.trajectory.to_json() | passed | self._nearness()
+            output |= self.trajectory.to_json() | {"velocity_limits_passed": self.too_fast()} | self._nearness()
         return output
 
     def _nearness(self) -> dict[str, Any]:
-        """How near the limits are, and how far torques and wrenches go from one sample to the next, as JSON values."""
+        """How near the limits are, and how far all goes from sample to sample and between, as JSON values."""
         steps = {kind: largest_step(self, kind) for kind in ("torque", "wrench")}
         return {
             "reserve": self.reserve and self.reserve.to_json(),
             "largest_step": {kind: step and step.step_json() for kind, step in steps.items()},
+            "excess": self.excess and self.excess.to_json(),
         }
 
     def json_text(self) -> str:
