@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from mrts.output.ros_bag import write_ros_bag
     from mrts.output.saved_result import load_result, save_result
     from mrts.output.trajectory_table import write_trajectory_csv
+    from mrts.refinement.excess import Excess
     from mrts.report import write_report
     from mrts.retiming.result import RetimingResult, RetimingStatus
     from mrts.retiming.retime import retime
@@ -66,6 +67,7 @@ _HOMES = {
     "Contact": "hands.contact",
     "CoordinatedMotion": "coordination.coordinated_motion",
     "DistributionRule": "scaling.result",
+    "Excess": "refinement.excess",
     "Holding": "scaling.holding_torques",
     "InputError": "base.errors",
     "JointDuty": "motors.joint_duty",
@@ -136,6 +138,7 @@ __all__ = [
     "Contact",
     "CoordinatedMotion",
     "DistributionRule",
+    "Excess",
     "Holding",
     "InputError",
     "JointDuty",

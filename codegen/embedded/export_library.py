@@ -14,6 +14,7 @@ from mrts_codegen.embedded.parts import (
     KERNEL_FILES,
     LIBRARY_PARTS,
     MODEL_FUNCTIONS,
+    OF_MOTORS,
     PARTS,
     check_parts,
     chosen,
@@ -90,7 +91,9 @@ def export_library(
     for file in ("model.c", "model.h", "config.h"):
         texts[f"src/{name}_{file}"] = filled(f"src/{file}", words)
     texts[f"src/{name}.c"] = filled("src/library.c", words)
-    texts |= {f"src/parts/{file}": filled(f"parts/{file}", words) for file in own}
+    texts |= {
+        f"src/parts/{file}": filled(f"{'motors' if file in OF_MOTORS else 'parts'}/{file}", words) for file in own
+    }
     texts |= {f"src/kernel/{file}": kernel(file) for file in carried}
     if with_tests:
         texts["examples/main.c"] = filled("tests/example.c", words)

@@ -2,47 +2,15 @@
 """What the library of a cell with motors has besides; one of ideal motors has none of it."""
 
 from mrts_codegen.embedded.c_literals import Precision, c_number, c_numbers
-from mrts_codegen.embedded.template import filled
+from mrts_codegen.embedded.template import in_place, sections
 
 from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedMotors
 
-OF_MOTORS = {
-    "MOTOR_COUNT": "count.h",
-    "MOTOR_PLACE": "place.h",
-    "MOTOR_SAMPLE": "sample.h",
-    "MOTOR_SETTINGS": "settings.h",
-    "MOTOR_INTEGERS": "integers.h",
-    "MOTOR_WORKSPACE": "workspace.h",
-    "MOTOR_SIZES": "sizes.h",
-    "MOTOR_TERMS_FIELDS": "terms.h",
-    "MOTOR_TERMS": "terms.c",
-    "MOTOR_DEFAULTS": "defaults.c",
-    "MOTOR_CHECK": "check.c",
-    "GAP_STATUS": "gap_status.h",
-    "GAP_TEXT": "gap_text.c",
-    "INTERVAL": "interval.h",
-    "BELOW": "below.h",
-    "HORIZON_BELOW": "horizon.h",
-    "RESET": "reset.c",
-    "NONE_BELOW": "none_below.c",
-    "RANGE_OF_SPEED": "range.c",
-    "SHARE_OF_SPEED": "share.c",
-    "REST_OF_VECTORS": "vectors.h",
-    "SET_REST": "set_rest.c",
-    "SAY_GAPS": "say_gaps.c",
-}
-"""Texts by the word that they stand for."""
+OF_LINES = ("LINE_SETTINGS", "LINE_DEFAULTS", "LINE_CHECK", "LINE_TERMS")
+"""Words that are for cells where a torque-speed curve falls."""
 
-OF_LINES = {
-    "LINE_SETTINGS": "slope.h",
-    "LINE_DEFAULTS": "slope.c",
-    "LINE_CHECK": "line_check.c",
-    "LINE_TERMS": "lines.c",
-}
-"""Likewise, where a torque-speed curve falls."""
-
-OF_ENDS = {"MOTOR_ENDS": "ends.c"}
-"""Likewise, where one ends."""
+OF_ENDS = ("MOTOR_ENDS",)
+"""Words that are for cells where one ends."""
 
 
 def motor_words(limits: EmbeddedLimits, words: dict[str, str], precision: Precision) -> dict[str, str]:
@@ -53,16 +21,16 @@ def motor_words(limits: EmbeddedLimits, words: dict[str, str], precision: Precis
         words: All other words.
         precision: "double" or "float".
     """
-    motors, texts = limits.motors, OF_MOTORS | OF_LINES | OF_ENDS
+    motors, texts = limits.motors, sections("motors/words.txt")
     nothing = dict.fromkeys((*texts, "MORE_VELOCITIES", "AND_ENDS"), "")
     if motors is None:
         return nothing
     ends = len(motors.end_joints)
     given = words | _numbers(motors, precision)
-    chosen = OF_MOTORS | (OF_LINES if motors.line_rows else {}) | (OF_ENDS if ends else {})
+    left_out = (*(() if motors.line_rows else OF_LINES), *(() if ends else OF_ENDS))
     if ends:
         nothing |= {"MORE_VELOCITIES": f" + {ends}", "AND_ENDS": ", and ends of torque-speed curves"}
-    return nothing | {word: "\n" + filled(f"motors/{file}", given).rstrip("\n") for word, file in chosen.items()}
+    return nothing | {word: "\n" + in_place(text, given) for word, text in texts.items() if word not in left_out}
 
 
 def motor_memory(limits: EmbeddedLimits, joints: int, k: int) -> tuple[int, int, int]:

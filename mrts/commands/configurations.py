@@ -5,7 +5,15 @@ import argparse
 from pathlib import Path
 
 from mrts.base.errors import InputError
-from mrts.commands.options import add_cell_and_motion, add_reserve, limited_cell_option, require, sharing_option
+from mrts.commands.options import (
+    add_between,
+    add_cell_and_motion,
+    add_reserve,
+    between_option,
+    limited_cell_option,
+    require,
+    sharing_option,
+)
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
@@ -26,6 +34,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     )
     add_cell_and_motion(study)
     study.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
+    add_between(study)
     study.add_argument("--no-velocity-limits", action="store_true", help="let velocity limits bound nothing")
     add_reserve(study)
     study.add_argument("--cap", type=int, default=1024, help="most combinations to evaluate (default: %(default)s)")
@@ -47,6 +56,7 @@ def run(options: argparse.Namespace) -> int:
     if options.show < 0:
         raise InputError("--show", "must be at least 0.", value=options.show)
     check_outputs({"--json": options.json}, {"--plot": options.plot})
+    between = between_option(options.between)
     motion = load_motion(options.motion)
     if not isinstance(motion, ObjectMotion):
         raise InputError(options.motion, "a table of joint motion fixes the configuration; give the object's motion.")
@@ -54,7 +64,13 @@ def run(options: argparse.Namespace) -> int:
     cell = limited_cell_option(options)
     with working(f"configurations of {cell.name}") as progress:
         study = rank_configurations(
-            cell, motion, sharing=sharing, cap=options.cap, solver=options.solver or DEFAULT_SOLVER, progress=progress
+            cell,
+            motion,
+            sharing=sharing,
+            cap=options.cap,
+            solver=options.solver or DEFAULT_SOLVER,
+            between=between,
+            progress=progress,
         )
     feasible = bool(study.ranked) and study.ranked[0].range.status.admits_motion
     outputs = Outputs()

@@ -46,6 +46,31 @@ def closure_option(text: str | None) -> "ClosureBound | None":
         raise InputError("--closure", error.rule, key=error.key, value=error.value) from None
 
 
+def add_between(verb: argparse.ArgumentParser) -> None:
+    """Add the option of verbs that keep limits between samples."""
+    verb.add_argument("--between", default=None, metavar="SHARE|off",
+                      help="share of a limit by which it may be overstepped between the samples; samples are added "
+                      "where it takes them (default: 1e-4; off looks at the given samples alone)")  # fmt: skip
+
+
+def between_option(text: str | None) -> float | None:
+    """The tolerance that `--between` gives; None for the bare samples."""
+    from mrts.refinement.excess import BETWEEN, checked_tolerance
+
+    if text is None:
+        return BETWEEN
+    if text == "off":
+        return None
+    try:
+        share = float(text)
+    except ValueError:
+        raise InputError("--between", "must be a number such as 1e-4, or off.", value=text) from None
+    try:
+        return checked_tolerance(share)
+    except InputError as error:
+        raise InputError("--between", error.rule.replace("None", "off"), value=text) from None
+
+
 def cell_option(path: Path) -> "Cell":
     """The cell of a file or folder; on first use generated and compiled, which a terminal sees."""
     from mrts.cell.cell import load_cell

@@ -106,7 +106,7 @@ def run_demo(solver: str = DEFAULT_SOLVER, progress: Progress = lambda _done, _t
             sharing = LoadSharing() if case.even else None
             motion = load_motion(data / case.motion)
             shipped, identified = (
-                scale(_variant(cell, case), motion, sharing=sharing, solver=solver) for cell in cells
+                scale(_variant(cell, case), motion, sharing=sharing, solver=solver, between=None) for cell in cells
             )
             rows.append(DemoRow(case, shipped, identified.range))
         return rows
@@ -175,7 +175,7 @@ def _figure_writers(rows: list[DemoRow]) -> dict[str, Write]:
             writers[f"figure_{row.case.figure}.png"] = figure_writer(trajectory_figure(row.result, title))
         if row.result.load is not None:
             cell, motion = row.result.cell, row.result.motion
-            answers = {name: scale(cell, motion, load=name) for name in ("possible", "nominal")}
+            answers = {name: scale(cell, motion, load=name, between=None) for name in ("possible", "nominal")}
             answers["guaranteed"] = row.result
             writers["uncertain_load.png"] = figure_writer(load_figure(answers))
     return writers

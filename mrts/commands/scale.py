@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 from mrts.base.errors import InputError
 from mrts.commands.options import (
+    add_between,
     add_cell_and_motion,
     add_closure,
     add_reserve,
+    between_option,
     closure_option,
     limited_cell_option,
     require,
@@ -74,6 +76,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
                        help="of redundant torques: the least ones, or those that keep most of every limit in reserve "
                        "(default: %(default)s)")  # fmt: skip
     add_reserve(scale)
+    add_between(scale)
     add_closure(scale)
     scale.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
     scale.add_argument(
@@ -104,6 +107,7 @@ def run(options: argparse.Namespace) -> int:
         if form.needs:
             require(form.needs[0], f"--{name}", form.needs[1], wanted=path is not None)
     _check_outputs(options)
+    between_option(options.between)  # a wrong one is told before any work
     motion = load_motion(options.motion)
     sharing, closure = sharing_option(options.share), closure_option(options.closure)
     cell = limited_cell_option(options)
@@ -164,6 +168,7 @@ def _scale(
                 load=options.load,
                 distribute=options.distribute,
                 closure=closure,
+                between=between_option(options.between),
                 progress=progress,
             )
         if carried is not None and result.trajectory is not None:
@@ -226,6 +231,7 @@ def _retime(
             load=options.load,
             distribute=options.distribute,
             closure=closure,
+            between=between_option(options.between),
             start_speed=options.start_speed or 0.0,
             end_speed=options.end_speed or 0.0,
             progress=progress,

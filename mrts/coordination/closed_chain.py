@@ -77,11 +77,11 @@ def close_chain(
     if misfit := slip(cell, given.object, tips, shares, ROUNDED_SLIP):
         raise MotionError(f"{where}: {misfit}")
     if carried:
-        target = _mean_object(cell, given.object.time, tips)
+        target = mean_object(cell, given.object.time, tips)
         gaps = grasp_gaps(cell, target, tips)
     else:
         target = given.object
-    q = _on_grasps(cell, target, given.q)
+    q = joints_on_grasps(cell, target, given.q)
     check_joint_limits(cell, target.time, q, PRINTED_TOLERANCE)
     dq, ddq = _rates_on_grasps(cell, target, q, given)
     moved = float(np.max(np.abs(q - given.q)))
@@ -119,7 +119,7 @@ def _correction(cell: Cell, gaps: GraspGaps, bound: ClosureBound, moved: float) 
     return (remark,)
 
 
-def _mean_object(cell: Cell, time: Array, tips: list[TipMotion]) -> ObjectMotion:
+def mean_object(cell: Cell, time: Array, tips: list[TipMotion]) -> ObjectMotion:
     """What the tips carry on the mean, its rates likewise: they differ from its derivatives by squares of the gaps."""
     carried = [carried_object(cell, index, time, tip, smooth=False) for index, tip in enumerate(tips)]
     first = carried[0].rotation
@@ -134,7 +134,7 @@ def _mean_object(cell: Cell, time: Array, tips: list[TipMotion]) -> ObjectMotion
     )
 
 
-def _on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
+def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
     """Joint positions on the grasps near the given ones, Shape (N, m)."""
     held = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS, None)
     gaps = GraspGaps(held.gap.T, held.turn.T)

@@ -2,6 +2,7 @@
 """Motion of the whole cell from whatever is known of it: the object, a table of joints, or both."""
 
 from copy import copy
+from dataclasses import replace
 from types import NoneType
 
 import numpy as np
@@ -11,7 +12,7 @@ from mrts.base.errors import InputError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.closed_chain import close_chain
-from mrts.coordination.coordinated_motion import CoordinatedMotion, carried_by_first, follow_object
+from mrts.coordination.coordinated_motion import CoordinatedMotion, JointCourse, carried_by_first, follow_object
 from mrts.coordination.grasp_closure import ClosureBound
 from mrts.coordination.joint_columns import columns_by_joint, meant_instead
 from mrts.inverse_kinematics.joint_limits import PRINTED_TOLERANCE, check_joint_limits
@@ -64,7 +65,11 @@ def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> Coordi
     check_joint_limits(cell, known.time, q, PRINTED_TOLERANCE)
     carried = carried_by_first(cell, known.time, q, dq, ddq, smooth=False)
     given = CoordinatedMotion(carried.object, q, dq, ddq, (*known.remarks, *remarks))
-    return close_chain(cell, given, bound, str(table.path), carried=True, source=known.differentiated.get(names[0]))
+    closed = close_chain(cell, given, bound, str(table.path), carried=True, source=known.differentiated.get(names[0]))
+    if not known.differentiated.keys() >= set(names):
+        return closed
+    splines = tuple(known.splines[name] for name in names)
+    return replace(closed, course=JointCourse(splines, closed is not given))
 
 
 def _names_by_joint(cell: Cell, table: JointTable) -> tuple[list[str], tuple[Remark, ...]]:

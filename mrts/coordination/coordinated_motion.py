@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The whole cell along the object's motion: joint positions, velocities and accelerations of every arm."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -16,10 +16,30 @@ from mrts.coordination.grasp_closure import TipMotion, in_world, tip_motions
 from mrts.inverse_kinematics.grasp_tracking import follow_grasps
 from mrts.inverse_kinematics.joint_limits import check_joint_limits, within_limits
 from mrts.inverse_kinematics.starting_positions import starting_positions
+from mrts.motion.joint_table import JointSplines
 from mrts.motion.object_motion import ObjectMotion
 
 OUT_OF_PLANE = 1e-9
 """Largest velocity and turning rate out of the plane of a planar cell [m/s, rad/s]: rounding of the input."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class JointCourse:
+    """What a table makes of all joints between its rows.
+
+    Attributes:
+        joints: Splines of each joint, in the cell's order.
+        closed: Whether the samples were moved from these onto the grasps.
+    """
+
+    joints: tuple[JointSplines, ...]
+    closed: bool
+
+    def __call__(self, time: Array) -> tuple[Array, Array, Array]:
+        """Positions, velocities and accelerations at some times, Shape (k,) [s], each Shape (k, m)."""
+        parts = [joint(time) for joint in self.joints]
+        q, dq, ddq = (np.column_stack([part[order] for part in parts]) for order in range(3))
+        return q, dq, ddq
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -34,6 +54,7 @@ class CoordinatedMotion:
         remarks: What to know of how it was read or found.
         travel: Signs of the joints' velocities just before and just after every sample, where `dq` and `ddq` do not
             show them: a motion at a stop of a retimed path has none of its own. Shape (2, N, m); None where they do.
+        course: What a table makes of the joints between its rows; None where only samples of them are known.
     """
 
     object: ObjectMotion
@@ -42,6 +63,7 @@ class CoordinatedMotion:
     ddq: Array
     remarks: tuple[Remark, ...] = ()
     travel: Array | None = None
+    course: JointCourse | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         check_type("object", self.object, ObjectMotion)

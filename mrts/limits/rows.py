@@ -101,7 +101,8 @@ class ActiveRow:
     def __str__(self) -> str:
         if self.name == STANDSTILL or self.name.kind == "speed":
             return str(self.name)
-        return f"{self.name} ({self.side}, {f'{self.limit:g} {self.name.unit}'.rstrip()})"
+        line = ", of the line at standstill" if self.name.kind == TORQUE_SPEED else ""
+        return f"{self.name} ({self.side}, {f'{self.limit:g} {self.name.unit}'.rstrip()}{line})"
 
     def to_json(self) -> dict[str, str | float]:
         """Entry of "rows" in the JSON result."""

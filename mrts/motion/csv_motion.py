@@ -14,7 +14,8 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER, read_text
 from mrts.motion.joint_table import JointTable, joint_motion
-from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion, spline_motion
+from mrts.motion.object_courses import spline_motion
+from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion
 from mrts.motion.rounded_samples import derivative
 
 POSE_COLUMNS = ("px", "py", "pz", "qx", "qy", "qz", "qw")

@@ -10,12 +10,35 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.remark import Remark
-from mrts.motion.object_motion import check_derivatives, noise_allowed, smoothing_remark
-from mrts.motion.rounded_samples import splines_through
+from mrts.motion.object_courses import smoothing_remark
+from mrts.motion.object_motion import check_derivatives, noise_allowed
+from mrts.motion.rounded_samples import Spline, splines_through
 from mrts.motion.rows_at_rest import motion_rows
 
 Source = Literal["positions", "velocities"]
 """What the derivatives of a joint that were not given were found from."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class JointSplines:
+    """What a table makes of one joint at any time, where not all of its derivatives were given.
+
+    Attributes:
+        position: Its spline [rad or m].
+        rate: Of its velocity, where velocities were given [rad/s or m/s].
+    """
+
+    position: Spline
+    rate: Spline | None = None
+
+    def __call__(self, time: Array) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration at some times, Shape (k,) [s]."""
+        rate = (self.position, 1) if self.rate is None else (self.rate, 0)
+        orders = ((self.position, 0), rate, (rate[0], rate[1] + 1))
+        position, velocity, acceleration = (
+            np.asarray(spline(time, order), dtype=np.float64) for spline, order in orders
+        )
+        return position, velocity, acceleration
 
 
 @dataclass(frozen=True, repr=False)
@@ -33,6 +56,7 @@ class JointTable:
         differentiated: The columns whose velocities, or accelerations only, were not given, and what they were found
             from.
         smoothed: The columns whose positions were smoothed by their rounding, and the largest change [rad or m].
+        splines: What the table makes of the columns of `differentiated` between its rows.
         unusable: Columns that could not be read together with the others, and why; a cell that needs one says so.
     """
 
@@ -44,6 +68,7 @@ class JointTable:
     remarks: tuple[Remark, ...] = ()
     differentiated: dict[str, Source] = field(default_factory=dict)
     smoothed: dict[str, float] = field(default_factory=dict)
+    splines: dict[str, JointSplines] = field(default_factory=dict)
     unusable: dict[str, InputError] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -127,18 +152,21 @@ def joint_motion(
     at = time if samples is None else np.linspace(0.0, time[-1], samples)
     q, dq, ddq = dict(positions), dict(velocities), dict(accelerations)
     differentiated: dict[str, Source] = {}
+    through: dict[str, JointSplines] = {}
     for joint, rates in velocities.items():
         if joint not in ddq:
             differentiated[joint] = "velocities"
-            q[joint], dq[joint], ddq[joint] = _through_rates(time, q[joint], rates, at)
+            through[joint] = _through_rates(time, q[joint], rates)
     still = [joint for joint in q if joint not in dq]
     smoothed: dict[str, float] = {}
     if still:
         splines, moved = splines_through(time, np.column_stack([q[joint] for joint in still]))
         for joint, spline in zip(still, splines, strict=True):
             differentiated[joint] = "positions"
-            q[joint], dq[joint], ddq[joint] = (np.asarray(spline(at, order), dtype=np.float64) for order in range(3))
+            through[joint] = JointSplines(spline)
         smoothed = {joint: float(change) for joint, change in zip(still, moved, strict=True) if change > 0}
+    for joint, splines_of in through.items():
+        q[joint], dq[joint], ddq[joint] = splines_of(at)
     return JointTable(
         path=path,
         time=at,
@@ -148,6 +176,7 @@ def joint_motion(
         remarks=(),
         differentiated=differentiated,
         smoothed=smoothed,
+        splines=through,
     )
 
 
@@ -157,9 +186,8 @@ def _columns(part: dict[str, Array], given: tuple[dict[str, Array], ...], rows: 
     return np.column_stack([np.zeros((rows, 0)), *(part[name] for name in best if name in part)])
 
 
-def _through_rates(time: Array, q: Array, dq: Array, at: Array) -> tuple[Array, Array, Array]:
-    """Position, velocity and acceleration at other times, from the positions and velocities of samples."""
+def _through_rates(time: Array, q: Array, dq: Array) -> JointSplines:
+    """Splines through the positions and velocities of samples."""
     from scipy.interpolate import CubicHermiteSpline, CubicSpline  # noqa: PLC0415 (slow to import, and rarely needed)
 
-    rate, line = CubicSpline(time, dq), CubicHermiteSpline(time, q, dq)
-    return np.asarray(line(at)), np.asarray(rate(at)), np.asarray(rate(at, 1))
+    return JointSplines(CubicHermiteSpline(time, q, dq), CubicSpline(time, dq))

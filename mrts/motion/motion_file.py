@@ -13,7 +13,8 @@ from mrts.base.input_file import Pose, StrictModel, broken_format, broken_rule, 
 from mrts.base.rigid_transform import rotation_from_rpy
 from mrts.motion.csv_motion import MAX_SAMPLES, read_joint_table, read_object_table, read_table
 from mrts.motion.joint_table import JointTable
-from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion, geodesic_motion, waypoint_motion
+from mrts.motion.object_courses import geodesic_motion, waypoint_motion
+from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion
 from mrts.motion.ros_messages import is_bag
 from mrts.motion.ros_trajectory import read_joint_trajectories
 from mrts.motion.velocity_profile import PROFILES

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The motion of the carried object, and its samples from splines and paths."""
+"""The motion of the carried object: its samples, checked, and where it is known, its course between them."""
 
+from collections.abc import Callable
 from dataclasses import InitVar, dataclass, field
 from typing import Any
 
@@ -12,11 +13,6 @@ from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, freeze
 from mrts.base.errors import InputError, as_array
 from mrts.base.remark import Remark
-from mrts.motion.rounded_samples import splines_through
-from mrts.motion.velocity_profile import Profile
-
-ROTATION_LENGTH = 0.25
-"""Metres of path that a turn by one radian counts as, where waypoints are spaced along a path."""
 
 ORTHOGONAL = 1e-6
 """Largest entry of R Rᵀ - I: matrices from tables carry few digits."""
@@ -39,8 +35,11 @@ STILL = 1e-9
 SHORTEST_STEP = 1e-9
 """Least time between samples [s]: below it squares of rates overflow."""
 
-SAME_WAYPOINT = 1e-9
-"""Waypoints nearer than this [m, with turns by `ROTATION_LENGTH`] are one."""
+ObjectRates = tuple[Array, Array, Array, Array]
+"""Position, rotation, twist and acceleration at some times, as in `ObjectMotion`."""
+
+ObjectCourse = Callable[[Array], ObjectRates]
+"""A motion of the object at any times from 0 to its end, Shape (k,) [s]."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -55,6 +54,7 @@ class ObjectMotion:
         acceleration: [p''; φ''], Shape (N, 6) [m/s², rad/s²].
         remarks: What to know of how it was read.
         smooth: Whether the rates are to be compared with the steps between samples; not where accelerations jump.
+        course: The same motion at any times; None where only its samples are known.
     """
 
     time: Array
@@ -64,6 +64,7 @@ class ObjectMotion:
     acceleration: Array
     smooth: InitVar[bool] = True
     remarks: tuple[Remark, ...] = field(default=(), kw_only=True)
+    course: "ObjectCourse | None" = field(default=None, kw_only=True, compare=False)
 
     def __repr__(self) -> str:
         return f"<ObjectMotion: {len(self.time)} samples in {self.time[-1]:.4g} s>"
@@ -160,150 +161,4 @@ def _check_way(
         f"its {what} do not lead from sample {start[worst]} to {worst + 1} (t = {time[start[worst]]:.6g} to "
         f"{time[worst + 1]:.6g} s): they are off by {100 * off[worst] / size:.3g} % of the largest such step. Check "
         "units, world axes and signs; if those are right, the samples are too few.",
-    )
-
-
-def geodesic_motion(
-    positions: Array, rotations: Array, profile: Profile, duration: float, samples: int
-) -> ObjectMotion:
-    """From one pose to another along a straight line and the geodesic rotation.
-
-    Args:
-        positions: Start and end, Shape (2, 3) [m].
-        rotations: Start and end, Shape (2, 3, 3).
-        profile: Velocity profile.
-        duration: [s].
-        samples: Number of samples.
-    """
-    u = np.linspace(0.0, 1.0, samples)
-    s, ds, dds = profile(u)
-    step = positions[1] - positions[0]
-    turn = Rotation.from_matrix(rotations[1] @ rotations[0].T).as_rotvec()  # world axes, constant on the geodesic
-    direction = np.concatenate([step, turn])
-    return ObjectMotion(
-        u * duration,
-        positions[0] + s[:, None] * step,
-        Rotation.from_rotvec(s[:, None] * turn).as_matrix() @ rotations[0],
-        ds[:, None] / duration * direction,
-        dds[:, None] / duration**2 * direction,
-    )
-
-
-def waypoint_motion(
-    positions: Array, rotations: Array, profile: Profile, duration: float, samples: int
-) -> ObjectMotion:
-    """Through waypoints on a C² path: a cubic spline in position and scipy's rotation spline.
-
-    The path parameter is the distance along the waypoints, a turn counted by `ROTATION_LENGTH`; the profile runs it
-    from the first to the last.
-
-    Args:
-        positions: Shape (M, 3) [m].
-        rotations: Shape (M, 3, 3).
-        profile: Velocity profile.
-        duration: [s].
-        samples: Number of samples.
-
-    Raises:
-        InputError: If two waypoints that follow each other are the same.
-    """
-    turns = Rotation.from_matrix(rotations[1:] @ rotations[:-1].transpose(0, 2, 1)).magnitude()
-    spacing = np.hypot(np.linalg.norm(np.diff(positions, axis=0), axis=1), ROTATION_LENGTH * turns)
-    if np.min(spacing) <= SAME_WAYPOINT:
-        index = int(np.argmin(spacing))
-        raise InputError("waypoints", f"waypoints {index} and {index + 1} are the same; leave one out.")
-    knots = np.concatenate([[0.0], np.cumsum(spacing)]) / np.sum(spacing)
-    u = np.linspace(0.0, 1.0, samples)
-    s, ds, dds = profile(u)
-    path = _spline(knots, positions, rotations, np.clip(s, 0.0, 1.0))
-    ds, dds = ds[:, None] / duration, dds[:, None] / duration**2
-    return ObjectMotion(
-        u * duration,
-        path.position,
-        path.rotation,
-        path.twist * ds,
-        path.acceleration * ds**2 + path.twist * dds,
-    )
-
-
-def spline_motion(time: Array, positions: Array, quaternions: Array, at: Array) -> ObjectMotion:
-    """Through poses at given times on the splines of `splines_through`, of position and quaternion.
-
-    Args:
-        time: Shape (M,) [s], strictly increasing from 0.
-        positions: Shape (M, 3) [m].
-        quaternions: x, y, z, w, of length 1 but for rounding, Shape (M, 4).
-        at: Times of the samples, Shape (N,) [s], from 0 to the last of `time`.
-    """
-    turns = quaternions * np.cumprod(np.where(_flips(quaternions), -1.0, 1.0))[:, None]
-    splines, moved = splines_through(time, np.concatenate([positions, turns], axis=1))
-    position, turn = (
-        [np.column_stack([spline(at, order) for spline in part]).astype(np.float64) for order in range(3)]
-        for part in (splines[:3], splines[3:])
-    )
-    rotation, rate, change = _rotation_rates(*turn)
-    return ObjectMotion(
-        at,
-        position[0],
-        rotation,
-        np.concatenate([position[1], rate], axis=1),
-        np.concatenate([position[2], change], axis=1),
-        remarks=(smoothing_remark("the object's poses", float(np.max(moved))),) if np.any(moved) else (),
-    )
-
-
-def smoothing_remark(what: str, moved: float) -> Remark:
-    """That positions were smoothed by their rounding, by at most so much [m, rad, or 1]."""
-    return Remark(
-        "smoothed-digits",
-        f"the digits of {what} are too few to be differentiated twice: a smooth path was taken that misses them by "
-        f"their rounding on the mean, and by at most {moved:.2g}. Give more digits, or velocities and accelerations.",
-    )
-
-
-def _flips(quaternions: Array) -> NDArray[np.bool_]:
-    """Where a quaternion is written with the sign opposite to the row before, Shape (M,)."""
-    return np.concatenate([[False], np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0])
-
-
-def _rotation_rates(q: Array, dq: Array, ddq: Array) -> tuple[Array, Array, Array]:
-    """Rotation, angular velocity and acceleration, world axes, of quaternions of any length near 1: φ' = 2 q' q⁻¹."""
-    square = np.sum(q**2, axis=1)[:, None]
-    rate = 2 * _times_conjugate(dq, q) / square
-    stretch = 2 * np.sum(q * dq, axis=1)[:, None] / square
-    change = 2 * _times_conjugate(ddq, q) / square - stretch * rate
-    return np.asarray(Rotation.from_quat(q).as_matrix(), dtype=np.float64), rate, change
-
-
-def _times_conjugate(a: Array, b: Array) -> Array:
-    """Vector part of the quaternion product a b*, Shape (N, 3)."""
-    va, vb, wa, wb = a[:, :3], b[:, :3], a[:, 3:], b[:, 3:]
-    product: Array = wb * va - wa * vb - np.cross(va, vb)
-    return product
-
-
-@dataclass(frozen=True)
-class _PathSamples:
-    """Pose and its first two derivatives by the spline's parameter."""
-
-    position: Array
-    rotation: Array
-    twist: Array
-    acceleration: Array
-
-
-def _spline(knots: Array, positions: Array, rotations: Array, at: Array) -> _PathSamples:
-    from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for waypoints and tables only)
-    from scipy.spatial.transform import RotationSpline  # noqa: PLC0415
-
-    line = CubicSpline(knots, positions, bc_type="natural")
-    turn = RotationSpline(knots, Rotation.from_matrix(rotations))
-    rotation = np.asarray(turn(at).as_matrix(), dtype=np.float64)
-    # scipy gives rates in the body's axes
-    rate, change = (np.einsum("nij,nj->ni", rotation, turn(at, order)) for order in (1, 2))
-    return _PathSamples(
-        np.asarray(line(at), dtype=np.float64),
-        rotation,
-        np.concatenate([line(at, 1), rate], axis=1),
-        np.concatenate([line(at, 2), change], axis=1),
     )

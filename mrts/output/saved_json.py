@@ -184,6 +184,15 @@ class WarningEntry(_Record):
     sample: Index | None
 
 
+class ExcessEntry(_Record):
+    """How far limits are overstepped between the samples, as `mrts.refinement.excess.Excess`; the row is an index."""
+
+    share: Annotated[float, Field(ge=0)]
+    tolerance: Annotated[float, Field(gt=0)]
+    time: float | None
+    row: Index | None
+
+
 class Description(_Record):
     """Everything of a saved result that is not a number a sample; docs/saved_results.md has the meaning of each."""
 
@@ -208,6 +217,7 @@ class Description(_Record):
     loads: Annotated[list[LoadEntry], FailFast()]
     conflicts: Annotated[list[ConflictEntry], FailFast()]
     gaps: Annotated[list[GapEntry], FailFast()] = []
+    excess: ExcessEntry | None = None
 
     def text(self) -> str:
         """As JSON."""

@@ -34,6 +34,7 @@ from mrts.output.saved_json import (
     VERSION,
     BoxEntry,
     Description,
+    ExcessEntry,
     RuleEntry,
     SharingEntry,
     StudyEntry,
@@ -51,6 +52,7 @@ from mrts.output.saved_ranges import (
     require_places,
     reserve_entry,
 )
+from mrts.refinement.excess import Excess
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.scaling.holding_torques import Holding
@@ -170,9 +172,20 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         rule=rule,
         origin=said.origin,
         warnings=warnings,
+        excess=_excess(path, said),
     )
     reserve = read_reserve(path, said, motion.object.time)
     return result if reserve is None and done is not None else result.with_known_reserve(reserve)
+
+
+def _excess(path: Path, said: Description) -> Excess | None:
+    """How far limits are overstepped between the samples."""
+    left = said.excess
+    if left is None:
+        return None
+    require_places(path, "excess: row", [] if left.row is None else [left.row], len(said.rows))
+    row = None if left.row is None else said.rows[left.row].row()
+    return Excess(left.share, left.tolerance, left.time, row)
 
 
 def _other_limits(found_with: list[str]) -> tuple[Remark, ...]:
@@ -209,6 +222,10 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
         )
     conflicts, gaps = conflict_entries(ranges, tables), gap_entries(ranges, tables)
     reserve = reserve_entry(result.reserve, tables)
+    left, excess = result.excess, None
+    if left is not None:
+        row = None if left.row is None else tables.row(left.row)
+        excess = ExcessEntry(share=left.share, tolerance=left.tolerance, time=left.time, row=row)
     return Description(
         format=FORMAT_NAME,
         version=VERSION,
@@ -238,6 +255,7 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
         gaps=gaps,
         kept_reserve=cell.reserve,
         reserve=reserve,
+        excess=excess,
     )
 
 

@@ -11,11 +11,11 @@ from mrts.base.arrays import Array
 from mrts.drawing.axis_reach import c2_reach
 from mrts.drawing.colours import ADMISSIBLE, END_COLOURS
 from mrts.drawing.labels import LANE_LETTERS, row_label, shortened
-from mrts.drawing.lanes import Lane, binding_lanes, gap_boxes, infeasible_spans, spans
+from mrts.drawing.lanes import Lane, binding_lanes, infeasible_spans, spans
 from mrts.drawing.range_sentences import range_text
 from mrts.limits.rows import ActiveRow
 from mrts.report.markup import plot_text
-from mrts.report.plots import Plot, layout, line, numbers, shown_samples
+from mrts.report.plots import Plot, gap_traces, layout, line, numbers, shown_samples
 from mrts.samples.range_status import RangeStatus
 from mrts.scaling.range import ScalingRange
 
@@ -50,7 +50,7 @@ def range_plot(found: ScalingRange) -> Plot:
             shape["shapes"].append(level | {"line": {"color": END_COLOURS[kind], "dash": "dot", "width": 1.5}})
     if found.status is RangeStatus.UNBOUNDED:
         shape["annotations"].append(word | {"x": 0.5, "xref": "paper", "text": "no limit depends on the speed"})
-    traces = [*_admissible(found, high), *_gaps(found, high), *_curves(found), *_ends(found)]
+    traces = [*_admissible(found, high), *gap_traces(found.samples, high), *_curves(found), *_ends(found)]
     lanes = binding_lanes(found)
     below = LANE_HEIGHT * len(lanes) + 12
     if lanes:
@@ -102,21 +102,6 @@ def _admissible(found: ScalingRange, high: float) -> list[dict[str, Any]]:
         sides[1] |= {"showlegend": number == 0, "fill": "tonexty", "fillcolor": f"{ADMISSIBLE}30"}
         traces += sides
     return traces
-
-
-def _gaps(found: ScalingRange, high: float) -> list[dict[str, Any]]:
-    """What samples do not admit between their ends, hatched."""
-    boxes = gap_boxes(found.samples, high)
-    if not boxes:
-        return []
-    x: list[float | None] = []
-    y: list[float | None] = []
-    for box in boxes:
-        x += [*numbers(np.array([box.start, box.end, box.end, box.start, box.start])), None]
-        y += [*numbers(np.array([box.lower, box.lower, box.upper, box.upper, box.lower])), None]
-    hatched = {"shape": "/", "bgcolor": "#e4e4e4", "fgcolor": "#9a9a9a", "size": 8}
-    look = {"mode": "lines", "line": {"width": 0}, "fill": "toself", "fillpattern": hatched, "hoverinfo": "skip"}
-    return [{"x": x, "y": y, "name": "gap: no admissible c²"} | look]
 
 
 def _ends(found: ScalingRange) -> list[dict[str, Any]]:

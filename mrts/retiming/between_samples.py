@@ -1,57 +1,138 @@
 # SPDX-License-Identifier: MIT
-"""How far a retimed motion oversteps limits between the samples at which they were kept."""
+"""How far a retimed motion oversteps limits between the samples at which they were kept, and samples against that."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.retiming.retimed_motion import TimedPiece, between_samples
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.coordination.denser_motion import between_samples, denser, moved_remarks
+from mrts.refinement.excess import Excess
+from mrts.retiming.result import RetimingResult, RetimingStatus
+from mrts.retiming.retimed_motion import TimedPiece, between_path_samples
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.sample_problem import build_sample_problem
+from mrts.samples.trajectory_programs import motion_ranges
 from mrts.samples.widening import widening_at
 from mrts.solvers import DEFAULT_SOLVER
 
 PLACES = np.array([0.125, 0.375, 0.5, 0.625, 0.875])
 """Where each segment is checked; the error vanishes at its ends."""
 
+MOST_ROUNDS = 12
+"""Times that a path is timed again: a segment is then 4096 times shorter."""
+
+MOST_SAMPLES, MOST_TIMES = 1000, 4
+"""Samples up to which more are added, or so many times those of the motion."""
+
 
 @dataclass(frozen=True)
-class Excess:
-    """The worst excess over a limit between samples, with the best distribution of the torques there.
+class SegmentExcess:
+    """Excess over limits inside the segments of a retimed path.
 
     Attributes:
-        share: Of a limit; 0 if all are kept.
-        sample: Start of the segment where it is worst.
+        share: The worst of each segment, Shape (N - 1,).
+        worst: Of all.
     """
 
-    share: float
-    sample: int
+    share: Array
+    worst: Excess
 
 
-def largest_excess(
-    cell: Cell, pieces: Sequence[TimedPiece], sharing: LoadSharing | None, loads: Sequence[Array]
-) -> Excess:
-    """The least widening of all limits that admits the motion everywhere between its samples.
+def refined_timing(
+    timed: RetimingResult, again: Callable[[CoordinatedMotion], RetimingResult], tolerance: float, *, adds: bool
+) -> RetimingResult:
+    """A timing whose limits hold between samples to a tolerance, or that says by how much they do not.
+
+    Each segment that oversteps limits gets a sample in its middle, and the whole path is timed again.
+
+    Args:
+        timed: The fastest timing of a motion.
+        again: Times the same motion with more samples.
+        tolerance: Share of a limit by which it may be overstepped.
+        adds: Whether samples are added at all.
+
+    Raises:
+        MotionError: If the arms cannot hold the object between the samples.
+        SolverError: If no solver answers.
+    """
+    most = max(MOST_SAMPLES, MOST_TIMES * timed.motion.samples)
+    for turn in range(MOST_ROUNDS + 1):
+        if not timed.pieces:
+            return timed
+        found = excess_by_segment(timed.cell, timed.motion, timed.pieces, timed.constant.rule.sharing, timed.loads,
+                                  tolerance)  # fmt: skip
+        timed = _with_excess(timed, found.worst)
+        passing = np.flatnonzero(found.share > tolerance)
+        if not adds or turn == MOST_ROUNDS or not len(passing) or timed.motion.samples + len(passing) > most:
+            break
+        time = timed.motion.object.time
+        middles = (time[passing] + time[passing + 1]) / 2
+        more = between_samples(timed.cell, timed.motion, middles)
+        motion = denser(timed.motion, more, np.arange(1, len(middles) + 1, dtype=np.intp))
+        timed = _as_before(again(motion), timed, middles)
+    if not found.worst.passes:
+        return timed
+    return replace(timed, status=RetimingStatus.AT_SAMPLES)
+
+
+def _with_excess(timed: RetimingResult, worst: Excess) -> RetimingResult:
+    """A timing that says its excess, in the time of the given motion and in that of the retimed one."""
+    played = timed.retimed
+    if played is not None:
+        given, own = timed.motion.object.time, played.motion.object.time
+        at = None if worst.time is None else float(np.interp(worst.time, given, own))
+        played = replace(played, excess=replace(worst, time=at))
+    return replace(timed, excess=worst, retimed=played)
+
+
+def _as_before(finer: RetimingResult, timed: RetimingResult, added: Array) -> RetimingResult:
+    """A timing with more samples that is compared with the same constant factor and warns of the same."""
+    played = finer.retimed
+    if played is not None and timed.retimed is not None:
+        warnings = moved_remarks(timed.retimed.warnings, timed.motion.object.time, added)
+        played = replace(played, warnings=warnings)
+    return replace(finer, constant=timed.constant, retimed=played)
+
+
+def excess_by_segment(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    pieces: Sequence[TimedPiece],
+    sharing: LoadSharing | None,
+    loads: Sequence[Array],
+    tolerance: float,
+) -> SegmentExcess:
+    """The least widening of all limits that admits the motion inside each of its segments.
 
     Args:
         cell: The cell.
+        motion: The given motion, N samples.
         pieces: The retimed path.
         sharing: A fixed distribution of the load, None for a free one.
         loads: Load vectors that are to be carried, each Shape (10,).
+        tolerance: Share of a limit by which it may be overstepped.
 
     Raises:
         SolverError: If no solver answers.
     """
-    worst = Excess(0.0, 0)
+    worst, shares, time = Excess(0.0, tolerance), np.zeros(motion.samples - 1), motion.object.time
     for part in pieces:
-        played = between_samples(cell, part, PLACES)
+        played = between_path_samples(cell, part, PLACES)
         for load in loads:
             problem = build_sample_problem(cell, played, sharing=sharing, load=load)
             share = widening_at(problem, 1.0, DEFAULT_SOLVER, "the excess between samples")
-            place = int(np.argmax(share))
-            if share[place] > worst.share:
-                worst = Excess(float(share[place]), part.piece.first + place // len(PLACES))
-    return worst
+            segments = slice(part.piece.first, part.piece.first + len(part.piece.step))
+            shares[segments] = np.maximum(shares[segments], np.max(share.reshape(-1, len(PLACES)), axis=1))
+            most = int(np.argmax(share))
+            if share[most] > worst.share:
+                segment, place = divmod(most, len(PLACES))
+                start, end = time[part.piece.first + segment :][:2]
+                there = motion_ranges(cell, played.at(np.array([most, most])), "wrench", sharing, DEFAULT_SOLVER, load)
+                rows = there.upper_rows[0]
+                at = float(start + PLACES[place] * (end - start))
+                worst = Excess(float(share[most]), tolerance, at, rows[0] if rows else None)
+    return SegmentExcess(shares, worst)

@@ -17,7 +17,7 @@ from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.retiming.between_samples import Excess, largest_excess
+from mrts.refinement.excess import Excess
 from mrts.retiming.profile_limits import profile_limits
 from mrts.retiming.retimed_motion import TimedPiece
 from mrts.samples.infeasibility import Conflict
@@ -30,6 +30,7 @@ class RetimingStatus(Enum):
     """Outcome of retiming."""
 
     OPTIMAL = "optimal"
+    AT_SAMPLES = "optimal at samples only"
     INFEASIBLE = "infeasible"
     NOT_CONTROLLABLE = "not controllable"
     START_SPEED = "start speed not admissible"
@@ -42,7 +43,14 @@ class RetimingStatus(Enum):
     @property
     def admits_motion(self) -> bool:
         """Whether there is a profile."""
-        return self is RetimingStatus.OPTIMAL
+        return self in {RetimingStatus.OPTIMAL, RetimingStatus.AT_SAMPLES}
+
+
+OF_TRAJECTORY = (
+    *("joints", "torque", "torque_friction", "wrench", "internal_wrench"),
+    *("power", "energy", "joint_duty", "largest_step"),
+)
+"""Entries of the JSON result that are those of the retimed motion."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -59,6 +67,7 @@ class RetimingResult:
         pieces: The path from stop to stop with its fastest speed; empty if there is none.
         retimed: The motion at the fastest timing with its torques, as a result at c² = 1; None without a profile.
         conflict: The limits that conflict, where limits are the reason.
+        excess: How far limits are overstepped between the samples; None without a profile.
     """
 
     cell: Cell
@@ -70,6 +79,7 @@ class RetimingResult:
     pieces: tuple[TimedPiece, ...] = ()
     retimed: ScalingResult | None = None
     conflict: Conflict | None = None
+    excess: Excess | None = None
 
     def __repr__(self) -> str:
         return f"RetimingResult({self.cell.name}: {self.sentence()})"
@@ -100,13 +110,6 @@ class RetimingResult:
         """What limits the speed, for which share of the duration, most first."""
         return profile_limits(self.cell, self.pieces, self.constant.rule.sharing, self.loads)
 
-    @cached_property
-    def excess(self) -> Excess | None:
-        """How far limits are overstepped between the samples, by a dense check; None without a profile."""
-        if not self.pieces:
-            return None
-        return largest_excess(self.cell, self.pieces, self.constant.rule.sharing, self.loads)
-
     @property
     def warnings(self) -> tuple[Remark, ...]:
         """What to know of the cell and the motion before trusting the answer."""
@@ -129,6 +132,8 @@ class RetimingResult:
             )
         if self.stops.size:
             text += f". It stops at t = {', '.join(f'{time:.4g}' for time in self.stops)} s of the given motion"
+        if self.excess is not None and self.excess.passes:
+            text += f"; but {self.excess}" if not self.stops.size else f". But {self.excess}"
         return f"{text}."
 
     def to_json(self) -> dict[str, Any]:
@@ -149,7 +154,8 @@ class RetimingResult:
         if self.retimed is None or self.excess is None:
             return output
         whole, time = self.retimed.to_json(), self.motion.object.time
-        output["excess"] = {"share": self.excess.share, "sample": self.excess.sample}
+        at = self.excess.time or 0.0
+        output["excess"] = self.excess.to_json() | {"sample": int(np.searchsorted(time, at, side="right")) - 1}
         output["limits"] = [{"limit": name, "share_of_duration": share} for name, share in self.limits]
         output["stops"] = self.stops.tolist()
         output["profile"] = [
@@ -163,9 +169,7 @@ class RetimingResult:
             }
             for part in self.pieces
         ]
-        for key in ("joints", "torque", "wrench", "internal_wrench", "power", "energy", "largest_step"):
-            output[key] = whole[key]
-        return output
+        return output | {key: whole[key] for key in OF_TRAJECTORY if key in whole}
 
     def json_text(self) -> str:
         """`to_json` as text."""

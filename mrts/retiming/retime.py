@@ -17,6 +17,8 @@ from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
+from mrts.refinement.excess import BETWEEN, checked_tolerance
+from mrts.retiming.between_samples import refined_timing
 from mrts.retiming.path_pieces import NoPath, PathPiece, closed_piece, path_pieces
 from mrts.retiming.reachability import Obstacle, SpeedProfile, fastest_profile
 from mrts.retiming.result import RetimingResult, RetimingStatus
@@ -56,6 +58,7 @@ def retime(
     closure: ClosureBound | None = None,
     start_speed: float = 0.0,
     end_speed: float = 0.0,
+    between: float | None = BETWEEN,
     progress: Progress = lambda _done, _total: None,
 ) -> RetimingResult:
     """Find the fastest r(t) within all limits, and distribute its torques.
@@ -77,6 +80,7 @@ def retime(
         closure: Likewise.
         start_speed: ṙ at the start, where the given motion does not start from rest [1].
         end_speed: ṙ at the end, likewise [1].
+        between: As in `mrts.scale`; what is left above it is told in the first sentence.
         progress: Told how many of how many loads are done.
 
     Returns:
@@ -88,9 +92,28 @@ def retime(
         SolverError: If no solver answers.
     """
     question = _checked_question(cell, sharing, load, start_speed, end_speed, progress)
-    rule = DistributionRule(sharing, "wrench", weights, distribute)
-    constant = _best_constant(cell, motion, rule, question, reserve, closure)
-    cell, motion = constant.cell, constant.motion
+    rule, tolerance = DistributionRule(sharing, "wrench", weights, distribute), checked_tolerance(between)
+    constant = _best_constant(cell, motion, rule, question, reserve, closure, between)
+
+    def timed(path: CoordinatedMotion) -> RetimingResult:
+        return _fastest(replace(constant, motion=path), question, (start_speed, end_speed), progress)
+
+    found, adds = replace(timed(constant.motion), constant=constant), tolerance is not None
+    return refined_timing(found, timed, BETWEEN if tolerance is None else tolerance, adds=adds)
+
+
+def _fastest(
+    constant: ScalingResult, question: str, end_speeds: tuple[float, float], progress: Progress
+) -> RetimingResult:
+    """The fastest timing with limits kept at the samples of a motion.
+
+    Args:
+        constant: The best constant factor of the motion.
+        question: That is asked of the load.
+        end_speeds: ṙ at the start and at the end.
+        progress: Told how many of how many loads are done.
+    """
+    cell, motion, (start_speed, end_speed) = constant.cell, constant.motion, end_speeds
     points: tuple[LoadPoint | None, ...] = (None,)
     if question == "guaranteed" and cell.load_box is not None:
         points = cell.load_box.corners(effective_parameters(cell, motion, cell.load_box, ("P", "Q", "S")))
@@ -153,6 +176,7 @@ def _best_constant(
     question: str,
     reserve: float | None,
     closure: ClosureBound | None,
+    between: float | None,
 ) -> ScalingResult:
     """The best constant factor; without a trajectory where none moves the object, which a varying speed may."""
     try:
@@ -165,6 +189,7 @@ def _best_constant(
             distribute=rule.distribute,
             reserve=reserve,
             closure=closure,
+            between=between,
         )
     except SelectionError as error:
         if error.result is None:

@@ -9,14 +9,12 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion, carried_by_first
+from mrts.coordination.denser_motion import velocity_polynomials
 from mrts.motion.object_motion import ObjectMotion
 from mrts.retiming.path_pieces import PathPiece
 from mrts.retiming.reachability import SpeedProfile
 from mrts.retiming.speed_regions import SpeedRegions
 from mrts.samples.motor_terms import travel_directions
-
-HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
-"""Cubic polynomials on [0, 1] by value and slope at both ends; coefficients by rising power."""
 
 
 @dataclass(frozen=True)
@@ -104,8 +102,8 @@ def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMot
     return motions[0], motions[1]
 
 
-def between_samples(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedMotion:
-    """The retimed motion inside the segments, dq/ds on cubic polynomials through the samples.
+def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedMotion:
+    """The retimed motion inside the segments, dq/ds on the polynomials of `velocity_polynomials`.
 
     Args:
         cell: The cell.
@@ -116,16 +114,8 @@ def between_samples(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedM
         The motion at p (n - 1) samples, segment after segment; its time is the arc length s.
     """
     path, step = part.piece.path, part.piece.step
-    h, powers = step[:, None, None], np.arange(4)
-    slopes = np.stack([path.dq[:-1], path.ddq[:-1], path.dq[1:], path.ddq[1:]])[:, :, None]
-    slopes[[1, 3]] *= h
-    raised = places[:, None] ** powers
-    lowered = np.where(powers > 0, powers * places[:, None] ** np.maximum(powers - 1, 0), 0.0)
-    integral = raised * places[:, None] / (powers + 1)
-    way, rate, change = (np.einsum("pb,bnkm->npm", basis @ HERMITE.T, slopes) for basis in (integral, raised, lowered))
-    q = (path.q[:-1][:, None] + h * way).reshape(-1, path.q.shape[1])
-    dq, ddq = rate.reshape(q.shape), (change / h).reshape(q.shape)
     s = (path.object.time[:-1, None] + step[:, None] * places).ravel()
+    q, dq, ddq = velocity_polynomials(path.object.time, (path.q, path.dq, path.ddq), s)
     between = carried_by_first(cell, s - s[0], q, dq, ddq, smooth=False)
     x = (part.profile.x[:-1, None] + np.diff(part.profile.x)[:, None] * places).ravel()
     return _retimed(between, np.sqrt(x), x, np.repeat(part.rate, len(places)))

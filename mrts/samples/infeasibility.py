@@ -2,6 +2,7 @@
 """Why a sample is infeasible: a verified Farkas certificate and the limits that it names."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
 from mrts.limits.rows import ActiveRow
 from mrts.samples.sample_problem import SampleProblem
-from mrts.samples.speed_intervals import speed_unit
+from mrts.samples.speed_intervals import speed_intervals, speed_unit
 from mrts.samples.widening import widening_at
 from mrts.solvers.elastic_program import least_widening
 
@@ -24,8 +25,11 @@ COMBINATION_TOLERANCE = 1e-8
 """Largest error of yᵀA = 0, relative to its terms: what rounding and the dropped multipliers leave."""
 
 
-SEARCH_POINTS, SEARCH_ROUNDS = 33, 6
-"""Of the grid on which the closest c is looked for: the last is 16⁻⁵ as wide as the first."""
+SEARCH_POINTS, SEARCH_ROUNDS = 33, 40
+"""Speeds on the grid from which the closest is looked for, and most steps from there."""
+
+CLOSEST = 1e-7
+"""No other speed takes less than this share less widening than the closest."""
 
 SEARCHED = 100.0
 """How far the first goes beyond, and below, the c that moves a row by about one limit."""
@@ -58,6 +62,19 @@ class Conflict:
     moves: tuple[float, ...]
     load: LoadPoint | None = None
     c2: float | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Entry of "conflicts" in the JSON result."""
+        return {
+            "sample": self.sample,
+            "time": self.time,
+            "c2": self.c2,
+            "load": self.load.to_json() if self.load else None,
+            "rows": [row.to_json() for row in self.rows],
+            "multipliers": list(self.multipliers),
+            "widening": self.widening,
+            "moves": list(self.moves),
+        }
 
     def __str__(self) -> str:
         names = "; ".join(str(row) for row in self.rows)
@@ -125,7 +142,8 @@ def _conflicts_along_speed(
 ) -> list[Conflict | None]:
     """`find_conflicts` where rows have a term in ṙ: at the c² at which the limits must move outward the least.
 
-    The widening is no convex function of c, so c is looked for on a grid that closes in on the best place.
+    The widening is no convex function of c: from the best of a grid on, limits are moved outward by a little less than
+    it takes there, and as long as some c is admitted then, the middle of what is takes its place.
     """
     best = closest_speed(part, solver) ** 2
     lower, upper = part.limits_at(best[:, None])
@@ -148,21 +166,26 @@ def closest_speed(problem: SampleProblem, solver: str) -> Array:
     Raises:
         SolverError: If no solver answers.
     """
+    what = "at which speed the limits come closest"
     unit, cap = np.sqrt(speed_unit(problem)), np.sqrt(problem.cap())
     steps = np.concatenate([[0.0], np.geomspace(1 / SEARCHED, SEARCHED, SEARCH_POINTS - 1)])
     grid = np.minimum(unit[:, None] * steps, cap[:, None])
-    every = np.repeat(np.arange(problem.samples), SEARCH_POINTS)
-    repeated = problem.at(every)
+    repeated = problem.at(np.repeat(np.arange(problem.samples), SEARCH_POINTS))
+    needed = widening_at(repeated, grid.reshape(-1, 1) ** 2, solver, what).reshape(grid.shape)
+    place = np.argmin(needed, axis=1)[:, None]
+    best, least = (np.take_along_axis(values, place, axis=1)[:, 0] for values in (grid, needed))
+    open_ones = np.arange(problem.samples)
     for _ in range(SEARCH_ROUNDS):
-        c2 = grid.reshape(-1, 1) ** 2
-        needed = widening_at(repeated, c2, solver, "at which speed the limits come closest").reshape(grid.shape)
-        place = np.argmin(needed, axis=1)
-        near = (np.clip(place + step, 0, SEARCH_POINTS - 1)[:, None] for step in (-1, 0, 1))
-        low, best, high = (np.take_along_axis(grid, at, axis=1) for at in near)
-        half = SEARCH_POINTS // 2
-        down, up = np.linspace(0, 1, half + 1)[:-1], np.linspace(0, 1, half + 1)
-        grid = np.concatenate([low + (best - low) * down, best + (high - best) * up], axis=1)
-    return np.asarray(best[:, 0], dtype=np.float64)
+        part = problem.at(open_ones)
+        level = least[open_ones, None] * (1 - CLOSEST) * part.is_limit
+        found = speed_intervals(replace(part, lower=part.lower - level, upper=part.upper + level), solver)
+        open_ones = open_ones[~found.undecided]
+        if not open_ones.size:
+            break
+        widest = [max(one, key=lambda ends: ends[1] - ends[0]) for one in found.intervals if one]
+        best[open_ones] = [(low + high) / 2 if np.isfinite(high) else low for low, high in widest]
+        least[open_ones] = widening_at(problem.at(open_ones), best[open_ones, None] ** 2, solver, what)
+    return best
 
 
 def separation(problem: SampleProblem, index: int, y: Array) -> tuple[float, float]:

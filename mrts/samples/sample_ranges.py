@@ -63,6 +63,19 @@ class SampleRanges:
     upper_loads: Sequence[LoadPoint] | None = None
     gaps: tuple[Gap, ...] = ()
 
+    def to_json(self) -> dict[str, Any]:
+        """Entry of "samples" in the JSON result; null stands for an end that does not exist."""
+        ends = {"c2_lower": self.lower, "c2_upper": self.upper}
+        return {
+            "time": self.time.tolist(),
+            "status": [status.value for status in self.status],
+            **{name: [c2 if np.isfinite(c2) else None for c2 in values.tolist()] for name, values in ends.items()},
+            "gaps": [
+                {"sample": gap.sample, "time": float(self.time[gap.sample]), "c2": [gap.lower, gap.upper]}
+                for gap in self.gaps
+            ],
+        }
+
 
 def sample_ranges(problem: SampleProblem, time: Array, solver: str) -> SampleRanges:
     """Step 1 of MMTSF: min and max of c² at every sample, with binding rows.

@@ -97,6 +97,8 @@ class _Curve:
         rows = ~problem.is_cap
         square = problem.square[:, rows, None] * self.unit[:, None, None]
         speed = problem.speed[:, rows, None] * np.sqrt(self.unit)[:, None, None]
+        rounded = np.max(np.abs(speed), axis=1, initial=0.0) <= ON_CURVE
+        speed[rounded[:, 0]] = 0.0  # else the programs would be scaled by it
         self.A = np.concatenate([problem.free[:, rows], square, speed], axis=2)
         self.lower, self.upper = problem.lower[:, rows], problem.upper[:, rows]
         moving = self.unit > 0
@@ -193,7 +195,7 @@ def _lower_hull(
 ) -> list[tuple[float, float]] | None:
     """Points of the polygon from one to another, whose chords lie below the parabola or are edges of its lower hull."""
     hull, at = [low, high], 0
-    reach = float(curve.reach[sample])
+    size = high[1] ** 2
     for _ in range(TURNS):
         if at + 1 == len(hull):
             return hull
@@ -202,7 +204,7 @@ def _lower_hull(
             at += 1
             continue
         slope = (b[0] - a[0]) / (b[1] - a[1]) if b[1] > a[1] else 0.0
-        found = curve.outermost(sample, (1.0, -slope), np.array([[-(high[1] ** 2), reach * reach], [a[1], b[1]]]))
+        found = curve.outermost(sample, (1.0, -slope), np.array([[-size, max(size, a[0], b[0])], [a[1], b[1]]]))
         if found is None:
             return None
         x, y, _ = found

@@ -43,5 +43,7 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
         error = SelectionError(f"c² = {c2:g} does not suit this load: {refused.sentence()}")
         error.result = refused
         raise error
-    carrying = replace(result, cell=cell, fallbacks=result.fallbacks + own.samples.fallbacks)
+    # what is overstepped between the samples is convex in the load: of a box the corners tell it
+    excess = result.excess if result.load is not None and result.load.question == "guaranteed" else None
+    carrying = replace(result, cell=cell, fallbacks=result.fallbacks + own.samples.fallbacks, excess=excess)
     return with_torques(carrying, c2, own.samples, solver)

@@ -137,7 +137,7 @@ def _noise(cell: Cell, motion: CoordinatedMotion, end: RangeEnd, *, many_jumps: 
         "sample, as that of rounded or measured positions does when they are differentiated twice. Give more digits, "
         "smooth the table, or give fewer rows."
     )
-    return [Remark("noise", text, end.sample)]
+    return [Remark("noise", text, int(np.searchsorted(motion.object.time, end.time, side="right")) - 1)]
 
 
 def noise_share(values: Array) -> Array:

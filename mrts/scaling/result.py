@@ -19,6 +19,7 @@ from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import squared_limits
+from mrts.refinement.excess import Excess
 from mrts.samples import DistributionName, FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.motor_terms import motor_terms
@@ -87,6 +88,7 @@ class ScalingResult:
         rule: How torques are distributed.
         origin: What was done to the motion before, for people; empty if nothing.
         warnings: What to know of the cell and the motion before trusting the answer.
+        excess: How far limits are overstepped between the samples; None if that was not looked at.
     """
 
     cell: Cell
@@ -98,6 +100,7 @@ class ScalingResult:
     rule: DistributionRule = DistributionRule()
     origin: str = ""
     warnings: tuple[Remark, ...] = ()
+    excess: Excess | None = None
 
     def __repr__(self) -> str:
         done = self.trajectory
@@ -187,7 +190,8 @@ class ScalingResult:
         speed = _speed_advice([(low.c2, high.c2) for low, high in found.intervals], self.motion.object.time[-1])
         limits = f"above {found.upper.place()}, {below}" if below else found.upper.place()
         advice = "" if self.origin else f": {speed}"  # of the fastest timing there is none to give
-        return f"c² ∈ {found.text()}{advice}; limited {limits}."
+        passed = f"; but {self.excess}" if self.excess is not None and self.excess.passes else ""
+        return f"c² ∈ {found.text()}{advice}; limited {limits}{passed}."
 
     def residuals(self) -> Residuals:
         """Check the trajectory against (8), (13), (20) and (24), from the terms and not from the programs.
@@ -241,29 +245,8 @@ class ScalingResult:
             "distribute": self.rule.distribute,
             "kept_reserve": self.cell.reserve,
             **self.range.to_json(),
-            "samples": {
-                "time": samples.time.tolist(),
-                "status": [status.value for status in samples.status],
-                "c2_lower": _finite(samples.lower),
-                "c2_upper": _finite(samples.upper),
-                "gaps": [
-                    {"sample": gap.sample, "time": float(samples.time[gap.sample]), "c2": [gap.lower, gap.upper]}
-                    for gap in samples.gaps
-                ],
-            },
-            "conflicts": [
-                {
-                    "sample": conflict.sample,
-                    "time": conflict.time,
-                    "c2": conflict.c2,
-                    "load": conflict.load.to_json() if conflict.load else None,
-                    "rows": [row.to_json() for row in conflict.rows],
-                    "multipliers": list(conflict.multipliers),
-                    "widening": conflict.widening,
-                    "moves": list(conflict.moves),
-                }
-                for conflict in samples.conflicts
-            ],
+            "samples": samples.to_json(),
+            "conflicts": [conflict.to_json() for conflict in samples.conflicts],
             "solver_fallbacks": self.fallbacks,
         }
         if self.load is not None:
@@ -273,11 +256,12 @@ class ScalingResult:
         return output
 
     def _nearness(self) -> dict[str, Any]:
-        """How near the limits are, and how far torques and wrenches go from one sample to the next, as JSON values."""
+        """How near the limits are, and how far all goes from sample to sample and between, as JSON values."""
         steps = {kind: largest_step(self, kind) for kind in ("torque", "wrench")}
         return {
             "reserve": self.reserve and self.reserve.to_json(),
             "largest_step": {kind: step and step.step_json() for kind, step in steps.items()},
+            "excess": self.excess and self.excess.to_json(),
         }
 
     def json_text(self) -> str:
@@ -333,7 +317,3 @@ def _speed_advice(intervals: Sequence[tuple[float, float]], given: float) -> str
         return f"you {verb} play it {np.sqrt(least):.3g} to {fast}: {times}"
     allowed = "may play it up to" if most >= 1 - END_TOLERANCE else "must play it at most"
     return f"you {allowed} {fast}: {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
-
-
-def _finite(values: Array) -> list[float | None]:
-    return [float(value) if np.isfinite(value) else None for value in values]

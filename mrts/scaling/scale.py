@@ -1,31 +1,44 @@
 # SPDX-License-Identifier: MIT
 """MMTSF, the paper's algorithm, whole: range, choice of c², torques."""
 
+from dataclasses import dataclass, replace
 from types import NoneType
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
+from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinate import coordinate
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.coordination.denser_motion import moved_remarks
 from mrts.coordination.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
+from mrts.motion.object_courses import Geodesic, WaypointPath
 from mrts.motion.object_motion import ObjectMotion
+from mrts.refinement.excess import BETWEEN, checked_tolerance
+from mrts.refinement.search import Asked, Refinement, refine
 from mrts.samples import DISTRIBUTIONS, DistributionName, FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_status import RangeStatus
+from mrts.samples.sample_problem import SampleProblem, build_sample_problem
+from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges
+from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.motion_remarks import motion_remarks
 from mrts.scaling.range import ScalingRange, intersect
 from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult, kept_text
 from mrts.scaling.uncertain_load import study_load
 from mrts.scaling.with_torques import with_torques
 from mrts.solvers import DEFAULT_SOLVER, check_solver
+
+REMARKED = 1e-3
+"""Share by which c²⁺ must be less between given samples than at them to be told: it shows in the digits printed."""
 
 LARGEST_C2 = 1e300
 """What is asked for beyond it counts as it: Python's whole numbers have no end, floating point has."""
@@ -57,6 +70,7 @@ def scale(
     distribute: DistributionName = "least-torque",
     reserve: float | None = None,
     closure: ClosureBound | None = None,
+    between: float | None = BETWEEN,
     progress: Progress = lambda _done, _total: None,
 ) -> ScalingResult:
     """Find the admissible range of c², choose c² and distribute the torques (steps 1 to 5 of MMTSF).
@@ -77,6 +91,8 @@ def scale(
             share of any limit as small as can be at each sample.
         reserve: Share of every limit that is kept free, 0 or more and below 1; None is the cell's own.
         closure: How far given joints may be off their grasps; None allows 2 mm and 5 mrad.
+        between: Share of a limit by which it may be overstepped between the samples; samples are added where it takes
+            them. None looks at the given samples alone.
         progress: Told how many of how many pieces of work on an uncertain load are done.
 
     Returns:
@@ -98,33 +114,125 @@ def scale(
     check_solver(solver)
     question = load_question(cell, load, select)
     torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
-    motion = coordinate(cell, motion, closure)
-    study = None
-    if question == "nominal":
-        found = intersect(motion_ranges(cell, motion, formulation, sharing, solver))
-    else:
-        found, study = study_load(cell, motion, question, formulation, sharing, solver, progress)
+    tolerance = checked_tolerance(between)
     rule = DistributionRule(sharing, formulation, weights, distribute)
-    remarks = motion_remarks(cell, motion, found)
+    given = coordinate(cell, motion, closure)
+    found = admissible_range(cell, given, question, rule, solver, tolerance, progress)
+    remarks = motion_remarks(cell, given, found.range)
+    added = np.setdiff1d(found.motion.object.time, given.object.time)
     untouched = ScalingResult(
         cell=cell,
-        motion=motion,
-        range=found,
+        motion=found.motion,
+        range=found.range,
         trajectory=None,
-        fallbacks=found.samples.fallbacks,
-        load=study,
+        fallbacks=found.range.samples.fallbacks,
+        load=found.study,
         rule=rule,
-        warnings=remarks,
+        warnings=moved_remarks(remarks, given.object.time, added) + found.remarks,
     )
-    if not found.status.admits_motion or question == "possible":
+    if not found.range.status.admits_motion or question == "possible":
         return untouched
     try:
-        c2 = choose_c2(found, select)
+        c2 = choose_c2(found.range, select)
     except SelectionError as error:
         refused = SelectionError(f"{kept_text(cell.reserve)}{error}")
         refused.result = untouched
         raise refused from None
-    return with_torques(untouched, c2, found.samples, solver)
+    excess = None if found.refinement is None else found.refinement.excess(c2)
+    return with_torques(replace(untouched, excess=excess), c2, found.range.samples, solver)
+
+
+@dataclass(frozen=True)
+class AdmissibleRange:
+    """The range of c² of a motion, and the motion with the samples that it took.
+
+    Attributes:
+        motion: With the samples that were added.
+        range: Over them.
+        study: What was asked of an uncertain load; None if the load is known.
+        refinement: What was found between the samples; None if that was not looked at.
+        remarks: What to know of the samples that were added.
+    """
+
+    motion: CoordinatedMotion
+    range: ScalingRange
+    study: LoadStudy | None
+    refinement: Refinement | None = None
+    remarks: tuple[Remark, ...] = ()
+
+
+def admissible_range(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    question: str,
+    rule: DistributionRule,
+    solver: str,
+    tolerance: float | None,
+    progress: Progress = lambda _done, _total: None,
+) -> AdmissibleRange:
+    """The range of c² of a motion (steps 1 and 2 of MMTSF), between its samples too.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+        question: As from `load_question`; of "possible" only the given samples are looked at.
+        rule: How torques are distributed; with an internal wrench for each sample, only these are looked at.
+        solver: Name in the registry.
+        tolerance: Share of a limit by which it may be overstepped between the samples; None for the bare samples.
+        progress: As in `scale`.
+
+    Raises:
+        InputError: If an argument breaks a rule.
+        MotionError: If the arms cannot hold the object between the samples.
+        SolverError: If no solver answers.
+    """
+    sharing, formulation = rule.sharing, rule.formulation
+
+    def along(path: CoordinatedMotion, told: Progress) -> tuple[ScalingRange, LoadStudy | None]:
+        if question == "nominal":
+            return intersect(motion_ranges(cell, path, formulation, sharing, solver)), None
+        return study_load(cell, path, question, formulation, sharing, solver, told)
+
+    def problem(path: CoordinatedMotion, places: NDArray[np.intp], loads: Array | None) -> SampleProblem:
+        carried = None
+        if loads is not None:
+            carried = np.zeros((path.samples, loads.shape[1]))
+            carried[places] = loads
+        return build_sample_problem(cell, path, formulation=formulation, sharing=sharing, load=carried, samples=places)
+
+    found, study = along(motion, progress)
+    prescribed = sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1
+    if tolerance is None or question == "possible" or prescribed or not found.status.admits_motion:
+        return AdmissibleRange(motion, found, study)
+
+    def ranges(path: CoordinatedMotion) -> SampleRanges:
+        if question == "nominal":
+            return motion_ranges(cell, path, formulation, sharing, solver)
+        return along(path, lambda _done, _total: None)[0].samples
+
+    assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
+    asked = Asked(ranges, problem)
+    refined = refine(cell, motion, found.samples, (found.lower.c2, found.upper.c2), asked, tolerance)
+    if refined.motion is motion:
+        return AdmissibleRange(motion, found, study, refined)
+    finer, study = along(refined.motion, progress)
+    return AdmissibleRange(refined.motion, finer, study, refined, _interpolated(motion, found, finer))
+
+
+def _interpolated(motion: CoordinatedMotion, bare: ScalingRange, finer: ScalingRange) -> tuple[Remark, ...]:
+    """That the range is set by what mrts itself makes of a table between its rows."""
+    course = motion.object.course
+    if isinstance(course, Geodesic | WaypointPath) or bare.upper is None or not np.isfinite(bare.upper.c2):
+        return ()
+    least = 0.0 if finer.upper is None or not finer.status.admits_motion else finer.upper.c2
+    if least >= bare.upper.c2 * (1 - REMARKED):
+        return ()
+    text = (
+        f"between the given samples the motion is the spline that mrts lays through them, known only as well as they "
+        f"are: there c²⁺ is {100 * (1 - least / bare.upper.c2):.2g} % less than {bare.upper.c2:.4g} at the samples. "
+        "Where that matters, give more of them."
+    )
+    return (Remark("between-samples", text),)
 
 
 def _check_distribution(distribute: str, sharing: LoadSharing | None) -> None:

@@ -33,11 +33,12 @@ from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_b
 from mrts.inverse_kinematics.six_joint_closed_form import six_joint_branches
 from mrts.inverse_kinematics.starting_positions import starting_reference
 from mrts.motion.object_motion import ObjectMotion
+from mrts.refinement.excess import BETWEEN, checked_tolerance
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_status import RangeStatus
-from mrts.samples.trajectory_programs import motion_ranges
-from mrts.scaling.range import ScalingRange, intersect
-from mrts.scaling.uncertain_load import study_load
+from mrts.scaling.range import ScalingRange
+from mrts.scaling.result import DistributionRule
+from mrts.scaling.scale import admissible_range
 from mrts.solvers import DEFAULT_SOLVER, check_solver
 
 MULTI_STARTS = 400
@@ -188,6 +189,7 @@ def rank_configurations(
     sharing: LoadSharing | None = None,
     cap: int = DEFAULT_CAP,
     solver: str = DEFAULT_SOLVER,
+    between: float | None = BETWEEN,
     progress: Progress = lambda _done, _total: None,
 ) -> ConfigurationStudy:
     """Evaluate every combination of inverse-kinematics branches.
@@ -204,6 +206,7 @@ def rank_configurations(
         sharing: A fixed distribution of the load; None leaves it free.
         cap: Most combinations to evaluate.
         solver: Name in the registry.
+        between: As in `mrts.scale`.
         progress: Told how many of how many evaluations are done.
 
     Raises:
@@ -216,6 +219,7 @@ def rank_configurations(
     check_type("sharing", sharing, LoadSharing, NoneType)
     check_callable("progress", progress)
     check_solver(solver)
+    tolerance = checked_tolerance(between)
     if cap < 1:
         raise InputError("cap", "must be at least 1.", value=cap)
     check_motion(cell, motion)
@@ -231,7 +235,7 @@ def rank_configurations(
         found = []
         for number, choice in enumerate(choices, start=before):
             progress(number, total)
-            found.append(_evaluate(cell, motion, tracks, choice, rule, solver))
+            found.append(_evaluate(cell, motion, tracks, choice, DistributionRule(rule), solver, tolerance))
         return sorted(found, key=lambda configuration: -configuration.c2_upper)
 
     ranked: list[Configuration] | None = None
@@ -325,8 +329,9 @@ def _evaluate(
     motion: ObjectMotion,
     tracks: Tracks,
     choice: tuple[Branch, ...],
-    sharing: LoadSharing | None,
+    rule: DistributionRule,
     solver: str,
+    tolerance: float | None,
 ) -> Configuration:
     parts = []
     for values in (tracks.q, tracks.dq, tracks.ddq):
@@ -337,10 +342,8 @@ def _evaluate(
         parts.append(np.concatenate(columns, axis=1))
     q, dq, ddq = parts
     whole = CoordinatedMotion(motion, q, dq, ddq)
-    if cell.load_box is not None:
-        guaranteed, _ = study_load(cell, whole, "guaranteed", "wrench", sharing, solver)
-        return Configuration(choice, guaranteed)
-    return Configuration(choice, intersect(motion_ranges(cell, whole, "wrench", sharing, solver)))
+    question = "nominal" if cell.load_box is None else "guaranteed"
+    return Configuration(choice, admissible_range(cell, whole, question, rule, solver, tolerance).range)
 
 
 def outcome(configuration: Configuration) -> str:

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import DATA
 
 import mrts
-from mrts.figures import trajectory_figure
+from mrts.figures import phase_plane_figure, trajectory_figure, write_result_figures
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.output.summary_lines import scaling_lines
 from mrts.report.plots import torque_plots
@@ -109,3 +110,37 @@ def test_a_player_has_bars_of_the_torque_at_its_speed(cell, lift):
     state.choose_speed(state.speeds.upper)  # beyond: some bar is over its limit, and all is still drawn
     assert not state.admissible
     assert bars_html(TORQUE_SPEED, state.further_bars()[TORQUE_SPEED])
+
+
+def test_the_fastest_timing_has_its_pictures_and_numbers_too(cell, lift, tmp_path):
+    left, right = cell.robots
+    motors = replace(left.motors, coulomb=np.array([2.0, 1.0, 0.2]), viscous=np.full(3, 0.5), rated=np.full(3, 20.0))
+    found = mrts.retime(replace(cell, robots=(replace(left, motors=motors), right)), lift)
+    played = found.retimed
+    write_result_figures(played, tmp_path, ("phase_plane.png", phase_plane_figure(found)))
+    assert {path.name for path in tmp_path.iterdir()} >= {"phase_plane.png", "torques_and_wrenches.png"}
+    data = found.to_json()
+    assert data["joint_duty"]["left"]["rms_torque"] == played.trajectory.duty["left"].rms_torque.tolist()
+    assert data["torque_friction"]["left"] == played.trajectory.friction[:, :3].tolist()
+    assert any("torque-speed (" in name or "torque (" in name for name, _ in found.limits)
+
+
+def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
+    """Rows of every kind that a cell file has, in figures, report, table, saved result and words."""
+    shipped = DATA.parent / "squeeze"
+    cell = mrts.load_cell(shipped / "cell.yaml")
+    columns = {"armature": np.full(6, 0.1), "coulomb": np.full(6, 1.0), "viscous": np.full(6, 0.5)}
+    columns |= {"torque_speed": (np.array([[0, 200.0], [4, 20]]),) * 6, "rated": np.full(6, 30.0)}
+    robots = (replace(robot, motors=replace(robot.motors, **columns)) for robot in cell.robots)
+    result = mrts.scale(replace(cell, robots=tuple(robots)), mrts.load_motion(shipped / "lift_and_turn.yaml"))
+    kinds = {use.name.kind for use in limit_uses(result)}
+    assert kinds >= {"torque", "velocity", "contact", TORQUE_SPEED, "motor speed"}
+    write_result_figures(result, tmp_path / "plots")
+    mrts.write_report(result, tmp_path / "report.html")
+    mrts.save_result(result, tmp_path / "result.npz")
+    again = mrts.load_result(tmp_path / "result.npz")
+    assert list(scaling_lines(again)) == list(scaling_lines(result))
+    np.testing.assert_array_equal(again.trajectory.friction, result.trajectory.friction)
+    table = margins_table(result)
+    for use in limit_uses(result):
+        assert str(use.name) in table

@@ -59,6 +59,7 @@ def test_a_pad_holds_what_its_corners_can_make():
         assert np.array_equal(holds(given, whole), wanted)
 
 
+@pytest.mark.quick
 def test_a_suction_cup_holds_what_its_lip_can_make_inside_its_circle():
     for rng, normal, mu, (radius, _), n, demands in shapes("suction"):
         holding = rng.uniform(20, 200)

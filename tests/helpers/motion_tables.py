@@ -25,7 +25,7 @@ def exact_motions(cell):
     for name, end in (("lift", LIFTED), ("turn", TURNED)):
         for samples in (11, 101):
             followed = mrts.follow_object(cell, moved(end, samples))
-            found[name, samples] = followed, mrts.scale(cell, followed).range.upper.c2
+            found[name, samples] = followed, mrts.scale(cell, followed, between=None).range.upper.c2
     return found
 
 
@@ -53,7 +53,7 @@ def write_table(path, columns, form=".12g"):
 
 
 def read(cell, path):
-    return mrts.scale(cell, mrts.load_motion(path))
+    return mrts.scale(cell, mrts.load_motion(path), between=None)  # at its rows
 
 
 def codes(motion):

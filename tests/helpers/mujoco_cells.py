@@ -6,6 +6,8 @@ from scipy.spatial.transform import Rotation
 
 STEP = 5e-5  # s; a weld is a stiff spring in MuJoCo, and its time constant is two steps
 
+POSITION_GAIN, VELOCITY_GAIN = 300.0, 10.0  # N m/rad, N m s/rad
+
 STIFF = [2 * STEP, 1.0], [0.9999, 0.9999, 1e-3, 0.5, 2.0]  # solref, solimp
 
 
@@ -63,3 +65,18 @@ def simulator(cell, urdf, start_pose, *, motors=False):
     for robot in cell.robots if motors else ():
         set_motors(model, robot)
     return model, mujoco.MjData(model)
+
+
+def weld_wrench(model, data, weld):
+    """Force and moment about the com that a weld exerts on the object, world axes."""
+    rows = np.flatnonzero((data.efc_id == weld) & (data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY))
+    J = data.efc_J.reshape(-1, model.nv) if not mujoco.mj_isSparse(model) else dense_jacobian(model, data)
+    on_object = J[rows][:, :6].T @ data.efc_force[rows]  # free joint: force in the world, moment in the body
+    R = data.body("object").xmat.reshape(3, 3)
+    return np.concatenate([on_object[:3], R @ on_object[3:]])
+
+
+def dense_jacobian(model, data):
+    J = np.zeros((data.nefc, model.nv))
+    mujoco.mju_sparse2dense(J, data.efc_J, data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
+    return J

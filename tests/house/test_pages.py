@@ -24,7 +24,7 @@ DOCS = ROOT / "docs"
         ("command_line", 4),
         ("ros2", 3),
         ("optimal_profile", 2),
-        ("real_cell", 8),
+        ("real_cell", 9),
     ],
 )
 def test_a_page_does_what_it_shows_and_prints_what_it_says(name, blocks, tmp_path):

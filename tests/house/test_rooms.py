@@ -23,6 +23,7 @@ ROOMS = (
     "coordination",
     "limits",
     "samples",
+    "refinement",
     "scaling",
     "retiming",
     "studies",

@@ -126,7 +126,7 @@ def test_a_topic_that_names_no_robot_is_told_by_its_joints(dual_ur5, given, tmp_
     write_bag(tmp_path / "one", [("/joint_trajectory_controller/joint_trajectory", message(*points))])
     write_bag(tmp_path / "bare", [("/joint_trajectory", message(*points))])
     for bag in ("one", "bare"):
-        carried = mrts.scale(alone, mrts.load_motion(tmp_path / bag))
+        carried = mrts.scale(alone, mrts.load_motion(tmp_path / bag), between=None)
         np.testing.assert_array_equal(carried.motion.q, lift.q)
     messages = [(f"/{robot}_controller/joint_trajectory", message(*points)) for robot, points in given.items()]
     write_bag(tmp_path / "two", messages)
@@ -139,7 +139,7 @@ def test_a_topic_that_names_no_robot_is_told_by_its_joints(dual_ur5, given, tmp_
         mrts.scale(alone, mrts.load_motion(tmp_path / "doubled"))
     named = [("/arm0/joint_trajectory", message(names, rows)), ("/other/joint_trajectory", message(names, rows))]
     write_bag(tmp_path / "named", named)  # the other arm is none of the cell's
-    carried = mrts.scale(alone, mrts.load_motion(tmp_path / "named"))
+    carried = mrts.scale(alone, mrts.load_motion(tmp_path / "named"), between=None)
     np.testing.assert_array_equal(carried.motion.q, lift.q)
     assert "other/j0" in carried.motion.remarks[0].text
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 import mrts
-from mrts.motion.object_motion import geodesic_motion
+from mrts.motion.object_courses import geodesic_motion
 from mrts.motion.velocity_profile import PROFILES, trapezoid
 
 pytestmark = pytest.mark.quick

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 from conftest import DATA
-from mujoco_cells import STEP, add_arm, empty_world, set_motors, simulator
+from mujoco_cells import POSITION_GAIN, STEP, VELOCITY_GAIN, add_arm, empty_world, set_motors, simulator
 from scipy.interpolate import CubicSpline, make_interp_spline
 
 import mrts
@@ -32,8 +32,6 @@ depends on how fast the speed changes."""
 
 TRACKED = 2e-3
 """[rad]"""
-
-POSITION_GAIN, VELOCITY_GAIN = 300.0, 10.0  # N m/rad, N m s/rad
 
 
 def with_motors(cell, columns):

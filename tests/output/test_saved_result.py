@@ -84,7 +84,7 @@ def result(request, planar_cell, lift):
 
 
 def differences(one, other, path="result"):
-    """Where two values of dataclasses, sequences, mappings and arrays differ; functions of cells do not count."""
+    """Where values of dataclasses, sequences, mappings and arrays differ; functions and courses do not count."""
     if isinstance(one, np.ndarray):
         same = isinstance(other, np.ndarray) and one.shape == other.shape and np.array_equal(one, other)
         return [] if same else [path]
@@ -94,7 +94,7 @@ def differences(one, other, path="result"):
     elif isinstance(one, Sequence) and not isinstance(one, str):
         parts = [("size", len(one), len(other)), *zip(range(len(one)), one, other, strict=False)]
     elif is_dataclass(one):
-        names = [field.name for field in fields(one) if field.name != "functions"]
+        names = [field.name for field in fields(one) if field.name not in {"functions", "course"}]
         parts = [(name, getattr(one, name), getattr(other, name)) for name in names]
     else:
         return [] if one == other else [path]

@@ -12,7 +12,10 @@ from speed_scan import Motors, SpeedScan
 import mrts
 from mrts.motors.joint_motors import JointMotors
 from mrts.samples.range_ends import pieces
+from mrts.samples.sample_problem import build_sample_problem
+from mrts.samples.sample_ranges import sample_ranges
 from mrts.samples.trajectory_programs import motion_ranges
+from mrts.samples.widening import widening_at
 
 CELLS = 100
 END_TOLERANCE = 2e-6
@@ -20,6 +23,8 @@ END_TOLERANCE = 2e-6
 
 SAME = 1e-9
 """Ends of c from different solvers and paths, relative."""
+
+SOLVERS = ("kernel", "qpsol:qpoases", "scipy:highs")
 
 OUTSIDE = 1e-4
 """Just outside of an end, relative: there limits must move by more than rounding."""
@@ -106,3 +111,70 @@ def test_unions_equal_the_scan_of_the_reference(first, tmp_path):
         compared(seed, tmp_path / str(seed), seen)
     assert seen["several"] >= 2
     assert seen["samples"] >= 20
+
+
+def checked_ends(problem, found, sample):
+    """Ends hold by substitution, and just outside limits must move; rows are named at every end within the caps."""
+    one, cap = problem.at(np.array([sample])), problem.cap()[sample]
+    for low, high in speeds(found, sample):
+        for end, outward in ((low, -1), (high, 1)):
+            if not np.isfinite(end):
+                continue
+            assert widening_at(one, end**2, "kernel", "the end")[0] < 2e-9
+            outside = (end * (1 + outward * OUTSIDE)) ** 2
+            if end > 0 and outside < cap:
+                assert widening_at(one, outside, "kernel", "outside")[0] > 1e-9
+    for gap in found.gaps:
+        if gap.sample == sample:
+            assert {row.name.kind for row in (*gap.lower_rows, *gap.upper_rows)} - {"c2", "velocity"}
+
+
+@pytest.mark.parametrize("seed", [pytest.param(1, marks=pytest.mark.quick), 5, 10, 22])
+def test_every_way_finds_the_same_ends_and_they_hold(seed, tmp_path):
+    _, cell, motion, _ = random_case(seed, tmp_path)
+    fast = motion_ranges(compiled(cell), motion, "wrench", None, "kernel")
+    problem = build_sample_problem(cell, motion)
+    solvers = SOLVERS if seed == 1 else SOLVERS[:2]
+    others = {name: motion_ranges(cell, motion, "wrench", None, name) for name in solvers}
+    size = len(cell.wrench_components)
+    if all(len(robot.joints) == size for robot in cell.robots):
+        others["torque form"] = motion_ranges(cell, motion, "torque", None, "kernel")
+    for sample in range(motion.samples):
+        ours = speeds(fast, sample)
+        for name, other in others.items():
+            np.testing.assert_allclose(speeds(other, sample), ours, rtol=SAME, atol=1e-9, err_msg=f"{name} {sample}")
+        checked_ends(problem, fast, sample)
+    assert all(found.status == fast.status for found in others.values())
+
+
+@pytest.mark.parametrize("seed", [1, 5, 10])
+def test_shared_loads_have_the_ends_of_their_rows(seed, tmp_path):
+    _, cell, motion, _ = random_case(seed, tmp_path)
+    found = motion_ranges(cell, motion, "wrench", mrts.LoadSharing(), "kernel")
+    problem = build_sample_problem(cell, motion, sharing=mrts.LoadSharing())
+    for sample in range(motion.samples):
+        ours, one = speeds(found, sample), problem.at(np.array([sample]))
+        tried = np.linspace(0, 1.3 * max((end for pair in ours for end in pair if np.isfinite(end)), default=3.0), 400)
+        missing = np.array([widening_at(one, c**2, "kernel", "a scan")[0] for c in tried])
+        for c, share in zip(tried, missing, strict=True):
+            inside = any(low * (1 - SAME) <= c <= high * (1 + SAME) for low, high in ours)
+            assert inside == (share < 1e-9), (sample, c, share, ours)
+
+
+def test_a_sample_without_any_speed_names_the_closest_and_what_conflicts_there(tmp_path):
+    """At rest gravity is too much, and at every speed friction or inertia."""
+    seen = Counter()
+    for seed in range(16):
+        _, cell, motion, _ = random_case(seed, tmp_path / str(seed))
+        problem = build_sample_problem(cell, motion)
+        for conflict in sample_ranges(problem, motion.object.time, "kernel").conflicts[:2]:
+            one = problem.at(np.array([conflict.sample]))
+            seen["found"] += 1
+            there = widening_at(one, conflict.c2, "kernel", "the closest")[0]
+            assert there == pytest.approx(conflict.widening, rel=1e-6)
+            near = conflict.c2 * np.linspace(0.5, 1.5, 11)
+            assert min(widening_at(one, c2, "kernel", "near")[0] for c2 in near) >= there * (1 - 1e-6)
+            assert f"c² = {conflict.c2:.4g}" in str(conflict)
+            seen["moving"] += conflict.c2 > 1e-6
+    assert seen["found"] > 8
+    assert seen["moving"] > 0

@@ -4,11 +4,13 @@ import mujoco
 import numpy as np
 import pytest
 import yaml
+from conftest import DATA
+from mujoco_cells import POSITION_GAIN, STEP, VELOCITY_GAIN, simulator, weld_wrench
 from scipy.interpolate import CubicSpline
-from test_simulation import POSITION_GAIN, STEP, UR5, VELOCITY_GAIN, simulator, weld_wrench
 
 import mrts
 
+UR5 = DATA.parent / "dual_ur5"
 DELAY = 1e-3  # s: torques act that late, of a state that was measured that long ago
 SETTLED = 0.01  # s; the first steps settle the springs that welds are
 
@@ -30,7 +32,8 @@ def played(rule):
     motion = mrts.sample_motion(mrts.MotionDescription.model_validate(description))
     result = mrts.scale(cell, motion, distribute=rule)
     done, given = result.trajectory, result.motion.object
-    model, data = simulator(cell, (given.position[0], given.rotation[0]))
+    urdf = UR5 / yaml.safe_load((UR5 / "cell.yaml").read_text())["robots"][0]["urdf"]
+    model, data = simulator(cell, urdf, (given.position[0], given.rotation[0]))
     joints = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
     q_index = [model.joint(name).qposadr[0] for name in joints]
     v_index = [model.joint(name).dofadr[0] for name in joints]

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import mrts
-from mrts.motion.object_motion import geodesic_motion, spline_motion
+from mrts.motion.object_courses import geodesic_motion, spline_motion
 from mrts.motion.velocity_profile import PROFILES
 from mrts.output.summary_lines import retiming_lines, scaling_lines
 from mrts.report import report_html
@@ -87,7 +87,7 @@ def test_a_velocity_that_changes_between_two_rows(planar_cell):
     position, twist = np.column_stack([zero + 1.25, height, zero]), np.zeros((101, 6))
     twist[:, 1] = speed
     motion = mrts.ObjectMotion(time, position, np.tile(np.eye(3), (101, 1, 1)), twist, np.zeros((101, 6)), smooth=False)
-    assert codes(mrts.scale(planar_cell, motion)) == ["jump"]
+    assert codes(mrts.scale(planar_cell, motion)) == ["jump", "between-samples"]
 
 
 @pytest.mark.parametrize(

@@ -9,29 +9,13 @@ import numpy as np
 import pytest
 import yaml
 from conftest import DATA
-from mujoco_cells import STEP, simulator
+from mujoco_cells import POSITION_GAIN, STEP, VELOCITY_GAIN, simulator, weld_wrench
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 import mrts
 
 UR5 = DATA.parent / "dual_ur5"
-POSITION_GAIN, VELOCITY_GAIN = 300.0, 10.0  # N m/rad, N m s/rad
-
-
-def weld_wrench(model, data, weld):
-    """Force and moment about the com that a weld exerts on the object, world axes."""
-    rows = np.flatnonzero((data.efc_id == weld) & (data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY))
-    J = data.efc_J.reshape(-1, model.nv) if not mujoco.mj_isSparse(model) else dense_jacobian(model, data)
-    on_object = J[rows][:, :6].T @ data.efc_force[rows]  # free joint: force in the world, moment in the body
-    R = data.body("object").xmat.reshape(3, 3)
-    return np.concatenate([on_object[:3], R @ on_object[3:]])
-
-
-def dense_jacobian(model, data):
-    J = np.zeros((data.nefc, model.nv))
-    mujoco.mju_sparse2dense(J, data.efc_J, data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
-    return J
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,0 @@
-        {@ARMATURE@},
-        {@COULOMB@},
-        {@VISCOUS@},
-        @REST@,
-        @REST@,

@@ -1,1 +1,0 @@
-    case @MACRO@_GAP: return "ok, with a gap below: there are more intervals";

@@ -1,1 +1,0 @@
-    range->below_count = 0;

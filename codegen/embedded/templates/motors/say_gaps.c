@@ -1,1 +1,0 @@
-    printf("%d with a gap\n", seen[@MACRO@_GAP]);

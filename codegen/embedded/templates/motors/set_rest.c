@@ -1,2 +1,0 @@
-    settings.rest_speed = @MACRO@_REST_SPEED;
-    settings.rest_acceleration = @MACRO@_REST_ACCELERATION;

@@ -1,3 +1,0 @@
-    if (has_speed_terms(settings, &rows, workspace)) {
-        return share_of_speed(&rows, most, fastest, range, workspace);
-    }

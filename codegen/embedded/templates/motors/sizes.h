@@ -1,2 +1,0 @@
-    LINES = @MACRO@_LINES,
-    ENDS = @ENDS@,

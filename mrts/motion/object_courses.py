@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: MIT
+"""Courses of the object, known at all times: a geodesic, a path through waypoints, splines through poses of a table."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.remark import Remark
+from mrts.motion.object_motion import ObjectMotion, ObjectRates
+from mrts.motion.rounded_samples import Spline, splines_through
+from mrts.motion.velocity_profile import Profile
+
+ROTATION_LENGTH = 0.25
+"""Metres of path that a turn by one radian counts as, where waypoints are spaced along a path."""
+
+SAME_WAYPOINT = 1e-9
+"""Waypoints nearer than this [m, with turns by `ROTATION_LENGTH`] are one."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Geodesic:
+    """From one pose to another along a straight line and the geodesic rotation.
+
+    Attributes:
+        positions: Start and end, Shape (2, 3) [m].
+        rotations: Start and end, Shape (2, 3, 3).
+        profile: Velocity profile.
+        duration: [s].
+    """
+
+    positions: Array
+    rotations: Array
+    profile: Profile
+    duration: float
+
+    def __call__(self, time: Array) -> ObjectRates:
+        """The motion at some times, Shape (k,) [s]."""
+        return self.at(time / self.duration)
+
+    def at(self, u: Array) -> ObjectRates:
+        """The motion at shares of its duration, Shape (k,)."""
+        s, ds, dds = self.profile(u)
+        first, last = self.rotations
+        step = self.positions[1] - self.positions[0]
+        turn = Rotation.from_matrix(last @ first.T).as_rotvec()  # world axes, constant on the geodesic
+        direction = np.concatenate([step, turn])
+        return (
+            self.positions[0] + s[:, None] * step,
+            Rotation.from_rotvec(s[:, None] * turn).as_matrix() @ first,
+            ds[:, None] / self.duration * direction,
+            dds[:, None] / self.duration**2 * direction,
+        )
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class WaypointPath:
+    """Through waypoints on a C² path: a cubic spline in position and scipy's rotation spline.
+
+    Attributes:
+        line: Position by share of the path [m].
+        turn: Rotation likewise, a scipy RotationSpline, whose rates are in the body's axes.
+        profile: Velocity profile from the first to the last.
+        duration: [s].
+    """
+
+    line: Spline
+    turn: Callable[..., Any]
+    profile: Profile
+    duration: float
+
+    def __call__(self, time: Array) -> ObjectRates:
+        """The motion at some times, Shape (k,) [s]."""
+        return self.at(time / self.duration)
+
+    def at(self, u: Array) -> ObjectRates:
+        """The motion at shares of its duration, Shape (k,)."""
+        s, ds, dds = self.profile(u)
+        along = np.clip(s, 0.0, 1.0)
+        rotation = np.asarray(self.turn(along).as_matrix(), dtype=np.float64)
+        rate, change = (np.einsum("nij,nj->ni", rotation, self.turn(along, order)) for order in (1, 2))
+        twist = np.concatenate([self.line(along, 1), rate], axis=1)
+        acceleration = np.concatenate([self.line(along, 2), change], axis=1)
+        ds, dds = ds[:, None] / self.duration, dds[:, None] / self.duration**2
+        position = np.asarray(self.line(along), dtype=np.float64)
+        return position, rotation, twist * ds, acceleration * ds**2 + twist * dds
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class PoseSplines:
+    """Splines of position and quaternion through the rows of a table.
+
+    Attributes:
+        splines: Of x, y, z [m] and of the quaternion's x, y, z, w.
+    """
+
+    splines: tuple[Spline, ...]
+
+    def __call__(self, time: Array) -> ObjectRates:
+        """The motion at some times, Shape (k,) [s]."""
+        position, turn = (
+            [np.column_stack([spline(time, order) for spline in part]).astype(np.float64) for order in range(3)]
+            for part in (self.splines[:3], self.splines[3:])
+        )
+        rotation, rate, change = _rotation_rates(*turn)
+        twist, acceleration = (
+            np.concatenate([position[1], rate], axis=1),
+            np.concatenate([position[2], change], axis=1),
+        )
+        return position[0], rotation, twist, acceleration
+
+
+def geodesic_motion(
+    positions: Array, rotations: Array, profile: Profile, duration: float, samples: int
+) -> ObjectMotion:
+    """Samples of a `Geodesic`, evenly spaced in time.
+
+    Args:
+        positions: Start and end, Shape (2, 3) [m].
+        rotations: Start and end, Shape (2, 3, 3).
+        profile: Velocity profile.
+        duration: [s].
+        samples: Number of samples.
+    """
+    return _evenly(Geodesic(positions, rotations, profile, duration), samples)
+
+
+def waypoint_motion(
+    positions: Array, rotations: Array, profile: Profile, duration: float, samples: int
+) -> ObjectMotion:
+    """Samples of a `WaypointPath`, evenly spaced in time.
+
+    The path parameter is the distance along the waypoints, a turn counted by `ROTATION_LENGTH`; the profile runs it
+    from the first to the last.
+
+    Args:
+        positions: Shape (M, 3) [m].
+        rotations: Shape (M, 3, 3).
+        profile: Velocity profile.
+        duration: [s].
+        samples: Number of samples.
+
+    Raises:
+        InputError: If two waypoints that follow each other are the same.
+    """
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for waypoints and tables only)
+    from scipy.spatial.transform import RotationSpline  # noqa: PLC0415
+
+    turns = Rotation.from_matrix(rotations[1:] @ rotations[:-1].transpose(0, 2, 1)).magnitude()
+    spacing = np.hypot(np.linalg.norm(np.diff(positions, axis=0), axis=1), ROTATION_LENGTH * turns)
+    if np.min(spacing) <= SAME_WAYPOINT:
+        index = int(np.argmin(spacing))
+        raise InputError("waypoints", f"waypoints {index} and {index + 1} are the same; leave one out.")
+    knots = np.concatenate([[0.0], np.cumsum(spacing)]) / np.sum(spacing)
+    line = CubicSpline(knots, positions, bc_type="natural")
+    return _evenly(
+        WaypointPath(line, RotationSpline(knots, Rotation.from_matrix(rotations)), profile, duration), samples
+    )
+
+
+def _evenly(course: Geodesic | WaypointPath, samples: int) -> ObjectMotion:
+    u = np.linspace(0.0, 1.0, samples)
+    return ObjectMotion(u * course.duration, *course.at(u), course=course)
+
+
+def spline_motion(time: Array, positions: Array, quaternions: Array, at: Array) -> ObjectMotion:
+    """Through poses at given times on the splines of `splines_through`, of position and quaternion.
+
+    Args:
+        time: Shape (M,) [s], strictly increasing from 0.
+        positions: Shape (M, 3) [m].
+        quaternions: x, y, z, w, of length 1 but for rounding, Shape (M, 4).
+        at: Times of the samples, Shape (N,) [s], from 0 to the last of `time`.
+    """
+    turns = quaternions * np.cumprod(np.where(_flips(quaternions), -1.0, 1.0))[:, None]
+    splines, moved = splines_through(time, np.concatenate([positions, turns], axis=1))
+    course = PoseSplines(tuple(splines))
+    remarks = (smoothing_remark("the object's poses", float(np.max(moved))),) if np.any(moved) else ()
+    return ObjectMotion(at, *course(at), remarks=remarks, course=course)
+
+
+def smoothing_remark(what: str, moved: float) -> Remark:
+    """That positions were smoothed by their rounding, by at most so much [m, rad, or 1]."""
+    return Remark(
+        "smoothed-digits",
+        f"the digits of {what} are too few to be differentiated twice: a smooth path was taken that misses them by "
+        f"their rounding on the mean, and by at most {moved:.2g}. Give more digits, or velocities and accelerations.",
+    )
+
+
+def _flips(quaternions: Array) -> NDArray[np.bool_]:
+    """Where a quaternion is written with the sign opposite to the row before, Shape (M,)."""
+    return np.concatenate([[False], np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0])
+
+
+def _rotation_rates(q: Array, dq: Array, ddq: Array) -> tuple[Array, Array, Array]:
+    """Rotation, angular velocity and acceleration, world axes, of quaternions of any length near 1: φ' = 2 q' q⁻¹."""
+    square = np.sum(q**2, axis=1)[:, None]
+    rate = 2 * _times_conjugate(dq, q) / square
+    stretch = 2 * np.sum(q * dq, axis=1)[:, None] / square
+    change = 2 * _times_conjugate(ddq, q) / square - stretch * rate
+    return np.asarray(Rotation.from_quat(q).as_matrix(), dtype=np.float64), rate, change
+
+
+def _times_conjugate(a: Array, b: Array) -> Array:
+    """Vector part of the quaternion product a b*, Shape (N, 3)."""
+    va, vb, wa, wb = a[:, :3], b[:, :3], a[:, 3:], b[:, 3:]
+    product: Array = wb * va - wa * vb - np.cross(va, vb)
+    return product
