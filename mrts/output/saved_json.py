@@ -18,7 +18,7 @@ from mrts.samples import DistributionName, FormulationName
 
 FORMAT_NAME = "mrts result"
 
-VERSION = 2
+VERSION = 3
 """Of arrays and description together; any change of either, or of the manifest's format, raises it."""
 
 DESCRIPTION_BYTES = 5_000_000
