@@ -197,7 +197,7 @@ class Description(_Record):
     """Everything of a saved result that is not a number a sample; docs/saved_results.md has the meaning of each."""
 
     format: Literal["mrts result"]
-    version: Literal[2]
+    version: Literal[3]
     mrts_version: str
     manifest: Manifest
     load: LoadVector
