@@ -49,6 +49,7 @@ def inputs_table(result: ScalingResult) -> Html:
         entries.append(("kept in reserve", f"{100 * result.cell.reserve:.4g} % of every limit"))
     if result.reserve is not None:
         entries.append(("reserve", str(result.reserve)))
+    entries.append(("between the samples", _between_text(result)))
     return element("dl", joined(joined([element("dt", name), element("dd", text)]) for name, text in entries))
 
 
@@ -61,6 +62,15 @@ def _object_text(cell: Cell) -> str:
     if np.any(cell.load[1:4] != 0):
         text += f", first moments {_vector(cell.load[1:4])} kg m"
     return text
+
+
+def _between_text(result: ScalingResult) -> str:
+    found = result.excess
+    if found is None:
+        return "not looked at"
+    if found.share > 0:
+        return str(found).removeprefix("between the samples ")
+    return f"all limits are kept to {100 * found.tolerance:.2g} % of them"
 
 
 def _distribution_text(result: ScalingResult) -> str:
@@ -89,6 +99,25 @@ def joints_table(cell: Cell) -> Html:
             rows.append((robot.name, joint, robot.joint_types[index], torque, position, velocity))
     velocity = "velocity" if cell.enforces_velocity_limits else "velocity (not enforced)"
     return table(("robot", "joint", "type", "torque", "position", velocity), rows)
+
+
+def motors_table(cell: Cell) -> list[Html]:
+    """What is known of the motors, where that is more than their largest torque; nothing if all are ideal."""
+    rows = []
+    for robot in cell.robots:
+        motors = robot.motors
+        for j, joint in enumerate(robot.joints):
+            torque, speed = robot.torque_units[j], f"{robot.position_units[j]}/s"
+            curve = motors.torque_speed[j]
+            corners = [] if curve is None else [f"{most:g} {torque} at {dq:g} {speed}" for dq, most in curve.tolist()]
+            numbers = (motors.armature[j], motors.coulomb[j], motors.viscous[j])
+            rated = f"{motors.rated[j]:g} {torque}" if np.isfinite(motors.rated[j]) else ""
+            known = (*(f"{value:g}" if value else "" for value in numbers), _lines(corners), rated)
+            if any(known):
+                rows.append((f"{robot.name}/{joint}", *known))
+    head = ("joint", "armature", "Coulomb friction", "viscous friction", "torque-speed curve", "rated torque")
+    note = "Armature in kg m², friction in N m and N m s/rad; of prismatic joints in kg, N and N s/m."
+    return [table(head, rows), element("p", note, class_="note")] if rows else []
 
 
 def wrench_limits_table(cell: Cell) -> Html:
