@@ -20,6 +20,7 @@ from mrts.report.tables import (
     joints_table,
     loads_table,
     margins_table,
+    motors_table,
     range_table,
     wrench_limits_table,
 )
@@ -121,6 +122,7 @@ def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[H
     limits = [
         element("h3", "Joints"),
         joints_table(result.cell),
+        *motors_table(result.cell),
         element("h3", "Contact wrenches"),
         wrench_limits_table(result.cell),
     ]

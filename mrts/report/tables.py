@@ -21,6 +21,16 @@ MOST_CONFLICTS = 10
 MOST_LOADS = 16
 """Rows of the tables of conflicts and loads; the rest is counted."""
 
+MOTOR_COLUMNS = {
+    "armature": "armature",
+    "coulomb": "dry friction",
+    "viscous": "viscous friction",
+    "rated": "rated torque",
+    "torque_rate": "torque rate",
+    "jerk": "jerk",
+}
+"""What of motors is one number a joint, and the title of its column."""
+
 
 def inputs_table(result: ScalingResult) -> Html:
     """Cell, object, motion and how the load is shared."""
@@ -89,6 +99,28 @@ def joints_table(cell: Cell) -> Html:
             rows.append((robot.name, joint, robot.joint_types[index], torque, position, velocity))
     velocity = "velocity" if cell.enforces_velocity_limits else "velocity (not enforced)"
     return table(("robot", "joint", "type", "torque", "position", velocity), rows)
+
+
+def motors_table(cell: Cell) -> list[Html]:
+    """What is known of every motor; nothing where all are ideal."""
+    rows: list[tuple[str, ...]] = []
+    known = False
+    for robot in cell.robots:
+        motors = robot.motors
+        for index, (joint, torque) in enumerate(zip(robot.joints, robot.torque_units, strict=True)):
+            way, curve = robot.position_units[index], motors.torque_speed[index]
+            inertia = "kg m²" if way == "rad" else "kg"
+            units = (inertia, torque, f"{torque} s/{way}", torque, f"{torque}/s", f"{way}/s³")
+            values = [getattr(motors, name)[index] for name in MOTOR_COLUMNS]
+            shown = [
+                f"{value:.4g} {unit}" if value and np.isfinite(value) else "–"
+                for value, unit in zip(values, units, strict=True)
+            ]
+            corners = [] if curve is None else [f"{most:.4g} {torque} at {speed:.4g} {way}/s" for speed, most in curve]
+            known = known or bool(corners) or any(text != "–" for text in shown)
+            rows.append((robot.name, joint, *shown, "; ".join(corners) or "–"))
+    head = ("robot", "joint", *MOTOR_COLUMNS.values(), "torque-speed curve")
+    return [element("h3", "Motors"), table(head, rows)] if known else []
 
 
 def wrench_limits_table(cell: Cell) -> Html:

@@ -11,7 +11,7 @@ from mrts.figures import phase_plane_figure, trajectory_figure, write_result_fig
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.output.summary_lines import scaling_lines
 from mrts.report.plots import torque_plots
-from mrts.report.tables import margins_table
+from mrts.report.tables import margins_table, motors_table
 from mrts.scaling.limit_use import limit_uses, limited_quantities
 from mrts.viewer.panel import bars_html
 from mrts.viewer.player_state import PlayerState
@@ -64,7 +64,8 @@ def test_a_use_of_a_curve_tells_torque_and_limit_at_its_moment(result):
         assert use.least == pytest.approx(np.min(done.torque[:, j]))
         assert use.largest == pytest.approx(np.max(done.torque[:, j]))
         lines = [(120.0, 10.0), (130.0, 20.0)]
-        sides = [(-a - m * done.dq[sample, j], a - m * done.dq[sample, j]) for a, m in lines]
+        dq = done.dq[sample, j]
+        sides = [(-np.inf, a - m * dq) if dq > 0 else (-a - m * dq, np.inf) for a, m in lines]
         assert any((use.lower, use.upper) == pytest.approx(side) for side in sides)
 
 
@@ -90,6 +91,28 @@ def test_tables_and_lines_name_the_curve_once(result):
     assert len(said) == 1
     assert f"{100 * worst:.3g} %" in said[0]
     assert not [line for line in lines if "torque-speed " in line and "[" in line]
+
+
+def test_the_report_tells_what_was_given_of_motors(result, planar_cell):
+    (title, table) = motors_table(result.cell)
+    assert "Motors" in title
+    assert "120 N m at 0 rad/s; 110 N m at 1 rad/s; 10 N m at 6 rad/s" in table
+    robots = tuple(
+        replace(robot, motors=replace(robot.motors, viscous=np.full(3, 2.5), rated=np.full(3, 9.0)))
+        for robot in planar_cell.robots
+    )
+    (_, table) = motors_table(replace(planar_cell, robots=robots))
+    assert table.count("2.5 N m s/rad") == 6
+    assert table.count("9 N m<") == 6
+    assert motors_table(planar_cell) == []
+
+
+def test_a_limit_of_zero_that_is_met_is_not_shown_with_its_rounding():
+    shipped = DATA.parent / "squeeze"
+    squeezed = mrts.scale(mrts.load_cell(shipped / "cell.yaml"), mrts.load_motion(shipped / "lift_and_turn.yaml"))
+    met = [use for use in limit_uses(squeezed) if use.upper == 0 and use.share > 1 - 1e-6]
+    assert met
+    assert all(use.largest == 0 for use in met)
 
 
 def test_a_player_has_bars_of_the_torque_at_its_speed(cell, lift):
