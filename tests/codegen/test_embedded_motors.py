@@ -59,8 +59,14 @@ def loaded(folder, change):
 
 
 @pytest.fixture(scope="module")
-def curved(tmp_path_factory):
+def curved_once(tmp_path_factory):
     return loaded(tmp_path_factory.mktemp("curved"), with_curves)
+
+
+@pytest.fixture
+def curved(curved_once):
+    curved_once[0].call("default_settings", curved_once[0].settings)
+    return curved_once
 
 
 @pytest.fixture(scope="module")

@@ -44,9 +44,9 @@ def squeezing(dual_ur5, force=400.0, friction=0.7):
     return with_contacts(dual_ur5, (palm,), (palm,))
 
 
-def in_tip(cell, motion, wrench):
+def in_tip(cell, result):
     """Wrenches in tip axes, from the joints: by the generated kinematics, not by the object's pose."""
-    whole = mrts.follow_object(cell, motion)
+    whole, wrench = result.motion, result.wrench
     R = cell.functions("kinematics", whole.samples, {"q": whole.q})["rotation"]
     found = {}
     for index, robot in enumerate(cell.robots):
@@ -172,7 +172,7 @@ def test_palms_press_what_their_corners_can_make(dual_ur5, lift_and_turn):
     assert {row.name.robot for row in result.range.upper.rows if row.name.kind == "contact"}
     mu = 0.7 / np.sqrt(2)
     for robot in cell.robots:
-        F = in_tip(cell, lift_and_turn, result.wrench)[robot.name]
+        F = in_tip(cell, result)[robot.name]
         least = least_pressing(F, [0, 0, 1], [0.05, 0.04], mu)
         assert np.all(F[:, 2] >= least - 1e-5)
         assert np.all((F[:, 2] >= 1 - 1e-5) & (F[:, 2] <= 400 + 1e-5))

@@ -247,7 +247,7 @@ def test_other_limits_than_it_was_found_with_are_told(planar_cell, lift, lifted,
     monkeypatch.delitem(LIMITS, "mine")
     assert mrts.load_result(tmp_path / "usual.npz").warnings == ()
     (told,) = mrts.load_result(tmp_path / "mine.npz").warnings
-    assert "found with the limits torque_limits, wrench_limits, velocity_limits, mine; registered now" in told.text
+    assert f"found with the limits {', '.join([*LIMITS, 'mine'])}; registered now" in told.text
 
 
 def test_every_name_in_a_file_is_documented(planar_cell, lift, tmp_path):

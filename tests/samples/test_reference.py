@@ -35,7 +35,8 @@ def test_ranges_equal_the_reference(seed, arms, make, tmp_path):
     at = [[arm[k] for arm in joints] for k in range(len(samples))]
     terms = [reference.terms(*pair) for pair in zip(samples, at, strict=True)]
     for even in (False, True):
-        ours = mrts.scale(case.cell, motion, sharing=mrts.LoadSharing() if even else None).range.samples
+        sharing = mrts.LoadSharing() if even else None
+        ours = mrts.scale(case.cell, motion, sharing=sharing, between=None).range.samples
         for k, term in enumerate(terms):
             status, low, high = reference.range_at(term, at[k], even=even)
             where = f"sample {k}, even {even}"
@@ -55,7 +56,7 @@ def test_the_random_cells_are_of_every_kind(arms, make, tmp_path):
     for seed in SEEDS:
         case = drawn(make, arms, seed, tmp_path)
         for sharing in (None, mrts.LoadSharing()):
-            found = mrts.scale(case.cell, case.motion, sharing=sharing).range.samples
+            found = mrts.scale(case.cell, case.motion, sharing=sharing, between=None).range.samples
             seen.update(status.value for status in found.status)
             seen["minimum speed"] += np.sum(found.lower[np.isfinite(found.lower)] > RANGE_TOLERANCE)
             seen["velocity"] += sum(

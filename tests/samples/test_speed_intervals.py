@@ -176,5 +176,5 @@ def test_a_sample_without_any_speed_names_the_closest_and_what_conflicts_there(t
             assert min(widening_at(one, c2, "kernel", "near")[0] for c2 in near) >= there * (1 - 1e-6)
             assert f"c² = {conflict.c2:.4g}" in str(conflict)
             seen["moving"] += conflict.c2 > 1e-6
-    assert seen["found"] > 8
+    assert seen["found"] > 4
     assert seen["moving"] > 0

@@ -81,7 +81,12 @@ typedef struct {
 MRTS_LOCAL int mrts_rows_over(int k, const mrts_limits *limits, mrts_real *work, int *iwork, mrts_rows *rows);
 
 /* Adds what motors give besides to the torques of a form. */
-MRTS_LOCAL void mrts_add_motors(int k, int joints, const mrts_terms *terms, mrts_form *form);
+static inline void mrts_add_motors(int k, int joints, const mrts_terms *terms, mrts_form *form) {
+    for (int i = 0; i < joints; ++i) {
+        if (terms->torque_square) form->torque_map[(k - 1) * joints + i] += terms->torque_square[i];
+        if (terms->torque_offset) form->torque_offset[i] += terms->torque_offset[i];
+    }
+}
 
 /* Turns the wrenches of a form into object axes, in memory of MRTS_TURNED_WORK, where the limits want them. `size` is of
  * one wrench, 6 or in a planar cell 3. Entry (i, j) of the object's rotation is rotation[i * down + j * across]. */

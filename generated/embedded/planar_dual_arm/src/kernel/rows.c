@@ -45,13 +45,6 @@ static int mrts_all_finite(int count, const mrts_real *values) {
     return 1;
 }
 
-MRTS_LOCAL void mrts_add_motors(int k, int joints, const mrts_terms *terms, mrts_form *form) {
-    for (int i = 0; i < joints; ++i) {
-        if (terms->torque_square) form->torque_map[(k - 1) * joints + i] += terms->torque_square[i];
-        if (terms->torque_offset) form->torque_offset[i] += terms->torque_offset[i];
-    }
-}
-
 MRTS_LOCAL void mrts_turn_wrenches(int k, int arms, int size, const mrts_limits *limits, const mrts_real *rotation,
                                    int down, int across, mrts_real *memory, mrts_form *form) {
     const int wrenches = arms * size;
