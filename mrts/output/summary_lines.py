@@ -113,7 +113,8 @@ def _motor_lines(result: ScalingResult) -> Iterator[str]:
     for use in limit_uses(result):
         if use.name.kind == TORQUE_SPEED:
             joint = f"{use.name.robot}/{use.name.element}"
-            yield f"torque-speed curves: at most {100 * use.share:.3g} % is used, by {joint} at t = {use.time:.4g} s"
+            used = f"at most {100 * use.share:.3g} % of a line's torque at standstill is used"
+            yield f"torque-speed curves: {used}, by {joint} at t = {use.time:.4g} s"
             break
     rated = [
         (share, f"{robot.name}/{joint} ({rms:.4g} of {most:g} {unit})")

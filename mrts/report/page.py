@@ -9,6 +9,7 @@ from pathlib import Path
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
+from mrts.cell.cell import Cell
 from mrts.report.markup import Html, element, html, joined, plot_place, section
 from mrts.report.player import SPEEDS, Player, player
 from mrts.report.plots import Plot, load_plot, power_plots, torque_plots, wrench_plots
@@ -107,7 +108,7 @@ def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[H
         pieces.append(section("conflicts", "Limits that conflict", conflicts_table(found.samples.conflicts)))
     if done is not None:
         pieces += [
-            section("margins", "How far the limits are used", margins_table(result)),
+            section("margins", "How far the limits are used", _margin_note(), margins_table(result)),
             section("duty", "What is asked of the motors", _duty_note(), duty_table(result)),
             section("torques", "Joint torques", _limit_note(), place(*torque_plots(result))),
             section("wrenches", "Contact wrenches", _limit_note(), place(*wrench_plots(result))),
@@ -122,7 +123,7 @@ def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[H
     limits = [
         element("h3", "Joints"),
         joints_table(result.cell),
-        *motors_table(result.cell),
+        *_motors(result.cell),
         element("h3", "Contact wrenches"),
         wrench_limits_table(result.cell),
     ]
@@ -162,6 +163,19 @@ def _limit_note() -> Html:
     return element(
         "p", "Thin lines are limits; those far outside are not shown. A click on a name hides its lines.", class_="note"
     )
+
+
+def _margin_note() -> Html:
+    text = (
+        "Of a limit that is 0, 100 % is the largest limit of its kind. Of a torque-speed line, it is what the line "
+        "gives at standstill, and the limits are those of the moment at which most is used."
+    )
+    return element("p", text, class_="note")
+
+
+def _motors(cell: Cell) -> list[Html]:
+    known = motors_table(cell)
+    return [element("h3", "Motors"), *known] if known else []
 
 
 def _duty_note() -> Html:

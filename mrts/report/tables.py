@@ -21,16 +21,6 @@ MOST_CONFLICTS = 10
 MOST_LOADS = 16
 """Rows of the tables of conflicts and loads; the rest is counted."""
 
-MOTOR_COLUMNS = {
-    "armature": "armature",
-    "coulomb": "dry friction",
-    "viscous": "viscous friction",
-    "rated": "rated torque",
-    "torque_rate": "torque rate",
-    "jerk": "jerk",
-}
-"""What of motors is one number a joint, and the title of its column."""
-
 
 def inputs_table(result: ScalingResult) -> Html:
     """Cell, object, motion and how the load is shared."""
@@ -59,6 +49,7 @@ def inputs_table(result: ScalingResult) -> Html:
         entries.append(("kept in reserve", f"{100 * result.cell.reserve:.4g} % of every limit"))
     if result.reserve is not None:
         entries.append(("reserve", str(result.reserve)))
+    entries.append(("between the samples", _between_text(result)))
     return element("dl", joined(joined([element("dt", name), element("dd", text)]) for name, text in entries))
 
 
@@ -71,6 +62,15 @@ def _object_text(cell: Cell) -> str:
     if np.any(cell.load[1:4] != 0):
         text += f", first moments {_vector(cell.load[1:4])} kg m"
     return text
+
+
+def _between_text(result: ScalingResult) -> str:
+    found = result.excess
+    if found is None:
+        return "not looked at"
+    if found.share > 0:
+        return str(found).removeprefix("between the samples ")
+    return f"all limits are kept to {100 * found.tolerance:.2g} % of them"
 
 
 def _distribution_text(result: ScalingResult) -> str:
@@ -102,25 +102,22 @@ def joints_table(cell: Cell) -> Html:
 
 
 def motors_table(cell: Cell) -> list[Html]:
-    """What is known of every motor; nothing where all are ideal."""
-    rows: list[tuple[str, ...]] = []
-    known = False
+    """What is known of the motors, where that is more than their largest torque; nothing if all are ideal."""
+    rows = []
     for robot in cell.robots:
         motors = robot.motors
-        for index, (joint, torque) in enumerate(zip(robot.joints, robot.torque_units, strict=True)):
-            way, curve = robot.position_units[index], motors.torque_speed[index]
-            inertia = "kg m²" if way == "rad" else "kg"
-            units = (inertia, torque, f"{torque} s/{way}", torque, f"{torque}/s", f"{way}/s³")
-            values = [getattr(motors, name)[index] for name in MOTOR_COLUMNS]
-            shown = [
-                f"{value:.4g} {unit}" if value and np.isfinite(value) else "–"
-                for value, unit in zip(values, units, strict=True)
-            ]
-            corners = [] if curve is None else [f"{most:.4g} {torque} at {speed:.4g} {way}/s" for speed, most in curve]
-            known = known or bool(corners) or any(text != "–" for text in shown)
-            rows.append((robot.name, joint, *shown, "; ".join(corners) or "–"))
-    head = ("robot", "joint", *MOTOR_COLUMNS.values(), "torque-speed curve")
-    return [element("h3", "Motors"), table(head, rows)] if known else []
+        for j, joint in enumerate(robot.joints):
+            torque, speed = robot.torque_units[j], f"{robot.position_units[j]}/s"
+            curve = motors.torque_speed[j]
+            corners = [] if curve is None else [f"{most:g} {torque} at {dq:g} {speed}" for dq, most in curve.tolist()]
+            numbers = (motors.armature[j], motors.coulomb[j], motors.viscous[j])
+            rated = f"{motors.rated[j]:g} {torque}" if np.isfinite(motors.rated[j]) else ""
+            known = (*(f"{value:g}" if value else "" for value in numbers), _lines(corners), rated)
+            if any(known):
+                rows.append((f"{robot.name}/{joint}", *known))
+    head = ("joint", "armature", "Coulomb friction", "viscous friction", "torque-speed curve", "rated torque")
+    note = "Armature in kg m², friction in N m and N m s/rad; of prismatic joints in kg, N and N s/m."
+    return [table(head, rows), element("p", note, class_="note")] if rows else []
 
 
 def wrench_limits_table(cell: Cell) -> Html:

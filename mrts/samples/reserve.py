@@ -186,7 +186,8 @@ class PlanReserve:
         least = self.distributed
         if least is None or least.share <= self.whole.share:
             return text
-        return f"{text}, {100 * least.share:.3g} % of those of torques and wrenches ({least.place()})"
+        other = f"{100 * least.share:.3g} % of those of torques and wrenches if these are distributed for it"
+        return f"{text}, {other} ({least.place()})"
 
     def to_json(self) -> dict[str, Any]:
         """Entry "reserve" of the JSON result."""

@@ -51,9 +51,14 @@ class LoadStudy:
             return f"for every load of the box ({what})"
         if self.question == "possible":
             missed = f"; {len(self.not_converged)} samples not converged" if self.not_converged else ""
-            return f"at best, for some load of the box at each sample ({what}{missed})"
+            gaps = "; loads have gaps, and whether another fills them was not asked" if self._has_gaps else ""
+            return f"at best, for some load of the box at each sample ({what}{missed}{gaps})"
         low, high = (self.box.mass * factor for factor in self.box.ranges["mass"])
         return f"for {len(self.points)} masses from {low:.4g} to {high:.4g} kg, all else nominal"
+
+    @property
+    def _has_gaps(self) -> bool:
+        return any(found.samples.gaps for found in self.ranges)
 
     def to_json(self) -> dict[str, Any]:
         """The study as JSON values."""

@@ -17,6 +17,9 @@ from mrts.samples.sample_ranges import POINT_TOLERANCE, SampleRanges, first_leas
 SPEEDS = {"velocity", "motor speed"}
 """Kinds of rows that a load does not move."""
 
+LOST_WITH_SPEED = "what motors lose with the speed (viscous friction, torque-speed curves)"
+"""What gaps between intervals are from: inertia makes up for it at a higher speed only."""
+
 
 @dataclass(frozen=True)
 class RangeEnd:

@@ -27,7 +27,7 @@ from mrts.samples.range_status import RangeStatus
 from mrts.samples.reserve import PlanReserve, plan_reserve
 from mrts.scaling.limit_use import largest_step, limit_uses
 from mrts.scaling.load_study import LoadStudy
-from mrts.scaling.range import ScalingRange
+from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange
 from mrts.scaling.result_html import result_html
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.solvers import DEFAULT_SOLVER
@@ -305,7 +305,7 @@ def _speed_advice(intervals: Sequence[tuple[float, float]], given: float) -> str
         ends = [(f"{np.sqrt(low):.3g} to" if low > 0 else "up to", np.sqrt(high)) for low, high in intervals]
         return (
             f"you {verb} play it {' or '.join(f'{start} {end:.3g}' for start, end in ends)} × as fast as given, not "
-            "in between, where inertia does not yet help the motors enough against friction: "
+            f"in between, where inertia does not yet make up for {LOST_WITH_SPEED}: "
             f"{given / np.sqrt(most):.4g} s at the fastest instead of {given:.4g} s"
         )
     if most <= 0:

@@ -31,7 +31,7 @@ from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.motion_remarks import motion_remarks
-from mrts.scaling.range import ScalingRange, intersect
+from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange, intersect
 from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult, kept_text
 from mrts.scaling.uncertain_load import study_load
 from mrts.scaling.with_torques import with_torques
@@ -318,7 +318,7 @@ def _refusal(found: ScalingRange, c2: float, interval: str) -> str:
     if slower and faster:
         return (
             f"c² = {c2:g} lies in a gap of the admissible range {interval}: you may play it slower, or faster, where "
-            f"inertia helps the motors against friction. At most {slower[-1].c2:.6g} {slower[-1].place()}; at least "
+            f"inertia makes up for {LOST_WITH_SPEED}. At most {slower[-1].c2:.6g} {slower[-1].place()}; at least "
             f"{faster[0].c2:.6g} {faster[0].place()}."
         )
     side, end = ("lower", faster[0]) if faster else ("upper", slower[-1])

@@ -60,6 +60,7 @@ def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
     also = f"; above theirs too: {', '.join(others[:NAMED])}{more}" if others else ""
     text = (
         f"{worst}: its root mean square torque over the motion is {100 * shares[worst]:.0f} % of what its motor bears "
-        f"for ever ('rated'{also}): repeated without a pause it overheats. Play the motion slower, or less often."
+        f"for ever ('rated'{also}): repeated without a pause it overheats. Pause without the load, or carry "
+        "less; to play the motion slower saves only what its accelerations take."
     )
     return (Remark(OVERRATED, text),)

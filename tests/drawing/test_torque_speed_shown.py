@@ -11,7 +11,7 @@ from mrts.figures import phase_plane_figure, trajectory_figure, write_result_fig
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.output.summary_lines import scaling_lines
 from mrts.report.plots import torque_plots
-from mrts.report.tables import margins_table, motors_table
+from mrts.report.tables import inputs_table, margins_table, motors_table
 from mrts.scaling.limit_use import limit_uses, limited_quantities
 from mrts.viewer.panel import bars_html
 from mrts.viewer.player_state import PlayerState
@@ -89,30 +89,24 @@ def test_tables_and_lines_name_the_curve_once(result):
     said = [line for line in lines if line.startswith("torque-speed curves: at most")]
     worst = max(use.share for use in limit_uses(result) if use.name.kind == TORQUE_SPEED)
     assert len(said) == 1
-    assert f"{100 * worst:.3g} %" in said[0]
+    assert f"{100 * worst:.3g} % of a line's torque at standstill is used" in said[0]
     assert not [line for line in lines if "torque-speed " in line and "[" in line]
 
 
-def test_the_report_tells_what_was_given_of_motors(result, planar_cell):
-    (title, table) = motors_table(result.cell)
-    assert "Motors" in title
-    assert "120 N m at 0 rad/s; 110 N m at 1 rad/s; 10 N m at 6 rad/s" in table
-    robots = tuple(
-        replace(robot, motors=replace(robot.motors, viscous=np.full(3, 2.5), rated=np.full(3, 9.0)))
-        for robot in planar_cell.robots
-    )
-    (_, table) = motors_table(replace(planar_cell, robots=robots))
-    assert table.count("2.5 N m s/rad") == 6
-    assert table.count("9 N m<") == 6
+def test_the_report_says_which_motors_it_is_for(cell, planar_cell):
+    (known, note) = motors_table(cell)
+    assert "left/shoulder" in known
+    assert "120 N m at 0 rad/s<br>110 N m at 1 rad/s<br>10 N m at 6 rad/s" in known
+    assert "left/wrist" not in known
+    assert "N m s/rad" in note
     assert motors_table(planar_cell) == []
 
 
-def test_a_limit_of_zero_that_is_met_is_not_shown_with_its_rounding():
-    shipped = DATA.parent / "squeeze"
-    squeezed = mrts.scale(mrts.load_cell(shipped / "cell.yaml"), mrts.load_motion(shipped / "lift_and_turn.yaml"))
-    met = [use for use in limit_uses(squeezed) if use.upper == 0 and use.share > 1 - 1e-6]
-    assert met
-    assert all(use.largest == 0 for use in met)
+def test_the_report_says_what_is_left_between_the_samples(cell, lift, result):
+    assert "all limits are kept to 0.01 % of them" in inputs_table(result)
+    passing = replace(result, excess=replace(result.excess, share=0.02))
+    assert "limits are overstepped by up to 2 %" in inputs_table(passing)
+    assert "not looked at" in inputs_table(mrts.scale(cell, lift, between=None))
 
 
 def test_a_player_has_bars_of_the_torque_at_its_speed(cell, lift):
@@ -167,3 +161,11 @@ def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     table = margins_table(result)
     for use in limit_uses(result):
         assert str(use.name) in table
+
+
+def test_a_limit_of_zero_that_is_met_is_not_shown_with_its_rounding():
+    shipped = DATA.parent / "squeeze"
+    squeezed = mrts.scale(mrts.load_cell(shipped / "cell.yaml"), mrts.load_motion(shipped / "lift_and_turn.yaml"))
+    met = [use for use in limit_uses(squeezed) if use.upper == 0 and use.share > 1 - 1e-6]
+    assert met
+    assert all(use.largest == 0 for use in met)

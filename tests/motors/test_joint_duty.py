@@ -102,6 +102,7 @@ def test_motors_above_their_rating_are_a_warning_until_the_motion_is_slow_enough
     worst = result.trajectory.duty["left"].rated_share
     assert worst[0] > worst[2] or "left/wrist:" in said.text
     assert f"{100 * max(worst):.0f} % of what its motor bears" in said.text
+    assert "to play the motion slower saves only what its accelerations take" in said.text
     last = list(scaling_lines(result))[-1]
     assert last.startswith(f"root mean square torques: at most {100 * max(worst):.3g} % of what motors bear")
     relaxed = replace(cell.robots[0].motors, rated=np.full(3, 1e4))

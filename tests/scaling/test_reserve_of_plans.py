@@ -124,6 +124,7 @@ def test_the_shipped_cell_keeps_its_wrenches_far_from_their_limits(dual_ur5):
     least, kept = (mrts.scale(dual_ur5, motion, distribute=rule) for rule in ("least-torque", "reserve"))
     assert np.max(largest_share(least, ("wrench",))) == pytest.approx(1, abs=ROUNDING)
     assert np.max(largest_share(kept, ("wrench",))) < 0.4
+    assert "60 % of those of torques and wrenches if these are distributed for it (" in str(least.reserve)
     assert kept.reserve.whole.share == 0
     assert [row.name.kind for row in kept.reserve.whole.rows] == ["velocity"]
     assert kept.fallbacks == 0

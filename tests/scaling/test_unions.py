@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gantries import gantries
 from slowing_gantries import Slowing
 
 import mrts
@@ -71,6 +72,30 @@ def test_the_summary_and_json_say_all_intervals(slowing):
     gaps = said["samples"]["gaps"]
     assert [gap["sample"] for gap in gaps] == list(range(11))
     assert gaps[0]["c2"] == [said["intervals"][0][1], said["intervals"][1][0]]
+
+
+def test_a_gap_of_torque_speed_curves_is_not_blamed_on_friction(tmp_path):
+    cell = gantries(tmp_path, gravity=(-4, 0, 0))
+    curve, rotor = (np.array([[0, 30.0], [1.6, 2.0]]), None, None), np.array([3.0, 0, 0])
+    motors = replace(cell.robots[0].motors, armature=rotor, torque_speed=curve)
+    falling = replace(cell, robots=tuple(replace(robot, motors=motors) for robot in cell.robots))
+    result = mrts.scale(falling, Slowing().motion())
+    assert len(result.range.intervals) == 2
+    with pytest.raises(mrts.SelectionError, match="lies in a gap") as told:
+        mrts.scale(falling, Slowing().motion(), 1.0)
+    for text in (result.sentence(), str(told.value)):
+        assert "what motors lose with the speed (viscous friction, torque-speed curves)" in text
+        assert "against friction" not in text
+
+
+def test_what_is_possible_says_that_single_loads_have_gaps(tmp_path):
+    case = Slowing()
+    varied = mrts.scale(case.cell(tmp_path, variation={"mass": [0.9, 1.1]}), case.motion(), load="possible")
+    assert all(len(found.intervals) == 2 for found in varied.load.ranges)
+    assert "loads have gaps, and whether another fills them was not asked" in varied.sentence()
+    steady = replace(case, friction=0.0)
+    plain = mrts.scale(steady.cell(tmp_path, variation={"mass": [0.9, 1.1]}), case.motion(), load="possible")
+    assert "gaps" not in plain.sentence()
 
 
 def test_a_saved_result_keeps_its_gaps(slowing, tmp_path):
