@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import BeforeValidator, Field
+from pydantic_core import PydanticCustomError
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
@@ -22,6 +23,14 @@ PerJoint = Finite | Annotated[list[Finite], Field(min_length=1)]
 
 Corner = Annotated[list[Finite], Field(min_length=2, max_length=2)]
 Curve = Annotated[list[Corner], Field(min_length=2)]
+Curves = Annotated[list[Curve | None], Field(min_length=1)]
+
+OF_FRICTION = ("coulomb", "viscous")
+"""The keys of `friction`."""
+
+FRICTION_RULE = (
+    "must be 'none', which ignores that of the URDF, or give coulomb, viscous or both, such as {coulomb: 5, viscous: 8}"
+)
 
 
 class FrictionDescription(StrictModel):
@@ -34,6 +43,13 @@ class FrictionDescription(StrictModel):
 
     coulomb: PerJoint = 0.0
     viscous: PerJoint = 0.0
+
+
+def _of_friction_form(value: object) -> object:
+    """Refuses what says nothing of friction, with one rule for all forms."""
+    if value is None or value == "none" or (isinstance(value, dict) and value):
+        return value
+    raise PydanticCustomError("friction_form", "{rule}", {"rule": FRICTION_RULE})
 
 
 class MotorsDescription(StrictModel):
@@ -49,8 +65,8 @@ class MotorsDescription(StrictModel):
     """
 
     armature: PerJoint = 0.0
-    friction: FrictionDescription | Literal["none"] | None = None
-    torque_speed: Curve | list[Curve | None] | None = None
+    friction: Annotated[FrictionDescription | Literal["none"] | None, BeforeValidator(_of_friction_form)] = None
+    torque_speed: Curve | Curves | None = None
     torque_rate: PerJoint | None = None
     jerk: PerJoint | None = None
     rated: PerJoint | None = None
@@ -81,12 +97,12 @@ def build_motors(
 
     remarks: tuple[Remark, ...] = ()
     if given.friction is None:
-        friction = {name: [getattr(joint, name) for joint in model.joints] for name in ("coulomb", "viscous")}
+        friction = {name: [getattr(joint, name) for joint in model.joints] for name in OF_FRICTION}
         if any(map(any, friction.values())):
             remarks = (_of_urdf(robot.name, friction),)
     else:
         chosen = FrictionDescription() if given.friction == "none" else given.friction
-        friction = {name: getattr(chosen, name) for name in ("coulomb", "viscous")}
+        friction = {name: getattr(chosen, name) for name in OF_FRICTION}
     try:
         motors = JointMotors(
             armature=one_a_joint("armature", given.armature),
@@ -101,7 +117,8 @@ def build_motors(
     except InputError as error:
         if error.where == str(path):
             raise
-        raise InputError(path, error.rule, key=f"{key}.{error.key}", value=error.value) from None
+        block = "friction." if error.key.startswith(OF_FRICTION) else ""
+        raise InputError(path, error.rule, key=f"{key}.{block}{error.key}", value=error.value) from None
     contradiction = motors.problem_with(*limits, joints)
     if contradiction is not None:
         of_urdf = contradiction[0].startswith("friction") and bool(remarks)

@@ -13,13 +13,16 @@ from mrts.limits.rows import TORQUE_SPEED, RowName
 if TYPE_CHECKING:
     from mrts.scaling.result import ScalingResult
 
+NOTHING = 1e-8
+"""Share of its limit below which a value is 0: programs meet limits to 1e-9, and a limit of 0 is passed by as much."""
+
 
 @dataclass(frozen=True)
 class LimitUse:
     """How much of its limits one row uses along a trajectory.
 
-    Of a torque-speed line, values are torques, limits what the motor gives at the speed of that moment, and the share
-    is that of what the line gives at standstill.
+    Of a torque-speed line, values are torques, limits what the motor gives at the speed of that moment, unbounded where
+    it would brake, and the share is that of what the line gives at standstill.
 
     Attributes:
         name: What the row limits.
@@ -87,13 +90,17 @@ def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUs
     share = rows.share(value)
     at = np.argmax(share, axis=0)
     moving = np.broadcast_to(rows.moving(done.c), value.shape)
-    value = value - moving
-    steps, units = np.max(np.abs(np.diff(value, axis=0)), axis=0, initial=0.0), rows.units()
+    value, units = value - moving, rows.units()
+    steps = np.max(np.abs(np.diff(value, axis=0)), axis=0, initial=0.0)
+    value = np.where(np.abs(value) < NOTHING * units, 0.0, value)
+    at_use = moving[at, range(len(at))]
+    lower = np.where(at_use > 0, -np.inf, rows.lower - at_use)
+    upper = np.where(at_use < 0, np.inf, rows.upper - at_use)
     uses = [
         LimitUse(
             name=name,
-            lower=float(rows.lower[row] - moving[at[row], row]),
-            upper=float(rows.upper[row] - moving[at[row], row]),
+            lower=float(lower[row]),
+            upper=float(upper[row]),
             least=float(np.min(value[:, row])),
             largest=float(np.max(value[:, row])),
             share=max(0.0, float(share[at[row], row])),

@@ -4,7 +4,7 @@
 import json
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 from types import NoneType
@@ -197,8 +197,8 @@ def rank_configurations(
     Branches come from the planar closed form, from the analytic inverse of a six-joint arm (extra `ik`), or else from
     seeded random starts; for a redundant arm these settle where they come locally nearest to its posture. Positions
     outside the joint limits do not count. More combinations than `cap` are ordered by c²⁺ of the fixed distribution
-    (`sharing`, else the even one), which is cheap, and the first `cap` evaluated. Ranges of an uncertain load are the
-    guaranteed ones.
+    (`sharing`, else the even one, without contacts), which is cheap, and the first `cap` evaluated. Ranges of an
+    uncertain load are the guaranteed ones.
 
     Args:
         cell: The cell.
@@ -231,22 +231,30 @@ def rank_configurations(
     scores = combinations if combinations > cap else 0
     total = scores + (0 if scores and sharing is not None else min(combinations, cap))
 
-    def evaluate(choices: Iterable[tuple[Branch, ...]], rule: LoadSharing | None, before: int) -> list[Configuration]:
+    def evaluate(
+        choices: Iterable[tuple[Branch, ...]], rule: LoadSharing | None, before: int, of: Cell = cell
+    ) -> list[Configuration]:
         found = []
         for number, choice in enumerate(choices, start=before):
             progress(number, total)
-            found.append(_evaluate(cell, motion, tracks, choice, DistributionRule(rule), solver, tolerance))
+            found.append(_evaluate(of, motion, tracks, choice, DistributionRule(rule), solver, tolerance))
         return sorted(found, key=lambda configuration: -configuration.c2_upper)
 
     ranked: list[Configuration] | None = None
     if scores:
-        best = evaluate(chosen, sharing or LoadSharing(), 0)[:cap]
+        of = cell if sharing is not None else _without_hands(cell)
+        best = evaluate(chosen, sharing or LoadSharing(), 0, of)[:cap]
         chosen = [configuration.branches for configuration in best]
         ranked = best if sharing is not None else None
     if ranked is None:
         ranked = evaluate(chosen, sharing, scores)
     progress(total, total)
     return ConfigurationStudy(branches, tuple(ranked), combinations)
+
+
+def _without_hands(cell: Cell) -> Cell:
+    """The cell without contact rows: an even distribution does not squeeze, and would order palms by chance."""
+    return replace(cell, robots=tuple(replace(robot, contacts=()) for robot in cell.robots))
 
 
 def _branches_at_start(cell: Cell, index: int, motion: ObjectMotion) -> Array:

@@ -64,7 +64,8 @@ def test_a_use_of_a_curve_tells_torque_and_limit_at_its_moment(result):
         assert use.least == pytest.approx(np.min(done.torque[:, j]))
         assert use.largest == pytest.approx(np.max(done.torque[:, j]))
         lines = [(120.0, 10.0), (130.0, 20.0)]
-        sides = [(-a - m * done.dq[sample, j], a - m * done.dq[sample, j]) for a, m in lines]
+        dq = done.dq[sample, j]
+        sides = [(-np.inf, a - m * dq) if dq > 0 else (-a - m * dq, np.inf) for a, m in lines]
         assert any((use.lower, use.upper) == pytest.approx(side) for side in sides)
 
 
@@ -160,3 +161,11 @@ def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     table = margins_table(result)
     for use in limit_uses(result):
         assert str(use.name) in table
+
+
+def test_a_limit_of_zero_that_is_met_is_not_shown_with_its_rounding():
+    shipped = DATA.parent / "squeeze"
+    squeezed = mrts.scale(mrts.load_cell(shipped / "cell.yaml"), mrts.load_motion(shipped / "lift_and_turn.yaml"))
+    met = [use for use in limit_uses(squeezed) if use.upper == 0 and use.share > 1 - 1e-6]
+    assert met
+    assert all(use.largest == 0 for use in met)

@@ -65,8 +65,21 @@ MISTAKES = {
             "shoulder, elbow, wrist",
         ],
     ),
-    "negative friction": ({"friction": {"coulomb": [1, -2, 0]}}, ["coulomb[1]", "-2", "must be >= 0"]),
-    "negative viscous": ({"friction": {"viscous": -1}}, ["viscous[0]", "-1", "must be >= 0"]),
+    "negative friction": (
+        {"friction": {"coulomb": [1, -2, 0]}},
+        ["robots[0] (left).motors.friction.coulomb[1]", "-2", "must be >= 0"],
+    ),
+    "negative viscous": (
+        {"friction": {"viscous": -1}},
+        ["robots[0] (left).motors.friction.viscous[0]", "-1", "must be >= 0"],
+    ),
+    "friction of another form": (
+        {"friction": [1, 2, 3]},
+        ["robots[0].motors.friction = [1, 2, 3]", "'none'", "coulomb, viscous"],
+    ),
+    "friction that says nothing": ({"friction": {}}, ["robots[0].motors.friction = {}", "coulomb, viscous or both"]),
+    "no curves": ({"torque_speed": []}, ["robots[0].motors.torque_speed = []", "has 0 values"]),
+    "curve without corners": ({"torque_speed": [[]]}, ["robots[0].motors.torque_speed", "has 0 values"]),
     "friction above the torque": (
         {"friction": {"coulomb": [1, 1, 28]}},
         ["robots[0] (left).motors.friction.coulomb[2]", "'wrist' is 28", "-28 to 28"],

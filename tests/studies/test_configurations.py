@@ -189,3 +189,11 @@ def test_progress_counts_every_evaluation(planar_cell, lift, cap, sharing, total
     )
     assert told == [(done, total) for done in range(total + 1)]
     assert len(study.ranked) == min(cap, 4)
+
+
+def test_the_best_of_palms_are_found_although_no_fixed_distribution_squeezes():
+    shipped = DATA.parent / "squeeze"
+    cell, motion = mrts.load_cell(shipped / "cell.yaml"), mrts.load_motion(shipped / "lift_and_turn.yaml")
+    best = mrts.rank_configurations(cell, motion, between=None).ranked[:5]
+    few = mrts.rank_configurations(cell, motion, cap=5, between=None).ranked
+    assert [one.c2_upper for one in few] == pytest.approx([one.c2_upper for one in best], rel=1e-6)
