@@ -38,10 +38,11 @@ def checked_rows(limit: str, rows: object, cell: Cell, motion: CoordinatedMotion
         "rate": ((samples, count), "(samples, r)"),
         "speed": ((samples, count), "(samples, r)"),
         "square": ((samples, count), "(samples, r)"),
+        "size": ((count,), "(r,)"),
     }
     for field, (shape, meaning) in shapes.items():
         values = getattr(rows, field)
-        if values is None and field in {"object_matrix", "rate", "speed", "square"}:
+        if values is None and field in {"object_matrix", "rate", "speed", "square", "size"}:
             continue
         if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu" or values.shape != shape:
             given = (

@@ -135,6 +135,7 @@ class LimitRows:
         rate: a, Shape (N, r).
         speed: b, Shape (N, r).
         square: e, Shape (N, r).
+        size: What 100 % of each limit is, Shape (r,), where its sides do not tell: of limits that a reserve moved.
     """
 
     names: tuple[RowName, ...]
@@ -147,9 +148,12 @@ class LimitRows:
     rate: Array | None = None
     speed: Array | None = None
     square: Array | None = None
+    size: Array | None = None
 
     def units(self) -> Array:
         """What 100 % of each limit is, Shape (r,): its larger side; for a zero, the largest of its group, or 1."""
+        if self.size is not None:
+            return self.size
         sides = np.stack([np.abs(self.lower), np.abs(self.upper)])
         size = np.max(np.where(np.isfinite(sides), sides, 0.0), axis=0)
         zeros = np.flatnonzero(size == 0)
@@ -173,7 +177,8 @@ class LimitRows:
         """
         low, high = self.side_sizes()
         moves = reserve * (self.lower < self.upper)
-        return replace(self, lower=self.lower + moves * low, upper=self.upper - moves * high)
+        size = self.units()
+        return replace(self, lower=self.lower + moves * low, upper=self.upper - moves * high, size=size)
 
     def value(self, torque: Array, wrench: Array, rate: Array | float, speed: Array | float) -> Array:
         """What each row is of its quantity at all samples, Shape (N, r).
@@ -271,6 +276,7 @@ class LimitRows:
             rate=rate,
             speed=speed,
             square=square,
+            size=None if self.size is None else self.size[places],
         )
 
     def bounded(self) -> "LimitRows":
@@ -345,4 +351,7 @@ def stack_rows(pieces: Sequence[LimitRows]) -> LimitRows:
         rate=column([piece.rate for piece in pieces]),
         speed=column([piece.speed for piece in pieces]),
         square=column([piece.square for piece in pieces]),
+        size=None
+        if all(piece.size is None for piece in pieces)
+        else np.concatenate([piece.units() for piece in pieces]),
     )

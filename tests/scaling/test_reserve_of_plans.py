@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
+from conftest import DATA
 from gantries import along_x, gantries
 
 import mrts
@@ -78,6 +79,7 @@ def with_motors(cell):
 @pytest.mark.parametrize("seed", range(14))
 def test_the_reserve_is_the_largest_that_leaves_c2_in_the_range(seed, tmp_path):
     cell, motion, c2, asked = random_plan(seed, tmp_path, seed)
+    asked = asked | {"between": None}  # samples that are added depend on the reserve
     reserve = mrts.scale(cell, motion, c2, **asked).reserve.whole
     inside, outside = 0.0, 1 - BISECTION
     while outside - inside > BISECTION:
@@ -274,3 +276,14 @@ def test_a_distribution_that_is_none_is_refused(planar_cell, lift):
         mrts.retime(planar_cell, lift, distribute="reserve", sharing=mrts.LoadSharing())
     with pytest.raises(mrts.SelectionError, match=r"^with 50 % of every limit in reserve, c² = 1 is outside"):
         mrts.scale(planar_cell, lift, "nominal", reserve=0.5)
+
+
+def test_rows_of_limit_zero_are_measured_alike_with_a_reserve():
+    """A pad's cone has limits of 0, which a reserve moves: what 100 % of them is stays that of the pad's force."""
+    folder = DATA.parent / "squeeze"
+    cell, motion = mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "lift_and_turn.yaml")
+    followed = mrts.follow_object(cell, motion)
+    given, kept = limit_rows(cell, followed), limit_rows(cell.with_reserve(0.1), followed)
+    np.testing.assert_array_equal(kept.units(), given.units())
+    result = mrts.retime(cell, motion, distribute="reserve", reserve=0.1, between=None)
+    assert result.retimed.residuals().limits < ROUNDING / 5
