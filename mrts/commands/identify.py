@@ -13,8 +13,8 @@ from mrts.console.terminal import say, warn
 
 EXAMPLES = """\
 examples:
-  mrts identify cell.yaml excitation.mcap -o motors.yaml
-  mrts identify cell.yaml left_arm.csv -o motors.yaml --plot plots"""
+  mrts identify cell.yaml recorded.csv -o motors.yaml
+  mrts identify cell.yaml recorded.csv -o motors.yaml --cutoff 30 --plot plots"""
 
 
 def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from mrts.base.errors import InputError, as_array
 from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
-from mrts.hands.contact import Contact, Frame
+from mrts.hands.contact import Contact, Frame, check_components, holds
 
 
 def box_contact(
@@ -30,11 +30,12 @@ def box_contact(
     Raises:
         InputError: If a side has another length, nothing is limited, or a lower limit exceeds the upper one.
     """
+    check_components(components)
     size = len(components)
     sides = []
     for key, given, unbounded in (("lower", lower, -np.inf), ("upper", upper, np.inf)):
         values = [None] * size if given is None else given
-        if not isinstance(values, list | tuple | np.ndarray) or len(values) != size:
+        if not holds(values, size):
             rule = f"must have {size} values ({', '.join(components)}); null is unbounded."
             raise InputError("contact", rule, key=key, value=given)
         sides.append(as_array(key, [unbounded if value is None else value for value in values]))

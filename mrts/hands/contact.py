@@ -4,7 +4,7 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Any, Literal
+from typing import Any, Literal, TypeGuard
 
 import numpy as np
 
@@ -53,7 +53,7 @@ class Contact:
         where = f"contact '{self.name}'"
         if not self.name or self.name != "".join(self.name.split()):
             raise InputError("contact", "its name must be text without blanks.", key="name", value=self.name)
-        if self.frame not in FRAMES:
+        if not isinstance(self.frame, str) or self.frame not in FRAMES:
             raise InputError(where, f"must be {', '.join(FRAMES)}.", key="frame", value=self.frame)
         for key in ("rows", "units"):
             check_list(f"{where}: {key}", getattr(self, key), str)
@@ -81,6 +81,25 @@ class Contact:
 
     def __repr__(self) -> str:
         return f"<Contact '{self.name}': {len(self.rows)} rows in {self.frame} axes>"
+
+
+def holds(values: object, count: int) -> TypeGuard[Sequence[Any]]:
+    """Whether values are a list, a tuple or an array of so many entries."""
+    if isinstance(values, np.ndarray):
+        return bool(values.shape[:1] == (count,))
+    return isinstance(values, list | tuple) and len(values) == count
+
+
+def check_components(components: object) -> None:
+    """Refuse what does not name the components of a wrench.
+
+    Raises:
+        InputError: Unless it is all six names, or three of them for a plane.
+    """
+    known = isinstance(components, list | tuple) and {*map(str, components)} <= {*WRENCH_COMPONENTS}
+    if not known or not any(holds(components, count) for count in (3, len(WRENCH_COMPONENTS))):
+        rule = f"must be {', '.join(WRENCH_COMPONENTS)}, or in a plane three of them."
+        raise InputError("contact", rule, key="components", value=components)
 
 
 def numbered(kinds: Sequence[str]) -> list[str]:

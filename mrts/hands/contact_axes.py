@@ -9,6 +9,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.base.rigid_transform import multiply
+from mrts.hands.contact import check_components
 
 SHORTEST_DIRECTION = 1e-9
 """A direction is given by numbers near 1: what is shorter is zero, misprinted."""
@@ -64,6 +65,7 @@ def contact_axes(key: str, direction: object, components: Sequence[str]) -> Arra
     Raises:
         InputError: If the direction is none, or leaves the plane.
     """
+    check_components(components)
     given = as_array(key, direction)
     if given.shape != (3,) or not np.all(np.isfinite(given)):
         raise InputError("contact", "must be three finite numbers in tip axes.", key=key, value=direction)

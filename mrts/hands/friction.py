@@ -11,6 +11,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.manifest import WRENCH_COMPONENTS
+from mrts.hands.contact import holds
 
 SMALLEST = 1e-6
 """Of a coefficient of friction, of a half width [m] and of a force [N]: what is smaller is a misprint, or zero."""
@@ -54,7 +55,7 @@ def half_widths(key: str, values: object, components: Sequence[str]) -> list[flo
         InputError: If they are others, or not > 0.
     """
     count = 2 if len(components) == len(WRENCH_COMPONENTS) else 1
-    if not isinstance(values, list | tuple | np.ndarray) or len(values) != count:
+    if not holds(values, count):
         what = "[a, b], both half widths" if count > 1 else "[a]: in a planar cell the contact is a line"
         raise InputError("contact", f"must be {what}, in m.", key=key, value=values)
     return [positive(key, value) for value in values]

@@ -9,7 +9,7 @@ from mrts.base.argument_types import is_number
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.manifest import WRENCH_COMPONENTS
-from mrts.hands.contact import Contact
+from mrts.hands.contact import Contact, holds
 from mrts.hands.contact_axes import contact_axes, in_tip_axes
 from mrts.hands.friction import NORMAL_FORCE, along_normal, half_widths, normal_force_needed, pyramid
 
@@ -40,7 +40,7 @@ def pad_contact(
     """
     axes = contact_axes("normal", normal, components)
     needed = normal_force_needed(pyramid(friction, components), half_widths("half_width", half_width, components))
-    pair = isinstance(force, list | tuple | np.ndarray) and len(force) == 2  # noqa: PLR2004 (least, most)
+    pair = holds(force, 2)
     if not pair or not all(is_number(value, 0, LARGEST_NUMBER) for value in force) or not force[0] < force[1]:
         rule = "must be [least, most] normal force in N with 0 <= least < most: a pad presses and cannot pull."
         raise InputError("contact", rule, key="force", value=force)

@@ -8,7 +8,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.manifest import WRENCH_COMPONENTS
-from mrts.hands.contact import Contact
+from mrts.hands.contact import Contact, check_components, holds
 
 INTERIOR = 1e-6
 """Least radius of a ball in a polytope, as a share of how far its rows are from the origin: HiGHS is right to 1e-7."""
@@ -35,8 +35,9 @@ def rows_contact(
     Raises:
         InputError: If rows have another length, hold zeros only, or leave no ball of wrenches inside.
     """
+    check_components(components)
     size = len(components)
-    if not all(isinstance(row, list | tuple | np.ndarray) and len(row) == size for row in A):
+    if (not isinstance(A, list | tuple) and np.ndim(A) != 2) or not all(holds(row, size) for row in A):  # noqa: PLR2004
         raise InputError("contact", f"each row must have {size} numbers: {', '.join(components)}.", key="A", value=A)
     rows, limits = as_array("A", A), as_array("upper", upper)
     if limits.ndim != 1 or not limits.size or not np.all(np.isfinite(limits)):

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import DATA
+from motor_recordings import exact_recording, random_motors, write_recording
 
 import mrts
 from mrts.figures import range_figure, write_figure, write_result_figures
@@ -71,23 +72,33 @@ def good(planar_cell):
     whole = result.motion
     box = planar_cell.with_variation(mass=(0.5, 2.0)).load_box
     mrts.save_result(result, "good.npz")
-    search = {"cell": planar_cell, "motion": motion, "sharing": None, "progress": lambda _done, _total: None}
+    search = {"cell": planar_cell, "motion": motion, "sharing": None, "between": None}
+    search |= {"progress": lambda _done, _total: None}
+    recorded = exact_recording(planar_cell, random_motors(6), seconds=8.0, rate=200.0)
+    write_recording("recorded.csv", *recorded)
+    pressed = {"friction": 0.5, "half_width": [0.05, 0.04]}
+    named = {"components": ("fx", "fy", "fz", "nx", "ny", "nz"), "name": "palm"}
     with_solver = {"solver": DEFAULT_SOLVER}
     objects = {name: getattr(motion, name) for name in ("time", "position", "rotation", "twist", "acceleration")}
     joints = {"object": motion, "q": whole.q, "dq": whole.dq, "ddq": whole.ddq}
-    retiming = {"weights": None, "load": "auto", "start_speed": 0.0, "end_speed": 0.0, "closure": None}
+    plan = {"weights": None, "load": "auto", "distribute": "reserve", "reserve": None, "closure": None}
     return {
+        "box_contact": {"lower": [0.0] * 6, "upper": [9.0] * 6, "frame": "tip"} | named,
+        "gripper_contact": {"force": 50.0, "axis": [1, 0, 0]} | pressed | named,
+        "identify": {"cell": planar_cell, "recording": "recorded.csv", "cutoff": 10.0},
+        "load_recording": {"path": "recorded.csv"},
+        "pad_contact": {"normal": [0, 0, 1], "force": [1.0, 50.0]} | pressed | named,
+        "rows_contact": {"A": np.vstack([np.eye(6), -np.eye(6)]), "upper": [1.0] * 12} | named,
+        "suction_contact": {"holding_force": 50.0, "friction": 0.5, "radius": 0.02, "normal": [0, 0, 1]} | named,
         "follow_object": {"cell": planar_cell, "motion": motion},
         "load_cell": {"path": DATA / "cell.yaml", "backend": "auto"},
         "load_motion": {"path": DATA / "lift.yaml"},
         "load_result": {"path": "good.npz", "cell": planar_cell},
         "rank_configurations": search | with_solver | {"cap": 1},
-        "retime": search | retiming,
+        "retime": search | plan | {"start_speed": 0.0, "end_speed": 0.0},
         "sample_motion": {"description": description},
         "save_result": {"result": result, "path": "saved.npz"},
-        "scale": search
-        | with_solver
-        | {"select": "auto", "formulation": "wrench", "weights": None, "load": "auto", "closure": None},
+        "scale": search | with_solver | plan | {"select": "auto", "formulation": "wrench"},
         "torques_for_load": {"result": result, "load": planar_cell.load} | with_solver,
         "write_report": {"result": result, "path": "report.html"},
         "write_figure": {"figure": range_figure(result), "path": "figure.png"},

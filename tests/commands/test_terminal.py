@@ -12,6 +12,7 @@ import pytest
 import yaml
 from command_line import mrts_command
 from conftest import DATA, ROOT
+from motor_recordings import exact_recording, random_motors, write_recording
 from terminal_session import at_terminal
 
 import mrts
@@ -188,6 +189,8 @@ def test_every_example_of_the_help_is_understood(tmp_path, monkeypatch):
     """The examples run as they stand, in a folder with the files that they name."""
     varied(tmp_path, mass=[0.5, 2], izz=[0.5, 2])
     shutil.copy(UR5 / "lift_and_turn.yaml", tmp_path / "motion.yaml")
+    cell = mrts.load_cell(tmp_path / "cell.yaml")
+    write_recording(tmp_path / "recorded.csv", *exact_recording(cell, random_motors(12), rate=200.0))
     monkeypatch.chdir(tmp_path)
     ran = 0
     for verb in VERBS:

@@ -1,6 +1,7 @@
 """The guaranteed, possible and grid ranges of an uncertain load: properties, closed forms, independent programs."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -23,6 +24,8 @@ RANGE_TOLERANCE = 1e-8  # the bar of a guaranteed end; programs are verified to 
 SEARCH_TOLERANCE = 1e-6  # what the nonlinear program's answer must reach
 
 GRID = 1e-3  # a grid of 2001 loads misses an interior optimum by about this
+
+scaled = partial(mrts.scale, between=None)  # ranges of the same samples are compared
 
 QUESTIONS = ("guaranteed", "nominal", "possible")
 
@@ -70,7 +73,7 @@ def ends_of_loads(cell, motion, sample, loads, sharing=None):
 @pytest.mark.parametrize("seed", range(12))
 def test_guaranteed_lies_in_nominal_lies_in_possible(seed, make, sharing, tmp_path):
     cell, motion = coordinated(np.random.default_rng(seed), make, 1 + seed % 3, tmp_path)
-    sure, nominal, some = (mrts.scale(cell, motion, sharing=sharing, load=question).range for question in QUESTIONS)
+    sure, nominal, some = (scaled(cell, motion, sharing=sharing, load=question).range for question in QUESTIONS)
     for inner, outer in ((sure.samples, nominal.samples), (nominal.samples, some.samples)):
         slack = RANGE_TOLERANCE * (1 + np.where(np.isfinite(inner.upper), np.abs(inner.upper), 0))
         inside = inner.lower <= inner.upper
@@ -87,14 +90,14 @@ def test_many_samples_of_random_cells_have_a_guaranteed_range(make, sharing, tmp
     inside = 0
     for seed in range(12):
         cell, motion = coordinated(np.random.default_rng(seed), make, 1 + seed % 3, tmp_path)
-        found = mrts.scale(cell, motion, sharing=sharing, load="guaranteed").range.samples
+        found = scaled(cell, motion, sharing=sharing, load="guaranteed").range.samples
         inside += np.sum(found.lower <= found.upper)
     assert inside > 25
 
 
 def guaranteed_with_an_end(pair):
     """The range that every load of a cell's box keeps, if something sets its upper end."""
-    found = mrts.scale(*pair, load="guaranteed").range
+    found = scaled(*pair, load="guaranteed").range
     return found if found.status.admits_motion and found.upper.sample is not None else None
 
 
@@ -116,7 +119,7 @@ def test_no_load_of_the_box_violates_the_guaranteed_range_and_a_corner_attains_i
 def test_ten_thousand_loads_of_the_reference_cell_keep_the_guaranteed_end(dual_ur5, lift_and_turn):
     cell = dual_ur5.with_variation(mass=(0.3, 2.0), ixx=(0.5, 2), iyy=(0.5, 2), izz=(0.5, 2), mx=(-0.1, 0.1))
     motion = mrts.follow_object(cell, lift_and_turn)
-    found = mrts.scale(cell, motion, load="guaranteed").range
+    found = scaled(cell, motion, load="guaranteed").range
     drawn = [point.load for point in cell.load_box.draw(np.random.default_rng(1), 10_000)]
     ends = ends_of_loads(cell, motion, found.upper.sample, [found.upper.load.load, *drawn])
     assert ends.upper[0] == pytest.approx(found.upper.c2, rel=RANGE_TOLERANCE)
@@ -138,7 +141,7 @@ def test_the_guaranteed_range_equals_the_reference_over_the_corners(tmp_path):
         at = [[arm[k] for arm in joints] for k in range(len(samples))]
         ends += [cell.range_at(cell.terms(s, j), j, even=False)[2] for s, j in zip(samples, at, strict=True)]
     ours = mrts.load_cell(DATA / "cell.yaml").with_variation(mass=(0.2, 6.0))
-    found = mrts.scale(ours, mrts.load_motion(DATA / "lift.yaml")).range
+    found = scaled(ours, mrts.load_motion(DATA / "lift.yaml")).range
     assert found.upper.c2 == pytest.approx(min(ends), rel=SEARCH_TOLERANCE)
     assert found.upper.load.load[0] == pytest.approx(3.0)
 
@@ -167,7 +170,7 @@ def lowering():
 def test_the_worst_load_of_a_lowering_is_the_lightest(planar_cell, lowering):
     """On forks 2 f_y = m (g - c² a) >= 2 N: at the start c² <= (g - 2/m)/a, which the lightest load makes smallest."""
     cell = on_forks(planar_cell).with_variation(mass=(0.6, 1.4))
-    found = mrts.scale(cell, lowering).range
+    found = scaled(cell, lowering).range
     a = -lowering.acceleration[0, 1]
     assert found.upper.load.load[0] == pytest.approx(0.3)
     assert found.upper.c2 == pytest.approx((9.8 - 2 / 0.3) / a, rel=RANGE_TOLERANCE)
@@ -178,7 +181,7 @@ def test_a_load_inside_the_box_can_be_the_best(planar_cell, lift):
     """While the object slows down its weight helps and its inertia hurts: the best mass lies between the ends."""
     cell = planar_cell.with_variation(mass=(0.2, 6.0))
     motion = mrts.follow_object(cell, lift)
-    result = mrts.scale(cell, motion, load="possible")
+    result = scaled(cell, motion, load="possible")
     assert result.load.not_converged == ()
     best = result.range.samples
     of_corners = np.max([found.samples.upper for found in result.load.ranges], axis=0)
@@ -194,8 +197,8 @@ def test_a_load_inside_the_box_can_be_the_best(planar_cell, lift):
 
 def test_where_the_load_enters_monotonically_the_best_is_a_corner(planar_cell, lift):
     cell = planar_cell.with_variation(mass=(0.2, 6.0))
-    result = mrts.scale(cell, lift, load="possible")
-    grid = mrts.scale(cell, lift, load="grid:601")
+    result = scaled(cell, lift, load="possible")
+    grid = scaled(cell, lift, load="grid:601")
     of_masses = np.array([found.samples.upper for found in grid.load.ranges])
     steps = np.diff(of_masses, axis=0)
     monotone = np.all(steps <= 0, axis=0) | np.all(steps >= 0, axis=0)
@@ -212,7 +215,7 @@ def test_where_the_load_enters_monotonically_the_best_is_a_corner(planar_cell, l
 def test_the_closed_form_of_a_fixed_rule_equals_its_corners(seed, tmp_path):
     cell, motion = coordinated(np.random.default_rng(200 + seed), random_planar_cell, 1 + seed % 3, tmp_path)
     rule = mrts.LoadSharing()
-    result = mrts.scale(cell, motion, sharing=rule)
+    result = scaled(cell, motion, sharing=rule)
     problems = [
         build_sample_problem(cell, motion, sharing=rule, load=corner.load) for corner in cell.load_box.corners()
     ]
@@ -230,7 +233,7 @@ def test_most_fixed_rules_have_a_closed_form(tmp_path):
     found = (
         coordinated(np.random.default_rng(200 + seed), random_planar_cell, 1 + seed % 3, tmp_path) for seed in range(30)
     )
-    assert sum(not mrts.scale(*pair, sharing=mrts.LoadSharing()).load.points for pair in found) > 10
+    assert sum(not scaled(*pair, sharing=mrts.LoadSharing()).load.points for pair in found) > 10
 
 
 def test_how_fast_a_motion_is_given_hides_no_parameter(dual_ur5, lift_and_turn):
@@ -245,16 +248,16 @@ def test_how_fast_a_motion_is_given_hides_no_parameter(dual_ur5, lift_and_turn):
             lift_and_turn.twist / factor,
             lift_and_turn.acceleration / factor**2,
         )
-        ends.append(mrts.scale(cell, slow).range.upper.c2 / factor**2)
+        ends.append(scaled(cell, slow).range.upper.c2 / factor**2)
     assert ends[1] == pytest.approx(ends[0], rel=1e-6)
 
 
 def test_the_search_keeps_its_answer_where_the_best_load_leaves_no_room(planar_cell):
     lift = mrts.sample_motion(mrts.MotionDescription.model_validate(lift_described() | {"samples": 26}))
     cell = planar_cell.with_variation(mass=(0.2, 200.0))
-    result = mrts.scale(cell, lift, load="possible", sharing=mrts.LoadSharing())
+    result = scaled(cell, lift, load="possible", sharing=mrts.LoadSharing())
     assert result.load.not_converged == ()
-    grid = mrts.scale(cell, lift, load="grid:2001", sharing=mrts.LoadSharing())
+    grid = scaled(cell, lift, load="grid:2001", sharing=mrts.LoadSharing())
     best = np.max([found.samples.upper for found in grid.load.ranges], axis=0)
     assert np.all(result.range.samples.upper >= best * (1 - SEARCH_TOLERANCE))
 
@@ -262,18 +265,18 @@ def test_the_search_keeps_its_answer_where_the_best_load_leaves_no_room(planar_c
 @pytest.mark.quick
 def test_parameters_without_effect_double_no_work(planar_cell, lift):
     cell = planar_cell.with_variation(mass=(0.2, 6.0), ixx=(0.1, 3), izz=(0.1, 3), mz=(-1, 1))
-    result = mrts.scale(cell, lift)
+    result = scaled(cell, lift)
     assert [dict(point.parameters) for point in result.load.points] == [{"mass": 0.2}, {"mass": 6.0}]
-    assert result.range.upper.c2 == mrts.scale(planar_cell.with_mass(3.0), lift).range.upper.c2
+    assert result.range.upper.c2 == scaled(planar_cell.with_mass(3.0), lift).range.upper.c2
 
 
 def test_the_grid_is_bounded_by_the_guaranteed_range(planar_cell, lift):
     cell = planar_cell.with_variation(mass=(0.2, 6.0))
-    result = mrts.scale(cell, lift, load="grid:7")
+    result = scaled(cell, lift, load="grid:7")
     assert [point.parameters["mass"] for point in result.load.points] == pytest.approx(np.linspace(0.2, 6, 7))
-    assert result.range.upper.c2 == pytest.approx(mrts.scale(cell, lift).range.upper.c2, rel=RANGE_TOLERANCE)
+    assert result.range.upper.c2 == pytest.approx(scaled(cell, lift).range.upper.c2, rel=RANGE_TOLERANCE)
     for point, found in zip(result.load.points, result.load.ranges, strict=True):
-        alone = mrts.scale(planar_cell.with_mass(point.load[0]), lift).range
+        alone = scaled(planar_cell.with_mass(point.load[0]), lift).range
         assert found.upper.c2 == pytest.approx(alone.upper.c2, rel=RANGE_TOLERANCE)
 
 
@@ -281,7 +284,7 @@ def test_first_moments_equal_an_object_whose_frame_lies_elsewhere(dual_ur5, lift
     """A load with its com at d is the same body as one seen from its com, with grasps and path moved by d."""
     d, mass = np.array([0.03, -0.02, 0.05]), dual_ur5.mass
     about_origin = dual_ur5.inertia + mass * (d @ d * np.eye(3) - np.outer(d, d))
-    here = mrts.scale(dual_ur5.with_load(load_vector(mass, mass * d, about_origin)), lift_and_turn)
+    here = scaled(dual_ur5.with_load(load_vector(mass, mass * d, about_origin)), lift_and_turn)
     given = lift_and_turn
     v, w, a, dw = given.twist[:, :3], given.twist[:, 3:], given.acceleration[:, :3], given.acceleration[:, 3:]
     r = given.rotation @ d
@@ -297,7 +300,7 @@ def test_first_moments_equal_an_object_whose_frame_lies_elsewhere(dual_ur5, lift
         robot["urdf"] = str(UR5 / robot["urdf"])
         robot["grasp"]["xyz"] = (np.array(robot["grasp"]["xyz"]) - d).tolist()
     (tmp_path / "cell.yaml").write_text(yaml.safe_dump(description))
-    there = mrts.scale(mrts.load_cell(tmp_path / "cell.yaml", backend="vm"), centre)
+    there = scaled(mrts.load_cell(tmp_path / "cell.yaml", backend="vm"), centre)
     np.testing.assert_allclose(here.range.samples.upper, there.range.samples.upper, rtol=1e-7)
     np.testing.assert_allclose(here.range.samples.lower, there.range.samples.lower, atol=1e-7)
 
@@ -315,23 +318,23 @@ def test_an_outer_hull_holds_every_load_with_its_com_in_the_range(dual_ur5, lift
         m, c = point.load[0], np.array([point.parameters["com_x"], point.parameters["com_y"], 0])
         np.testing.assert_allclose(point.load[1:4], m * c, atol=1e-14)
     motion = mrts.follow_object(cell, lift_and_turn)
-    found = mrts.scale(cell, motion).range
+    found = scaled(cell, motion).range
     ends = ends_of_loads(cell, motion, found.upper.sample, [point.load for point in drawn])
     assert np.min(ends.upper) >= found.upper.c2 * (1 - RANGE_TOLERANCE)
     with pytest.raises(mrts.InputError, match="loads that do not exist"):
-        mrts.scale(cell, motion, load="possible")
+        scaled(cell, motion, load="possible")
 
 
 def test_a_known_load_of_the_box_has_torques_at_the_guaranteed_c2(dual_ur5, lift_and_turn):
     cell = dual_ur5.with_variation(mass=(0.3, 2.0), ixx=(0.5, 2), izz=(0.5, 2), my=(-0.1, 0.1))
-    result = mrts.scale(cell, lift_and_turn)
+    result = scaled(cell, lift_and_turn)
     for point in (*cell.load_box.draw(np.random.default_rng(4), 10), *cell.load_box.corners()):
         carried = mrts.torques_for_load(result, point.load)
         assert carried.trajectory.c2 == result.trajectory.c2
         checks = carried.residuals()
         assert checks.limits <= RANGE_TOLERANCE
         assert max(checks.arms, checks.object) <= 1e-9 * (1 + np.max(np.abs(carried.trajectory.wrench)))
-    even = mrts.scale(cell.without_velocity_limits(), lift_and_turn, 5.0, sharing=mrts.LoadSharing())
+    even = scaled(cell.without_velocity_limits(), lift_and_turn, 5.0, sharing=mrts.LoadSharing())
     again = mrts.torques_for_load(even, cell.load)
     np.testing.assert_allclose(again.trajectory.torque, even.trajectory.torque, atol=1e-9)  # the result's own rule
     with pytest.raises(mrts.SelectionError, match="does not suit this load") as refused:
@@ -340,15 +343,13 @@ def test_a_known_load_of_the_box_has_torques_at_the_guaranteed_c2(dual_ur5, lift
 
 
 def test_a_load_that_cannot_be_carried_is_named(planar_cell, lift):
-    result = mrts.scale(planar_cell.with_variation(mass=(0.2, 200.0)), lift)
+    result = scaled(planar_cell.with_variation(mass=(0.2, 200.0)), lift)
     assert result.status is mrts.ScalingStatus.INFEASIBLE
     assert "the object with mass 100 kg" in result.summary()
     assert result.range.samples.conflicts[0].load.load[0] == 100
     for rule in (None, mrts.LoadSharing()):
-        assert (
-            mrts.scale(planar_cell.with_variation(mass=(0.2, 200.0)), lift, sharing=rule).status.value == "infeasible"
-        )
-    some = mrts.scale(planar_cell.with_variation(mass=(0.2, 200.0)), lift, load="possible")
+        assert scaled(planar_cell.with_variation(mass=(0.2, 200.0)), lift, sharing=rule).status.value == "infeasible"
+    some = scaled(planar_cell.with_variation(mass=(0.2, 200.0)), lift, load="possible")
     assert some.status is mrts.ScalingStatus.FEASIBLE
 
 
@@ -358,7 +359,7 @@ def test_loads_that_share_no_speed_are_told_apart(planar_cell, lowering):
     cell = on_forks(planar_cell, 3.0).with_variation(mass=(0.45, 2.0))
     first = slice(20)  # before the braking, which the heavy load cannot survive at all
     fields = (lowering.time, lowering.position, lowering.rotation, lowering.twist, lowering.acceleration)
-    result = mrts.scale(cell, mrts.ObjectMotion(*(field[first] for field in fields)))
+    result = scaled(cell, mrts.ObjectMotion(*(field[first] for field in fields)))
     assert result.status is mrts.ScalingStatus.EMPTY
     assert result.range.samples.status[0] is mrts.SampleStatus.EMPTY
     assert "mass 1 kg" in result.summary()
