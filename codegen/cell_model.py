@@ -76,11 +76,13 @@ class CellModel:
     Attributes:
         description: The validated cell file.
         components: Rows of a six-component wrench that this cell uses.
+        wrench_components: Their names.
         robots: The arms in the order of the cell file.
     """
 
     description: CellDescription
     components: tuple[int, ...]
+    wrench_components: tuple[str, ...]
     robots: tuple[CellRobot, ...]
 
     @property
@@ -101,18 +103,19 @@ def build_cell_model(path: Path, description: CellDescription) -> CellModel:
         InputError: If a URDF or an array of the cell file breaks a rule.
     """
     components = PLANE_COMPONENTS[description.plane]
+    names = tuple(WRENCH_COMPONENTS[component] for component in components)
     files = [resolve_urdf(path, robot.urdf) for robot in description.robots]
     urdfs = [read_urdf(file) for file in files]
     robots = tuple(
-        _build_robot(path, description, index, len(components), file, urdf)
+        _build_robot(path, description, index, names, file, urdf)
         for index, (file, urdf) in enumerate(zip(files, urdfs, strict=True))
     )
     check_machines(path, robots, urdfs)
-    return CellModel(description, components, robots)
+    return CellModel(description, components, names, robots)
 
 
 def _build_robot(
-    path: Path, cell: CellDescription, index: int, wrench_size: int, urdf_path: Path, urdf: Any
+    path: Path, cell: CellDescription, index: int, components: tuple[str, ...], urdf_path: Path, urdf: Any
 ) -> CellRobot:
     robot = cell.robots[index]
     key = f"robots[{index}] ({robot.name})"
@@ -127,7 +130,7 @@ def _build_robot(
             value=robot.posture,
         )
     torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model)
-    wrench_lower, wrench_upper = _wrench_limits(path, key, robot.wrench, wrench_size)
+    wrench_lower, wrench_upper = _wrench_limits(path, key, robot.wrench, len(components))
     motors, remarks = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
     T_world_base = RigidTransform.from_xyz_rpy(robot.base.xyz, robot.base.rpy)
     T_object_tip = RigidTransform.from_xyz_rpy(robot.grasp.xyz, robot.grasp.rpy)
@@ -148,12 +151,8 @@ def _build_robot(
         wrench_upper=wrench_upper,
         motors=motors,
         remarks=remarks,
-        contacts=build_contacts(path, f"{key}.contact", robot.contact, _wrench_components(cell), T_object_tip.R),
+        contacts=build_contacts(path, f"{key}.contact", robot.contact, components, T_object_tip.R),
     )
-
-
-def _wrench_components(cell: CellDescription) -> tuple[str, ...]:
-    return tuple(WRENCH_COMPONENTS[component] for component in PLANE_COMPONENTS[cell.plane])
 
 
 def _torque_limits(

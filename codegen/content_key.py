@@ -27,9 +27,9 @@ def content_key(path: Path) -> str:
     digest = hashlib.sha256("\n".join(parts).encode())
     for robot in description.robots:
         digest.update(read_regular(resolve_urdf(path, robot.urdf), "URDF", MAX_URDF_BYTES))
-    shaping = (manifest, rigid_transform, input_file, yaml_parser, load_box, joint_motors)
-    hands = Path(contact.__file__ or "").parent.glob("*.py")
+    shaping = (manifest, rigid_transform, input_file, yaml_parser, load_box)
+    rooms = [source for of in (contact, joint_motors) for source in Path(of.__file__ or "").parent.glob("*.py")]
     ours = [source for source in Path(__file__).parent.rglob("*.py") if source.parent.name != "embedded"]
-    for source in sorted([*ours, *hands, *(Path(module.__file__ or "") for module in shaping)]):
+    for source in sorted([*ours, *rooms, *(Path(module.__file__ or "") for module in shaping)]):
         digest.update(source.read_bytes())
     return digest.hexdigest()

@@ -17,12 +17,10 @@ from mrts.base.atomic_file import text_writer, write_together
 from mrts.base.manifest import (
     FORMAT,
     MANIFEST_NAME,
-    WRENCH_COMPONENTS,
     ArgumentRecord,
     FunctionRecord,
     JointRecord,
     Manifest,
-    MotorsRecord,
     ObjectRecord,
     PoseRecord,
     RemarkRecord,
@@ -31,7 +29,7 @@ from mrts.base.manifest import (
 from mrts.base.rigid_transform import RigidTransform, multiply
 from mrts.base.version import __version__
 from mrts.hands.contact_record import contact_record
-from mrts.motors.joint_motors import PER_JOINT, JointMotors
+from mrts.motors.motors_record import motors_record
 
 logger = logging.getLogger("mrts")
 
@@ -100,7 +98,7 @@ def _manifest(cell: CellModel, functions: dict[str, ca.Function], c_source: str)
         source=f"{description.name}.c",
         source_sha256=hashlib.sha256(c_source.encode()).hexdigest(),
         plane=description.plane,
-        wrench_components=[WRENCH_COMPONENTS[component] for component in cell.components],
+        wrench_components=list(cell.wrench_components),
         gravity=list(description.gravity),
         object=_object_record(description.object),
         robots=[_robot_record(robot) for robot in cell.robots],
@@ -151,15 +149,9 @@ def _robot_record(robot: CellRobot) -> RobotRecord:
         posture=robot.posture.tolist(),
         wrench_lower=[_finite(value) for value in robot.wrench_lower],
         wrench_upper=[_finite(value) for value in robot.wrench_upper],
-        motors=_motors_record(robot.motors),
+        motors=motors_record(robot.motors),
         contacts=[contact_record(contact) for contact in robot.contacts],
     )
-
-
-def _motors_record(motors: JointMotors) -> MotorsRecord:
-    columns: dict[str, Any] = {name: [_finite(value) for value in getattr(motors, name)] for name in PER_JOINT}
-    curves = [None if curve is None else curve.tolist() for curve in motors.torque_speed]
-    return MotorsRecord(torque_speed=curves, **columns)
 
 
 def _pose_record(T: RigidTransform) -> PoseRecord:

@@ -11,11 +11,12 @@ import numpy as np
 from mrts.base.argument_types import check_list, check_type
 from mrts.base.arrays import Array, freeze_array, with_infinity, without_infinity
 from mrts.base.errors import InputError, as_array
-from mrts.base.manifest import WRENCH_COMPONENTS, JointRecord, MotorsRecord, PoseRecord, RobotRecord
+from mrts.base.manifest import WRENCH_COMPONENTS, JointRecord, PoseRecord, RobotRecord
 from mrts.base.rigid_transform import RigidTransform
 from mrts.hands.contact import Contact
 from mrts.hands.contact_record import contact_from_record, contact_record
-from mrts.motors.joint_motors import NONE_GIVEN, PER_JOINT, JointMotors
+from mrts.motors.joint_motors import JointMotors
+from mrts.motors.motors_record import motors_from_record, motors_record
 
 ARRAYS = (
     *("axes", "points", "position_lower", "position_upper", "velocity_limit", "posture"),
@@ -162,7 +163,7 @@ def robot_from_record(record: RobotRecord) -> Robot:
         wrench_lower=with_infinity(record.wrench_lower, -np.inf),
         wrench_upper=with_infinity(record.wrench_upper, np.inf),
         held=dict(record.held),
-        motors=_motors(record.motors),
+        motors=motors_from_record(record.motors),
         contacts=tuple(map(contact_from_record, record.contacts)),
     )
 
@@ -201,19 +202,6 @@ def robot_record(robot: Robot, generated: RobotRecord) -> RobotRecord:
             "contacts": [contact_record(contact) for contact in robot.contacts],
         }
     )
-
-
-def motors_record(motors: JointMotors) -> MotorsRecord:
-    """Motors as an entry of a manifest."""
-    curves = [None if curve is None else curve.tolist() for curve in motors.torque_speed]
-    columns: dict[str, Any] = {name: without_infinity(getattr(motors, name)) for name in PER_JOINT}
-    return MotorsRecord(torque_speed=curves, **columns)
-
-
-def _motors(record: MotorsRecord) -> JointMotors:
-    columns = {name: with_infinity(getattr(record, name), NONE_GIVEN[name]) for name in PER_JOINT}
-    curves = tuple(None if curve is None else np.array(curve) for curve in record.torque_speed)
-    return JointMotors(torque_speed=curves, **columns)
 
 
 def _transform(record: PoseRecord) -> RigidTransform:

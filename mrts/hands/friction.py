@@ -11,7 +11,8 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.manifest import WRENCH_COMPONENTS
-from mrts.hands.contact import holds
+from mrts.hands.contact import Contact, holds
+from mrts.hands.contact_axes import in_tip_axes
 
 SMALLEST = 1e-6
 """Of a coefficient of friction, of a half width [m] and of a force [N]: what is smaller is a misprint, or zero."""
@@ -61,13 +62,6 @@ def half_widths(key: str, values: object, components: Sequence[str]) -> list[flo
     return [positive(key, value) for value in values]
 
 
-def along_normal(components: Sequence[str]) -> Array:
-    """The row f_n over a wrench in contact axes, Shape (w,)."""
-    row = np.zeros(len(components))
-    row[2 if len(components) == len(WRENCH_COMPONENTS) else 1] = 1.0
-    return row
-
-
 def normal_force_needed(mu: float, widths: Sequence[float]) -> dict[str, Array]:
     """What normal force each demand needs: a surface that presses with f_n can exert F if no row of F exceeds f_n.
 
@@ -97,3 +91,34 @@ def normal_force_needed(mu: float, widths: Sequence[float]) -> dict[str, Array]:
         row = turn * m_n + first * (Y * f_a + turn * mu * m_a) + second * (X * f_b + turn * mu * m_b)
         found[f"torsion {number}"] = row / (mu * (X + Y))
     return found
+
+
+def surface_contact(
+    name: str,
+    needed: dict[str, Array],
+    axes: Array,
+    *,
+    normal_force: tuple[float, float],
+    pressed: float,
+) -> Contact:
+    """A surface that holds by friction what its normal force and what presses it besides can bear.
+
+    Args:
+        name: Of the contact.
+        needed: Normal force that each demand needs, from `normal_force_needed`.
+        axes: Turns a triple of a wrench from tip into contact axes (`mrts.hands.contact_axes.contact_axes`).
+        normal_force: Least and most f_n [N].
+        pressed: What presses the surface besides f_n [N].
+    """
+    along = np.zeros(len(next(iter(needed.values()))))
+    along[2 if len(along) == len(WRENCH_COMPONENTS) else 1] = 1.0
+    rows = np.array([along, *(row - along for row in needed.values())])
+    return Contact(
+        name=name,
+        frame="tip",
+        rows=(NORMAL_FORCE, *needed),
+        units=("N",) * len(rows),
+        A=in_tip_axes(rows, axes),
+        lower=np.array([normal_force[0], *(-np.inf for _ in needed)]),
+        upper=np.array([normal_force[1], *(pressed for _ in needed)]),
+    )

@@ -3,15 +3,13 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from mrts.base.argument_types import is_number
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.hands.contact import Contact, holds
-from mrts.hands.contact_axes import contact_axes, in_tip_axes
-from mrts.hands.friction import NORMAL_FORCE, along_normal, half_widths, normal_force_needed, pyramid
+from mrts.hands.contact_axes import contact_axes
+from mrts.hands.friction import half_widths, normal_force_needed, pyramid, surface_contact
 
 
 def pad_contact(
@@ -44,14 +42,4 @@ def pad_contact(
     if not pair or not all(is_number(value, 0, LARGEST_NUMBER) for value in force) or not force[0] < force[1]:
         rule = "must be [least, most] normal force in N with 0 <= least < most: a pad presses and cannot pull."
         raise InputError("contact", rule, key="force", value=force)
-    pressed = along_normal(components)
-    rows = np.array([pressed, *(row - pressed for row in needed.values())])
-    return Contact(
-        name=name,
-        frame="tip",
-        rows=(NORMAL_FORCE, *needed),
-        units=("N",) * len(rows),
-        A=in_tip_axes(rows, axes),
-        lower=np.array([force[0], *(-np.inf for _ in needed)]),
-        upper=np.array([force[1], *(0.0 for _ in needed)]),
-    )
+    return surface_contact(name, needed, axes, normal_force=(force[0], force[1]), pressed=0.0)

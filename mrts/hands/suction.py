@@ -7,8 +7,8 @@ import numpy as np
 
 from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.hands.contact import Contact
-from mrts.hands.contact_axes import contact_axes, in_tip_axes
-from mrts.hands.friction import NORMAL_FORCE, along_normal, normal_force_needed, positive, pyramid
+from mrts.hands.contact_axes import contact_axes
+from mrts.hands.friction import normal_force_needed, positive, pyramid, surface_contact
 
 
 def suction_contact(
@@ -42,14 +42,4 @@ def suction_contact(
     in_space = len(components) == len(WRENCH_COMPONENTS)
     widths = [width / np.sqrt(2)] * 2 if in_space else [width]
     needed = normal_force_needed(pyramid(friction, components), widths)
-    pressed = along_normal(components)
-    rows = np.array([pressed, *(row - pressed for row in needed.values())])
-    return Contact(
-        name=name,
-        frame="tip",
-        rows=(NORMAL_FORCE, *needed),
-        units=("N",) * len(rows),
-        A=in_tip_axes(rows, axes),
-        lower=np.array([-holding, *(-np.inf for _ in needed)]),
-        upper=np.array([np.inf, *(holding for _ in needed)]),
-    )
+    return surface_contact(name, needed, axes, normal_force=(-holding, np.inf), pressed=holding)

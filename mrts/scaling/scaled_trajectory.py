@@ -82,7 +82,7 @@ class ScaledTrajectory:
         """Whether some motor has friction."""
         return any(robot.motors.has_friction for robot in self.cell.robots)
 
-    @property
+    @cached_property
     def duty(self) -> dict[str, JointDuty]:
         """What the motion asks of the motors, by robot."""
         share = torque_limits(self.cell, self.motion).share(self.torque)
