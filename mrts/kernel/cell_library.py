@@ -215,7 +215,7 @@ class CellLibrary:
             np.zeros((2, N, k), dtype=np.float32),
         )
         outputs = [found.lower, found.upper, *found.status, found.effect, *found.basis, *found.dual]
-        self._over_samples("mrts_ranges", samples, inputs, limits, terms, most, outputs)
+        self._over_samples("mrts_ranges", samples, inputs, limits, terms, np.minimum(most, INFINITY), outputs)
         return found
 
     def speed_ranges(
@@ -239,40 +239,9 @@ class CellLibrary:
             np.zeros((2, samples, self.unknowns + 1), dtype=np.float32),
         )
         outputs = [found.number, found.ends, *found.status, found.effect, *found.basis, *found.dual]
-        self._over_samples("mrts_speed_ranges", samples, inputs, limits, terms, np.sqrt(most), outputs)
+        bound = np.minimum(np.sqrt(most), INFINITY)
+        self._over_samples("mrts_speed_ranges", samples, inputs, limits, terms, bound, outputs)
         return found
-
-    def _over_samples(
-        self,
-        name: str,
-        samples: int,
-        inputs: dict[str, Array],
-        limits: SparseLimits,
-        terms: SampleTerms,
-        most: Array,
-        outputs: Sequence[NDArray[Any]],
-    ) -> None:
-        """Call `mrts_ranges` or `mrts_speed_ranges` for all samples, in pieces."""
-        bound = np.ascontiguousarray(np.minimum(most, INFINITY))
-        given, strides = _inputs(self.records["wrench_form"], samples, inputs)
-
-        def run(first: int, count: int) -> None:
-            scratch = Scratch(self.opened, self.records["wrench_form"])
-            work = work_arrays(self.opened, name, limits.rows)
-            failed = getattr(self.opened, name)(
-                ctypes.c_longlong(count),
-                _pointers(given, first, strides),
-                strides,
-                ctypes.byref(limits.structure),
-                ctypes.byref(terms.structure(first)),
-                pointer(bound[first:]),
-                *(pointer(output[first:]) for output in outputs),
-                *scratch.pointers(),
-                *(pointer(array) for array in work),
-            )
-            assert failed == 0  # noqa: S101 (as in `map`)
-
-        over_chunks(self.opened, samples, run)
 
     def torques(
         self,
@@ -297,33 +266,56 @@ class CellLibrary:
         """
         torque, wrench = np.zeros((samples, self.joints)), np.zeros((samples, self.wrenches))
         status = np.full(samples, STOPPED, dtype=np.uint8)
-        W, speed = np.ascontiguousarray(weights), np.ascontiguousarray(c2)
+        W = np.ascontiguousarray(weights)
+        for_all = (ctypes.c_int(1), pointer(W), ctypes.c_double(widening))
+        outputs: list[NDArray[Any]] = [torque, wrench, status]
+        self._over_samples("mrts_torques", samples, inputs, limits, terms, c2, outputs, for_all)
+        return torque, wrench, status
 
+    def _over_samples(
+        self,
+        name: str,
+        samples: int,
+        inputs: dict[str, Array],
+        limits: SparseLimits,
+        terms: SampleTerms,
+        asked: Array,
+        outputs: Sequence[NDArray[Any]],
+        for_all: tuple[Any, ...] = (),
+    ) -> None:
+        """Call a C function of whole trajectories for all samples, in pieces.
+
+        Args:
+            name: Of the function.
+            samples: N.
+            inputs: Of the wrench form, by name.
+            limits: Rows over torques and wrenches.
+            terms: What is added at every sample.
+            asked: What the function takes of each sample, Shape (N,).
+            outputs: What it fills, each with N entries.
+            for_all: What it takes besides, one for all samples.
+        """
+        each = np.ascontiguousarray(asked)
         given, strides = _inputs(self.records["wrench_form"], samples, inputs)
 
         def run(first: int, count: int) -> None:
             scratch = Scratch(self.opened, self.records["wrench_form"])
-            work = work_arrays(self.opened, "mrts_torques", limits.rows)
-            failed = self.opened.mrts_torques(
+            work = work_arrays(self.opened, name, limits.rows)
+            failed = getattr(self.opened, name)(
                 ctypes.c_longlong(count),
                 _pointers(given, first, strides),
                 strides,
                 ctypes.byref(limits.structure),
                 ctypes.byref(terms.structure(first)),
-                pointer(speed[first:]),
-                1,
-                pointer(W),
-                ctypes.c_double(widening),
-                pointer(torque[first:]),
-                pointer(wrench[first:]),
-                pointer(status[first:]),
+                pointer(each[first:]),
+                *for_all,
+                *(pointer(output[first:]) for output in outputs),
                 *scratch.pointers(),
                 *(pointer(array) for array in work),
             )
             assert failed == 0  # noqa: S101 (as in `map`)
 
         over_chunks(self.opened, samples, run)
-        return torque, wrench, status
 
 
 class Scratch:
