@@ -67,7 +67,7 @@ SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scal
 @pytest.mark.parametrize(
     "command",
     [
-        [SANITIZED, ROOT / "tests" / "helpers"],
+        [SANITIZED, ROOT / "tests" / "cases"],
         [SANITIZED_SCALING, DATA / "cell.yaml", DATA / "lift.yaml"],
         [SANITIZED_SCALING, UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml"],
     ],
