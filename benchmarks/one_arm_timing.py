@@ -31,9 +31,9 @@ from toppra.constraint.linear_constraint import canlinear_colloc_to_interpolate
 import mrts
 from mrts.base.arrays import Array
 from mrts.coordination.coordinated_motion import carried_by_first
+from mrts.reachability.fastest_profile import SpeedProfile, fastest_profile
+from mrts.reachability.speed_regions import speed_regions
 from mrts.retiming.path_pieces import PathPiece, path_pieces
-from mrts.retiming.reachability import SpeedProfile, fastest_profile
-from mrts.retiming.speed_regions import speed_regions
 from mrts.samples.sample_problem import build_sample_problem
 
 CELL = Path(str(files("mrts") / "data")) / "dual_ur5"

@@ -17,9 +17,9 @@ import yaml
 from interleaved import median_times, on_one_processor
 
 import mrts
+from mrts.reachability.fastest_profile import fastest_profile
+from mrts.reachability.speed_regions import speed_regions
 from mrts.retiming.path_pieces import PathPiece, path_pieces
-from mrts.retiming.reachability import fastest_profile
-from mrts.retiming.speed_regions import speed_regions
 from mrts.samples.sample_problem import build_sample_problem
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "oracles"))

@@ -17,15 +17,15 @@ from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
+from mrts.reachability.fastest_profile import Obstacle, SpeedProfile, fastest_profile
+from mrts.reachability.speed_conflict import sample_conflict, segment_conflict
+from mrts.reachability.speed_regions import SpeedRegions, intersect_regions, speed_regions
+from mrts.reachability.successive_profiles import successive_profiles
 from mrts.refinement.excess import BETWEEN, checked_tolerance
 from mrts.retiming.between_samples import refined_timing
 from mrts.retiming.path_pieces import NoPath, PathPiece, closed_piece, path_pieces
-from mrts.retiming.reachability import Obstacle, SpeedProfile, fastest_profile
 from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import TimedPiece, retimed_motion
-from mrts.retiming.speed_conflict import sample_conflict, segment_conflict
-from mrts.retiming.speed_regions import SpeedRegions, intersect_regions, speed_regions
-from mrts.retiming.successive_profiles import successive_profiles
 from mrts.samples import DistributionName
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.load_sharing import LoadSharing

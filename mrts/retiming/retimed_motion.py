@@ -11,9 +11,9 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion, carried_by_first
 from mrts.coordination.denser_motion import velocity_polynomials
 from mrts.motion.object_motion import ObjectMotion
+from mrts.reachability.fastest_profile import SpeedProfile
+from mrts.reachability.speed_regions import SpeedRegions
 from mrts.retiming.path_pieces import PathPiece
-from mrts.retiming.reachability import SpeedProfile
-from mrts.retiming.speed_regions import SpeedRegions
 from mrts.samples.motor_terms import travel_directions
 
 

@@ -13,7 +13,7 @@ from mrts_codegen import generate
 import mrts
 from mrts.cell import generation
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
-from mrts.retiming.speed_kernel import KernelWithoutCompiler, speed_kernel
+from mrts.reachability.speed_kernel import KernelWithoutCompiler, speed_kernel
 
 SAMPLES = 21
 
@@ -23,7 +23,7 @@ TORQUES = 1e-6
 SCRIPT = """
 import json, sys
 import mrts
-from mrts.retiming.speed_kernel import KernelWithoutCompiler, speed_kernel
+from mrts.reachability.speed_kernel import KernelWithoutCompiler, speed_kernel
 
 assert isinstance(speed_kernel(), KernelWithoutCompiler)
 cell, motion = mrts.load_cell(sys.argv[1]), mrts.load_motion(sys.argv[2])

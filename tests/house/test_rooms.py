@@ -24,6 +24,8 @@ ROOMS = (
     "limits",
     "samples",
     "refinement",
+    "reachability",
+    "smooth",
     "scaling",
     "retiming",
     "studies",

@@ -14,9 +14,9 @@ from transcription import transcription
 
 import mrts
 from mrts.coordination.coordinated_motion import carried_by_first
+from mrts.reachability.fastest_profile import Obstacle, SpeedProfile, fastest_profile
+from mrts.reachability.speed_regions import speed_regions
 from mrts.retiming.path_pieces import path_pieces
-from mrts.retiming.reachability import Obstacle, SpeedProfile, fastest_profile
-from mrts.retiming.speed_regions import speed_regions
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.trajectory_programs import motion_ranges
 

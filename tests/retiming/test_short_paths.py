@@ -7,9 +7,9 @@ import pytest
 from scaled_paths import FILES, scaled_path
 
 import mrts
+from mrts.reachability.fastest_profile import SpeedProfile, fastest_profile
+from mrts.reachability.speed_regions import speed_regions
 from mrts.retiming.path_pieces import path_pieces
-from mrts.retiming.reachability import SpeedProfile, fastest_profile
-from mrts.retiming.speed_regions import speed_regions
 from mrts.samples.sample_problem import build_sample_problem
 
 PROFILES = ("sinusoid", "trapezoid", "cubic", "quintic")

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.retiming.reachability import Obstacle, SpeedProfile, fastest_profile
-from mrts.retiming.speed_cells import profile_through_cells
-from mrts.retiming.speed_regions import SpeedRegions, intersect_regions, speed_regions
-from mrts.retiming.speed_terms import chords, tangents, without_root
+from mrts.reachability.fastest_profile import Obstacle, SpeedProfile, fastest_profile
+from mrts.reachability.speed_cells import profile_through_cells
+from mrts.reachability.speed_regions import SpeedRegions, intersect_regions, speed_regions
+from mrts.reachability.speed_terms import chords, tangents, without_root
 from mrts.samples.sample_problem import SampleProblem
 
 CONVERGED = 1e-6

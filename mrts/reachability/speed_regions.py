@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL
-from mrts.retiming.speed_kernel import speed_kernel
+from mrts.reachability.speed_kernel import speed_kernel
 from mrts.samples.sample_problem import SampleProblem
 from mrts.samples.sample_ranges import REST_TOLERANCE
 

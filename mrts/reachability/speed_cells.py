@@ -8,10 +8,10 @@ from itertools import pairwise
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.retiming.reachability import Obstacle, SpeedProfile, fastest_profile
-from mrts.retiming.speed_kernel import SpeedKernel, speed_kernel
-from mrts.retiming.speed_regions import FARTHEST, SpeedRegions, intersect_regions, speed_regions
-from mrts.retiming.speed_terms import Ends, RootLines, chords, tangents, without_root
+from mrts.reachability.fastest_profile import Obstacle, SpeedProfile, fastest_profile
+from mrts.reachability.speed_kernel import SpeedKernel, speed_kernel
+from mrts.reachability.speed_regions import FARTHEST, SpeedRegions, intersect_regions, speed_regions
+from mrts.reachability.speed_terms import Ends, RootLines, chords, tangents, without_root
 from mrts.samples.sample_problem import SampleProblem
 
 FINENESS = (2.0, 2.0**0.25)

@@ -7,8 +7,8 @@ from typing import Literal
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.retiming.speed_kernel import speed_kernel
-from mrts.retiming.speed_regions import SpeedRegions
+from mrts.reachability.speed_kernel import speed_kernel
+from mrts.reachability.speed_regions import SpeedRegions
 
 END_SPEED_TOLERANCE = 1e-9
 """Share by which a given end speed may miss its controllable set: rounding."""

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: MIT
+"""A path with rows whose values and rates of change are limited: what every solver of smooth timing is given."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SmoothProgram:
+    """Limits along a path σ with n nodes, on x = σ̇², u = σ̈ and free unknowns F (contact wrenches) at each of them.
+
+    Between nodes u is linear in σ, so x_{k+1} = x_k + h_k (u_k + u_{k+1}) exactly. At node k row j has the value
+    v = square x + rate u + root √x + free F + offset, and
+
+        lower <= v_k <= upper                                           at every node
+        |v_{k+1} - v_k| <= change Δt_k                                  on every segment
+        |q' (u_{k+1} - u_k) / h_k + 3 q'' u + q''' x| <= jerk / √x      at both ends of every segment
+
+    with Δt_k = 2 h_k / (√x_k + √x_{k+1}). Rows are in units in which their limits have the size 1.
+
+    Attributes:
+        step: h, Shape (n - 1,).
+        square: Shape (n, r).
+        rate: Shape (n, r).
+        root: Shape (n, r).
+        offset: Shape (n, r).
+        free: Shape (n, r, f); f may be 0.
+        columns: First and one past the last column of `free` that a row has, Shape (r, 2).
+        lower: -infinity where there is none, Shape (n, r).
+        upper: infinity where there is none, Shape (n, r).
+        change: Infinity where there is none, Shape (r,) [1/s].
+        weight: Of v² in the effort Σ_k ω_k Σ_j weight v² / √x_k, with ω the trapezoidal rule; the effort is ∫ τᵀWτ dt,
+            Shape (r,).
+        q1: q' of the joints whose jerk is limited, Shape (n, J).
+        q2: q'' of them, Shape (n, J).
+        q3: q''' of them at the start and at the end of every segment, Shape (n - 1, 2, J).
+        jerk: Shape (J,).
+        ends: x at the first and the last node where it is given, else None.
+        end_free: F at the first and the last node, Shape (f,), where it is given, else None.
+    """
+
+    step: Array
+    square: Array
+    rate: Array
+    root: Array
+    offset: Array
+    free: Array
+    columns: NDArray[np.int_]
+    lower: Array
+    upper: Array
+    change: Array
+    weight: Array
+    q1: Array
+    q2: Array
+    q3: Array
+    jerk: Array
+    ends: tuple[float | None, float | None] = (None, None)
+    end_free: tuple[Array | None, Array | None] = (None, None)
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes n."""
+        return len(self.square)
+
+    @property
+    def spacing(self) -> Array:
+        """ω of the trapezoidal rule over the nodes, Shape (n,)."""
+        return np.concatenate([self.step[:1], self.step[:-1] + self.step[1:], self.step[-1:]]) / 2
+
+    def values(self, x: Array, u: Array, free: Array) -> Array:
+        """Values v of every row, Shape (n, r).
+
+        Args:
+            x: Shape (n,).
+            u: Shape (n,).
+            free: Shape (n, f).
+        """
+        moved = self.square * x[:, None] + self.rate * u[:, None] + self.root * np.sqrt(x)[:, None] + self.offset
+        values: Array = moved + np.einsum("nrf,nf->nr", self.free, free)
+        return values
+
+    def times(self, x: Array) -> Array:
+        """Δt of every segment, Shape (n - 1,) [s]; infinity where both ends stand still."""
+        speed = np.sqrt(x)
+        with np.errstate(divide="ignore"):
+            times: Array = 2 * self.step / (speed[:-1] + speed[1:])
+        return times
+
+    def jerks(self, x: Array, u: Array) -> Array:
+        """q⃛ at the start and at the end of every segment, Shape (n - 1, 2, J)."""
+        slope = (np.diff(u) / self.step)[:, None, None]
+        at_ends = [np.stack([of[:-1], of[1:]], axis=1) for of in (x, u, self.q1, self.q2)]
+        x_, u_, q1, q2 = (of[..., None] if of.ndim == 2 else of for of in at_ends)  # noqa: PLR2004 (segment, end)
+        jerks: Array = (q1 * slope + 3 * q2 * u_ + self.q3 * x_) * np.sqrt(x_)
+        return jerks
+
+    def effort(self, x: Array, u: Array, free: Array) -> float:
+        """Σ_k ω_k Σ_j weight v² / √x_k, ∫ τᵀWτ dt."""
+        return float(np.sum(self.spacing / np.sqrt(x) * (self.values(x, u, free) ** 2 @ self.weight)))
+
+    def excess(self, x: Array, u: Array, free: Array) -> float:
+        """The most by which a row, a change or a jerk passes its limit, as a share of it; <= 0 if all are kept."""
+        values, times = self.values(x, u, free), self.times(x)[:, None]
+        limited = np.isfinite(self.change)
+        parts = [
+            values - self.upper,
+            self.lower - values,
+            np.abs(np.diff(values[:, limited], axis=0)) / (self.change[limited] * times) - 1,
+            np.abs(self.jerks(x, u)) / self.jerk - 1,
+        ]
+        return max(float(np.max(part, initial=-1.0)) for part in parts)
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What a timing is to be: the least of time · duration + effort · effort, within a duration.
+
+    Attributes:
+        time: Weight of the duration [1/s].
+        effort: Weight of the effort; 0 leaves it out.
+        longest: Largest duration, None for any [s].
+    """
+
+    time: float = 1.0
+    effort: float = 0.0
+    longest: float | None = None
+
+
+@dataclass(frozen=True)
+class SmoothProfile:
+    """x, u and F at n nodes.
+
+    Attributes:
+        x: σ̇², Shape (n,).
+        u: σ̈, Shape (n,).
+        free: Shape (n, f).
+    """
+
+    x: Array
+    u: Array
+    free: Array
+
+
+class SmoothSolver(Protocol):
+    """Solves the convex programs of smooth timing; a new one is one file and one line in `SMOOTH_SOLVERS`."""
+
+    def step(self, program: SmoothProgram, around: Array, goal: Goal) -> SmoothProfile | None:
+        """The best profile where what is not convex is replaced by what is stricter, touching it at a profile.
+
+        Δt of limited changes and 1/√x of limited jerks are replaced by their tangents, which lie below them; root √x by
+        its tangent on the side of a row where it presses towards the limit, and so root² √x of the effort.
+
+        Args:
+            program: The program.
+            around: x > 0 where tangents are laid, Shape (n,).
+            goal: What is the best.
+
+        Returns:
+            The profile, or None where the solver finds none.
+        """
+
+    def torques(self, program: SmoothProgram, x: Array, u: Array) -> Array | None:
+        """F of the least effort at a given timing, exactly, Shape (n, f); None where the solver finds none.
+
+        Args:
+            program: The program.
+            x: Shape (n,).
+            u: Shape (n,).
+        """
