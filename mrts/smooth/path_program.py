@@ -46,10 +46,11 @@ class _Rows:
         Args:
             column: Its map, Shape (n, f + 2).
         """
-        size = float(np.max(np.abs(column), initial=0.0))
-        for row in range(self.map.shape[1]):
-            if np.max(np.abs(self.map[:, row] * self.unit[row] - column), initial=0.0) <= SAME_ROW * size:
-                return row
+        size = float(np.max(np.abs(column)))
+        near = np.max(np.abs(self.map[0] * self.unit[:, None] - column[0]), axis=1) <= SAME_ROW * size
+        for row in np.flatnonzero(near).tolist():
+            if np.max(np.abs(self.map[:, row] * self.unit[row] - column)) <= SAME_ROW * size:
+                return int(row)
         return None
 
     def limited(self, terms: tuple[Array, Array | None, Array], place: int, size: float) -> int:
@@ -99,37 +100,31 @@ def path_program(
     for rows, problem in zip(parts[1:], problems[1:], strict=True):  # they bound x alone, whatever the load
         rows.lower[:, : len(problem.is_cap)][:, problem.is_cap] = -np.inf
         rows.upper[:, : len(problem.is_cap)][:, problem.is_cap] = np.inf
-    n, f = path.samples, [rows.map.shape[2] - 2 for rows in parts]
-    starts = np.concatenate([[0], np.cumsum(f)])
-    free = np.concatenate(
-        [
-            np.concatenate(
-                [np.zeros((n, rows.map.shape[1], start)), rows.map[:, :, :-2],
-                 np.zeros((n, rows.map.shape[1], starts[-1] - start - own))], axis=2
-            )
-            for rows, start, own in zip(parts, starts[:-1], f, strict=True)
-        ],
-        axis=1,
-    )  # fmt: skip
-    columns = np.concatenate(
-        [
-            np.tile([start, start + own], (rows.map.shape[1], 1))
-            for rows, start, own in zip(parts, starts[:-1], f, strict=True)
-        ]
-    )
-    limited = np.flatnonzero(np.isfinite(rates.jerk))
-    step = np.diff(path.object.time)
+    frees = [rows.map.shape[2] - 2 for rows in parts]
+    counts = [rows.map.shape[1] for rows in parts]
+    first = np.cumsum([0, *frees])
+    free = np.zeros((path.samples, sum(counts), first[-1]))
+    columns = np.repeat(np.column_stack([first[:-1], first[1:]]), counts, axis=0)
+    for rows, start, place in zip(parts, first.tolist(), np.cumsum([0, *counts]).tolist(), strict=False):
+        own = rows.map[:, :, :-2]
+        free[:, place : place + own.shape[1], start : start + own.shape[2]] = own
+
+    def joined(name: str) -> Array:
+        return np.concatenate([getattr(rows, name) for rows in parts], axis=-1)
+
+    limited, step = np.flatnonzero(np.isfinite(rates.jerk)), np.diff(path.object.time)
     return SmoothProgram(
         step=step,
         square=np.concatenate([rows.map[:, :, -1] for rows in parts], axis=1),
         rate=np.concatenate([rows.map[:, :, -2] for rows in parts], axis=1),
+        root=joined("root"),
+        offset=joined("offset"),
         free=free,
         columns=columns,
-        **{
-            name: np.concatenate([getattr(rows, name) for rows in parts], axis=1)
-            for name in ("root", "offset", "lower", "upper")
-        },
-        **{name: np.concatenate([getattr(rows, name) for rows in parts]) for name in ("change", "weight")},
+        lower=joined("lower"),
+        upper=joined("upper"),
+        change=joined("change"),
+        weight=joined("weight"),
         q1=path.dq[:, limited],
         q2=path.ddq[:, limited],
         q3=third_derivatives(step, path.dq[:, limited], path.ddq[:, limited]),
