@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """A path with rows whose values and rates of change are limited: what every solver of smooth timing is given."""
 
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
+from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,6 +72,24 @@ class SmoothProgram:
         """ω of the trapezoidal rule over the nodes, Shape (n,)."""
         return np.concatenate([self.step[:1], self.step[:-1] + self.step[1:], self.step[-1:]]) / 2
 
+    def in_units_of(self, unit: float) -> Self:
+        """The same program with x and u in multiples of a unit, and times in multiples of 1/√unit.
+
+        Args:
+            unit: > 0 [1/s²].
+        """
+        root = float(np.sqrt(unit))
+        first, last = (None if x is None else x / unit for x in self.ends)
+        return replace(
+            self,
+            square=self.square * unit,
+            rate=self.rate * unit,
+            root=self.root * root,
+            change=self.change / root,
+            jerk=self.jerk / (unit * root),
+            ends=(first, last),
+        )
+
     def values(self, x: Array, u: Array, free: Array) -> Array:
         """Values v of every row, Shape (n, r).
 
@@ -129,6 +147,15 @@ class Goal:
     time: float = 1.0
     effort: float = 0.0
     longest: float | None = None
+
+    def in_units_of(self, unit: float) -> "Goal":
+        """The same goal for a program in other units; see `SmoothProgram.in_units_of`.
+
+        Args:
+            unit: > 0 [1/s²].
+        """
+        root = float(np.sqrt(unit))
+        return Goal(self.time / root, self.effort / root, None if self.longest is None else self.longest * root)
 
 
 @dataclass(frozen=True)
