@@ -11,7 +11,10 @@ from scipy import sparse
 from mrts.base.arrays import Array
 
 GAP = 1e-9
-"""Gap and residuals at which Clarabel stops: a tenth of what an answer is checked to."""
+"""Gap and residuals at which Clarabel stops."""
+
+REGULAR = 1e-12
+"""What Clarabel adds to its pivots, its default is 1e-8: rates leave sets so thin that it would be felt."""
 
 SOLVED = {"Solved", "AlmostSolved"}
 """Statuses with an answer; whether it is one is for the caller to check."""
@@ -81,6 +84,7 @@ class Cones:
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = GAP
+        settings.static_regularization_constant = REGULAR
         A = sparse.csc_matrix(sparse.vstack(self._matrices))
         limits = np.concatenate(self._limits)
         answer = clarabel.DefaultSolver(sparse.csc_matrix(P), q, A, limits, self._cones, settings).solve()
