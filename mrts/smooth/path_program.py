@@ -103,7 +103,8 @@ def path_program(
         rates: Limits of torque rates, wrench rates and jerk.
         weights: W of the effort, Shape (m, m); None where no effort is asked for.
         ends: x at the first and the last node where it is given.
-        end_free: [F] of all loads there, likewise.
+        end_free: [F] of all loads there, likewise. There the cell is at rest, so that rows have one value: whether it
+            keeps its limits is the caller's question.
     """
     parts = [_rows(cell, problem, rates, weights) for problem in problems]
     for rows, problem in zip(parts[1:], problems[1:], strict=True):  # they bound x alone, whatever the load
@@ -121,6 +122,10 @@ def path_program(
     def joined(name: str) -> Array:
         return np.concatenate([getattr(rows, name) for rows in parts], axis=-1)
 
+    lower, upper = joined("lower"), joined("upper")
+    for place, held in zip((0, -1), end_free, strict=True):
+        if held is not None:
+            lower[place], upper[place] = -np.inf, np.inf
     limited, step = np.flatnonzero(np.isfinite(rates.jerk)), np.diff(path.object.time)
     return SmoothProgram(
         step=step,
@@ -130,8 +135,8 @@ def path_program(
         offset=joined("offset"),
         free=free,
         columns=columns,
-        lower=joined("lower"),
-        upper=joined("upper"),
+        lower=lower,
+        upper=upper,
         change=joined("change"),
         weight=joined("weight"),
         q1=path.dq[:, limited],
