@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: MIT */
+#include "interior_point.h"
+
+#define MRTS_SMOOTH_MOST 60        /* iterations: a program that has an answer takes 10 to 30 */
+#define MRTS_SMOOTH_KEPT 1e-10     /* of a limit: a constraint missed by no more is kept */
+#define MRTS_SMOOTH_GAP 1e-9       /* between the objective and its bound, of it */
+#define MRTS_SMOOTH_SLOPE 1e-8     /* of the objective along an unknown, of the terms it is the sum of */
+#define MRTS_SMOOTH_SHORT 1e-9     /* a step that ends this early leads nowhere */
+#define MRTS_SMOOTH_LARGE 1e14     /* a multiplier, of the objective: nothing keeps the limits */
+#define MRTS_SMOOTH_BOUNDARY 0.995 /* of the way to the nearest limit */
+#define MRTS_SMOOTH_SLACK 0.1      /* least one to start with, of a limit */
+#define MRTS_SMOOTH_LEAST 0.1      /* of x: what a step leaves of it at least */
+
+/* The iterates and their steps. */
+typedef struct {
+    long long slots;           /* of all nodes, and that of the duration */
+    int present;               /* slots with a limit */
+    double *s, *y;             /* slacks and multipliers, 0 where there is no limit */
+    double *missed, *ds, *dy;  /* g + s, and the steps */
+    double *target;            /* multipliers that the right side is made of */
+    double *gx, *gu, *gf;      /* the gradient of the objective */
+    double *px, *pu, *pf;      /* another one, or a step */
+    double *b, *w;             /* unknowns: a right side and its step; the factor's answer to the duration's slope */
+    double *factor, *fronts;
+} mrts_smooth_iterate;
+
+static long long mrts_smooth_all_slots(const mrts_smooth_program *p) {
+    return (long long)p->nodes * mrts_smooth_slots(p) + 1;
+}
+
+MRTS_EXPORT long long mrts_smooth_work(const mrts_smooth_program *p) {
+    const long long n = p->nodes;
+    return mrts_smooth_state_size(p) + 6 * mrts_smooth_all_slots(p) + 2 * n * (2 + p->free) +
+           2 * mrts_front_unknowns(p) + mrts_front_size(p) + mrts_front_work(p);
+}
+
+static void mrts_smooth_iterate_in(const mrts_smooth_program *p, double *memory, mrts_smooth_iterate *at) {
+    const long long n = p->nodes, nf = n * p->free, slots = mrts_smooth_all_slots(p);
+    double **of[] = {&at->s, &at->y, &at->missed, &at->ds, &at->dy, &at->target};
+    at->slots = slots;
+    for (int i = 0; i < 6; ++i, memory += slots) *of[i] = memory;
+    at->gx = memory;
+    at->gu = at->gx + n;
+    at->gf = at->gu + n;
+    at->px = at->gf + nf;
+    at->pu = at->px + n;
+    at->pf = at->pu + n;
+    at->b = at->pf + nf;
+    at->w = at->b + mrts_front_unknowns(p);
+    at->factor = at->w + mrts_front_unknowns(p);
+    at->fronts = at->factor + mrts_front_size(p);
+}
+
+/* Marks the slots that have a limit by multipliers of 1. */
+static void mrts_smooth_present(const mrts_smooth_program *p, mrts_smooth_iterate *at) {
+    const int n = p->nodes, r = p->rows, slots = mrts_smooth_slots(p);
+    at->present = 0;
+    for (int k = 0; k < n; ++k) {
+        double *y = at->y + (long long)k * slots;
+        for (int i = 0; i < slots; ++i) y[i] = k < n - 1 && (i < 2 * (r + p->changes) || !p->timed);
+        for (int j = 0; j < r; ++j) {
+            y[j] = p->upper[(long long)k * r + j] < MRTS_INFINITY;
+            y[r + j] = p->lower[(long long)k * r + j] > -MRTS_INFINITY;
+        }
+    }
+    at->y[at->slots - 1] = p->longest < MRTS_INFINITY && !p->timed;
+    for (long long i = 0; i < at->slots; ++i) at->present += at->y[i] > 0;
+}
+
+static void mrts_smooth_clear(long long count, double *a) {
+    for (long long i = 0; i < count; ++i) a[i] = 0;
+}
+
+/* g of all slots into `g`, the objective and its gradient; its unit where `first`. */
+static double mrts_smooth_evaluate(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
+                                   int first, double *g) {
+    const long long n = p->nodes;
+    double duration, objective;
+    mrts_smooth_values(p, state, g);
+    for (;;) {
+        mrts_smooth_clear(n * (2 + p->free), at->gx);
+        objective = mrts_smooth_objective(p, state, at->gx, at->gu, at->gf, &duration);
+        if (!first || !(objective > 0)) break;
+        state->unit = objective;
+        first = 0;
+    }
+    g[at->slots - 1] = p->longest < MRTS_INFINITY ? duration / p->longest - 1 : 0;
+    return objective;
+}
+
+/* The largest slope of the Lagrangian along an unknown, of the terms it is the sum of. */
+static double mrts_smooth_slope(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+    const long long n = p->nodes, f = p->free, q = f + 1;
+    double worst = 0;
+    for (long long i = 0; i < n * (2 + f); ++i) at->px[i] = at->gx[i];
+    mrts_smooth_pulled(p, state, at->y, at->px, at->pu, at->pf);
+    mrts_front_gather(p, state, at->px, at->pu, at->pf, at->b);
+    for (long long k = 0; k <= n; ++k) {
+        if (p->timed || (k == 0 && p->given_start) || (k == n && p->given_end)) continue;
+        const double x = state->x[k < n ? k : n - 1], size = MRTS_ABS(at->b[k < n ? k * q + f : n * q]) * x;
+        if (!(size <= worst)) worst = size;
+    }
+    for (long long k = 0; k < n; ++k) {
+        if ((k == 0 && p->held_start) || (k == n - 1 && p->held_end)) continue;
+        for (long long l = 0; l < f; ++l) {
+            const double size = MRTS_ABS(at->b[k * q + l]);
+            if (!(size <= worst)) worst = size;
+        }
+    }
+    return worst;
+}
+
+/* The right side -gradient - sum of target g's gradient, solved for; the step goes to px, pu, pf and ds, dy. */
+static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+    const long long n = p->nodes, nf = n * p->free, unknowns = mrts_front_unknowns(p), last = at->slots - 1;
+    for (long long i = 0; i < 2 * n + nf; ++i) at->px[i] = at->gx[i];
+    mrts_smooth_pulled(p, state, at->target, at->px, at->pu, at->pf);
+    mrts_front_gather(p, state, at->px, at->pu, at->pf, at->b);
+    for (long long i = 0; i < unknowns; ++i) at->b[i] = -at->b[i];
+    mrts_front_solve(p, at->factor, at->b);
+    if (at->y[last] > 0) { /* the duration's slope in every node: a matrix of rank one more */
+        const double weight = at->y[last] / at->s[last] / (p->longest * p->longest);
+        double down = 0, up = 0;
+        mrts_front_scatter(p, state, at->b, at->px, at->pu, at->pf);
+        down = mrts_dot((int)n, state->duration_x, at->px);
+        mrts_front_scatter(p, state, at->w, at->px, at->pu, at->pf);
+        up = mrts_dot((int)n, state->duration_x, at->px);
+        const double by = weight * down / (1 + weight * up);
+        for (long long i = 0; i < unknowns; ++i) at->b[i] -= by * at->w[i];
+    }
+    mrts_front_scatter(p, state, at->b, at->px, at->pu, at->pf);
+    mrts_smooth_moved(p, state, at->px, at->pu, at->pf, at->ds);
+    for (long long i = 0; i < at->slots; ++i) {
+        if (at->y[i] > 0) {
+            const double moved = at->ds[i];
+            at->ds[i] = -at->missed[i] - moved;
+            at->dy[i] = at->target[i] - at->y[i] + at->y[i] / at->s[i] * moved;
+        } else {
+            at->ds[i] = at->dy[i] = 0;
+        }
+    }
+}
+
+/* The longest step, at most 1, that leaves slacks, multipliers and x a share of what they are. */
+static double mrts_smooth_length(const mrts_smooth_program *p, const mrts_smooth_state *state,
+                                 const mrts_smooth_iterate *at, double boundary) {
+    double most = 1 / boundary;
+    for (long long i = 0; i < at->slots; ++i) {
+        if (at->ds[i] < 0 && -at->ds[i] * most > at->s[i]) most = -at->s[i] / at->ds[i];
+        if (at->dy[i] < 0 && -at->dy[i] * most > at->y[i]) most = -at->y[i] / at->dy[i];
+    }
+    most *= boundary;
+    for (int k = 0; k < p->nodes; ++k) {
+        const double room = (1 - MRTS_SMOOTH_LEAST) * state->x[k];
+        if (-at->px[k] * most > room) most = -room / at->px[k];
+    }
+    return most;
+}
+
+/* Answers the duration's slope by the factor, into w. */
+static void mrts_smooth_answer_duration(const mrts_smooth_program *p, const mrts_smooth_state *state,
+                                        mrts_smooth_iterate *at) {
+    const long long n = p->nodes;
+    mrts_smooth_clear(n * (1 + p->free), at->pu);
+    mrts_front_gather(p, state, state->duration_x, at->pu, at->pf, at->w);
+    mrts_front_solve(p, at->factor, at->w);
+}
+
+/* One iteration from an evaluated point; the length of its step. */
+static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
+                                  double gap) {
+    const double mean = gap / at->present;
+    mrts_smooth_second(p, state, at->s, at->y);
+    mrts_front_factor(p, state, at->factor, at->fronts);
+    if (at->y[at->slots - 1] > 0) mrts_smooth_answer_duration(p, state, at);
+    for (long long i = 0; i < at->slots; ++i) at->target[i] = at->y[i] > 0 ? at->y[i] * at->missed[i] / at->s[i] : 0;
+    mrts_smooth_newton(p, state, at);
+    double length = mrts_smooth_length(p, state, at, 1), left = 0;
+    for (long long i = 0; i < at->slots; ++i) left += (at->s[i] + length * at->ds[i]) * (at->y[i] + length * at->dy[i]);
+    const double share = left / gap, centre = share * share * share * mean;
+    for (long long i = 0; i < at->slots; ++i) {
+        if (at->y[i] > 0) at->target[i] += (centre - at->ds[i] * at->dy[i]) / at->s[i];
+    }
+    mrts_smooth_newton(p, state, at);
+    length = mrts_smooth_length(p, state, at, MRTS_SMOOTH_BOUNDARY);
+    for (long long i = 0; i < at->slots; ++i) {
+        at->s[i] += length * at->ds[i];
+        at->y[i] += length * at->dy[i];
+    }
+    if (!p->timed) {
+        const int n = p->nodes, q = p->free + 1;
+        for (int k = 0; k < n; ++k) state->control[k] += length * at->b[(long long)k * q + p->free];
+        state->control[n] += length * at->b[(long long)n * q];
+        mrts_smooth_profile(p, state);
+    }
+    for (long long i = 0; i < (long long)p->nodes * p->free; ++i) state->free[i] += length * at->pf[i];
+    return length;
+}
+
+/* Slacks and multipliers to start with. */
+static void mrts_smooth_first(mrts_smooth_iterate *at, const double *g) {
+    for (long long i = 0; i < at->slots; ++i) {
+        const double room = -g[i];
+        at->s[i] = at->y[i] > 0 ? (room > MRTS_SMOOTH_SLACK ? room : MRTS_SMOOTH_SLACK) : 1;
+        at->y[i] = at->y[i] > 0 ? 1 / (at->s[i] * at->present) : 0;
+    }
+}
+
+MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, double *u, double *free, int *iterations,
+                                  double *work) {
+    const long long n = p->nodes, nf = n * p->free;
+    mrts_smooth_state state;
+    mrts_smooth_iterate at;
+    int found = MRTS_SMOOTH_STOPPED;
+    mrts_smooth_state_in(p, work, &state);
+    mrts_smooth_iterate_in(p, work + mrts_smooth_state_size(p), &at);
+    mrts_smooth_clear(mrts_smooth_work(p), work);
+    state.unit = 1;
+    for (long long k = 0; k < n; ++k) {
+        state.x[k] = x[k];
+        state.u[k] = u[k];
+    }
+    for (long long l = 0; l < p->free; ++l) {
+        if (p->held_start) state.free[l] = free[l];
+        if (p->held_end) state.free[nf - p->free + l] = free[nf - p->free + l];
+    }
+    mrts_smooth_start(p, &state);
+    mrts_smooth_present(p, &at);
+    for (*iterations = 0; *iterations <= MRTS_SMOOTH_MOST; ++*iterations) {
+        const double objective = mrts_smooth_evaluate(p, &state, &at, *iterations == 0, at.missed);
+        double missed = 0, gap = 0, largest = 0;
+        if (*iterations == 0) mrts_smooth_first(&at, at.missed);
+        for (long long i = 0; i < at.slots; ++i) {
+            if (!(at.y[i] > 0)) continue;
+            at.missed[i] += at.s[i];
+            gap += at.s[i] * at.y[i];
+            if (!(MRTS_ABS(at.missed[i]) <= missed)) missed = MRTS_ABS(at.missed[i]);
+            if (!(at.y[i] <= largest)) largest = at.y[i];
+        }
+#ifdef MRTS_SMOOTH_TRACE
+        printf("%3d objective %.12g missed %.3e gap %.3e slope %.3e largest %.2e\n", *iterations, objective, missed, gap,
+               mrts_smooth_slope(p, &state, &at), largest);
+#endif
+        if (missed <= MRTS_SMOOTH_KEPT && gap <= MRTS_SMOOTH_GAP * objective &&
+            mrts_smooth_slope(p, &state, &at) <= MRTS_SMOOTH_SLOPE) {
+            found = MRTS_SMOOTH_FOUND;
+            break;
+        }
+        if (!(largest < MRTS_SMOOTH_LARGE) || at.present == 0) break;
+        if (!(mrts_smooth_advance(p, &state, &at, gap) > MRTS_SMOOTH_SHORT)) break;
+    }
+    for (long long k = 0; k < n; ++k) {
+        x[k] = state.x[k];
+        u[k] = state.u[k];
+    }
+    for (long long i = 0; i < nf; ++i) free[i] = state.free[i];
+    return found;
+}
