@@ -3,7 +3,8 @@
 
 #define MRTS_SMOOTH_MOST 60        /* iterations: a program that has an answer takes 10 to 30 */
 #define MRTS_SMOOTH_KEPT 1e-10     /* of a limit: a constraint missed by no more is kept */
-#define MRTS_SMOOTH_GAP 1e-9       /* between the objective and its bound, of it */
+#define MRTS_SMOOTH_GAP 3e-9       /* between the objective and its bound, of it */
+#define MRTS_SMOOTH_AIM 1e-9       /* the gap that steps aim at, at least: below it rounding grows */
 #define MRTS_SMOOTH_SLOPE 1e-8     /* of the objective along an unknown, of the terms it is the sum of */
 #define MRTS_SMOOTH_SHORT 1e-9     /* a step that ends this early leads nowhere */
 #define MRTS_SMOOTH_LARGE 1e14     /* a multiplier, of the objective: nothing keeps the limits */
@@ -100,11 +101,18 @@ static double mrts_smooth_slope(const mrts_smooth_program *p, mrts_smooth_state 
         const double x = state->x[k < n ? k : n - 1], size = MRTS_ABS(at->b[k < n ? k * q + f : n * q]) * x;
         if (!(size <= worst)) worst = size;
     }
-    for (long long k = 0; k < n; ++k) {
+    for (int k = 0; k < n; ++k) {
+        const double *entry = p->entry + (long long)k * p->width;
         if ((k == 0 && p->held_start) || (k == n - 1 && p->held_end)) continue;
+        mrts_smooth_clear(f, at->pf);
+        for (int j = 0; j < p->rows; ++j) { /* the largest coefficient of each unknown */
+            for (int l = 0; l < p->count[j]; ++l) {
+                const double size = MRTS_ABS(entry[p->place[j] + l]);
+                if (size > at->pf[p->first[j] + l]) at->pf[p->first[j] + l] = size;
+            }
+        }
         for (long long l = 0; l < f; ++l) {
-            const double size = MRTS_ABS(at->b[k * q + l]);
-            if (!(size <= worst)) worst = size;
+            if (!(MRTS_ABS(at->b[k * q + l]) <= worst * at->pf[l])) worst = MRTS_ABS(at->b[k * q + l]) / at->pf[l];
         }
     }
     return worst;
@@ -118,18 +126,19 @@ static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *
     mrts_front_gather(p, state, at->px, at->pu, at->pf, at->b);
     for (long long i = 0; i < unknowns; ++i) at->b[i] = -at->b[i];
     mrts_front_solve(p, at->factor, at->b);
-    if (at->y[last] > 0) { /* the duration's slope in every node: a matrix of rank one more */
-        const double weight = at->y[last] / at->s[last] / (p->longest * p->longest);
-        double down = 0, up = 0;
+    double pulled = 0; /* what the duration's slot adds to its multiplier */
+    if (at->y[last] > 0) {
+        const double by = at->s[last] / at->y[last] * p->longest;
         mrts_front_scatter(p, state, at->b, at->px, at->pu, at->pf);
-        down = mrts_dot((int)n, state->duration_x, at->px);
+        const double alone = mrts_dot((int)n, state->duration_x, at->px);
         mrts_front_scatter(p, state, at->w, at->px, at->pu, at->pf);
-        up = mrts_dot((int)n, state->duration_x, at->px);
-        const double by = weight * down / (1 + weight * up);
-        for (long long i = 0; i < unknowns; ++i) at->b[i] -= by * at->w[i];
+        const double answered = mrts_dot((int)n, state->duration_x, at->px);
+        pulled = alone / (by + answered / p->longest);
+        for (long long i = 0; i < unknowns; ++i) at->b[i] -= pulled / p->longest * at->w[i];
     }
     mrts_front_scatter(p, state, at->b, at->px, at->pu, at->pf);
     mrts_smooth_moved(p, state, at->px, at->pu, at->pf, at->ds);
+    if (at->y[last] > 0) at->ds[last] = pulled * at->s[last] / at->y[last]; /* its own sum would cancel */
     for (long long i = 0; i < at->slots; ++i) {
         if (at->y[i] > 0) {
             const double moved = at->ds[i];
@@ -168,7 +177,7 @@ static void mrts_smooth_answer_duration(const mrts_smooth_program *p, const mrts
 
 /* One iteration from an evaluated point; the length of its step. */
 static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
-                                  double gap) {
+                                  double gap, double objective) {
     const double mean = gap / at->present;
     mrts_smooth_second(p, state, at->s, at->y);
     mrts_front_factor(p, state, at->factor, at->fronts);
@@ -177,7 +186,9 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
     mrts_smooth_newton(p, state, at);
     double length = mrts_smooth_length(p, state, at, 1), left = 0;
     for (long long i = 0; i < at->slots; ++i) left += (at->s[i] + length * at->ds[i]) * (at->y[i] + length * at->dy[i]);
-    const double share = left / gap, centre = share * share * share * mean;
+    const double share = left / gap, least = MRTS_SMOOTH_AIM * objective / at->present;
+    double centre = share * share * share * mean;
+    if (centre < least) centre = least;
     for (long long i = 0; i < at->slots; ++i) {
         if (at->y[i] > 0) at->target[i] += (centre - at->ds[i] * at->dy[i]) / at->s[i];
     }
@@ -247,7 +258,7 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
             break;
         }
         if (!(largest < MRTS_SMOOTH_LARGE) || at.present == 0) break;
-        if (!(mrts_smooth_advance(p, &state, &at, gap) > MRTS_SMOOTH_SHORT)) break;
+        if (!(mrts_smooth_advance(p, &state, &at, gap, objective) > MRTS_SMOOTH_SHORT)) break;
     }
     for (long long k = 0; k < n; ++k) {
         x[k] = state.x[k];
