@@ -23,6 +23,22 @@ class ConicSolver:
         return None if found is None else SmoothProfile(unit * found.x, unit * found.u, found.free)
 
     @staticmethod
+    def nearest(program: SmoothProgram, around: Array) -> tuple[SmoothProfile, float] | None:
+        """The profile whose rates pass their limits least, where all else is as in `step`.
+
+        Args:
+            program: The program.
+            around: x > 0 where tangents are laid, Shape (n,).
+
+        Returns:
+            It and by what share; None where the other limits cannot be kept.
+        """
+        unit = float(np.exp(np.mean(np.log(around))))
+        timing = _Timing(program.in_units_of(unit), around / unit)
+        found = timing.best(None)
+        return None if found is None else (SmoothProfile(unit * found.x, unit * found.u, found.free), timing.share)
+
+    @staticmethod
     def torques(program: SmoothProgram, x: Array, u: Array) -> Array | None:
         """See `SmoothSolver.torques`."""
         (n, r, f), times = program.free.shape, program.times(x)
@@ -77,7 +93,9 @@ class _Tangents:
 
 
 class _Timing:
-    """The program of `SmoothSolver.step` over z = [x, u, y, times, efforts, F] with y <= √x.
+    """The program of `SmoothSolver.step` over z = [x, u, y, times, efforts, F, share] with y <= √x.
+
+    Limits of rates are relaxed by `share`, which is 0 where a goal is given.
 
     Args:
         program: The program.
@@ -87,11 +105,11 @@ class _Timing:
     def __init__(self, program: SmoothProgram, around: Array) -> None:
         n, r, f = program.free.shape
         self.program, self.tangents = program, _Tangents(around)
-        ends = np.cumsum([0, n, n, n, n - 1, n, n * f])
+        ends = np.cumsum([0, n, n, n, n - 1, n, n * f, 1])
         parts = [np.arange(start, end) for start, end in pairwise(ends)]
-        self.x, self.u, self.y, self.times, self.efforts, free = parts
+        self.x, self.u, self.y, self.times, self.efforts, free, self.relaxed = parts
         self.free = free.reshape(n, f)
-        self.size = int(ends[-1])
+        self.size, self.share = int(ends[-1]), 0.0
         node, places = np.arange(n)[:, None], np.arange(n * r).reshape(n, r)
         self.linear = entries(
             (n * r, self.size),
@@ -100,20 +118,30 @@ class _Timing:
             (places[..., None], self.free[:, None, :], program.free),
         )
 
-    def best(self, goal: Goal) -> SmoothProfile | None:
-        cones = Cones()
+    def best(self, goal: Goal | None) -> SmoothProfile | None:
+        """The best profile for a goal; the one that relaxes limits of rates least where there is none."""
+        cones, q = Cones(), np.zeros(self.size)
         self._path(cones)
         self._rows(cones)
         self._changes(cones)
         self._jerks(cones)
-        q = np.zeros(self.size)
-        q[self.times] = goal.time
-        if goal.effort > 0:
-            q += goal.effort * self._efforts(cones)
-        if goal.longest is not None:
-            cones.most(entries((1, self.size), (0, self.times, np.ones(len(self.times)))), np.array([goal.longest]))
+        share = entries((1, self.size), (0, self.relaxed, np.ones(1)))
+        if goal is None:
+            q[self.relaxed] = 1.0
+            cones.most(-share, np.zeros(1))
+        else:
+            cones.equal(share, np.zeros(1))
+            q[self.times] = goal.time
+            if goal.effort > 0:
+                q += goal.effort * self._efforts(cones)
+            if goal.longest is not None:
+                total = entries((1, self.size), (0, self.times, np.ones(len(self.times))))
+                cones.most(total, np.array([goal.longest]))
         z = cones.solved(sparse.csc_array((self.size, self.size)), q)
-        return None if z is None else SmoothProfile(z[self.x], z[self.u], z[self.free])
+        if z is None:
+            return None
+        self.share = float(z[self.relaxed[0]])
+        return SmoothProfile(z[self.x], z[self.u], z[self.free])
 
     def _path(self, cones: Cones) -> None:
         """How x and u belong together, y² <= x, time (y + y') >= 2 h, and what is given at the ends."""
@@ -164,9 +192,13 @@ class _Timing:
         n, r = program.square.shape
         start, slope = (of[:, None] for of in self.tangents.root)
         times, before, after = (of[:, None] * program.change[limited] for of in self.tangents.times(program.step))
+        now = program.times(self.tangents.around)[:, None] * program.change[limited]
         segments, count = np.arange(n - 1)[:, None], (n - 1) * len(limited)
         places = np.arange(count).reshape(n - 1, -1)
-        allowed = entries((count, self.size), (places, self.x[segments], before), (places, self.x[segments + 1], after))
+        allowed = entries(
+            (count, self.size),
+            (places, self.x[segments], before), (places, self.x[segments + 1], after), (places, self.relaxed[0], now),
+        )  # fmt: skip
         here, there = (((segments + shift) * r + limited).ravel() for shift in (0, 1))
         constant = np.diff(program.offset[:, limited], axis=0)
         for sign in (1.0, -1.0):
@@ -196,7 +228,10 @@ class _Timing:
                 (places, self.u[segments + 1], by_step), (places, self.u[segments], -by_step),
                 (places, self.u[at], 3 * q2), (places, self.x[at], q3),
             )  # fmt: skip
-            allowed = entries((count, self.size), (places, self.x[at], slope[at] * program.jerk))
+            now = program.jerk / np.sqrt(self.tangents.around[at])
+            allowed = entries(
+                (count, self.size), (places, self.x[at], slope[at] * program.jerk), (places, self.relaxed[0], now)
+            )
             limit = (start[at] * program.jerk).ravel()
             cones.most(A - allowed, limit)
             cones.most(-A - allowed, limit)
