@@ -27,9 +27,9 @@ class KernelSolver:
         """See `SmoothSolver.step`."""
         start, end = program.ends
         touched = np.array(around, dtype=np.float64)
-        if (start is not None and start != touched[0]) or (end is not None and end != touched[-1]):
-            return None  # the tangents there are those at what is given
         x, u, free = touched.copy(), np.zeros(program.nodes), self._free(program)
+        for place, given in zip((0, -1), program.ends, strict=True):
+            x[place] = touched[place] if given is None else given
         longest = np.inf if goal.longest is None else goal.longest
         found, self.iterations = self._programs.solve(
             self._rows(program), touched, x, u, free, time=goal.time, effort=goal.effort, longest=longest,

@@ -5,7 +5,7 @@
 #define MRTS_SMOOTH_KEPT 1e-10     /* of a limit: a constraint missed by no more is kept */
 #define MRTS_SMOOTH_GAP 3e-9       /* between the objective and its bound, of it */
 #define MRTS_SMOOTH_AIM 1e-9       /* the gap that steps aim at, at least: below it rounding grows */
-#define MRTS_SMOOTH_SLOPE 1e-8     /* of the objective along an unknown, of the terms it is the sum of */
+#define MRTS_SMOOTH_SLOPE 1e-6     /* of the objective along an unknown: rounding of large terms that cancel */
 #define MRTS_SMOOTH_SHORT 1e-9     /* a step that ends this early leads nowhere */
 #define MRTS_SMOOTH_LARGE 1e14     /* a multiplier, of the objective: nothing keeps the limits */
 #define MRTS_SMOOTH_BOUNDARY 0.995 /* of the way to the nearest limit */
@@ -249,7 +249,7 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
             if (!(at.y[i] <= largest)) largest = at.y[i];
         }
 #ifdef MRTS_SMOOTH_TRACE
-        printf("%3d objective %.12g missed %.3e gap %.3e slope %.3e largest %.2e\n", *iterations, objective, missed, gap,
+        printf("%3d len %.2e objective %.12g missed %.3e gap %.3e slope %.3e largest %.2e\n", *iterations, trace_length, objective, missed, gap,
                mrts_smooth_slope(p, &state, &at), largest);
 #endif
         if (missed <= MRTS_SMOOTH_KEPT && gap <= MRTS_SMOOTH_GAP * objective &&
@@ -258,7 +258,11 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
             break;
         }
         if (!(largest < MRTS_SMOOTH_LARGE) || at.present == 0) break;
-        if (!(mrts_smooth_advance(p, &state, &at, gap, objective) > MRTS_SMOOTH_SHORT)) break;
+        const double length = mrts_smooth_advance(p, &state, &at, gap, objective);
+#ifdef MRTS_SMOOTH_TRACE
+        trace_length = length;
+#endif
+        if (!(length > MRTS_SMOOTH_SHORT)) break;
     }
     for (long long k = 0; k < n; ++k) {
         x[k] = state.x[k];

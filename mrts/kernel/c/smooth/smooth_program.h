@@ -30,7 +30,7 @@ typedef struct {
     int changes;     /* rows whose change is limited */
     int jerks;       /* joints whose jerk is limited */
     int timed;       /* x and u are given: F alone is looked for */
-    int given_start; /* x at the first node is `around` there */
+    int given_start; /* x at the first node is given */
     int given_end;
     int held_start; /* F at the first node is given */
     int held_end;
@@ -86,7 +86,7 @@ static inline int mrts_smooth_slots(const mrts_smooth_program *p) { return 2 * (
 MRTS_LOCAL long long mrts_smooth_state_size(const mrts_smooth_program *p);
 MRTS_LOCAL void mrts_smooth_state_in(const mrts_smooth_program *p, double *memory, mrts_smooth_state *state);
 
-/* Lays tangents at `around` and starts the profile there, with F = 0 where it is not given. */
+/* Lays tangents at `around` and starts x there; the state holds what of x is given. */
 MRTS_LOCAL void mrts_smooth_start(const mrts_smooth_program *p, mrts_smooth_state *state);
 
 /* x and u of the control points. */

@@ -4,8 +4,6 @@
  */
 #include "smooth_program.h"
 
-#define MRTS_SMOOTH_ARRAYS 27
-
 MRTS_LOCAL long long mrts_smooth_state_size(const mrts_smooth_program *p) {
     const long long n = p->nodes, r = p->rows;
     return 16 * n + n * p->free + 7 * n * r + 3 * n * p->changes + 4 * n + p->changes + 2 * r;
@@ -68,8 +66,8 @@ MRTS_LOCAL void mrts_smooth_start(const mrts_smooth_program *p, mrts_smooth_stat
     }
     for (int i = 0; i < p->changes; ++i) state->by_change[i] = 1 / p->change[i];
     if (p->timed) return;
-    state->control[0] = around[0];
-    state->control[n] = around[n - 1];
+    state->control[0] = p->given_start ? state->x[0] : around[0];
+    state->control[n] = p->given_end ? state->x[n - 1] : around[n - 1];
     for (int k = 1; k < n; ++k) state->control[k] = (around[k - 1] + around[k]) / 2;
     mrts_smooth_profile(p, state);
 }
