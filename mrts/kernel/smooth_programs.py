@@ -17,7 +17,7 @@ from mrts.kernel.compiler import find_compiler
 from mrts.kernel.foreign_arrays import INFINITY
 
 _SIZES = ("nodes", "rows", "free", "width", "changes", "jerks")
-_FLAGS = ("timed", "given_start", "given_end", "held_start", "held_end")
+_FLAGS = ("timed", "again", "moving", "given_start", "given_end", "held_start", "held_end")
 _INDICES = ("first", "count", "place", "limited")
 _NUMBERS = ("time", "effort", "longest")
 _ARRAYS = (
@@ -96,7 +96,7 @@ class SmoothPrograms:
         self._work.restype = ctypes.c_longlong
 
     def solve(
-        self, rows: PathRows, around: Array, x: Array, u: Array, free: Array, **asked: float
+        self, rows: PathRows, around: Array, x: Array, u: Array, free: Array, work=None, **asked: float
     ) -> tuple[bool, int]:
         """Solve a program; the answer is written to x, u and free.
 
@@ -117,7 +117,9 @@ class SmoothPrograms:
         for name, array in {**rows.arrays, "around": around}.items():
             setattr(program, name, array.ctypes.data)
         iterations = ctypes.c_int()
-        work = np.empty(self._work(ctypes.byref(program)))
+        if work is None:
+            work = np.empty(self._work(ctypes.byref(program)))
+        self.last_work = work
         pointers = (ctypes.c_void_p(array.ctypes.data) for array in (x, u, free))
         reached = ctypes.byref(iterations)
         status = self._solve(ctypes.byref(program), *pointers, reached, ctypes.c_void_p(work.ctypes.data))

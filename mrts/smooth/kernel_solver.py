@@ -7,6 +7,9 @@ from mrts.base.arrays import Array
 from mrts.kernel.smooth_programs import PathRows, path_rows, smooth_programs
 from mrts.smooth.program import Goal, SmoothProfile, SmoothProgram
 
+import os
+MOVING=0
+NOWARM=os.environ.get('NOWARM')
 
 class KernelSolver:
     """A primal-dual interior point whose Newton steps are solved node by node.
@@ -31,10 +34,13 @@ class KernelSolver:
         for place, given in zip((0, -1), program.ends, strict=True):
             x[place] = touched[place] if given is None else given
         longest = np.inf if goal.longest is None else goal.longest
+        w = getattr(self,'_warm',None)
+        again = w is not None and w[0] is program and np.array_equal(w[1], touched) and not NOWARM
         found, self.iterations = self._programs.solve(
             self._rows(program), touched, x, u, free, time=goal.time, effort=goal.effort, longest=longest,
-            given_start=start is not None, given_end=end is not None, **_held(program),
+            given_start=start is not None, given_end=end is not None, **_held(program), again=again, moving=MOVING, work=w[2] if again else None
         )  # fmt: skip
+        self._warm = (program, x, self._programs.last_work) if found else None
         return SmoothProfile(x, u, free) if found else None
 
     def torques(self, program: SmoothProgram, x: Array, u: Array) -> Array | None:

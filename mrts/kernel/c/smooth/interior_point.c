@@ -9,6 +9,12 @@
 #define MRTS_SMOOTH_SHORT 1e-9     /* a step that ends this early leads nowhere */
 #define MRTS_SMOOTH_LARGE 1e14     /* a multiplier, of the objective: nothing keeps the limits */
 #define MRTS_SMOOTH_BOUNDARY 0.995 /* of the way to the nearest limit */
+#ifndef CENTRAL
+#define CENTRAL 1e-2
+#define MOVES 1e-3
+#endif
+#define MRTS_SMOOTH_CENTRAL CENTRAL
+#define MRTS_SMOOTH_MOVES MOVES
 #define MRTS_SMOOTH_SLACK 0.1      /* least one to start with, of a limit */
 #define MRTS_SMOOTH_LEAST 0.1      /* of x: what a step leaves of it at least */
 
@@ -23,16 +29,22 @@ typedef struct {
     double *px, *pu, *pf;      /* another one, or a step */
     double *b, *w;             /* unknowns: a right side and its step; the factor's answer to the duration's slope */
     double *factor, *fronts;
+    double *kept;              /* an iterate far from the limits: its s, y, F, control points and unit */
 } mrts_smooth_iterate;
 
 static long long mrts_smooth_all_slots(const mrts_smooth_program *p) {
     return (long long)p->nodes * mrts_smooth_slots(p) + 1;
 }
 
+/* Reals of an iterate that is kept. */
+static long long mrts_smooth_kept(const mrts_smooth_program *p) {
+    return 2 * mrts_smooth_all_slots(p) + (long long)p->nodes * (p->free + 1) + 2;
+}
+
 MRTS_EXPORT long long mrts_smooth_work(const mrts_smooth_program *p) {
     const long long n = p->nodes;
     return mrts_smooth_state_size(p) + 6 * mrts_smooth_all_slots(p) + 2 * n * (2 + p->free) +
-           2 * mrts_front_unknowns(p) + mrts_front_size(p) + mrts_front_work(p);
+           2 * mrts_front_unknowns(p) + mrts_front_size(p) + mrts_front_work(p) + mrts_smooth_kept(p);
 }
 
 static void mrts_smooth_iterate_in(const mrts_smooth_program *p, double *memory, mrts_smooth_iterate *at) {
@@ -50,6 +62,7 @@ static void mrts_smooth_iterate_in(const mrts_smooth_program *p, double *memory,
     at->w = at->b + mrts_front_unknowns(p);
     at->factor = at->w + mrts_front_unknowns(p);
     at->fronts = at->factor + mrts_front_size(p);
+    at->kept = at->fronts + mrts_front_work(p);
 }
 
 /* Marks the slots that have a limit by multipliers of 1. */
@@ -150,20 +163,21 @@ static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *
     }
 }
 
-/* The longest step, at most 1, that leaves slacks, multipliers and x a share of what they are. */
-static double mrts_smooth_length(const mrts_smooth_program *p, const mrts_smooth_state *state,
-                                 const mrts_smooth_iterate *at, double boundary) {
+/* The longest part, at most 1, of a step down that leaves every entry a share of what it is. */
+static double mrts_smooth_length(long long count, const double *a, const double *step, double boundary) {
     double most = 1 / boundary;
-    for (long long i = 0; i < at->slots; ++i) {
-        if (at->ds[i] < 0 && -at->ds[i] * most > at->s[i]) most = -at->s[i] / at->ds[i];
-        if (at->dy[i] < 0 && -at->dy[i] * most > at->y[i]) most = -at->y[i] / at->dy[i];
+    for (long long i = 0; i < count; ++i) {
+        if (-step[i] * most > a[i]) most = -a[i] / step[i];
     }
-    most *= boundary;
-    for (int k = 0; k < p->nodes; ++k) {
-        const double room = (1 - MRTS_SMOOTH_LEAST) * state->x[k];
-        if (-at->px[k] * most > room) most = -room / at->px[k];
-    }
-    return most;
+    return most * boundary;
+}
+
+/* Likewise of slacks, and of x. */
+static double mrts_smooth_primal(const mrts_smooth_program *p, const mrts_smooth_state *state,
+                                 const mrts_smooth_iterate *at, double boundary) {
+    const double slack = mrts_smooth_length(at->slots, at->s, at->ds, boundary);
+    const double x = mrts_smooth_length(p->nodes, state->x, at->px, 1 - MRTS_SMOOTH_LEAST);
+    return slack < x ? slack : x;
 }
 
 /* Answers the duration's slope by the factor, into w. */
@@ -184,8 +198,8 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
     if (at->y[at->slots - 1] > 0) mrts_smooth_answer_duration(p, state, at);
     for (long long i = 0; i < at->slots; ++i) at->target[i] = at->y[i] > 0 ? at->y[i] * at->missed[i] / at->s[i] : 0;
     mrts_smooth_newton(p, state, at);
-    double length = mrts_smooth_length(p, state, at, 1), left = 0;
-    for (long long i = 0; i < at->slots; ++i) left += (at->s[i] + length * at->ds[i]) * (at->y[i] + length * at->dy[i]);
+    double length = mrts_smooth_primal(p, state, at, 1), dual = mrts_smooth_length(at->slots, at->y, at->dy, 1), left = 0;
+    for (long long i = 0; i < at->slots; ++i) left += (at->s[i] + length * at->ds[i]) * (at->y[i] + dual * at->dy[i]);
     const double share = left / gap, least = MRTS_SMOOTH_AIM * objective / at->present;
     double centre = share * share * share * mean;
     if (centre < least) centre = least;
@@ -193,10 +207,11 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
         if (at->y[i] > 0) at->target[i] += (centre - at->ds[i] * at->dy[i]) / at->s[i];
     }
     mrts_smooth_newton(p, state, at);
-    length = mrts_smooth_length(p, state, at, MRTS_SMOOTH_BOUNDARY);
+    length = mrts_smooth_primal(p, state, at, MRTS_SMOOTH_BOUNDARY);
+    dual = mrts_smooth_length(at->slots, at->y, at->dy, MRTS_SMOOTH_BOUNDARY);
     for (long long i = 0; i < at->slots; ++i) {
         at->s[i] += length * at->ds[i];
-        at->y[i] += length * at->dy[i];
+        at->y[i] += dual * at->dy[i];
     }
     if (!p->timed) {
         const int n = p->nodes, q = p->free + 1;
@@ -206,6 +221,20 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
     }
     for (long long i = 0; i < (long long)p->nodes * p->free; ++i) state->free[i] += length * at->pf[i];
     return length;
+}
+
+static void mrts_smooth_copy(long long count, const double *from, double *to) {
+    for (long long i = 0; i < count; ++i) to[i] = from[i];
+}
+
+/* Keeps the iterate for a program that is near, or, `back`, takes what was kept. */
+static void mrts_smooth_keep(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at, int back) {
+    double *of[] = {at->s, at->y, state->free, state->control, &state->unit}, *kept = at->kept;
+    const long long counts[] = {at->slots, at->slots, (long long)p->nodes * p->free, p->nodes + 1, 1};
+    for (int i = 0; i < 5; kept += counts[i++]) {
+        if (back) mrts_smooth_copy(counts[i], kept, of[i]);
+        else mrts_smooth_copy(counts[i], of[i], kept);
+    }
 }
 
 /* Slacks and multipliers to start with. */
@@ -223,24 +252,28 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
     mrts_smooth_state state;
     mrts_smooth_iterate at;
     int found = MRTS_SMOOTH_STOPPED;
+    int kept = 0, laid = 0;
     mrts_smooth_state_in(p, work, &state);
     mrts_smooth_iterate_in(p, work + mrts_smooth_state_size(p), &at);
-    mrts_smooth_clear(mrts_smooth_work(p), work);
-    state.unit = 1;
-    for (long long k = 0; k < n; ++k) {
-        state.x[k] = x[k];
-        state.u[k] = u[k];
-    }
+    mrts_smooth_clear(mrts_smooth_work(p) - (p->again ? mrts_smooth_kept(p) : 0), work);
+    mrts_smooth_copy(n, x, state.x);
+    mrts_smooth_copy(n, u, state.u);
     for (long long l = 0; l < p->free; ++l) {
         if (p->held_start) state.free[l] = free[l];
         if (p->held_end) state.free[nf - p->free + l] = free[nf - p->free + l];
     }
+    mrts_smooth_tangents(p, &state, p->around);
     mrts_smooth_start(p, &state);
     mrts_smooth_present(p, &at);
+    if (p->again) {
+        mrts_smooth_keep(p, &state, &at, 1);
+        mrts_smooth_profile(p, &state);
+    }
     for (*iterations = 0; *iterations <= MRTS_SMOOTH_MOST; ++*iterations) {
-        const double objective = mrts_smooth_evaluate(p, &state, &at, *iterations == 0, at.missed);
+        const int first = *iterations == 0 && !p->again;
+        const double objective = mrts_smooth_evaluate(p, &state, &at, first, at.missed);
         double missed = 0, gap = 0, largest = 0;
-        if (*iterations == 0) mrts_smooth_first(&at, at.missed);
+        if (first) mrts_smooth_first(&at, at.missed);
         for (long long i = 0; i < at.slots; ++i) {
             if (!(at.y[i] > 0)) continue;
             at.missed[i] += at.s[i];
@@ -252,22 +285,30 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
         printf("%3d len %.2e objective %.12g missed %.3e gap %.3e slope %.3e largest %.2e\n", *iterations, trace_length, objective, missed, gap,
                mrts_smooth_slope(p, &state, &at), largest);
 #endif
-        if (missed <= MRTS_SMOOTH_KEPT && gap <= MRTS_SMOOTH_GAP * objective &&
+        if ((laid || !p->moving) && missed <= MRTS_SMOOTH_KEPT && gap <= MRTS_SMOOTH_GAP * objective &&
             mrts_smooth_slope(p, &state, &at) <= MRTS_SMOOTH_SLOPE) {
             found = MRTS_SMOOTH_FOUND;
             break;
         }
         if (!(largest < MRTS_SMOOTH_LARGE) || at.present == 0) break;
+        if (!kept && !p->timed && gap <= MRTS_SMOOTH_CENTRAL * objective && missed <= MRTS_SMOOTH_CENTRAL) {
+            mrts_smooth_keep(p, &state, &at, 0);
+            kept = 1;
+        }
+        if (p->moving && !laid) {
+            mrts_smooth_tangents(p, &state, state.x);
+            laid = gap <= MRTS_SMOOTH_MOVES * objective;
+            mrts_smooth_evaluate(p, &state, &at, 0, at.missed);
+            for (long long i = 0; i < at.slots; ++i) at.missed[i] += at.y[i] > 0 ? at.s[i] : 0;
+        }
         const double length = mrts_smooth_advance(p, &state, &at, gap, objective);
 #ifdef MRTS_SMOOTH_TRACE
         trace_length = length;
 #endif
         if (!(length > MRTS_SMOOTH_SHORT)) break;
     }
-    for (long long k = 0; k < n; ++k) {
-        x[k] = state.x[k];
-        u[k] = state.u[k];
-    }
-    for (long long i = 0; i < nf; ++i) free[i] = state.free[i];
+    mrts_smooth_copy(n, state.x, x);
+    mrts_smooth_copy(n, state.u, u);
+    mrts_smooth_copy(nf, state.free, free);
     return found;
 }

@@ -30,6 +30,8 @@ typedef struct {
     int changes;     /* rows whose change is limited */
     int jerks;       /* joints whose jerk is limited */
     int timed;       /* x and u are given: F alone is looked for */
+    int again;       /* `work` is as the answer to a program of the same rows left it: start from there */
+    int moving;      /* tangents are laid anew in each iteration, until it is near its end */
     int given_start; /* x at the first node is given */
     int given_end;
     int held_start; /* F at the first node is given */
@@ -64,6 +66,7 @@ typedef struct {
     double *control;          /* x is a spline: x_k = near_k control_k + far_k control_(k+1), (n + 1) */
     double *near, *far;       /* (n) */
     double *slope;            /* u_k = slope_k (control_(k+1) - control_k), (n) */
+    double *around;           /* where tangents are laid, (n) */
     double *root_around;      /* (n) */
     double *by_time;          /* 1 / Dt at `around`, (n - 1) */
     double *time_x, *time_x1; /* slopes of the tangent of Dt / Dt_around along x_k, x_(k+1), (n - 1) */
@@ -86,7 +89,10 @@ static inline int mrts_smooth_slots(const mrts_smooth_program *p) { return 2 * (
 MRTS_LOCAL long long mrts_smooth_state_size(const mrts_smooth_program *p);
 MRTS_LOCAL void mrts_smooth_state_in(const mrts_smooth_program *p, double *memory, mrts_smooth_state *state);
 
-/* Lays tangents at `around` and starts x there; the state holds what of x is given. */
+/* Lays tangents at a profile. */
+MRTS_LOCAL void mrts_smooth_tangents(const mrts_smooth_program *p, mrts_smooth_state *state, const double *around);
+
+/* Starts where tangents are laid; the state holds what of x is given. */
 MRTS_LOCAL void mrts_smooth_start(const mrts_smooth_program *p, mrts_smooth_state *state);
 
 /* x and u of the control points. */

@@ -6,7 +6,7 @@
 
 MRTS_LOCAL long long mrts_smooth_state_size(const mrts_smooth_program *p) {
     const long long n = p->nodes, r = p->rows;
-    return 16 * n + n * p->free + 7 * n * r + 3 * n * p->changes + 4 * n + p->changes + 2 * r;
+    return 17 * n + n * p->free + 7 * n * r + 3 * n * p->changes + 4 * n + p->changes + 2 * r;
 }
 
 static double *mrts_smooth_take(double **memory, long long size) {
@@ -25,6 +25,7 @@ MRTS_LOCAL void mrts_smooth_state_in(const mrts_smooth_program *p, double *memor
     state->near = mrts_smooth_take(at, n);
     state->far = mrts_smooth_take(at, n);
     state->slope = mrts_smooth_take(at, n);
+    state->around = mrts_smooth_take(at, n);
     state->root_around = mrts_smooth_take(at, n);
     state->by_time = mrts_smooth_take(at, n - 1);
     state->time_x = mrts_smooth_take(at, n);
@@ -48,21 +49,27 @@ MRTS_LOCAL void mrts_smooth_state_in(const mrts_smooth_program *p, double *memor
     state->unit = 1;
 }
 
+MRTS_LOCAL void mrts_smooth_tangents(const mrts_smooth_program *p, mrts_smooth_state *state, const double *around) {
+    for (int k = 0; k < p->nodes; ++k) {
+        state->around[k] = around[k];
+        state->root_around[k] = sqrt(around[k]);
+    }
+    for (int k = 0; k < p->nodes - 1; ++k) {
+        const double sum = state->root_around[k] + state->root_around[k + 1];
+        state->by_time[k] = sum / (2 * p->step[k]);
+        state->time_x[k] = -1 / (2 * sum * state->root_around[k]);
+        state->time_x1[k] = -1 / (2 * sum * state->root_around[k + 1]);
+    }
+}
+
 MRTS_LOCAL void mrts_smooth_start(const mrts_smooth_program *p, mrts_smooth_state *state) {
     const int n = p->nodes;
-    const double *around = p->around;
+    const double *around = state->around;
     for (int k = 0; k < n; ++k) {
         const double before = k > 0 ? p->step[k - 1] : 0, after = k < n - 1 ? p->step[k] : 0;
         state->slope[k] = 1 / (before + after);
         state->near[k] = after * state->slope[k];
         state->far[k] = before * state->slope[k];
-        state->root_around[k] = sqrt(around[k]);
-    }
-    for (int k = 0; k < n - 1; ++k) {
-        const double sum = state->root_around[k] + state->root_around[k + 1];
-        state->by_time[k] = sum / (2 * p->step[k]);
-        state->time_x[k] = -1 / (2 * sum * state->root_around[k]);
-        state->time_x1[k] = -1 / (2 * sum * state->root_around[k + 1]);
     }
     for (int i = 0; i < p->changes; ++i) state->by_change[i] = 1 / p->change[i];
     if (p->timed) return;
@@ -125,7 +132,7 @@ static double mrts_smooth_jerk(const mrts_smooth_program *p, const mrts_smooth_s
 static void mrts_smooth_segment(const mrts_smooth_program *p, const mrts_smooth_state *state, int k, int shift,
                                 const double *x, const double *u, const double *above, const double *below, double *g) {
     const int r = p->rows, c = p->changes, J = p->jerks;
-    const double *a = p->around;
+    const double *a = state->around;
     const double dx0 = x[k] - shift * a[k], dx1 = x[k + 1] - shift * a[k + 1];
     const double time = shift + state->time_x[k] * dx0 + state->time_x1[k] * dx1;
     const double *above0 = above + (long long)k * r, *below0 = below + (long long)k * r;
@@ -236,7 +243,7 @@ MRTS_LOCAL void mrts_smooth_pulled(const mrts_smooth_program *p, mrts_smooth_sta
         for (int e = 0; e < 2; ++e, here += 2 * J) {
             const double *q1 = p->q1 + (long long)(k + e) * J, *q2 = p->q2 + (long long)(k + e) * J;
             const double *q3 = p->q3 + (2LL * k + e) * J;
-            const double root = state->root_around[k + e], share = 1 / (2 * p->around[k + e]);
+            const double root = state->root_around[k + e], share = 1 / (2 * state->around[k + e]);
             for (int i = 0; i < J; ++i) {
                 const double both = (here[i] - here[J + i]) * root / p->jerk[i];
                 slope += both * q1[i];

@@ -127,7 +127,7 @@ static void mrts_smooth_jerk_second(const mrts_smooth_program *p, mrts_smooth_st
     for (int e = 0; e < 2; ++e, slack += 2 * J, y += 2 * J) {
         const double *q1 = p->q1 + (long long)(k + e) * J, *q2 = p->q2 + (long long)(k + e) * J;
         const double *q3 = p->q3 + (2LL * k + e) * J;
-        const double share = 1 / (2 * p->around[k + e]), root = state->root_around[k + e], by_step = 1 / p->step[k];
+        const double share = 1 / (2 * state->around[k + e]), root = state->root_around[k + e], by_step = 1 / p->step[k];
         double xx = 0, x_here = 0, x_there = 0, here_here = 0, here_there = 0, there_there = 0;
         for (int i = 0; i < J; ++i) { /* `here` is the u of end e */
             const double by = root / p->jerk[i], slope = e ? by * q1[i] * by_step : -by * q1[i] * by_step;
