@@ -81,4 +81,5 @@ def _jerk_excess(part: SmoothPiece, x: Array, u: Array) -> Array:
     slope = (np.diff(part.rates, axis=1) / h)[:, :, None]
     x, u = x.reshape(n, -1, 1), u.reshape(n, -1, 1)
     jerk = np.abs(first * slope + 3 * second * u + third * x) * np.sqrt(x)
-    return np.max((jerk / program.jerk - 1).reshape(len(x) * len(PLACES), -1), axis=1)
+    excess: Array = np.max((jerk / program.jerk - 1).reshape(len(x) * len(PLACES), -1), axis=1)
+    return excess
