@@ -95,35 +95,60 @@ class SmoothPrograms:
         self._work, self._solve = library.mrts_smooth_work, library.mrts_smooth_solve
         self._work.restype = ctypes.c_longlong
 
-    def solve(
-        self, rows: PathRows, around: Array, x: Array, u: Array, free: Array, work=None, **asked: float
-    ) -> tuple[bool, int]:
+    def solve(self, rows: PathRows, ask: "Ask", x: Array, u: Array, free: Array) -> tuple[bool, int, Array]:
         """Solve a program; the answer is written to x, u and free.
 
         Args:
             rows: The path.
-            around: x > 0 where tangents are laid, Shape (n,).
-            x: Shape (n,).
+            ask: What is looked for.
+            x: Read where it is given, Shape (n,).
             u: Shape (n,).
             free: F, read where it is given, Shape (n, f).
-            **asked: Flags and numbers of `mrts_smooth_program`; flags are 0 and `longest` infinite if not given.
 
         Returns:
-            Whether there is an answer, and how many iterations it took.
+            Whether there is an answer, how many iterations it took, and the work to give to `Ask.last`.
         """
-        program = _Program(**rows.sizes, longest=min(asked.pop("longest", INFINITY), INFINITY))
-        for name, number in asked.items():
-            setattr(program, name, int(number) if name in _FLAGS else number)
-        for name, array in {**rows.arrays, "around": around}.items():
+        program = _Program(**rows.sizes, time=ask.time, effort=ask.effort, longest=min(ask.longest, INFINITY))
+        for name in ("timed", "moving"):
+            setattr(program, name, getattr(ask, name))
+        program.again = ask.last is not None
+        program.given_start, program.given_end = ask.given
+        program.held_start, program.held_end = ask.held
+        for name, array in {**rows.arrays, "around": ask.around}.items():
             setattr(program, name, array.ctypes.data)
         iterations = ctypes.c_int()
-        if work is None:
-            work = np.empty(self._work(ctypes.byref(program)))
-        self.last_work = work
+        work = np.empty(self._work(ctypes.byref(program))) if ask.last is None else ask.last
         pointers = (ctypes.c_void_p(array.ctypes.data) for array in (x, u, free))
         reached = ctypes.byref(iterations)
         status = self._solve(ctypes.byref(program), *pointers, reached, ctypes.c_void_p(work.ctypes.data))
-        return status == FOUND, iterations.value
+        return status == FOUND, iterations.value, work
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ask:
+    """What is looked for along a path; see `mrts_smooth_program`.
+
+    Attributes:
+        around: x > 0 where tangents are laid, contiguous, Shape (n,).
+        time: Weight of the duration.
+        effort: Weight of the effort.
+        longest: Largest duration.
+        timed: x and u are given: F alone is looked for.
+        moving: Tangents are laid anew in each iteration.
+        given: Whether x is given at the first and the last node.
+        held: Whether F is.
+        last: Work of an answer on the same rows, with the same weights, that is near; it is started from.
+    """
+
+    around: Array
+    time: float = 0.0
+    effort: float = 0.0
+    longest: float = np.inf
+    timed: bool = False
+    moving: bool = False
+    given: tuple[bool, bool] = (False, False)
+    held: tuple[bool, bool] = (False, False)
+    last: Array | None = None
 
 
 FOUND = 0

@@ -9,13 +9,9 @@
 #define MRTS_SMOOTH_SHORT 1e-9     /* a step that ends this early leads nowhere */
 #define MRTS_SMOOTH_LARGE 1e14     /* a multiplier, of the objective: nothing keeps the limits */
 #define MRTS_SMOOTH_BOUNDARY 0.995 /* of the way to the nearest limit */
-#ifndef CENTRAL
-#define CENTRAL 1e-2
-#define MOVES 1e-3
-#endif
-#define MRTS_SMOOTH_CENTRAL CENTRAL
-#define MRTS_SMOOTH_MOVES MOVES
 #define MRTS_SMOOTH_SLACK 0.1      /* least one to start with, of a limit */
+#define MRTS_SMOOTH_CENTRAL 1e-2   /* the gap, of the objective, of the iterate that is kept for a program that is near */
+#define MRTS_SMOOTH_LAID 1e-3      /* the gap, of the objective, below which tangents move no more */
 #define MRTS_SMOOTH_LEAST 0.1      /* of x: what a step leaves of it at least */
 
 /* The iterates and their steps. */
@@ -191,7 +187,7 @@ static void mrts_smooth_answer_duration(const mrts_smooth_program *p, const mrts
 
 /* One iteration from an evaluated point; the length of its step. */
 static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
-                                  double gap, double objective) {
+                                  double gap, double size) {
     const double mean = gap / at->present;
     mrts_smooth_second(p, state, at->s, at->y);
     mrts_front_factor(p, state, at->factor, at->fronts);
@@ -200,7 +196,7 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
     mrts_smooth_newton(p, state, at);
     double length = mrts_smooth_primal(p, state, at, 1), dual = mrts_smooth_length(at->slots, at->y, at->dy, 1), left = 0;
     for (long long i = 0; i < at->slots; ++i) left += (at->s[i] + length * at->ds[i]) * (at->y[i] + dual * at->dy[i]);
-    const double share = left / gap, least = MRTS_SMOOTH_AIM * objective / at->present;
+    const double share = left / gap, least = MRTS_SMOOTH_AIM * size / at->present;
     double centre = share * share * share * mean;
     if (centre < least) centre = least;
     for (long long i = 0; i < at->slots; ++i) {
@@ -246,22 +242,40 @@ static void mrts_smooth_first(mrts_smooth_iterate *at, const double *g) {
     }
 }
 
+/* How far an iterate is from an answer. */
+typedef struct {
+    double objective, missed, gap, largest; /* of a constraint, of the objective, of multipliers */
+} mrts_smooth_distance;
+
+/* Evaluates the iterate; where `first`, also the unit of the objective, slacks and multipliers. */
+static mrts_smooth_distance mrts_smooth_judge(const mrts_smooth_program *p, mrts_smooth_state *state,
+                                              mrts_smooth_iterate *at, int first) {
+    mrts_smooth_distance is = {mrts_smooth_evaluate(p, state, at, first, at->missed), 0, 0, 0};
+    if (first) mrts_smooth_first(at, at->missed);
+    for (long long i = 0; i < at->slots; ++i) {
+        if (!(at->y[i] > 0)) continue;
+        at->missed[i] += at->s[i];
+        is.gap += at->s[i] * at->y[i];
+        const double missed = MRTS_ABS(at->missed[i]);
+        if (is.missed == is.missed && !(missed <= is.missed)) is.missed = missed; /* what is no number stays */
+        if (at->y[i] > is.largest) is.largest = at->y[i];
+    }
+    return is;
+}
+
 MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, double *u, double *free, int *iterations,
                                   double *work) {
     const long long n = p->nodes, nf = n * p->free;
     mrts_smooth_state state;
     mrts_smooth_iterate at;
-    int found = MRTS_SMOOTH_STOPPED;
-    int kept = 0, laid = 0;
+    int found = MRTS_SMOOTH_STOPPED, kept = 0;
     mrts_smooth_state_in(p, work, &state);
     mrts_smooth_iterate_in(p, work + mrts_smooth_state_size(p), &at);
     mrts_smooth_clear(mrts_smooth_work(p) - (p->again ? mrts_smooth_kept(p) : 0), work);
     mrts_smooth_copy(n, x, state.x);
     mrts_smooth_copy(n, u, state.u);
-    for (long long l = 0; l < p->free; ++l) {
-        if (p->held_start) state.free[l] = free[l];
-        if (p->held_end) state.free[nf - p->free + l] = free[nf - p->free + l];
-    }
+    if (p->held_start) mrts_smooth_copy(p->free, free, state.free);
+    if (p->held_end) mrts_smooth_copy(p->free, free + nf - p->free, state.free + nf - p->free);
     mrts_smooth_tangents(p, &state, p->around);
     mrts_smooth_start(p, &state);
     mrts_smooth_present(p, &at);
@@ -269,43 +283,21 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
         mrts_smooth_keep(p, &state, &at, 1);
         mrts_smooth_profile(p, &state);
     }
-    for (*iterations = 0; *iterations <= MRTS_SMOOTH_MOST; ++*iterations) {
-        const int first = *iterations == 0 && !p->again;
-        const double objective = mrts_smooth_evaluate(p, &state, &at, first, at.missed);
-        double missed = 0, gap = 0, largest = 0;
-        if (first) mrts_smooth_first(&at, at.missed);
-        for (long long i = 0; i < at.slots; ++i) {
-            if (!(at.y[i] > 0)) continue;
-            at.missed[i] += at.s[i];
-            gap += at.s[i] * at.y[i];
-            if (!(MRTS_ABS(at.missed[i]) <= missed)) missed = MRTS_ABS(at.missed[i]);
-            if (!(at.y[i] <= largest)) largest = at.y[i];
-        }
-#ifdef MRTS_SMOOTH_TRACE
-        printf("%3d len %.2e objective %.12g missed %.3e gap %.3e slope %.3e largest %.2e\n", *iterations, trace_length, objective, missed, gap,
-               mrts_smooth_slope(p, &state, &at), largest);
-#endif
-        if ((laid || !p->moving) && missed <= MRTS_SMOOTH_KEPT && gap <= MRTS_SMOOTH_GAP * objective &&
+    for (*iterations = 0; *iterations < MRTS_SMOOTH_MOST; ++*iterations) {
+        const mrts_smooth_distance is = mrts_smooth_judge(p, &state, &at, *iterations == 0 && !p->again);
+        const double size = is.objective + MRTS_SMALL;
+        if (is.missed <= MRTS_SMOOTH_KEPT && is.gap <= MRTS_SMOOTH_GAP * size &&
             mrts_smooth_slope(p, &state, &at) <= MRTS_SMOOTH_SLOPE) {
             found = MRTS_SMOOTH_FOUND;
             break;
         }
-        if (!(largest < MRTS_SMOOTH_LARGE) || at.present == 0) break;
-        if (!kept && !p->timed && gap <= MRTS_SMOOTH_CENTRAL * objective && missed <= MRTS_SMOOTH_CENTRAL) {
+        if (at.present == 0 || !(is.gap < MRTS_INFINITY) || !(is.largest < MRTS_SMOOTH_LARGE)) break;
+        if (!kept && !p->timed && is.gap <= MRTS_SMOOTH_CENTRAL * size && is.missed <= MRTS_SMOOTH_CENTRAL) {
             mrts_smooth_keep(p, &state, &at, 0);
             kept = 1;
         }
-        if (p->moving && !laid) {
-            mrts_smooth_tangents(p, &state, state.x);
-            laid = gap <= MRTS_SMOOTH_MOVES * objective;
-            mrts_smooth_evaluate(p, &state, &at, 0, at.missed);
-            for (long long i = 0; i < at.slots; ++i) at.missed[i] += at.y[i] > 0 ? at.s[i] : 0;
-        }
-        const double length = mrts_smooth_advance(p, &state, &at, gap, objective);
-#ifdef MRTS_SMOOTH_TRACE
-        trace_length = length;
-#endif
-        if (!(length > MRTS_SMOOTH_SHORT)) break;
+        if (!(mrts_smooth_advance(p, &state, &at, is.gap, size) > MRTS_SMOOTH_SHORT)) break;
+        if (p->moving && is.gap > MRTS_SMOOTH_LAID * size) mrts_smooth_tangents(p, &state, state.x);
     }
     mrts_smooth_copy(n, state.x, x);
     mrts_smooth_copy(n, state.u, u);
