@@ -99,7 +99,10 @@ def successive_steps(
 
 
 def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: CheckedSolver) -> SmoothProfile | RatesTooSmall:
-    """Any profile within all limits."""
+    """Any profile within all limits; where the solver can foresee it, the one where steps lead."""
+    foreseen = solver.near(program, likely, goal)
+    if foreseen is not None:
+        return foreseen
     for slower in range(STARTS):
         found = solver.step(program, likely / SLOWER**slower, goal)
         if found is not None:
