@@ -1,17 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 #include "interior_point.h"
 
-#define MRTS_SMOOTH_MOST 60        /* iterations: a program that has an answer takes 10 to 30 */
-#define MRTS_SMOOTH_KEPT 1e-10     /* of a limit: a constraint missed by no more is kept */
+#define MRTS_SMOOTH_MOST 100       /* iterations: a step takes 10 to 30, torques within thin limits up to 70 */
+#define MRTS_SMOOTH_KEPT 5e-9      /* of a limit: rounding of a change over a short segment may be this large */
 #define MRTS_SMOOTH_GAP 3e-9       /* between the objective and its bound, of it */
 #define MRTS_SMOOTH_AIM 1e-9       /* the gap that steps aim at, at least: below it rounding grows */
-#define MRTS_SMOOTH_SLOPE 1e-6     /* of the objective along an unknown: rounding of large terms that cancel */
+#define MRTS_SMOOTH_SLOPE 3e-6     /* of the objective along an unknown, of 1 and multipliers: large terms cancel */
 #define MRTS_SMOOTH_SHORT 1e-9     /* a step that ends this early leads nowhere */
 #define MRTS_SMOOTH_LARGE 1e14     /* a multiplier, of the objective: nothing keeps the limits */
 #define MRTS_SMOOTH_BOUNDARY 0.995 /* of the way to the nearest limit */
 #define MRTS_SMOOTH_SLACK 0.1      /* least one to start with, of a limit */
 #define MRTS_SMOOTH_CENTRAL 1e-2   /* the gap, of the objective, of the iterate that is kept for a program that is near */
 #define MRTS_SMOOTH_LAID 1e-3      /* the gap, of the objective, below which tangents move no more */
+#define MRTS_SMOOTH_LONG 0.9       /* a step this long needs no correction */
+#define MRTS_SMOOTH_PULLS 2        /* corrections of one step at most */
+#define MRTS_SMOOTH_FURTHER 0.3    /* by how much a correction is to lengthen a step */
+#define MRTS_SMOOTH_GAIN 0.05      /* by how much it must, or it was the last */
+#define MRTS_SMOOTH_OFF 0.1        /* share of the centre that a product may be */
 #define MRTS_SMOOTH_LEAST 0.1      /* of x: what a step leaves of it at least */
 
 /* The iterates and their steps. */
@@ -20,7 +25,7 @@ typedef struct {
     int present;               /* slots with a limit */
     double *s, *y;             /* slacks and multipliers, 0 where there is no limit */
     double *missed, *ds, *dy;  /* g + s, and the steps */
-    double *target;            /* multipliers that the right side is made of */
+    double *target, *before;   /* multipliers that the right side is made of, and those tried before */
     double *gx, *gu, *gf;      /* the gradient of the objective */
     double *px, *pu, *pf;      /* another one, or a step */
     double *b, *w;             /* unknowns: a right side and its step; the factor's answer to the duration's slope */
@@ -39,15 +44,15 @@ static long long mrts_smooth_kept(const mrts_smooth_program *p) {
 
 MRTS_EXPORT long long mrts_smooth_work(const mrts_smooth_program *p) {
     const long long n = p->nodes;
-    return mrts_smooth_state_size(p) + 6 * mrts_smooth_all_slots(p) + 2 * n * (2 + p->free) +
+    return mrts_smooth_state_size(p) + 7 * mrts_smooth_all_slots(p) + 2 * n * (2 + p->free) +
            2 * mrts_front_unknowns(p) + mrts_front_size(p) + mrts_front_work(p) + mrts_smooth_kept(p);
 }
 
 static void mrts_smooth_iterate_in(const mrts_smooth_program *p, double *memory, mrts_smooth_iterate *at) {
     const long long n = p->nodes, nf = n * p->free, slots = mrts_smooth_all_slots(p);
-    double **of[] = {&at->s, &at->y, &at->missed, &at->ds, &at->dy, &at->target};
+    double **of[] = {&at->s, &at->y, &at->missed, &at->ds, &at->dy, &at->target, &at->before};
     at->slots = slots;
-    for (int i = 0; i < 6; ++i, memory += slots) *of[i] = memory;
+    for (int i = 0; i < 7; ++i, memory += slots) *of[i] = memory;
     at->gx = memory;
     at->gu = at->gx + n;
     at->gf = at->gu + n;
@@ -79,6 +84,10 @@ static void mrts_smooth_present(const mrts_smooth_program *p, mrts_smooth_iterat
 
 static void mrts_smooth_clear(long long count, double *a) {
     for (long long i = 0; i < count; ++i) a[i] = 0;
+}
+
+static void mrts_smooth_copy(long long count, const double *from, double *to) {
+    for (long long i = 0; i < count; ++i) to[i] = from[i];
 }
 
 /* g of all slots into `g`, the objective and its gradient; its unit where `first`. */
@@ -185,6 +194,38 @@ static void mrts_smooth_answer_duration(const mrts_smooth_program *p, const mrts
     mrts_front_solve(p, at->factor, at->w);
 }
 
+/* While a step is short, pulls the products of slacks and multipliers that it would lead far off towards the centre
+ * (J. Gondzio, Multiple centrality corrections in a primal-dual method, Computational Optimization and Applications 6,
+ * 1996). */
+static void mrts_smooth_centralise(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
+                                   double centre) {
+    const double low = MRTS_SMOOTH_OFF * centre, high = centre / MRTS_SMOOTH_OFF;
+    double length = mrts_smooth_primal(p, state, at, 1), dual = mrts_smooth_length(at->slots, at->y, at->dy, 1);
+    for (int again = 0; again < MRTS_SMOOTH_PULLS && (length < MRTS_SMOOTH_LONG || dual < MRTS_SMOOTH_LONG); ++again) {
+        const double far = length + MRTS_SMOOTH_FURTHER < 1 ? length + MRTS_SMOOTH_FURTHER : 1;
+        const double up = dual + MRTS_SMOOTH_FURTHER < 1 ? dual + MRTS_SMOOTH_FURTHER : 1;
+        mrts_smooth_copy(at->slots, at->target, at->before);
+        for (long long i = 0; i < at->slots; ++i) {
+            if (!(at->y[i] > 0)) continue;
+            const double product = (at->s[i] + far * at->ds[i]) * (at->y[i] + up * at->dy[i]);
+            const double by = product < low ? low - product : product > high ? high - product : 0;
+            at->target[i] += (by < -high ? -high : by) / at->s[i];
+        }
+        mrts_smooth_newton(p, state, at);
+        const double longer = mrts_smooth_primal(p, state, at, 1);
+        const double higher = mrts_smooth_length(at->slots, at->y, at->dy, 1);
+        if (longer + higher < length + dual + MRTS_SMOOTH_GAIN) {
+            if (longer + higher < length + dual) {
+                mrts_smooth_copy(at->slots, at->before, at->target);
+                mrts_smooth_newton(p, state, at);
+            }
+            break;
+        }
+        length = longer;
+        dual = higher;
+    }
+}
+
 /* One iteration from an evaluated point; the length of its step. */
 static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
                                   double gap, double size) {
@@ -203,6 +244,7 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
         if (at->y[i] > 0) at->target[i] += (centre - at->ds[i] * at->dy[i]) / at->s[i];
     }
     mrts_smooth_newton(p, state, at);
+    mrts_smooth_centralise(p, state, at, centre);
     length = mrts_smooth_primal(p, state, at, MRTS_SMOOTH_BOUNDARY);
     dual = mrts_smooth_length(at->slots, at->y, at->dy, MRTS_SMOOTH_BOUNDARY);
     for (long long i = 0; i < at->slots; ++i) {
@@ -217,10 +259,6 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
     }
     for (long long i = 0; i < (long long)p->nodes * p->free; ++i) state->free[i] += length * at->pf[i];
     return length;
-}
-
-static void mrts_smooth_copy(long long count, const double *from, double *to) {
-    for (long long i = 0; i < count; ++i) to[i] = from[i];
 }
 
 /* Keeps the iterate for a program that is near, or, `back`, takes what was kept. */
@@ -287,7 +325,7 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
         const mrts_smooth_distance is = mrts_smooth_judge(p, &state, &at, *iterations == 0 && !p->again);
         const double size = is.objective + MRTS_SMALL;
         if (is.missed <= MRTS_SMOOTH_KEPT && is.gap <= MRTS_SMOOTH_GAP * size &&
-            mrts_smooth_slope(p, &state, &at) <= MRTS_SMOOTH_SLOPE) {
+            mrts_smooth_slope(p, &state, &at) <= MRTS_SMOOTH_SLOPE * (1 + is.largest)) {
             found = MRTS_SMOOTH_FOUND;
             break;
         }
