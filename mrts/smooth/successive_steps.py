@@ -90,7 +90,7 @@ def successive_steps(
         solver: Solves the convex programs.
         told: Told the number of each step and its cost.
     """
-    found = _first(program, likely, solver)
+    found = _first(program, likely, goal if goal.longest is None else Goal(), solver)
     if isinstance(found, RatesTooSmall):
         return found
     if goal.longest is not None:
@@ -124,8 +124,11 @@ def _descent(
     return StepsTaken(found, tuple(costs))
 
 
-def _first(program: SmoothProgram, likely: Array, solver: CheckedSolver) -> SmoothProfile | RatesTooSmall:
-    """Any profile within all limits, a fast one."""
+def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: CheckedSolver) -> SmoothProfile | RatesTooSmall:
+    """Any profile within all limits, a fast one; where the solver can foresee it, the one where steps lead."""
+    foreseen = solver.near(program, likely, goal)
+    if foreseen is not None:
+        return foreseen
     for slower in range(STARTS):
         found = solver.step(program, likely / SLOWER**slower, Goal())
         if found is not None:
