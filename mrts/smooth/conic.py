@@ -48,7 +48,7 @@ class ConicSolver:
         columns = (node * f)[..., None] + np.arange(f)
         places = (node * r + row)[..., None]
         values = program.values(x, u, np.zeros((n, f)))
-        A = entries((n * r, n * f), (places, columns[:, None, :], program.free))
+        A = entries((n * r, n * f), (places, columns, program.free))
         cones = Cones()
         cones.most(A, (program.upper - values).ravel())
         cones.most(-A, (values - program.lower).ravel())
