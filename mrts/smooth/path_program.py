@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.samples.sample_problem import SampleProblem
 from mrts.smooth.program import SmoothProgram
@@ -29,6 +30,7 @@ class _Rows:
         unit: What 1 of a row is, Shape (r,).
         change: Shape (r,).
         weight: Shape (r,).
+        names: One a row.
     """
 
     map: Array
@@ -39,6 +41,7 @@ class _Rows:
     unit: Array
     change: Array
     weight: Array
+    names: list[str]
 
     def place_of(self, column: Array) -> int | None:
         """The row that is one torque or wrench component in its unit.
@@ -53,13 +56,14 @@ class _Rows:
                 return int(row)
         return None
 
-    def limited(self, terms: tuple[Array, Array | None, Array], place: int, size: float) -> int:
+    def limited(self, terms: tuple[Array, Array | None, Array], place: int, size: float, name: str) -> int:
         """The row of a torque or a wrench component, with its offset; one without limits is added if there is none.
 
         Args:
             terms: Map, root and offset of all torques or wrench components.
             place: Which of them.
             size: Unit of a row that is added.
+            name: Of a row that is added.
         """
         column, offset = terms[0][:, place], terms[2][:, place]
         root = np.zeros(len(column)) if terms[1] is None else terms[1][:, place]
@@ -73,6 +77,7 @@ class _Rows:
             self.upper = np.concatenate([self.upper, np.full((len(column), 1), np.inf)], axis=1)
             self.unit, self.change = np.append(self.unit, size), np.append(self.change, np.inf)
             self.weight = np.append(self.weight, 0.0)
+            self.names.append(name)
         moved = offset / self.unit[row] - self.offset[:, row]
         self.offset[:, row] += moved
         self.lower[:, row] += moved
@@ -81,22 +86,26 @@ class _Rows:
 
 
 def path_program(
+    cell: Cell,
     path: CoordinatedMotion,
     problems: Sequence[SampleProblem],
     rates: RateLimits,
     weights: Array | None = None,
     ends: tuple[float | None, float | None] = (None, None),
+    end_free: tuple[Array | None, Array | None] = (None, None),
 ) -> SmoothProgram:
     """One program over all nodes of a path, for all loads at once: x and u in common, wrenches for each.
 
     Args:
+        cell: The cell.
         path: q, q', q'' at n nodes, with σ for time.
         problems: Rows of [F, u, x] at the nodes, one a load.
         rates: Limits of torque rates, wrench rates and jerk.
         weights: W of the effort, Shape (m, m); None where no effort is asked for.
         ends: x at the first and the last node where it is given.
+        end_free: [F] of all loads there, likewise.
     """
-    parts = [_rows(problem, rates, weights) for problem in problems]
+    parts = [_rows(cell, problem, rates, weights) for problem in problems]
     for rows, problem in zip(parts[1:], problems[1:], strict=True):  # they bound x alone, whatever the load
         rows.lower[:, : len(problem.is_cap)][:, problem.is_cap] = -np.inf
         rows.upper[:, : len(problem.is_cap)][:, problem.is_cap] = np.inf
@@ -129,8 +138,20 @@ def path_program(
         q2=path.ddq[:, limited],
         q3=third_derivatives(step, path.dq[:, limited], path.ddq[:, limited]),
         jerk=rates.jerk[limited],
+        names=tuple(name for rows in parts for name in rows.names),
+        joints=tuple(np.array(joint_names(cell))[limited].tolist()),
         ends=ends,
+        end_free=end_free,
     )
+
+
+def joint_names(cell: Cell) -> list[str]:
+    """`left/elbow`, one a joint of the whole cell.
+
+    Args:
+        cell: The cell.
+    """
+    return [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
 
 
 def third_derivatives(step: Array, dq: Array, ddq: Array) -> Array:
@@ -148,7 +169,7 @@ def third_derivatives(step: Array, dq: Array, ddq: Array) -> Array:
     return np.stack([rise - 4 * start - 2 * end, -rise + 2 * start + 4 * end], axis=1)
 
 
-def _rows(problem: SampleProblem, rates: RateLimits, weights: Array | None) -> _Rows:
+def _rows(cell: Cell, problem: SampleProblem, rates: RateLimits, weights: Array | None) -> _Rows:
     rows = _Rows(
         map=problem.A,
         root=np.zeros(problem.lower.shape) if problem.speed is None else problem.speed,
@@ -158,12 +179,20 @@ def _rows(problem: SampleProblem, rates: RateLimits, weights: Array | None) -> _
         unit=problem.unit,
         change=np.full(len(problem.unit), np.inf),
         weight=np.zeros(len(problem.unit)),
+        names=[str(name) for name in problem.names],
     )
     torques = (problem.torque_map, problem.torque_speed, problem.torque_offset)
     wrenches = (problem.wrench_map, None, problem.wrench_offset)
-    for terms, limits in ((torques, rates.torque), (wrenches, rates.wrench)):
+    for terms, limits, names in (
+        (torques, rates.torque, [f"{joint} torque" for joint in joint_names(cell)]),
+        (
+            wrenches,
+            rates.wrench,
+            [f"{robot.name}/{part} contact wrench" for robot in cell.robots for part in cell.wrench_components],
+        ),
+    ):
         for place in np.flatnonzero(np.isfinite(limits)).tolist():
-            row = rows.limited(terms, place, float(limits[place]))
+            row = rows.limited(terms, place, float(limits[place]), names[place])
             rows.change[row] = limits[place] / rows.unit[row]
     if weights is not None:
         _weigh(rows, torques, weights)
@@ -181,5 +210,5 @@ def _weigh(rows: _Rows, torques: tuple[Array, Array | None, Array], weights: Arr
         )
         weights = np.eye(len(turn))
     for place, weight in enumerate(np.diag(weights).tolist()):
-        row = rows.limited(torques, place, 1.0)
+        row = rows.limited(torques, place, 1.0, "")
         rows.weight[row] = weight * rows.unit[row] ** 2

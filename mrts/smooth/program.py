@@ -40,6 +40,8 @@ class SmoothProgram:
         q2: q'' of them, Shape (n, J).
         q3: q''' of them at the start and at the end of every segment, Shape (n - 1, 2, J).
         jerk: Shape (J,).
+        names: Of the rows.
+        joints: Of the joints whose jerk is limited.
         ends: x at the first and the last node where it is given, else None.
         end_free: F at the first and the last node, Shape (f,), where it is given, else None.
     """
@@ -59,6 +61,8 @@ class SmoothProgram:
     q2: Array
     q3: Array
     jerk: Array
+    names: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
     ends: tuple[float | None, float | None] = (None, None)
     end_free: tuple[Array | None, Array | None] = (None, None)
 
@@ -90,6 +94,17 @@ class SmoothProgram:
             ends=(first, last),
         )
 
+    def widened(self, share: float) -> Self:
+        """The same program with all limits of rows and rates further out.
+
+        Args:
+            share: Of the size of each limit.
+        """
+        return replace(
+            self, lower=self.lower - share, upper=self.upper + share, change=self.change * (1 + share),
+            jerk=self.jerk * (1 + share),
+        )  # fmt: skip
+
     def values(self, x: Array, u: Array, free: Array) -> Array:
         """Values v of every row, Shape (n, r).
 
@@ -120,6 +135,30 @@ class SmoothProgram:
     def effort(self, x: Array, u: Array, free: Array) -> float:
         """Σ_k ω_k Σ_j weight v² / √x_k, ∫ τᵀWτ dt."""
         return float(np.sum(self.spacing / np.sqrt(x) * (self.values(x, u, free) ** 2 @ self.weight)))
+
+    def binding(self, x: Array, u: Array, free: Array, near: float) -> list[set[str]]:
+        """Names of what binds at an end of every segment or on it.
+
+        Args:
+            x: Shape (n,).
+            u: Shape (n,).
+            free: Shape (n, f).
+            near: Share of a limit within which it binds.
+        """
+        values, times = self.values(x, u, free), self.times(x)[:, None]
+        at = (values >= self.upper - near) | (values <= self.lower + near)
+        changing = np.abs(np.diff(values, axis=0)) >= (1 - near) * self.change * times
+        jerking = np.max(np.abs(self.jerks(x, u)), axis=1) >= (1 - near) * self.jerk
+        kinds = [
+            (at[:-1] | at[1:], "", self.names),
+            (changing, "rate of ", self.names),
+            (jerking, "jerk of ", self.joints),
+        ]
+        found: list[set[str]] = [set() for _ in self.step]
+        for binds, what, names in kinds:
+            for segment, place in np.argwhere(binds).tolist():
+                found[segment].add(what + names[place])
+        return found
 
     def excess(self, x: Array, u: Array, free: Array) -> float:
         """The most by which a row, a change or a jerk passes its limit, as a share of it; <= 0 if all are kept."""
