@@ -16,7 +16,7 @@ from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.torque_distribution import TORQUE_WIDENING
 from mrts.smooth.factor_program import RATE_WIDENING, FactorAsked, FactorProgram
 from mrts.smooth.path_program import path_program
-from mrts.smooth.rate_limits import RateLimits
+from mrts.smooth.rate_limits import RateLimits, rate_names
 from mrts.smooth.smooth_solvers import CheckedSolver
 
 FELT = 1e-6
@@ -73,7 +73,7 @@ class RatedFactors:
     ) -> None:
         self.cell, self.rates = cell, rates
         self.problems = [build_sample_problem(cell, motion, sharing=sharing, load=load, varying=True) for load in loads]
-        self.program = path_program(motion, self.problems, rates)
+        self.program = path_program(cell, motion, self.problems, rates)
         self.by_jerk = self._end_by_jerk()
         changes = FactorProgram(self.program)
         self.changes = changes if changes.limited.size else None
@@ -159,11 +159,7 @@ class RatedFactors:
         if not np.any(share > 0):
             return None
         segment, end, place = (int(one) for one in np.unravel_index(np.argmax(share), share.shape))
-        names = [
-            RowName("jerk", robot.name, joint, f"{unit}/s³")
-            for robot in self.cell.robots
-            for joint, unit in zip(robot.joints, robot.position_units, strict=True)
-        ]
+        names = rate_names(self.cell)[2]
         name = names[np.flatnonzero(np.isfinite(self.rates.jerk))[place]]
         row = _at_limit(name, most[place], rises=bool(third[segment, end, place] > 0))
         return RatesAtEnd(float(share[segment, end, place] ** (-2 / 3)), segment + end, (row,), None)
@@ -194,20 +190,15 @@ class RatedFactors:
         free = asked.free[nodes, first : first + counts[load]]
         x = np.column_stack([free, np.zeros(2), np.full(2, asked.c**2)])
         time = float(self.program.step[segment]) / asked.c
-        robots = self.cell.robots
-        torques = [(r.name, joint, unit) for r in robots for joint, unit in zip(r.joints, r.torque_units, strict=True)]
-        parts = tuple(zip(self.cell.wrench_components, self.cell.wrench_units, strict=True))
-        wrenches = [(robot.name, part, unit) for robot in robots for part, unit in parts]
-        found = []
-        for kind, names, values, limits in (
-            ("torque rate", torques, problem.torque(x), self.rates.torque),
-            ("contact wrench rate", wrenches, problem.wrench(x), self.rates.wrench),
+        torque_names, wrench_names, _ = rate_names(self.cell)
+        found: list[ActiveRow] = []
+        for names, values, limits in (
+            (torque_names, problem.torque(x), self.rates.torque),
+            (wrench_names, problem.wrench(x), self.rates.wrench),
         ):
             change = np.diff(values, axis=0)[0] / time
-            for place in np.flatnonzero(np.abs(change) >= limits * asked.share * (1 - AT_LIMIT)).tolist():
-                robot, element, unit = names[place]
-                name = RowName(kind, robot, element, f"{unit}/s")
-                found.append(_at_limit(name, limits[place], rises=bool(change[place] > 0)))
+            fast = np.flatnonzero(np.abs(change) >= limits * asked.share * (1 - AT_LIMIT))
+            found += [_at_limit(names[place], limits[place], rises=bool(change[place] > 0)) for place in fast.tolist()]
         return found
 
 
@@ -231,7 +222,7 @@ def torques_within_rates(
         SolverError: If no solver answers.
     """
     problem = build_sample_problem(cell, motion, sharing=sharing, varying=True)
-    given = path_program(motion, [problem], rates, weights)
+    given = path_program(cell, motion, [problem], rates, weights)
     widening = np.where(given.lower < given.upper, TORQUE_WIDENING, 0.0)
     program = replace(
         given,

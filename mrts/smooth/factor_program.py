@@ -11,11 +11,11 @@ it, up to where 1 / c meets that line.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
 
 import numpy as np
 from scipy import sparse
-from scipy.optimize import linprog
+from scipy.optimize import OptimizeResult, linprog
 
 from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
@@ -133,18 +133,15 @@ class FactorProgram:
         return float(by_rows + np.sum((changes[0] - changes[1]) * moved))
 
 
-def _solved(cost: Array, A: sparse.csr_array, b: Array) -> Any:
-    """The z of least cost with A z <= b and the last of it >= 0, by HiGHS: the interior point first, which is faster."""
-    free, bounds = (None, None), [(0.0, None)]
-    for method in ("highs-ipm", "highs-ds"):
-        found = linprog(
-            cost,
-            A_ub=A,
-            b_ub=b,
-            bounds=[free] * (len(cost) - 1) + bounds,
-            method=method,
-            options={"primal_feasibility_tolerance": HIGHS_TOLERANCE, "dual_feasibility_tolerance": HIGHS_TOLERANCE},
-        )
-        if found.status == 0:
-            break
-    return found
+def _solved(cost: Array, A: sparse.csr_array, b: Array) -> OptimizeResult:
+    """The z of least cost with A z <= b and its last >= 0, by HiGHS: by its interior point first, which is faster."""
+    ask = partial(
+        linprog,
+        cost,
+        A_ub=A,
+        b_ub=b,
+        bounds=[(None, None)] * (len(cost) - 1) + [(0.0, None)],
+        options={"primal_feasibility_tolerance": HIGHS_TOLERANCE, "dual_feasibility_tolerance": HIGHS_TOLERANCE},
+    )
+    found = ask(method="highs-ipm")
+    return found if found.status == 0 else ask(method="highs-ds")
