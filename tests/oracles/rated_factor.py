@@ -1,8 +1,10 @@
-"""Constant factors within limits of rates, independently: all wrenches and the balance, by cvxpy and Clarabel.
+"""Constant factors within limits of rates, independently: all wrenches and the balance, by cvxpy and Clarabel, where it
+fails HiGHS.
 
 Torques are those of eq. (13) from the terms of the cell, with the motors' numbers as the cell file has them.
 """
 
+import warnings
 from itertools import pairwise
 
 import cvxpy as cp
@@ -30,8 +32,14 @@ class RatedFactor:
         worst, constraints = cp.Variable(), []
         low, high, push, pull, fastest = self.limits
         dq, time = self.motion.dq, self.motion.object.time / c
+        ddq = self.motion.ddq
+        rest, still = (1e-9 * np.max(np.abs(one)) for one in (dq, ddq))
+        way = np.where(np.abs(ddq) > still, np.sign(ddq), 0)  # at rest at an end: it leaves so, or arrives against it
+        way[-1] *= -1
+        travel = np.where(np.abs(dq) > rest, np.sign(dq), way)
         for terms in self.terms:
-            F = [cp.Variable(len(push)) for _ in time]
+            unit = np.abs(terms["Q"]).max() + np.abs(terms["P"]).max() * c**2  # of wrenches, for Clarabel
+            F = [unit * cp.Variable(len(push)) for _ in time]
             torques = []
             for k, one in enumerate(F):
                 of_arms = [
@@ -39,29 +47,31 @@ class RatedFactor:
                     for name, joints in self.cell.joint_slices.items()
                 ]
                 own = terms["E"][k] * c**2 + terms["G"][k] + self.motors["armature"] * self.motion.ddq[k] * c**2
-                own = own + self.motors["viscous"] * dq[k] * c + self.motors["coulomb"] * np.sign(dq[k])
+                own = own + self.motors["viscous"] * dq[k] * c + self.motors["coulomb"] * travel[k]
                 torque = own + cp.hstack(of_arms)
                 balance = sum(terms["B"][k][:, part] @ one[part] for part in self.cell.wrench_slices.values())
-                constraints.append(balance == terms["P"][k] * c**2 + terms["Q"][k])
+                constraints.append(balance / unit == (terms["P"][k] * c**2 + terms["Q"][k]) / unit)
                 constraints += within(torque, low, high, worst) + within(one, push, pull, worst)
                 torques.append(torque)
             for values, most in ((torques, self.rates.torque), (F, self.rates.wrench)):
                 kept = np.isfinite(most)
                 for (before, after), step in zip(pairwise(values), np.diff(time), strict=True):
                     if np.any(kept):
-                        change = (after - before)[kept] / (step * most[kept])
+                        change = cp.multiply(1 / (step * most[kept]), (after - before)[kept])
                         constraints += [change <= 1 + worst, change >= -1 - worst]
         constraints.append(worst >= np.max(np.abs(dq) * c / fastest) - 1)
         program = cp.Problem(cp.Minimize(worst), constraints)
-        program.solve(solver=cp.CLARABEL)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of what Clarabel calls inaccurate
+            try:
+                program.solve(solver=cp.CLARABEL)
+            except cp.error.SolverError:
+                program.solve(solver=cp.HIGHS)
+        if program.status != cp.OPTIMAL:
+            program.solve(solver=cp.HIGHS)
         return float(worst.value)
 
-    def jerk_share(self, c):
-        """The largest share of a jerk limit that differences of accelerations use: below its limit between samples."""
-        jerks = np.diff(self.motion.ddq, axis=0) / np.diff(self.motion.object.time)[:, None] * c**3
-        return float(np.max(np.abs(jerks) / self.rates.jerk))
-
-    def fastest(self, low, high, share=1e-5):
+    def fastest(self, low, high, share=1e-6):
         """The largest admissible factor between one that is and one that is not, by bisection."""
         while high - low > share * low:
             middle = (low + high) / 2
@@ -76,5 +86,5 @@ def within(value, lower, upper, worst):
     for sign, limit in ((1, upper), (-1, -lower)):
         kept = np.flatnonzero(np.isfinite(limit))
         if kept.size:
-            constraints.append(sign * value[kept] <= limit[kept] + worst * size[kept])
+            constraints.append(cp.multiply(sign / size[kept], value[kept]) <= limit[kept] / size[kept] + worst)
     return constraints
