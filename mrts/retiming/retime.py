@@ -28,7 +28,7 @@ from mrts.samples.load_sharing import LoadSharing
 from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.scale import SelectionError, load_question, scale
 from mrts.smooth.program import Goal
-from mrts.smooth.rate_limits import RateLimits, rate_limits
+from mrts.smooth.rate_limits import RateLimits, Rates, rate_limits
 from mrts.smooth.smooth_solvers import DEFAULT_SMOOTH_SOLVER, CheckedSolver, check_smooth_solver
 
 
@@ -45,7 +45,7 @@ def retime(
     start_speed: float = 0.0,
     end_speed: float = 0.0,
     between: float | None = BETWEEN,
-    rates: bool | float = False,
+    rates: Rates = False,
     weigh: Mapping[str, float] | None = None,
     least_energy_in: float | None = None,
     solver: str = DEFAULT_SMOOTH_SOLVER,
@@ -111,7 +111,7 @@ def retime(
 
 
 def _limits_of_rates(
-    cell: Cell, rates: bool | float, weigh: Mapping[str, float] | None, least_energy_in: float | None, solver: str
+    cell: Cell, rates: Rates, weigh: Mapping[str, float] | None, least_energy_in: float | None, solver: str
 ) -> tuple[RateLimits | None, Goal]:
     """The limits of rates, None if none are asked for, and what is to be least with them."""
     goal = smooth_goal(weigh, least_energy_in)

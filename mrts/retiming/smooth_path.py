@@ -4,6 +4,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
@@ -121,7 +122,7 @@ def _way(time: Array, s: Array, speed: Array) -> tuple[Array, Array]:
     return np.append(fine.ravel(), time[-1]), rising
 
 
-def _only(motion: CoordinatedMotion, chosen: Array) -> CoordinatedMotion:
+def _only(motion: CoordinatedMotion, chosen: NDArray[np.bool_]) -> CoordinatedMotion:
     """Some samples of a motion, at their times."""
     of = motion.object
     carried = replace(

@@ -49,16 +49,13 @@ class SmoothPiece(TimedPiece):
         Args:
             time: Of the given motion, Shape (N,) [s].
         """
-        along = {"s": self.piece.arc.tolist(), "speed": self.arc_speed.tolist()}
-        return (
-            super().to_json(time)
-            | along
-            | {
-                "sigma": self.piece.path.object.time.tolist(),
-                "sigma_speed": np.sqrt(self.x).tolist(),
-                "sigma_rate": self.rate.tolist(),
-            }
-        )
+        return super().to_json(time) | {
+            "s": self.piece.arc.tolist(),
+            "speed": self.arc_speed.tolist(),
+            "sigma": self.piece.path.object.time.tolist(),
+            "sigma_speed": np.sqrt(self.x).tolist(),
+            "sigma_rate": self.rate.tolist(),
+        }
 
     @property
     def binding(self) -> list[set[str]]:

@@ -24,8 +24,8 @@ from mrts.smooth.rate_limits import RateLimits
 from mrts.smooth.smooth_solvers import CheckedSolver
 from mrts.smooth.successive_steps import RatesTooSmall, successive_steps
 
-PLAN_WIDENING = 2e-9
-"""Of each limit, as a share of it: where the timing leaves one point only, rounding may miss it."""
+NARROWING = 1e-6
+"""Of each limit, as a share of it, in the timing: what it leaves for the torques has an inside then."""
 
 UNBOUNDED = 1e-6
 """A timing in less than this share of the given duration is one that nothing limits."""
@@ -105,6 +105,7 @@ def _timed(
     ends = _ends(piece, end_speeds)
     problems = [sample_problem(question.constant, piece, load) for load in question.loads]
     program = path_program(question.constant.cell, piece.path, problems, question.rates, weights, ends)
+    program = program.narrowed(NARROWING)
     likely = given if question.fastest is None else question.fastest
     around = np.full(program.nodes, (given / likely) ** 2)
     for place, x in zip((0, -1), ends, strict=True):
@@ -165,11 +166,9 @@ def torque_plan(question: SmoothQuestion, pieces: Sequence[TimedPiece], load: Ar
         problem = sample_problem(question.constant, part.piece, load)
         W = torque_weights(question.constant.rule.weights, part.piece.path.q.shape[1])
         program = path_program(question.constant.cell, part.piece.path, [problem], question.rates, W, part.program.ends)
-        free = question.solver.torques(program.widened(PLAN_WIDENING), part.x, part.rate)
+        free = question.solver.torques(program, part.x, part.rate)
         if free is None:
-            raise SolverError(
-                "no torques were found within the rates that the timing was found with: please report it."
-            )
+            raise SolverError("no torques were found within the rates that the timing keeps: please report it.")
         unknowns = np.column_stack([free, part.rate, part.x])
         skip = 0 if number == 0 else 1
         torques.append(problem.torque(unknowns)[skip:])

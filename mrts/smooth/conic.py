@@ -11,6 +11,13 @@ from mrts.base.arrays import Array
 from mrts.smooth.cones import Cones, entries
 from mrts.smooth.program import Goal, SmoothProfile, SmoothProgram
 
+LEAST_WEIGHT = 1e-300
+"""Where no row has a weight, the largest is taken for this."""
+
+
+THIN = 1e-12
+"""What Clarabel adds to its pivots for torques: rates leave sets so thin that its default would be felt."""
+
 
 class ConicSolver:
     """Second-order cones, by Clarabel."""
@@ -52,16 +59,19 @@ class ConicSolver:
         cones = Cones()
         cones.most(A, (program.upper - values).ravel())
         cones.most(-A, (values - program.lower).ravel())
-        change = (A[r:] - A[:-r], np.diff(values, axis=0).ravel(), np.outer(times, program.change).ravel())
-        cones.most(change[0], change[2] - change[1])
-        cones.most(-change[0], change[2] + change[1])
+        allowed = np.outer(times, program.change).ravel()
+        kept = np.flatnonzero(np.isfinite(allowed))
+        change = sparse.diags_array(1 / allowed[kept]) @ (A[r:] - A[:-r])[kept]
+        moved = np.diff(values, axis=0).ravel()[kept] / allowed[kept]
+        cones.most(change, 1 - moved)
+        cones.most(-change, 1 + moved)
         for place, given in ((0, program.end_free[0]), (n - 1, program.end_free[1])):
             if given is not None:
                 picked = np.arange(f)
                 cones.equal(entries((f, n * f), (picked, columns[place, 0], np.ones(f))), given)
         weight = program.spacing[:, None] / np.sqrt(x)[:, None] * program.weight
-        weighted = sparse.diags_array(weight.ravel()) @ A
-        found = cones.solved(2 * (A.T @ weighted), 2 * (weighted.T @ values.ravel()))
+        weighted = sparse.diags_array(weight.ravel() / np.max(weight, initial=LEAST_WEIGHT)) @ A
+        found = cones.solved(2 * (A.T @ weighted), 2 * (weighted.T @ values.ravel()), THIN)
         return None if found is None else found.reshape(n, f)
 
 

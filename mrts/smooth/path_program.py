@@ -183,13 +183,10 @@ def _rows(cell: Cell, problem: SampleProblem, rates: RateLimits, weights: Array 
     )
     torques = (problem.torque_map, problem.torque_speed, problem.torque_offset)
     wrenches = (problem.wrench_map, None, problem.wrench_offset)
+    components = [f"{robot.name}/{part}" for robot in cell.robots for part in cell.wrench_components]
     for terms, limits, names in (
         (torques, rates.torque, [f"{joint} torque" for joint in joint_names(cell)]),
-        (
-            wrenches,
-            rates.wrench,
-            [f"{robot.name}/{part} contact wrench" for robot in cell.robots for part in cell.wrench_components],
-        ),
+        (wrenches, rates.wrench, [f"{component} contact wrench" for component in components]),
     ):
         for place in np.flatnonzero(np.isfinite(limits)).tolist():
             row = rows.limited(terms, place, float(limits[place]), names[place])

@@ -94,16 +94,20 @@ class SmoothProgram:
             ends=(first, last),
         )
 
-    def widened(self, share: float) -> Self:
-        """The same program with all limits of rows and rates further out.
+    def narrowed(self, share: float) -> Self:
+        """The same program with all limits of rows and rates further in.
 
         Args:
-            share: Of the size of each limit.
+            share: Of the size of each limit; of limits that lie close together, a quarter of what is between them.
         """
+        inward = np.minimum(share, (self.upper - self.lower) / 4)
         return replace(
-            self, lower=self.lower - share, upper=self.upper + share, change=self.change * (1 + share),
-            jerk=self.jerk * (1 + share),
-        )  # fmt: skip
+            self,
+            lower=self.lower + inward,
+            upper=self.upper - inward,
+            change=self.change * (1 - share),
+            jerk=self.jerk * (1 - share),
+        )
 
     def values(self, x: Array, u: Array, free: Array) -> Array:
         """Values v of every row, Shape (n, r).
@@ -149,11 +153,11 @@ class SmoothProgram:
         at = (values >= self.upper - near) | (values <= self.lower + near)
         changing = np.abs(np.diff(values, axis=0)) >= (1 - near) * self.change * times
         jerking = np.max(np.abs(self.jerks(x, u)), axis=1) >= (1 - near) * self.jerk
-        kinds = [
+        kinds = (
             (at[:-1] | at[1:], "", self.names),
             (changing, "rate of ", self.names),
             (jerking, "jerk of ", self.joints),
-        ]
+        )
         found: list[set[str]] = [set() for _ in self.step]
         for binds, what, names in kinds:
             for segment, place in np.argwhere(binds).tolist():
