@@ -139,6 +139,7 @@ class RobotDescription(StrictModel):
     posture: Annotated[list[Angle], Field(min_length=1)]
     torque: Annotated[list[Finite], Field(min_length=1)] | TorqueBounds | None = None
     wrench: Bounds = Bounds()
+    contact_rate: Annotated[list[Positive | None], Field(min_length=2, max_length=2)] | None = None
     contact: list[ContactDescription] = Field(default_factory=list, max_length=MOST_CONTACTS)
     fixed: dict[str, Angle] = Field(default_factory=dict)
     motors: MotorsDescription = MotorsDescription()

@@ -22,7 +22,7 @@ from mrts_codegen.urdf.urdf_joint import NO_LIMIT
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import MAX_URDF_BYTES
-from mrts.base.manifest import WRENCH_COMPONENTS
+from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.regular_file import read_regular
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
@@ -50,6 +50,7 @@ class CellRobot:
         motors: What stands between motors and joints.
         remarks: What to know of where values are from.
         contacts: What its hand can exert on the object.
+        contact_rate: Base axes, infinity where unbounded, Shape (w,) [N/s, N m/s].
     """
 
     name: str
@@ -67,6 +68,7 @@ class CellRobot:
     motors: JointMotors
     remarks: tuple[Remark, ...]
     contacts: tuple[Contact, ...]
+    contact_rate: Array
 
 
 @dataclass(frozen=True)
@@ -152,6 +154,7 @@ def _build_robot(
         motors=motors,
         remarks=remarks,
         contacts=build_contacts(path, f"{key}.contact", robot.contact, components, T_object_tip.R),
+        contact_rate=_contact_rate(robot.contact_rate, components),
     )
 
 
@@ -218,3 +221,9 @@ def _wrench_limits(path: Path, key: str, bounds: Bounds, size: int) -> tuple[Arr
             key=f"{key}.wrench[{component}]",
         )
     return lower, upper
+
+
+def _contact_rate(given: list[float | None] | None, components: tuple[str, ...]) -> Array:
+    """One a wrench component, of what is given for forces and for moments."""
+    force, moment = (np.inf if rate is None else rate for rate in given or (None, None))
+    return np.array([force if WRENCH_UNITS[component] == "N" else moment for component in components])

@@ -151,6 +151,7 @@ def _robot_record(robot: CellRobot) -> RobotRecord:
         wrench_upper=[_finite(value) for value in robot.wrench_upper],
         motors=motors_record(robot.motors),
         contacts=[contact_record(contact) for contact in robot.contacts],
+        contact_rate=[_finite(value) for value in robot.contact_rate],
     )
 
 

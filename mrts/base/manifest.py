@@ -13,7 +13,7 @@ from mrts.base.errors import InputError
 from mrts.base.input_file import IDENTIFIER, Name, broken_rule, read_text
 
 MANIFEST_NAME = "manifest.json"
-FORMAT = 5
+FORMAT = 6
 """Version of this file's layout; a change that old code cannot read raises it."""
 
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
@@ -110,6 +110,7 @@ class RobotRecord(_Record):
     posture: list[float]
     wrench_lower: list[float | None]
     wrench_upper: list[float | None]
+    contact_rate: list[float | None]
     motors: MotorsRecord
     contacts: Annotated[list[ContactRecord], Field(max_length=MOST)]
 
@@ -202,7 +203,7 @@ class Manifest(_Record):
         if size != (len(WRENCH_COMPONENTS) if self.plane is None else 3) or len({*self.wrench_components}) < size:
             raise broken_rule("its wrench components must be three for a plane, else all six")
         for robot in self.robots:
-            if not len(robot.wrench_lower) == len(robot.wrench_upper) == size:
+            if {len(robot.wrench_lower), len(robot.wrench_upper), len(robot.contact_rate)} != {size}:
                 raise broken_rule(f"the wrench limits of robot '{robot.name}' must be one a wrench component")
             missing = [short for short in FOR_REDUNDANT_ARMS if short not in self.functions]
             if len(robot.joints) > size and missing:

@@ -208,7 +208,7 @@ class Cell:
         return replace(self, load_box=LoadBox(self.mass, self.inertia, ranges, outer_hull))
 
     def without_wrench_limits(self) -> Self:
-        """The same cell with every contact wrench unbounded, and hands that hold whatever comes."""
+        """The same cell with every contact wrench and its rate unbounded, and hands that hold whatever comes."""
         return replace(
             self,
             robots=tuple(
@@ -217,6 +217,7 @@ class Cell:
                     wrench_lower=np.full_like(robot.wrench_lower, -np.inf),
                     wrench_upper=np.full_like(robot.wrench_upper, np.inf),
                     contacts=(),
+                    contact_rate=np.full_like(robot.contact_rate, np.inf),
                 )
                 for robot in self.robots
             ),

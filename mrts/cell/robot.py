@@ -20,7 +20,7 @@ from mrts.motors.motors_record import motors_from_record, motors_record
 
 ARRAYS = (
     *("axes", "points", "position_lower", "position_upper", "velocity_limit", "posture"),
-    *("torque_lower", "torque_upper", "wrench_lower", "wrench_upper"),
+    *("torque_lower", "torque_upper", "wrench_lower", "wrench_upper", "contact_rate"),
 )
 """Attributes of a robot that are arrays."""
 
@@ -49,6 +49,7 @@ class Robot:
         held: Joints of its URDF that stand still, and where [rad or m].
         motors: What stands between motors and joints; those of no joint at all stand for ideal ones.
         contacts: What its hand can exert on the object; all of them hold for its one wrench.
+        contact_rate: Largest change of F_i, base axes, infinity where it is not known, Shape (w,) [N/s, N m/s].
 
     Raises:
         InputError: If an array has another shape, holds what is no number, a lower limit exceeds the upper one, or two
@@ -74,6 +75,7 @@ class Robot:
     held: Mapping[str, float] = field(default_factory=dict)
     motors: JointMotors = field(default_factory=partial(JointMotors.unknown, 0))
     contacts: tuple[Contact, ...] = ()
+    contact_rate: Array = field(default_factory=partial(np.empty, 0))
 
     def __post_init__(self) -> None:
         where = f"robot '{self.name}'"
@@ -87,7 +89,10 @@ class Robot:
             rule = f"must be revolute or prismatic for each of its {n} joints."
             raise InputError(where, rule, key="joint_types", value=self.joint_types)
         wrench = as_array(f"{where}: wrench_lower", self.wrench_lower).shape[:1] or (len(WRENCH_COMPONENTS),)
-        shapes = {"axes": (n, 3), "points": (n, 3), "wrench_lower": wrench, "wrench_upper": wrench}
+        if np.all(as_array(f"{where}: contact_rate", self.contact_rate) == np.inf):
+            object.__setattr__(self, "contact_rate", np.full(wrench, np.inf))
+        shapes = {"axes": (n, 3), "points": (n, 3)}
+        shapes |= dict.fromkeys(("wrench_lower", "wrench_upper", "contact_rate"), wrench)
         for name in ARRAYS:
             freeze_array(self, name, where, shapes.get(name, (n,)), finite=name in {"axes", "points", "posture"})
         for T_name in ("T_base_tip", "T_world_base", "T_object_tip"):
@@ -98,11 +103,15 @@ class Robot:
             if np.any(lower > upper) or np.any(lower == np.inf) or np.any(upper == -np.inf):
                 rule = f"must be at most {kind}_upper, and leave something between the two."
                 raise InputError(where, rule, key=f"{kind}_lower", value=lower.tolist())
-        if np.any(self.velocity_limit <= 0):
-            rule = "must be > 0; infinity where there is none."
-            raise InputError(where, rule, key="velocity_limit", value=self.velocity_limit.tolist())
+        self._check_positive(where)
         self._check_motors(where)
         self._check_contacts(where)
+
+    def _check_positive(self, where: str) -> None:
+        for key in ("velocity_limit", "contact_rate"):
+            if np.any(getattr(self, key) <= 0):
+                rule = "must be > 0; infinity where there is none."
+                raise InputError(where, rule, key=key, value=getattr(self, key).tolist())
 
     def _check_motors(self, where: str) -> None:
         n = len(self.joints)
@@ -165,6 +174,7 @@ def robot_from_record(record: RobotRecord) -> Robot:
         held=dict(record.held),
         motors=motors_from_record(record.motors),
         contacts=tuple(map(contact_from_record, record.contacts)),
+        contact_rate=with_infinity(record.contact_rate, np.inf),
     )
 
 
@@ -198,6 +208,7 @@ def robot_record(robot: Robot, generated: RobotRecord) -> RobotRecord:
             "posture": robot.posture.tolist(),
             "wrench_lower": without_infinity(robot.wrench_lower),
             "wrench_upper": without_infinity(robot.wrench_upper),
+            "contact_rate": without_infinity(robot.contact_rate),
             "motors": motors_record(robot.motors),
             "contacts": [contact_record(contact) for contact in robot.contacts],
         }

@@ -18,7 +18,7 @@ from mrts.samples import DistributionName, FormulationName
 
 FORMAT_NAME = "mrts result"
 
-VERSION = 3
+VERSION = 4
 """Of arrays and description together; any change of either, or of the manifest's format, raises it."""
 
 DESCRIPTION_BYTES = 5_000_000
@@ -197,7 +197,7 @@ class Description(_Record):
     """Everything of a saved result that is not a number a sample; docs/saved_results.md has the meaning of each."""
 
     format: Literal["mrts result"]
-    version: Literal[3]
+    version: Literal[4]
     mrts_version: str
     manifest: Manifest
     load: LoadVector

@@ -1,19 +1,17 @@
 # SPDX-License-Identifier: MIT
 """How far a retimed motion oversteps limits between the samples at which they were kept, and samples against that."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.denser_motion import between_samples, denser, moved_remarks
 from mrts.refinement.excess import Excess
-from mrts.retiming.result import RetimingResult, RetimingStatus
-from mrts.retiming.retimed_motion import TimedPiece, between_path_samples
-from mrts.samples.load_sharing import LoadSharing
+from mrts.retiming.result import RetimingResult
+from mrts.retiming.retimed_motion import between_path_samples
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.samples.widening import widening_at
@@ -43,7 +41,12 @@ class SegmentExcess:
 
 
 def refined_timing(
-    timed: RetimingResult, again: Callable[[CoordinatedMotion], RetimingResult], tolerance: float, *, adds: bool
+    timed: RetimingResult,
+    again: Callable[[CoordinatedMotion], RetimingResult],
+    excess: Callable[[RetimingResult], SegmentExcess],
+    tolerance: float,
+    *,
+    adds: bool,
 ) -> RetimingResult:
     """A timing whose limits hold between samples to a tolerance, or that says by how much they do not.
 
@@ -52,6 +55,7 @@ def refined_timing(
     Args:
         timed: The fastest timing of a motion.
         again: Times the same motion with more samples.
+        excess: Finds by how much a timing oversteps limits between samples.
         tolerance: Share of a limit by which it may be overstepped.
         adds: Whether samples are added at all.
 
@@ -63,8 +67,7 @@ def refined_timing(
     for turn in range(MOST_ROUNDS + 1):
         if not timed.pieces:
             return timed
-        found = excess_by_segment(timed.cell, timed.motion, timed.pieces, timed.constant.rule.sharing, timed.loads,
-                                  tolerance)  # fmt: skip
+        found = excess(timed)
         timed = _with_excess(timed, found.worst)
         passing = np.flatnonzero(found.share > tolerance)
         if not adds or turn == MOST_ROUNDS or not len(passing) or timed.motion.samples + len(passing) > most:
@@ -76,7 +79,7 @@ def refined_timing(
         timed = _as_before(again(motion), timed, middles)
     if not found.worst.passes:
         return timed
-    return replace(timed, status=RetimingStatus.AT_SAMPLES)
+    return replace(timed, status=timed.status.at_samples)
 
 
 def _with_excess(timed: RetimingResult, worst: Excess) -> RetimingResult:
@@ -98,27 +101,18 @@ def _as_before(finer: RetimingResult, timed: RetimingResult, added: Array) -> Re
     return replace(finer, constant=timed.constant, retimed=played)
 
 
-def excess_by_segment(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    pieces: Sequence[TimedPiece],
-    sharing: LoadSharing | None,
-    loads: Sequence[Array],
-    tolerance: float,
-) -> SegmentExcess:
-    """The least widening of all limits that admits the motion inside each of its segments.
+def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
+    """The largest excess inside each segment, where wrenches are free to do their best.
 
     Args:
-        cell: The cell.
-        motion: The given motion, N samples.
-        pieces: The retimed path.
-        sharing: A fixed distribution of the load, None for a free one.
-        loads: Load vectors that are to be carried, each Shape (10,).
+        timed: A timing.
         tolerance: Share of a limit by which it may be overstepped.
 
     Raises:
         SolverError: If no solver answers.
     """
+    cell, motion, pieces, loads = timed.cell, timed.motion, timed.pieces, timed.loads
+    sharing = timed.constant.rule.sharing
     worst, shares, time = Excess(0.0, tolerance), np.zeros(motion.samples - 1), motion.object.time
     for part in pieces:
         played = between_path_samples(cell, part, PLACES)

@@ -8,6 +8,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.retiming.retimed_motion import TimedPiece, at_segment_ends
+from mrts.retiming.smooth_piece import SmoothPiece
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.solvers import DEFAULT_SOLVER
@@ -48,4 +49,23 @@ def profile_limits(
         for names, time in zip(rows, part.segment_times.tolist(), strict=True):
             for name in names:
                 shares[name] = shares.get(name, 0.0) + time / duration
+    return _sorted(shares)
+
+
+def binding_limits(pieces: Sequence[SmoothPiece]) -> list[tuple[str, float]]:
+    """The limits that bind in a smooth timing, each with its share of the duration, most first.
+
+    Args:
+        pieces: The path with its timing.
+    """
+    duration = sum(float(np.sum(part.segment_times)) for part in pieces)
+    shares: dict[str, float] = {}
+    for part in pieces:
+        for names, time in zip(part.binding, part.segment_times.tolist(), strict=True):
+            for name in names:
+                shares[name] = shares.get(name, 0.0) + time / duration
+    return _sorted(shares)
+
+
+def _sorted(shares: dict[str, float]) -> list[tuple[str, float]]:
     return sorted(shares.items(), key=lambda entry: (-entry[1], entry[0]))

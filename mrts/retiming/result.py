@@ -18,8 +18,9 @@ from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.refinement.excess import Excess
-from mrts.retiming.profile_limits import profile_limits
+from mrts.retiming.profile_limits import binding_limits, profile_limits
 from mrts.retiming.retimed_motion import TimedPiece
+from mrts.retiming.smooth_piece import SmoothAnswer, smooth_pieces
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.range_status import RangeStatus
 from mrts.scaling.motion_remarks import lasting
@@ -31,6 +32,9 @@ class RetimingStatus(Enum):
 
     OPTIMAL = "optimal"
     AT_SAMPLES = "optimal at samples only"
+    LOCALLY_OPTIMAL = "locally optimal"
+    LOCALLY_AT_SAMPLES = "locally optimal at samples only"
+    RATES_TOO_SMALL = "rates too small"
     INFEASIBLE = "infeasible"
     NOT_CONTROLLABLE = "not controllable"
     START_SPEED = "start speed not admissible"
@@ -43,7 +47,20 @@ class RetimingStatus(Enum):
     @property
     def admits_motion(self) -> bool:
         """Whether there is a profile."""
-        return self in {RetimingStatus.OPTIMAL, RetimingStatus.AT_SAMPLES}
+        return self in ADMITTING
+
+    @property
+    def at_samples(self) -> "RetimingStatus":
+        """The same where limits hold at the samples only."""
+        smooth = self is RetimingStatus.LOCALLY_OPTIMAL
+        return RetimingStatus.LOCALLY_AT_SAMPLES if smooth else RetimingStatus.AT_SAMPLES
+
+
+ADMITTING = {
+    *(RetimingStatus.OPTIMAL, RetimingStatus.AT_SAMPLES),
+    *(RetimingStatus.LOCALLY_OPTIMAL, RetimingStatus.LOCALLY_AT_SAMPLES),
+}
+"""Outcomes with a profile."""
 
 
 OF_TRAJECTORY = (
@@ -68,6 +85,7 @@ class RetimingResult:
         retimed: The motion at the fastest timing with its torques, as a result at c² = 1; None without a profile.
         conflict: The limits that conflict, where limits are the reason.
         excess: How far limits are overstepped between the samples; None without a profile.
+        smooth: What is known of a timing with limits of rates; None without them.
     """
 
     cell: Cell
@@ -80,6 +98,7 @@ class RetimingResult:
     retimed: ScalingResult | None = None
     conflict: Conflict | None = None
     excess: Excess | None = None
+    smooth: SmoothAnswer | None = None
 
     def __repr__(self) -> str:
         return f"RetimingResult({self.cell.name}: {self.sentence()})"
@@ -108,6 +127,8 @@ class RetimingResult:
     @cached_property
     def limits(self) -> list[tuple[str, float]]:
         """What limits the speed, for which share of the duration, most first."""
+        if self.smooth is not None:
+            return binding_limits(smooth_pieces(self.pieces))
         return profile_limits(self.cell, self.pieces, self.constant.rule.sharing, self.loads)
 
     @property
@@ -125,15 +146,18 @@ class RetimingResult:
         if not self.status.admits_motion:
             return printable(f"{kept}{self.status.value}: {self.explanation}")
         given, best = float(self.motion.object.time[-1]), self.constant.trajectory
-        text = f"{kept}the fastest timing takes {self.duration:.4g} s, the given one {given:.4g} s"
+        what = "the fastest timing" if self.smooth is None else self.smooth.what
+        text = f"{kept}{what} takes {self.duration:.4g} s, the given one {given:.4g} s"
         if self.saving is not None and best is not None:
             text += (
                 f"; {100 * self.saving:.3g} % less than {best.duration:.4g} s at the best constant c² = {best.c2:.4g}"
             )
         if self.stops.size:
             text += f". It stops at t = {', '.join(f'{time:.4g}' for time in self.stops)} s of the given motion"
+        if self.smooth is not None:
+            text += f". {self.smooth}"
         if self.excess is not None and self.excess.passes:
-            text += f"; but {self.excess}" if not self.stops.size else f". But {self.excess}"
+            text += f". But {self.excess}" if self.stops.size or self.smooth is not None else f"; but {self.excess}"
         return f"{text}."
 
     def to_json(self) -> dict[str, Any]:
@@ -158,17 +182,9 @@ class RetimingResult:
         output["excess"] = self.excess.to_json() | {"sample": int(np.searchsorted(time, at, side="right")) - 1}
         output["limits"] = [{"limit": name, "share_of_duration": share} for name, share in self.limits]
         output["stops"] = self.stops.tolist()
-        output["profile"] = [
-            {
-                "r": time[part.piece.first :][: len(part.profile.x)].tolist(),
-                "s": part.piece.path.object.time.tolist(),
-                "speed": np.sqrt(part.profile.x).tolist(),
-                "least_controllable": np.sqrt(part.profile.lower).tolist(),
-                "largest_controllable": np.sqrt(part.profile.upper).tolist(),
-                "largest": [float(np.sqrt(x)) if np.isfinite(x) else None for x in part.regions.upper],
-            }
-            for part in self.pieces
-        ]
+        output["profile"] = [part.to_json(time) for part in self.pieces]
+        if self.smooth is not None:
+            output["smooth"] = self.smooth.to_json()
         return output | {key: whole[key] for key in OF_TRAJECTORY if key in whole}
 
     def json_text(self) -> str:

@@ -17,38 +17,91 @@ from mrts.retiming.path_pieces import PathPiece
 from mrts.samples.motor_terms import travel_directions
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TimedPiece:
-    """A piece of a path with its fastest speed.
+    """A piece of a path with its speed.
 
     Attributes:
-        piece: The piece, n samples.
+        piece: The piece, n samples; its time is the path parameter s.
+        x: ṡ² at the samples, Shape (n,).
+        rates: s̈ at the start and at the end of every segment, linear in between, Shape (n - 1, 2).
+    """
+
+    piece: PathPiece
+    x: Array
+    rates: Array
+
+    @property
+    def segment_times(self) -> Array:
+        """Duration of each segment, 2 Δs / (ṡ_start + ṡ_end), Shape (n - 1,) [s].
+
+        Exact where s̈ is constant on the segment; else it is what the limits of rates were kept with.
+        """
+        speed = np.sqrt(self.x)
+        duration: Array = 2 * self.piece.step / (speed[:-1] + speed[1:])
+        return duration
+
+    def to_json(self, time: Array) -> dict[str, list[float | None]]:
+        """The profile as JSON values.
+
+        Args:
+            time: Of the given motion, Shape (N,) [s].
+        """
+        own = time[self.piece.first :][: len(self.x)].tolist()
+        return {"r": own, "s": self.piece.path.object.time.tolist(), "speed": np.sqrt(self.x).tolist()}
+
+    def inside(self, places: Array) -> tuple[Array, Array]:
+        """ṡ² and s̈ inside the segments, each Shape (p (n - 1),), segment after segment.
+
+        Args:
+            places: Where in each segment, in (0, 1), Shape (p,).
+        """
+        start, change = self.rates[:, :1], np.diff(self.rates, axis=1)
+        x = self.x[:-1, None] + 2 * self.piece.step[:, None] * places * (start + change * places / 2)
+        return x.ravel(), (start + change * places).ravel()
+
+
+@dataclass(frozen=True, kw_only=True)
+class FastestPiece(TimedPiece):
+    """A piece with its fastest speed: s is arc length, and s̈ is constant on each segment.
+
+    Attributes:
         regions: Admissible (s̈, ṡ²) at its samples.
         profile: The fastest ṡ².
     """
 
-    piece: PathPiece
     regions: SpeedRegions
     profile: SpeedProfile
 
-    @property
-    def rate(self) -> Array:
-        """s̈ on each segment, Shape (n - 1,)."""
-        rate: Array = np.diff(self.profile.x) / (2 * self.piece.step)
-        return rate
+    def to_json(self, time: Array) -> dict[str, list[float | None]]:
+        """The profile as JSON values, with the speeds that the limits leave.
 
-    @property
-    def segment_times(self) -> Array:
-        """Duration of each segment: ṡ² is linear in s, so 2 Δs / (ṡ_start + ṡ_end), Shape (n - 1,) [s]."""
-        speed = np.sqrt(self.profile.x)
-        duration: Array = 2 * self.piece.step / (speed[:-1] + speed[1:])
-        return duration
+        Args:
+            time: Of the given motion, Shape (N,) [s].
+        """
+        return super().to_json(time) | {
+            "least_controllable": np.sqrt(self.profile.lower).tolist(),
+            "largest_controllable": np.sqrt(self.profile.upper).tolist(),
+            "largest": [float(np.sqrt(x)) if np.isfinite(x) else None for x in self.regions.upper],
+        }
+
+
+def fastest_piece(piece: PathPiece, regions: SpeedRegions, profile: SpeedProfile) -> FastestPiece:
+    """A piece with the fastest profile in its regions.
+
+    Args:
+        piece: The piece, n samples.
+        regions: Of its samples.
+        profile: The profile.
+    """
+    rate = np.diff(profile.x) / (2 * piece.step)
+    return FastestPiece(piece=piece, x=profile.x, rates=np.column_stack([rate, rate]), regions=regions, profile=profile)
 
 
 def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> CoordinatedMotion:
     """The given samples at their new times.
 
-    s̈ jumps at samples; there it is the mean of before and after, which limits admit as they admit both. So is the
+    Where s̈ jumps at a sample it is the mean of before and after, which limits admit as they admit both. So is the
     direction of travel at a stop, where friction jumps with it.
 
     Args:
@@ -57,9 +110,9 @@ def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> C
     """
     played, directions = [], []
     for part in pieces:
-        rate = part.rate
-        at_samples = np.concatenate([rate[:1], (rate[:-1] + rate[1:]) / 2, rate[-1:]])
-        played.append(_played(part.piece.path, np.sqrt(part.profile.x), part.profile.x, at_samples))
+        before, after = part.rates[:-1, 1], part.rates[1:, 0]
+        at_samples = np.concatenate([part.rates[:1, 0], (before + after) / 2, part.rates[-1:, 1]])
+        played.append(_played(part.piece.path, np.sqrt(part.x), part.x, at_samples))
         directions.append(_directions(part.piece.path))
     time = np.concatenate([[0.0], np.cumsum(np.concatenate([part.segment_times for part in pieces]))])
     given = motion.object
@@ -71,6 +124,8 @@ def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> C
 
 def _directions(path: CoordinatedMotion) -> Array:
     """Signs of the joints' velocities before and after every sample of a piece, Shape (2, n, m)."""
+    if path.travel is not None:
+        return path.travel
     return np.stack(travel_directions(path.dq, path.ddq))
 
 
@@ -88,9 +143,9 @@ def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMot
     Args:
         part: A piece of n samples.
     """
-    path, x = part.piece.path, part.profile.x
+    path, x = part.piece.path, part.x
     motions = []
-    for side in (slice(None, -1), slice(1, None)):
+    for side, rate in zip((slice(None, -1), slice(1, None)), part.rates.T, strict=True):
         given = path.object
         count = np.arange(len(part.piece.step), dtype=np.float64)
         there = ObjectMotion(
@@ -98,12 +153,12 @@ def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMot
         )
         travel = _directions(path)[:, side]
         piece = CoordinatedMotion(there, path.q[side], path.dq[side], path.ddq[side], travel=travel)
-        motions.append(_retimed(piece, np.sqrt(x[side]), x[side], part.rate))
+        motions.append(_retimed(piece, np.sqrt(x[side]), x[side], rate))
     return motions[0], motions[1]
 
 
-def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedMotion:
-    """The retimed motion inside the segments, dq/ds on the polynomials of `velocity_polynomials`.
+def path_between(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedMotion:
+    """The path inside the segments, its rates on the polynomials of `velocity_polynomials`.
 
     Args:
         cell: The cell.
@@ -111,14 +166,24 @@ def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> Coordin
         places: Where in each segment, in (0, 1), Shape (p,).
 
     Returns:
-        The motion at p (n - 1) samples, segment after segment; its time is the arc length s.
+        The path at p (n - 1) samples, segment after segment, with the path parameter for time.
     """
     path, step = part.piece.path, part.piece.step
     s = (path.object.time[:-1, None] + step[:, None] * places).ravel()
     q, dq, ddq = velocity_polynomials(path.object.time, (path.q, path.dq, path.ddq), s)
-    between = carried_by_first(cell, s - s[0], q, dq, ddq, smooth=False)
-    x = (part.profile.x[:-1, None] + np.diff(part.profile.x)[:, None] * places).ravel()
-    return _retimed(between, np.sqrt(x), x, np.repeat(part.rate, len(places)))
+    return carried_by_first(cell, s - s[0], q, dq, ddq, smooth=False)
+
+
+def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedMotion:
+    """The retimed motion inside the segments; its time is the path parameter.
+
+    Args:
+        cell: The cell.
+        part: A piece of n samples.
+        places: Where in each segment, in (0, 1), Shape (p,).
+    """
+    x, rate = part.inside(places)
+    return _retimed(path_between(cell, part, places), np.sqrt(x), x, rate)
 
 
 def _retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> CoordinatedMotion:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from mrts.base.arrays import Array
 from mrts.base.remark import Remark
 from mrts.samples.reserve import TORQUES
 from mrts.samples.sample_ranges import SampleRanges
@@ -20,7 +21,13 @@ NAMED = 3
 """Further joints that it names."""
 
 
-def with_torques(result: ScalingResult, c2: float, samples: SampleRanges, solver: str) -> ScalingResult:
+def with_torques(
+    result: ScalingResult,
+    c2: float,
+    samples: SampleRanges,
+    solver: str,
+    given: tuple[Array, Array] | None = None,
+) -> ScalingResult:
     """A result with the torques of its rule at a chosen c², and with what is to be said of them.
 
     Args:
@@ -28,6 +35,7 @@ def with_torques(result: ScalingResult, c2: float, samples: SampleRanges, solver
         c2: Chosen c².
         samples: The ranges of that load: they say whether it can be held still.
         solver: Name in the registry.
+        given: Torques and wrenches that were distributed already, Shape (N, m) and (N, n w).
 
     Raises:
         SolverError: If no solver answers, or the torques overstep a limit.
@@ -35,7 +43,10 @@ def with_torques(result: ScalingResult, c2: float, samples: SampleRanges, solver
     cell, motion, rule = result.cell, result.motion, result.rule
     W = torque_weights(rule.weights, motion.q.shape[1])
     distribute = TORQUES[rule.distribute]
-    torque, wrench, fallbacks = distribute(cell, motion, rule.formulation, rule.sharing, solver, c2, W)
+    if given is None:
+        torque, wrench, fallbacks = distribute(cell, motion, rule.formulation, rule.sharing, solver, c2, W)
+    else:
+        torque, wrench, fallbacks = *given, 0
     holding, unheld = holding_at_ends(cell, motion, samples, rule.sharing, rule.formulation, W, solver, rule.distribute)
     done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     before = tuple(warning for warning in result.warnings if warning.code != OVERRATED)

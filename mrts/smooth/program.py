@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """A path with rows whose values and rates of change are limited: what every solver of smooth timing is given."""
 
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
+from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,8 @@ class SmoothProgram:
         q2: q'' of them, Shape (n, J).
         q3: q''' of them at the start and at the end of every segment, Shape (n - 1, 2, J).
         jerk: Shape (J,).
+        names: Of the rows.
+        joints: Of the joints whose jerk is limited.
         ends: x at the first and the last node where it is given, else None.
         end_free: F at the first and the last node, Shape (f,), where it is given, else None.
     """
@@ -59,6 +61,8 @@ class SmoothProgram:
     q2: Array
     q3: Array
     jerk: Array
+    names: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
     ends: tuple[float | None, float | None] = (None, None)
     end_free: tuple[Array | None, Array | None] = (None, None)
 
@@ -71,6 +75,39 @@ class SmoothProgram:
     def spacing(self) -> Array:
         """ω of the trapezoidal rule over the nodes, Shape (n,)."""
         return np.concatenate([self.step[:1], self.step[:-1] + self.step[1:], self.step[-1:]]) / 2
+
+    def in_units_of(self, unit: float) -> Self:
+        """The same program with x and u in multiples of a unit, and times in multiples of 1/√unit.
+
+        Args:
+            unit: > 0 [1/s²].
+        """
+        root = float(np.sqrt(unit))
+        first, last = (None if x is None else x / unit for x in self.ends)
+        return replace(
+            self,
+            square=self.square * unit,
+            rate=self.rate * unit,
+            root=self.root * root,
+            change=self.change / root,
+            jerk=self.jerk / (unit * root),
+            ends=(first, last),
+        )
+
+    def narrowed(self, share: float) -> Self:
+        """The same program with all limits of rows and rates further in.
+
+        Args:
+            share: Of the size of each limit; of limits that lie close together, a quarter of what is between them.
+        """
+        inward = np.minimum(share, (self.upper - self.lower) / 4)
+        return replace(
+            self,
+            lower=self.lower + inward,
+            upper=self.upper - inward,
+            change=self.change * (1 - share),
+            jerk=self.jerk * (1 - share),
+        )
 
     def values(self, x: Array, u: Array, free: Array) -> Array:
         """Values v of every row, Shape (n, r).
@@ -103,6 +140,30 @@ class SmoothProgram:
         """Σ_k ω_k Σ_j weight v² / √x_k, ∫ τᵀWτ dt."""
         return float(np.sum(self.spacing / np.sqrt(x) * (self.values(x, u, free) ** 2 @ self.weight)))
 
+    def binding(self, x: Array, u: Array, free: Array, near: float) -> list[set[str]]:
+        """Names of what binds at an end of every segment or on it.
+
+        Args:
+            x: Shape (n,).
+            u: Shape (n,).
+            free: Shape (n, f).
+            near: Share of a limit within which it binds.
+        """
+        values, times = self.values(x, u, free), self.times(x)[:, None]
+        at = (values >= self.upper - near) | (values <= self.lower + near)
+        changing = np.abs(np.diff(values, axis=0)) >= (1 - near) * self.change * times
+        jerking = np.max(np.abs(self.jerks(x, u)), axis=1) >= (1 - near) * self.jerk
+        kinds = (
+            (at[:-1] | at[1:], "", self.names),
+            (changing, "rate of ", self.names),
+            (jerking, "jerk of ", self.joints),
+        )
+        found: list[set[str]] = [set() for _ in self.step]
+        for binds, what, names in kinds:
+            for segment, place in np.argwhere(binds).tolist():
+                found[segment].add(what + names[place])
+        return found
+
     def excess(self, x: Array, u: Array, free: Array) -> float:
         """The most by which a row, a change or a jerk passes its limit, as a share of it; <= 0 if all are kept."""
         values, times = self.values(x, u, free), self.times(x)[:, None]
@@ -129,6 +190,15 @@ class Goal:
     time: float = 1.0
     effort: float = 0.0
     longest: float | None = None
+
+    def in_units_of(self, unit: float) -> "Goal":
+        """The same goal for a program in other units; see `SmoothProgram.in_units_of`.
+
+        Args:
+            unit: > 0 [1/s²].
+        """
+        root = float(np.sqrt(unit))
+        return Goal(self.time / root, self.effort / root, None if self.longest is None else self.longest * root)
 
 
 @dataclass(frozen=True)

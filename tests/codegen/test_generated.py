@@ -136,6 +136,7 @@ HOSTILE = {
     "a component twice": lambda data: data.update(wrench_components=["fx", "fx", "nz"]),
     "another component": lambda data: data.update(wrench_components=["fx", "fy", "x; y"]),
     "too few wrench limits": lambda data: data["robots"][0].update(wrench_lower=[None]),
+    "too few contact rates": lambda data: data["robots"][0].update(contact_rate=[None]),
     "a strange parameter": lambda data: data["object"].update(variation={"x; y": [0, 1]}),
     "no mass": lambda data: data["object"].update(mass=0.0),
 }

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: MIT
+"""A piece of a path with a smooth timing, and what is known of how it was found."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.retiming.retimed_motion import TimedPiece
+from mrts.retiming.smooth_path import SmoothPath
+from mrts.smooth.program import Goal, SmoothProgram
+from mrts.smooth.rate_limits import RateLimits
+from mrts.smooth.successive_steps import StepsTaken
+
+BINDING = 1e-4
+"""A limit binds where it is reached to this share: interior points come near limits, not to them."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SmoothPiece(TimedPiece):
+    """A piece with its smooth timing; its `piece` is a path by σ.
+
+    Attributes:
+        piece: The piece, n samples.
+        program: All limits of it, for all loads.
+        steps: How the timing was found.
+    """
+
+    piece: SmoothPath
+    program: SmoothProgram
+    steps: StepsTaken
+
+    @property
+    def rate(self) -> Array:
+        """σ̈ at the nodes, Shape (n,)."""
+        return np.append(self.rates[:, 0], self.rates[-1:, 1])
+
+    @property
+    def arc_speed(self) -> Array:
+        """ṡ along the arc length at the nodes, Shape (n,)."""
+        speed: Array = self.piece.arc_speed * np.sqrt(self.x)
+        return speed
+
+    def to_json(self, time: Array) -> dict[str, list[float | None]]:
+        """The profile as JSON values, along the arc length.
+
+        Args:
+            time: Of the given motion, Shape (N,) [s].
+        """
+        return super().to_json(time) | {
+            "s": self.piece.arc.tolist(),
+            "speed": self.arc_speed.tolist(),
+            "sigma": self.piece.path.object.time.tolist(),
+            "sigma_speed": np.sqrt(self.x).tolist(),
+            "sigma_rate": self.rate.tolist(),
+        }
+
+    @property
+    def binding(self) -> list[set[str]]:
+        """Names of the limits that bind on every segment."""
+        profile = self.steps.profile
+        return self.program.binding(profile.x, profile.u, profile.free, BINDING)
+
+
+@dataclass(frozen=True)
+class SmoothAnswer:
+    """What a smooth timing is beside its profile.
+
+    Attributes:
+        rates: The limits of rates that it keeps.
+        goal: What is least.
+        bound: Duration of the fastest timing without limits of rates, below which none is; None if nothing bounds it.
+        steps: Convex programs solved, of the piece that took most; 0 if there is no timing.
+        gain: Share by which the last of them lowered the cost.
+        fallbacks: Programs that the chosen solver did not solve and Clarabel did.
+    """
+
+    rates: RateLimits
+    goal: Goal
+    bound: float | None
+    steps: int
+    gain: float
+    fallbacks: int
+
+    def __str__(self) -> str:
+        text = f"It is a local optimum, found in {self.steps} steps, of which the last gained {100 * self.gain:.2g} %"
+        if self.bound is None:
+            return text
+        return f"{text}; without limits of rates the fastest takes {self.bound:.4g} s, and none takes less"
+
+    @property
+    def what(self) -> str:
+        """What the timing is, for people."""
+        if self.goal.effort == 0:
+            return "the smooth timing"
+        if self.goal.longest is None:
+            return f"the smooth timing with time = {self.goal.time:g} and energy = {self.goal.effort:g}"
+        return f"the smooth timing of least energy within {self.goal.longest:g} s"
+
+    def to_json(self) -> dict[str, Any]:
+        """The answer as JSON values; null stands for a rate without a limit."""
+
+        def limits(values: Array) -> list[float | None]:
+            return [value if np.isfinite(value) else None for value in values.tolist()]
+
+        return {
+            "goal": {"time": self.goal.time, "energy": self.goal.effort, "longest": self.goal.longest},
+            "bound": self.bound,
+            "steps": self.steps,
+            "last_gain": self.gain,
+            "fallbacks": self.fallbacks,
+            "torque_rate_limit": limits(self.rates.torque),
+            "contact_rate_limit": limits(self.rates.wrench),
+            "jerk_limit": limits(self.rates.jerk),
+        }
+
+
+def smooth_pieces(pieces: Sequence[TimedPiece]) -> list[SmoothPiece]:
+    """Those that are smooth: all or none of a result.
+
+    Args:
+        pieces: Of a result.
+    """
+    return [part for part in pieces if isinstance(part, SmoothPiece)]

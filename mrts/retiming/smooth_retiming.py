@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: MIT
+"""From the fastest timing of a motion to the best one whose torques and accelerations change at limited rates."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from mrts.base.argument_types import Progress, check_type, is_number
+from mrts.base.errors import InputError
+from mrts.base.input_file import LARGEST_NUMBER
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.retiming.between_samples import refined_timing
+from mrts.retiming.path_pieces import NoPath
+from mrts.retiming.played_result import played_result
+from mrts.retiming.result import RetimingResult, RetimingStatus
+from mrts.retiming.smooth_excess import smooth_excess
+from mrts.retiming.smooth_path import smooth_nodes
+from mrts.retiming.smooth_piece import SmoothAnswer, smooth_pieces
+from mrts.retiming.smooth_timing import SmoothQuestion, smooth_timing, torque_plan
+from mrts.scaling.result import ScalingResult
+from mrts.smooth.program import Goal
+
+WEIGHTS = ("time", "energy")
+"""What `weigh` may weigh."""
+
+
+def smooth_goal(weigh: Mapping[str, float] | None, least_energy_in: float | None) -> Goal:
+    """What is to be least.
+
+    Args:
+        weigh: Weights of "time" [1/s] and "energy" [1/(N² m² s)]; None is the time alone.
+        least_energy_in: The longest duration, where the energy is to be least [s].
+
+    Raises:
+        InputError: If a name or a number breaks a rule.
+    """
+    if weigh is not None and least_energy_in is not None:
+        raise InputError("weigh", "does not go with least_energy_in, which weighs the energy alone.")
+    if least_energy_in is not None:
+        if not is_number(least_energy_in, 0, LARGEST_NUMBER) or least_energy_in == 0:
+            raise InputError("least_energy_in", "must be a duration > 0 [s].", value=least_energy_in)
+        return Goal(0.0, 1.0, float(least_energy_in))
+    if weigh is None:
+        return Goal()
+    check_type("weigh", weigh, Mapping)
+    for name, weight in weigh.items():
+        if name not in WEIGHTS:
+            raise InputError("weigh", f"may have the keys {' and '.join(WEIGHTS)} only.", value=name)
+        if not is_number(weight, 0, LARGEST_NUMBER):
+            raise InputError("weigh", f"must be >= 0 and at most {LARGEST_NUMBER:.0e}.", key=name, value=weight)
+    goal = Goal(float(weigh.get("time", 0.0)), float(weigh.get("energy", 0.0)))
+    if goal.time == 0:
+        rule = "must be > 0: with the energy alone the motion would last for ever. Or give least_energy_in."
+        raise InputError("weigh", rule, key="time", value=goal.time)
+    return goal
+
+
+def smooth_retiming(
+    fastest: RetimingResult, question: SmoothQuestion, tolerance: float, progress: Progress, *, adds: bool
+) -> RetimingResult:
+    """The best timing within limits of rates, with its torques.
+
+    Args:
+        fastest: The fastest timing without limits of rates, or why there is none.
+        question: What is asked.
+        tolerance: Share of a limit by which it may be overstepped between nodes.
+        progress: Told how many steps are done.
+        adds: Whether nodes are added where it is.
+
+    Raises:
+        InputError: If the question does not fit the motion.
+        MotionError: If the arms cannot hold the object between the samples.
+        SolverError: If no solver answers.
+    """
+    if not (fastest.status.admits_motion or fastest.status is RetimingStatus.UNBOUNDED):
+        return fastest
+    nodes = smooth_nodes(fastest.cell, question.constant.motion)
+    if isinstance(nodes, NoPath):
+        return fastest
+
+    def timed(motion: CoordinatedMotion) -> RetimingResult:
+        found = smooth_timing(question, motion, progress)
+        return replace(found, smooth=_answer(question, found))
+
+    found = refined_timing(timed(nodes), timed, lambda one: smooth_excess(one, tolerance), tolerance, adds=adds)
+    if not found.pieces:
+        return found
+    return replace(found, retimed=_with_plan(question, found), smooth=_answer(question, found))
+
+
+def _answer(question: SmoothQuestion, found: RetimingResult) -> SmoothAnswer:
+    steps = [part.steps for part in smooth_pieces(found.pieces)]
+    return SmoothAnswer(
+        rates=question.rates,
+        goal=question.goal,
+        bound=question.fastest,
+        steps=max((len(one.costs) for one in steps), default=0),
+        gain=max((one.gain for one in steps), default=0.0),
+        fallbacks=question.solver.fallbacks,
+    )
+
+
+def _with_plan(question: SmoothQuestion, found: RetimingResult) -> ScalingResult:
+    """The retimed motion with torques within their rates, as a result at c² = 1."""
+    torque, wrench = torque_plan(question, found.pieces, found.cell.load)
+    constant = replace(question.constant, motion=found.motion)
+    return played_result(constant, found.pieces, "smooth timing", (torque, wrench))

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: MIT
+"""How fast torques, contact wrenches and accelerations of a cell may change."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mrts.base.argument_types import is_number
+from mrts.base.arrays import Array, freeze
+from mrts.base.errors import InputError
+from mrts.base.input_file import LARGEST_NUMBER
+from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
+
+Rates = bool | float
+"""What a user says of rates: True for those of the cell, or a multiple of torque limits per second [1/s]."""
+
+WHAT_TO_GIVE = (
+    "Give a robot of the cell file 'motors: {torque_rate: …}' [N m/s], 'motors: {jerk: …}' [rad/s³] or "
+    "'contact_rate: [N/s, N m/s]'; or give a number: 11.5 takes 11.5 times the torque limit of each joint per second, "
+    "which is what Franka publishes of its arms (1000 N m/s for 87 N m)."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class RateLimits:
+    """Largest rates of change of a cell with m joints and n w wrench components; infinity where there is none.
+
+    Attributes:
+        torque: |τ̇| of every joint, Shape (m,) [N m/s].
+        wrench: |Ḟ| of every wrench component, base axes, Shape (n w,) [N/s, N m/s].
+        jerk: |q⃛| of every joint, Shape (m,) [rad/s³].
+    """
+
+    torque: Array
+    wrench: Array
+    jerk: Array
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+    @property
+    def limits_something(self) -> bool:
+        """Whether any of them is finite."""
+        return any(bool(np.any(np.isfinite(of))) for of in (self.torque, self.wrench, self.jerk))
+
+
+def given_rate_limits(cell: Cell) -> RateLimits:
+    """What the cell itself says: `motors.torque_rate`, `contact_rate` and `motors.jerk`, less its reserve.
+
+    Args:
+        cell: The cell.
+    """
+    kept = 1.0 - cell.reserve
+    return RateLimits(
+        torque=kept * np.concatenate([robot.motors.torque_rate for robot in cell.robots]),
+        wrench=kept * np.concatenate([robot.contact_rate for robot in cell.robots]),
+        jerk=kept * np.concatenate([robot.motors.jerk for robot in cell.robots]),
+    )
+
+
+def rate_limits(cell: Cell, rates: Rates) -> RateLimits:
+    """The rates that are to be kept, less the reserve of the cell.
+
+    Args:
+        cell: The cell.
+        rates: True takes what the cell gives. A number > 0 takes besides, of joints whose motors give no torque rate,
+            that multiple of the torque limit per second [1/s]; of limits whose sides differ, of the larger one, which
+            is what the motor can give.
+
+    Raises:
+        InputError: If `rates` is something else, if it is True but the cell gives no rate at all, or if it is a
+            number but a joint has no torque limit.
+    """
+    given = given_rate_limits(cell)
+    if rates is True:
+        if not given.limits_something:
+            raise InputError("rates", f"the cell '{cell.name}' limits no rate. {WHAT_TO_GIVE}", value=rates)
+        return given
+    if not is_number(rates, 0, LARGEST_NUMBER) or rates == 0:
+        raise InputError(
+            "rates", f"must be True, or a number > 0 and at most {LARGEST_NUMBER:.0e}. {WHAT_TO_GIVE}", value=rates
+        )
+    missing = np.concatenate([_size_of_limits(robot, rates) for robot in cell.robots])
+    torque = np.where(np.isfinite(given.torque), given.torque, (1.0 - cell.reserve) * rates * missing)
+    return RateLimits(torque, given.wrench, given.jerk)
+
+
+def _size_of_limits(robot: Robot, rates: float) -> Array:
+    """The larger side of the torque limits of a robot, Shape (n_i,) [N m]; 0 where its motors give the rate."""
+    unknown = ~np.isfinite(robot.motors.torque_rate)
+    sizes = np.where(unknown, np.maximum(np.abs(robot.torque_lower), np.abs(robot.torque_upper)), 0.0)
+    for joint, size in zip(robot.joints, sizes, strict=True):
+        if not np.isfinite(size):
+            rule = (
+                f"is a multiple of torque limits, but joint '{joint}' of robot '{robot.name}' has none. Give its robot "
+                "'motors: {torque_rate: …}' in N m/s, or a torque limit."
+            )
+            raise InputError("rates", rule, value=rates)
+    return sizes

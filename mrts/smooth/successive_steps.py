@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: MIT
+"""The best profile within limits of rates, which are not convex: convex programs one after the other, each inside."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.smooth.conic import ConicSolver
+from mrts.smooth.program import Goal, SmoothProfile, SmoothProgram
+from mrts.smooth.smooth_solvers import KEPT, CheckedSolver
+
+CONVERGED = 1e-4
+"""Share of the cost by which a step must lower it, or it was the last."""
+
+MOST_STEPS = 60
+"""Steps after which the profile is taken as it is: every one keeps all limits."""
+
+SLOWER = 4.0
+"""Each start that is not admissible is followed by one with x so many times less."""
+
+STARTS = 3
+"""Starts of one constant speed; after them the limits of rates are relaxed."""
+
+RELAXED_STEPS = 30
+"""Steps by which relaxed limits of rates must be kept."""
+
+STALLED = 1e-3
+"""Share by which such a step must lower what rates pass their limits by, or no profile is found."""
+
+
+@dataclass(frozen=True)
+class StepsTaken:
+    """What the iteration found.
+
+    Attributes:
+        profile: The last profile.
+        costs: Of every profile in turn, falling.
+    """
+
+    profile: SmoothProfile
+    costs: tuple[float, ...]
+
+    @property
+    def gain(self) -> float:
+        """Share of the cost by which the last step lowered it."""
+        return 1.0 if len(self.costs) == 1 else 1 - self.costs[-1] / self.costs[-2]
+
+
+@dataclass(frozen=True)
+class RatesTooSmall:
+    """No profile was found within the limits of rates.
+
+    Attributes:
+        share: By how much rates pass their limits in the nearest one, as a share of them; infinity if none keeps the
+            other limits.
+        profile: The nearest one.
+    """
+
+    share: float
+    profile: SmoothProfile | None
+
+
+def successive_steps(
+    program: SmoothProgram,
+    likely: Array,
+    goal: Goal,
+    solver: CheckedSolver,
+    told: Callable[[int, float], None] = lambda _step, _cost: None,
+) -> StepsTaken | RatesTooSmall:
+    """Profiles within all limits, each better than the one before.
+
+    In each step Δt of limited changes and 1/√x of limited jerks are replaced by their tangents at the last profile,
+    which lie below them: a convex program inside the given one, which the last profile keeps. So the cost only falls.
+
+    Args:
+        program: The program.
+        likely: x of a profile that may be admissible, > 0, Shape (n,).
+        goal: What is the best.
+        solver: Solves the convex programs.
+        told: Told the number of each step and its cost.
+    """
+    found = _first(program, likely, goal, solver)
+    if isinstance(found, RatesTooSmall):
+        return found
+    costs = [cost(program, found, goal)]
+    told(1, costs[-1])
+    while len(costs) < MOST_STEPS:
+        better = solver.step(program, found.x, goal)
+        if better is None or cost(program, better, goal) >= costs[-1]:
+            break
+        found = better
+        costs.append(cost(program, found, goal))
+        told(len(costs), costs[-1])
+        if costs[-1] > costs[-2] * (1 - CONVERGED):
+            break
+    return StepsTaken(found, tuple(costs))
+
+
+def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: CheckedSolver) -> SmoothProfile | RatesTooSmall:
+    """Any profile within all limits."""
+    for slower in range(STARTS):
+        found = solver.step(program, likely / SLOWER**slower, goal)
+        if found is not None:
+            return found
+    near = _by_relaxation(program, likely)
+    if isinstance(near, RatesTooSmall):
+        return near
+    return solver.step(program, near, goal) or RatesTooSmall(0.0, None)
+
+
+def _by_relaxation(program: SmoothProgram, likely: Array) -> Array | RatesTooSmall:
+    """The x of an admissible profile, by ever less relaxed limits of rates."""
+    x, before = likely, np.inf
+    for _ in range(RELAXED_STEPS):
+        found = ConicSolver.nearest(program, x)
+        if found is None:
+            return RatesTooSmall(np.inf, None)
+        profile, share = found
+        if not np.all(profile.x > 0) or share > before * (1 - STALLED):
+            return RatesTooSmall(share, profile)
+        if share <= KEPT:
+            return profile.x
+        x, before = profile.x, share
+    return RatesTooSmall(before, profile)
+
+
+def cost(program: SmoothProgram, profile: SmoothProfile, goal: Goal) -> float:
+    """What a profile costs: the weighted sum of its duration and its effort.
+
+    Args:
+        program: The program.
+        profile: A profile of it.
+        goal: The weights.
+    """
+    spent = goal.time * float(np.sum(program.times(profile.x)))
+    return spent + (goal.effort * program.effort(profile.x, profile.u, profile.free) if goal.effort else 0.0)
