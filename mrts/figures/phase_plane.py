@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 
 from mrts.drawing.colours import COLOURS
 from mrts.retiming.result import RetimingResult
+from mrts.retiming.retimed_motion import FastestPiece
 
 HEADROOM = 1.35
 """The maximum velocity curve goes out of the picture above this multiple of the profile."""
@@ -37,17 +38,18 @@ def draw_phase_plane(axes: Axes, found: RetimingResult) -> None:
     Raises:
         ValueError: If there is none.
     """
-    if not found.pieces:
+    pieces = [part for part in found.pieces if isinstance(part, FastestPiece)]
+    if not pieces:
         raise ValueError("there is no profile to draw")
     before, top = 0.0, 0.0
     best = found.constant.trajectory
-    for number, part in enumerate(found.pieces):
+    for number, part in enumerate(pieces):
         s = before + part.piece.path.object.time
         before = float(s[-1])
         most = np.sqrt(np.where(np.isfinite(part.regions.upper), part.regions.upper, np.nan))
         speed, controllable = np.sqrt(part.profile.x), np.sqrt(part.profile.upper)
         labels = [
-            "maximum velocity curve" if _in_view(found) else "_",
+            "maximum velocity curve" if _in_view(pieces) else "_",
             "controllable",
             f"fastest, {found.duration:.4g} s",
             "" if best is None else f"best constant c, {best.duration:.4g} s",
@@ -71,7 +73,7 @@ def draw_phase_plane(axes: Axes, found: RetimingResult) -> None:
     axes.grid(visible=True, alpha=0.3)
 
 
-def _in_view(found: RetimingResult) -> bool:
+def _in_view(pieces: list[FastestPiece]) -> bool:
     """Whether some of the maximum velocity curve is within the picture."""
-    top = max(float(np.max(part.profile.x)) for part in found.pieces)
-    return any(bool(np.any(part.regions.upper <= HEADROOM**2 * top)) for part in found.pieces)
+    top = max(float(np.max(part.profile.x)) for part in pieces)
+    return any(bool(np.any(part.regions.upper <= HEADROOM**2 * top)) for part in pieces)

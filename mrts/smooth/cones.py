@@ -13,8 +13,8 @@ from mrts.base.arrays import Array
 GAP = 1e-9
 """Gap and residuals at which Clarabel stops."""
 
-REGULAR = 1e-12
-"""What Clarabel adds to its pivots, its default is 1e-8: rates leave sets so thin that it would be felt."""
+REGULAR = 1e-8
+"""What Clarabel adds to its pivots by default."""
 
 SOLVED = {"Solved", "AlmostSolved"}
 """Statuses with an answer; whether it is one is for the caller to check."""
@@ -79,12 +79,18 @@ class Cones:
         constants = np.concatenate([np.ones(count), -np.ones(count), np.zeros(count)])
         self._add(-stacked[order], constants[order], [clarabel.SecondOrderConeT(3)] * count)
 
-    def solved(self, P: sparse.csc_array, q: Array) -> Array | None:
-        """The z of the least ½ zᵀPz + qᵀz, Shape (unknowns,); None if none was found."""
+    def solved(self, P: sparse.csc_array, q: Array, regular: float = REGULAR) -> Array | None:
+        """The z of the least ½ zᵀPz + qᵀz, Shape (unknowns,); None if none was found.
+
+        Args:
+            P: Shape (unknowns, unknowns).
+            q: Shape (unknowns,).
+            regular: What Clarabel adds to its pivots.
+        """
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = GAP
-        settings.static_regularization_constant = REGULAR
+        settings.static_regularization_constant = regular
         A = sparse.csc_matrix(sparse.vstack(self._matrices))
         limits = np.concatenate(self._limits)
         answer = clarabel.DefaultSolver(sparse.csc_matrix(P), q, A, limits, self._cones, settings).solve()

@@ -11,9 +11,12 @@ from mrts.base.arrays import Array
 from mrts.smooth.cones import Cones, entries
 from mrts.smooth.program import Goal, SmoothProfile, SmoothProgram
 
-
 LEAST_WEIGHT = 1e-300
 """Where no row has a weight, the largest is taken for this."""
+
+
+THIN = 1e-12
+"""What Clarabel adds to its pivots for torques: rates leave sets so thin that its default would be felt."""
 
 
 class ConicSolver:
@@ -68,7 +71,7 @@ class ConicSolver:
                 cones.equal(entries((f, n * f), (picked, columns[place, 0], np.ones(f))), given)
         weight = program.spacing[:, None] / np.sqrt(x)[:, None] * program.weight
         weighted = sparse.diags_array(weight.ravel() / np.max(weight, initial=LEAST_WEIGHT)) @ A
-        found = cones.solved(2 * (A.T @ weighted), 2 * (weighted.T @ values.ravel()))
+        found = cones.solved(2 * (A.T @ weighted), 2 * (weighted.T @ values.ravel()), THIN)
         return None if found is None else found.reshape(n, f)
 
 
