@@ -17,14 +17,16 @@ from transcription import robot_side
 import mrts
 
 GAIN = 1e-5
-"""Share of the duration: a step that wins less is the last one, a hundredth of what is compared. Smaller gains may go
-on for many steps: x at an end, where no torque depends on it, grows a little in each."""
+"""Share of the duration: a step that wins less is the last one, a hundredth of what is compared."""
 
 MOST_STEPS = 60
 FIRST_SPEED = 0.3
 """σ̇ of the first profile; quartered until there is a timing around it."""
 
 SLOWEST_SPEED = 1e-5
+FROM_REST = 1.5
+"""|σ̈| over σ̇² at the two nodes nearest to an end, as a multiple of 1 / σ of the whole path: a constant jerk needs 1.
+Nothing else limits σ̇ at an end itself, where no torque depends on it."""
 WRENCH_SIZE = 100.0
 """[N, N m]; unit of wrench components without limit."""
 
@@ -180,6 +182,8 @@ def convex_step(cell, path, rates, models, around, end_torque):
     speed = root[:-1] + root[1:]
     shrink = cp.multiply(-2 * h / speed**2, above[:-1] + above[1:] - speed)
     longest, times = (2 * h / speed + shrink) / np.sqrt(scale), 2 * h / speed / np.sqrt(scale)
+    for node in (0, 1, -2, -1):
+        rows.append(cp.abs(u[node]) <= FROM_REST / path.sigma[-1] * x[node])
     rows += speed_rows(cell, path, x, scale)
     if rates.jerk is not None:
         rows += jerk_rows(path, rates.jerk, x, u, around / scale, scale)
