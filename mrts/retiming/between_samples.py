@@ -47,6 +47,7 @@ def refined_timing(
     tolerance: float,
     *,
     adds: bool,
+    near: float = 1.0,
 ) -> RetimingResult:
     """A timing whose limits hold between samples to a tolerance, or that says by how much they do not.
 
@@ -58,6 +59,8 @@ def refined_timing(
         excess: Finds by how much a timing oversteps limits between samples.
         tolerance: Share of a limit by which it may be overstepped.
         adds: Whether samples are added at all.
+        near: Share of the tolerance from which a segment gets a sample once one passes it: less than 1 takes fewer
+            rounds and more samples.
 
     Raises:
         MotionError: If the arms cannot hold the object between the samples.
@@ -69,7 +72,7 @@ def refined_timing(
             return timed
         found = excess(timed)
         timed = _with_excess(timed, found.worst)
-        passing = np.flatnonzero(found.share > tolerance)
+        passing = np.flatnonzero(found.share > (near * tolerance if np.any(found.share > tolerance) else tolerance))
         if not adds or turn == MOST_ROUNDS or not len(passing) or timed.motion.samples + len(passing) > most:
             break
         time = timed.motion.object.time

@@ -19,6 +19,9 @@ from mrts.retiming.smooth_timing import SmoothQuestion, smooth_timing, torque_pl
 from mrts.scaling.result import ScalingResult
 from mrts.smooth.program import Goal
 
+NEAR = 0.3
+"""Share of the tolerance from which a segment gets a node once one passes it: each round solves all programs anew."""
+
 WEIGHTS = ("time", "energy")
 """What `weigh` may weigh."""
 
@@ -81,7 +84,9 @@ def smooth_retiming(
         found = smooth_timing(question, motion, progress)
         return replace(found, smooth=_answer(question, found))
 
-    found = refined_timing(timed(nodes), timed, lambda one: smooth_excess(one, tolerance), tolerance, adds=adds)
+    found = refined_timing(
+        timed(nodes), timed, lambda one: smooth_excess(one, tolerance), tolerance, adds=adds, near=NEAR
+    )
     if not found.pieces:
         return found
     return replace(found, retimed=_with_plan(question, found), smooth=_answer(question, found))

@@ -61,8 +61,8 @@ class ConicSolver:
         cones.most(-A[sharing], (values - program.lower).ravel()[sharing])
         allowed = np.outer(times, program.change).ravel()
         kept = np.flatnonzero(np.isfinite(allowed))
-        by = sparse.diags_array(1 / allowed[kept])
-        change, moved = by @ (A[r:] - A[:-r])[kept], by @ np.diff(values, axis=0).ravel()[kept]
+        change = sparse.diags_array(1 / allowed[kept]) @ (A[r:] - A[:-r])[kept]
+        moved = np.diff(values, axis=0).ravel()[kept] / allowed[kept]
         cones.most(change, 1 - moved)
         cones.most(-change, 1 + moved)
         for place, given in ((0, program.end_free[0]), (n - 1, program.end_free[1])):
