@@ -65,7 +65,7 @@ def quintic(z):
 
 
 def jerk_path(robot, seed, folder):
-    """A random path of a published robot, with its own velocity and torque limits, a random jerk limit and no friction."""
+    """A random path of a published robot: its own velocity and torque limits, a random jerk limit, no friction."""
     rng = np.random.default_rng([seed, *robot.encode()])
     reference, tip = CASES[robot]
     model = chain_model(urdf_path(reference), tip)

@@ -182,8 +182,7 @@ def convex_step(cell, path, rates, models, around, end_torque):
     speed = root[:-1] + root[1:]
     shrink = cp.multiply(-2 * h / speed**2, above[:-1] + above[1:] - speed)
     longest, times = (2 * h / speed + shrink) / np.sqrt(scale), 2 * h / speed / np.sqrt(scale)
-    for node in (0, 1, -2, -1):
-        rows.append(cp.abs(u[node]) <= FROM_REST / path.sigma[-1] * x[node])
+    rows += [cp.abs(u[node]) <= FROM_REST / path.sigma[-1] * x[node] for node in (0, 1, -2, -1)]
     rows += speed_rows(cell, path, x, scale)
     if rates.jerk is not None:
         rows += jerk_rows(path, rates.jerk, x, u, around / scale, scale)
