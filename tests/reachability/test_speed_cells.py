@@ -11,9 +11,9 @@ from random_motors import equipped
 import mrts
 from mrts.base.errors import CompilerError
 from mrts.reachability import speed_kernel
+from mrts.reachability import successive_profiles as successive
 from mrts.reachability.fastest_profile import Obstacle
 from mrts.reachability.speed_cells import profile_through_cells
-from mrts.retiming import successive_profiles as successive
 from mrts.retiming.path_pieces import path_pieces
 from mrts.samples.sample_problem import build_sample_problem
 
