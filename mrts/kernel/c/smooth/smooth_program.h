@@ -117,8 +117,8 @@ MRTS_LOCAL void mrts_smooth_pulled(const mrts_smooth_program *p, mrts_smooth_sta
 MRTS_LOCAL double mrts_smooth_objective(const mrts_smooth_program *p, mrts_smooth_state *state, double *gx, double *gu,
                                         double *gf, double *duration);
 
-/* Second derivatives of objective + sum of multiplier g, plus sum of multiplier / s times g's gradient squared. */
-MRTS_LOCAL void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *s,
+/* Second derivatives of objective + sum of multiplier g, plus sum of weight times g's gradient squared. */
+MRTS_LOCAL void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weight,
                                    const double *multiplier);
 
 #endif
