@@ -149,18 +149,18 @@ def rate_uses(done: "ScaledTrajectory", kept: RateLimits | None) -> list[RateUse
         kept: The limits that it keeps; None where it keeps none, and then those that the cell gives tell.
     """
     limits = given_rate_limits(done.cell) if kept is None else kept
-    found, steps = [], np.diff(done.time)[:, None]
+    found, steps = [], np.diff(done.time)
     for values, of_kind, names in zip(
         (done.torque, done.wrench, done.ddq),
         (limits.torque, limits.wrench, limits.jerk),
         rate_names(done.cell),
         strict=True,
     ):
-        rates = np.abs(np.diff(values, axis=0) / steps)
-        at = np.argmax(rates, axis=0)
         for place in np.flatnonzero(np.isfinite(of_kind)).tolist():
-            largest, limit = float(rates[at[place], place]), float(of_kind[place])
-            found.append(RateUse(names[place], limit, largest, largest / limit, float(done.time[at[place]])))
+            rates = np.abs(np.diff(values[:, place]) / steps)
+            at = int(np.argmax(rates))
+            largest, limit = float(rates[at]), float(of_kind[place])
+            found.append(RateUse(names[place], limit, largest, largest / limit, float(done.time[at])))
     return sorted(found, key=lambda use: -use.share)
 
 
