@@ -12,7 +12,7 @@
 #define MRTS_SMOOTH_SLACK 0.1      /* least one to start with, of a limit */
 #define MRTS_SMOOTH_CENTRAL 1e-2   /* the gap, of the objective, of the iterate that is kept for a program that is near */
 #define MRTS_SMOOTH_LAID 1e-3      /* the gap, of the objective, below which tangents move no more */
-#define MRTS_SMOOTH_LONG 0.9       /* a step this long needs no correction */
+#define MRTS_SMOOTH_LONG 0.3       /* a step this long needs no correction */
 #define MRTS_SMOOTH_PULLS 2        /* corrections of one step at most */
 #define MRTS_SMOOTH_FURTHER 0.3    /* by how much a correction is to lengthen a step */
 #define MRTS_SMOOTH_GAIN 0.05      /* by how much it must, or it was the last */
