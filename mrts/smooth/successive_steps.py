@@ -37,15 +37,12 @@ class StepsTaken:
     Attributes:
         profile: The last profile.
         costs: Of every profile in turn, falling.
+        gain: Share of the cost by which the last step lowered it; 0 where it did not.
     """
 
     profile: SmoothProfile
     costs: tuple[float, ...]
-
-    @property
-    def gain(self) -> float:
-        """Share of the cost by which the last step lowered it."""
-        return 1.0 if len(self.costs) == 1 else 1 - self.costs[-1] / self.costs[-2]
+    gain: float
 
 
 @dataclass(frozen=True)
@@ -55,11 +52,20 @@ class RatesTooSmall:
     Attributes:
         share: By how much rates pass their limits in the nearest one, as a share of them; infinity if none keeps the
             other limits.
-        profile: The nearest one.
     """
 
     share: float
-    profile: SmoothProfile | None
+
+
+@dataclass(frozen=True)
+class TooLong:
+    """No profile was found within the longest duration.
+
+    Attributes:
+        duration: Of the fastest that was found [s].
+    """
+
+    duration: float
 
 
 def successive_steps(
@@ -68,7 +74,7 @@ def successive_steps(
     goal: Goal,
     solver: CheckedSolver,
     told: Callable[[int, float], None] = lambda _step, _cost: None,
-) -> StepsTaken | RatesTooSmall:
+) -> StepsTaken | RatesTooSmall | TooLong:
     """Profiles within all limits, each better than the one before.
 
     In each step Δt of limited changes and 1/√x of limited jerks are replaced by their tangents at the last profile,
@@ -77,40 +83,55 @@ def successive_steps(
     Args:
         program: The program.
         likely: x of a profile that may be admissible, > 0, Shape (n,).
-        goal: What is the best.
+        goal: What is the best; within a longest duration it starts from a profile that is fast enough.
         solver: Solves the convex programs.
         told: Told the number of each step and its cost.
     """
-    found = _first(program, likely, goal, solver)
+    found = _first(program, likely, goal if goal.longest is None else Goal(), solver)
     if isinstance(found, RatesTooSmall):
         return found
-    costs = [cost(program, found, goal)]
+    if goal.longest is not None:
+        fast = _descent(program, found, Goal(), solver, told, enough=goal.longest)
+        if fast.costs[-1] > goal.longest:
+            return TooLong(fast.costs[-1])
+        found = solver.step(program, fast.profile.x, goal) or fast.profile
+    return _descent(program, found, goal, solver, told)
+
+
+def _descent(
+    program: SmoothProgram,
+    found: SmoothProfile,
+    goal: Goal,
+    solver: CheckedSolver,
+    told: Callable[[int, float], None],
+    enough: float = 0.0,
+) -> StepsTaken:
+    """Steps from an admissible profile until one gains little, or its cost is low enough."""
+    costs, gain = [cost(program, found, goal)], 1.0
     told(1, costs[-1])
-    while len(costs) < MOST_STEPS:
+    while len(costs) < MOST_STEPS and costs[-1] > enough and gain >= CONVERGED:
         better = solver.step(program, found.x, goal)
-        if better is None or cost(program, better, goal) >= costs[-1]:
-            break
-        found = better
-        costs.append(cost(program, found, goal))
-        told(len(costs), costs[-1])
-        if costs[-1] > costs[-2] * (1 - CONVERGED):
-            break
-    return StepsTaken(found, tuple(costs))
+        gain = 0.0 if better is None else max(1 - cost(program, better, goal) / costs[-1], 0.0)
+        if better is not None and gain > 0:
+            found = better
+            costs.append(cost(program, found, goal))
+            told(len(costs), costs[-1])
+    return StepsTaken(found, tuple(costs), gain)
 
 
 def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: CheckedSolver) -> SmoothProfile | RatesTooSmall:
-    """Any profile within all limits; where the solver can foresee it, the one where steps lead."""
+    """Any profile within all limits, a fast one; where the solver can foresee it, the one where steps lead."""
     foreseen = solver.near(program, likely, goal)
     if foreseen is not None:
         return foreseen
     for slower in range(STARTS):
-        found = solver.step(program, likely / SLOWER**slower, goal)
+        found = solver.step(program, likely / SLOWER**slower, Goal())
         if found is not None:
             return found
     near = _by_relaxation(program, likely)
     if isinstance(near, RatesTooSmall):
         return near
-    return solver.step(program, near, goal) or RatesTooSmall(0.0, None)
+    return solver.step(program, near, Goal()) or RatesTooSmall(0.0)
 
 
 def _by_relaxation(program: SmoothProgram, likely: Array) -> Array | RatesTooSmall:
@@ -119,14 +140,14 @@ def _by_relaxation(program: SmoothProgram, likely: Array) -> Array | RatesTooSma
     for _ in range(RELAXED_STEPS):
         found = ConicSolver.nearest(program, x)
         if found is None:
-            return RatesTooSmall(np.inf, None)
+            return RatesTooSmall(np.inf)
         profile, share = found
         if not np.all(profile.x > 0) or share > before * (1 - STALLED):
-            return RatesTooSmall(share, profile)
+            return RatesTooSmall(share)
         if share <= KEPT:
             return profile.x
         x, before = profile.x, share
-    return RatesTooSmall(before, profile)
+    return RatesTooSmall(before)
 
 
 def cost(program: SmoothProgram, profile: SmoothProfile, goal: Goal) -> float:
