@@ -83,29 +83,33 @@ class Trial:
 
 
 @lru_cache
-def trial(name):
-    """The trial of a shipped cell."""
+def trial(name, *, dry=DRY, torque_rate=TORQUE_RATE, filled=FILLED, velocity_limits=True):
+    """The trial of a shipped cell; what is not said is as above."""
     motion, armature, contacts = MOTIONS[name]
     cell = mrts.load_cell(DATA / name / "cell.yaml")
-    wide = {
-        side: [contacts * getattr(robot, side) for robot in cell.robots] for side in ("wrench_lower", "wrench_upper")
+    cell = cell if velocity_limits else cell.without_velocity_limits()
+    held = []
+    for robot in cell.robots:
+        lower, upper = contacts * robot.wrench_lower, contacts * robot.wrench_upper
+        rate = contact_rates(cell, upper, filled)
+        held.append(replace(robot, wrench_lower=lower, wrench_upper=upper, contact_rate=rate))
+    most = held[0].torque_upper
+    columns = {
+        "armature": armature,
+        "coulomb": dry * most,
+        "viscous": VISCOUS * most,
+        "torque_rate": torque_rate * most,
     }
-    robots = [
-        replace(robot, wrench_lower=lower, wrench_upper=upper, contact_rate=contact_rates(cell, upper))
-        for robot, lower, upper in zip(cell.robots, *wide.values(), strict=True)
-    ]
-    columns = {"armature": armature, "torque_rate": TORQUE_RATE * robots[0].torque_upper}
-    columns |= {"coulomb": DRY * robots[0].torque_upper, "viscous": VISCOUS * robots[0].torque_upper}
-    real = with_motors(replace(cell, robots=tuple(robots)), columns)
+    real = with_motors(replace(cell, robots=tuple(held)), columns)
     left = 1 - FOR_FEEDBACK
     used = [replace(r, torque_lower=left * r.torque_lower, torque_upper=left * r.torque_upper) for r in real.robots]
     return Trial(name, real, replace(real, robots=tuple(used)), mrts.load_motion(DATA / name / motion))
 
 
-def contact_rates(cell, upper):
-    """Of a hand's forces and moments: the least limit of either in `FILLED`, Shape (w,) [N/s, N m/s]."""
+def contact_rates(cell, upper, filled):
+    """Of a hand's forces and moments: the least limit of either in that time, Shape (w,) [N/s, N m/s]."""
     forces = np.array([name.startswith("f") for name in cell.wrench_components])
-    return np.where(forces, np.min(upper[forces]), np.min(upper[~forces])) / FILLED
+    return np.where(forces, np.min(upper[forces]), np.min(upper[~forces])) / filled
 
 
 def measures(played):

@@ -10,7 +10,7 @@ import mrts
 
 WITHIN = {"rigid": 0.15, "clamps": 0.25}
 """Share of its limit by which a contact wrench of a smooth plan may pass it. A box that swings in its clamps adds some:
-0.11 to 0.21 in all, at torque rates of 8 to 15 limits a second and 0.018 to 0.04 s to fill a contact's limit."""
+0.15 to 0.28 in all, at torque rates of 8 to 15 limits a second and 0.018 to 0.04 s to fill a contact's limit."""
 
 SATURATED = 0.01
 """Share of a smooth plan's commands that motors may cut."""
