@@ -12,6 +12,7 @@ from mrts.commands.options import numbers_option
 if TYPE_CHECKING:
     from mrts.base.arrays import Array
     from mrts.cell.cell import Cell
+    from mrts.smooth.rate_limits import Rates
 
 PROFILES = ("constant", "optimal", "smooth")
 
@@ -19,7 +20,7 @@ GOES_WITH = {
     "--fastest, --nominal, --c2": ("constant",),
     "--start-speed": ("optimal", "smooth"),
     "--end-speed": ("optimal", "smooth"),
-    "--rates": ("smooth",),
+    "--rates": ("constant", "smooth"),
     "--weigh": ("smooth",),
     "--least-energy-in": ("smooth",),
     "--start-torque": ("smooth",),
@@ -90,18 +91,18 @@ def check_profile(options: argparse.Namespace) -> None:
         if getattr(options, given[name]) not in (None, False) and options.profile not in profiles:
             rule = f"goes with --profile {' or '.join(profiles)}, not with {options.profile}."
             raise InputError(name, rule)
-    if options.profile != "constant" and options.formulation != "wrench":
-        rule = f"the {options.profile} profile is found in the wrench form."
-        raise InputError("--formulation", rule, value=options.formulation)
     if options.weigh is not None and options.least_energy_in is not None:
         raise InputError("--weigh", "does not go with --least-energy-in, which weighs the energy alone.")
-    if options.profile == "smooth" or options.rates is not False:
-        if options.distribute != "least-torque":
-            rule = "does not go with limits of rates, which couple all samples: there torques are the least ones."
-            raise InputError("--distribute", rule, value=options.distribute)
-        if options.carry is not None:
-            rule = "does not go with limits of rates, whose torques are those of the cell file's load."
-            raise InputError("--carry", rule, value=options.carry)
+    if options.profile == "smooth" and options.carry is not None:
+        rule = "does not go with the smooth profile, whose torques are those of the cell file's load."
+        raise InputError("--carry", rule, value=options.carry)
+    rates = options.profile == "smooth" or options.rates is not False
+    if rates and options.distribute != "least-torque":
+        rule = "does not go with limits of rates, which couple all samples: there torques are the least ones."
+        raise InputError("--distribute", rule, value=options.distribute)
+    if (rates or options.profile != "constant") and options.formulation != "wrench":
+        rule = f"the {options.profile} profile{' within rates' if rates else ''} is found in the wrench form."
+        raise InputError("--formulation", rule, value=options.formulation)
 
 
 @contextmanager
@@ -112,6 +113,25 @@ def told_of(option: str) -> Iterator[None]:
     except InputError as error:
         value = None if error.value is True else error.value  # which stands for an option without a value
         raise InputError(option, error.rule, key=error.key, value=value) from None
+
+
+def rates_option(options: argparse.Namespace, cell: "Cell") -> "Rates":
+    """The rates that `--rates` and the profile ask for.
+
+    Args:
+        options: Of the line.
+        cell: The cell.
+
+    Raises:
+        InputError: If the cell gives none, or too little for what is asked.
+    """
+    from mrts.smooth.rate_limits import rate_limits
+
+    rates: Rates = options.rates or options.profile == "smooth"
+    if rates is not False:
+        with told_of("--rates"):
+            rate_limits(cell, rates)
+    return rates
 
 
 def smooth_arguments(options: argparse.Namespace, cell: "Cell") -> dict[str, Any]:
@@ -127,19 +147,16 @@ def smooth_arguments(options: argparse.Namespace, cell: "Cell") -> dict[str, Any
     if options.profile != "smooth":
         return {}
     from mrts.retiming.smooth_retiming import smooth_goal
-    from mrts.smooth.rate_limits import rate_limits
     from mrts.smooth.smooth_solvers import DEFAULT_SMOOTH_SOLVER, check_smooth_solver
 
     weights = None if options.weigh is None else numbers_option("--weigh", options.weigh, "time=1,energy=0.1")
     with told_of("--least-energy-in" if weights is None else "--weigh"):
         smooth_goal(weights, options.least_energy_in)
-    rates, solver = options.rates or True, options.solver or DEFAULT_SMOOTH_SOLVER
-    with told_of("--rates"):
-        rate_limits(cell, rates)
+    solver = options.solver or DEFAULT_SMOOTH_SOLVER
     with told_of("--solver"):
         check_smooth_solver(solver)
     return {
-        "rates": rates,
+        "rates": rates_option(options, cell),
         "weigh": weights,
         "least_energy_in": options.least_energy_in,
         "start_torque": torque_option("--start-torque", options.start_torque, cell),

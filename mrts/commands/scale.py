@@ -18,7 +18,7 @@ from mrts.commands.options import (
     require,
     sharing_option,
 )
-from mrts.commands.profile_options import add_profile, check_profile, smooth_arguments
+from mrts.commands.profile_options import add_profile, check_profile, rates_option, smooth_arguments
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
@@ -161,6 +161,7 @@ def _scale(
                 distribute=options.distribute,
                 closure=closure,
                 between=between_option(options.between),
+                rates=rates_option(options, cell),
                 progress=progress,
             )
         if carried is not None and result.trajectory is not None:

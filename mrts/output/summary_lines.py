@@ -8,7 +8,7 @@ from mrts.drawing.range_sentences import range_text
 from mrts.hands.friction import NORMAL_FORCE
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.retiming.result import RetimingResult
-from mrts.scaling.limit_use import largest_step, limit_uses
+from mrts.scaling.limit_use import largest_step, limit_uses, rate_uses
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
@@ -104,6 +104,7 @@ def _torque_lines(result: ScalingResult) -> Iterator[str]:
         limits = interval_text(use.lower, use.upper, unit, LIMIT_DIGITS)
         yield f"{name:<{names}} {least:>14} {largest:>15} {limits:>22}"
     yield from _motor_lines(result)
+    yield from _rate_lines(result)
     yield from _contact_lines(result)
 
 
@@ -126,6 +127,17 @@ def _motor_lines(result: ScalingResult) -> Iterator[str]:
     share, worst = max(rated)
     if share > 0:
         yield f"root mean square torques: at most {100 * share:.3g} % of what motors bear for ever, by {worst}"
+
+
+def _rate_lines(result: ScalingResult) -> Iterator[str]:
+    """What changes fastest of each kind whose rate is limited, kept or not."""
+    assert result.trajectory is not None  # noqa: S101 (checked by every caller)
+    told: set[str] = set()
+    for use in rate_uses(result.trajectory, result.rule.rates):
+        if use.name.kind not in told:
+            told.add(use.name.kind)
+            numbers = f"{use.largest:.4g} of {use.limit:.4g} {use.name.unit}"
+            yield f"{use.name}: {100 * use.share:.3g} % of its limit ({numbers}) at t = {use.time:.4g} s"
 
 
 def _contact_lines(result: ScalingResult) -> Iterator[str]:

@@ -23,6 +23,7 @@ from mrts.report.tables import (
     margins_table,
     motors_table,
     range_table,
+    rates_table,
     wrench_limits_table,
 )
 from mrts.scaling.result import ScalingResult
@@ -109,7 +110,7 @@ def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[H
     if done is not None:
         pieces += [
             section("margins", "How far the limits are used", _margin_note(), margins_table(result)),
-            section("duty", "What is asked of the motors", _duty_note(), duty_table(result)),
+            section("duty", "What is asked of the motors", _duty_note(), duty_table(result), *rates_table(result)),
             section("torques", "Joint torques", _limit_note(), place(*torque_plots(result))),
             section("wrenches", "Contact wrenches", _limit_note(), place(*wrench_plots(result))),
             section("power", "Power and energy", place(*power_plots(result))),

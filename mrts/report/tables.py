@@ -13,7 +13,7 @@ from mrts.drawing.range_sentences import range_facts, range_text
 from mrts.limits.rows import ActiveRow
 from mrts.report.markup import Html, element, html, joined, table
 from mrts.samples.infeasibility import Conflict
-from mrts.scaling.limit_use import limit_uses
+from mrts.scaling.limit_use import limit_uses, rate_uses
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
 
@@ -80,6 +80,8 @@ def _distribution_text(result: ScalingResult) -> str:
     if sharing is None:
         if result.rule.distribute == "reserve":
             return "those that keep most of every limit in reserve, and the least weighted squares among them"
+        if result.rule.rates is not None:
+            return "the least weighted squares over the whole motion that keep all limits, and those of rates"
         return "the least weighted squares that keep all limits"
     if sharing.shares is None:
         return "a fixed distribution, equal shares"
@@ -184,6 +186,21 @@ def duty_table(result: ScalingResult) -> Html:
             )
     head = ("joint", "rms torque", "peak torque", "peak speed", "power given / taken", "torque rate", "jerk")
     return table(head, rows)
+
+
+def rates_table(result: ScalingResult) -> list[Html]:
+    """Every rate that is limited by falling share; nothing if none is."""
+    if result.trajectory is None:
+        return []
+    rows = []
+    for use in rate_uses(result.trajectory, result.rule.rates):
+        unit = use.name.unit
+        numbers = (f"{use.limit:.4g} {unit}", f"{use.largest:.4g} {unit}", f"{100 * use.share:.1f} %")
+        rows.append((str(use.name), *numbers, f"{use.time:.4g} s"))
+    kept = "They are kept" if result.rule.rates is not None else "They are reported, and bound nothing"
+    note = f"{kept}; differences of neighbouring samples."
+    head = ("limited rate", "limit", "largest", "share", "at")
+    return [table(head, rows), element("p", note, class_="note")] if rows else []
 
 
 def _of_limit(value: float, unit: str, share: float) -> Html:
