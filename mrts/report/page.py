@@ -182,8 +182,7 @@ def _motors(cell: Cell) -> list[Html]:
 def _duty_note() -> Html:
     text = (
         "Percentages are shares of what the joint bears: the torque rated for ever, the largest torque, speed, torque "
-        "rate and jerk, where they are known. Torque rate and jerk are differences of neighbouring samples; nothing "
-        "limits them."
+        "rate and jerk, where they are known. Torque rate and jerk are differences of neighbouring samples."
     )
     return element("p", text, class_="note")
 
