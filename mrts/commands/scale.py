@@ -75,6 +75,9 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     scale.add_argument("--distribute", choices=DISTRIBUTIONS, default="least-torque",
                        help="of redundant torques: the least ones, or those that keep most of every limit in reserve "
                        "(default: %(default)s)")  # fmt: skip
+    scale.add_argument("--rates", nargs="?", type=float, const=True, default=False, metavar="SHARE",
+                       help="keep the cell's limits of torque rates, contact rates and jerk; a number takes that "
+                       "multiple of its torque limit per second for each joint without a torque rate")  # fmt: skip
     add_reserve(scale)
     add_between(scale)
     add_closure(scale)
@@ -169,6 +172,7 @@ def _scale(
                 distribute=options.distribute,
                 closure=closure,
                 between=between_option(options.between),
+                rates=options.rates,
                 progress=progress,
             )
         if carried is not None and result.trajectory is not None:

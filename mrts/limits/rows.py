@@ -24,7 +24,8 @@ class RowName:
 
     Attributes:
         kind: "torque", "wrench", "contact", "velocity", "torque-speed" (a line of a motor's curve), "motor speed" (its
-            end), "balance" (of the object), "c2" (c² >= 0), "speed" (along the path), or what a limit of yours bounds.
+            end), "balance" (of the object), "c2" (c² >= 0), "speed" (along the path), "torque rate", "wrench
+            rate" and "jerk" where rates are kept, or what a limit of yours bounds.
         robot: Robot's name; "object" for its velocity; empty for its balance, for c², and where a limit is of no robot.
         element: Joint, wrench component, contact and what of it is limited ("pad friction +a"), "linear" or "angular",
             or empty.
@@ -45,7 +46,7 @@ class RowName:
             return f"balance of the object ({self.element})"
         if self.kind == "contact":
             return self.short
-        what = "contact wrench" if self.kind == "wrench" else self.kind
+        what = f"contact {self.kind}" if self.kind.startswith("wrench") else self.kind
         return " ".join(filter(None, ["/".join(filter(None, [self.robot, self.element])), what]))
 
     @property

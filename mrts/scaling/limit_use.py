@@ -9,9 +9,11 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.limits import all_rows
 from mrts.limits.rows import TORQUE_SPEED, RowName
+from mrts.smooth.rate_limits import RateLimits, given_rate_limits, rate_names
 
 if TYPE_CHECKING:
     from mrts.scaling.result import ScalingResult
+    from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 NOTHING = 1e-8
 """Share of its limit below which a value is 0: programs meet limits to 1e-9, and a limit of 0 is passed by as much."""
@@ -52,6 +54,32 @@ class LimitUse:
         name = self.name
         place = {"robot": name.robot, "element": name.element, "unit": name.unit}
         return place | {"step": self.step, "share": self.step_share}
+
+
+@dataclass(frozen=True)
+class RateUse:
+    """How fast a torque, a wrench component or an acceleration changes, of which that is limited.
+
+    Attributes:
+        name: What the rate is of.
+        limit: Of it.
+        largest: Its largest size, by differences of neighbouring samples.
+        share: The same as a share of the limit.
+        time: When that is: at the first of the two samples [s].
+    """
+
+    name: RowName
+    limit: float
+    largest: float
+    share: float
+    time: float
+
+    def to_json(self) -> dict[str, str | float]:
+        """Entry of "rates" in the JSON result."""
+        name = self.name
+        place: dict[str, str | float] = {"kind": name.kind, "robot": name.robot, "element": name.element}
+        numbers = {"limit": self.limit, "largest": self.largest, "share": self.share, "time": self.time}
+        return place | {"unit": name.unit} | numbers
 
 
 @dataclass(frozen=True)
@@ -111,6 +139,29 @@ def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUs
         for row, name in enumerate(rows.names)
     ]
     return uses if kind is not None else sorted(uses, key=lambda use: -use.share)
+
+
+def rate_uses(done: "ScaledTrajectory", kept: RateLimits | None) -> list[RateUse]:
+    """All rates that are limited by falling share, kept or not.
+
+    Args:
+        done: The trajectory.
+        kept: The limits that it keeps; None where it keeps none, and then those that the cell gives tell.
+    """
+    limits = given_rate_limits(done.cell) if kept is None else kept
+    found, steps = [], np.diff(done.time)[:, None]
+    for values, of_kind, names in zip(
+        (done.torque, done.wrench, done.ddq),
+        (limits.torque, limits.wrench, limits.jerk),
+        rate_names(done.cell),
+        strict=True,
+    ):
+        rates = np.abs(np.diff(values, axis=0) / steps)
+        at = np.argmax(rates, axis=0)
+        for place in np.flatnonzero(np.isfinite(of_kind)).tolist():
+            largest, limit = float(rates[at[place], place]), float(of_kind[place])
+            found.append(RateUse(names[place], limit, largest, largest / limit, float(done.time[at[place]])))
+    return sorted(found, key=lambda use: -use.share)
 
 
 def largest_step(result: "ScalingResult", kind: str) -> LimitUse | None:

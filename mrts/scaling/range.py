@@ -3,7 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,12 @@ from mrts.limits.rows import ActiveRow, Side
 from mrts.samples.range_ends import Gap, pieces
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
+
+if TYPE_CHECKING:
+    from mrts.smooth.constant_rates import RatedFactors, RatesAtEnd
+
+RATES = {"torque rate", "wrench rate", "jerk"}
+"""Kinds of rows that limit how fast something changes."""
 
 SPEEDS = {"velocity", "motor speed"}
 """Kinds of rows that a load does not move."""
@@ -120,6 +126,8 @@ class ScalingRange:
         elif self.status is RangeStatus.EMPTY and self.lower and self.upper:
             slow, fast = self.lower, self.upper
             text = f"c² must be at least {slow.c2:.6g} {slow.place()}, but at most {fast.c2:.6g} {fast.place()}."
+            if any(row.name.kind in RATES for row in (*slow.rows, *fast.rows)):
+                text = f"a rate is too small: {text}"
         else:
             return ""
         return f"{text} {self.status.advice}"
@@ -187,6 +195,38 @@ def intersect(samples: SampleRanges) -> ScalingRange:
         return ScalingRange(RangeStatus.EMPTY, _end_of_gap(samples, last, "upper"), upper, samples)
     status = RangeStatus.UNBOUNDED if np.isinf(intervals[-1][1].c2) else RangeStatus.FEASIBLE
     return ScalingRange(status, *intervals[-1], samples, intervals)
+
+
+def within_rates(
+    found: ScalingRange, factors: "RatedFactors", loads: Sequence[LoadPoint | None] = (None,)
+) -> ScalingRange:
+    """What limits of rates leave of a range that admits motion: the ends of every interval, which they move inward.
+
+    Args:
+        found: The range.
+        factors: What the rates admit.
+        loads: Those of the factors; None where the load is known.
+    """
+
+    def end(at: "RatesAtEnd") -> RangeEnd:
+        load = None if at.load is None else loads[at.load]
+        return RangeEnd(at.c2, at.sample, float(found.samples.time[at.sample]), at.rows, load)
+
+    kept: list[tuple[RangeEnd, RangeEnd]] = []
+    refused: tuple[RangeEnd, RangeEnd] | None = None
+    for low, high in reversed(found.intervals):
+        c2, fast = factors.fastest(low.c2, high.c2)
+        top = high if fast is None else end(fast)
+        if c2 < low.c2:
+            refused = refused or (low, top)
+            continue
+        _, slow = factors.slowest(low.c2, c2)
+        kept.insert(0, (low if slow is None else end(slow), top))
+    if kept:
+        status = RangeStatus.UNBOUNDED if np.isinf(kept[-1][1].c2) else RangeStatus.FEASIBLE
+        return ScalingRange(status, *kept[-1], found.samples, tuple(kept))
+    assert refused is not None  # noqa: S101 (there was an interval)
+    return ScalingRange(RangeStatus.EMPTY, *refused, found.samples)
 
 
 def _end_of_gap(samples: SampleRanges, gap: Gap, side: Side) -> RangeEnd:

@@ -25,11 +25,12 @@ from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.motor_terms import motor_terms
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.reserve import PlanReserve, plan_reserve
-from mrts.scaling.limit_use import largest_step, limit_uses
+from mrts.scaling.limit_use import largest_step, limit_uses, rate_uses
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange
 from mrts.scaling.result_html import result_html
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.smooth.rate_limits import RateLimits
 from mrts.solvers import DEFAULT_SOLVER
 
 END_TOLERANCE = 1e-7
@@ -66,12 +67,14 @@ class DistributionRule:
         formulation: Unknowns of the programs.
         weights: W of the quadratic program, None for the identity.
         distribute: "least-torque" is the quadratic program alone, "reserve" keeps most of every limit free before it.
+        rates: Limits of rates that they keep; None where they may change as fast as they like.
     """
 
     sharing: LoadSharing | None = None
     formulation: FormulationName = "wrench"
     weights: Array | None = None
     distribute: DistributionName = "least-torque"
+    rates: RateLimits | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -170,7 +173,8 @@ class ScalingResult:
 
     def sentence(self) -> str:
         """The outcome alone."""
-        text = f"{kept_text(self.cell.reserve)}{self._outcome()}"
+        rated = "" if self.rule.rates is None else "within the rates, "
+        text = f"{kept_text(self.cell.reserve)}{rated}{self._outcome()}"
         text = text if self.load is None else f"{self.load.sentence()}: {text}"
         return printable(f"{self.origin}; as it is now, {text}" if self.origin else text)
 
@@ -244,6 +248,7 @@ class ScalingResult:
             "explanation": self.explanation() or None,
             "distribute": self.rule.distribute,
             "kept_reserve": self.cell.reserve,
+            "kept_rates": self.rule.rates and self.rule.rates.to_json(),
             **self.range.to_json(),
             "samples": samples.to_json(),
             "conflicts": [conflict.to_json() for conflict in samples.conflicts],
@@ -262,6 +267,7 @@ class ScalingResult:
             "reserve": self.reserve and self.reserve.to_json(),
             "largest_step": {kind: step and step.step_json() for kind, step in steps.items()},
             "excess": self.excess and self.excess.to_json(),
+            "rates": [use.to_json() for use in rate_uses(self.trajectory, self.rule.rates)] if self.trajectory else [],
         }
 
     def json_text(self) -> str:

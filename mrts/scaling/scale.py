@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass, replace
 from types import NoneType
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
+from mrts.base.load_box import LoadPoint
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinate import coordinate
@@ -31,11 +32,15 @@ from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.motion_remarks import motion_remarks
-from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange, intersect
+from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange, intersect, within_rates
 from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult, kept_text
 from mrts.scaling.uncertain_load import study_load
 from mrts.scaling.with_torques import with_torques
+from mrts.smooth.rate_limits import RateLimits, Rates, rate_limits
 from mrts.solvers import DEFAULT_SOLVER, check_solver
+
+if TYPE_CHECKING:
+    from mrts.smooth.constant_rates import RatedFactors
 
 REMARKED = 1e-3
 """Share by which c²⁺ must be less between given samples than at them to be told: it shows in the digits printed."""
@@ -71,6 +76,7 @@ def scale(
     reserve: float | None = None,
     closure: ClosureBound | None = None,
     between: float | None = BETWEEN,
+    rates: Rates = False,
     progress: Progress = lambda _done, _total: None,
 ) -> ScalingResult:
     """Find the admissible range of c², choose c² and distribute the torques (steps 1 to 5 of MMTSF).
@@ -93,6 +99,10 @@ def scale(
         closure: How far given joints may be off their grasps; None allows 2 mm and 5 mrad.
         between: Share of a limit by which it may be overstepped between the samples; samples are added where it takes
             them. None looks at the given samples alone.
+        rates: Whether torques, accelerations and contact wrenches may only change at limited rates: True for the limits
+            of the cell, a number for the torque rate of the joints that have none, as a multiple of their torque limit
+            [1/s]; docs/smooth.md. Rates are those between neighbouring samples. The torques are then chosen for the
+            whole motion at once, by the least ∫ τᵀWτ dt.
         progress: Told how many of how many pieces of work on an uncertain load are done.
 
     Returns:
@@ -115,9 +125,15 @@ def scale(
     question = load_question(cell, load, select)
     torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
     tolerance = checked_tolerance(between)
-    rule = DistributionRule(sharing, formulation, weights, distribute)
+    limits = None if rates is False else rate_limits(cell, rates)
+    rule = DistributionRule(sharing, formulation, weights, distribute, limits)
+    _check_rates(rule, question)
     given = coordinate(cell, motion, closure)
     found = admissible_range(cell, given, question, rule, solver, tolerance, progress)
+    factors = None
+    if limits is not None and found.range.status.admits_motion:
+        factors, points = _rated_factors(cell, found, sharing, limits)
+        found = replace(found, range=within_rates(found.range, factors, points))
     remarks = motion_remarks(cell, given, found.range)
     added = np.setdiff1d(found.motion.object.time, given.object.time)
     untouched = ScalingResult(
@@ -134,6 +150,8 @@ def scale(
         return untouched
     try:
         c2 = choose_c2(found.range, select)
+        if factors is not None:
+            _check_rated(factors, found.range, c2)
     except SelectionError as error:
         refused = SelectionError(f"{kept_text(cell.reserve)}{error}")
         refused.result = untouched
@@ -217,6 +235,47 @@ def admissible_range(
         return AdmissibleRange(motion, found, study, refined)
     finer, study = along(refined.motion, progress)
     return AdmissibleRange(refined.motion, finer, study, refined, _interpolated(motion, found, finer))
+
+
+def _rated_factors(
+    cell: Cell, found: AdmissibleRange, sharing: LoadSharing | None, limits: RateLimits
+) -> tuple["RatedFactors", tuple[LoadPoint | None, ...]]:
+    """What limits of rates admit of a motion for all loads that were asked about, and these loads."""
+    from mrts.smooth.constant_rates import RatedFactors  # noqa: PLC0415 (scipy is not needed otherwise)
+
+    study = found.study
+    points: tuple[LoadPoint | None, ...] = (None,)
+    if study is not None:
+        points = study.points or study.box.corners(study.box.varying)
+    loads = [None if point is None else point.load for point in points]
+    return RatedFactors(cell, found.motion, loads, sharing, limits), points
+
+
+def _check_rated(factors: "RatedFactors", found: ScalingRange, c2: float) -> None:
+    """That rates admit a c² between the ends of the range: they may leave gaps."""
+    ends = {end.c2 for pair in found.intervals for end in pair}
+    refused = None if c2 in ends else factors.refused(c2)
+    if refused is not None:
+        rows = ", ".join(str(row) for row in refused.rows)
+        raise SelectionError(
+            f"c² = {c2:g} lies in a gap that rates leave in the admissible range {found.text(digits=6)}: at "
+            f"t = {found.samples.time[refused.sample]:.4g} s {rows} would be passed."
+        )
+
+
+def _check_rates(rule: DistributionRule, question: str) -> None:
+    """What goes together with limits of rates."""
+    if rule.rates is None:
+        return
+    for name, value, only in (
+        ("distribute", rule.distribute, "least-torque"),
+        ("formulation", rule.formulation, "wrench"),
+    ):
+        if value != only:
+            raise InputError(name, f"with rates it must be '{only}': torques are chosen for the whole motion.",
+                             value=value)  # fmt: skip
+    if question == "possible":
+        raise InputError("load", "what is possible leaves no torques whose rates could be kept.", value=question)
 
 
 def _interpolated(motion: CoordinatedMotion, bare: ScalingRange, finer: ScalingRange) -> tuple[Remark, ...]:

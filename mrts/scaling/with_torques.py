@@ -7,15 +7,30 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.remark import Remark
+from mrts.motion.rows_at_rest import pushing_ends
 from mrts.samples.reserve import TORQUES
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.torque_distribution import torque_weights
 from mrts.scaling.holding_torques import holding_at_ends
+from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.smooth.rate_limits import RateLimits
 
 OVERRATED = "above-rated"
 """Code of the remark on torques that a motor does not bear for ever."""
+
+HASTY = "rate-passed"
+"""Code of the remark on rates that pass their limit, which nothing keeps."""
+
+STEPS = "step-at-ends"
+"""Code of the remark on torques that must jump where a motion starts or ends, whatever its speed."""
+
+OF_TORQUES = (OVERRATED, HASTY, STEPS)
+"""Codes of remarks that are found again with other torques."""
+
+RATE_TOLERANCE = 1e-6
+"""Share by which a rate may pass its limit before it is told: rounding, of differences of neighbouring samples."""
 
 NAMED = 3
 """Further joints that it names."""
@@ -42,19 +57,23 @@ def with_torques(
     """
     cell, motion, rule = result.cell, result.motion, result.rule
     W = torque_weights(rule.weights, motion.q.shape[1])
-    distribute = TORQUES[rule.distribute]
-    if given is None:
+    if given is not None:
+        torque, wrench, fallbacks = *given, 0
+    elif rule.rates is None:
+        distribute = TORQUES[rule.distribute]
         torque, wrench, fallbacks = distribute(cell, motion, rule.formulation, rule.sharing, solver, c2, W)
     else:
-        torque, wrench, fallbacks = *given, 0
+        from mrts.smooth.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
+
+        torque, wrench, fallbacks = torques_within_rates(cell, motion, rule.sharing, rule.rates, c2, W)
     holding, unheld = holding_at_ends(cell, motion, samples, rule.sharing, rule.formulation, W, solver, rule.distribute)
     done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
-    before = tuple(warning for warning in result.warnings if warning.code != OVERRATED)
+    before = tuple(warning for warning in result.warnings if warning.code not in OF_TORQUES)
     return replace(
         result,
         trajectory=done,
         fallbacks=result.fallbacks + fallbacks,
-        warnings=tuple(dict.fromkeys(before + unheld + _overrated(done))),
+        warnings=tuple(dict.fromkeys(before + unheld + _overrated(done) + _hasty(done, rule.rates))),
     ).checked()
 
 
@@ -79,3 +98,34 @@ def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
         "less; to play the motion slower saves only what its accelerations take."
     )
     return (Remark(OVERRATED, text),)
+
+
+def _hasty(done: ScaledTrajectory, kept: RateLimits | None) -> tuple[Remark, ...]:
+    """What to say of rates that are above their limits, at the samples or where the motion starts and ends."""
+    if kept is not None:
+        return _steps_at_ends(done)
+    passed = [use for use in rate_uses(done, None) if use.share > 1 + RATE_TOLERANCE]
+    if not passed:
+        return ()
+    worst, *others = passed
+    also = f"; {len(others)} more pass theirs" if others else ""
+    text = (
+        f"{worst.name} reaches {worst.largest:.4g} {worst.name.unit} at t = {worst.time:.4g} s, "
+        f"{100 * worst.share:.0f} % of its limit{also}. Rates are reported only; --rates keeps them (in Python "
+        "rates=True)."
+    )
+    return (Remark(HASTY, text),)
+
+
+def _steps_at_ends(done: ScaledTrajectory) -> tuple[Remark, ...]:
+    """That a motion accelerates from standstill on, or until it stands."""
+    first, last = pushing_ends(done.motion.dq, done.motion.ddq)
+    if not (first or last):
+        return ()
+    where = " and ".join(word for word, pushes in (("starts", first), ("ends", last)) if pushes)
+    text = (
+        f"the motion {where} at rest but accelerates there, so torques jump from or to those that hold still, at every "
+        "speed. The rates are kept in between; a profile that starts and ends without acceleration (quintic, or "
+        "--profile smooth) has no such jump."
+    )
+    return (Remark(STEPS, text),)

@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: MIT
 """How fast torques, contact wrenches and accelerations of a cell may change."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from mrts.base.argument_types import is_number
-from mrts.base.arrays import Array, freeze
+from mrts.base.arrays import Array, freeze, without_infinity
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
+from mrts.limits.rows import RowName
 
 Rates = bool | float
 """What a user says of rates: True for those of the cell, or a multiple of torque limits per second [1/s]."""
@@ -43,6 +45,32 @@ class RateLimits:
     def limits_something(self) -> bool:
         """Whether any of them is finite."""
         return any(bool(np.any(np.isfinite(of))) for of in (self.torque, self.wrench, self.jerk))
+
+    def to_json(self) -> dict[str, list[float | None]]:
+        """One list a kind; None stands for infinity."""
+        return {entry.name: without_infinity(getattr(self, entry.name)) for entry in fields(self)}
+
+
+def rate_names(cell: Cell) -> tuple[tuple[RowName, ...], tuple[RowName, ...], tuple[RowName, ...]]:
+    """Names of torque rates, wrench rates and jerks, in the order of `RateLimits`.
+
+    Args:
+        cell: The cell.
+    """
+
+    def each(kind: str, per: str, parts: Sequence[tuple[str, Sequence[str], Sequence[str]]]) -> tuple[RowName, ...]:
+        return tuple(
+            RowName(kind, robot, element, f"{unit}/{per}")
+            for robot, elements, units in parts
+            for element, unit in zip(elements, units, strict=True)
+        )
+
+    robots = cell.robots
+    return (
+        each("torque rate", "s", [(robot.name, robot.joints, robot.torque_units) for robot in robots]),
+        each("wrench rate", "s", [(robot.name, cell.wrench_components, cell.wrench_units) for robot in robots]),
+        each("jerk", "s³", [(robot.name, robot.joints, robot.position_units) for robot in robots]),
+    )
 
 
 def given_rate_limits(cell: Cell) -> RateLimits:
