@@ -2,6 +2,7 @@
 """The whole page: everything in one file that fetches nothing."""
 
 import json
+from collections.abc import Callable
 from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
@@ -12,7 +13,7 @@ from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.report.markup import Html, element, html, joined, plot_place, section
 from mrts.report.player import SPEEDS, Player, player
-from mrts.report.plots import Plot, load_plot, power_plots, torque_plots, wrench_plots
+from mrts.report.plots import Plot, load_plot, power_plots, rate_plots, torque_plots, wrench_plots
 from mrts.report.range_plot import range_plot
 from mrts.report.tables import (
     conflicts_table,
@@ -23,6 +24,7 @@ from mrts.report.tables import (
     margins_table,
     motors_table,
     range_table,
+    rates_table,
     wrench_limits_table,
 )
 from mrts.scaling.result import ScalingResult
@@ -112,6 +114,7 @@ def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[H
             section("duty", "What is asked of the motors", _duty_note(), duty_table(result)),
             section("torques", "Joint torques", _limit_note(), place(*torque_plots(result))),
             section("wrenches", "Contact wrenches", _limit_note(), place(*wrench_plots(result))),
+            *_rates(result, place),
             section("power", "Power and energy", place(*power_plots(result))),
         ]
     if study is not None:
@@ -129,6 +132,22 @@ def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[H
     ]
     pieces.append(section("inputs", "What was given", inputs_table(result), *limits))
     return pieces
+
+
+def _rates(result: ScalingResult, place: Callable[..., Html]) -> list[Html]:
+    """How fast torques, wrenches and accelerations change; nothing where that is not limited."""
+    drawn = rate_plots(result)
+    if not drawn:
+        return []
+    kept = "These limits are kept" if result.rule.rates is not None else "These limits are reported only"
+    note = (
+        f"{kept}. Rates are differences of neighbouring samples: torques and wrenches are straight lines between them."
+    )
+    return [
+        section(
+            "rates", "How fast torques change", element("p", note, class_="note"), rates_table(result), place(*drawn)
+        )
+    ]
 
 
 def _head(result: ScalingResult) -> Html:
@@ -181,8 +200,7 @@ def _motors(cell: Cell) -> list[Html]:
 def _duty_note() -> Html:
     text = (
         "Percentages are shares of what the joint bears: the torque rated for ever, the largest torque, speed, torque "
-        "rate and jerk, where they are known. Torque rate and jerk are differences of neighbouring samples; nothing "
-        "limits them."
+        "rate and jerk, where they are known. Torque rate and jerk are differences of neighbouring samples."
     )
     return element("p", text, class_="note")
 

@@ -13,7 +13,7 @@ from mrts.drawing.range_sentences import range_facts, range_text
 from mrts.limits.rows import ActiveRow
 from mrts.report.markup import Html, element, html, joined, table
 from mrts.samples.infeasibility import Conflict
-from mrts.scaling.limit_use import limit_uses
+from mrts.scaling.limit_use import limit_uses, rate_uses
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
 
@@ -49,6 +49,8 @@ def inputs_table(result: ScalingResult) -> Html:
         entries.append(("kept in reserve", f"{100 * result.cell.reserve:.4g} % of every limit"))
     if result.reserve is not None:
         entries.append(("reserve", str(result.reserve)))
+    if result.rule.rates is not None:
+        entries.append(("rates", "torques, wrenches and accelerations change within the limits below"))
     entries.append(("between the samples", _between_text(result)))
     return element("dl", joined(joined([element("dt", name), element("dd", text)]) for name, text in entries))
 
@@ -160,6 +162,17 @@ def margins_table(result: ScalingResult) -> Html:
         limits = interval_text(use.lower, use.upper, use.name.unit)
         rows.append((str(use.name), limits, f"{use.least:.4g}", f"{use.largest:.4g}", bar, f"{use.time:.4g} s"))
     return table(("limit", "from … to", "least", "largest", "share used", "most used at"), rows)
+
+
+def rates_table(result: ScalingResult) -> Html:
+    """Every limit of a rate by falling share that the trajectory uses; nothing where none is limited."""
+    done = result.trajectory
+    rows = [
+        (str(use.name), f"{use.limit:.4g} {use.name.unit}", f"{use.largest:.4g}", f"{100 * use.share:.1f} %",
+         f"{use.time:.4g} s")
+        for use in (() if done is None else rate_uses(done, result.rule.rates))
+    ]  # fmt: skip
+    return table(("rate", "limit", "largest", "share used", "first at"), rows) if rows else Html("")
 
 
 def duty_table(result: ScalingResult) -> Html:

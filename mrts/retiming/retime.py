@@ -65,7 +65,7 @@ def retime(
         sharing: A fixed distribution of the load; None leaves it free.
         weights: W of the quadratic program, as in `mrts.scale`.
         load: "guaranteed" (for every load of the box) or "nominal"; "auto" is "guaranteed" if the cell has a load box.
-        distribute: As in `mrts.scale`.
+        distribute: As in `mrts.scale`; with rates "least-torque" alone.
         reserve: Likewise.
         closure: Likewise.
         start_speed: ṙ at the start, where the given motion does not start from rest [1].
@@ -91,6 +91,9 @@ def retime(
     question = _checked_question(cell, sharing, load, start_speed, end_speed, progress)
     rule = DistributionRule(sharing, "wrench", weights, distribute)
     limits, goal = _limits_of_rates(cell, rates, weigh, least_energy_in, solver)
+    if limits is not None and distribute != "least-torque":
+        rule_broken = "with rates it must be 'least-torque': torques are chosen for the whole motion."
+        raise InputError("distribute", rule_broken, value=distribute)
     constant = _best_constant(cell, motion, rule, question, reserve, closure, between)
 
     speeds, tolerance = (start_speed, end_speed), checked_tolerance(between)

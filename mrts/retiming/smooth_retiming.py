@@ -14,9 +14,8 @@ from mrts.retiming.played_result import played_result
 from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.smooth_excess import smooth_excess
 from mrts.retiming.smooth_path import smooth_nodes
-from mrts.retiming.smooth_piece import SmoothAnswer, smooth_pieces
+from mrts.retiming.smooth_piece import SmoothAnswer, fastest_pieces, smooth_pieces
 from mrts.retiming.smooth_timing import SmoothQuestion, smooth_timing, torque_plan
-from mrts.scaling.result import ScalingResult
 from mrts.smooth.program import Goal
 
 NEAR = 0.3
@@ -82,17 +81,21 @@ def smooth_retiming(
 
     def timed(motion: CoordinatedMotion) -> RetimingResult:
         found = smooth_timing(question, motion, progress)
-        return replace(found, smooth=_answer(question, found))
+        return replace(found, smooth=_answer(question, fastest, found))
 
     found = refined_timing(
         timed(nodes), timed, lambda one: smooth_excess(one, tolerance), tolerance, adds=adds, near=NEAR
     )
     if not found.pieces:
         return found
-    return replace(found, retimed=_with_plan(question, found), smooth=_answer(question, found))
+    plan = torque_plan(question, found.pieces, found.cell.load)
+    answer, constant = _answer(question, fastest, found), question.constant
+    kept = replace(constant, motion=found.motion, rule=replace(constant.rule, rates=question.rates))
+    played = played_result(kept, found.pieces, answer.what, plan)
+    return replace(found, retimed=replace(played, origin=f"{played.origin}. {answer}"), smooth=answer)
 
 
-def _answer(question: SmoothQuestion, found: RetimingResult) -> SmoothAnswer:
+def _answer(question: SmoothQuestion, fastest: RetimingResult, found: RetimingResult) -> SmoothAnswer:
     steps = [part.steps for part in smooth_pieces(found.pieces)]
     return SmoothAnswer(
         rates=question.rates,
@@ -101,11 +104,5 @@ def _answer(question: SmoothQuestion, found: RetimingResult) -> SmoothAnswer:
         steps=max((len(one.costs) for one in steps), default=0),
         gain=max((one.gain for one in steps), default=0.0),
         fallbacks=question.solver.fallbacks,
+        fastest=fastest_pieces(fastest.pieces),
     )
-
-
-def _with_plan(question: SmoothQuestion, found: RetimingResult) -> ScalingResult:
-    """The retimed motion with torques within their rates, as a result at c² = 1."""
-    torque, wrench = torque_plan(question, found.pieces, found.cell.load)
-    constant = replace(question.constant, motion=found.motion)
-    return played_result(constant, found.pieces, "smooth timing", (torque, wrench))
