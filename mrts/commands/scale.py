@@ -224,6 +224,8 @@ def _retime(
     for name, given in (("--c2, --fastest, --nominal", options.select), ("--solver", options.solver)):
         if given is not None:
             raise InputError(name, "does not go with --profile optimal, which chooses the speed by itself.")
+    if options.rates is not False:
+        raise InputError("--rates", "goes with --profile constant: the optimal profile jumps from limit to limit.")
     if options.formulation != "wrench":
         raise InputError("--formulation", "the optimal profile is found in the wrench form.", value=options.formulation)
     outputs = Outputs()

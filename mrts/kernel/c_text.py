@@ -5,6 +5,7 @@ import re
 from collections.abc import Sequence
 from importlib.resources import files
 from itertools import accumulate
+from posixpath import dirname, join, normpath
 
 from mrts.base.manifest import Manifest
 
@@ -14,7 +15,10 @@ PROGRAM_FILES = ("linear_programs.c", "quadratic_programs.c", "batch.c")
 CELL_FILES = (*PROGRAM_FILES, "rows.c", "speed_intervals.c", "trajectory.c", "null_space.c", "tracking.c")
 """All of the kernel; the last files need a cell's sizes and generated functions."""
 
-INCLUDED = re.compile(r'^#include "(\w+\.h)"\n', re.MULTILINE)
+SMOOTH_FILES = tuple(f"smooth/{name}.c" for name in ("smooth_rows", "smooth_second", "fronts", "interior_point"))
+"""The programs of smooth timing, which need no cell either."""
+
+INCLUDED = re.compile(r'^#include "((?:\.\./)?\w+\.h)"\n', re.MULTILINE)
 
 
 def one_file(name: str) -> str:
@@ -26,7 +30,7 @@ def one_text(names: Sequence[str]) -> str:
     """Some C files of the kernel, in order, as one text: each header of ours stands where it is first included.
 
     Args:
-        names: Of files in mrts/kernel/c, such as "linear_programs.c".
+        names: Of files in mrts/kernel/c, such as "linear_programs.c", or "smooth/fronts.c".
     """
     taken: set[str] = set()
 
@@ -34,7 +38,7 @@ def one_text(names: Sequence[str]) -> str:
         if name in taken:
             return ""
         taken.add(name)
-        return INCLUDED.sub(lambda found: text(found.group(1)), one_file(name))
+        return INCLUDED.sub(lambda found: text(normpath(join(dirname(name), found.group(1)))), one_file(name))
 
     return "\n".join(text(name) for name in names)
 
@@ -42,6 +46,11 @@ def one_text(names: Sequence[str]) -> str:
 def programs_source() -> str:
     """The C text of the library of programs."""
     return f"#define MRTS_LOCAL static\n{one_text(PROGRAM_FILES)}"
+
+
+def smooth_source() -> str:
+    """The C text of the library of smooth timing."""
+    return f"#define MRTS_LOCAL static\n{one_text(SMOOTH_FILES)}"
 
 
 def cell_source(manifest: Manifest, generated: str) -> str:

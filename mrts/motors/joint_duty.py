@@ -15,9 +15,9 @@ class JointDuty:
     """Duty of n joints over a motion, each Shape (n,); of a prismatic joint read N, m/s, N/s, m/s³.
 
     Torques are those that the motors give, taken as straight lines between samples. A share is that of what the joint
-    bears, 1 being all of it, and 0 where no limit is known. Torque rate and jerk are differences of neighbouring
-    samples, so a jump, as of dry friction where a joint turns back, counts as steep as the samples are close. Their
-    shares are of what the motors bear, whatever limits of rates a plan keeps.
+    bears, 1 being all of it, and 0 where no limit is known. Torque rate and jerk bound nothing unless rates are
+    kept (`mrts.scale(rates=…)`). They are differences of neighbouring samples, so a jump, as of dry friction where a
+    joint turns back, counts as steep as the samples are close.
 
     Attributes:
         rms_torque: Root mean square over the motion, pauses before and after it left out [N m].

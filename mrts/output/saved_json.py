@@ -15,6 +15,7 @@ from mrts.base.manifest import FORMAT, LOAD_ENTRIES, Manifest, Matrix, Matrix3, 
 from mrts.limits import OWN_LIMITS
 from mrts.limits.rows import ActiveRow, RowName
 from mrts.samples import DistributionName, FormulationName
+from mrts.samples.range_status import RangeStatus
 
 FORMAT_NAME = "mrts result"
 
@@ -151,6 +152,53 @@ class SharingEntry(_Record):
     internal_wrench: list[float] | Matrix | None
 
 
+Rate = Annotated[float, Field(gt=0)]
+
+
+class RatesEntry(_Record):
+    """Limits of rates, as `mrts.smooth.rate_limits.RateLimits`; None is unbounded."""
+
+    torque: list[Rate | None]
+    wrench: list[Rate | None]
+    jerk: list[Rate | None]
+
+
+class EndEntry(_Record):
+    """An end of a range within rates, as `mrts.scaling.range.RangeEnd`; rows and load are indices, None is no limit."""
+
+    c2: Annotated[float, Field(ge=0)] | None
+    sample: Index | None
+    rows: list[Index]
+    load: Index | None
+
+    @model_validator(mode="after")
+    def _somewhere(self) -> Self:
+        if (self.c2 is None) != (self.sample is None):
+            raise broken_rule("an end without a c2 must be at no sample, and only such an end")
+        return self
+
+
+class RatedEntry(_Record):
+    """A range within rates, as `mrts.scaling.range.ScalingRange`."""
+
+    status: RangeStatus
+    ends: tuple[EndEntry, EndEntry]
+    intervals: list[tuple[EndEntry, EndEntry]]
+
+    @model_validator(mode="after")
+    def _agrees(self) -> Self:
+        lower, upper = self.ends
+        if any(low.c2 is None for low, _ in (self.ends, *self.intervals)):
+            raise broken_rule("a lower end must have a c2")
+        if (self.status is RangeStatus.EMPTY) == bool(self.intervals) or self.status is RangeStatus.INFEASIBLE:
+            raise broken_rule("a range must have intervals, unless it is empty")
+        if self.intervals and (lower, upper) != self.intervals[-1]:
+            raise broken_rule("its ends must be those of its last interval")
+        if (self.status is RangeStatus.UNBOUNDED) != (upper.c2 is None):
+            raise broken_rule("an upper end must have a c2, unless the range is unbounded")
+        return self
+
+
 class RuleEntry(_Record):
     """How torques are distributed, as `mrts.scaling.result.DistributionRule`."""
 
@@ -158,6 +206,7 @@ class RuleEntry(_Record):
     formulation: FormulationName
     weights: list[float] | Matrix | None
     distribute: DistributionName = "least-torque"
+    rates: RatesEntry | None = None
 
 
 class ReserveEntry(_Record):
@@ -218,6 +267,7 @@ class Description(_Record):
     conflicts: Annotated[list[ConflictEntry], FailFast()]
     gaps: Annotated[list[GapEntry], FailFast()] = []
     excess: ExcessEntry | None = None
+    rated: RatedEntry | None = None
 
     def text(self) -> str:
         """As JSON."""

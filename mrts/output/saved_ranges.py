@@ -17,9 +17,11 @@ from mrts.output.saved_json import (
     DAMAGED,
     ConflictEntry,
     Description,
+    EndEntry,
     GapEntry,
     LoadEntry,
     PlanReserveEntry,
+    RatedEntry,
     ReserveEntry,
     RowEntry,
 )
@@ -28,6 +30,7 @@ from mrts.samples.range_ends import Gap
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.reserve import PlanReserve, Reserve
 from mrts.samples.sample_ranges import SampleRanges
+from mrts.scaling.range import RangeEnd, ScalingRange, intersect
 
 STATUSES = tuple(RangeStatus)
 """A sample's status is saved as its place in this order."""
@@ -183,6 +186,61 @@ def read_ranges(path: Path, arrays: Arrays, said: Description, time: Array) -> l
             )
         )
     return found
+
+
+def rated_entry(found: ScalingRange, tables: Tables) -> RatedEntry | None:
+    """What the description says of a range that rates have moved; None if it has no ends.
+
+    Args:
+        found: The range.
+        tables: Take up the rows and loads.
+    """
+
+    def entry(end: RangeEnd) -> EndEntry:
+        return EndEntry(
+            c2=end.c2 if np.isfinite(end.c2) else None,
+            sample=end.sample,
+            rows=[tables.row(row) for row in end.rows],
+            load=None if end.load is None else tables.load(end.load),
+        )
+
+    if found.lower is None or found.upper is None:
+        return None
+    intervals = [(entry(low), entry(high)) for low, high in found.intervals]
+    return RatedEntry(status=found.status, ends=(entry(found.lower), entry(found.upper)), intervals=intervals)
+
+
+def read_rated(path: Path, said: Description, samples: SampleRanges) -> ScalingRange:
+    """The range over the motion: as rates left it, or the intersection over the samples.
+
+    Args:
+        path: The file, for messages.
+        said: Its description.
+        samples: Its ranges at every sample.
+
+    Raises:
+        InputError: If a place does not exist.
+    """
+    if said.rated is None:
+        return intersect(samples)
+    rows = [entry.row() for entry in said.rows]
+    loads = [LoadPoint(entry.parameters, np.array(entry.load)) for entry in said.loads]
+
+    def end(one: EndEntry) -> RangeEnd:
+        for key, places, size in (
+            ("sample", [] if one.sample is None else [one.sample], len(samples.time)),
+            ("rows", one.rows, len(rows)),
+            ("load", [] if one.load is None else [one.load], len(loads)),
+        ):
+            require_places(path, f"rated: {key}", places, size)
+        c2, sample = (np.inf, None) if one.c2 is None else (one.c2, one.sample)
+        time = None if sample is None else float(samples.time[sample])
+        found = tuple(rows[place] for place in one.rows)
+        return RangeEnd(c2, sample, time, found, None if one.load is None else loads[one.load])
+
+    intervals = tuple((end(low), end(high)) for low, high in said.rated.intervals)
+    lower, upper = said.rated.ends
+    return ScalingRange(said.rated.status, end(lower), end(upper), samples, intervals)
 
 
 def reserve_entry(found: PlanReserve | None, tables: Tables) -> PlanReserveEntry | None:

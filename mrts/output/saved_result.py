@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.argument_types import as_path, check_type
-from mrts.base.arrays import without_infinity
+from mrts.base.arrays import with_infinity, without_infinity
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError, as_array
 from mrts.base.load_box import LoadPoint
@@ -35,6 +35,7 @@ from mrts.output.saved_json import (
     BoxEntry,
     Description,
     ExcessEntry,
+    RatesEntry,
     RuleEntry,
     SharingEntry,
     StudyEntry,
@@ -47,7 +48,9 @@ from mrts.output.saved_ranges import (
     conflict_entries,
     gap_entries,
     range_arrays,
+    rated_entry,
     read_ranges,
+    read_rated,
     read_reserve,
     require_places,
     reserve_entry,
@@ -60,6 +63,7 @@ from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import intersect
 from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.smooth.rate_limits import RateLimits
 
 MOTION = ("time", "position", "rotation", "twist", "acceleration")
 """Arrays of the object's motion."""
@@ -146,7 +150,8 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         motion = CoordinatedMotion(carried, arrays["q"], arrays["dq"], arrays["ddq"], travel=arrays.get("travel"))
         rule = _rule(said.rule)
         box = None if said.study is None else said.study.box.box()
-    first, *others = (intersect(samples) for samples in read_ranges(path, arrays, said, motion.object.time))
+    whole, *of_loads = read_ranges(path, arrays, said, motion.object.time)
+    first, others = read_rated(path, said, whole), map(intersect, of_loads)
     study = None
     if said.study is not None and box is not None:
         require_places(path, "study.points", said.study.points, len(said.loads))
@@ -222,6 +227,7 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
         )
     conflicts, gaps = conflict_entries(ranges, tables), gap_entries(ranges, tables)
     reserve = reserve_entry(result.reserve, tables)
+    rated = None if rule.rates is None else rated_entry(result.range, tables)
     left, excess = result.excess, None
     if left is not None:
         row = None if left.row is None else tables.row(left.row)
@@ -241,6 +247,7 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
             formulation=rule.formulation,
             weights=_listed(rule.weights),
             distribute=rule.distribute,
+            rates=None if rule.rates is None else RatesEntry.model_validate(rule.rates.to_json()),
         ),
         c2=None if result.trajectory is None else result.trajectory.c2,
         fallbacks=result.fallbacks,
@@ -256,6 +263,7 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
         kept_reserve=cell.reserve,
         reserve=reserve,
         excess=excess,
+        rated=rated,
     )
 
 
@@ -271,7 +279,10 @@ def _rule(entry: RuleEntry) -> DistributionRule:
     fixed = None
     if sharing is not None:
         fixed = LoadSharing(array("shares", sharing.shares), array("internal_wrench", sharing.internal_wrench))
-    return DistributionRule(fixed, entry.formulation, array("weights", entry.weights), entry.distribute)
+    given, rates = entry.rates, None
+    if given is not None:
+        rates = RateLimits(*(with_infinity(of, np.inf) for of in (given.torque, given.wrench, given.jerk)))
+    return DistributionRule(fixed, entry.formulation, array("weights", entry.weights), entry.distribute, rates)
 
 
 def _manifest(cell: Cell) -> Manifest:
@@ -336,6 +347,9 @@ def _check_arrays(path: Path, arrays: Arrays, said: Description, cell: Cell) -> 
         raise InputError(path, f"must have {ranges} values. {DAMAGED}", key="range_fallbacks")
     N, m = np.size(arrays.get("time", ())), sum(len(robot.joints) for robot in cell.robots)
     f = len(cell.robots) * len(cell.wrench_components)
+    rates = said.rule.rates
+    if rates is not None and (len(rates.torque), len(rates.wrench), len(rates.jerk)) != (m, f, m):
+        raise InputError(path, f"must have {m}, {f} and {m} values. {DAMAGED}", key="rule.rates")
     shapes: dict[str, tuple[int, ...]] = {"time": (N,), "position": (N, 3), "rotation": (N, 3, 3)}
     shapes |= {"twist": (N, 6), "acceleration": (N, 6), "q": (N, m), "dq": (N, m), "ddq": (N, m)}
     shapes |= {"c2_lower": (ranges, N), "c2_upper": (ranges, N), "status": (ranges, N)}

@@ -8,7 +8,7 @@ from mrts.drawing.range_sentences import range_text
 from mrts.hands.friction import NORMAL_FORCE
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.retiming.result import RetimingResult
-from mrts.scaling.limit_use import RateUse, largest_step, limit_uses, rate_uses
+from mrts.scaling.limit_use import largest_step, limit_uses, rate_uses
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
@@ -130,14 +130,14 @@ def _motor_lines(result: ScalingResult) -> Iterator[str]:
 
 
 def _rate_lines(result: ScalingResult) -> Iterator[str]:
-    """What comes nearest to its limit of rates, a line for each kind of them."""
+    """What changes fastest of each kind whose rate is limited, kept or not."""
     assert result.trajectory is not None  # noqa: S101 (checked by every caller)
-    nearest: dict[str, RateUse] = {}
+    told: set[str] = set()
     for use in rate_uses(result.trajectory, result.rule.rates):
-        nearest.setdefault(use.name.kind, use)
-    for kind, use in nearest.items():
-        most = f"{use.largest:.4g} of {use.limit:.4g} {use.name.unit}"
-        yield f"{kind}s: at most {100 * use.share:.3g} % of a limit, {use.name.robot}/{use.name.element} ({most}) at t = {use.time:.4g} s"
+        if use.name.kind not in told:
+            told.add(use.name.kind)
+            numbers = f"{use.largest:.4g} of {use.limit:.4g} {use.name.unit}"
+            yield f"{use.name}: {100 * use.share:.3g} % of its limit ({numbers}) at t = {use.time:.4g} s"
 
 
 def _contact_lines(result: ScalingResult) -> Iterator[str]:

@@ -136,18 +136,8 @@ def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[H
 
 def _rates(result: ScalingResult, place: Callable[..., Html]) -> list[Html]:
     """How fast torques, wrenches and accelerations change; nothing where that is not limited."""
-    drawn = rate_plots(result)
-    if not drawn:
-        return []
-    kept = "These limits are kept" if result.rule.rates is not None else "These limits are reported only"
-    note = (
-        f"{kept}. Rates are differences of neighbouring samples: torques and wrenches are straight lines between them."
-    )
-    return [
-        section(
-            "rates", "How fast torques change", element("p", note, class_="note"), rates_table(result), place(*drawn)
-        )
-    ]
+    listed = rates_table(result)
+    return [section("rates", "How fast torques change", *listed, place(*rate_plots(result)))] if listed else []
 
 
 def _head(result: ScalingResult) -> Html:

@@ -49,8 +49,6 @@ def inputs_table(result: ScalingResult) -> Html:
         entries.append(("kept in reserve", f"{100 * result.cell.reserve:.4g} % of every limit"))
     if result.reserve is not None:
         entries.append(("reserve", str(result.reserve)))
-    if result.rule.rates is not None:
-        entries.append(("rates", "torques, wrenches and accelerations change within the limits below"))
     entries.append(("between the samples", _between_text(result)))
     return element("dl", joined(joined([element("dt", name), element("dd", text)]) for name, text in entries))
 
@@ -82,6 +80,8 @@ def _distribution_text(result: ScalingResult) -> str:
     if sharing is None:
         if result.rule.distribute == "reserve":
             return "those that keep most of every limit in reserve, and the least weighted squares among them"
+        if result.rule.rates is not None:
+            return "the least weighted squares over the whole motion that keep all limits, and those of rates"
         return "the least weighted squares that keep all limits"
     if sharing.shares is None:
         return "a fixed distribution, equal shares"
@@ -164,17 +164,6 @@ def margins_table(result: ScalingResult) -> Html:
     return table(("limit", "from … to", "least", "largest", "share used", "most used at"), rows)
 
 
-def rates_table(result: ScalingResult) -> Html:
-    """Every limit of a rate by falling share that the trajectory uses; nothing where none is limited."""
-    done = result.trajectory
-    rows = [
-        (str(use.name), f"{use.limit:.4g} {use.name.unit}", f"{use.largest:.4g}", f"{100 * use.share:.1f} %",
-         f"{use.time:.4g} s")
-        for use in (() if done is None else rate_uses(done, result.rule.rates))
-    ]  # fmt: skip
-    return table(("rate", "limit", "largest", "share used", "first at"), rows) if rows else Html("")
-
-
 def duty_table(result: ScalingResult) -> Html:
     """What the motion asks of every motor, with the share of what it bears where that is known."""
     done = result.trajectory
@@ -197,6 +186,21 @@ def duty_table(result: ScalingResult) -> Html:
             )
     head = ("joint", "rms torque", "peak torque", "peak speed", "power given / taken", "torque rate", "jerk")
     return table(head, rows)
+
+
+def rates_table(result: ScalingResult) -> list[Html]:
+    """Every rate that is limited by falling share; nothing if none is."""
+    if result.trajectory is None:
+        return []
+    rows = []
+    for use in rate_uses(result.trajectory, result.rule.rates):
+        unit = use.name.unit
+        numbers = (f"{use.limit:.4g} {unit}", f"{use.largest:.4g} {unit}", f"{100 * use.share:.1f} %")
+        rows.append((str(use.name), *numbers, f"{use.time:.4g} s"))
+    kept = "They are kept" if result.rule.rates is not None else "They are reported, and bound nothing"
+    note = f"{kept}; differences of neighbouring samples."
+    head = ("limited rate", "limit", "largest", "share", "at")
+    return [table(head, rows), element("p", note, class_="note")] if rows else []
 
 
 def _of_limit(value: float, unit: str, share: float) -> Html:

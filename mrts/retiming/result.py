@@ -35,6 +35,8 @@ class RetimingStatus(Enum):
     LOCALLY_OPTIMAL = "locally optimal"
     LOCALLY_AT_SAMPLES = "locally optimal at samples only"
     RATES_TOO_SMALL = "rates too small"
+    TOO_SHORT = "duration too short"
+    HOLDING = "infeasible holding torque"
     INFEASIBLE = "infeasible"
     NOT_CONTROLLABLE = "not controllable"
     START_SPEED = "start speed not admissible"

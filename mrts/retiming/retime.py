@@ -2,14 +2,15 @@
 """The fastest admissible r(t): a speed that varies along the path, where `mrts.scale` keeps its factor constant."""
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import NoneType
+from typing import Any
 
 import numpy as np
 
 from mrts.base.argument_types import Progress, check_callable, check_type, is_number
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
@@ -19,6 +20,7 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.refinement.excess import BETWEEN, checked_tolerance
 from mrts.retiming.between_samples import excess_by_segment, refined_timing
 from mrts.retiming.fastest_timing import fastest_timing
+from mrts.retiming.held_wrenches import GivenTorques
 from mrts.retiming.played_result import played_result
 from mrts.retiming.result import RetimingResult
 from mrts.retiming.smooth_retiming import smooth_goal, smooth_retiming
@@ -48,6 +50,8 @@ def retime(
     rates: Rates = False,
     weigh: Mapping[str, float] | None = None,
     least_energy_in: float | None = None,
+    start_torque: Array | None = None,
+    end_torque: Array | None = None,
     solver: str = DEFAULT_SMOOTH_SOLVER,
     progress: Progress = lambda _done, _total: None,
 ) -> RetimingResult:
@@ -77,6 +81,9 @@ def retime(
         weigh: With rates: weights of what is to be least, the "time" [1/s] and the "energy" ∫ τᵀWτ dt [1/(N² m² s)];
             None is the time alone.
         least_energy_in: With rates: the longest duration, within which the energy is to be least [s].
+        start_torque: With rates: torques that hold still where the motion begins, Shape (m,); None leaves them free
+            within the limits, as part of the answer [N m].
+        end_torque: Likewise where it ends.
         solver: Of the programs with rates, a name in `SMOOTH_SOLVERS`.
         progress: Told how many of how many loads, or with rates of how many steps, are done.
 
@@ -90,10 +97,10 @@ def retime(
     """
     question = _checked_question(cell, sharing, load, start_speed, end_speed, progress)
     rule = DistributionRule(sharing, "wrench", weights, distribute)
-    limits, goal = _limits_of_rates(cell, rates, weigh, least_energy_in, solver)
-    if limits is not None and distribute != "least-torque":
-        rule_broken = "with rates it must be 'least-torque': torques are chosen for the whole motion."
-        raise InputError("distribute", rule_broken, value=distribute)
+    asked = _smooth_request(
+        cell, rates, distribute, solver, weigh=weigh, least_energy_in=least_energy_in,
+        start_torque=start_torque, end_torque=end_torque,
+    )  # fmt: skip
     constant = _best_constant(cell, motion, rule, question, reserve, closure, between)
 
     speeds, tolerance = (start_speed, end_speed), checked_tolerance(between)
@@ -107,24 +114,52 @@ def retime(
 
     first = replace(timed(constant.motion), constant=constant)
     fastest = refined_timing(first, timed, lambda one: excess_by_segment(one, tolerance), tolerance, adds=adds)
-    if limits is None:
+    if asked is None:
         return fastest
-    asked = SmoothQuestion(constant, fastest.loads, limits, goal, speeds, fastest.duration, CheckedSolver(solver))
-    return smooth_retiming(fastest, asked, tolerance, progress, adds=adds)
+    whole = SmoothQuestion(
+        constant, fastest.loads, asked.rates, asked.goal, speeds, asked.held, fastest.duration, CheckedSolver(solver)
+    )
+    if len(fastest.loads) > 1 and asked.held != (None, None):
+        raise InputError("start_torque, end_torque", "hold one load, but the cell's varies: ask for load='nominal'.")
+    return smooth_retiming(fastest, whole, tolerance, progress, adds=adds)
 
 
-def _limits_of_rates(
-    cell: Cell, rates: Rates, weigh: Mapping[str, float] | None, least_energy_in: float | None, solver: str
-) -> tuple[RateLimits | None, Goal]:
-    """The limits of rates, None if none are asked for, and what is to be least with them."""
-    goal = smooth_goal(weigh, least_energy_in)
-    if rates is not False:
-        check_smooth_solver(solver)
-        return rate_limits(cell, rates), goal
-    for name, given in (("weigh", weigh), ("least_energy_in", least_energy_in)):
-        if given is not None:
-            raise InputError(name, "needs limits of rates: give rates too.", value=given)
-    return None, goal
+@dataclass(frozen=True)
+class _SmoothRequest:
+    """What is asked with limits of rates.
+
+    Attributes:
+        rates: The limits.
+        goal: What is to be least.
+        held: Torques that hold still at both ends, where they are given.
+    """
+
+    rates: RateLimits
+    goal: Goal
+    held: GivenTorques
+
+
+def _smooth_request(
+    cell: Cell, rates: Rates, distribute: DistributionName, solver: str, **given: Any
+) -> _SmoothRequest | None:
+    """The arguments that go with rates, checked; None without rates."""
+    if rates is False:
+        for name, value in given.items():
+            if value is not None:
+                raise InputError(name, "needs limits of rates: give rates too.", value=value)
+        return None
+    goal = smooth_goal(given["weigh"], given["least_energy_in"])
+    check_smooth_solver(solver)
+    if distribute != "least-torque":
+        rule = "does not go with rates: where torques change slowly they are the least ones."
+        raise InputError("distribute", rule, value=distribute)
+    joints, held = sum(len(robot.joints) for robot in cell.robots), []
+    for name in ("start_torque", "end_torque"):
+        torque = None if given[name] is None else as_array(name, given[name])
+        if torque is not None and (torque.shape != (joints,) or not np.all(np.isfinite(torque))):
+            raise InputError(name, f"must be finite with Shape ({joints},), one a joint.", value=given[name])
+        held.append(torque)
+    return _SmoothRequest(rate_limits(cell, rates), goal, (held[0], held[1]))
 
 
 def _checked_question(

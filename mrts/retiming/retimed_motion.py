@@ -163,7 +163,7 @@ def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMot
         )
         travel = _directions(path)[:, side]
         piece = CoordinatedMotion(there, path.q[side], path.dq[side], path.ddq[side], travel=travel)
-        motions.append(_retimed(piece, np.sqrt(x[side]), x[side], rate))
+        motions.append(retimed(piece, np.sqrt(x[side]), x[side], rate))
     return motions[0], motions[1]
 
 
@@ -193,11 +193,18 @@ def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> Coordin
         places: Where in each segment, in (0, 1), Shape (p,).
     """
     x, rate = part.inside(places)
-    return _retimed(path_between(cell, part, places), np.sqrt(x), x, rate)
+    return retimed(path_between(cell, part, places), np.sqrt(x), x, rate)
 
 
-def _retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> CoordinatedMotion:
-    """Samples of a path at their speeds; the time stays that of the path."""
+def retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> CoordinatedMotion:
+    """Samples of a path at their speeds; the time stays that of the path.
+
+    Args:
+        path: n samples.
+        speed: Shape (n,).
+        x: Its square.
+        rate: Its derivative in time, Shape (n,).
+    """
     dq, ddq, twist, acceleration = _played(path, speed, x, rate)
     given = path.object
     carried = ObjectMotion(given.time, given.position, given.rotation, twist, acceleration, smooth=False)

@@ -12,6 +12,7 @@ from mrts.retiming.between_samples import refined_timing
 from mrts.retiming.path_pieces import NoPath
 from mrts.retiming.played_result import played_result
 from mrts.retiming.result import RetimingResult, RetimingStatus
+from mrts.retiming.retimed_motion import TimedPiece
 from mrts.retiming.smooth_excess import smooth_excess
 from mrts.retiming.smooth_path import smooth_nodes
 from mrts.retiming.smooth_piece import SmoothAnswer, fastest_pieces, smooth_pieces
@@ -79,8 +80,11 @@ def smooth_retiming(
     if isinstance(nodes, NoPath):
         return fastest
 
+    before: list[TimedPiece] = []
+
     def timed(motion: CoordinatedMotion) -> RetimingResult:
-        found = smooth_timing(question, motion, progress)
+        found = smooth_timing(question, motion, before, progress)
+        before[:] = found.pieces
         return replace(found, smooth=_answer(question, fastest, found))
 
     found = refined_timing(

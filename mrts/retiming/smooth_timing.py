@@ -2,7 +2,7 @@
 """The best timing of a path within limits of torques and of how fast they change, with nodes at its samples."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, SolverError
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.retiming.held_wrenches import given_wrenches, stopped_wrenches, unheld
 from mrts.retiming.path_pieces import NoPath, closed_piece, path_pieces
 from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import TimedPiece
@@ -19,16 +20,25 @@ from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.torque_distribution import torque_weights
 from mrts.scaling.result import ScalingResult
 from mrts.smooth.path_program import path_program
-from mrts.smooth.program import Goal
+from mrts.smooth.program import Goal, SmoothProgram
 from mrts.smooth.rate_limits import RateLimits
 from mrts.smooth.smooth_solvers import CheckedSolver
-from mrts.smooth.successive_steps import RatesTooSmall, successive_steps
+from mrts.smooth.successive_steps import RatesTooSmall, TooLong, successive_steps
 
 NARROWING = 1e-6
 """Of each limit, as a share of it, in the timing: what it leaves for the torques has an inside then."""
 
 UNBOUNDED = 1e-6
 """A timing in less than this share of the given duration is one that nothing limits."""
+
+ON_TIME = 1e-3
+"""Share of the longest duration that a motion with stops may stay below it: what weighs time and energy is searched."""
+
+MOST_WEIGHTS = 30
+"""Weights of time that are tried for it."""
+
+Ends = tuple[Array | None, Array | None]
+"""Wrenches of all loads at the start and at the end, where they are given."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +51,7 @@ class SmoothQuestion:
         rates: Limits of rates.
         goal: What is the best.
         end_speeds: ṙ at the start and at the end, multiples of the given motion's.
+        end_torques: Torques that hold still at the start and at the end, Shape (m,); None leaves them free [N m].
         fastest: Duration of the fastest timing without limits of rates, None if nothing bounds it [s].
         solver: Solves the programs.
     """
@@ -50,75 +61,121 @@ class SmoothQuestion:
     rates: RateLimits
     goal: Goal
     end_speeds: tuple[float, float]
+    end_torques: tuple[Array | None, Array | None]
     fastest: float | None
     solver: CheckedSolver
 
+    @property
+    def weights(self) -> Array:
+        """W of the effort, Shape (m, m)."""
+        return torque_weights(self.constant.rule.weights, self.constant.motion.q.shape[1])
 
-def smooth_timing(question: SmoothQuestion, motion: CoordinatedMotion, progress: Progress) -> RetimingResult:
+    def problem(self, path: SmoothPath, load: Array) -> SampleProblem:
+        """Rows at the nodes of a path.
+
+        Args:
+            path: The path, n nodes.
+            load: Load vector, Shape (10,).
+        """
+        sharing = self.constant.rule.sharing
+        return build_sample_problem(self.constant.cell, path.path, sharing=sharing, load=load, varying=True)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A piece that is to be timed."""
+
+    piece: SmoothPath
+    program: SmoothProgram
+    likely: Array
+
+    def timed(self, goal: Goal, solver: CheckedSolver, progress: Progress) -> "SmoothPiece | RatesTooSmall | TooLong":
+        found = successive_steps(self.program, self.likely, goal, solver, lambda step, _cost: progress(step, step + 1))
+        if isinstance(found, RatesTooSmall | TooLong):
+            return found
+        rates = np.column_stack([found.profile.u[:-1], found.profile.u[1:]])
+        return SmoothPiece(piece=self.piece, x=found.profile.x, rates=rates, program=self.program, steps=found)
+
+
+def smooth_timing(
+    question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[TimedPiece], progress: Progress
+) -> RetimingResult:
     """The best timing with limits kept at the nodes, the samples of a motion.
 
     Args:
         question: What is asked.
         motion: The path, N samples.
+        before: The timing of the same path with other nodes, if there is one.
         progress: Told how many steps are done.
 
     Raises:
         InputError: If an end speed is asked for where the motion rests.
         SolverError: If no solver answers.
     """
+    parts = _parts(question, motion, smooth_pieces(before))
+    if isinstance(parts, str):
+        return _none(question, motion, RetimingStatus.HOLDING, parts)
+    timed = _timed(question, parts, progress)
+    if isinstance(timed, RatesTooSmall | TooLong):
+        return _none(question, motion, *_why(question, timed))
+    if sum(_duration(one) for one in timed) < UNBOUNDED * motion.object.time[-1]:
+        why = "nothing limits the speed. Give velocity limits, or limits of torque rates or jerk."
+        return _none(question, motion, RetimingStatus.UNBOUNDED, why)
+    done = _none(question, motion, RetimingStatus.LOCALLY_OPTIMAL, "")
+    return replace(done, pieces=tuple(timed))
+
+
+def _none(question: SmoothQuestion, motion: CoordinatedMotion, status: RetimingStatus, why: str) -> RetimingResult:
     constant = question.constant
-    cell, found = constant.cell, path_pieces(motion)
+    return RetimingResult(constant.cell, motion, status, why, constant, question.loads)
+
+
+def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece]) -> list[_Part] | str:
+    """The pieces of a path with their programs, or why given torques do not hold still."""
+    found = path_pieces(motion)
     if isinstance(found, NoPath):
         raise SolverError("a path that could be timed without limits of rates is no path with them: please report it.")
-    pieces = [closed_piece(cell, piece) for piece in found]
-    ends = ((pieces[0].rests[0], "start_speed", 0), (pieces[-1].rests[1], "end_speed", 1))
+    pieces = [closed_piece(question.constant.cell, piece) for piece in found]
+    _check_ends(question, pieces[0].rests[0], pieces[-1].rests[1])
+    time, parts = motion.object.time, []
+    held: Array | None = None
+    for number, given in enumerate(pieces):
+        n = len(given.speed)
+        piece = smooth_path(given, float(time[given.first + n - 1] - time[given.first]))
+        first, last = number == 0, number == len(pieces) - 1
+        speeds = (question.end_speeds[0] if first else 0.0, question.end_speeds[1] if last else 0.0)
+        problems = [question.problem(piece, load) for load in question.loads]
+        start, held = _held(question, problems, held, first=first, last=last)
+        for end, asked in ((0, first), (1, last)):
+            why = unheld(question.constant.cell, problems[0], question.end_torques, end) if asked else None
+            if why is not None:
+                return why
+        weights = question.weights if question.goal.effort > 0 else None
+        program = path_program(
+            question.constant.cell, piece.path, problems, question.rates, weights, _ends(piece, speeds), (start, held)
+        )
+        likely = _likely(question, piece, program, before[number] if before else None, float(time[-1]))
+        parts.append(_Part(piece, program.narrowed(NARROWING), likely))
+    return parts
+
+
+def _held(
+    question: SmoothQuestion, problems: Sequence[SampleProblem], before: Array | None, *, first: bool, last: bool
+) -> tuple[Array | None, Array | None]:
+    """Wrenches at both ends of a piece: those given, or at a stop on the way those of the least torques."""
+    start = given_wrenches(problems, question.end_torques, 0) if first else before
+    end = given_wrenches(problems, question.end_torques, 1) if last else stopped_wrenches(problems, question.weights)
+    return start, end
+
+
+def _check_ends(question: SmoothQuestion, starts_at_rest: bool, ends_at_rest: bool) -> None:  # noqa: FBT001
+    ends = ((starts_at_rest, "start", 0), (ends_at_rest, "end", 1))
     for rests, name, place in ends:
         if rests and question.end_speeds[place] > 0:
             rule = "the given motion is at rest there, so no other speed is possible."
-            raise InputError(name, rule, value=question.end_speeds[place])
-    time, timed = motion.object.time, []
-    for number, piece in enumerate(pieces):
-        n = len(piece.speed)
-        smooth = smooth_path(piece, float(time[piece.first + n - 1] - time[piece.first]))
-        first, last = number == 0, number == len(pieces) - 1
-        speeds = (question.end_speeds[0] if first else 0.0, question.end_speeds[1] if last else 0.0)
-        answer = _timed(question, smooth, speeds, float(time[-1]), progress)
-        if isinstance(answer, str):
-            return RetimingResult(cell, motion, RetimingStatus.RATES_TOO_SMALL, answer, constant, question.loads)
-        timed.append(answer)
-    duration = sum(float(np.sum(part.segment_times)) for part in timed)
-    if duration < UNBOUNDED * time[-1]:
-        why = "nothing limits the speed. Give velocity limits, or limits of torque rates or jerk."
-        return RetimingResult(cell, motion, RetimingStatus.UNBOUNDED, why, constant, question.loads)
-    return RetimingResult(
-        cell, motion, RetimingStatus.LOCALLY_OPTIMAL, "", constant, question.loads, pieces=tuple(timed)
-    )
-
-
-def _timed(
-    question: SmoothQuestion, piece: SmoothPath, end_speeds: tuple[float, float], given: float, progress: Progress
-) -> SmoothPiece | str:
-    """A piece with its timing, or why there is none."""
-    weights = None
-    if question.goal.effort > 0:
-        weights = torque_weights(question.constant.rule.weights, piece.path.q.shape[1])
-    ends = _ends(piece, end_speeds)
-    problems = [sample_problem(question.constant, piece, load) for load in question.loads]
-    program = path_program(question.constant.cell, piece.path, problems, question.rates, weights, ends)
-    program = program.narrowed(NARROWING)
-    likely = given if question.fastest is None else question.fastest
-    around = np.full(program.nodes, (given / likely) ** 2)
-    for place, x in zip((0, -1), ends, strict=True):
-        if x is not None:
-            around[place] = x
-    found = successive_steps(
-        program, around, question.goal, question.solver, lambda step, _cost: progress(step, step + 1)
-    )
-    if isinstance(found, RatesTooSmall):
-        return _too_small(found)
-    profile = found.profile
-    rates = np.column_stack([profile.u[:-1], profile.u[1:]])
-    return SmoothPiece(piece=piece, x=profile.x, rates=rates, program=program, steps=found)
+            raise InputError(f"{name}_speed", rule, value=question.end_speeds[place])
+        if not rests and question.end_torques[place] is not None:
+            raise InputError(f"{name}_torque", "is for motions that are at rest there: it is what holds still.")
 
 
 def _ends(piece: SmoothPath, end_speeds: tuple[float, float]) -> tuple[float | None, float | None]:
@@ -130,24 +187,89 @@ def _ends(piece: SmoothPath, end_speeds: tuple[float, float]) -> tuple[float | N
     return first, last
 
 
-def _too_small(found: RatesTooSmall) -> str:
-    if np.isfinite(found.share):
-        return (
-            f"no timing within the limits of rates was found; the nearest passes them by {100 * found.share:.3g} %. "
-            "Raise the torque rates or the jerk, or give other end speeds."
+def _likely(
+    question: SmoothQuestion, piece: SmoothPath, program: SmoothProgram, before: SmoothPiece | None, given: float
+) -> Array:
+    """X around which the first step is taken."""
+    if before is None:
+        x = np.full(program.nodes, 1.0 if question.fastest is None else (given / question.fastest) ** 2)
+    else:
+        x = np.interp(piece.path.object.time, before.piece.path.object.time, before.x)
+    for place, known in zip((0, -1), program.ends, strict=True):
+        if known is not None:
+            x[place] = known
+    return x
+
+
+def _timed(
+    question: SmoothQuestion, parts: Sequence[_Part], progress: Progress
+) -> "list[SmoothPiece] | RatesTooSmall | TooLong":
+    goal, solver = question.goal, question.solver
+    if goal.longest is not None and len(parts) > 1:
+        return _within(question, parts, goal.longest, progress)
+    timed = []
+    for part in parts:
+        found = part.timed(goal, solver, progress)
+        if not isinstance(found, SmoothPiece):
+            return found
+        timed.append(found)
+    return timed
+
+
+def _within(
+    question: SmoothQuestion, parts: Sequence[_Part], longest: float, progress: Progress
+) -> "list[SmoothPiece] | RatesTooSmall | TooLong":
+    """The least effort of several pieces within a duration: one weight of time for all, which is searched."""
+
+    def weighed(time: float) -> "list[SmoothPiece] | RatesTooSmall | TooLong":
+        goal = Goal(time, question.goal.effort) if np.isfinite(time) else Goal()
+        return _timed(replace(question, goal=goal), parts, progress)
+
+    found = weighed(np.inf)
+    if not isinstance(found, list):
+        return found
+    fastest = sum(_duration(one) for one in found)
+    if fastest > longest:
+        return TooLong(fastest)
+    spent = sum(one.program.effort(one.x, one.rate, one.steps.profile.free) for one in found)
+    low, high = 0.0, np.inf
+    weight = question.goal.effort * spent / fastest
+    for _ in range(MOST_WEIGHTS):
+        tried = weighed(weight)
+        if not isinstance(tried, list):
+            return tried
+        total = sum(_duration(one) for one in tried)
+        if total <= longest:
+            found, high = tried, weight
+            if total >= longest * (1 - ON_TIME):
+                break
+        else:
+            low = weight
+        weight = weight * 8 if high == np.inf else high / 8 if low == 0 else float(np.sqrt(low * high))
+    return found
+
+
+def _duration(part: SmoothPiece) -> float:
+    return float(np.sum(part.segment_times))
+
+
+def _why(question: SmoothQuestion, found: RatesTooSmall | TooLong) -> tuple[RetimingStatus, str]:
+    if isinstance(found, TooLong):
+        return RetimingStatus.TOO_SHORT, (
+            f"the motion cannot be done in {question.goal.longest:.6g} s; the fastest timing within the limits of "
+            f"rates takes {found.duration:.6g} s. Allow that long at least."
         )
-    return "no timing was found that keeps the other limits where torques cannot jump. Raise the limits of rates."
-
-
-def sample_problem(constant: ScalingResult, piece: SmoothPath, load: Array) -> SampleProblem:
-    """Rows at the nodes of a piece for one load.
-
-    Args:
-        constant: With the cell and the rule of distribution.
-        piece: The piece.
-        load: Load vector, Shape (10,).
-    """
-    return build_sample_problem(constant.cell, piece.path, sharing=constant.rule.sharing, load=load, varying=True)
+    given = [name for name, torque in zip(("start", "end"), question.end_torques, strict=True) if torque is not None]
+    also = f", or leave the torques at the {' and the '.join(given)} free" if given else ""
+    if np.isfinite(found.share):
+        return RetimingStatus.RATES_TOO_SMALL, (
+            "no timing within the limits of rates was found; the nearest passes them by "
+            f"{100 * found.share:.3g} %. Raise the torque rates or the jerk, change the end speeds{also}."
+        )
+    return RetimingStatus.RATES_TOO_SMALL, (
+        "no timing was found that keeps the other limits where torques cannot jump. Raise the limits that bind in the "
+        f"fastest timing, or leave limits of rates out{also}."
+    )
 
 
 def torque_plan(question: SmoothQuestion, pieces: Sequence[TimedPiece], load: Array) -> tuple[Array, Array]:
@@ -162,10 +284,15 @@ def torque_plan(question: SmoothQuestion, pieces: Sequence[TimedPiece], load: Ar
         SolverError: If no solver answers.
     """
     torques, wrenches = [], []
-    for number, part in enumerate(smooth_pieces(pieces)):
-        problem = sample_problem(question.constant, part.piece, load)
-        W = torque_weights(question.constant.rule.weights, part.piece.path.q.shape[1])
-        program = path_program(question.constant.cell, part.piece.path, [problem], question.rates, W, part.program.ends)
+    smooth = smooth_pieces(pieces)
+    held: Array | None = None
+    for number, part in enumerate(smooth):
+        problem = question.problem(part.piece, load)
+        start, held = _held(question, [problem], held, first=number == 0, last=number == len(smooth) - 1)
+        program = path_program(
+            question.constant.cell, part.piece.path, [problem], question.rates, question.weights, part.program.ends,
+            (start, held),
+        )  # fmt: skip
         free = question.solver.torques(program, part.x, part.rate)
         if free is None:
             raise SolverError("no torques were found within the rates that the timing keeps: please report it.")

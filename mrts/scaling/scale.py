@@ -36,7 +36,7 @@ from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange, intersect, within_
 from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult, kept_text
 from mrts.scaling.uncertain_load import study_load
 from mrts.scaling.with_torques import with_torques
-from mrts.smooth.rate_limits import RateLimits, Rates, rate_limits
+from mrts.smooth.rate_limits import Rates, rate_limits
 from mrts.solvers import DEFAULT_SOLVER, check_solver
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def scale(
             them. None looks at the given samples alone.
         rates: Whether torques, accelerations and contact wrenches may only change at limited rates: True for the limits
             of the cell, a number for the torque rate of the joints that have none, as a multiple of their torque limit
-            [1/s]; docs/smooth.md. Rates are those between neighbouring samples. The torques are then chosen for the
+            [1/s]; docs/real_cell.md. Rates are those between neighbouring samples. The torques are then chosen for the
             whole motion at once, by the least ∫ τᵀWτ dt.
         progress: Told how many of how many pieces of work on an uncertain load are done.
 
@@ -130,10 +130,7 @@ def scale(
     _check_rates(rule, question)
     given = coordinate(cell, motion, closure)
     found = admissible_range(cell, given, question, rule, solver, tolerance, progress)
-    factors = None
-    if limits is not None and found.range.status.admits_motion:
-        factors, points = _rated_factors(cell, found, sharing, limits)
-        found = replace(found, range=within_rates(found.range, factors, points))
+    found, factors = _within_rates(cell, found, rule)
     remarks = motion_remarks(cell, given, found.range)
     added = np.setdiff1d(found.motion.object.time, given.object.time)
     untouched = ScalingResult(
@@ -150,8 +147,7 @@ def scale(
         return untouched
     try:
         c2 = choose_c2(found.range, select)
-        if factors is not None:
-            _check_rated(factors, found.range, c2)
+        _check_rated(factors, found.range, c2)
     except SelectionError as error:
         refused = SelectionError(f"{kept_text(cell.reserve)}{error}")
         refused.result = untouched
@@ -237,10 +233,12 @@ def admissible_range(
     return AdmissibleRange(refined.motion, finer, study, refined, _interpolated(motion, found, finer))
 
 
-def _rated_factors(
-    cell: Cell, found: AdmissibleRange, sharing: LoadSharing | None, limits: RateLimits
-) -> tuple["RatedFactors", tuple[LoadPoint | None, ...]]:
-    """What limits of rates admit of a motion for all loads that were asked about, and these loads."""
+def _within_rates(
+    cell: Cell, found: AdmissibleRange, rule: DistributionRule
+) -> tuple[AdmissibleRange, "RatedFactors | None"]:
+    """What limits of rates leave of a range for all loads that were asked about, and what they admit; None without."""
+    if rule.rates is None or not found.range.status.admits_motion:
+        return found, None
     from mrts.smooth.constant_rates import RatedFactors  # noqa: PLC0415 (scipy is not needed otherwise)
 
     study = found.study
@@ -248,13 +246,14 @@ def _rated_factors(
     if study is not None:
         points = study.points or study.box.corners(study.box.varying)
     loads = [None if point is None else point.load for point in points]
-    return RatedFactors(cell, found.motion, loads, sharing, limits), points
+    factors = RatedFactors(cell, found.motion, loads, rule.sharing, rule.rates)
+    return replace(found, range=within_rates(found.range, factors, points)), factors
 
 
-def _check_rated(factors: "RatedFactors", found: ScalingRange, c2: float) -> None:
+def _check_rated(factors: "RatedFactors | None", found: ScalingRange, c2: float) -> None:
     """That rates admit a c² between the ends of the range: they may leave gaps."""
     ends = {end.c2 for pair in found.intervals for end in pair}
-    refused = None if c2 in ends else factors.refused(c2)
+    refused = None if factors is None or c2 in ends else factors.refused(c2)
     if refused is not None:
         rows = ", ".join(str(row) for row in refused.rows)
         raise SelectionError(

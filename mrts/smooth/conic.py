@@ -56,9 +56,9 @@ class ConicSolver:
         places = (node * r + row)[..., None]
         values = program.values(x, u, np.zeros((n, f)))
         A = entries((n * r, n * f), (places, columns, program.free))
-        cones = Cones()
-        cones.most(A, (program.upper - values).ravel())
-        cones.most(-A, (values - program.lower).ravel())
+        cones, sharing = Cones(), np.flatnonzero(np.any(program.free, axis=2))
+        cones.most(A[sharing], (program.upper - values).ravel()[sharing])
+        cones.most(-A[sharing], (values - program.lower).ravel()[sharing])
         allowed = np.outer(times, program.change).ravel()
         kept = np.flatnonzero(np.isfinite(allowed))
         change = sparse.diags_array(1 / allowed[kept]) @ (A[r:] - A[:-r])[kept]

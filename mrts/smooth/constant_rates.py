@@ -22,9 +22,6 @@ from mrts.smooth.smooth_solvers import CheckedSolver
 FELT = 1e-6
 """Share of the largest multiplier from which on a limit is told to bind."""
 
-AT_LIMIT = 1e-6
-"""Share by which a rate that binds may miss its limit: programs are solved to 1e-10, but of all rows together."""
-
 MOST_CUTS = 200
 """Factors that are asked about; each rules out a whole interval, and fewer than ten are usual."""
 
@@ -171,35 +168,24 @@ class RatedFactors:
         segment, place = (int(one) for one in np.unravel_index(np.argmax(weight), weight.shape))
         rows_each = self.program.square.shape[1] // len(self.problems)
         load = int(self.changes.limited[place]) // rows_each
-        problem = self.problems[load]
-        first = load * rows_each
-        at_ends = asked.rows[:, segment : segment + 2, first : first + len(problem.names)]
-        felt = np.any(at_ends > FELT * max(float(np.max(asked.rows)), float(np.max(weight))), axis=1)
-        limits = [
-            problem.active_row(row, upper=side == 0)
-            for side, of_side in enumerate(felt)
-            for row in np.flatnonzero(of_side).tolist()
+        problem, first = self.problems[load], load * rows_each
+        least = FELT * max(float(np.max(asked.rows)), float(np.max(weight)))
+        at_ends = np.max(asked.rows[:, segment : segment + 2, first : first + len(problem.names)], axis=1)
+        rates = [
+            self._rate(int(self.changes.limited[place]), rises=side == 0)
+            for side, place in np.argwhere(asked.changes[:, segment] > least).tolist()
         ]
-        return RatesAtEnd(asked.c**2, segment, (*self._rates_at_limit(asked, segment, load), *limits), load)
+        limits = [problem.active_row(row, upper=side == 0) for side, row in np.argwhere(at_ends > least).tolist()]
+        return RatesAtEnd(asked.c**2, segment, (*dict.fromkeys((*rates, *limits)),), load)
 
-    def _rates_at_limit(self, asked: FactorAsked, segment: int, load: int) -> list[ActiveRow]:
-        """What changes on a segment as fast as it may, with one of the loads."""
-        nodes = np.array([segment, segment + 1])
-        counts = [problem.unknowns - 2 for problem in self.problems]
-        first, problem = sum(counts[:load]), self.problems[load].at(nodes)
-        free = asked.free[nodes, first : first + counts[load]]
-        x = np.column_stack([free, np.zeros(2), np.full(2, asked.c**2)])
-        time = float(self.program.step[segment]) / asked.c
-        torque_names, wrench_names, _ = rate_names(self.cell)
-        found: list[ActiveRow] = []
-        for names, values, limits in (
-            (torque_names, problem.torque(x), self.rates.torque),
-            (wrench_names, problem.wrench(x), self.rates.wrench),
-        ):
-            change = np.diff(values, axis=0)[0] / time
-            fast = np.flatnonzero(np.abs(change) >= limits * asked.share * (1 - AT_LIMIT))
-            found += [_at_limit(names[place], limits[place], rises=bool(change[place] > 0)) for place in fast.tolist()]
-        return found
+    def _rate(self, row: int, *, rises: bool) -> ActiveRow:
+        """The limit of how fast a row of the program changes."""
+        torques, wrenches, _ = rate_names(self.cell)
+        limits = (*self.rates.torque.tolist(), *self.rates.wrench.tolist())
+        known = {str(name): (name, limit) for name, limit in zip((*torques, *wrenches), limits, strict=True)}
+        text = f"{self.program.names[row]} rate"  # a contact in base axes may stand for a wrench component
+        name, limit = known.get(text, (RowName(text, unit="/s"), float(self.program.change[row])))
+        return _at_limit(name, limit, rises=rises)
 
 
 def torques_within_rates(

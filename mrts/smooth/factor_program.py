@@ -26,6 +26,9 @@ from mrts.solvers.convex_program import HIGHS_TOLERANCE
 RATE_WIDENING = 1e-8
 """Share by which rates may be passed: at the largest factor torques within them are a point, which rounding misses."""
 
+SPREAD = 100.0
+"""Share up to which changes stand as shares of what is allowed: beyond, the program counts in larger units."""
+
 REAL_ROOT = 1e-6
 """Share of a root that may be imaginary by rounding: two that coincide are found to half of all digits."""
 
@@ -81,10 +84,13 @@ class FactorProgram:
         self.limited = np.flatnonzero(np.isfinite(program.change))
         self.allowed = np.outer(program.step, program.change[self.limited])
         node, places = np.arange(n)[:, None, None], np.arange(n * r).reshape(n, r)
-        entries = np.nonzero(program.free)
+        largest = np.max(np.abs(program.free), axis=(0, 1))
+        self._unit = 1 / np.where(largest > 0, largest, 1.0)  # of F: HiGHS drops what is below 1e-9
+        scaled = program.free * self._unit
+        entries = np.nonzero(scaled)
         columns = np.broadcast_to(node * f + np.arange(f), program.free.shape)[entries]
         rows = np.broadcast_to(places[:, :, None], program.free.shape)[entries]
-        self._values = sparse.csr_array((program.free[entries], (rows, columns)), shape=(n * r, n * f + 1))
+        self._values = sparse.csr_array((scaled[entries], (rows, columns)), shape=(n * r, n * f + 1))
         here = places[:-1, self.limited].ravel()
         by_share = sparse.diags_array(1 / self.allowed.ravel())
         self._changes = by_share @ (self._values[here + r] - self._values[here])
@@ -111,7 +117,8 @@ class FactorProgram:
         )
         above, below = np.isfinite(upper), np.isfinite(lower)
         moved = (c / self.allowed * np.diff(fixed[:, self.limited], axis=0)).ravel()
-        changes = c * self._changes
+        unit = max(1.0, float(np.max(np.abs(moved))) / SPREAD)
+        moved, changes = moved / unit, (c / unit) * self._changes
         found = _solved(
             np.append(np.zeros(n * f), 1.0),
             sparse.vstack([self._values[above], -self._values[below], changes - self._share, -changes - self._share]),
@@ -122,9 +129,9 @@ class FactorProgram:
         z, rows = np.asarray(found.x), np.zeros((2, n * r))
         parts = np.split(-found.ineqlin.marginals, np.cumsum([above.sum(), below.sum(), len(moved)]))
         rows[0, above], rows[1, below] = parts[:2]
-        by_side, by_change = rows.reshape(2, n, r), np.stack(parts[2:]).reshape(2, *self.allowed.shape)
+        by_side, by_change = unit * rows.reshape(2, n, r), np.stack(parts[2:]).reshape(2, *self.allowed.shape)
         line = (self._growth(program.square, c, by_side, by_change), self._growth(program.root, c, by_side, by_change))
-        return FactorAsked(c, float(z[-1]), line, by_side, by_change, z[:-1].reshape(n, f))
+        return FactorAsked(c, unit * float(z[-1]), line, by_side, by_change, z[:-1].reshape(n, f) * self._unit)
 
     def _growth(self, of: Array, c: float, rows: Array, changes: Array) -> float:
         """How the share grows with what multiplies a column of the rows, by the multipliers."""

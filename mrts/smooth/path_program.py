@@ -13,6 +13,12 @@ from mrts.samples.sample_problem import SampleProblem
 from mrts.smooth.program import SmoothProgram
 from mrts.smooth.rate_limits import RateLimits
 
+FROM_REST = 1.5
+"""|σ̈| of the first two nodes of a path from rest, as a multiple of σ̇² over the length of the path in σ: a constant jerk
+needs 1 there, and more only overstepped limits inside the first segment, whose ends do not show it."""
+
+START = "constant jerk from rest"
+
 SAME_ROW = 1e-12
 """Share by which the row of a limit may differ from that of a torque whose rate is limited: rounding."""
 
@@ -70,19 +76,43 @@ class _Rows:
         row = self.place_of(column)
         if row is None:
             row = self.map.shape[1]
-            self.map = np.concatenate([self.map, column[:, None] / size], axis=1)
-            self.root = np.concatenate([self.root, root[:, None] / size], axis=1)
-            self.offset = np.concatenate([self.offset, np.zeros((len(column), 1))], axis=1)
-            self.lower = np.concatenate([self.lower, np.full((len(column), 1), -np.inf)], axis=1)
-            self.upper = np.concatenate([self.upper, np.full((len(column), 1), np.inf)], axis=1)
-            self.unit, self.change = np.append(self.unit, size), np.append(self.change, np.inf)
-            self.weight = np.append(self.weight, 0.0)
-            self.names.append(name)
+            nothing = np.full((len(column), 1), np.inf)
+            self._add(column[:, None] / size, root[:, None] / size, nothing, size, name)
         moved = offset / self.unit[row] - self.offset[:, row]
         self.offset[:, row] += moved
         self.lower[:, row] += moved
         self.upper[:, row] += moved
         return row
+
+    def _add(self, column: Array, root: Array, upper: Array, size: float, name: str) -> None:
+        """Add a row without lower limit: its map, Shape (n, 1, f + 2), root and upper limit, Shape (n, 1)."""
+        self.map = np.concatenate([self.map, column], axis=1)
+        self.root = np.concatenate([self.root, root], axis=1)
+        self.offset = np.concatenate([self.offset, np.zeros(root.shape)], axis=1)
+        self.lower = np.concatenate([self.lower, np.full(root.shape, -np.inf)], axis=1)
+        self.upper = np.concatenate([self.upper, upper], axis=1)
+        self.unit, self.change = np.append(self.unit, size), np.append(self.change, np.inf)
+        self.weight = np.append(self.weight, 0.0)
+        self.names.append(name)
+
+    def start_gently(self, sigma: Array, rests: tuple[bool, bool]) -> None:
+        """Add |σ̈| <= FROM_REST σ̇² / length at the first two and the last two nodes, where the path is at rest there.
+
+        At such an end no torque depends on σ̇: its rows leave σ̇ free, and a profile that falls within the first segment
+        would gain time by a jerk that rows at nodes do not see.
+
+        Args:
+            sigma: σ at the nodes, Shape (n,).
+            rests: Whether the path is at rest at its start, and at its end.
+        """
+        n, near = len(sigma), np.repeat(rests, 2)
+        nodes = np.array([0, 1, n - 2, n - 1])[near]
+        for sign in (1.0, -1.0):
+            column = np.zeros((n, 1, self.map.shape[2]))
+            column[nodes, 0, -2], column[nodes, 0, -1] = sign * sigma[-1] / FROM_REST, -1.0
+            upper = np.full((n, 1), np.inf)
+            upper[nodes] = 0.0
+            self._add(column, np.zeros((n, 1)), upper, 1.0, START)
 
 
 def path_program(
@@ -103,9 +133,11 @@ def path_program(
         rates: Limits of torque rates, wrench rates and jerk.
         weights: W of the effort, Shape (m, m); None where no effort is asked for.
         ends: x at the first and the last node where it is given.
-        end_free: [F] of all loads there, likewise.
+        end_free: [F] of all loads there, likewise. There the cell is at rest, so that rows have one value: whether it
+            keeps its limits is the caller's question.
     """
     parts = [_rows(cell, problem, rates, weights) for problem in problems]
+    parts[0].start_gently(path.object.time, (ends[0] is None, ends[1] is None))
     for rows, problem in zip(parts[1:], problems[1:], strict=True):  # they bound x alone, whatever the load
         rows.lower[:, : len(problem.is_cap)][:, problem.is_cap] = -np.inf
         rows.upper[:, : len(problem.is_cap)][:, problem.is_cap] = np.inf
@@ -121,6 +153,10 @@ def path_program(
     def joined(name: str) -> Array:
         return np.concatenate([getattr(rows, name) for rows in parts], axis=-1)
 
+    lower, upper = joined("lower"), joined("upper")
+    for place, held in zip((0, -1), end_free, strict=True):
+        if held is not None:
+            lower[place], upper[place] = -np.inf, np.inf
     limited, step = np.flatnonzero(np.isfinite(rates.jerk)), np.diff(path.object.time)
     return SmoothProgram(
         step=step,
@@ -130,8 +166,8 @@ def path_program(
         offset=joined("offset"),
         free=free,
         columns=columns,
-        lower=joined("lower"),
-        upper=joined("upper"),
+        lower=lower,
+        upper=upper,
         change=joined("change"),
         weight=joined("weight"),
         q1=path.dq[:, limited],

@@ -2,7 +2,7 @@
 """A path with rows whose values and rates of change are limited: what every solver of smooth timing is given."""
 
 from dataclasses import dataclass, replace
-from typing import Protocol, Self
+from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -241,4 +241,21 @@ class SmoothSolver(Protocol):
             program: The program.
             x: Shape (n,).
             u: Shape (n,).
+        """
+
+
+@runtime_checkable
+class NearSolver(SmoothSolver, Protocol):
+    """A solver that can foresee where steps lead."""
+
+    def near(self, program: SmoothProgram, around: Array, goal: Goal) -> SmoothProfile | None:
+        """A profile within all limits that steps would hardly better: its tangents touch it, or nearly.
+
+        Args:
+            program: The program.
+            around: x > 0 to start from, Shape (n,).
+            goal: What is the best.
+
+        Returns:
+            The profile, or None where the solver finds none.
         """

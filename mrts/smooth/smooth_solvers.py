@@ -8,13 +8,13 @@ from typing import TypeVar
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
-from mrts.smooth.program import Goal, SmoothProfile, SmoothProgram, SmoothSolver
+from mrts.base.errors import CompilerError, InputError
+from mrts.smooth.program import Goal, NearSolver, SmoothProfile, SmoothProgram, SmoothSolver
 
 KEPT = 1e-7
 """Excess over a limit that an answer may have, as a share of it: what Clarabel reaches, far below any tolerance."""
 
-DEFAULT_SMOOTH_SOLVER = "conic"
+DEFAULT_SMOOTH_SOLVER = "kernel"
 
 
 def _conic() -> SmoothSolver:
@@ -23,7 +23,17 @@ def _conic() -> SmoothSolver:
     return ConicSolver()
 
 
-SMOOTH_SOLVERS: dict[str, Callable[[], SmoothSolver]] = {"conic": _conic}
+def _kernel() -> SmoothSolver:
+    """Our kernel; without a C compiler that works, Clarabel."""
+    from mrts.smooth.kernel_solver import KernelSolver  # noqa: PLC0415 (a solver is imported when it is asked)
+
+    try:
+        return KernelSolver()
+    except CompilerError:
+        return _conic()
+
+
+SMOOTH_SOLVERS: dict[str, Callable[[], SmoothSolver]] = {"kernel": _kernel, "conic": _conic}
 
 FALLBACK = "conic"
 
@@ -56,11 +66,13 @@ class CheckedSolver:
 
     def step(self, program: SmoothProgram, around: Array, goal: Goal) -> SmoothProfile | None:
         """See `SmoothSolver.step`; what it returns keeps the limits of the program."""
+        return self._asked(lambda solver: solver.step(program, around, goal), lambda found: _kept(program, found))
 
-        def kept(found: SmoothProfile) -> bool:
-            return bool(np.all(found.x > 0)) and program.excess(found.x, found.u, found.free) <= KEPT
-
-        return self._asked(lambda solver: solver.step(program, around, goal), kept)
+    def near(self, program: SmoothProgram, around: Array, goal: Goal) -> SmoothProfile | None:
+        """See `NearSolver.near`; what it returns keeps the limits, and it is None where the solver cannot."""
+        solver = self._solver(self.name)
+        found = solver.near(program, around, goal) if isinstance(solver, NearSolver) else None
+        return found if found is not None and _kept(program, found) else None
 
     def torques(self, program: SmoothProgram, x: Array, u: Array) -> Array | None:
         """See `SmoothSolver.torques`; what it returns keeps the limits of the program."""
@@ -70,10 +82,18 @@ class CheckedSolver:
 
     def _asked(self, ask: Callable[[SmoothSolver], Answer | None], kept: Callable[[Answer], bool]) -> Answer | None:
         for name in dict.fromkeys((self.name, FALLBACK)):
-            if name not in self._made:
-                self._made[name] = SMOOTH_SOLVERS[name]()
-            found = ask(self._made[name])
+            found = ask(self._solver(name))
             if found is not None and kept(found):
                 self.fallbacks += name != self.name
                 return found
         return None
+
+    def _solver(self, name: str) -> SmoothSolver:
+        if name not in self._made:
+            self._made[name] = SMOOTH_SOLVERS[name]()
+        return self._made[name]
+
+
+def _kept(program: SmoothProgram, found: SmoothProfile) -> bool:
+    """Whether a profile keeps all limits."""
+    return bool(np.all(found.x > 0)) and program.excess(found.x, found.u, found.free) <= KEPT

@@ -55,11 +55,20 @@ class RatesTooSmall:
     Attributes:
         share: By how much rates pass their limits in the nearest one, as a share of them; infinity if none keeps the
             other limits.
-        profile: The nearest one.
     """
 
     share: float
-    profile: SmoothProfile | None
+
+
+@dataclass(frozen=True)
+class TooLong:
+    """No profile was found within the longest duration.
+
+    Attributes:
+        duration: Of the fastest that was found [s].
+    """
+
+    duration: float
 
 
 def successive_steps(
@@ -68,7 +77,7 @@ def successive_steps(
     goal: Goal,
     solver: CheckedSolver,
     told: Callable[[int, float], None] = lambda _step, _cost: None,
-) -> StepsTaken | RatesTooSmall:
+) -> StepsTaken | RatesTooSmall | TooLong:
     """Profiles within all limits, each better than the one before.
 
     In each step Δt of limited changes and 1/√x of limited jerks are replaced by their tangents at the last profile,
@@ -77,16 +86,33 @@ def successive_steps(
     Args:
         program: The program.
         likely: x of a profile that may be admissible, > 0, Shape (n,).
-        goal: What is the best.
+        goal: What is the best; within a longest duration it starts from a profile that is fast enough.
         solver: Solves the convex programs.
         told: Told the number of each step and its cost.
     """
-    found = _first(program, likely, goal, solver)
+    found = _first(program, likely, goal if goal.longest is None else Goal(), solver)
     if isinstance(found, RatesTooSmall):
         return found
+    if goal.longest is not None:
+        fast = _descent(program, found, Goal(), solver, told, enough=goal.longest)
+        if fast.costs[-1] > goal.longest:
+            return TooLong(fast.costs[-1])
+        found = solver.step(program, fast.profile.x, goal) or fast.profile
+    return _descent(program, found, goal, solver, told)
+
+
+def _descent(
+    program: SmoothProgram,
+    found: SmoothProfile,
+    goal: Goal,
+    solver: CheckedSolver,
+    told: Callable[[int, float], None],
+    enough: float = 0.0,
+) -> StepsTaken:
+    """Steps from an admissible profile until one gains little, or its cost is low enough."""
     costs = [cost(program, found, goal)]
     told(1, costs[-1])
-    while len(costs) < MOST_STEPS:
+    while len(costs) < MOST_STEPS and costs[-1] > enough:
         better = solver.step(program, found.x, goal)
         if better is None or cost(program, better, goal) >= costs[-1]:
             break
@@ -99,15 +125,18 @@ def successive_steps(
 
 
 def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: CheckedSolver) -> SmoothProfile | RatesTooSmall:
-    """Any profile within all limits."""
+    """Any profile within all limits, a fast one; where the solver can foresee it, the one where steps lead."""
+    foreseen = solver.near(program, likely, goal)
+    if foreseen is not None:
+        return foreseen
     for slower in range(STARTS):
-        found = solver.step(program, likely / SLOWER**slower, goal)
+        found = solver.step(program, likely / SLOWER**slower, Goal())
         if found is not None:
             return found
     near = _by_relaxation(program, likely)
     if isinstance(near, RatesTooSmall):
         return near
-    return solver.step(program, near, goal) or RatesTooSmall(0.0, None)
+    return solver.step(program, near, Goal()) or RatesTooSmall(0.0)
 
 
 def _by_relaxation(program: SmoothProgram, likely: Array) -> Array | RatesTooSmall:
@@ -116,14 +145,14 @@ def _by_relaxation(program: SmoothProgram, likely: Array) -> Array | RatesTooSma
     for _ in range(RELAXED_STEPS):
         found = ConicSolver.nearest(program, x)
         if found is None:
-            return RatesTooSmall(np.inf, None)
+            return RatesTooSmall(np.inf)
         profile, share = found
         if not np.all(profile.x > 0) or share > before * (1 - STALLED):
-            return RatesTooSmall(share, profile)
+            return RatesTooSmall(share)
         if share <= KEPT:
             return profile.x
         x, before = profile.x, share
-    return RatesTooSmall(before, profile)
+    return RatesTooSmall(before)
 
 
 def cost(program: SmoothProgram, profile: SmoothProfile, goal: Goal) -> float:

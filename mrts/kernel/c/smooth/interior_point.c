@@ -1,0 +1,344 @@
+/* SPDX-License-Identifier: MIT */
+#include "interior_point.h"
+
+#define MRTS_SMOOTH_MOST 100       /* iterations: a step takes 10 to 30, torques within thin limits up to 70 */
+#define MRTS_SMOOTH_KEPT 5e-9      /* of a limit: rounding of a change over a short segment may be this large */
+#define MRTS_SMOOTH_GAP 3e-9       /* between the objective and its bound, of it */
+#define MRTS_SMOOTH_AIM 1e-9       /* the gap that steps aim at, at least: below it rounding grows */
+#define MRTS_SMOOTH_SLOPE 3e-6     /* of the objective along an unknown, of 1 and multipliers: large terms cancel */
+#define MRTS_SMOOTH_SHORT 1e-9     /* a step that ends this early leads nowhere */
+#define MRTS_SMOOTH_LARGE 1e14     /* a multiplier, of the objective: nothing keeps the limits */
+#define MRTS_SMOOTH_BOUNDARY 0.995 /* of the way to the nearest limit */
+#define MRTS_SMOOTH_SLACK 0.1      /* least one to start with, of a limit */
+#define MRTS_SMOOTH_CENTRAL 1e-2   /* the gap, of the objective, of the iterate that is kept for a program that is near */
+#define MRTS_SMOOTH_LAID 1e-3      /* the gap, of the objective, below which tangents move no more */
+#define MRTS_SMOOTH_LONG 0.9       /* a step this long needs no correction */
+#define MRTS_SMOOTH_PULLS 2        /* corrections of one step at most */
+#define MRTS_SMOOTH_FURTHER 0.3    /* by how much a correction is to lengthen a step */
+#define MRTS_SMOOTH_GAIN 0.05      /* by how much it must, or it was the last */
+#define MRTS_SMOOTH_OFF 0.1        /* share of the centre that a product may be */
+#define MRTS_SMOOTH_LEAST 0.1      /* of x: what a step leaves of it at least */
+
+/* The iterates and their steps. */
+typedef struct {
+    long long slots;           /* of all nodes, and that of the duration */
+    int present;               /* slots with a limit */
+    double *s, *y;             /* slacks and multipliers, 0 where there is no limit */
+    double *missed, *ds, *dy;  /* g + s, and the steps */
+    double *target, *before;   /* multipliers that the right side is made of, and those tried before */
+    double *gx, *gu, *gf;      /* the gradient of the objective */
+    double *px, *pu, *pf;      /* another one, or a step */
+    double *b, *w;             /* unknowns: a right side and its step; the factor's answer to the duration's slope */
+    double *factor, *fronts;
+    double *kept;              /* an iterate far from the limits: its s, y, F, control points and unit */
+} mrts_smooth_iterate;
+
+static long long mrts_smooth_all_slots(const mrts_smooth_program *p) {
+    return (long long)p->nodes * mrts_smooth_slots(p) + 1;
+}
+
+/* Reals of an iterate that is kept. */
+static long long mrts_smooth_kept(const mrts_smooth_program *p) {
+    return 2 * mrts_smooth_all_slots(p) + (long long)p->nodes * (p->free + 1) + 2;
+}
+
+MRTS_EXPORT long long mrts_smooth_work(const mrts_smooth_program *p) {
+    const long long n = p->nodes;
+    return mrts_smooth_state_size(p) + 7 * mrts_smooth_all_slots(p) + 2 * n * (2 + p->free) +
+           2 * mrts_front_unknowns(p) + mrts_front_size(p) + mrts_front_work(p) + mrts_smooth_kept(p);
+}
+
+static void mrts_smooth_iterate_in(const mrts_smooth_program *p, double *memory, mrts_smooth_iterate *at) {
+    const long long n = p->nodes, nf = n * p->free, slots = mrts_smooth_all_slots(p);
+    double **of[] = {&at->s, &at->y, &at->missed, &at->ds, &at->dy, &at->target, &at->before};
+    at->slots = slots;
+    for (int i = 0; i < 7; ++i, memory += slots) *of[i] = memory;
+    at->gx = memory;
+    at->gu = at->gx + n;
+    at->gf = at->gu + n;
+    at->px = at->gf + nf;
+    at->pu = at->px + n;
+    at->pf = at->pu + n;
+    at->b = at->pf + nf;
+    at->w = at->b + mrts_front_unknowns(p);
+    at->factor = at->w + mrts_front_unknowns(p);
+    at->fronts = at->factor + mrts_front_size(p);
+    at->kept = at->fronts + mrts_front_work(p);
+}
+
+/* Marks the slots that have a limit by multipliers of 1. */
+static void mrts_smooth_present(const mrts_smooth_program *p, mrts_smooth_iterate *at) {
+    const int n = p->nodes, r = p->rows, slots = mrts_smooth_slots(p);
+    at->present = 0;
+    for (int k = 0; k < n; ++k) {
+        double *y = at->y + (long long)k * slots;
+        for (int i = 0; i < slots; ++i) y[i] = k < n - 1 && (i < 2 * (r + p->changes) || !p->timed);
+        for (int j = 0; j < r; ++j) {
+            y[j] = p->upper[(long long)k * r + j] < MRTS_INFINITY;
+            y[r + j] = p->lower[(long long)k * r + j] > -MRTS_INFINITY;
+        }
+    }
+    at->y[at->slots - 1] = p->longest < MRTS_INFINITY && !p->timed;
+    for (long long i = 0; i < at->slots; ++i) at->present += at->y[i] > 0;
+}
+
+static void mrts_smooth_clear(long long count, double *a) {
+    for (long long i = 0; i < count; ++i) a[i] = 0;
+}
+
+static void mrts_smooth_copy(long long count, const double *from, double *to) {
+    for (long long i = 0; i < count; ++i) to[i] = from[i];
+}
+
+/* g of all slots into `g`, the objective and its gradient; its unit where `first`. */
+static double mrts_smooth_evaluate(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
+                                   int first, double *g) {
+    const long long n = p->nodes;
+    double duration, objective;
+    mrts_smooth_values(p, state, g);
+    for (;;) {
+        mrts_smooth_clear(n * (2 + p->free), at->gx);
+        objective = mrts_smooth_objective(p, state, at->gx, at->gu, at->gf, &duration);
+        if (!first || !(objective > 0)) break;
+        state->unit = objective;
+        first = 0;
+    }
+    g[at->slots - 1] = p->longest < MRTS_INFINITY ? duration / p->longest - 1 : 0;
+    return objective;
+}
+
+/* The largest slope of the Lagrangian along an unknown, of the terms it is the sum of. */
+static double mrts_smooth_slope(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+    const long long n = p->nodes, f = p->free, q = f + 1;
+    double worst = 0;
+    for (long long i = 0; i < n * (2 + f); ++i) at->px[i] = at->gx[i];
+    mrts_smooth_pulled(p, state, at->y, at->px, at->pu, at->pf);
+    mrts_front_gather(p, state, at->px, at->pu, at->pf, at->b);
+    for (long long k = 0; k <= n; ++k) {
+        if (p->timed || (k == 0 && p->given_start) || (k == n && p->given_end)) continue;
+        const double x = state->x[k < n ? k : n - 1], size = MRTS_ABS(at->b[k < n ? k * q + f : n * q]) * x;
+        if (!(size <= worst)) worst = size;
+    }
+    for (int k = 0; k < n; ++k) {
+        const double *entry = p->entry + (long long)k * p->width;
+        if ((k == 0 && p->held_start) || (k == n - 1 && p->held_end)) continue;
+        mrts_smooth_clear(f, at->pf);
+        for (int j = 0; j < p->rows; ++j) { /* the largest coefficient of each unknown */
+            for (int l = 0; l < p->count[j]; ++l) {
+                const double size = MRTS_ABS(entry[p->place[j] + l]);
+                if (size > at->pf[p->first[j] + l]) at->pf[p->first[j] + l] = size;
+            }
+        }
+        for (long long l = 0; l < f; ++l) {
+            if (!(MRTS_ABS(at->b[k * q + l]) <= worst * at->pf[l])) worst = MRTS_ABS(at->b[k * q + l]) / at->pf[l];
+        }
+    }
+    return worst;
+}
+
+/* The right side -gradient - sum of target g's gradient, solved for; the step goes to px, pu, pf and ds, dy. */
+static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+    const long long n = p->nodes, nf = n * p->free, unknowns = mrts_front_unknowns(p), last = at->slots - 1;
+    for (long long i = 0; i < 2 * n + nf; ++i) at->px[i] = at->gx[i];
+    mrts_smooth_pulled(p, state, at->target, at->px, at->pu, at->pf);
+    mrts_front_gather(p, state, at->px, at->pu, at->pf, at->b);
+    for (long long i = 0; i < unknowns; ++i) at->b[i] = -at->b[i];
+    mrts_front_solve(p, at->factor, at->b);
+    double pulled = 0; /* what the duration's slot adds to its multiplier */
+    if (at->y[last] > 0) {
+        const double by = at->s[last] / at->y[last] * p->longest;
+        mrts_front_scatter(p, state, at->b, at->px, at->pu, at->pf);
+        const double alone = mrts_dot((int)n, state->duration_x, at->px);
+        mrts_front_scatter(p, state, at->w, at->px, at->pu, at->pf);
+        const double answered = mrts_dot((int)n, state->duration_x, at->px);
+        pulled = alone / (by + answered / p->longest);
+        for (long long i = 0; i < unknowns; ++i) at->b[i] -= pulled / p->longest * at->w[i];
+    }
+    mrts_front_scatter(p, state, at->b, at->px, at->pu, at->pf);
+    mrts_smooth_moved(p, state, at->px, at->pu, at->pf, at->ds);
+    if (at->y[last] > 0) at->ds[last] = pulled * at->s[last] / at->y[last]; /* its own sum would cancel */
+    for (long long i = 0; i < at->slots; ++i) {
+        if (at->y[i] > 0) {
+            const double moved = at->ds[i];
+            at->ds[i] = -at->missed[i] - moved;
+            at->dy[i] = at->target[i] - at->y[i] + at->y[i] / at->s[i] * moved;
+        } else {
+            at->ds[i] = at->dy[i] = 0;
+        }
+    }
+}
+
+/* The longest part, at most 1, of a step down that leaves every entry a share of what it is. */
+static double mrts_smooth_length(long long count, const double *a, const double *step, double boundary) {
+    double most = 1 / boundary;
+    for (long long i = 0; i < count; ++i) {
+        if (-step[i] * most > a[i]) most = -a[i] / step[i];
+    }
+    return most * boundary;
+}
+
+/* Likewise of slacks, and of x. */
+static double mrts_smooth_primal(const mrts_smooth_program *p, const mrts_smooth_state *state,
+                                 const mrts_smooth_iterate *at, double boundary) {
+    const double slack = mrts_smooth_length(at->slots, at->s, at->ds, boundary);
+    const double x = mrts_smooth_length(p->nodes, state->x, at->px, 1 - MRTS_SMOOTH_LEAST);
+    return slack < x ? slack : x;
+}
+
+/* Answers the duration's slope by the factor, into w. */
+static void mrts_smooth_answer_duration(const mrts_smooth_program *p, const mrts_smooth_state *state,
+                                        mrts_smooth_iterate *at) {
+    const long long n = p->nodes;
+    mrts_smooth_clear(n * (1 + p->free), at->pu);
+    mrts_front_gather(p, state, state->duration_x, at->pu, at->pf, at->w);
+    mrts_front_solve(p, at->factor, at->w);
+}
+
+/* While a step is short, pulls the products of slacks and multipliers that it would lead far off towards the centre
+ * (J. Gondzio, Multiple centrality corrections in a primal-dual method, Computational Optimization and Applications 6,
+ * 1996). */
+static void mrts_smooth_centralise(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
+                                   double centre) {
+    const double low = MRTS_SMOOTH_OFF * centre, high = centre / MRTS_SMOOTH_OFF;
+    double length = mrts_smooth_primal(p, state, at, 1), dual = mrts_smooth_length(at->slots, at->y, at->dy, 1);
+    for (int again = 0; again < MRTS_SMOOTH_PULLS && (length < MRTS_SMOOTH_LONG || dual < MRTS_SMOOTH_LONG); ++again) {
+        const double far = length + MRTS_SMOOTH_FURTHER < 1 ? length + MRTS_SMOOTH_FURTHER : 1;
+        const double up = dual + MRTS_SMOOTH_FURTHER < 1 ? dual + MRTS_SMOOTH_FURTHER : 1;
+        mrts_smooth_copy(at->slots, at->target, at->before);
+        for (long long i = 0; i < at->slots; ++i) {
+            if (!(at->y[i] > 0)) continue;
+            const double product = (at->s[i] + far * at->ds[i]) * (at->y[i] + up * at->dy[i]);
+            const double by = product < low ? low - product : product > high ? high - product : 0;
+            at->target[i] += (by < -high ? -high : by) / at->s[i];
+        }
+        mrts_smooth_newton(p, state, at);
+        const double longer = mrts_smooth_primal(p, state, at, 1);
+        const double higher = mrts_smooth_length(at->slots, at->y, at->dy, 1);
+        if (longer + higher < length + dual + MRTS_SMOOTH_GAIN) {
+            if (longer + higher < length + dual) {
+                mrts_smooth_copy(at->slots, at->before, at->target);
+                mrts_smooth_newton(p, state, at);
+            }
+            break;
+        }
+        length = longer;
+        dual = higher;
+    }
+}
+
+/* One iteration from an evaluated point; the length of its step. */
+static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
+                                  double gap, double size) {
+    const double mean = gap / at->present;
+    mrts_smooth_second(p, state, at->s, at->y);
+    mrts_front_factor(p, state, at->factor, at->fronts);
+    if (at->y[at->slots - 1] > 0) mrts_smooth_answer_duration(p, state, at);
+    for (long long i = 0; i < at->slots; ++i) at->target[i] = at->y[i] > 0 ? at->y[i] * at->missed[i] / at->s[i] : 0;
+    mrts_smooth_newton(p, state, at);
+    double length = mrts_smooth_primal(p, state, at, 1), dual = mrts_smooth_length(at->slots, at->y, at->dy, 1), left = 0;
+    for (long long i = 0; i < at->slots; ++i) left += (at->s[i] + length * at->ds[i]) * (at->y[i] + dual * at->dy[i]);
+    const double share = left / gap, least = MRTS_SMOOTH_AIM * size / at->present;
+    double centre = share * share * share * mean;
+    if (centre < least) centre = least;
+    for (long long i = 0; i < at->slots; ++i) {
+        if (at->y[i] > 0) at->target[i] += (centre - at->ds[i] * at->dy[i]) / at->s[i];
+    }
+    mrts_smooth_newton(p, state, at);
+    mrts_smooth_centralise(p, state, at, centre);
+    length = mrts_smooth_primal(p, state, at, MRTS_SMOOTH_BOUNDARY);
+    dual = mrts_smooth_length(at->slots, at->y, at->dy, MRTS_SMOOTH_BOUNDARY);
+    for (long long i = 0; i < at->slots; ++i) {
+        at->s[i] += length * at->ds[i];
+        at->y[i] += dual * at->dy[i];
+    }
+    if (!p->timed) {
+        const int n = p->nodes, q = p->free + 1;
+        for (int k = 0; k < n; ++k) state->control[k] += length * at->b[(long long)k * q + p->free];
+        state->control[n] += length * at->b[(long long)n * q];
+        mrts_smooth_profile(p, state);
+    }
+    for (long long i = 0; i < (long long)p->nodes * p->free; ++i) state->free[i] += length * at->pf[i];
+    return length;
+}
+
+/* Keeps the iterate for a program that is near, or, `back`, takes what was kept. */
+static void mrts_smooth_keep(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at, int back) {
+    double *of[] = {at->s, at->y, state->free, state->control, &state->unit}, *kept = at->kept;
+    const long long counts[] = {at->slots, at->slots, (long long)p->nodes * p->free, p->nodes + 1, 1};
+    for (int i = 0; i < 5; kept += counts[i++]) {
+        if (back) mrts_smooth_copy(counts[i], kept, of[i]);
+        else mrts_smooth_copy(counts[i], of[i], kept);
+    }
+}
+
+/* Slacks and multipliers to start with. */
+static void mrts_smooth_first(mrts_smooth_iterate *at, const double *g) {
+    for (long long i = 0; i < at->slots; ++i) {
+        const double room = -g[i];
+        at->s[i] = at->y[i] > 0 ? (room > MRTS_SMOOTH_SLACK ? room : MRTS_SMOOTH_SLACK) : 1;
+        at->y[i] = at->y[i] > 0 ? 1 / (at->s[i] * at->present) : 0;
+    }
+}
+
+/* How far an iterate is from an answer. */
+typedef struct {
+    double objective, missed, gap, largest; /* of a constraint, of the objective, of multipliers */
+} mrts_smooth_distance;
+
+/* Evaluates the iterate; where `first`, also the unit of the objective, slacks and multipliers. */
+static mrts_smooth_distance mrts_smooth_judge(const mrts_smooth_program *p, mrts_smooth_state *state,
+                                              mrts_smooth_iterate *at, int first) {
+    mrts_smooth_distance is = {mrts_smooth_evaluate(p, state, at, first, at->missed), 0, 0, 0};
+    if (first) mrts_smooth_first(at, at->missed);
+    for (long long i = 0; i < at->slots; ++i) {
+        if (!(at->y[i] > 0)) continue;
+        at->missed[i] += at->s[i];
+        is.gap += at->s[i] * at->y[i];
+        const double missed = MRTS_ABS(at->missed[i]);
+        if (is.missed == is.missed && !(missed <= is.missed)) is.missed = missed; /* what is no number stays */
+        if (at->y[i] > is.largest) is.largest = at->y[i];
+    }
+    return is;
+}
+
+MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, double *u, double *free, int *iterations,
+                                  double *work) {
+    const long long n = p->nodes, nf = n * p->free;
+    mrts_smooth_state state;
+    mrts_smooth_iterate at;
+    int found = MRTS_SMOOTH_STOPPED, kept = 0;
+    mrts_smooth_state_in(p, work, &state);
+    mrts_smooth_iterate_in(p, work + mrts_smooth_state_size(p), &at);
+    mrts_smooth_clear(mrts_smooth_work(p) - (p->again ? mrts_smooth_kept(p) : 0), work);
+    mrts_smooth_copy(n, x, state.x);
+    mrts_smooth_copy(n, u, state.u);
+    if (p->held_start) mrts_smooth_copy(p->free, free, state.free);
+    if (p->held_end) mrts_smooth_copy(p->free, free + nf - p->free, state.free + nf - p->free);
+    mrts_smooth_tangents(p, &state, p->around);
+    mrts_smooth_start(p, &state);
+    mrts_smooth_present(p, &at);
+    if (p->again) {
+        mrts_smooth_keep(p, &state, &at, 1);
+        mrts_smooth_profile(p, &state);
+    }
+    for (*iterations = 0; *iterations < MRTS_SMOOTH_MOST; ++*iterations) {
+        const mrts_smooth_distance is = mrts_smooth_judge(p, &state, &at, *iterations == 0 && !p->again);
+        const double size = is.objective + MRTS_SMALL;
+        if (is.missed <= MRTS_SMOOTH_KEPT && is.gap <= MRTS_SMOOTH_GAP * size &&
+            mrts_smooth_slope(p, &state, &at) <= MRTS_SMOOTH_SLOPE * (1 + is.largest)) {
+            found = MRTS_SMOOTH_FOUND;
+            break;
+        }
+        if (at.present == 0 || !(is.gap < MRTS_INFINITY) || !(is.largest < MRTS_SMOOTH_LARGE)) break;
+        if (!kept && !p->timed && is.gap <= MRTS_SMOOTH_CENTRAL * size && is.missed <= MRTS_SMOOTH_CENTRAL) {
+            mrts_smooth_keep(p, &state, &at, 0);
+            kept = 1;
+        }
+        if (!(mrts_smooth_advance(p, &state, &at, is.gap, size) > MRTS_SMOOTH_SHORT)) break;
+        if (p->moving && is.gap > MRTS_SMOOTH_LAID * size) mrts_smooth_tangents(p, &state, state.x);
+    }
+    mrts_smooth_copy(n, state.x, x);
+    mrts_smooth_copy(n, state.u, u);
+    mrts_smooth_copy(nf, state.free, free);
+    return found;
+}

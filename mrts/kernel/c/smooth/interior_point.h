@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The programs of smooth_program.h by a primal-dual interior point method: Newton steps with predictor and corrector
+ * (S. Mehrotra, On the implementation of a primal-dual interior point method, SIAM J. Optimization 2, 1992), started
+ * outside the limits.
+ */
+#ifndef MRTS_INTERIOR_POINT_H
+#define MRTS_INTERIOR_POINT_H
+
+#include "fronts.h"
+
+/* How a program ends. */
+enum { MRTS_SMOOTH_FOUND = 0, MRTS_SMOOTH_STOPPED = 1 };
+
+/* Reals of work. */
+MRTS_EXPORT long long mrts_smooth_work(const mrts_smooth_program *p);
+
+/* Solves a program.
+ *
+ * x, u, free: the answer, (n), (n), (n, f). Where the timing is given, x and u are read; F at a held end is read.
+ * iterations: how many it took.
+ * Returns one of the statuses above; without an answer nothing that is written is one.
+ */
+MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, double *u, double *free, int *iterations,
+                                  double *work);
+
+#endif

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: MIT
+"""Convex programs of smooth timing in C (mrts/kernel/c/smooth): memory, shapes, one foreign call a program."""
+
+import ctypes
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.errors import CompilerError
+from mrts.kernel.c_text import smooth_source
+from mrts.kernel.compiled_cache import library_or_rebuilt
+from mrts.kernel.compiler import find_compiler
+from mrts.kernel.foreign_arrays import INFINITY
+
+_SIZES = ("nodes", "rows", "free", "width", "changes", "jerks")
+_FLAGS = ("timed", "again", "moving", "given_start", "given_end", "held_start", "held_end")
+_INDICES = ("first", "count", "place", "limited")
+_NUMBERS = ("time", "effort", "longest")
+_ARRAYS = (
+    "step", "square", "rate", "root", "offset", "entry", "lower", "upper", "change", "weight", "q1", "q2", "q3",
+    "jerk", "around",
+)  # fmt: skip
+
+
+class _Program(ctypes.Structure):
+    """`mrts_smooth_program` of smooth_program.h."""
+
+    _fields_ = (
+        *((name, ctypes.c_int) for name in (*_SIZES, *_FLAGS)),
+        *((name, ctypes.c_void_p) for name in _INDICES),
+        *((name, ctypes.c_double) for name in _NUMBERS),
+        *((name, ctypes.c_void_p) for name in _ARRAYS),
+    )
+
+
+@dataclass(frozen=True)
+class PathRows:
+    """Arrays of a path as the kernel takes them, contiguous and of its types.
+
+    Attributes:
+        sizes: By the names of `mrts_smooth_program`.
+        arrays: Likewise; what is absent is null.
+    """
+
+    sizes: dict[str, int]
+    arrays: dict[str, NDArray[Any]]
+
+
+def path_rows(free: Array, columns: NDArray[np.int_], **arrays: Array) -> PathRows:
+    """A path for the kernel.
+
+    Args:
+        free: Coefficients of F, Shape (n, r, f).
+        columns: First and one past the last column that a row has, Shape (r, 2).
+        **arrays: Those of `mrts_smooth_program` that a step does not change, by name, Shape (n, r) if not said there;
+            `change` Shape (r,), infinite where there is none.
+    """
+    n, r, f = free.shape
+    first, count = columns[:, 0], columns[:, 1] - columns[:, 0]
+    place = np.cumsum(count) - count
+    within = np.arange(int(count.sum())) - np.repeat(place, count)
+    taken = np.repeat(np.arange(r) * f + first, count) + within
+    limited = np.flatnonzero(np.isfinite(arrays["change"]))
+    given = {
+        **{name: array for name, array in arrays.items() if name not in ("root", "weight") or np.any(array)},
+        "entry": free.reshape(n, r * f)[:, taken],
+        "change": arrays["change"][limited],
+        "lower": np.maximum(arrays["lower"], -INFINITY),
+        "upper": np.minimum(arrays["upper"], INFINITY),
+    }
+    numbers = {name: np.ascontiguousarray(array, dtype=np.float64) for name, array in given.items()}
+    indices = {"first": first, "count": count, "place": place, "limited": limited}
+    sizes = (n, r, f, len(taken), len(limited), arrays["jerk"].shape[0])
+    return PathRows(
+        dict(zip(_SIZES, sizes, strict=True)),
+        {**numbers, **{name: np.ascontiguousarray(array, dtype=np.int32) for name, array in indices.items()}},
+    )
+
+
+class SmoothPrograms:
+    """The programs in a library of their own.
+
+    Args:
+        library: The library.
+
+    Raises:
+        AttributeError: If it lacks a function.
+    """
+
+    def __init__(self, library: ctypes.CDLL) -> None:
+        self._work, self._solve = library.mrts_smooth_work, library.mrts_smooth_solve
+        self._work.restype = ctypes.c_longlong
+
+    def solve(self, rows: PathRows, ask: "Ask", x: Array, u: Array, free: Array) -> tuple[bool, int, Array]:
+        """Solve a program; the answer is written to x, u and free.
+
+        Args:
+            rows: The path.
+            ask: What is looked for.
+            x: Read where it is given, Shape (n,).
+            u: Shape (n,).
+            free: F, read where it is given, Shape (n, f).
+
+        Returns:
+            Whether there is an answer, how many iterations it took, and the work to give to `Ask.last`.
+        """
+        program = _Program(**rows.sizes, time=ask.time, effort=ask.effort, longest=min(ask.longest, INFINITY))
+        for name in ("timed", "moving"):
+            setattr(program, name, getattr(ask, name))
+        program.again = ask.last is not None
+        program.given_start, program.given_end = ask.given
+        program.held_start, program.held_end = ask.held
+        for name, array in {**rows.arrays, "around": ask.around}.items():
+            setattr(program, name, array.ctypes.data)
+        iterations = ctypes.c_int()
+        work = np.empty(self._work(ctypes.byref(program))) if ask.last is None else ask.last
+        pointers = (ctypes.c_void_p(array.ctypes.data) for array in (x, u, free))
+        reached = ctypes.byref(iterations)
+        status = self._solve(ctypes.byref(program), *pointers, reached, ctypes.c_void_p(work.ctypes.data))
+        return status == FOUND, iterations.value, work
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ask:
+    """What is looked for along a path; see `mrts_smooth_program`.
+
+    Attributes:
+        around: x > 0 where tangents are laid, contiguous, Shape (n,).
+        time: Weight of the duration.
+        effort: Weight of the effort.
+        longest: Largest duration.
+        timed: x and u are given: F alone is looked for.
+        moving: Tangents are laid anew in each iteration.
+        given: Whether x is given at the first and the last node.
+        held: Whether F is.
+        last: Work of an answer on the same rows, with the same weights, that is near; it is started from.
+    """
+
+    around: Array
+    time: float = 0.0
+    effort: float = 0.0
+    longest: float = np.inf
+    timed: bool = False
+    moving: bool = False
+    given: tuple[bool, bool] = (False, False)
+    held: tuple[bool, bool] = (False, False)
+    last: Array | None = None
+
+
+FOUND = 0
+"""The kernel's status of an answer, `MRTS_SMOOTH_FOUND` of interior_point.h."""
+
+
+@lru_cache(maxsize=1)
+def smooth_programs() -> SmoothPrograms:
+    """The programs, compiled on first use.
+
+    Raises:
+        CompilerError: If there is no compiler, or it fails.
+    """
+    command = find_compiler()
+    if command is None:
+        raise CompilerError(
+            "our kernel needs a C compiler. Install one (Debian: apt-get install gcc libc6-dev) or set CC."
+        )
+    return compiled_smooth_programs(command)
+
+
+def compiled_smooth_programs(command: tuple[str, ...]) -> SmoothPrograms:
+    """The programs by a compiler.
+
+    Args:
+        command: Compiler, from `find_compiler`.
+
+    Raises:
+        CompilerError: If the compiler fails.
+    """
+    return library_or_rebuilt(
+        command, "mrts_smooth", smooth_source(), lambda library: SmoothPrograms(ctypes.CDLL(str(library)))
+    )
