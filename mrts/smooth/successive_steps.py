@@ -37,15 +37,12 @@ class StepsTaken:
     Attributes:
         profile: The last profile.
         costs: Of every profile in turn, falling.
+        gain: Share of the cost by which the last step lowered it; 0 where it did not.
     """
 
     profile: SmoothProfile
     costs: tuple[float, ...]
-
-    @property
-    def gain(self) -> float:
-        """Share of the cost by which the last step lowered it."""
-        return 1.0 if len(self.costs) == 1 else 1 - self.costs[-1] / self.costs[-2]
+    gain: float
 
 
 @dataclass(frozen=True)
@@ -110,18 +107,16 @@ def _descent(
     enough: float = 0.0,
 ) -> StepsTaken:
     """Steps from an admissible profile until one gains little, or its cost is low enough."""
-    costs = [cost(program, found, goal)]
+    costs, gain = [cost(program, found, goal)], 1.0
     told(1, costs[-1])
-    while len(costs) < MOST_STEPS and costs[-1] > enough:
+    while len(costs) < MOST_STEPS and costs[-1] > enough and gain >= CONVERGED:
         better = solver.step(program, found.x, goal)
-        if better is None or cost(program, better, goal) >= costs[-1]:
-            break
-        found = better
-        costs.append(cost(program, found, goal))
-        told(len(costs), costs[-1])
-        if costs[-1] > costs[-2] * (1 - CONVERGED):
-            break
-    return StepsTaken(found, tuple(costs))
+        gain = 0.0 if better is None else max(1 - cost(program, better, goal) / costs[-1], 0.0)
+        if better is not None and gain > 0:
+            found = better
+            costs.append(cost(program, found, goal))
+            told(len(costs), costs[-1])
+    return StepsTaken(found, tuple(costs), gain)
 
 
 def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: CheckedSolver) -> SmoothProfile | RatesTooSmall:
