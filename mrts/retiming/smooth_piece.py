@@ -92,7 +92,8 @@ class SmoothAnswer:
     fastest: tuple[FastestPiece, ...] = ()
 
     def __str__(self) -> str:
-        text = f"It is a local optimum, found in {self.steps} steps, of which the last gained {100 * self.gain:.2g} %"
+        count = "1 step" if self.steps == 1 else f"{self.steps} steps"
+        text = f"It is a local optimum, found in {count}, of which the last gained {100 * self.gain:.2g} %"
         if self.bound is None:
             return text
         return f"{text}; without limits of rates the fastest takes {self.bound:.4g} s, and none takes less"

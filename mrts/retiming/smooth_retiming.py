@@ -8,7 +8,7 @@ from mrts.base.argument_types import Progress, check_type, is_number
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.retiming.between_samples import refined_timing
+from mrts.retiming.between_samples import refined_timing, with_excess
 from mrts.retiming.path_pieces import NoPath
 from mrts.retiming.played_result import played_result
 from mrts.retiming.result import RetimingResult, RetimingStatus
@@ -90,13 +90,14 @@ def smooth_retiming(
     found = refined_timing(
         timed(nodes), timed, lambda one: smooth_excess(one, tolerance), tolerance, adds=adds, near=NEAR
     )
-    if not found.pieces:
+    if not found.pieces or found.excess is None:
         return found
     plan = torque_plan(question, found.pieces, found.cell.load)
     answer, constant = _answer(question, fastest, found), question.constant
     kept = replace(constant, motion=found.motion, rule=replace(constant.rule, rates=question.rates))
     played = played_result(kept, found.pieces, answer.what, plan)
-    return replace(found, retimed=replace(played, origin=f"{played.origin}. {answer}"), smooth=answer)
+    played = replace(played, origin=f"{played.origin}. {answer}")
+    return with_excess(replace(found, retimed=played, smooth=answer), found.excess)
 
 
 def _answer(question: SmoothQuestion, fastest: RetimingResult, found: RetimingResult) -> SmoothAnswer:
