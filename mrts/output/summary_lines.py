@@ -103,8 +103,8 @@ def _torque_lines(result: ScalingResult) -> Iterator[str]:
         least, largest = (f"{value:.4g} {unit}" for value in (use.least, use.largest))
         limits = interval_text(use.lower, use.upper, unit, LIMIT_DIGITS)
         yield f"{name:<{names}} {least:>14} {largest:>15} {limits:>22}"
-    yield from _motor_lines(result)
     yield from _rate_lines(result)
+    yield from _motor_lines(result)
     yield from _contact_lines(result)
 
 

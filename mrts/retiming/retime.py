@@ -101,13 +101,14 @@ def retime(
         cell, rates, distribute, solver, weigh=weigh, least_energy_in=least_energy_in,
         start_torque=start_torque, end_torque=end_torque,
     )  # fmt: skip
-    constant = _best_constant(cell, motion, rule, question, reserve, closure, between)
+    constant = _best_constant(cell, motion, rule, question, reserve, closure, between, rates)
 
     speeds, tolerance = (start_speed, end_speed), checked_tolerance(between)
     adds, tolerance = tolerance is not None, BETWEEN if tolerance is None else tolerance
 
     def timed(path: CoordinatedMotion) -> RetimingResult:
-        found = fastest_timing(replace(constant, motion=path), question, speeds, progress)
+        bare = replace(constant, motion=path, rule=replace(constant.rule, rates=None))
+        found = fastest_timing(bare, question, speeds, progress)
         if not found.pieces:
             return found
         return replace(found, retimed=played_result(found.constant, found.pieces, "fastest timing"))
@@ -189,6 +190,7 @@ def _best_constant(
     reserve: float | None,
     closure: ClosureBound | None,
     between: float | None,
+    rates: Rates,
 ) -> ScalingResult:
     """The best constant factor; without a trajectory where none moves the object, which a varying speed may."""
     try:
@@ -202,6 +204,7 @@ def _best_constant(
             reserve=reserve,
             closure=closure,
             between=between,
+            rates=rates,
         )
     except SelectionError as error:
         if error.result is None:

@@ -14,7 +14,7 @@ from mrts.limits.rows import ActiveRow, RowName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.torque_distribution import TORQUE_WIDENING
-from mrts.smooth.factor_program import RATE_WIDENING, FactorAsked, FactorProgram
+from mrts.smooth.factor_program import RATE_MARGIN, FactorAsked, FactorProgram
 from mrts.smooth.path_program import path_program
 from mrts.smooth.rate_limits import RateLimits, rate_names
 from mrts.smooth.smooth_solvers import CheckedSolver
@@ -121,7 +121,7 @@ class RatedFactors:
         Raises:
             SolverError: If HiGHS finds no answer.
         """
-        if self.by_jerk is not None and c2 > self.by_jerk.c2 * (1 + RATE_WIDENING):
+        if self.by_jerk is not None and c2 > self.by_jerk.c2 * (1 + RATE_MARGIN):
             return self.by_jerk
         asked = None if self.changes is None else self.changes.asked(float(np.sqrt(c2)))
         return None if asked is None or asked.is_admitted else self._binding(asked)
@@ -214,8 +214,8 @@ def torques_within_rates(
         given,
         lower=given.lower - widening,
         upper=given.upper + widening,
-        change=given.change * (1 + 2 * RATE_WIDENING),
-        jerk=given.jerk * (1 + 2 * RATE_WIDENING),
+        change=given.change * (1 - RATE_MARGIN / 2),
+        jerk=given.jerk * (1 + RATE_MARGIN),
     )
     square, nothing = np.full(motion.samples, c2), np.zeros(motion.samples)
     solver = CheckedSolver()

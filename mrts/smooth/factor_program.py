@@ -23,8 +23,8 @@ from mrts.samples.torque_distribution import TORQUE_WIDENING
 from mrts.smooth.program import SmoothProgram
 from mrts.solvers.convex_program import HIGHS_TOLERANCE
 
-RATE_WIDENING = 1e-8
-"""Share by which rates may be passed: at the largest factor torques within them are a point, which rounding misses."""
+RATE_MARGIN = 1e-8
+"""Share of a rate: factors keep three of it free, less one for rounding, so that torques are more than one point."""
 
 SPREAD = 100.0
 """Share up to which changes stand as shares of what is allowed: beyond, the program counts in larger units."""
@@ -56,7 +56,7 @@ class FactorAsked:
     @property
     def is_admitted(self) -> bool:
         """Whether the rates admit the factor."""
-        return self.share <= 1 + RATE_WIDENING
+        return self.share <= 1 + RATE_MARGIN
 
     def next(self, *, faster: bool) -> float:
         """The nearest factor that is not ruled out by this one: below it or, if faster, above; 0 or infinity if none.
@@ -82,7 +82,7 @@ class FactorProgram:
         n, r, f = program.free.shape
         self.program = program
         self.limited = np.flatnonzero(np.isfinite(program.change))
-        self.allowed = np.outer(program.step, program.change[self.limited])
+        self.allowed = np.outer(program.step, program.change[self.limited] * (1 - 3 * RATE_MARGIN))
         node, places = np.arange(n)[:, None, None], np.arange(n * r).reshape(n, r)
         largest = np.max(np.abs(program.free), axis=(0, 1))
         self._unit = 1 / np.where(largest > 0, largest, 1.0)  # of F: HiGHS drops what is below 1e-9

@@ -54,7 +54,7 @@ class KernelSolver:
             return free
         timed = [np.array(of, dtype=np.float64) for of in (x, u)]
         ask = Ask(around=timed[0].copy(), effort=1.0, timed=True, held=_given(program.end_free))
-        found, self.iterations, _ = self._programs.solve(self._packed(program), ask, *timed, free)
+        found, self.iterations, _ = self._programs.solve(self._packed(program), ask, timed[0], timed[1], free)
         return free if found else None
 
     def _step(self, program: SmoothProgram, around: Array, goal: Goal, *, moving: bool) -> SmoothProfile | None:

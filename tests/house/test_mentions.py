@@ -12,7 +12,8 @@ pytestmark = pytest.mark.quick
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 SOURCES = [path for folder in ("mrts", "codegen") for path in sorted((ROOT / folder).rglob("*.py"))]
-OTHERS = [ROOT / "Makefile", ROOT / "mkdocs.yml", ROOT / "pyproject.toml", *sorted((ROOT / "mrts/kernel/c").iterdir())]
+KERNEL = sorted((ROOT / "mrts/kernel/c").rglob("*.[ch]"))
+OTHERS = [ROOT / "Makefile", ROOT / "mkdocs.yml", ROOT / "pyproject.toml", *KERNEL]
 
 FOLDERS = ("mrts", "codegen", "tests", "benchmarks", "docs", "generated")
 PATH = re.compile(rf"(?<![\w./-])((?:{'|'.join(FOLDERS)})/[\w./-]*[\w/])")

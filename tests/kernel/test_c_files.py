@@ -21,7 +21,7 @@ PLANAR = {
     "MRTS_BIAS_ACCELERATION": "bias_acceleration",
 }
 EXPORTED = ("linear_programs.c", "quadratic_programs.c", "rows.c")
-FILES = sorted(path.name for path in C.glob("*.c"))
+FILES = sorted(str(path.relative_to(C)) for path in C.rglob("*.c"))
 
 
 def check(compiler, file, *flags):
@@ -46,6 +46,6 @@ def test_what_an_export_carries_is_also_float(file, compiler):
 
 
 def test_headers_are_guarded():
-    for path in C.glob("*.h"):
+    for path in C.rglob("*.h"):
         guard = f"MRTS_{path.stem.upper()}_H"
         assert f"#ifndef {guard}\n#define {guard}\n" in path.read_text(), path

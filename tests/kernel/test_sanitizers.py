@@ -61,6 +61,31 @@ for k, rows in ((1, 3), (3, 12), (31, 120)):
 """
 
 
+SANITIZED_SMOOTH = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from dataclasses import replace
+import numpy as np
+from smooth_paths import smooth_path
+from mrts.smooth.kernel_solver import KernelSolver
+from mrts.smooth.program import Goal
+solver, rng = KernelSolver(), np.random.default_rng(0)
+kinds = [{"rows": 6, "joints": 6, "changes": False}, {"rows": 12, "free": 6, "blocks": 2, "roots": True, "joints": 3}]
+for kind in kinds:
+    for nodes in (2, 3, 9):
+        program, base = smooth_path(rng, nodes, **kind)
+        ended = replace(program, ends=(base.x[0], base.x[-1]), end_free=(base.free[0], base.free[-1]))
+        longest = float(program.times(base.x).sum())
+        for one in (program, ended):
+            for goal in (Goal(), Goal(effort=1.0, longest=longest)):
+                for ask in (solver.near, solver.step):
+                    found = ask(one, base.x, goal)
+                    if found is not None:
+                        solver.step(one, found.x, goal)
+            assert solver.torques(one, base.x, base.u) is not None
+"""
+
+
 SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scale', *sys.argv[1:], '--json', '-']))"
 
 
@@ -68,10 +93,11 @@ SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scal
     "command",
     [
         [SANITIZED, ROOT / "tests" / "cases"],
+        [SANITIZED_SMOOTH, ROOT / "tests" / "cases"],
         [SANITIZED_SCALING, DATA / "cell.yaml", DATA / "lift.yaml"],
         [SANITIZED_SCALING, UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml"],
     ],
-    ids=["programs", "planar", "spatial"],
+    ids=["programs", "smooth", "planar", "spatial"],
 )
 def test_the_library_is_clean_under_sanitizers(command, private_cache):
     """The same library, compiled with AddressSanitizer and UndefinedBehaviorSanitizer, under the whole Python path."""

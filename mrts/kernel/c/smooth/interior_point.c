@@ -23,13 +23,16 @@
 typedef struct {
     long long slots;           /* of all nodes, and that of the duration */
     int present;               /* slots with a limit */
-    double *s, *y;             /* slacks and multipliers, 0 where there is no limit */
+    double *s, *y;             /* slacks and multipliers, infinity and 0 where there is no limit */
+    double *by_s, *weight;     /* 1 / s, 0 where there is no limit, and y / s */
     double *missed, *ds, *dy;  /* g + s, and the steps */
     double *target, *before;   /* multipliers that the right side is made of, and those tried before */
     double *gx, *gu, *gf;      /* the gradient of the objective */
     double *px, *pu, *pf;      /* another one, or a step */
     double *b, *w;             /* unknowns: a right side and its step; the factor's answer to the duration's slope */
     double *factor, *fronts;
+    double slack_reach;        /* the longest parts of a step that leave slacks, multipliers and x no less than 0 */
+    double dual_reach, x_reach;
     double *kept;              /* an iterate far from the limits: its s, y, F, control points and unit */
 } mrts_smooth_iterate;
 
@@ -44,15 +47,16 @@ static long long mrts_smooth_kept(const mrts_smooth_program *p) {
 
 MRTS_EXPORT long long mrts_smooth_work(const mrts_smooth_program *p) {
     const long long n = p->nodes;
-    return mrts_smooth_state_size(p) + 7 * mrts_smooth_all_slots(p) + 2 * n * (2 + p->free) +
+    return mrts_smooth_state_size(p) + 9 * mrts_smooth_all_slots(p) + 2 * n * (2 + p->free) +
            2 * mrts_front_unknowns(p) + mrts_front_size(p) + mrts_front_work(p) + mrts_smooth_kept(p);
 }
 
 static void mrts_smooth_iterate_in(const mrts_smooth_program *p, double *memory, mrts_smooth_iterate *at) {
     const long long n = p->nodes, nf = n * p->free, slots = mrts_smooth_all_slots(p);
-    double **of[] = {&at->s, &at->y, &at->missed, &at->ds, &at->dy, &at->target, &at->before};
+    double **of[] = {&at->s,  &at->y,  &at->by_s,   &at->weight, &at->missed,
+                     &at->ds, &at->dy, &at->target, &at->before};
     at->slots = slots;
-    for (int i = 0; i < 7; ++i, memory += slots) *of[i] = memory;
+    for (int i = 0; i < 9; ++i, memory += slots) *of[i] = memory;
     at->gx = memory;
     at->gu = at->gx + n;
     at->gf = at->gu + n;
@@ -157,32 +161,33 @@ static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *
     mrts_front_scatter(p, state, at->b, at->px, at->pu, at->pf);
     mrts_smooth_moved(p, state, at->px, at->pu, at->pf, at->ds);
     if (at->y[last] > 0) at->ds[last] = pulled * at->s[last] / at->y[last]; /* its own sum would cancel */
+    double most = 1 / MRTS_SMOOTH_BOUNDARY, up = most, x = 1 / (1 - MRTS_SMOOTH_LEAST);
     for (long long i = 0; i < at->slots; ++i) {
-        if (at->y[i] > 0) {
-            const double moved = at->ds[i];
-            at->ds[i] = -at->missed[i] - moved;
-            at->dy[i] = at->target[i] - at->y[i] + at->y[i] / at->s[i] * moved;
-        } else {
-            at->ds[i] = at->dy[i] = 0;
-        }
+        const double moved = at->ds[i], ds = -at->missed[i] - moved;
+        const double dy = at->target[i] - at->y[i] + at->weight[i] * moved;
+        at->ds[i] = ds;
+        at->dy[i] = dy;
+        if (-ds * most > at->s[i]) most = -at->s[i] / ds;
+        if (-dy * up > at->y[i]) up = -at->y[i] / dy;
     }
+    for (long long k = 0; k < n; ++k) {
+        if (-at->px[k] * x > state->x[k]) x = -state->x[k] / at->px[k];
+    }
+    at->slack_reach = most;
+    at->dual_reach = up;
+    at->x_reach = x;
 }
 
-/* The longest part, at most 1, of a step down that leaves every entry a share of what it is. */
-static double mrts_smooth_length(long long count, const double *a, const double *step, double boundary) {
-    double most = 1 / boundary;
-    for (long long i = 0; i < count; ++i) {
-        if (-step[i] * most > a[i]) most = -a[i] / step[i];
-    }
-    return most * boundary;
+/* The length, at most 1, of a step of the profile that leaves slacks a share of what they are. */
+static double mrts_smooth_length(const mrts_smooth_iterate *at, double boundary) {
+    const double slack = boundary * at->slack_reach, x = (1 - MRTS_SMOOTH_LEAST) * at->x_reach;
+    const double length = slack < x ? slack : x;
+    return length < 1 ? length : 1;
 }
 
-/* Likewise of slacks, and of x. */
-static double mrts_smooth_primal(const mrts_smooth_program *p, const mrts_smooth_state *state,
-                                 const mrts_smooth_iterate *at, double boundary) {
-    const double slack = mrts_smooth_length(at->slots, at->s, at->ds, boundary);
-    const double x = mrts_smooth_length(p->nodes, state->x, at->px, 1 - MRTS_SMOOTH_LEAST);
-    return slack < x ? slack : x;
+/* Likewise of multipliers. */
+static double mrts_smooth_dual_length(const mrts_smooth_iterate *at, double boundary) {
+    return boundary * at->dual_reach < 1 ? boundary * at->dual_reach : 1;
 }
 
 /* Answers the duration's slope by the factor, into w. */
@@ -200,20 +205,19 @@ static void mrts_smooth_answer_duration(const mrts_smooth_program *p, const mrts
 static void mrts_smooth_centralise(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
                                    double centre) {
     const double low = MRTS_SMOOTH_OFF * centre, high = centre / MRTS_SMOOTH_OFF;
-    double length = mrts_smooth_primal(p, state, at, 1), dual = mrts_smooth_length(at->slots, at->y, at->dy, 1);
+    double length = mrts_smooth_length(at, 1), dual = mrts_smooth_dual_length(at, 1);
     for (int again = 0; again < MRTS_SMOOTH_PULLS && (length < MRTS_SMOOTH_LONG || dual < MRTS_SMOOTH_LONG); ++again) {
         const double far = length + MRTS_SMOOTH_FURTHER < 1 ? length + MRTS_SMOOTH_FURTHER : 1;
         const double up = dual + MRTS_SMOOTH_FURTHER < 1 ? dual + MRTS_SMOOTH_FURTHER : 1;
         mrts_smooth_copy(at->slots, at->target, at->before);
         for (long long i = 0; i < at->slots; ++i) {
-            if (!(at->y[i] > 0)) continue;
             const double product = (at->s[i] + far * at->ds[i]) * (at->y[i] + up * at->dy[i]);
             const double by = product < low ? low - product : product > high ? high - product : 0;
-            at->target[i] += (by < -high ? -high : by) / at->s[i];
+            at->target[i] += (by < -high ? -high : by) * at->by_s[i];
         }
         mrts_smooth_newton(p, state, at);
-        const double longer = mrts_smooth_primal(p, state, at, 1);
-        const double higher = mrts_smooth_length(at->slots, at->y, at->dy, 1);
+        const double longer = mrts_smooth_length(at, 1);
+        const double higher = mrts_smooth_dual_length(at, 1);
         if (longer + higher < length + dual + MRTS_SMOOTH_GAIN) {
             if (longer + higher < length + dual) {
                 mrts_smooth_copy(at->slots, at->before, at->target);
@@ -230,23 +234,25 @@ static void mrts_smooth_centralise(const mrts_smooth_program *p, mrts_smooth_sta
 static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
                                   double gap, double size) {
     const double mean = gap / at->present;
-    mrts_smooth_second(p, state, at->s, at->y);
+    for (long long i = 0; i < at->slots; ++i) {
+        at->by_s[i] = at->y[i] > 0 ? 1 / at->s[i] : 0;
+        at->weight[i] = at->y[i] * at->by_s[i];
+        at->target[i] = at->weight[i] * at->missed[i];
+    }
+    mrts_smooth_second(p, state, at->weight, at->y);
     mrts_front_factor(p, state, at->factor, at->fronts);
     if (at->y[at->slots - 1] > 0) mrts_smooth_answer_duration(p, state, at);
-    for (long long i = 0; i < at->slots; ++i) at->target[i] = at->y[i] > 0 ? at->y[i] * at->missed[i] / at->s[i] : 0;
     mrts_smooth_newton(p, state, at);
-    double length = mrts_smooth_primal(p, state, at, 1), dual = mrts_smooth_length(at->slots, at->y, at->dy, 1), left = 0;
+    double length = mrts_smooth_length(at, 1), dual = mrts_smooth_dual_length(at, 1), left = 0;
     for (long long i = 0; i < at->slots; ++i) left += (at->s[i] + length * at->ds[i]) * (at->y[i] + dual * at->dy[i]);
     const double share = left / gap, least = MRTS_SMOOTH_AIM * size / at->present;
     double centre = share * share * share * mean;
     if (centre < least) centre = least;
-    for (long long i = 0; i < at->slots; ++i) {
-        if (at->y[i] > 0) at->target[i] += (centre - at->ds[i] * at->dy[i]) / at->s[i];
-    }
+    for (long long i = 0; i < at->slots; ++i) at->target[i] += (centre - at->ds[i] * at->dy[i]) * at->by_s[i];
     mrts_smooth_newton(p, state, at);
     mrts_smooth_centralise(p, state, at, centre);
-    length = mrts_smooth_primal(p, state, at, MRTS_SMOOTH_BOUNDARY);
-    dual = mrts_smooth_length(at->slots, at->y, at->dy, MRTS_SMOOTH_BOUNDARY);
+    length = mrts_smooth_length(at, MRTS_SMOOTH_BOUNDARY);
+    dual = mrts_smooth_dual_length(at, MRTS_SMOOTH_BOUNDARY);
     for (long long i = 0; i < at->slots; ++i) {
         at->s[i] += length * at->ds[i];
         at->y[i] += dual * at->dy[i];
@@ -275,7 +281,7 @@ static void mrts_smooth_keep(const mrts_smooth_program *p, mrts_smooth_state *st
 static void mrts_smooth_first(mrts_smooth_iterate *at, const double *g) {
     for (long long i = 0; i < at->slots; ++i) {
         const double room = -g[i];
-        at->s[i] = at->y[i] > 0 ? (room > MRTS_SMOOTH_SLACK ? room : MRTS_SMOOTH_SLACK) : 1;
+        at->s[i] = at->y[i] > 0 ? (room > MRTS_SMOOTH_SLACK ? room : MRTS_SMOOTH_SLACK) : MRTS_INFINITY;
         at->y[i] = at->y[i] > 0 ? 1 / (at->s[i] * at->present) : 0;
     }
 }
@@ -291,8 +297,7 @@ static mrts_smooth_distance mrts_smooth_judge(const mrts_smooth_program *p, mrts
     mrts_smooth_distance is = {mrts_smooth_evaluate(p, state, at, first, at->missed), 0, 0, 0};
     if (first) mrts_smooth_first(at, at->missed);
     for (long long i = 0; i < at->slots; ++i) {
-        if (!(at->y[i] > 0)) continue;
-        at->missed[i] += at->s[i];
+        at->missed[i] = at->y[i] > 0 ? at->missed[i] + at->s[i] : 0;
         is.gap += at->s[i] * at->y[i];
         const double missed = MRTS_ABS(at->missed[i]);
         if (is.missed == is.missed && !(missed <= is.missed)) is.missed = missed; /* what is no number stays */

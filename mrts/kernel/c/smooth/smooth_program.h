@@ -105,6 +105,10 @@ MRTS_LOCAL void mrts_smooth_values(const mrts_smooth_program *p, mrts_smooth_sta
 MRTS_LOCAL void mrts_smooth_moved(const mrts_smooth_program *p, const mrts_smooth_state *state, const double *dx,
                                   const double *du, const double *df, double *dg);
 
+/* Sums of multipliers y by the rows of node k, into `pressing` where what lies above the row's value is to be small, and
+ * into `holding` where what lies below it is to be large. */
+MRTS_LOCAL void mrts_smooth_presses(const mrts_smooth_program *p, mrts_smooth_state *state, const double *y, int k);
+
 /* Adds the gradient of sum y g along x, u and F. */
 MRTS_LOCAL void mrts_smooth_pulled(const mrts_smooth_program *p, mrts_smooth_state *state, const double *y, double *gx,
                                    double *gu, double *gf);
@@ -113,8 +117,8 @@ MRTS_LOCAL void mrts_smooth_pulled(const mrts_smooth_program *p, mrts_smooth_sta
 MRTS_LOCAL double mrts_smooth_objective(const mrts_smooth_program *p, mrts_smooth_state *state, double *gx, double *gu,
                                         double *gf, double *duration);
 
-/* Second derivatives of objective + sum of multiplier g, plus sum of multiplier / s times g's gradient squared. */
-MRTS_LOCAL void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *s,
+/* Second derivatives of objective + sum of multiplier g, plus sum of weight times g's gradient squared. */
+MRTS_LOCAL void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weight,
                                    const double *multiplier);
 
 #endif

@@ -68,8 +68,8 @@ MRTS_LOCAL void mrts_smooth_start(const mrts_smooth_program *p, mrts_smooth_stat
     for (int k = 0; k < n; ++k) {
         const double before = k > 0 ? p->step[k - 1] : 0, after = k < n - 1 ? p->step[k] : 0;
         state->slope[k] = 1 / (before + after);
-        state->near[k] = after * state->slope[k];
-        state->far[k] = before * state->slope[k];
+        state->near[k] = after / (before + after); /* 0 and 1 at the ends */
+        state->far[k] = before / (before + after);
     }
     for (int i = 0; i < p->changes; ++i) state->by_change[i] = 1 / p->change[i];
     if (p->timed) return;
@@ -195,7 +195,6 @@ MRTS_LOCAL void mrts_smooth_moved(const mrts_smooth_program *p, const mrts_smoot
     if (p->longest < MRTS_INFINITY) dg[(long long)n * slots] = mrts_dot(n, state->duration_x, dx) / p->longest;
 }
 
-/* Sums of multipliers by the rows of node k that they press on from below (`above` grows) and hold from above. */
 MRTS_LOCAL void mrts_smooth_presses(const mrts_smooth_program *p, mrts_smooth_state *state, const double *y, int k) {
     const int n = p->nodes, r = p->rows, c = p->changes, slots = mrts_smooth_slots(p);
     const double *here = y + (long long)k * slots;

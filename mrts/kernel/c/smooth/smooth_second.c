@@ -45,14 +45,14 @@ MRTS_LOCAL double mrts_smooth_objective(const mrts_smooth_program *p, mrts_smoot
 }
 
 /* Of a node: its rows' slots, the effort, and the bend of what replaces roots. */
-static void mrts_smooth_node_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *s,
+static void mrts_smooth_node_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weight,
                                     const double *multiplier, int k) {
     const int r = p->rows, slots = mrts_smooth_slots(p);
     const long long at = (long long)k * r;
-    const double *slack = s + (long long)k * slots, *y = multiplier + (long long)k * slots;
+    const double *above = weight + (long long)k * slots, *below = above + r;
     double *along = state->row_weight + at, *cross = state->row_cross + at, second = 0;
     for (int j = 0; j < r; ++j) {
-        const double up = y[j] / slack[j], down = y[r + j] / slack[r + j];
+        const double up = above[j], down = below[j];
         const double up_x = state->above_x[at + j], down_x = state->below_x[at + j];
         along[j] = up + down;
         cross[j] = up * up_x + down * down_x;
@@ -62,10 +62,10 @@ static void mrts_smooth_node_second(const mrts_smooth_program *p, mrts_smooth_st
     if (p->effort > 0 && p->weight) {
         const double by = p->effort * mrts_smooth_spacing(p, k) / state->unit;
         for (int j = 0; j < r; ++j) {
-            const double weight = by * p->weight[j] / root, square = p->square[at + j], v = state->value[at + j] / x;
-            along[j] += 2 * weight;
-            cross[j] += weight * (2 * square - v);
-            second += weight * (2 * square * square - 2 * square * v + 0.75 * v * v);
+            const double share = by * p->weight[j] / root, square = p->square[at + j], v = state->value[at + j] / x;
+            along[j] += 2 * share;
+            cross[j] += share * (2 * square - v);
+            second += share * (2 * square * square - 2 * square * v + 0.75 * v * v);
         }
     }
     if (p->root) {
@@ -89,8 +89,8 @@ static void mrts_smooth_time_second(const mrts_smooth_program *p, mrts_smooth_st
 }
 
 /* Of a segment: its changes. */
-static void mrts_smooth_change_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *slack,
-                                      const double *y, int k) {
+static void mrts_smooth_change_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weights,
+                                      int k) {
     const int r = p->rows, c = p->changes;
     const long long at = (long long)k * r, of = (long long)k * c;
     const double time0 = state->time_x[k], time1 = state->time_x1[k];
@@ -98,7 +98,7 @@ static void mrts_smooth_change_second(const mrts_smooth_program *p, mrts_smooth_
     for (int i = 0; i < c; ++i) {
         const int j = p->limited[i];
         const double by = state->by_time[k] * state->by_change[i];
-        const double up = y[i] / slack[i], down = y[c + i] / slack[c + i];
+        const double up = weights[i], down = weights[c + i];
         const double up0 = by * state->below_x[at + j] + time0, up1 = by * state->above_x[at + r + j] - time1;
         const double down0 = by * state->above_x[at + j] - time0, down1 = by * state->below_x[at + r + j] + time1;
         const double weight = by * by * (up + down);
@@ -120,11 +120,11 @@ static void mrts_smooth_change_second(const mrts_smooth_program *p, mrts_smooth_
 }
 
 /* Of a segment: its jerks. */
-static void mrts_smooth_jerk_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *slack,
-                                    const double *y, int k) {
+static void mrts_smooth_jerk_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weights,
+                                    int k) {
     const int J = p->jerks;
     double *segment = state->segment_second + 4 * k;
-    for (int e = 0; e < 2; ++e, slack += 2 * J, y += 2 * J) {
+    for (int e = 0; e < 2; ++e, weights += 2 * J) {
         const double *q1 = p->q1 + (long long)(k + e) * J, *q2 = p->q2 + (long long)(k + e) * J;
         const double *q3 = p->q3 + (2LL * k + e) * J;
         const double share = 1 / (2 * state->around[k + e]), root = state->root_around[k + e], by_step = 1 / p->step[k];
@@ -132,7 +132,7 @@ static void mrts_smooth_jerk_second(const mrts_smooth_program *p, mrts_smooth_st
         for (int i = 0; i < J; ++i) { /* `here` is the u of end e */
             const double by = root / p->jerk[i], slope = e ? by * q1[i] * by_step : -by * q1[i] * by_step;
             const double here = slope + 3 * by * q2[i], there = -slope;
-            const double up = y[i] / slack[i], down = y[J + i] / slack[J + i];
+            const double up = weights[i], down = weights[J + i];
             const double up_x = by * q3[i] + share, down_x = by * q3[i] - share;
             const double weight = up + down, cross = up * up_x + down * down_x;
             xx += up * up_x * up_x + down * down_x * down_x;
@@ -152,17 +152,17 @@ static void mrts_smooth_jerk_second(const mrts_smooth_program *p, mrts_smooth_st
     }
 }
 
-MRTS_LOCAL void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *s,
+MRTS_LOCAL void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weight,
                                    const double *multiplier) {
     const int n = p->nodes, slots = mrts_smooth_slots(p);
     double time = p->time / state->unit;
     if (p->longest < MRTS_INFINITY) time += multiplier[(long long)n * slots] / p->longest;
-    for (int k = 0; k < n; ++k) mrts_smooth_node_second(p, state, s, multiplier, k);
+    for (int k = 0; k < n; ++k) mrts_smooth_node_second(p, state, weight, multiplier, k);
     for (int k = 0; k < n - 1; ++k) {
         const long long at = (long long)k * slots + 2 * p->rows;
         for (int i = 0; i < 4; ++i) state->segment_second[4 * k + i] = 0;
         mrts_smooth_time_second(p, state, time, k);
-        mrts_smooth_change_second(p, state, s + at, multiplier + at, k);
-        mrts_smooth_jerk_second(p, state, s + at + 2 * p->changes, multiplier + at + 2 * p->changes, k);
+        mrts_smooth_change_second(p, state, weight + at, k);
+        mrts_smooth_jerk_second(p, state, weight + at + 2 * p->changes, k);
     }
 }
