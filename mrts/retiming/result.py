@@ -151,8 +151,9 @@ class RetimingResult:
         what = "fastest timing" if self.smooth is None else self.smooth.what
         text = f"{kept}the {what} takes {self.duration:.4g} s, the given one {given:.4g} s"
         if self.saving is not None and best is not None:
-            share, than = f"{abs(100 * self.saving):.3g} %", "more" if self.saving < 0 else "less"
-            text += f"; {share} {than} than {best.duration:.4g} s at the best constant c² = {best.c2:.4g}"
+            less = "less" if self.saving >= 0 else "more"
+            text += f"; {100 * abs(self.saving):.3g} % {less} than {best.duration:.4g} s at the best constant c² = "
+            text += f"{best.c2:.4g}"
         if self.stops.size:
             text += f". It stops at t = {', '.join(f'{time:.4g}' for time in self.stops)} s of the given motion"
         if self.smooth is not None:

@@ -52,7 +52,7 @@ def smooth_goal(weigh: Mapping[str, float] | None, least_energy_in: float | None
             raise InputError("weigh", f"must be >= 0 and at most {LARGEST_NUMBER:.0e}.", key=name, value=weight)
     goal = Goal(float(weigh.get("time", 0.0)), float(weigh.get("energy", 0.0)))
     if goal.time == 0:
-        rule = "must be > 0: with the energy alone the motion would last for ever. Or give least_energy_in."
+        rule = "must be > 0: with the energy alone a motion may last for ever. Or ask for the least in a duration."
         raise InputError("weigh", rule, key="time", value=goal.time)
     return goal
 
