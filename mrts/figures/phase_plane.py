@@ -58,9 +58,8 @@ def draw_phase_plane(axes: Axes, found: RetimingResult) -> None:
         tops.append(_draw_speeds(axes, found.pieces, speeds, what, COLOURS[4], "-"))
     best = found.constant.trajectory
     if best is not None:
-        free = "" if smooth is None or found.constant.rule.rates is not None else " without limits of rates"
         speeds = [best.c * part.piece.speed for part in found.pieces]
-        label = f"best constant c{free}, {best.duration:.4g} s"
+        label = f"best constant c, {best.duration:.4g} s"
         tops.append(_draw_speeds(axes, found.pieces, speeds, label, COLOURS[0], "--"))
     for s in _along(found.pieces)[1:]:
         axes.axvline(float(s[0]), color=COLOURS[6], alpha=0.3, linewidth=1)

@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from conftest import DATA
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from shown_results import with_all_rates
@@ -13,6 +14,7 @@ import mrts
 from mrts.output.summary_lines import retiming_lines
 from mrts.output.trajectory_table import played_rows
 from mrts.scaling.limit_use import rate_uses
+from mrts.viewer.player_state import PlayerState
 
 LIMITS = {"shoulder": 1100, "elbow": 880, "wrist": 550}
 """11 times the torque limits of a planar arm [N m/s]."""
@@ -22,6 +24,17 @@ ROUNDING = 1e-6
 
 EXACT = 1e-9
 """Largest residual of the dynamics [N m, N], as of every result."""
+
+
+NO_FASTER = 1e-4
+"""By how much the largest c² within the rates may be off 1: the linear programs of the constant factor ask what torques
+there are, the timing was found for by an interior point that comes near its limits, not to them."""
+
+
+@pytest.fixture(scope="module")
+def spatial(dual_ur5):
+    motion = mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
+    return mrts.retime(dual_ur5, motion, rates=11.0, between=None)
 
 
 @pytest.fixture(scope="module")
@@ -54,6 +67,21 @@ def test_a_table_has_the_nodes_and_nothing_more_and_keeps_the_rates(smooth, tmp_
                 assert table[f"ddq.{arm}/{joint}"][row] == pytest.approx(0, abs=EXACT)
         for part in ("fx", "fy", "nz"):
             assert np.max(np.abs(np.diff(table[f"F.{arm}/{part}"]) / steps)) <= 20 * (1 + ROUNDING)
+
+
+@pytest.mark.parametrize("cell", ["planar", "spatial"])
+def test_a_table_read_back_can_be_played_as_fast_and_no_faster_within_its_rates(cell, smooth, spatial, tmp_path):
+    found = smooth if cell == "planar" else spatial
+    mrts.write_trajectory_csv(found.retimed, tmp_path / "trajectory.csv")
+    again = mrts.scale(found.cell, mrts.load_motion(tmp_path / "trajectory.csv"), rates=11.0, between=None)
+    assert again.range.upper.c2 == pytest.approx(1, abs=NO_FASTER)
+    assert {row.name.kind for row in again.range.upper.rows} & {"torque rate", "wrench rate"}
+    assert not any(warning.code == "step-at-ends" for warning in again.warnings)
+    state = PlayerState(found.cell, mrts.load_motion(tmp_path / "trajectory.csv"))
+    half = state.trajectory.duration / 2
+    state.choose_time(half)
+    steps = np.diff(state.trajectory.time)
+    assert abs(state.time - half) <= np.max(steps) / 2
 
 
 def test_a_bag_has_the_same_rows_at_rising_times(smooth, tmp_path):
