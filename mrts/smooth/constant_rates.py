@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import SolverError
+from mrts.base.errors import CompilerError, SolverError
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, RowName
@@ -15,7 +15,9 @@ from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.torque_distribution import TORQUE_WIDENING
 from mrts.smooth.factor_program import RATE_MARGIN, FactorAsked, FactorProgram
+from mrts.smooth.kernel_solver import KernelSolver
 from mrts.smooth.path_program import path_program
+from mrts.smooth.program import SmoothProgram
 from mrts.smooth.rate_limits import RateLimits, rate_names
 from mrts.smooth.smooth_solvers import CheckedSolver
 
@@ -94,6 +96,8 @@ class RatedFactors:
             c2 = self._ruled_out(lower)
         if self.changes is None or not np.isfinite(c2) or c2 < lower:
             return c2, end
+        if c2 > 0 and self._carried(c2):
+            return c2, end
         found = self._followed(c2, (lower, np.inf), faster=False)
         return (c2, end) if found is None else (found.c2, found)
 
@@ -123,8 +127,20 @@ class RatedFactors:
         """
         if self.by_jerk is not None and c2 > self.by_jerk.c2 * (1 + RATE_MARGIN):
             return self.by_jerk
+        if self._carried(c2):
+            return None
         asked = None if self.changes is None else self.changes.asked(float(np.sqrt(c2)))
         return None if asked is None or asked.is_admitted else self._binding(asked)
+
+    def _carried(self, c2: float) -> bool:
+        """Whether torques within the rates are found at a c² > 0: much sooner than by HiGHS, but no proof if not."""
+        square, nothing = np.full(self.program.nodes, c2), np.zeros(self.program.nodes)
+        program = _with_margins(self.program)
+        try:
+            free = KernelSolver().torques(program, square, nothing)
+        except CompilerError:
+            return False
+        return free is not None and program.excess(square, nothing, free) <= RATE_MARGIN
 
     def _followed(self, c2: float, within: tuple[float, float], *, faster: bool) -> RatesAtEnd | None:
         """The first c² from a given one on that rates admit, or the first not ruled out beyond what is of interest."""
@@ -208,15 +224,7 @@ def torques_within_rates(
         SolverError: If no solver answers.
     """
     problem = build_sample_problem(cell, motion, sharing=sharing, varying=True)
-    given = path_program(cell, motion, [problem], rates, weights)
-    widening = np.where(given.lower < given.upper, TORQUE_WIDENING, 0.0)
-    program = replace(
-        given,
-        lower=given.lower - widening,
-        upper=given.upper + widening,
-        change=given.change * (1 - RATE_MARGIN / 2),
-        jerk=given.jerk * (1 + RATE_MARGIN),
-    )
+    program = _with_margins(path_program(cell, motion, [problem], rates, weights))
     square, nothing = np.full(motion.samples, c2), np.zeros(motion.samples)
     solver = CheckedSolver()
     free = solver.torques(program, square, nothing)
@@ -224,6 +232,18 @@ def torques_within_rates(
         raise SolverError(f"no torques within the limits and the rates were found at c² = {c2:.6g}.")
     x = np.column_stack([free, nothing, square])
     return problem.torque(x), problem.wrench(x), solver.fallbacks
+
+
+def _with_margins(program: SmoothProgram) -> SmoothProgram:
+    """The same program with limits a little wider, as that of the torques without rates, and rates a little less."""
+    widening = np.where(program.lower < program.upper, TORQUE_WIDENING, 0.0)
+    return replace(
+        program,
+        lower=program.lower - widening,
+        upper=program.upper + widening,
+        change=program.change * (1 - RATE_MARGIN / 2),
+        jerk=program.jerk * (1 + RATE_MARGIN),
+    )
 
 
 def _at_limit(name: RowName, limit: float, *, rises: bool) -> ActiveRow:
