@@ -151,6 +151,7 @@ def _smooth_request(
         return None
     goal = smooth_goal(given["weigh"], given["least_energy_in"])
     check_smooth_solver(solver)
+    check_type("distribute", distribute, str)
     if distribute != "least-torque":
         rule = "does not go with rates: where torques change slowly they are the least ones."
         raise InputError("distribute", rule, value=distribute)
