@@ -89,6 +89,7 @@ bench: install $(VENV)/bench  ## measure speed against what a user would otherwi
 	$(BIN)/python benchmarks/uncertain_load.py
 	$(BIN)/python benchmarks/retiming.py
 	$(BIN)/python benchmarks/smooth_timing.py
+	$(BIN)/python benchmarks/closed_loop.py
 	$(BIN)/python benchmarks/generation_cost.py
 
 instructions: install  ## count instructions of a sample (needs gcc and valgrind)

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from mrts.report import write_report
     from mrts.retiming.result import RetimingResult, RetimingStatus
     from mrts.retiming.retime import retime
+    from mrts.retiming.smooth_piece import SmoothAnswer
     from mrts.samples.infeasibility import Conflict
     from mrts.samples.load_sharing import LoadSharing
     from mrts.samples.range_status import SampleStatus, ScalingStatus
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
     from mrts.scaling.result import DistributionRule, Residuals, ScalingResult
     from mrts.scaling.scale import SelectionError, scale
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
+    from mrts.smooth.rate_limits import RateLimits
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
     from mrts.studies.identified_motors import ArmMotors, MotorIdentification, MotorParameter
     from mrts.studies.identify import identify
@@ -90,6 +92,7 @@ _HOMES = {
     "Remark": "base.remark",
     "Reserve": "samples.reserve",
     "Residuals": "scaling.result",
+    "RateLimits": "smooth.rate_limits",
     "RetimingResult": "retiming.result",
     "RetimingStatus": "retiming.result",
     "RigidTransform": "base.rigid_transform",
@@ -102,6 +105,7 @@ _HOMES = {
     "ScalingResult": "scaling.result",
     "ScalingStatus": "samples.range_status",
     "SelectionError": "scaling.scale",
+    "SmoothAnswer": "retiming.smooth_piece",
     "SolverError": "base.errors",
     "box_contact": "hands.box",
     "follow_object": "coordination.coordinated_motion",
@@ -157,6 +161,7 @@ __all__ = [
     "ObjectMotion",
     "PlanReserve",
     "RangeEnd",
+    "RateLimits",
     "RecordedJoint",
     "Remark",
     "Reserve",
@@ -173,6 +178,7 @@ __all__ = [
     "ScalingResult",
     "ScalingStatus",
     "SelectionError",
+    "SmoothAnswer",
     "SolverError",
     "box_contact",
     "follow_object",

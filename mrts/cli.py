@@ -8,7 +8,8 @@ import logging
 import signal
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
+from pathlib import Path
+from typing import Any, NoReturn
 
 from mrts.base.errors import MrtsError
 from mrts.base.printable import message_text
@@ -108,11 +109,44 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Its messages quote what was typed."""
+    """Its messages quote what was typed, and an option that may stand alone takes no file for its value."""
+
+    def parse_known_args(  # type: ignore[override]  # overloads of argparse, of which this is the widest
+        self, args: Sequence[str] | None = None, namespace: Any = None
+    ) -> tuple[Any, list[str]]:
+        """As argparse does, once files are told from values."""
+        may = {name for action in self._actions if action.nargs == "?" for name in action.option_strings}
+        return super().parse_known_args(files_apart(sys.argv[1:] if args is None else args, may), namespace)
 
     def error(self, message: str) -> NoReturn:
         """Print usage and message, and leave."""
         super().error(message_text(message))
+
+
+def files_apart(words: Sequence[str], may_stand_alone: set[str]) -> list[str]:
+    """The words of a line with each option that is followed by a file put last, where it stands alone.
+
+    Args:
+        words: Of the line.
+        may_stand_alone: Options with or without a value.
+    """
+    kept: list[str] = []
+    alone: list[str] = []
+    for word, following in zip(words, [*words[1:], ""], strict=True):
+        is_option = word.startswith("--") and any(name.startswith(word) for name in may_stand_alone) and word != "--"
+        (alone if is_option and _is_file(following) else kept).append(word)
+    end = kept.index("--") if "--" in kept else len(kept)
+    return [*kept[:end], *alone, *kept[end:]]
+
+
+def _is_file(word: str) -> bool:
+    """Whether a word is meant for a file or a folder: no number, but there, or with a folder or an ending."""
+    try:
+        float(word)
+    except ValueError:
+        path = Path(word)
+        return bool(word) and not word.startswith("-") and (path.suffix != "" or len(path.parts) > 1 or path.exists())
+    return False
 
 
 def _parser() -> tuple[argparse.ArgumentParser, list[str]]:

@@ -114,6 +114,29 @@ def sharing_option(text: str | None) -> "LoadSharing | None":
     return LoadSharing(np.array(shares))
 
 
+def numbers_option(option: str, text: str, example: str) -> dict[str, float]:
+    """The numbers of an option that takes KEY=NUMBER,….
+
+    Args:
+        option: For the message.
+        text: What was given.
+        example: Of what is right.
+
+    Raises:
+        InputError: If it is something else.
+    """
+    numbers: dict[str, float] = {}
+    for part in text.split(","):
+        name, _, number = part.partition("=")
+        if name.strip() in numbers:
+            raise InputError(option, f"gives {name.strip()} twice.", value=text)
+        try:
+            numbers[name.strip()] = float(number)
+        except ValueError:
+            raise InputError(option, f"must be KEY=NUMBER, such as {example}.", value=text) from None
+    return numbers
+
+
 def require(package: str, option: str, extra: str, *, wanted: bool) -> None:
     """Fail before any work if an option's package is missing."""
     from importlib.util import find_spec

@@ -14,9 +14,11 @@ from mrts.commands.options import (
     between_option,
     closure_option,
     limited_cell_option,
+    numbers_option,
     require,
     sharing_option,
 )
+from mrts.commands.profile_options import add_profile, check_profile, rates_option, smooth_arguments
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
@@ -41,6 +43,7 @@ EXAMPLES = """\
 examples:
   mrts scale cell.yaml motion.yaml --save result.npz --report report.html --plot plots
   mrts scale cell.yaml motion.yaml --profile optimal --plot plots
+  mrts scale cell.yaml motion.yaml --profile smooth --rates 11.5 --csv smooth.csv
   mrts scale cell.yaml motion.yaml --c2 0.8 --share 0.6,0.4 --csv trajectory.csv
   mrts scale cell.yaml motion.yaml --load guaranteed --carry mass=1.5,izz=0.8
   mrts scale cell.yaml motion.yaml -q --json - | jq .c2.upper"""
@@ -54,17 +57,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
         epilog=EXAMPLES,
     )
     add_cell_and_motion(scale)
-    choice = scale.add_mutually_exclusive_group()
-    choice.add_argument("--fastest", action="store_const", const="fastest", dest="select",
-                        help="play as fast as the limits allow (default)")  # fmt: skip
-    choice.add_argument("--nominal", action="store_const", const="nominal", dest="select", help="play as given, c² = 1")
-    choice.add_argument("--c2", type=float, dest="select", metavar="VALUE", help="play at this c²")
-    scale.add_argument("--profile", choices=["constant", "optimal"], default="constant",
-                       help="one factor of speed, or the fastest timing r(t) (default: %(default)s)")  # fmt: skip
-    scale.add_argument("--start-speed", type=float, metavar="R",
-                       help="of the optimal profile, as a multiple of the given speed, where the motion does not start "
-                       "from rest (default: 0)")  # fmt: skip
-    scale.add_argument("--end-speed", type=float, metavar="R", help="likewise at the end")
+    add_profile(scale)
     scale.add_argument("--share", metavar="equal|A,B,…",
                        help="fixed distribution of the load: equal, or one share an arm")  # fmt: skip
     scale.add_argument("--load", default="auto", metavar="QUESTION",
@@ -75,9 +68,6 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     scale.add_argument("--distribute", choices=DISTRIBUTIONS, default="least-torque",
                        help="of redundant torques: the least ones, or those that keep most of every limit in reserve "
                        "(default: %(default)s)")  # fmt: skip
-    scale.add_argument("--rates", nargs="?", type=float, const=True, default=False, metavar="SHARE",
-                       help="keep the cell's limits of torque rates, contact rates and jerk; a number takes that "
-                       "multiple of its torque limit per second for each joint without a torque rate")  # fmt: skip
     add_reserve(scale)
     add_between(scale)
     add_closure(scale)
@@ -87,7 +77,8 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     )
     scale.add_argument("--formulation", choices=FORMULATIONS, default="wrench",
                        help="unknowns of the programs (default: %(default)s)")  # fmt: skip
-    scale.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
+    scale.add_argument("--solver", default=None,
+                       help="solver of the registry (default: kernel; of the smooth profile: conic)")  # fmt: skip
     scale.add_argument("--json", type=Path, metavar="FILE", help="write the whole result ('-' is standard output)")
     scale.add_argument("--save", type=Path, metavar="FILE.npz",
                        help="save the whole result, for mrts.load_result")  # fmt: skip
@@ -109,13 +100,14 @@ def run(options: argparse.Namespace) -> int:
     for name, form, path in _trajectory_files(options):
         if form.needs:
             require(form.needs[0], f"--{name}", form.needs[1], wanted=path is not None)
+    check_profile(options)
     _check_outputs(options)
     between_option(options.between)  # a wrong one is told before any work
     motion = load_motion(options.motion)
     sharing, closure = sharing_option(options.share), closure_option(options.closure)
     cell = limited_cell_option(options)
     carried = _known_load(cell, options.carry, options.load)
-    if options.profile == "optimal":
+    if options.profile != "constant":
         return _retime(options, cell, motion, sharing, carried, closure)
     return _scale(options, cell, motion, sharing, carried, closure)
 
@@ -154,9 +146,6 @@ def _scale(
     from mrts.scaling.scale import SelectionError, scale
     from mrts.solvers import DEFAULT_SOLVER
 
-    for name in ("start_speed", "end_speed"):
-        if getattr(options, name) is not None:
-            raise InputError(f"--{name.replace('_', '-')}", "goes with --profile optimal.")
     outputs = Outputs()
     select: Selection = "auto" if options.select is None else options.select
     try:
@@ -172,7 +161,7 @@ def _scale(
                 distribute=options.distribute,
                 closure=closure,
                 between=between_option(options.between),
-                rates=options.rates,
+                rates=rates_option(options, cell),
                 progress=progress,
             )
         if carried is not None and result.trajectory is not None:
@@ -187,9 +176,13 @@ def _scale(
     with working("writing"):  # files first: whoever reads the lines may go away
         _write(options, result, outputs)
     code = _answered(options, result, scaling_lines(result), outputs)
-    if result.fallbacks and str(options.json) != "-":
-        warn(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
+    _say_fallbacks(options, result.fallbacks)
     return code
+
+
+def _say_fallbacks(options: argparse.Namespace, count: int) -> None:
+    if count and str(options.json) != "-":
+        warn(f"{count} programs were left by the chosen solver and solved by another")
 
 
 def _answered(
@@ -221,14 +214,7 @@ def _retime(
     from mrts.retiming.retime import retime
     from mrts.scaling.known_load import torques_for_load
 
-    for name, given in (("--c2, --fastest, --nominal", options.select), ("--solver", options.solver)):
-        if given is not None:
-            raise InputError(name, "does not go with --profile optimal, which chooses the speed by itself.")
-    if options.rates is not False:
-        raise InputError("--rates", "goes with --profile constant: the optimal profile jumps from limit to limit.")
-    if options.formulation != "wrench":
-        raise InputError("--formulation", "the optimal profile is found in the wrench form.", value=options.formulation)
-    outputs = Outputs()
+    outputs, further = Outputs(), smooth_arguments(options, cell)
     with working(f"timing {options.motion}") as progress:
         found = retime(
             cell,
@@ -241,12 +227,15 @@ def _retime(
             start_speed=options.start_speed or 0.0,
             end_speed=options.end_speed or 0.0,
             progress=progress,
+            **further,
         )
         if carried is not None and found.retimed is not None:
             found = replace(found, retimed=torques_for_load(found.retimed, carried))
     with working("writing"):  # files first: whoever reads the lines may go away
         _write_timing(options, found, outputs)
-    return _answered(options, found, retiming_lines(found), outputs)
+    code = _answered(options, found, retiming_lines(found), outputs)
+    _say_fallbacks(options, 0 if found.smooth is None else found.smooth.fallbacks)
+    return code
 
 
 def _write_timing(options: argparse.Namespace, found: "RetimingResult", outputs: Outputs) -> None:
@@ -272,16 +261,7 @@ def _known_load(cell: "Cell", text: str | None, question: str) -> "Array | None"
         raise InputError("--carry", "picks a load of the box, but the cell gives no object.variation.", value=text)
     if question == "possible":
         raise InputError("--carry", "what is possible chooses no c², so there are no torques.", value=text)
-    parameters: dict[str, float] = {}
-    for part in text.split(","):
-        name, _, number = part.partition("=")
-        if name.strip() in parameters:
-            raise InputError("--carry", f"gives {name.strip()} twice.", value=text)
-        try:
-            parameters[name.strip()] = float(number)
-        except ValueError:
-            raise InputError("--carry", "must be KEY=NUMBER, such as mass=1.5,izz=0.8.", value=text) from None
-    return cell.load_box.load_at(parameters)
+    return cell.load_box.load_at(numbers_option("--carry", text, "mass=1.5,izz=0.8"))
 
 
 def _write(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
@@ -320,7 +300,7 @@ def _write_result(options: argparse.Namespace, result: "ScalingResult", outputs:
 
 def _say_unwritten(options: argparse.Namespace) -> None:
     wanted = {f"--{name}": path for name, _, path in _trajectory_files(options)}
-    if options.profile == "optimal":
+    if options.profile != "constant":
         wanted |= {"--save": options.save, "--report": options.report, "--plot": options.plot}
     if left_out := [name for name, path in wanted.items() if path is not None]:
         warn(f"there is no trajectory for {', '.join(left_out)}: not written")

@@ -69,7 +69,7 @@ def retime(
         sharing: A fixed distribution of the load; None leaves it free.
         weights: W of the quadratic program, as in `mrts.scale`.
         load: "guaranteed" (for every load of the box) or "nominal"; "auto" is "guaranteed" if the cell has a load box.
-        distribute: As in `mrts.scale`.
+        distribute: As in `mrts.scale`; with rates "least-torque" alone.
         reserve: Likewise.
         closure: Likewise.
         start_speed: ṙ at the start, where the given motion does not start from rest [1].
@@ -151,6 +151,7 @@ def _smooth_request(
         return None
     goal = smooth_goal(given["weigh"], given["least_energy_in"])
     check_smooth_solver(solver)
+    check_type("distribute", distribute, str)
     if distribute != "least-torque":
         rule = "does not go with rates: where torques change slowly they are the least ones."
         raise InputError("distribute", rule, value=distribute)

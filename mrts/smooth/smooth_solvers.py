@@ -7,6 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import CompilerError, InputError
 from mrts.smooth.program import Goal, NearSolver, SmoothProfile, SmoothProgram, SmoothSolver
@@ -46,6 +47,7 @@ def check_smooth_solver(name: str) -> None:
     Raises:
         InputError: If there is no such solver.
     """
+    check_type("solver", name, str)
     if name not in SMOOTH_SOLVERS:
         raise InputError("solver", f"there is no such solver of smooth timing; there are {', '.join(SMOOTH_SOLVERS)}.",
                          value=name)  # fmt: skip

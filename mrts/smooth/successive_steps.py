@@ -128,10 +128,27 @@ def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: CheckedSol
         found = solver.step(program, likely / SLOWER**slower, Goal())
         if found is not None:
             return found
+    slow = _slow_enough(program, likely / SLOWER**STARTS, solver)
+    if slow is not None:
+        return slow
     near = _by_relaxation(program, likely)
     if isinstance(near, RatesTooSmall):
         return near
     return solver.step(program, near, Goal()) or RatesTooSmall(0.0)
+
+
+def _slow_enough(program: SmoothProgram, likely: Array, solver: CheckedSolver) -> SmoothProfile | None:
+    """A profile from constant speeds so small that all rates are: where forces of inertia vanish they grow with it."""
+    x = likely
+    for _ in range(STARTS):
+        passed = ConicSolver.nearest(program, x)
+        if passed is None:
+            return None
+        x = x / (SLOWER * (1 + max(passed[1], 0.0)) ** 2)
+        found = solver.step(program, x, Goal())
+        if found is not None:
+            return found
+    return None
 
 
 def _by_relaxation(program: SmoothProgram, likely: Array) -> Array | RatesTooSmall:

@@ -82,6 +82,8 @@ def good(planar_cell):
     objects = {name: getattr(motion, name) for name in ("time", "position", "rotation", "twist", "acceleration")}
     joints = {"object": motion, "q": whole.q, "dq": whole.dq, "ddq": whole.ddq}
     plan = {"weights": None, "load": "auto", "distribute": "reserve", "reserve": None, "closure": None}
+    smooth = {"start_speed": 0.0, "end_speed": 0.0, "rates": 11.5, "weigh": None, "least_energy_in": None}
+    smooth |= {"start_torque": None, "end_torque": None, "solver": "conic", "distribute": "least-torque"}
     return {
         "box_contact": {"lower": [0.0] * 6, "upper": [9.0] * 6, "frame": "tip"} | named,
         "gripper_contact": {"force": 50.0, "axis": [1, 0, 0]} | pressed | named,
@@ -95,10 +97,10 @@ def good(planar_cell):
         "load_motion": {"path": DATA / "lift.yaml"},
         "load_result": {"path": "good.npz", "cell": planar_cell},
         "rank_configurations": search | with_solver | {"cap": 1},
-        "retime": search | plan | {"start_speed": 0.0, "end_speed": 0.0},
+        "retime": search | plan | smooth,
         "sample_motion": {"description": description},
         "save_result": {"result": result, "path": "saved.npz"},
-        "scale": search | with_solver | plan | {"select": "auto", "formulation": "wrench"},
+        "scale": search | with_solver | plan | {"select": "auto", "formulation": "wrench", "rates": False},
         "torques_for_load": {"result": result, "load": planar_cell.load} | with_solver,
         "write_report": {"result": result, "path": "report.html"},
         "write_figure": {"figure": range_figure(result), "path": "figure.png"},

@@ -24,6 +24,7 @@ DOCS = ROOT / "docs"
         ("command_line", 4),
         ("ros2", 3),
         ("optimal_profile", 2),
+        ("smooth", 3),
         ("real_cell", 9),
     ],
 )
