@@ -4,8 +4,7 @@
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mrts.figures.style import finish, legend_below, line_style, plain, plain_text
-from mrts.figures.trajectory import SIDE_BY_SIDE
+from mrts.figures.style import SIDE_BY_SIDE, finish, legend_below, line_style, plain, plain_text
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import accumulated_energy
 

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
 """What all figures share: colours, dashes, labels, legends outside the curves, writing."""
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
@@ -14,6 +16,7 @@ from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.labels import LONGEST_LABEL, shortened
+from mrts.scaling.result import ScalingResult
 
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (7, 3)))
 """A second difference between lines, for print without colour."""
@@ -25,6 +28,12 @@ LEGEND_DROP = 34.0
 
 TWO_COLUMNS = 16
 """Letters up to which labels stand in several columns."""
+
+SIDE_BY_SIDE = 2
+"""More robots than this stand below each other, to fit a page."""
+
+Draw = Callable[[Axes, ScalingResult, str], None]
+"""What draws something of one robot, by its name, into axes."""
 
 
 def line_style(index: int) -> dict[str, Any]:
@@ -66,6 +75,34 @@ def legend_below(axes: Axes, columns: int | None = None) -> None:
         frameon=False,
         borderaxespad=0,
     )
+
+
+def robot_figure(result: ScalingResult, title: str, draws: Sequence[Draw]) -> Figure:
+    """Several quantities of every robot with their limits: a column a robot, or a row where there are many.
+
+    Args:
+        result: A result with a trajectory.
+        title: Title of the figure.
+        draws: What draws them.
+    """
+    robots = [robot.name for robot in result.cell.robots]
+    count, kinds = len(robots), len(draws)
+    if count <= SIDE_BY_SIDE:
+        figure = Figure(figsize=(max(6.0, 4.4 * count), 0.5 + 2.7 * kinds), layout="constrained")
+        grid = figure.subplots(kinds, count, squeeze=False)
+    else:
+        figure = Figure(figsize=(0.2 + 3.6 * kinds, 3.1 * count + 0.6), layout="constrained")
+        grid = figure.subplots(count, kinds, squeeze=False).T
+    figure.suptitle(plain_text(f"{title}\n(thin lines: limits)"), fontsize="medium")
+    for column, robot in enumerate(robots):
+        for axes, draw in zip(grid[:, column], draws, strict=True):
+            draw(axes, result, robot)
+        grid[0, column].set_title(f"robot '{plain(robot)}'", fontsize="medium")
+    for quantity in grid if count <= SIDE_BY_SIDE else ():
+        reaches = np.array([axes.get_ylim() for axes in quantity])
+        for axes in quantity:
+            axes.set_ylim(np.min(reaches[:, 0]), np.max(reaches[:, 1]))
+    return figure
 
 
 def finish(axes: Axes, xlabel: str, ylabel: str) -> None:

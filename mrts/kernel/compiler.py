@@ -42,6 +42,20 @@ def find_compiler() -> tuple[str, ...] | None:
     return next(((name,) for name in CANDIDATES if shutil.which(name)), None)
 
 
+def needed_compiler() -> tuple[str, ...]:
+    """Command of the C compiler, where there is no way without one.
+
+    Raises:
+        CompilerError: If there is none, or CC names a program that is not there.
+    """
+    command = find_compiler()
+    if command is None:
+        raise CompilerError(
+            "our kernel needs a C compiler. Install one (Debian: apt-get install gcc libc6-dev) or set CC."
+        )
+    return command
+
+
 def compile_library(command: tuple[str, ...], source: Path, library: Path) -> None:
     """Compile `source` into the shared library `library`, which is the user's only, whole or not at all.
 

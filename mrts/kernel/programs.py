@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import CompilerError
 from mrts.kernel.c_text import programs_source
 from mrts.kernel.compiled_cache import library_or_rebuilt
-from mrts.kernel.compiler import find_compiler
+from mrts.kernel.compiler import needed_compiler
 from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
 
 CORNERS = 64
@@ -161,9 +160,4 @@ def default_programs() -> Programs:
 
 @lru_cache(maxsize=1)
 def _programs_alone() -> Programs:
-    command = find_compiler()
-    if command is None:
-        raise CompilerError(
-            "our kernel needs a C compiler. Install one (Debian: apt-get install gcc libc6-dev) or set CC."
-        )
-    return compiled_programs(command)
+    return compiled_programs(needed_compiler())

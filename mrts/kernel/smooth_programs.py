@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import CompilerError
 from mrts.kernel.c_text import smooth_source
 from mrts.kernel.compiled_cache import library_or_rebuilt
-from mrts.kernel.compiler import find_compiler
+from mrts.kernel.compiler import needed_compiler
 from mrts.kernel.foreign_arrays import INFINITY
+
+FOUND = 0
+"""The kernel's status of an answer, `MRTS_SMOOTH_FOUND` of interior_point.h."""
 
 _SIZES = ("nodes", "rows", "free", "width", "changes", "jerks")
 _FLAGS = ("timed", "again", "moving", "given_start", "given_end", "held_start", "held_end")
@@ -81,6 +83,33 @@ def path_rows(free: Array, columns: NDArray[np.int_], **arrays: Array) -> PathRo
     )
 
 
+@dataclass(frozen=True, kw_only=True)
+class Ask:
+    """What is looked for along a path; see `mrts_smooth_program`.
+
+    Attributes:
+        around: x > 0 where tangents are laid, contiguous, Shape (n,).
+        time: Weight of the duration.
+        effort: Weight of the effort.
+        longest: Largest duration.
+        timed: x and u are given: F alone is looked for.
+        moving: Tangents are laid anew in each iteration.
+        given: Whether x is given at the first and the last node.
+        held: Whether F is.
+        last: Work of an answer on the same rows, with the same weights, that is near; it is started from.
+    """
+
+    around: Array
+    time: float = 0.0
+    effort: float = 0.0
+    longest: float = np.inf
+    timed: bool = False
+    moving: bool = False
+    given: tuple[bool, bool] = (False, False)
+    held: tuple[bool, bool] = (False, False)
+    last: Array | None = None
+
+
 class SmoothPrograms:
     """The programs in a library of their own.
 
@@ -95,7 +124,7 @@ class SmoothPrograms:
         self._work, self._solve = library.mrts_smooth_work, library.mrts_smooth_solve
         self._work.restype = ctypes.c_longlong
 
-    def solve(self, rows: PathRows, ask: "Ask", x: Array, u: Array, free: Array) -> tuple[bool, int, Array]:
+    def solve(self, rows: PathRows, ask: Ask, x: Array, u: Array, free: Array) -> tuple[bool, int, Array]:
         """Solve a program; the answer is written to x, u and free.
 
         Args:
@@ -124,37 +153,6 @@ class SmoothPrograms:
         return status == FOUND, iterations.value, work
 
 
-@dataclass(frozen=True, kw_only=True)
-class Ask:
-    """What is looked for along a path; see `mrts_smooth_program`.
-
-    Attributes:
-        around: x > 0 where tangents are laid, contiguous, Shape (n,).
-        time: Weight of the duration.
-        effort: Weight of the effort.
-        longest: Largest duration.
-        timed: x and u are given: F alone is looked for.
-        moving: Tangents are laid anew in each iteration.
-        given: Whether x is given at the first and the last node.
-        held: Whether F is.
-        last: Work of an answer on the same rows, with the same weights, that is near; it is started from.
-    """
-
-    around: Array
-    time: float = 0.0
-    effort: float = 0.0
-    longest: float = np.inf
-    timed: bool = False
-    moving: bool = False
-    given: tuple[bool, bool] = (False, False)
-    held: tuple[bool, bool] = (False, False)
-    last: Array | None = None
-
-
-FOUND = 0
-"""The kernel's status of an answer, `MRTS_SMOOTH_FOUND` of interior_point.h."""
-
-
 @lru_cache(maxsize=1)
 def smooth_programs() -> SmoothPrograms:
     """The programs, compiled on first use.
@@ -162,23 +160,6 @@ def smooth_programs() -> SmoothPrograms:
     Raises:
         CompilerError: If there is no compiler, or it fails.
     """
-    command = find_compiler()
-    if command is None:
-        raise CompilerError(
-            "our kernel needs a C compiler. Install one (Debian: apt-get install gcc libc6-dev) or set CC."
-        )
-    return compiled_smooth_programs(command)
-
-
-def compiled_smooth_programs(command: tuple[str, ...]) -> SmoothPrograms:
-    """The programs by a compiler.
-
-    Args:
-        command: Compiler, from `find_compiler`.
-
-    Raises:
-        CompilerError: If the compiler fails.
-    """
     return library_or_rebuilt(
-        command, "mrts_smooth", smooth_source(), lambda library: SmoothPrograms(ctypes.CDLL(str(library)))
+        needed_compiler(), "mrts_smooth", smooth_source(), lambda library: SmoothPrograms(ctypes.CDLL(str(library)))
     )

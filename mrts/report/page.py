@@ -2,6 +2,7 @@
 """The whole page: everything in one file that fetches nothing."""
 
 import json
+from collections.abc import Callable
 from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
@@ -12,7 +13,7 @@ from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.report.markup import Html, element, html, joined, plot_place, section
 from mrts.report.player import SPEEDS, Player, player
-from mrts.report.plots import Plot, load_plot, power_plots, torque_plots, wrench_plots
+from mrts.report.plots import Plot, load_plot, power_plots, rate_plots, torque_plots, wrench_plots
 from mrts.report.range_plot import range_plot
 from mrts.report.tables import (
     conflicts_table,
@@ -110,9 +111,10 @@ def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[H
     if done is not None:
         pieces += [
             section("margins", "How far the limits are used", _margin_note(), margins_table(result)),
-            section("duty", "What is asked of the motors", _duty_note(), duty_table(result), *rates_table(result)),
+            section("duty", "What is asked of the motors", _duty_note(), duty_table(result)),
             section("torques", "Joint torques", _limit_note(), place(*torque_plots(result))),
             section("wrenches", "Contact wrenches", _limit_note(), place(*wrench_plots(result))),
+            *_rates(result, place),
             section("power", "Power and energy", place(*power_plots(result))),
         ]
     if study is not None:
@@ -130,6 +132,12 @@ def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[H
     ]
     pieces.append(section("inputs", "What was given", inputs_table(result), *limits))
     return pieces
+
+
+def _rates(result: ScalingResult, place: Callable[..., Html]) -> list[Html]:
+    """How fast torques, wrenches and accelerations change; nothing where that is not limited."""
+    listed = rates_table(result)
+    return [section("rates", "How fast torques change", *listed, place(*rate_plots(result)))] if listed else []
 
 
 def _head(result: ScalingResult) -> Html:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Plots over time as plotly reads them: torques, wrenches, power, energy, loads."""
+"""Plots over time as plotly reads them: torques, wrenches, their rates, power, energy, loads."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from mrts.drawing.lanes import gap_boxes
 from mrts.drawing.load_envelope import load_envelope
 from mrts.report.markup import plot_text
 from mrts.samples.sample_ranges import SampleRanges
-from mrts.scaling.limit_use import limited_quantities
+from mrts.scaling.limit_use import LimitedQuantities, limited_quantities, limited_rate_kinds, limited_rates
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import accumulated_energy
 
@@ -112,12 +112,14 @@ def line(time: Array, values: Array, name: str, index: int, unit: str | None, **
 
 
 def _limited(name: str, title: str, ytitle: str, time: Array, values: Array, names: Sequence[tuple[str, str]],
-             limits: Array) -> Plot:  # fmt: skip
+             limits: Array, **more: Any) -> Plot:  # fmt: skip
     """Lines, each a name and a unit, with their limits as thin lines."""
     traces = []
     samples = shown_samples(len(time), values)
     for index, (label, unit) in enumerate(names):
-        own = line(time[samples], values[samples, index], shortened(label), index, unit) | {"legendgroup": str(index)}
+        own = line(time[samples], values[samples, index], shortened(label), index, unit, **more) | {
+            "legendgroup": str(index)
+        }
         traces.append(own)
         for limit in limits[:, :, index]:
             if np.any(np.isfinite(limit)):
@@ -160,6 +162,28 @@ def wrench_plots(result: ScalingResult) -> list[Plot]:
             name, ytitle = f"{what}-{number}", f"{what} [{unit}]"
             plots.append(_limited(name, title, ytitle, time, values, names, limits[:, :, part]))
     return plots
+
+
+def rate_plots(result: ScalingResult) -> list[Plot]:
+    """How fast torques, wrenches and accelerations change where that is limited, plots for each robot."""
+    plots = []
+    for kind in limited_rate_kinds(result):
+        for number, robot in enumerate(result.cell.robots):
+            rates = limited_rates(result, kind, robot.name)
+            for part, unit in enumerate(dict.fromkeys(rates.units)):
+                drawn = rates.only([of == unit for of in rates.units])
+                if np.any(np.isfinite(drawn.upper)):
+                    name = f"{kind.replace(' ', '-')}-{number}-{part}"
+                    plots.append(_rate_plot(result, drawn, name, f"{robot.name}: {kind}", f"{kind} [{unit}]"))
+    return plots
+
+
+def _rate_plot(result: ScalingResult, drawn: LimitedQuantities, name: str, title: str, ytitle: str) -> Plot:
+    """Rates of one unit, each constant from sample to sample."""
+    assert result.trajectory is not None  # noqa: S101 (checked by its caller)
+    names = list(zip(drawn.names, drawn.units, strict=True))
+    limits = np.stack([drawn.lower, drawn.upper])
+    return _limited(name, title, ytitle, result.trajectory.time, drawn.values, names, limits, shape="hv")
 
 
 def power_plots(result: ScalingResult) -> list[Plot]:

@@ -71,7 +71,7 @@ def refined_timing(
         if not timed.pieces:
             return timed
         found = excess(timed)
-        timed = _with_excess(timed, found.worst)
+        timed = with_excess(timed, found.worst)
         passing = np.flatnonzero(found.share > (near * tolerance if np.any(found.share > tolerance) else tolerance))
         if not adds or turn == MOST_ROUNDS or not len(passing) or timed.motion.samples + len(passing) > most:
             break
@@ -85,8 +85,13 @@ def refined_timing(
     return replace(timed, status=timed.status.at_samples)
 
 
-def _with_excess(timed: RetimingResult, worst: Excess) -> RetimingResult:
-    """A timing that says its excess, in the time of the given motion and in that of the retimed one."""
+def with_excess(timed: RetimingResult, worst: Excess) -> RetimingResult:
+    """A timing that says its excess, in the time of the given motion and in that of the retimed one.
+
+    Args:
+        timed: The timing.
+        worst: The excess, in the time of the given motion.
+    """
     played = timed.retimed
     if played is not None:
         given, own = timed.motion.object.time, played.motion.object.time

@@ -67,7 +67,7 @@ ADMITTING = {
 
 OF_TRAJECTORY = (
     *("joints", "torque", "torque_friction", "wrench", "internal_wrench"),
-    *("power", "energy", "joint_duty", "largest_step"),
+    *("power", "energy", "joint_duty", "largest_step", "rates"),
 )
 """Entries of the JSON result that are those of the retimed motion."""
 
@@ -87,7 +87,7 @@ class RetimingResult:
         retimed: The motion at the fastest timing with its torques, as a result at c² = 1; None without a profile.
         conflict: The limits that conflict, where limits are the reason.
         excess: How far limits are overstepped between the samples; None without a profile.
-        smooth: What is known of a timing with limits of rates; None without them.
+        smooth: What is known of a timing with limits of rates; None without them, and where there is none even so.
     """
 
     cell: Cell
@@ -148,8 +148,8 @@ class RetimingResult:
         if not self.status.admits_motion:
             return printable(f"{kept}{self.status.value}: {self.explanation}")
         given, best = float(self.motion.object.time[-1]), self.constant.trajectory
-        what = "the fastest timing" if self.smooth is None else self.smooth.what
-        text = f"{kept}{what} takes {self.duration:.4g} s, the given one {given:.4g} s"
+        what = "fastest timing" if self.smooth is None else self.smooth.what
+        text = f"{kept}the {what} takes {self.duration:.4g} s, the given one {given:.4g} s"
         if self.saving is not None and best is not None:
             less = "less" if self.saving >= 0 else "more"
             text += f"; {100 * abs(self.saving):.3g} % {less} than {best.duration:.4g} s at the best constant c² = "
@@ -176,6 +176,8 @@ class RetimingResult:
             "saving": self.saving,
             "constant": self.constant.range.to_json(),
             "conflict": None if self.conflict is None else [row.to_json() for row in self.conflict.rows],
+            "smooth": self.smooth and self.smooth.to_json(),
+            "kept_rates": self.smooth and self.smooth.rates.to_json(),
         }
         if self.retimed is None or self.excess is None:
             return output
@@ -185,8 +187,6 @@ class RetimingResult:
         output["limits"] = [{"limit": name, "share_of_duration": share} for name, share in self.limits]
         output["stops"] = self.stops.tolist()
         output["profile"] = [part.to_json(time) for part in self.pieces]
-        if self.smooth is not None:
-            output["smooth"] = self.smooth.to_json()
         return output | {key: whole[key] for key in OF_TRAJECTORY if key in whole}
 
     def json_text(self) -> str:

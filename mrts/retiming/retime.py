@@ -69,7 +69,7 @@ def retime(
         sharing: A fixed distribution of the load; None leaves it free.
         weights: W of the quadratic program, as in `mrts.scale`.
         load: "guaranteed" (for every load of the box) or "nominal"; "auto" is "guaranteed" if the cell has a load box.
-        distribute: As in `mrts.scale`.
+        distribute: As in `mrts.scale`; with rates "least-torque" alone.
         reserve: Likewise.
         closure: Likewise.
         start_speed: ṙ at the start, where the given motion does not start from rest [1].

@@ -32,6 +32,16 @@ class TimedPiece:
     rates: Array
 
     @property
+    def arc(self) -> Array:
+        """Arc length at the samples, from the start of the piece, Shape (n,)."""
+        return self.piece.path.object.time
+
+    @property
+    def arc_speed(self) -> Array:
+        """Speed along the arc length at the samples, Shape (n,)."""
+        return np.sqrt(self.x)
+
+    @property
     def segment_times(self) -> Array:
         """Duration of each segment, 2 Δs / (ṡ_start + ṡ_end), Shape (n - 1,) [s].
 

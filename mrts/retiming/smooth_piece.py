@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.retiming.retimed_motion import TimedPiece
+from mrts.retiming.retimed_motion import FastestPiece, TimedPiece
 from mrts.retiming.smooth_path import SmoothPath
 from mrts.smooth.program import Goal, SmoothProgram
 from mrts.smooth.rate_limits import RateLimits
@@ -38,6 +38,11 @@ class SmoothPiece(TimedPiece):
         return np.append(self.rates[:, 0], self.rates[-1:, 1])
 
     @property
+    def arc(self) -> Array:
+        """Arc length at the nodes, from the start of the piece, Shape (n,)."""
+        return self.piece.arc
+
+    @property
     def arc_speed(self) -> Array:
         """ṡ along the arc length at the nodes, Shape (n,)."""
         speed: Array = self.piece.arc_speed * np.sqrt(self.x)
@@ -50,7 +55,7 @@ class SmoothPiece(TimedPiece):
             time: Of the given motion, Shape (N,) [s].
         """
         return super().to_json(time) | {
-            "s": self.piece.arc.tolist(),
+            "s": self.arc.tolist(),
             "speed": self.arc_speed.tolist(),
             "sigma": self.piece.path.object.time.tolist(),
             "sigma_speed": np.sqrt(self.x).tolist(),
@@ -75,6 +80,7 @@ class SmoothAnswer:
         steps: Convex programs solved, of the piece that took most; 0 if there is no timing.
         gain: Share by which the last of them lowered the cost.
         fallbacks: Programs that the chosen solver did not solve and Clarabel did.
+        fastest: The path with its fastest timing without limits of rates; empty if nothing bounds it.
     """
 
     rates: RateLimits
@@ -83,9 +89,11 @@ class SmoothAnswer:
     steps: int
     gain: float
     fallbacks: int
+    fastest: tuple[FastestPiece, ...] = ()
 
     def __str__(self) -> str:
-        text = f"It is a local optimum, found in {self.steps} steps, of which the last gained {100 * self.gain:.2g} %"
+        count = "1 step" if self.steps == 1 else f"{self.steps} steps"
+        text = f"It is a local optimum, found in {count}, of which the last gained {100 * self.gain:.2g} %"
         if self.bound is None:
             return text
         return f"{text}; without limits of rates the fastest takes {self.bound:.4g} s, and none takes less"
@@ -94,27 +102,29 @@ class SmoothAnswer:
     def what(self) -> str:
         """What the timing is, for people."""
         if self.goal.effort == 0:
-            return "the smooth timing"
+            return "smooth timing"
         if self.goal.longest is None:
-            return f"the smooth timing with time = {self.goal.time:g} and energy = {self.goal.effort:g}"
-        return f"the smooth timing of least energy within {self.goal.longest:g} s"
+            return f"smooth timing with time = {self.goal.time:g} and energy = {self.goal.effort:g}"
+        return f"smooth timing of least energy within {self.goal.longest:g} s"
 
     def to_json(self) -> dict[str, Any]:
-        """The answer as JSON values; null stands for a rate without a limit."""
-
-        def limits(values: Array) -> list[float | None]:
-            return [value if np.isfinite(value) else None for value in values.tolist()]
-
+        """The answer as JSON values."""
         return {
             "goal": {"time": self.goal.time, "energy": self.goal.effort, "longest": self.goal.longest},
             "bound": self.bound,
             "steps": self.steps,
             "last_gain": self.gain,
             "fallbacks": self.fallbacks,
-            "torque_rate_limit": limits(self.rates.torque),
-            "contact_rate_limit": limits(self.rates.wrench),
-            "jerk_limit": limits(self.rates.jerk),
         }
+
+
+def fastest_pieces(pieces: Sequence[TimedPiece]) -> tuple[FastestPiece, ...]:
+    """Those with the fastest speed: all or none of a result.
+
+    Args:
+        pieces: Of a result.
+    """
+    return tuple(part for part in pieces if isinstance(part, FastestPiece))
 
 
 def smooth_pieces(pieces: Sequence[TimedPiece]) -> list[SmoothPiece]:

@@ -8,16 +8,15 @@ from mrts.base.argument_types import Progress, check_type, is_number
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.retiming.between_samples import refined_timing
+from mrts.retiming.between_samples import refined_timing, with_excess
 from mrts.retiming.path_pieces import NoPath
 from mrts.retiming.played_result import played_result
 from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import TimedPiece
 from mrts.retiming.smooth_excess import smooth_excess
 from mrts.retiming.smooth_path import smooth_nodes
-from mrts.retiming.smooth_piece import SmoothAnswer, smooth_pieces
+from mrts.retiming.smooth_piece import SmoothAnswer, fastest_pieces, smooth_pieces
 from mrts.retiming.smooth_timing import SmoothQuestion, smooth_timing, torque_plan
-from mrts.scaling.result import ScalingResult
 from mrts.smooth.program import Goal
 
 NEAR = 0.3
@@ -86,17 +85,22 @@ def smooth_retiming(
     def timed(motion: CoordinatedMotion) -> RetimingResult:
         found = smooth_timing(question, motion, before, progress)
         before[:] = found.pieces
-        return replace(found, smooth=_answer(question, found))
+        return replace(found, smooth=_answer(question, fastest, found))
 
     found = refined_timing(
         timed(nodes), timed, lambda one: smooth_excess(one, tolerance), tolerance, adds=adds, near=NEAR
     )
-    if not found.pieces:
+    if not found.pieces or found.excess is None:
         return found
-    return replace(found, retimed=_with_plan(question, found), smooth=_answer(question, found))
+    plan = torque_plan(question, found.pieces, found.cell.load)
+    answer, constant = _answer(question, fastest, found), question.constant
+    kept = replace(constant, motion=found.motion, rule=replace(constant.rule, rates=question.rates))
+    played = played_result(kept, found.pieces, answer.what, plan)
+    played = replace(played, origin=f"{played.origin}. {answer}")
+    return with_excess(replace(found, retimed=played, smooth=answer), found.excess)
 
 
-def _answer(question: SmoothQuestion, found: RetimingResult) -> SmoothAnswer:
+def _answer(question: SmoothQuestion, fastest: RetimingResult, found: RetimingResult) -> SmoothAnswer:
     steps = [part.steps for part in smooth_pieces(found.pieces)]
     return SmoothAnswer(
         rates=question.rates,
@@ -105,11 +109,5 @@ def _answer(question: SmoothQuestion, found: RetimingResult) -> SmoothAnswer:
         steps=max((len(one.costs) for one in steps), default=0),
         gain=max((one.gain for one in steps), default=0.0),
         fallbacks=question.solver.fallbacks,
+        fastest=fastest_pieces(fastest.pieces),
     )
-
-
-def _with_plan(question: SmoothQuestion, found: RetimingResult) -> ScalingResult:
-    """The retimed motion with torques within their rates, as a result at c² = 1."""
-    torque, wrench = torque_plan(question, found.pieces, found.cell.load)
-    constant = replace(question.constant, motion=found.motion)
-    return played_result(constant, found.pieces, "smooth timing", (torque, wrench))

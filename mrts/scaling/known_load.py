@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, SolverError
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.range import intersect
 from mrts.scaling.result import END_TOLERANCE, ScalingResult
@@ -17,7 +17,8 @@ from mrts.solvers import DEFAULT_SOLVER, check_solver
 def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAULT_SOLVER) -> ScalingResult:
     """Eqs. (47), (48), (49): the quadratic program with a known load k, at the c² of a result.
 
-    At a c² of the guaranteed range every load of the box has such torques; motion and duration stay as they are.
+    At a c² of the guaranteed range every load of the box has such torques; motion and duration stay as they are. Limits
+    of rates that the result keeps are kept.
 
     Args:
         result: A result with a trajectory.
@@ -38,12 +39,22 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
         raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
     cell, motion, c2 = result.cell.with_load(load), result.motion, result.trajectory.c2
     own = intersect(motion_ranges(cell, motion, result.rule.formulation, result.rule.sharing, solver))
+    refused = replace(result, cell=cell, range=own, trajectory=None, load=None)
     if own.admitted(c2, END_TOLERANCE) is None:
-        refused = replace(result, cell=cell, range=own, trajectory=None, load=None)
-        error = SelectionError(f"c² = {c2:g} does not suit this load: {refused.sentence()}")
-        error.result = refused
-        raise error
+        raise _refusal(refused, f"c² = {c2:g} does not suit this load: {refused.sentence()}")
     # what is overstepped between the samples is convex in the load: of a box the corners tell it
     excess = result.excess if result.load is not None and result.load.question == "guaranteed" else None
     carrying = replace(result, cell=cell, fallbacks=result.fallbacks + own.samples.fallbacks, excess=excess)
-    return with_torques(carrying, c2, own.samples, solver)
+    try:
+        return with_torques(carrying, c2, own.samples, solver)
+    except SolverError as error:
+        if result.rule.rates is None:
+            raise
+        text = f"c² = {c2:g} does not suit this load where rates are kept: {error}"
+        raise _refusal(refused, text) from None
+
+
+def _refusal(refused: ScalingResult, text: str) -> SelectionError:
+    error = SelectionError(text)
+    error.result = refused
+    return error

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """What a trajectory makes of the quantities that are limited, and how much of each limit it uses."""
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -100,6 +101,23 @@ class LimitedQuantities:
     lower: Array
     upper: Array
 
+    def only(self, chosen: Sequence[bool]) -> Self:
+        """Some of the quantities.
+
+        Args:
+            chosen: Which, Shape (k,).
+        """
+        own = [place for place, taken in enumerate(chosen) if taken]
+        names, units = (tuple(of[place] for place in own) for of in (self.names, self.units))
+        return replace(
+            self,
+            names=names,
+            units=units,
+            values=self.values[:, own],
+            lower=self.lower[:, own],
+            upper=self.upper[:, own],
+        )
+
 
 def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUse]:
     """All limits of a cell by falling share, velocities enforced or not; empty if there is no trajectory.
@@ -148,20 +166,64 @@ def rate_uses(done: "ScaledTrajectory", kept: RateLimits | None) -> list[RateUse
         done: The trajectory.
         kept: The limits that it keeps; None where it keeps none, and then those that the cell gives tell.
     """
-    limits = given_rate_limits(done.cell) if kept is None else kept
-    found, steps = [], np.diff(done.time)[:, None]
-    for values, of_kind, names in zip(
-        (done.torque, done.wrench, done.ddq),
-        (limits.torque, limits.wrench, limits.jerk),
-        rate_names(done.cell),
-        strict=True,
-    ):
-        rates = np.abs(np.diff(values, axis=0) / steps)
+    found = []
+    for names, signed, limits in _rates(done, kept):
+        rates = np.abs(signed)
         at = np.argmax(rates, axis=0)
-        for place in np.flatnonzero(np.isfinite(of_kind)).tolist():
-            largest, limit = float(rates[at[place], place]), float(of_kind[place])
+        for place in np.flatnonzero(np.isfinite(limits)).tolist():
+            largest, limit = float(rates[at[place], place]), float(limits[place])
             found.append(RateUse(names[place], limit, largest, largest / limit, float(done.time[at[place]])))
     return sorted(found, key=lambda use: -use.share)
+
+
+def _rates(done: "ScaledTrajectory", kept: RateLimits | None) -> Iterator[tuple[tuple[RowName, ...], Array, Array]]:
+    """Torque rates, wrench rates and jerks: names, values between the samples, Shape (N - 1, k), limits, Shape (k,)."""
+    limits, steps = given_rate_limits(done.cell) if kept is None else kept, np.diff(done.time)[:, None]
+    quantities = (done.torque, limits.torque), (done.wrench, limits.wrench), (done.ddq, limits.jerk)
+    for names, (values, of_kind) in zip(rate_names(done.cell), quantities, strict=True):
+        yield names, np.diff(values, axis=0) / steps, of_kind
+
+
+def limited_rates(result: "ScalingResult", kind: str, robot: str) -> LimitedQuantities:
+    """How fast torques or wrenches of a robot change, or its jerks: differences of neighbouring samples, with limits.
+
+    Limits are those that the result keeps; where it keeps none, those that the cell gives.
+
+    Args:
+        result: A result with a trajectory.
+        kind: "torque rate", "wrench rate" or "jerk".
+        robot: Its name.
+
+    Returns:
+        The quantities; each sample has the value of the step that begins there, the last that of the step before it.
+
+    Raises:
+        ValueError: If there is no trajectory.
+    """
+    if result.trajectory is None:
+        raise ValueError("there is no trajectory to draw")
+    found = {
+        names[0].kind: (names, rates, limits) for names, rates, limits in _rates(result.trajectory, result.rule.rates)
+    }
+    names, rates, limits = found[kind]
+    own = [place for place, name in enumerate(names) if name.robot == robot]
+    values = np.concatenate([rates, rates[-1:]])[:, own]
+    upper = np.broadcast_to(limits[own], values.shape)
+    return LimitedQuantities(
+        tuple(names[place].element for place in own), tuple(names[place].unit for place in own), values, -upper, upper
+    )
+
+
+def limited_rate_kinds(result: "ScalingResult") -> list[str]:
+    """Kinds of rates of which some is limited, kept or not: what `limited_rates` takes; none without a trajectory.
+
+    Args:
+        result: The result.
+    """
+    if result.trajectory is None:
+        return []
+    return list(dict.fromkeys(names[0].kind for names, _, limits in _rates(result.trajectory, result.rule.rates)
+                              if np.any(np.isfinite(limits))))  # fmt: skip
 
 
 def largest_step(result: "ScalingResult", kind: str) -> LimitUse | None:

@@ -173,7 +173,7 @@ class ScalingResult:
 
     def sentence(self) -> str:
         """The outcome alone."""
-        rated = "" if self.rule.rates is None else "within the rates, "
+        rated = "" if self.rule.rates is None else "rates apart, " if self.origin else "within the rates, "
         text = f"{kept_text(self.cell.reserve)}{rated}{self._outcome()}"
         text = text if self.load is None else f"{self.load.sentence()}: {text}"
         return printable(f"{self.origin}; as it is now, {text}" if self.origin else text)

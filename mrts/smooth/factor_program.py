@@ -43,7 +43,6 @@ class FactorAsked:
         line: How that grows with c² and with c.
         rows: Multipliers of the rows at their upper and their lower limits, Shape (2, n, r).
         changes: Multipliers of changes upward and downward, Shape (2, n - 1, number of limited rows).
-        free: F, Shape (n, f).
     """
 
     c: float
@@ -51,7 +50,6 @@ class FactorAsked:
     line: tuple[float, float]
     rows: Array
     changes: Array
-    free: Array
 
     @property
     def is_admitted(self) -> bool:
@@ -85,8 +83,7 @@ class FactorProgram:
         self.allowed = np.outer(program.step, program.change[self.limited] * (1 - 3 * RATE_MARGIN))
         node, places = np.arange(n)[:, None, None], np.arange(n * r).reshape(n, r)
         largest = np.max(np.abs(program.free), axis=(0, 1))
-        self._unit = 1 / np.where(largest > 0, largest, 1.0)  # of F: HiGHS drops what is below 1e-9
-        scaled = program.free * self._unit
+        scaled = program.free / np.where(largest > 0, largest, 1.0)  # HiGHS drops what is below 1e-9
         entries = np.nonzero(scaled)
         columns = np.broadcast_to(node * f + np.arange(f), program.free.shape)[entries]
         rows = np.broadcast_to(places[:, :, None], program.free.shape)[entries]
@@ -126,12 +123,12 @@ class FactorProgram:
         )
         if found.status != 0:
             raise SolverError(f"what the rates admit at c = {c:.6g} was not found; HiGHS: {found.message}")
-        z, rows = np.asarray(found.x), np.zeros((2, n * r))
+        rows = np.zeros((2, n * r))
         parts = np.split(-found.ineqlin.marginals, np.cumsum([above.sum(), below.sum(), len(moved)]))
         rows[0, above], rows[1, below] = parts[:2]
         by_side, by_change = unit * rows.reshape(2, n, r), np.stack(parts[2:]).reshape(2, *self.allowed.shape)
         line = (self._growth(program.square, c, by_side, by_change), self._growth(program.root, c, by_side, by_change))
-        return FactorAsked(c, unit * float(z[-1]), line, by_side, by_change, z[:-1].reshape(n, f) * self._unit)
+        return FactorAsked(c, unit * float(found.fun), line, by_side, by_change)
 
     def _growth(self, of: Array, c: float, rows: Array, changes: Array) -> float:
         """How the share grows with what multiplies a column of the rows, by the multipliers."""

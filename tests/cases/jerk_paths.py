@@ -1,6 +1,7 @@
 """Random paths of one published arm with a load, for timings with limited jerk."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -8,15 +9,19 @@ import pinocchio as pin
 from numpy.polynomial import chebyshev
 from published_robots import CASES, single_arm_cell, urdf_path
 from random_cells import chain_model, configuration
+from scipy.interpolate import CubicSpline
 
 import mrts
-from mrts.coordination.coordinated_motion import carried_by_first
+from mrts.coordination.coordinated_motion import JointCourse, carried_by_first
+from mrts.motion.joint_table import JointSplines
 
 DEGREE = 5
 HALF_WAY = 0.9  # rad, of the largest coefficient
+FINE = np.linspace(0, 1, 4001)
+NEWTON_STEPS = 3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class JerkPath:
     """An arm as a cell of ours and as a model of Pinocchio with the load welded to its hand, and a path q(s).
 
@@ -39,23 +44,61 @@ class JerkPath:
         return pin.rnea(self.model, self.data, configuration(self.model, q), dq, ddq)
 
     @property
-    def data(self):
-        if not hasattr(self, "_data"):
-            object.__setattr__(self, "_data", self.model.createData())
-        return self._data
-
-    @property
     def limits(self):
         """Largest |q̇|, |τ| and |q⃛|, each Shape (m,)."""
         robot = self.cell.robots[0]
         return robot.velocity_limit, robot.torque_upper, robot.motors.jerk
 
     def motion(self, nodes):
-        """The path over the time of a quintic, 1 s, as a motion of the cell."""
-        time = np.linspace(0, 1, nodes)
-        s, v, a, _ = quintic(time)
-        dq, ddq = self.at(s, 1) * v[:, None], self.at(s, 2) * v[:, None] ** 2 + self.at(s, 1) * a[:, None]
-        return carried_by_first(self.cell, time, self.at(s), dq, ddq)
+        """The path over the time of a quintic of its arc length, 1 s, as a motion of the cell that knows its course."""
+        time, joints = np.linspace(0, 1, nodes), range(self.coefficients.shape[1])
+        course = JointCourse(tuple(JointSplines(JointAlong(self, joint)) for joint in joints), closed=False)
+        return replace(carried_by_first(self.cell, time, *self.by_time(time)), course=course)
+
+    def by_time(self, time):
+        """q and its first two derivatives by the time of that quintic, each Shape (n, m)."""
+        s, v, a, _ = (part[:, None] for part in self.course(time))
+        first, second = self.at(s[:, 0], 1), self.at(s[:, 0], 2)
+        return self.at(s[:, 0]), first * v, second * v**2 + first * a
+
+    def course(self, time):
+        """s and its first three derivatives by the time of that quintic, each Shape (n,)."""
+        s, (_, speed, change, jerk) = self.s_at(time), (self.arc(1.0) * part for part in quintic(time))
+        q1, q2, q3 = (self.at(s, order) for order in (1, 2, 3))
+        pace = np.sqrt(np.mean(q1**2, axis=1))
+        rise = np.mean(q1 * q2, axis=1) / pace
+        bend = (np.mean(q2**2 + q1 * q3, axis=1) - rise**2) / pace
+        v = speed / pace
+        a = (change - rise * v**2) / pace
+        return s, v, a, (jerk - 3 * rise * v * a - bend * v**3) / pace
+
+    def s_at(self, time):
+        """s by the time of that quintic, Shape (n,)."""
+        gone = self.arc(1.0) * quintic(time)[0]
+        s = np.interp(gone, self.arc(FINE), FINE)
+        for _ in range(NEWTON_STEPS):
+            s = np.clip(s - (self.arc(s) - gone) / np.sqrt(np.mean(self.at(s, 1) ** 2, axis=1)), 0.0, 1.0)
+        return s
+
+    @cached_property
+    def arc(self):
+        """Arc length by s."""
+        return CubicSpline(FINE, np.sqrt(np.mean(self.at(FINE, 1) ** 2, axis=1))).antiderivative()
+
+    @cached_property
+    def data(self):
+        return self.model.createData()
+
+
+@dataclass(frozen=True, eq=False)
+class JointAlong:
+    """One joint of a path by time, as splines are called."""
+
+    path: JerkPath
+    joint: int
+
+    def __call__(self, time, order=0):
+        return self.path.by_time(np.asarray(time))[order][:, self.joint]
 
 
 def quintic(z):

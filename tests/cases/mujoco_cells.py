@@ -1,7 +1,10 @@
 """Cells as MuJoCo builds them: arms from their URDF through its own parser, the object welded to the hands."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
+import yaml
 from scipy.spatial.transform import Rotation
 
 STEP = 5e-5  # s; a weld is a stiff spring in MuJoCo, and its time constant is two steps
@@ -9,6 +12,26 @@ STEP = 5e-5  # s; a weld is a stiff spring in MuJoCo, and its time constant is t
 POSITION_GAIN, VELOCITY_GAIN = 300.0, 10.0  # N m/rad, N m s/rad
 
 STIFF = [2 * STEP, 1.0], [0.9999, 0.9999, 1e-3, 0.5, 2.0]  # solref, solimp
+
+UR5_MOTORS = {
+    "armature": [0.66, 0.66, 0.66, 0.1, 0.1, 0.1],
+    "coulomb": [7.0, 7.0, 5.0, 2.0, 2.0, 2.0],
+    "viscous": [8.0, 8.0, 6.0, 1.0, 1.0, 1.0],
+}
+"""Of the size that is published for arms of this class [kg m², N m, N m s/rad]."""
+
+PLANAR_MOTORS = {"armature": [0.4, 0.3, 0.05], "coulomb": [4.0, 3.0, 0.5], "viscous": [1.0, 0.8, 0.1]}
+
+
+def with_motors(cell, columns):
+    """The cell with these motors in every arm."""
+    arrays = {name: np.array(values) for name, values in columns.items()}
+    robots = (replace(robot, motors=replace(robot.motors, **arrays)) for robot in cell.robots)
+    return replace(cell, robots=tuple(robots))
+
+
+def urdf_of(folder):
+    return folder / yaml.safe_load((folder / "cell.yaml").read_text())["robots"][0]["urdf"]
 
 
 def quaternion(R):
@@ -74,6 +97,16 @@ def weld_wrench(model, data, weld):
     on_object = J[rows][:, :6].T @ data.efc_force[rows]  # free joint: force in the world, moment in the body
     R = data.body("object").xmat.reshape(3, 3)
     return np.concatenate([on_object[:3], R @ on_object[3:]])
+
+
+def contact_wrenches(cell, model, data):
+    """Wrenches on the object at the contacts in base axes, six a robot, Shape (6 n,), from the forces of the welds."""
+    found, R = [], data.body("object").xmat.reshape(3, 3)
+    for weld, robot in enumerate(cell.robots):
+        force, moment = np.split(weld_wrench(model, data, weld), 2)
+        moment = moment - np.cross(R @ robot.T_object_tip.p, force)
+        found += [robot.T_world_base.R.T @ force, robot.T_world_base.R.T @ moment]
+    return np.concatenate(found)
 
 
 def dense_jacobian(model, data):

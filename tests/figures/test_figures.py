@@ -3,13 +3,12 @@
 import json
 import subprocess
 import sys
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from conftest import DATA
+from legible_figures import boxes_of_texts, check_legible, lines_of
 from matplotlib.figure import Figure
-from matplotlib.text import Text
 from shown_results import KINDS, result_of
 
 import mrts
@@ -27,14 +26,13 @@ from mrts.figures import (
     power_figure,
     range_figure,
     ranking_figure,
+    rates_figure,
     study_figure,
     trajectory_figure,
     write_result_figures,
 )
 
 UR5 = DATA.parent / "dual_ur5"
-SMALLEST = 6.5
-"""Letters smaller than this cannot be read in print [pt]."""
 
 
 @pytest.fixture(scope="module")
@@ -45,42 +43,6 @@ def result(planar_cell, lift):
 @pytest.fixture(scope="module")
 def study(dual_ur5):
     return mrts.rank_configurations(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
-
-
-def boxes_of_texts(figure):
-    """Every text with letters that is drawn, and where it stands [pixels]."""
-    figure.draw_without_rendering()
-    undrawn = set()
-    for axes in figure.axes:
-        for number, axis in enumerate((axes.xaxis, axes.yaxis)):
-            low, high = sorted(axis.get_view_interval())
-            outside = {label for label in axis.get_ticklabels() if not low <= label.get_position()[number] <= high}
-            undrawn |= outside if axes.axison else {axis.label, *axis.get_ticklabels()}
-    texts = [text for text in figure.findobj(Text) if text.get_visible() and text not in undrawn]
-    return {text: text.get_window_extent() for text in texts if text.get_text().strip()}
-
-
-def check_legible(figure):
-    """No letters outside the figure or too small, no legend over the axes, no two labels over each other."""
-    boxes = boxes_of_texts(figure)
-    page = figure.bbox.padded(1)
-    for text, box in boxes.items():
-        assert text.get_fontsize() >= SMALLEST, text
-        if text.get_clip_on() and text.axes is not None:
-            continue
-        assert page.x0 <= box.x0, text
-        assert box.x1 <= page.x1, text
-        assert page.y0 <= box.y0, text
-        assert box.y1 <= page.y1, text
-    for axes in figure.axes:
-        legend = axes.get_legend()
-        if legend is not None:
-            inside = axes.get_window_extent()
-            assert not any(inside.overlaps(boxes[text]) for text in legend.get_texts()), legend.get_texts()
-        for ticks in (axes.get_xticklabels(), axes.get_yticklabels()):
-            drawn = [boxes[tick] for tick in ticks if tick in boxes]
-            for one, other in pairwise(drawn):
-                assert not one.padded(-1).overlaps(other.padded(-1)), ticks
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -94,15 +56,13 @@ def test_every_kind_of_result_has_legible_figures(kind, planar_cell, dual_ur5, l
         expected |= {"torques_and_wrenches", "power_and_energy"}
         check_legible(trajectory_figure(found, "title"))
         check_legible(power_figure(found, "title"))
+        if kind in {"smooth", "rates"}:
+            expected |= {"rates"}
+            check_legible(rates_figure(found, "title"))
     if found.load is not None and found.load.points:
         expected |= {"load_study"}
         check_legible(study_figure(found))
     assert names == expected
-
-
-def lines_of(axes):
-    """Curves of axes by their label."""
-    return {line.get_label().strip(): line for line in axes.lines if not line.get_label().startswith("_")}
 
 
 @pytest.mark.quick

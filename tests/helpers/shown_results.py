@@ -1,5 +1,7 @@
 """Results of every kind that people look at: outcomes, numbers of robots, kinds of joints, awkward names."""
 
+from dataclasses import replace
+
 import numpy as np
 from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA
@@ -10,7 +12,7 @@ from mrts.cell.functions import CellFunctions
 
 KINDS = (
     "planar", "spatial", "infeasible", "empty", "least speed", "unbounded", "guaranteed", "infeasible load",
-    "possible", "fixed rule", "one arm", "four arms", "sliding joints", "awkward names",
+    "possible", "fixed rule", "one arm", "four arms", "sliding joints", "awkward names", "smooth", "rates",
 )  # fmt: skip
 
 AWKWARD = "</script><script>window.broken=1</script>"
@@ -58,6 +60,19 @@ def braking_only(cell, lift, first):
     return mrts.scale(cell.with_mass(24.0), motion)
 
 
+def with_all_rates(cell, wrench=20.0, jerk=2000.0):
+    """A cell whose contact wrenches and joints change at limited rates; torque rates are given with the question."""
+    robots = [
+        replace(
+            robot,
+            contact_rate=np.full(len(cell.wrench_components), wrench),
+            motors=replace(robot.motors, jerk=np.full(len(robot.joints), jerk)),
+        )
+        for robot in cell.robots
+    ]
+    return replace(cell, robots=tuple(robots))
+
+
 def result_of(kind, planar, spatial, lift, folder):
     """One of `KINDS`."""
     uncertain = planar.with_variation(mass=(0.2, 6.0), izz=(0.5, 2.0), mx=(-0.02, 0.02))
@@ -76,6 +91,8 @@ def result_of(kind, planar, spatial, lift, folder):
         "four arms": lambda: random_result(random_planar_cell, 3, folder, 4),
         "sliding joints": lambda: random_result(random_spatial_cell, 2, folder, 2),
         "awkward names": lambda: mrts.scale(with_awkward_names(planar), lift),
+        "smooth": lambda: mrts.retime(with_all_rates(planar), lift, rates=11.0).retimed,
+        "rates": lambda: mrts.scale(with_all_rates(planar), lift),  # told, not kept
     }
     assert tuple(makers) == KINDS
     return makers[kind]()

@@ -1,27 +1,28 @@
 """Torques of a plan against MuJoCo with armature, damping and frictionloss: its inverse dynamics, and played in it."""
 
-from dataclasses import replace
-
 import mujoco
 import numpy as np
 import pytest
 import yaml
 from conftest import DATA
-from mujoco_cells import POSITION_GAIN, STEP, VELOCITY_GAIN, add_arm, empty_world, set_motors, simulator
+from mujoco_cells import (
+    PLANAR_MOTORS,
+    POSITION_GAIN,
+    STEP,
+    UR5_MOTORS,
+    VELOCITY_GAIN,
+    add_arm,
+    empty_world,
+    set_motors,
+    simulator,
+    urdf_of,
+    with_motors,
+)
 from scipy.interpolate import CubicSpline, make_interp_spline
 
 import mrts
 
 UR5 = DATA.parent / "dual_ur5"
-UR5_MOTORS = {
-    "armature": [0.66, 0.66, 0.66, 0.1, 0.1, 0.1],
-    "coulomb": [7.0, 7.0, 5.0, 2.0, 2.0, 2.0],
-    "viscous": [8.0, 8.0, 6.0, 1.0, 1.0, 1.0],
-}
-"""Of the size that is published for arms of this class [kg m², N m, N m s/rad]."""
-
-PLANAR_MOTORS = {"armature": [0.4, 0.3, 0.05], "coulomb": [4.0, 3.0, 0.5], "viscous": [1.0, 0.8, 0.1]}
-
 SAME_TORQUE = 1e-9
 """Between two formulations of the same dynamics, in N m of friction and as a share of the largest torque: the rounding
 of a thousand operations on terms a thousand times as large."""
@@ -32,17 +33,6 @@ depends on how fast the speed changes."""
 
 TRACKED = 2e-3
 """[rad]"""
-
-
-def with_motors(cell, columns):
-    """The cell with these motors in every arm."""
-    arrays = {name: np.array(values) for name, values in columns.items()}
-    robots = (replace(robot, motors=replace(robot.motors, **arrays)) for robot in cell.robots)
-    return replace(cell, robots=tuple(robots))
-
-
-def urdf_of(folder):
-    return folder / yaml.safe_load((folder / "cell.yaml").read_text())["robots"][0]["urdf"]
 
 
 def cases(name):

@@ -88,3 +88,18 @@ def dense(profile, s, duration, points):
             jerk = np.full(points, b[edge] * np.sqrt(a[edge]) / (3 * way))
             parts.append((s[0 if sign > 0 else -1] + share * way, x, u, jerk))
     return PathProfile(*(np.concatenate(column) for column in zip(*parts, strict=True)), duration)
+
+
+def dense_of_ours(found, path, points):
+    """Our profile between its nodes, the second derivative of its parameter linear along it; the path is exact."""
+    (piece,) = found.pieces
+    sigma, away = piece.piece.path.object.time, np.linspace(0, 1, points)
+    h = np.diff(sigma)
+    x0, u0, slope = (np.repeat(part, points) for part in (piece.x[:-1], piece.rate[:-1], np.diff(piece.rate) / h))
+    gone = (h[:, None] * away).ravel()
+    x, u = x0 + 2 * u0 * gone + slope * gone**2, u0 + slope * gone
+    share = (np.repeat(sigma[:-1], points) + gone) / sigma[-1]
+    s, *derivatives = path.course(np.minimum(share, 1.0))
+    s1, s2, s3 = (part / sigma[-1] ** order for order, part in enumerate(derivatives, 1))
+    jerk = (s1 * slope + 3 * s2 * u + s3 * x) * np.sqrt(x)
+    return PathProfile(s, s1**2 * x, s1 * u + s2 * x, jerk, found.duration)

@@ -6,6 +6,7 @@ paper; those of motors are written out. What is not convex (Δt and 1/√x as up
 replaced by its tangent at the last profile, which is stricter.
 """
 
+import warnings
 from dataclasses import dataclass
 
 import cvxpy as cp
@@ -18,6 +19,9 @@ import mrts
 
 GAIN = 1e-5
 """Share of the duration: a step that wins less is the last one, a hundredth of what is compared."""
+
+KEPT = 1e-4
+"""Share of torque rates by which the last profile may pass them, a tenth of what is compared."""
 
 MOST_STEPS = 60
 FIRST_SPEED = 0.3
@@ -118,6 +122,9 @@ def smooth_timing(cell, path, rates, *, loads=None, end_torque=(None, None)):
         found = better
     x, u, wrenches = found
     torques = [model.linear_torque(x, u, F) + model.friction(x) for model, F in zip(models, wrenches, strict=True)]
+    if rates.torque is not None:
+        allowed = segment_times(path.sigma, x)[:, None] * rates.torque
+        assert all(np.all(np.abs(np.diff(torque, axis=0)) <= (1 + KEPT) * allowed) for torque in torques)
     return SmoothTiming(x, u, torques, wrenches, durations)
 
 
@@ -195,7 +202,9 @@ def convex_step(cell, path, rates, models, around, end_torque):
     duration = cp.sum(cp.multiply(2 * h, cp.inv_pos(y[:-1] + y[1:])))
     problem = cp.Problem(cp.Minimize(duration), rows)
     try:
-        problem.solve(solver=cp.CLARABEL)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # less accurate answers: see KEPT
+            problem.solve(solver=cp.CLARABEL)
     except cp.SolverError:
         return None
     if problem.status not in {cp.OPTIMAL, cp.OPTIMAL_INACCURATE}:

@@ -67,6 +67,9 @@ def test_every_kind_of_result_opens_offline_with_all_its_plots(kind, planar_cell
     if found.trajectory is not None:
         expected |= {f"plot-{what}-{n}" for what in ("torque", "force", "moment", "power") for n in range(robots)}
         expected.add("plot-energy")
+        if kind in {"smooth", "rates"}:  # fx and fy share a plot, nz has its own
+            whats = ["wrench-rate-{}-0", "wrench-rate-{}-1", "jerk-{}-0", *["torque-rate-{}-0"] * (kind == "smooth")]
+            expected |= {f"plot-{what.format(n)}" for what in whats for n in range(robots)}
     if found.load is not None and found.load.points:
         expected.add("plot-loads")
     assert plots == expected

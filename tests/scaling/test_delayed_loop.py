@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import yaml
 from conftest import DATA
-from mujoco_cells import POSITION_GAIN, STEP, VELOCITY_GAIN, simulator, weld_wrench
+from mujoco_cells import POSITION_GAIN, STEP, VELOCITY_GAIN, contact_wrenches, simulator
 from scipy.interpolate import CubicSpline
 
 import mrts
@@ -13,16 +13,6 @@ import mrts
 UR5 = DATA.parent / "dual_ur5"
 DELAY = 1e-3  # s: torques act that late, of a state that was measured that long ago
 SETTLED = 0.01  # s; the first steps settle the springs that welds are
-
-
-def contact_wrenches(cell, model, data):
-    """Wrenches on the object at the contacts in base axes, Shape (n w,), from the forces of the welds."""
-    found, R = [], data.body("object").xmat.reshape(3, 3)
-    for weld, robot in enumerate(cell.robots):
-        force, moment = np.split(weld_wrench(model, data, weld), 2)
-        moment = moment - np.cross(R @ robot.T_object_tip.p, force)
-        found += [robot.T_world_base.R.T @ force, robot.T_world_base.R.T @ moment]
-    return np.concatenate(found)
 
 
 def played(rule):

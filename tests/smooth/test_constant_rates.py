@@ -11,6 +11,7 @@ from rated_factor import RatedFactor
 import mrts
 from mrts.motors.joint_motors import JointMotors
 from mrts.scaling.limit_use import rate_uses
+from mrts.smooth.constant_rates import RatedFactors
 from mrts.smooth.rate_limits import rate_limits
 
 THIRD = 24.0
@@ -24,6 +25,9 @@ ROUNDED = 1e-7
 
 BISECTED = 1e-5
 """Share of c between bisection of Clarabel's answers, which are good to 1e-8, and the linear programs' cuts."""
+
+GAP = 1e-7
+"""Share of the least effort by which an interior point may miss it, which torques miss by its root."""
 
 KEPT = 1e-12
 """Share of a rate by which torques may pass it: rounding; a margin of 1e-8 is left for Clarabel."""
@@ -127,7 +131,10 @@ def test_rates_that_do_not_bind_change_nothing(planar_cell, lift, lifted):
     assert loose.trajectory.c2 == lifted.trajectory.c2
     assert loose.range.upper == lifted.range.upper
     assert loose.sentence() == f"within the rates, {lifted.sentence()}"
-    np.testing.assert_allclose(loose.trajectory.torque, lifted.trajectory.torque, atol=1e-4)
+    efforts = [np.sum(one.trajectory.torque**2) for one in (loose, lifted)]
+    assert efforts[0] == pytest.approx(efforts[1], rel=GAP)
+    most = np.max(np.abs(lifted.trajectory.torque))
+    np.testing.assert_allclose(loose.trajectory.torque, lifted.trajectory.torque, atol=np.sqrt(GAP) * most)
 
 
 def speeding(samples=41):
@@ -171,6 +178,43 @@ def test_a_load_that_varies_is_carried_at_its_worst(tmp_path):
     assert shares(heavy)["torque rate"] == pytest.approx(1, abs=ROUNDED)
     nominal = mrts.scale(cell, along_x(), rates=True, load="nominal")
     assert nominal.trajectory.c**3 == pytest.approx(2 * 10 / (MOVED * THIRD), rel=3 * ROUNDED)
+
+
+def easing(samples=21):
+    """An object whose acceleration falls from 2 to 1.9 m/s²: friction rises, inertia gives way."""
+    t = np.linspace(0, 0.1, samples)
+    position, twist, acceleration = np.zeros((samples, 3)), np.zeros((samples, 6)), np.zeros((samples, 6))
+    position[:, 0], twist[:, 0], acceleration[:, 0] = t**2 - t**3 / 6, 2 * t - t**2 / 2, 2 - t
+    return mrts.ObjectMotion(t, position, np.tile(np.eye(3), (samples, 1, 1)), twist, acceleration)
+
+
+@pytest.mark.quick
+def test_rates_may_leave_a_gap_where_friction_is_made_up_for_by_inertia(pushed):
+    """The torque of both changes by 12 x'' c² - 11 c³ a second: small at low and at high speed."""
+    strong = tuple(
+        replace(robot, torque_lower=np.full(3, -1e3), torque_upper=np.full(3, 1e3)) for robot in pushed.robots
+    )
+    cell = with_motors(replace(pushed, robots=strong), viscous=6.0, torque_rate=7.5)
+    result = mrts.scale(cell, easing(), rates=True, between=None)
+    motion = result.motion.object
+    steps, change = np.diff(motion.time), np.diff(motion.acceleration[:, 0])
+
+    def share(c):
+        return np.max(np.abs(MOVED * change * c**2 + 12 * np.diff(motion.twist[:, 0]) * c) * c / steps) / 15
+
+    c = result.trajectory.c
+    assert share(c) == pytest.approx(1, rel=ROUNDED)
+    assert c > 2
+    factors = RatedFactors(cell, result.motion, [None], None, rate_limits(cell, rates=True))
+    asked = np.linspace(0.2, 2.5, 24)
+    admitted = [factors.refused(one**2) is None for one in asked]
+    assert admitted == [share(one) <= 1 for one in asked]
+    assert np.count_nonzero(np.diff(admitted)) == 3  # slow enough, too fast, fast enough, too fast
+    with pytest.raises(mrts.SelectionError, match=r"c² = 2\.1 lies in a gap that rates leave .*slide_x torque rate"):
+        mrts.scale(cell, easing(), 2.1, rates=True, between=None)
+    low, _ = factors.slowest(2.1, 6.0)
+    assert share(np.sqrt(low)) == pytest.approx(1, rel=ROUNDED)
+    assert 2.1 < low < c**2
 
 
 def rated(case, rng, tight):

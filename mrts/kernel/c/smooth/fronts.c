@@ -2,6 +2,7 @@
 #include "fronts.h"
 
 #define MRTS_FRONT_PIVOT 1e-14 /* a pivot below this share of its diagonal is rounding: its unknown does not move */
+#define MRTS_FRONT_ROWS 4         /* of a front that are worked on together */
 #define MRTS_FRONT_SOFT 1e-13  /* of its diagonal, added to each: F that nothing determines stays where it is */
 
 MRTS_LOCAL long long mrts_front_size(const mrts_smooth_program *p) {
@@ -11,7 +12,8 @@ MRTS_LOCAL long long mrts_front_size(const mrts_smooth_program *p) {
 
 MRTS_LOCAL long long mrts_front_work(const mrts_smooth_program *p) {
     const long long f = p->free;
-    return (2 * f + 3) * (2 * f + 3) + (f + 2) + (f + 2) * (f + 2);
+    return (2 * f + 3) * (2 * f + 3) + (f + 2) + (f + 2) * (f + 2) +
+           (2 * f + 3) / MRTS_FRONT_ROWS + 1;
 }
 
 /* Whether F_k, control point k is given. */
@@ -20,6 +22,20 @@ static int mrts_front_held(const mrts_smooth_program *p, int k) {
 }
 static int mrts_front_given(const mrts_smooth_program *p, int k) {
     return p->timed || (k == 0 && p->given_start) || (k == p->nodes && p->given_end);
+}
+
+/* A += by a b', columns of A from a row of `stride` to the next; the count is a constant where it is often met. */
+static inline void mrts_front_outer(int count, int stride, double by, const double *a, const double *b, double *A) {
+    for (int i = 0; i < count; ++i) {
+        const double left = by * a[i];
+        for (int l = 0; l < count; ++l) A[i * stride + l] += left * b[l];
+    }
+}
+
+static void mrts_front_add_outer(int count, int stride, double by, const double *a, const double *b, double *A) {
+    if (count == 6) mrts_front_outer(6, stride, by, a, b, A);
+    else if (count == 3) mrts_front_outer(3, stride, by, a, b, A);
+    else mrts_front_outer(count, stride, by, a, b, A);
 }
 
 /* Adds node k to the lower triangle of a front of size m; c_(k+1) has the place `next`. Its own places are adjacent. */
@@ -33,23 +49,21 @@ static void mrts_front_add_node(const mrts_smooth_program *p, const mrts_smooth_
     const double xx = state->node_second[3 * k];
     double xu = state->node_second[3 * k + 1], uu = state->node_second[3 * k + 2];
     double *of_c = A + f * m, *of_next = A + next * m;
-    for (int i = 0; i < f; ++i) diagonal[i] = 0;
+    for (int i = 0; i < f; ++i) diagonal[i] = A[i * m + i];
     for (int j = 0; j < r; ++j) {
         const double *e = entry + p->place[j];
-        const double w = weight[j], along_u = w * rate[j];
+        const double along_u = weight[j] * rate[j];
         const double by_c = near * cross[j] - slope * along_u, by_next = far * cross[j] + slope * along_u;
         const int first = p->first[j], count = p->count[j];
         xu += cross[j] * rate[j];
         uu += along_u * rate[j];
+        mrts_front_add_outer(count, m, weight[j], e, e, A + first * m + first);
         for (int i = 0; i < count; ++i) {
-            double *row = A + (first + i) * m + first;
-            const double by = w * e[i];
-            for (int l = 0; l <= i; ++l) row[l] += by * e[l];
-            diagonal[first + i] += by * e[i];
             of_c[first + i] += by_c * e[i];
             of_next[first + i] += by_next * e[i];
         }
     }
+    for (int i = 0; i < f; ++i) diagonal[i] = A[i * m + i] - diagonal[i];
     const double cc = near * near * xx - 2 * near * slope * xu + slope * slope * uu;
     const double nn = far * far * xx + 2 * far * slope * xu + slope * slope * uu;
     of_c[f] += cc;
@@ -82,11 +96,9 @@ static void mrts_front_add_segment(const mrts_smooth_program *p, const mrts_smoo
         const double here2 = -far1 * after - slope1 * weight * rate1[j];
         const double there0 = -near0 * before + slope0 * weight * rate0[j]; /* value there with c_k, c_(k+1) here */
         const double there1 = -far0 * before - slope0 * weight * rate0[j];
+        mrts_front_add_outer(count, m, -weight, e1, e0, A + (f + 1 + first) * m + first);
         for (int l = 0; l < count; ++l) {
-            double *row = A + (f + 1 + first + l) * m;
-            const double by = -weight * e1[l];
-            for (int i0 = 0; i0 < count; ++i0) row[first + i0] += by * e0[i0];
-            row[f] += there0 * e1[l];
+            A[(f + 1 + first + l) * m + f] += there0 * e1[l];
             of_c1[f + 1 + first + l] += there1 * e1[l];
             of_c1[first + l] += here1 * e0[l];
             of_c2[first + l] += here2 * e0[l];
@@ -108,23 +120,69 @@ static void mrts_front_hold(int m, int i, double *A, double one) {
     A[i * m + i] = one;
 }
 
-/* Eliminates the first p unknowns of a front of size m: their columns of the factor go to L, (m, p), what is left
- * stays in the lower triangle of A. */
-static void mrts_front_eliminate(int m, int p, double *A, const double *diagonal, double *L) {
-    for (int i = 0; i < m; ++i) {
-        double *row = L + i * p;
-        const int count = i < p ? i : p;
-        for (int j = 0; j < count; ++j) {
-            row[j] = (A[i * m + j] - mrts_dot(j, row, L + j * p)) * L[j * p + j];
-        }
-        if (i < p) { /* the diagonal is kept as its reciprocal */
-            const double pivot = A[i * m + i] + MRTS_FRONT_SOFT * diagonal[i] - mrts_dot(i, row, row);
-            row[i] = pivot > MRTS_FRONT_PIVOT * diagonal[i] ? 1 / sqrt(pivot) : 0;
-            for (int j = i + 1; j < p; ++j) row[j] = 0;
+/* Products of some rows of `stride` with another one, from a column to before another. */
+static inline void mrts_front_dots(int count, int from, int to, int stride, const double *rows, const double *with,
+                                   double *sums) {
+    if (count < MRTS_FRONT_ROWS) {
+        for (int k = 0; k < count; ++k) sums[k] = mrts_dot(to - from, rows + k * stride + from, with + from);
+        return;
+    }
+    const double *a = rows, *b = a + stride, *c = b + stride, *d = c + stride;
+    double s0 = 0, s1 = 0, s2 = 0, s3 = 0; /* what is independent overlaps */
+    for (int l = from; l < to; ++l) {
+        const double by = with[l];
+        s0 += a[l] * by;
+        s1 += b[l] * by;
+        s2 += c[l] * by;
+        s3 += d[l] * by;
+    }
+    sums[0] = s0;
+    sums[1] = s1;
+    sums[2] = s2;
+    sums[3] = s3;
+}
+
+/* The first column of rows of a front that is not 0, at most p. */
+static int mrts_front_first(int rows, int p, int m, const double *A) {
+    for (int l = 0; l < p; ++l) {
+        for (int i = 0; i < rows; ++i) {
+            if (A[i * m + l] != 0) return l;
         }
     }
-    for (int i = p; i < m; ++i) {
-        for (int j = p; j <= i; ++j) A[i * m + j] -= mrts_dot(p, L + i * p, L + j * p);
+    return p;
+}
+
+/* Eliminates the first p unknowns of a front of size m: their columns of the factor go to L, (m, p), what is left
+ * stays in the lower triangle of A. Rows begin where they are not 0: unknowns of one corner of a box of loads meet
+ * those of others only by what elimination fills in. */
+static void mrts_front_eliminate(int m, int p, double *A, const double *diagonal, double *L, double *starts) {
+    double sums[MRTS_FRONT_ROWS];
+    for (int i = 0; i < m; i += MRTS_FRONT_ROWS) {
+        const int rows = m - i < MRTS_FRONT_ROWS ? m - i : MRTS_FRONT_ROWS, done = i < p ? i : p;
+        const int start = mrts_front_first(rows, done, m, A + i * m);
+        double *row = L + i * p;
+        starts[i / MRTS_FRONT_ROWS] = start;
+        for (int k = 0; k < rows * p; ++k) row[k] = 0;
+        for (int j = start; j < done; ++j) {
+            mrts_front_dots(rows, start, j, p, row, L + j * p, sums);
+            for (int k = 0; k < rows; ++k) row[k * p + j] = (A[(i + k) * m + j] - sums[k]) * L[j * p + j];
+        }
+        for (int k = i; k < i + rows; ++k, row += p) { /* what the rows have between themselves */
+            for (int j = done; j < k && j < p; ++j) {
+                row[j] = (A[k * m + j] - mrts_dot(j - start, row + start, L + j * p + start)) * L[j * p + j];
+            }
+            if (k >= p) continue; /* a diagonal is kept as its reciprocal */
+            const double pivot = A[k * m + k] + MRTS_FRONT_SOFT * diagonal[k] - mrts_dot(k - start, row + start, row + start);
+            row[k] = pivot > MRTS_FRONT_PIVOT * diagonal[k] ? 1 / sqrt(pivot) : 0;
+        }
+    }
+    for (int i = p; i < m; i += MRTS_FRONT_ROWS) {
+        const int rows = m - i < MRTS_FRONT_ROWS ? m - i : MRTS_FRONT_ROWS;
+        for (int j = p; j < i + rows; ++j) {
+            const int start = (int)starts[j / MRTS_FRONT_ROWS];
+            mrts_front_dots(rows, start, p, p, L + i * p, L + j * p, sums);
+            for (int k = 0; k < rows; ++k) A[(i + k) * m + j] -= sums[k];
+        }
     }
 }
 
@@ -132,6 +190,7 @@ MRTS_LOCAL void mrts_front_factor(const mrts_smooth_program *p, const mrts_smoot
                                   double *work) {
     const int n = p->nodes, f = p->free, size = f + 2;
     double *A = work, *diagonal = work + (2 * f + 3) * (2 * f + 3), *carried = diagonal + size;
+    double *starts = carried + size * size;
     for (int i = 0; i < size * size; ++i) carried[i] = 0;
     for (int k = 0; k < n; ++k) {
         const int last = k == n - 1, pivots = last ? size : f + 1;
@@ -148,7 +207,7 @@ MRTS_LOCAL void mrts_front_factor(const mrts_smooth_program *p, const mrts_smoot
         if (mrts_front_given(p, k)) mrts_front_hold(m, f, A, diagonal[f] = 1);
         if (mrts_front_given(p, k + 1)) mrts_front_hold(m, next, A, last ? (diagonal[f + 1] = 1) : 0);
         if (!last && mrts_front_given(p, k + 2)) mrts_front_hold(m, 2 * f + 2, A, 0);
-        mrts_front_eliminate(m, pivots, A, diagonal, factor);
+        mrts_front_eliminate(m, pivots, A, diagonal, factor, starts);
         factor += m * pivots;
         for (int i = 0; i < size && !last; ++i) {
             for (int j = 0; j <= i; ++j) carried[i * size + j] = A[(pivots + i) * m + pivots + j];

@@ -9,10 +9,12 @@
 #define MRTS_SMOOTH_SHORT 1e-9     /* a step that ends this early leads nowhere */
 #define MRTS_SMOOTH_LARGE 1e14     /* a multiplier, of the objective: nothing keeps the limits */
 #define MRTS_SMOOTH_BOUNDARY 0.995 /* of the way to the nearest limit */
-#define MRTS_SMOOTH_SLACK 0.1      /* least one to start with, of a limit */
+#define MRTS_SMOOTH_SLACK 0.3      /* least one to start with, of a limit */
+#define MRTS_SMOOTH_FIRST 10       /* the gap to start with, of the objective */
 #define MRTS_SMOOTH_CENTRAL 1e-2   /* the gap, of the objective, of the iterate that is kept for a program that is near */
+#define MRTS_SMOOTH_CLOSE 1e-4     /* likewise, where tangents have moved: those of the next program hardly differ */
 #define MRTS_SMOOTH_LAID 1e-3      /* the gap, of the objective, below which tangents move no more */
-#define MRTS_SMOOTH_LONG 0.9       /* a step this long needs no correction */
+#define MRTS_SMOOTH_LONG 0.3       /* a step this long needs no correction */
 #define MRTS_SMOOTH_PULLS 2        /* corrections of one step at most */
 #define MRTS_SMOOTH_FURTHER 0.3    /* by how much a correction is to lengthen a step */
 #define MRTS_SMOOTH_GAIN 0.05      /* by how much it must, or it was the last */
@@ -282,7 +284,7 @@ static void mrts_smooth_first(mrts_smooth_iterate *at, const double *g) {
     for (long long i = 0; i < at->slots; ++i) {
         const double room = -g[i];
         at->s[i] = at->y[i] > 0 ? (room > MRTS_SMOOTH_SLACK ? room : MRTS_SMOOTH_SLACK) : MRTS_INFINITY;
-        at->y[i] = at->y[i] > 0 ? 1 / (at->s[i] * at->present) : 0;
+        at->y[i] = at->y[i] > 0 ? MRTS_SMOOTH_FIRST / (at->s[i] * at->present) : 0;
     }
 }
 
@@ -311,6 +313,7 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
     const long long n = p->nodes, nf = n * p->free;
     mrts_smooth_state state;
     mrts_smooth_iterate at;
+    const double central = p->moving ? MRTS_SMOOTH_CLOSE : MRTS_SMOOTH_CENTRAL;
     int found = MRTS_SMOOTH_STOPPED, kept = 0;
     mrts_smooth_state_in(p, work, &state);
     mrts_smooth_iterate_in(p, work + mrts_smooth_state_size(p), &at);
@@ -335,7 +338,7 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
             break;
         }
         if (at.present == 0 || !(is.gap < MRTS_INFINITY) || !(is.largest < MRTS_SMOOTH_LARGE)) break;
-        if (!kept && !p->timed && is.gap <= MRTS_SMOOTH_CENTRAL * size && is.missed <= MRTS_SMOOTH_CENTRAL) {
+        if (!kept && !p->timed && is.gap <= central * size && is.missed <= MRTS_SMOOTH_CENTRAL) {
             mrts_smooth_keep(p, &state, &at, 0);
             kept = 1;
         }

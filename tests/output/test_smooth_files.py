@@ -1,0 +1,160 @@
+"""Files of smooth timing: what a table, a bag and a saved result carry keeps its rates, and is the same again."""
+
+import csv
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from conftest import DATA
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from shown_results import with_all_rates
+
+import mrts
+from mrts.output.summary_lines import retiming_lines
+from mrts.output.trajectory_table import played_rows
+from mrts.scaling.limit_use import rate_uses
+from mrts.viewer.player_state import PlayerState
+
+LIMITS = {"shoulder": 1100, "elbow": 880, "wrist": 550}
+"""11 times the torque limits of a planar arm [N m/s]."""
+
+ROUNDING = 1e-6
+"""Share by which a difference of two rows may pass a rate: rounding and what programs are solved to."""
+
+EXACT = 1e-9
+"""Largest residual of the dynamics [N m, N], as of every result."""
+
+
+NO_FASTER = 1e-4
+"""By how much the largest c² within the rates may be off 1: the linear programs of the constant factor ask what torques
+there are, the timing was found for by an interior point that comes near its limits, not to them."""
+
+
+@pytest.fixture(scope="module")
+def spatial(dual_ur5):
+    motion = mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
+    return mrts.retime(dual_ur5, motion, rates=11.0, between=None)
+
+
+@pytest.fixture(scope="module")
+def smooth(planar_cell, lift):
+    return mrts.retime(with_all_rates(planar_cell), lift, rates=11.0)
+
+
+def check_rates(result, kept):
+    """That differences of neighbouring rows keep what was asked for, by no code of the programs."""
+    rows = played_rows(result.trajectory)
+    steps = np.diff(rows.time)[:, None]
+    for values, limits in ((rows.torque, kept.torque), (rows.wrench, kept.wrench)):
+        assert np.max(np.abs(np.diff(values, axis=0)) / steps / limits) <= 1 + ROUNDING
+
+
+def test_a_table_has_the_nodes_and_nothing_more_and_keeps_the_rates(smooth, tmp_path):
+    mrts.write_trajectory_csv(smooth.retimed, tmp_path / "trajectory.csv")
+    head, *rows = csv.reader((tmp_path / "trajectory.csv").read_text().splitlines())
+    table = dict(zip(head, np.array(rows, dtype=float).T, strict=True))
+    assert len(table["t"]) == smooth.retimed.motion.samples  # at both ends it holds still already
+    assert table["t"][-1] == smooth.duration
+    steps = np.diff(table["t"])
+    assert np.min(steps) > 0
+    assert np.max(steps) > 1.1 * np.min(steps)  # they are not even in time
+    for arm in ("left", "right"):
+        for joint, limit in LIMITS.items():
+            assert np.max(np.abs(np.diff(table[f"tau.{arm}/{joint}"]) / steps)) <= limit * (1 + ROUNDING)
+            for row in (0, -1):
+                assert table[f"dq.{arm}/{joint}"][row] == 0
+                assert table[f"ddq.{arm}/{joint}"][row] == pytest.approx(0, abs=EXACT)
+        for part in ("fx", "fy", "nz"):
+            assert np.max(np.abs(np.diff(table[f"F.{arm}/{part}"]) / steps)) <= 20 * (1 + ROUNDING)
+
+
+@pytest.mark.parametrize("cell", ["planar", "spatial"])
+def test_a_table_read_back_can_be_played_as_fast_and_no_faster_within_its_rates(cell, smooth, spatial, tmp_path):
+    found = smooth if cell == "planar" else spatial
+    mrts.write_trajectory_csv(found.retimed, tmp_path / "trajectory.csv")
+    again = mrts.scale(found.cell, mrts.load_motion(tmp_path / "trajectory.csv"), rates=11.0, between=None)
+    assert again.range.upper.c2 == pytest.approx(1, abs=NO_FASTER)
+    assert {row.name.kind for row in again.range.upper.rows} & {"torque rate", "wrench rate"}
+    assert not any(warning.code == "step-at-ends" for warning in again.warnings)
+    state = PlayerState(found.cell, mrts.load_motion(tmp_path / "trajectory.csv"))
+    half = state.trajectory.duration / 2
+    state.choose_time(half)
+    steps = np.diff(state.trajectory.time)
+    assert abs(state.time - half) <= np.max(steps) / 2
+
+
+def test_a_bag_has_the_same_rows_at_rising_times(smooth, tmp_path):
+    mrts.write_ros_bag(smooth.retimed, tmp_path / "bag")
+    with (tmp_path / "bag" / "bag.mcap").open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        found = [message for *_, message in reader.iter_decoded_messages(topics=["/left/joint_trajectory"])]
+    (trajectory,) = found
+    at = [point.time_from_start.sec * 10**9 + point.time_from_start.nanosec for point in trajectory.points]
+    assert all(later > earlier for earlier, later in pairwise(at))
+    assert at == np.rint(smooth.retimed.trajectory.time * 1e9).tolist()
+    np.testing.assert_array_equal([point.effort for point in trajectory.points], smooth.retimed.torque["left"])
+
+
+def test_a_saved_result_comes_back_with_its_rates(smooth, tmp_path):
+    played = smooth.retimed
+    mrts.save_result(played, tmp_path / "result.npz")
+    again = mrts.load_result(tmp_path / "result.npz", cell=smooth.cell)
+    np.testing.assert_array_equal(again.rule.rates.torque, smooth.smooth.rates.torque)
+    np.testing.assert_array_equal(again.rule.rates.jerk, smooth.smooth.rates.jerk)
+    np.testing.assert_array_equal(again.trajectory.torque, played.trajectory.torque)
+    assert again.excess == played.excess
+    assert again.json_text() == played.json_text()
+    assert again.sentence() == played.sentence()
+    assert str(smooth.smooth) in again.sentence()  # a local optimum, with its bound
+    assert again.checked() is again
+    residuals = again.residuals()
+    assert max(residuals.limits, residuals.arms, residuals.object) < EXACT
+
+
+def test_torques_for_another_load_keep_the_rates_or_are_refused(planar_cell, lift):
+    cell = with_all_rates(planar_cell.with_variation(mass=(0.2, 3.0)))
+    found = mrts.retime(cell, lift, rates=11.0)
+    assert len(found.loads) == 2
+    for mass in (0.2, 1.7, 3.0):
+        carried = mrts.torques_for_load(found.retimed, cell.load_box.load_at({"mass": mass}))
+        check_rates(carried, found.smooth.rates)
+        assert carried.cell.mass == pytest.approx(mass * cell.mass)
+        residuals = carried.residuals()
+        assert max(residuals.arms, residuals.object) < EXACT
+    too_much = cell.load_box.load_at({"mass": 3.0}) * 1.5
+    with pytest.raises(mrts.SelectionError, match="does not suit this load where rates are kept") as caught:
+        mrts.torques_for_load(found.retimed, too_much)
+    assert caught.value.result.trajectory is None
+    alone = cell.load_box.load_at({"mass": 1.7})
+    bare = mrts.torques_for_load(mrts.retime(planar_cell.with_load(alone), lift).retimed, alone)
+    with pytest.raises(AssertionError):
+        check_rates(bare, found.smooth.rates)  # a bang-bang timing does not keep them
+
+
+def test_lines_tell_what_changes_nearest_to_its_limit(smooth):
+    lines = list(retiming_lines(smooth))
+    for kind in ("torque rate", "wrench rate", "jerk"):
+        use = next(one for one in rate_uses(smooth.retimed.trajectory, smooth.smooth.rates) if one.name.kind == kind)
+        (line,) = (line for line in lines if line.startswith(f"{use.name}: "))
+        assert f"{100 * use.share:.3g} % of its limit" in line
+        assert f"of {use.limit:.4g} {use.name.unit}" in line
+
+
+def test_json_has_the_profile_the_rates_and_the_bound(smooth, planar_cell, lift):
+    found = smooth.to_json()
+    assert found["status"] == "locally optimal"
+    assert found["smooth"]["bound"] == mrts.retime(planar_cell, lift).duration
+    assert found["smooth"]["goal"] == {"time": 1.0, "energy": 0.0, "longest": None}
+    assert found["smooth"]["steps"] >= 1
+    assert found["kept_rates"]["torque"] == [1100, 880, 550] * 2
+    assert found["kept_rates"]["wrench"] == [20] * 6
+    assert {one["kind"] for one in found["rates"]} == {"torque rate", "wrench rate", "jerk"}
+    assert max(one["share"] for one in found["rates"]) == pytest.approx(1, abs=1e-4)
+    (piece,) = found["profile"]
+    assert set(piece) == {"r", "s", "speed", "sigma", "sigma_speed", "sigma_rate"}
+    s, sigma, speed = (np.array(piece[name]) for name in ("s", "sigma", "sigma_speed"))
+    assert np.sum(2 * np.diff(sigma) / (speed[1:] + speed[:-1])) == pytest.approx(smooth.duration, rel=1e-12)
+    assert np.all(np.diff(s) > 0)
+    bare = mrts.retime(planar_cell, lift).to_json()
+    assert (bare["smooth"], bare["kept_rates"], bare["rates"]) == (None, None, [])
