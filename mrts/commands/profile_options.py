@@ -88,7 +88,8 @@ def check_profile(options: argparse.Namespace) -> None:
         "--fastest, --nominal, --c2": "select"
     }
     for name, profiles in GOES_WITH.items():
-        if getattr(options, given[name]) not in (None, False) and options.profile not in profiles:
+        value = getattr(options, given[name])
+        if value is not None and value is not False and options.profile not in profiles:
             rule = f"goes with --profile {' or '.join(profiles)}, not with {options.profile}."
             raise InputError(name, rule)
     if options.weigh is not None and options.least_energy_in is not None:
@@ -185,8 +186,6 @@ def torque_option(option: str, given: list[str] | None, cell: "Cell") -> "Array 
         if robot.name not in torques:
             raise InputError(option, f"is needed once for every robot; '{robot.name}' is missing.")
         if len(torques[robot.name]) != len(robot.joints):
-            rule = (
-                f"has {len(torques[robot.name])} numbers, but the robot '{robot.name}' has {len(robot.joints)} joints."
-            )
+            rule = f"must be {len(robot.joints)} numbers for the robot '{robot.name}', one a joint."
             raise InputError(option, rule, value=torques[robot.name])
     return np.concatenate([torques[name] for name in names])

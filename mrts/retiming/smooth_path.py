@@ -31,10 +31,12 @@ class SmoothPath(PathPiece):
     Attributes:
         arc: Arc length s at the nodes, Shape (n,).
         arc_speed: ds/dσ, Shape (n,).
+        stops: Whether its timing is at rest at its start, and at its end.
     """
 
     arc: Array
     arc_speed: Array
+    stops: tuple[bool, bool]
 
 
 @dataclass(frozen=True)
@@ -81,12 +83,24 @@ QUINTICS = {
 """By whether the motion is at rest at the start and at the end: there the way grows with the cube of z."""
 
 
-def smooth_nodes(cell: Cell, motion: CoordinatedMotion) -> CoordinatedMotion | NoPath:
+def stops(piece: PathPiece, end_speeds: tuple[float, float]) -> tuple[bool, bool]:
+    """Whether a timing is at rest at the ends of a piece: where the motion is, and where no speed is asked for.
+
+    Args:
+        piece: The piece.
+        end_speeds: At the start and at the end of the whole motion.
+    """
+    start, end = (rests or speed == 0 for rests, speed in zip(piece.rests, end_speeds, strict=True))
+    return start, end
+
+
+def smooth_nodes(cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float, float]) -> CoordinatedMotion | NoPath:
     """The same motion at nodes that are evenly spaced in σ, as many as it has samples but not too few.
 
     Args:
         cell: The cell.
         motion: Its motion, N samples.
+        end_speeds: At its start and at its end.
 
     Raises:
         MotionError: If the arms cannot hold the object there.
@@ -100,7 +114,7 @@ def smooth_nodes(cell: Cell, motion: CoordinatedMotion) -> CoordinatedMotion | N
         time = given[piece.first : piece.first + n]
         places = np.linspace(0, 1, max(n, LEAST_NODES))[1:-1]
         fine, way = _way(time, s, piece.speed)
-        wanted = np.interp(s[-1] * QUINTICS[piece.rests].at(places), way, fine)
+        wanted = np.interp(s[-1] * QUINTICS[stops(piece, end_speeds)].at(places), way, fine)
         times.append(wanted[(wanted > time[0]) & (wanted < time[-1])])
         kept.append(piece.first + n - 1)
     added = np.unique(np.concatenate(times))
@@ -141,7 +155,7 @@ def _only(motion: CoordinatedMotion, chosen: NDArray[np.bool_]) -> CoordinatedMo
     )
 
 
-def smooth_path(piece: PathPiece, duration: float) -> SmoothPath:
+def smooth_path(piece: PathPiece, duration: float, end_speeds: tuple[float, float]) -> SmoothPath:
     """A piece by σ, the time in which a quintic from stop to stop goes its way.
 
     Where it is at rest q' = q'' = 0 by σ: q goes with σ³, as from rest with a limited rate it goes with t³, so that ṡ²
@@ -150,14 +164,16 @@ def smooth_path(piece: PathPiece, duration: float) -> SmoothPath:
     Args:
         piece: The piece by arc length, n samples.
         duration: Of the quintic [s].
+        end_speeds: At the start and at the end of the whole motion.
     """
-    quintic, path = QUINTICS[piece.rests], piece.path
+    at_rest, path = stops(piece, end_speeds), piece.path
+    quintic = QUINTICS[at_rest]
     s = path.object.time
     z = quintic.inverse(s / s[-1])
     first = s[-1] / duration * quintic.at(z, 1)
     second = s[-1] / duration**2 * quintic.at(z, 2)
-    for place, rests in zip((0, -1), piece.rests, strict=True):
-        if rests:
+    for place, stopped in zip((0, -1), at_rest, strict=True):
+        if stopped:
             first[place] = second[place] = 0.0
 
     def by_sigma(rates: Array, changes: Array) -> tuple[Array, Array]:
@@ -169,4 +185,6 @@ def smooth_path(piece: PathPiece, duration: float) -> SmoothPath:
     carried = ObjectMotion(z * duration, given.position, given.rotation, twist, acceleration, smooth=False)
     travel = np.stack(travel_directions(path.dq, path.ddq))
     joined = CoordinatedMotion(carried, path.q, dq, ddq, travel=travel)
-    return SmoothPath(piece.first, joined, piece.speed, piece.rests, piece.continued, arc=s, arc_speed=first)
+    return SmoothPath(
+        piece.first, joined, piece.speed, piece.rests, piece.continued, arc=s, arc_speed=first, stops=at_rest
+    )

@@ -76,7 +76,7 @@ def smooth_retiming(
     """
     if not (fastest.status.admits_motion or fastest.status is RetimingStatus.UNBOUNDED):
         return fastest
-    nodes = smooth_nodes(fastest.cell, question.constant.motion)
+    nodes = smooth_nodes(fastest.cell, question.constant.motion, question.end_speeds)
     if isinstance(nodes, NoPath):
         return fastest
 

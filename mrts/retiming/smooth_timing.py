@@ -141,9 +141,8 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
     held: Array | None = None
     for number, given in enumerate(pieces):
         n = len(given.speed)
-        piece = smooth_path(given, float(time[given.first + n - 1] - time[given.first]))
+        piece = smooth_path(given, float(time[given.first + n - 1] - time[given.first]), question.end_speeds)
         first, last = number == 0, number == len(pieces) - 1
-        speeds = (question.end_speeds[0] if first else 0.0, question.end_speeds[1] if last else 0.0)
         problems = [question.problem(piece, load) for load in question.loads]
         start, held = _held(question, problems, held, first=first, last=last)
         for end, asked in ((0, first), (1, last)):
@@ -152,7 +151,13 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
                 return why
         weights = question.weights if question.goal.effort > 0 else None
         program = path_program(
-            question.constant.cell, piece.path, problems, question.rates, weights, _ends(piece, speeds), (start, held)
+            question.constant.cell,
+            piece.path,
+            problems,
+            question.rates,
+            weights,
+            _ends(piece, question.end_speeds),
+            (start, held),
         )
         likely = _likely(question, piece, program, before[number] if before else None, float(time[-1]))
         parts.append(_Part(piece, program.narrowed(NARROWING), likely))
@@ -174,15 +179,15 @@ def _check_ends(question: SmoothQuestion, starts_at_rest: bool, ends_at_rest: bo
         if rests and question.end_speeds[place] > 0:
             rule = "the given motion is at rest there, so no other speed is possible."
             raise InputError(f"{name}_speed", rule, value=question.end_speeds[place])
-        if not rests and question.end_torques[place] is not None:
-            raise InputError(f"{name}_torque", "is for motions that are at rest there: it is what holds still.")
+        if question.end_speeds[place] > 0 and question.end_torques[place] is not None:
+            raise InputError(f"{name}_torque", "is what holds still, but the motion is not to be at rest there.")
 
 
 def _ends(piece: SmoothPath, end_speeds: tuple[float, float]) -> tuple[float | None, float | None]:
-    """σ̇² at both ends where the motion does not rest there, else None."""
+    """σ̇² at both ends where the timing does not rest there, else None."""
     first, last = (
-        None if rests else float((speed * piece.speed[place] / piece.arc_speed[place]) ** 2)
-        for rests, speed, place in zip(piece.rests, end_speeds, (0, -1), strict=True)
+        None if stopped else float((speed * piece.speed[place] / piece.arc_speed[place]) ** 2)
+        for stopped, speed, place in zip(piece.stops, end_speeds, (0, -1), strict=True)
     )
     return first, last
 

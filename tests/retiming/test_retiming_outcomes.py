@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 from cell_bank import random_planar_cell
-from gantries import along_x, gantries
+from gantries import along_x, gantries, there_and_back
 
 import mrts
 
@@ -54,28 +54,6 @@ def test_a_path_without_length_is_an_outcome(planar_cell):
     found = mrts.retime(planar_cell, still)
     assert found.status.value == "zero length"
     assert "no length" in found.explanation
-
-
-def there_and_back(turn, samples=101, wait=0):
-    """Along x to the middle of the gantries' path and back, from rest to rest; the turning point at a share of time."""
-    time = np.linspace(0, 1, samples)
-    phase = np.clip(np.where(time < turn, time / turn, (time - turn) / (1 - turn)), 0, 1)
-    length = np.where(time < turn, turn, 1 - turn)
-    sign = np.where(time < turn, 1.0, -1.0)
-    x = np.where(time < turn, 0, 1) + sign * (1 - np.cos(np.pi * phase)) / 2
-    v = sign * np.pi / length * np.sin(np.pi * phase) / 2
-    a = sign * (np.pi / length) ** 2 * np.cos(np.pi * phase) / 2
-    v[np.isclose(time, turn)] = v[0] = v[-1] = 0.0
-    middle = int(np.argmin(np.abs(time - turn)))
-    order = np.concatenate([np.arange(middle), np.full(wait, middle), np.arange(middle, samples)]).astype(int)
-    column = np.zeros((len(order), 6))
-    twist, acceleration = column.copy(), column.copy()
-    twist[:, 0], acceleration[:, 0] = v[order], a[order]
-    position = np.zeros((len(order), 3))
-    position[:, 0] = x[order]
-    time = np.linspace(0, 1, len(order)) if wait else time
-    eye = np.broadcast_to(np.eye(3), (len(order), 3, 3))
-    return mrts.ObjectMotion(time, position, eye, twist, acceleration, smooth=False)
 
 
 @pytest.mark.quick

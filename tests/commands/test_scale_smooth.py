@@ -1,0 +1,178 @@
+"""`mrts scale --profile smooth` and `--rates`: what the options say, which go together, the files, a terminal."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+from terminal_session import at_terminal
+
+import mrts
+from mrts.cli import files_apart, main
+
+CELL, LIFT = str(DATA / "cell.yaml"), str(DATA / "lift.yaml")
+SMOOTH = ("scale", CELL, LIFT, "--profile", "smooth", "--rates", "11.5")
+MRTS = (sys.executable, "-m", "mrts")
+
+
+@pytest.fixture(scope="module")
+def rated(tmp_path_factory):
+    """The shipped cell with torque rates in its file."""
+    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
+    for robot in cell["robots"]:
+        robot["urdf"] = str(DATA / "planar_arm.urdf")
+        robot["motors"] = {"torque_rate": [1150, 920, 575]}
+    path = tmp_path_factory.mktemp("rated") / "cell.yaml"
+    path.write_text(yaml.safe_dump(cell))
+    return str(path)
+
+
+def answered(capsys, *words):
+    assert main([*words, "--json", "-"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.mark.quick
+def test_the_smooth_profile_is_that_of_the_library(planar_cell, lift, tmp_path, capsys):
+    table, saved = tmp_path / "smooth.csv", tmp_path / "smooth.npz"
+    found = mrts.retime(planar_cell, lift, rates=11.5)
+    output = answered(capsys, *SMOOTH, "--csv", str(table), "--save", str(saved))
+    assert output == found.to_json()
+    assert output["smooth"]["bound"] < output["duration"]
+    rows = np.genfromtxt(table, delimiter=",", names=True, deletechars="")
+    assert rows["t"][-1] == pytest.approx(found.duration, abs=2e-3)  # and a row at rest
+    assert mrts.load_result(saved).trajectory.duration == pytest.approx(found.duration)
+    assert main([*SMOOTH]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("planar_dual_arm: the smooth timing takes 0.331")
+    assert "It is a local optimum" in said
+
+
+@pytest.mark.quick
+def test_rates_of_the_cell_file_need_no_number(rated, capsys):
+    duration = answered(capsys, *SMOOTH)["duration"]
+    orders = (
+        ["scale", "--rates", rated, LIFT, "--profile", "smooth"],
+        ["scale", rated, "--rates", LIFT, "--profile", "smooth"],
+        ["scale", rated, LIFT, "--profile", "smooth", "--rates"],
+        ["scale", rated, LIFT, "--profile", "smooth"],
+        ["scale", rated, LIFT, "--rates", "--profile", "smooth"],
+        ["scale", "--profile", "smooth", "--rates", "--", rated, LIFT],
+        ["scale", "--rate", rated, LIFT, "--profile=smooth"],
+    )
+    for words in orders:
+        words.insert(1, "-q")
+        end = words.index("--") if "--" in words else len(words)
+        words[end:end] = ["--json", "-"]
+        assert main(words) == 0, words
+        assert json.loads(capsys.readouterr().out)["duration"] == pytest.approx(duration), words
+
+
+def test_the_number_may_stand_anywhere(capsys):
+    for words in (
+        ["scale", "--rates", "11.5", CELL, LIFT, "--profile", "smooth"],
+        ["scale", CELL, "--rates=11.5", LIFT, "--profile", "smooth"],
+        ["scale", CELL, "--rates", "1.15e1", LIFT, "--profile", "smooth"],
+    ):
+        assert answered(capsys, *words)["smooth"]["torque_rate_limit"][:3] == pytest.approx([1150, 920, 575])
+
+
+def test_files_are_told_from_values(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "cell").mkdir()
+    for words, apart in (
+        (["--rates", "cell.yaml", "m"], ["cell.yaml", "m", "--rates"]),
+        (["--rates", "cell", "m"], ["cell", "m", "--rates"]),
+        (["--rates", "none/cell", "m"], ["none/cell", "m", "--rates"]),
+        (["--rates", "11.5", "m"], ["--rates", "11.5", "m"]),
+        (["--rates", "-1", "m"], ["--rates", "-1", "m"]),
+        (["--rates", "fast"], ["--rates", "fast"]),
+        (["--rates", "--json", "x"], ["--rates", "--json", "x"]),
+        (["--rates", "a.b", "--", "m"], ["a.b", "--rates", "--", "m"]),
+        (["m", "--rates"], ["m", "--rates"]),
+        (["--r", "cell"], ["cell", "--r"]),
+        (["--save", "cell.npz"], ["--save", "cell.npz"]),
+    ):
+        assert files_apart(words, {"--rates"}) == apart
+
+
+@pytest.mark.quick
+def test_the_constant_factor_keeps_rates_too(capsys):
+    free, kept = answered(capsys, "scale", CELL, LIFT), answered(capsys, "scale", CELL, LIFT, "--rates", "3")
+    assert kept["c2"]["upper"] < free["c2"]["upper"]
+
+
+def test_energy_is_weighed_or_least_within_a_duration(capsys):
+    weighed = answered(capsys, *SMOOTH, "--weigh", "time=1,energy=1e-4")
+    assert weighed["smooth"]["goal"] == {"time": 1.0, "energy": 1e-4, "longest": None}
+    within = answered(capsys, *SMOOTH, "--least-energy-in", "0.4")
+    assert within["duration"] == pytest.approx(0.4, rel=1e-6)
+    assert main([*SMOOTH, "--least-energy-in", "0.1"]) == 1
+    assert capsys.readouterr().out.startswith("planar_dual_arm: duration too short: the motion cannot be done in 0.1 s")
+
+
+def test_torques_at_an_end_are_given_by_robot(planar_cell, lift, capsys):
+    torque = mrts.retime(planar_cell, lift, rates=11.5).retimed.torque
+    given = [f"{name}={','.join(map(str, torque[name][-1].tolist()))}" for name in ("right", "left")]
+    output = answered(capsys, *SMOOTH, "--end-torque", given[0], "--end-torque", given[1])
+    for name in torque:
+        np.testing.assert_allclose(output["torque"][name][-1], torque[name][-1], atol=1e-3)
+    assert main([*SMOOTH, "--start-torque", "left=0,0,0", "--start-torque", "right=0,0,0"]) == 1
+    assert "infeasible holding torque: the torques given for the start" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--rates", "0"], "--rates = '0': must be a number > 0 and at most 1e+12"),
+        (["--rates", "fast"], "--rates = 'fast': must be a number > 0"),
+        (["--rates", "nan"], "--rates = 'nan': must be a number > 0"),
+        (["--rates=inf"], "--rates = 'inf': must be a number > 0"),
+        (["--rates="], "--rates = '': must be a number > 0"),
+        (["--rates"], "--rates: the cell 'planar_dual_arm' limits no rate. Give a robot of the cell file"),
+        (["--profile", "smooth"], "--rates: the cell 'planar_dual_arm' limits no rate."),
+        (["--profile", "optimal", "--rates"], "--rates: goes with --profile constant or smooth, not with optimal."),
+        (["--weigh", "time=1"], "--weigh: goes with --profile smooth, not with constant."),
+        (["--least-energy-in", "1"], "--least-energy-in: goes with --profile smooth, not with constant."),
+        (["--least-energy-in", "0"], "--least-energy-in: goes with --profile smooth, not with constant."),
+        (["--start-torque", "left=1"], "--start-torque: goes with --profile smooth, not with constant."),
+        (["--start-speed", "0"], "--start-speed: goes with --profile optimal or smooth, not with constant."),
+        (["--profile", "optimal", "--solver", "kernel"], "--solver: goes with --profile constant or smooth, not"),
+        ([*SMOOTH[3:], "--c2", "1"], "--fastest, --nominal, --c2: goes with --profile constant, not with smooth."),
+        ([*SMOOTH[3:], "--formulation", "torque"], "--formulation = 'torque': the smooth profile within rates is"),
+        ([*SMOOTH[3:], "--distribute", "reserve"], "--distribute = 'reserve': does not go with limits of rates"),
+        ([*SMOOTH[3:], "--carry", "mass=1"], "--carry = 'mass=1': does not go with the smooth profile"),
+        ([*SMOOTH[3:], "--solver", "qpsol"], "--solver = 'qpsol': there is no such solver of smooth timing"),
+        ([*SMOOTH[3:], "--weigh", "tim=1"], "--weigh = 'tim': may have the keys time and energy only."),
+        ([*SMOOTH[3:], "--weigh", "time"], "--weigh = 'time': must be KEY=NUMBER, such as time=1,energy=0.1."),
+        ([*SMOOTH[3:], "--weigh", "energy=1"], "--weigh: time = 0.0: must be > 0"),
+        ([*SMOOTH[3:], "--weigh", "time=1,energy=-1"], "--weigh: energy = -1.0: must be >= 0"),
+        ([*SMOOTH[3:], "--weigh", "time=1", "--least-energy-in", "1"], "--weigh: does not go with --least-energy-in"),
+        ([*SMOOTH[3:], "--least-energy-in", "-1"], "--least-energy-in = -1.0: must be a duration > 0 [s]."),
+        ([*SMOOTH[3:], "--end-torque", "left=1,2,3"], "--end-torque: is needed once for every robot; 'right' is miss"),
+        ([*SMOOTH[3:], "--end-torque", "lef=1,2,3"], "--end-torque = 'lef': there is no such robot; there are left"),
+        ([*SMOOTH[3:], "--end-torque", "left=1,2"], "--end-torque = [1.0, 2.0]: must be 3 numbers for the robot"),
+        ([*SMOOTH[3:], "--end-torque", "left=a"], "--end-torque = 'left=a': must be ROBOT=NUMBER,NUMBER,…"),
+        ([*SMOOTH[3:], *["--end-torque", "left=1,2,3"] * 2], "--end-torque = 'left=1,2,3': gives the robot 'left' twi"),
+    ],
+)
+def test_options_that_make_no_sense_are_told_by_name(options, message, capsys):
+    assert main(["scale", CELL, LIFT, *options]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith(f"mrts: error: {message}")
+
+
+def test_steps_are_counted_and_control_c_ends_them(tmp_path):
+    """A table of many rows takes seconds."""
+    motion = yaml.safe_load((DATA / "lift.yaml").read_text()) | {"samples": 4001}
+    path = tmp_path / "long.yaml"
+    path.write_text(yaml.safe_dump(motion))
+    command = [*MRTS, "scale", CELL, path, "--profile", "smooth", "--rates", "11.5", "--solver", "conic", "--json"]
+    done = at_terminal([*command, tmp_path / "answer.json"], keys=[(" of ", "\x03")], COLUMNS="150")
+    assert done.code == 130, done.shown
+    assert done.shown.endswith("mrts: interrupted\x1b[0m\r\n")
+    assert "Traceback" not in done.shown
+    assert not (tmp_path / "answer.json").exists()
