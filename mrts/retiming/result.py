@@ -25,6 +25,7 @@ from mrts.samples.infeasibility import Conflict
 from mrts.samples.range_status import RangeStatus
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.result import ScalingResult, kept_text
+from mrts.scaling.with_torques import STEPS
 
 
 class RetimingStatus(Enum):
@@ -154,6 +155,8 @@ class RetimingResult:
             less = "less" if self.saving >= 0 else "more"
             text += f"; {100 * abs(self.saving):.3g} % {less} than {best.duration:.4g} s at the best constant c² = "
             text += f"{best.c2:.4g}"
+            if any(remark.code == STEPS for remark in self.constant.warnings):
+                text += ", whose torques jump at its ends"
         if self.stops.size:
             text += f". It stops at t = {', '.join(f'{time:.4g}' for time in self.stops)} s of the given motion"
         if self.smooth is not None:

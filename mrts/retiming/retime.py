@@ -101,6 +101,7 @@ def retime(
         cell, rates, distribute, solver, weigh=weigh, least_energy_in=least_energy_in,
         start_torque=start_torque, end_torque=end_torque,
     )  # fmt: skip
+    _check_held(cell, asked, question)
     constant = _best_constant(cell, motion, rule, question, reserve, closure, between, rates)
 
     speeds, tolerance = (start_speed, end_speed), checked_tolerance(between)
@@ -127,8 +128,6 @@ def retime(
         fastest=fastest.duration,
         solver=CheckedSolver(solver),
     )
-    if len(fastest.loads) > 1 and asked.held != (None, None):
-        raise InputError("start_torque, end_torque", "hold one load, but the cell's varies: ask for load='nominal'.")
     return smooth_retiming(fastest, whole, tolerance, progress, adds=adds)
 
 
@@ -151,13 +150,13 @@ def _smooth_request(
     cell: Cell, rates: Rates, distribute: DistributionName, solver: str, **given: Any
 ) -> _SmoothRequest | None:
     """The arguments that go with rates, checked; None without rates."""
+    check_smooth_solver(solver)
     if rates is False:
         for name, value in given.items():
             if value is not None:
                 raise InputError(name, "needs limits of rates: give rates too.", value=value)
         return None
     goal = smooth_goal(given["weigh"], given["least_energy_in"])
-    check_smooth_solver(solver)
     check_type("distribute", distribute, str)
     if distribute != "least-torque":
         rule = "does not go with rates: where torques change slowly they are the least ones."
@@ -169,6 +168,15 @@ def _smooth_request(
             raise InputError(name, f"must be finite with Shape ({joints},), one a joint.", value=given[name])
         held.append(torque)
     return _SmoothRequest(rate_limits(cell, rates), goal, (held[0], held[1]))
+
+
+def _check_held(cell: Cell, asked: _SmoothRequest | None, question: str) -> None:
+    """Torques that hold still are those of one load."""
+    if asked is None or question != "guaranteed" or cell.load_box is None:
+        return
+    for name, torque in zip(("start_torque", "end_torque"), asked.held, strict=True):
+        if torque is not None:
+            raise InputError(name, "holds one load, but the cell's varies: ask for load='nominal'.")
 
 
 def _checked_question(

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """A path by a parameter in which a timing from rest with limited rates is regular: the time of a quintic."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -188,3 +190,19 @@ def smooth_path(piece: PathPiece, duration: float, end_speeds: tuple[float, floa
     return SmoothPath(
         piece.first, joined, piece.speed, piece.rests, piece.continued, arc=s, arc_speed=first, stops=at_rest
     )
+
+
+def joined_at_stops(pieces: Sequence[SmoothPath]) -> list[SmoothPath]:
+    """The same pieces, each knowing at a stop how every joint travels on the other side of it.
+
+    So the torques at a stop are the same before and after it: of a joint that turns back there, without dry friction.
+
+    Args:
+        pieces: All of a path.
+    """
+    travels = [np.array(piece.path.travel) for piece in pieces]
+    for before, after in pairwise(travels):
+        before[1, -1], after[0, 0] = after[1, 0], before[0, -1]
+    return [
+        replace(piece, path=replace(piece.path, travel=travel)) for piece, travel in zip(pieces, travels, strict=True)
+    ]

@@ -2,7 +2,8 @@
 """A piece of a path with a smooth timing, and what is known of how it was found."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,11 +27,14 @@ class SmoothPiece(TimedPiece):
         piece: The piece, n samples.
         program: All limits of it, for all loads.
         steps: How the timing was found.
+        plan: Free wrenches of the least torques that carry the cell's load within all limits and rates, Shape (n, f);
+            empty before they are found.
     """
 
     piece: SmoothPath
     program: SmoothProgram
     steps: StepsTaken
+    plan: Array = field(default_factory=partial(np.empty, (0, 0)))
 
     @property
     def rate(self) -> Array:
@@ -76,7 +80,9 @@ class SmoothAnswer:
     Attributes:
         rates: The limits of rates that it keeps.
         goal: What is least.
-        bound: Duration of the fastest timing without limits of rates, below which none is; None if nothing bounds it.
+        duration: Of the timing; None if there is none [s].
+        bound: Duration of the fastest timing without limits of rates, below which none is, as exact as the samples of
+            both; None if nothing bounds it [s].
         steps: Convex programs solved, of the piece that took most; 0 if there is no timing.
         gain: Share by which the last of them lowered the cost.
         fallbacks: Programs that the chosen solver did not solve and Clarabel did.
@@ -85,6 +91,7 @@ class SmoothAnswer:
 
     rates: RateLimits
     goal: Goal
+    duration: float | None
     bound: float | None
     steps: int
     gain: float
@@ -96,6 +103,8 @@ class SmoothAnswer:
         text = f"It is a local optimum, found in {count}, of which the last gained {100 * self.gain:.2g} %"
         if self.bound is None:
             return text
+        if self.duration is not None and self.duration <= self.bound:
+            return f"{text}; to within its samples that is as long as the fastest without limits of rates takes"
         return f"{text}; no timing takes less than {self.bound:.4g} s, the fastest without limits of rates"
 
     @property

@@ -4,6 +4,8 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from mrts.base.argument_types import Progress, check_type, is_number
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
@@ -92,7 +94,7 @@ def smooth_retiming(
     )
     if not found.pieces or found.excess is None:
         return found
-    plan = torque_plan(question, found.pieces, found.cell.load)
+    plan = torque_plan(question, found.pieces)
     answer, constant = _answer(question, fastest, found), question.constant
     kept = replace(constant, motion=found.motion, rule=replace(constant.rule, rates=question.rates))
     played = played_result(kept, found.pieces, answer.what, plan)
@@ -101,10 +103,12 @@ def smooth_retiming(
 
 
 def _answer(question: SmoothQuestion, fastest: RetimingResult, found: RetimingResult) -> SmoothAnswer:
-    steps = [part.steps for part in smooth_pieces(found.pieces)]
+    pieces = smooth_pieces(found.pieces)
+    steps = [part.steps for part in pieces]
     return SmoothAnswer(
         rates=question.rates,
         goal=question.goal,
+        duration=sum(float(np.sum(part.segment_times)) for part in pieces) if pieces else None,
         bound=question.fastest,
         steps=max((len(one.costs) for one in steps), default=0),
         gain=max((one.gain for one in steps), default=0.0),

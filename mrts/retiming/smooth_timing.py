@@ -14,7 +14,7 @@ from mrts.retiming.held_wrenches import given_wrenches, stopped_wrenches, unheld
 from mrts.retiming.path_pieces import NoPath, closed_piece, path_pieces
 from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import TimedPiece
-from mrts.retiming.smooth_path import SmoothPath, smooth_path
+from mrts.retiming.smooth_path import SmoothPath, joined_at_stops, smooth_path
 from mrts.retiming.smooth_piece import SmoothPiece, smooth_pieces
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.torque_distribution import torque_weights
@@ -122,7 +122,7 @@ def smooth_timing(
         why = "nothing limits the speed. Give velocity limits, or limits of torque rates or jerk."
         return _none(question, motion, RetimingStatus.UNBOUNDED, why)
     done = _none(question, motion, RetimingStatus.LOCALLY_OPTIMAL, "")
-    return replace(done, pieces=tuple(timed))
+    return replace(done, pieces=_planned(question, timed))
 
 
 def _none(question: SmoothQuestion, motion: CoordinatedMotion, status: RetimingStatus, why: str) -> RetimingResult:
@@ -139,9 +139,9 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
     _check_ends(question, pieces[0].rests[0], pieces[-1].rests[1])
     time, parts = motion.object.time, []
     held: Array | None = None
-    for number, given in enumerate(pieces):
-        n = len(given.speed)
-        piece = smooth_path(given, float(time[given.first + n - 1] - time[given.first]), question.end_speeds)
+    lasts = [float(time[given.first + len(given.speed) - 1] - time[given.first]) for given in pieces]
+    paths = [smooth_path(given, last, question.end_speeds) for given, last in zip(pieces, lasts, strict=True)]
+    for number, piece in enumerate(joined_at_stops(paths)):
         first, last = number == 0, number == len(pieces) - 1
         problems = [question.problem(piece, load) for load in question.loads]
         start, held = _held(question, problems, held, first=first, last=last)
@@ -277,23 +277,13 @@ def _why(question: SmoothQuestion, found: RatesTooSmall | TooLong) -> tuple[Reti
     )
 
 
-def torque_plan(question: SmoothQuestion, pieces: Sequence[TimedPiece], load: Array) -> tuple[Array, Array]:
-    """The least τᵀWτ within all limits at a timing, torques coupled by their rates: Shape (N, m) and (N, n w).
-
-    Args:
-        question: What was asked.
-        pieces: The path with its timing.
-        load: Load vector that is carried, Shape (10,).
-
-    Raises:
-        SolverError: If no solver answers.
-    """
-    torques, wrenches = [], []
-    smooth = smooth_pieces(pieces)
+def _planned(question: SmoothQuestion, timed: Sequence[SmoothPiece]) -> tuple[SmoothPiece, ...]:
+    """The pieces with the wrenches of the least ∫ τᵀWτ dt within all limits, coupled by rates over each of them."""
+    planned: list[SmoothPiece] = []
     held: Array | None = None
-    for number, part in enumerate(smooth):
-        problem = question.problem(part.piece, load)
-        start, held = _held(question, [problem], held, first=number == 0, last=number == len(smooth) - 1)
+    for number, part in enumerate(timed):
+        problem = question.problem(part.piece, question.constant.cell.load)
+        start, held = _held(question, [problem], held, first=number == 0, last=number == len(timed) - 1)
         program = path_program(
             question.constant.cell, part.piece.path, [problem], question.rates, question.weights, part.program.ends,
             (start, held),
@@ -301,7 +291,21 @@ def torque_plan(question: SmoothQuestion, pieces: Sequence[TimedPiece], load: Ar
         free = question.solver.torques(program, part.x, part.rate)
         if free is None:
             raise SolverError("no torques were found within the rates that the timing keeps: please report it.")
-        unknowns = np.column_stack([free, part.rate, part.x])
+        planned.append(replace(part, plan=free))
+    return tuple(planned)
+
+
+def torque_plan(question: SmoothQuestion, pieces: Sequence[TimedPiece]) -> tuple[Array, Array]:
+    """Torques and wrenches of the plan over a whole motion: Shape (N, m) and (N, n w).
+
+    Args:
+        question: What was asked.
+        pieces: The path with its timing.
+    """
+    torques, wrenches = [], []
+    for number, part in enumerate(smooth_pieces(pieces)):
+        problem = question.problem(part.piece, question.constant.cell.load)
+        unknowns = np.column_stack([part.plan, part.rate, part.x])
         skip = 0 if number == 0 else 1
         torques.append(problem.torque(unknowns)[skip:])
         wrenches.append(problem.wrench(unknowns)[skip:])

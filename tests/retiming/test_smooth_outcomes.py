@@ -125,6 +125,19 @@ def test_a_motion_stops_on_its_way_with_torques_that_hold_still(tmp_path):
     np.testing.assert_allclose(found.retimed.trajectory.torque[place], 0, atol=1e-4)  # no gravity: nothing to hold
 
 
+def test_at_a_stop_where_joints_turn_back_dry_friction_changes_within_the_rates(tmp_path):
+    cell = gantries(tmp_path)
+    rough = tuple(
+        replace(robot, motors=replace(robot.motors, coulomb=np.array([3.0, 0, 0])))  # N of 20
+        for robot in cell.robots
+    )
+    found = mrts.retime(replace(cell, robots=rough), there_and_back(0.5), rates=RATES)
+    assert len(found.pieces) == 2
+    assert np.max(np.abs(rates_of(found))) <= RATES * 20 * (1 + KEPT)
+    residuals = found.retimed.residuals()
+    assert max(residuals.arms, residuals.object) < 1e-6  # N m, N
+
+
 @pytest.mark.parametrize("value", ["left", "right"])
 def test_a_fixed_sharing_is_kept_at_every_node(planar_cell, lift, smooth, value):
     found = mrts.retime(planar_cell, lift, rates=RATES, sharing=mrts.LoadSharing())

@@ -1,11 +1,15 @@
 """What a smooth result carries beside its timing, and how it says it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import mrts
+from mrts.retiming.between_samples import PLACES
 from mrts.retiming.result import RetimingStatus
-from mrts.retiming.retimed_motion import FastestPiece
+from mrts.retiming.retimed_motion import FastestPiece, path_between
+from mrts.samples.sample_problem import build_sample_problem
 
 
 @pytest.fixture(scope="module")
@@ -51,3 +55,47 @@ def test_why_there_is_no_smooth_timing_has_its_limits_in_json(planar_cell, lift)
     assert said["smooth"]["goal"] == {"time": 0.0, "energy": 1.0, "longest": 0.1}
     assert said["kept_rates"]["torque"] == [1100, 880, 550] * 2
     assert "profile" not in said
+
+
+def test_the_plan_keeps_limits_between_its_rows_where_it_is_linear(smooth, planar_cell):
+    (part,), n = smooth.pieces, len(smooth.retimed.trajectory.time) - 1
+    problem = build_sample_problem(planar_cell, path_between(planar_cell, part, PLACES), varying=True)
+    at = (np.arange(n)[:, None] + PLACES).ravel()
+    plan = np.stack([np.interp(at, np.arange(n + 1), column) for column in part.plan.T], axis=1)
+    x, u = part.inside(PLACES)
+    values = np.einsum("nrk,nk->nr", problem.A, np.column_stack([plan, u, x]))
+    excess = np.max(np.maximum(values - problem.upper, problem.lower - values))
+    assert smooth.excess.share == pytest.approx(max(excess, 0.0), abs=1e-12)
+    assert excess < 1e-4  # with other wrenches than those of the plan this was so with a quarter of the nodes
+
+
+def test_a_jerk_that_passes_between_nodes_is_told_by_name(planar_cell, lift):
+    motors = [replace(robot.motors, jerk=np.full(3, 200.0)) for robot in planar_cell.robots]
+    robots = tuple(replace(robot, motors=of) for robot, of in zip(planar_cell.robots, motors, strict=True))
+    free = replace(planar_cell, robots=robots).without_wrench_limits()
+    found = mrts.retime(free, lift, rates=True, between=None)
+    assert found.excess.row.name.kind == "jerk"
+    assert "jerk" in found.sentence()
+
+
+def test_given_torques_of_a_load_that_varies_are_refused_before_any_work(planar_cell, lift):
+    boxed = planar_cell.with_variation(mass=(0.9, 1.1))
+    for name in ("start_torque", "end_torque"):
+        with pytest.raises(mrts.InputError, match=f"{name}: holds one load, but the cell's varies"):
+            mrts.retime(boxed, lift, rates=11.0, **{name: np.zeros(6)})
+    assert mrts.retime(boxed, lift, rates=11.0, load="nominal", start_torque=np.zeros(6)).status.value == (
+        "infeasible holding torque"
+    )
+
+
+def test_a_wrong_solver_is_refused_without_rates_too(planar_cell, lift):
+    with pytest.raises(mrts.InputError, match="there is no such solver of smooth timing"):
+        mrts.retime(planar_cell, lift, solver="qp")
+
+
+def test_the_sentence_does_not_contradict_itself(smooth):
+    said = str(smooth.smooth)
+    assert said.endswith(f"no timing takes less than {smooth.smooth.bound:.4g} s, the fastest without limits of rates")
+    below = str(replace(smooth.smooth, bound=smooth.duration * (1 + 1e-3)))  # both are as exact as their samples
+    assert below.endswith("to within its samples that is as long as the fastest without limits of rates takes")
+    assert ", whose torques jump at its ends." in smooth.sentence()  # why a constant factor may take less
