@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.retiming.retimed_motion import FastestPiece, TimedPiece
@@ -61,6 +62,16 @@ class SmoothPiece(TimedPiece):
             "sigma_speed": np.sqrt(self.x).tolist(),
             "sigma_rate": self.rate.tolist(),
         }
+
+    def between(self) -> tuple[NDArray[np.int_], Array, Array, Array]:
+        """The fine samples that are not nodes: segment, place in it, x and u there, each Shape (k,)."""
+        path = self.piece
+        segment = np.searchsorted(path.nodes, path.inside) - 1
+        after = path.fine.object.time[path.inside] - path.path.object.time[segment]
+        place = after / self.piece.step[segment]
+        start, change = self.rates[segment, 0], np.diff(self.rates, axis=1)[segment, 0]
+        x = self.x[segment] + 2 * after * (start + change * place / 2)
+        return segment, place, x, start + change * place
 
     @property
     def binding(self) -> list[set[str]]:

@@ -77,10 +77,9 @@ class CheckedSolver:
         return found if found is not None and _kept(program, found) else None
 
     def torques(self, program: SmoothProgram, x: Array, u: Array) -> Array | None:
-        """See `SmoothSolver.torques`; what it returns keeps the limits of the program."""
-        return self._asked(
-            lambda solver: solver.torques(program, x, u), lambda free: program.excess(x, u, free) <= KEPT
-        )
+        """See `SmoothSolver.torques`; what it returns keeps the limits of the program that torques can keep."""
+        rows = program.without_jerks()
+        return self._asked(lambda solver: solver.torques(rows, x, u), lambda free: rows.excess(x, u, free) <= KEPT)
 
     def _asked(self, ask: Callable[[SmoothSolver], Answer | None], kept: Callable[[Answer], bool]) -> Answer | None:
         for name in dict.fromkeys((self.name, FALLBACK)):

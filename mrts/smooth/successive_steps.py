@@ -15,7 +15,7 @@ CONVERGED = 1e-4
 """Share of the cost by which a step must lower it, or it was the last."""
 
 EVEN = 1e-3
-"""Share of the cost that the jumps of u count for where it is set: none is for nothing then, at 1e-5 of the duration."""
+"""Share of the cost that the jumps of u count for where they are largest; it costs 1e-5 of the duration."""
 
 MOST_STEPS = 60
 """Steps after which the profile is taken as it is: every one keeps all limits."""
