@@ -88,6 +88,7 @@ bench: install $(VENV)/bench  ## measure speed against what a user would otherwi
 	$(BIN)/python benchmarks/one_arm_timing.py
 	$(BIN)/python benchmarks/uncertain_load.py
 	$(BIN)/python benchmarks/retiming.py
+	$(BIN)/python benchmarks/smooth_timing.py
 	$(BIN)/python benchmarks/closed_loop.py
 	$(BIN)/python benchmarks/generation_cost.py
 

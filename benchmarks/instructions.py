@@ -25,7 +25,7 @@ COUNTED = ("mrts_rows_of_sample", "mrts_scale_columns", "mrts_ranges", "mrts_tor
 
 
 def samples_file(path: Path, cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> None:
-    """Write what instructions.c reads."""
+    """Write what c/instructions.c reads."""
     limits = limit_rows(cell.without_velocity_limits(), motion)
     matrix = np.hstack([limits.torque_matrix, limits.wrench_matrix])
     row, column = np.nonzero(matrix)
@@ -53,7 +53,9 @@ def count(name: str, motion_file: str) -> None:
         source, program, data = (Path(folder) / file for file in ("driver.c", "driver", "samples"))
         manifest, generated = generated_in_cache(DATA / name / "cell.yaml")
         generated_text = generated.read_text(encoding="utf-8")
-        source.write_text(cell_source(manifest, generated_text) + (HERE / "instructions.c").read_text(encoding="utf-8"))
+        source.write_text(
+            cell_source(manifest, generated_text) + (HERE / "c" / "instructions.c").read_text(encoding="utf-8")
+        )
         flags = [flag for flag in FLAGS if flag not in {"-fPIC", "-shared"}]
         build = [compiler, *flags, "-g", "-fno-inline-functions", str(source), "-o", str(program), "-lm"]
         subprocess.run(build, check=True)  # noqa: S603 (fixed commands on files of our own, here and below)

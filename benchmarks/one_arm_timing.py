@@ -144,7 +144,7 @@ def by_toppra_core(folder: Path, grid: Array, rows: tuple[Array, Array, Array], 
     prefix = os.environ.get("TOPPRA_PREFIX")
     if prefix is None:
         return float("nan"), float("nan")
-    source, program = Path(__file__).resolve().parent / "toppra_core.cpp", folder / "toppra_core"
+    source, program = Path(__file__).resolve().parent / "c" / "toppra_core.cpp", folder / "toppra_core"
     include, library = Path(prefix) / "include", Path(prefix) / "lib"
     compiler = shutil.which("c++") or "c++"
     search = [f"-I{include}", "-I/usr/include/eigen3", f"-L{library}", f"-Wl,-rpath,{library}"]

@@ -94,9 +94,6 @@ def check_profile(options: argparse.Namespace) -> None:
             raise InputError(name, rule)
     if options.weigh is not None and options.least_energy_in is not None:
         raise InputError("--weigh", "does not go with --least-energy-in, which weighs the energy alone.")
-    if options.profile == "smooth" and options.carry is not None:
-        rule = "does not go with the smooth profile, whose torques are those of the cell file's load."
-        raise InputError("--carry", rule, value=options.carry)
     rates = options.profile == "smooth" or options.rates is not False
     if rates and options.distribute != "least-torque":
         rule = "does not go with limits of rates, which couple all samples: there torques are the least ones."

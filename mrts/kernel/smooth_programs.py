@@ -62,10 +62,9 @@ def path_rows(free: Array, columns: NDArray[np.int_], **arrays: Array) -> PathRo
             `change` Shape (r,), infinite where there is none.
     """
     n, r, f = free.shape
+    columns = _used(free, columns)
     first, count = columns[:, 0], columns[:, 1] - columns[:, 0]
-    place = np.cumsum(count) - count
-    within = np.arange(int(count.sum())) - np.repeat(place, count)
-    taken = np.repeat(np.arange(r) * f + first, count) + within
+    taken = _places(columns, f)
     limited = np.flatnonzero(np.isfinite(arrays["change"]))
     given = {
         **{name: array for name, array in arrays.items() if name not in ("root", "weight") or np.any(array)},
@@ -75,12 +74,32 @@ def path_rows(free: Array, columns: NDArray[np.int_], **arrays: Array) -> PathRo
         "upper": np.minimum(arrays["upper"], INFINITY),
     }
     numbers = {name: np.ascontiguousarray(array, dtype=np.float64) for name, array in given.items()}
-    indices = {"first": first, "count": count, "place": place, "limited": limited}
+    indices = {"first": first, "count": count, "place": np.cumsum(count) - count, "limited": limited}
     sizes = (n, r, f, len(taken), len(limited), arrays["jerk"].shape[0])
     return PathRows(
         dict(zip(_SIZES, sizes, strict=True)),
         {**numbers, **{name: np.ascontiguousarray(array, dtype=np.int32) for name, array in indices.items()}},
     )
+
+
+def _places(columns: NDArray[np.int_], f: int) -> NDArray[np.int_]:
+    """Of the columns that rows have among all coefficients of a node, (r, f)."""
+    first, count = columns[:, 0], columns[:, 1] - columns[:, 0]
+    within = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
+    places: NDArray[np.int_] = np.repeat(np.arange(len(columns)) * f + first, count) + within
+    return places
+
+
+def _used(free: Array, columns: NDArray[np.int_]) -> NDArray[np.int_]:
+    """The columns of each row from the first to the last that is not 0 at every node, Shape (r, 2)."""
+    n, r, f = free.shape
+    places = _places(columns, f)
+    rows, found = np.divmod(places[np.any(free.reshape(n, r * f)[:, places], axis=0)], max(f, 1))
+    used = np.tile([f, 0], (r, 1))
+    np.minimum.at(used[:, 0], rows, found)
+    np.maximum.at(used[:, 1], rows, found + 1)
+    used[used[:, 0] > used[:, 1]] = 0
+    return used
 
 
 @dataclass(frozen=True, kw_only=True)

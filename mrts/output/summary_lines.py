@@ -69,7 +69,7 @@ def retiming_lines(found: RetimingResult) -> Iterator[str]:
     else:
         yield f"between the samples, {loads}no limit is overstepped"
     yield from _step_lines(found.retimed)
-    yield f"energy {found.retimed.trajectory.energy:.4g} J; torques for a load of {found.cell.mass:.4g} kg\n"
+    yield f"energy {found.retimed.trajectory.energy:.4g} J; torques for a load of {found.retimed.cell.mass:.4g} kg\n"
     yield from _torque_lines(found.retimed)
 
 

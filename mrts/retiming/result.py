@@ -87,7 +87,7 @@ class RetimingResult:
         retimed: The motion at the fastest timing with its torques, as a result at c² = 1; None without a profile.
         conflict: The limits that conflict, where limits are the reason.
         excess: How far limits are overstepped between the samples; None without a profile.
-        smooth: What is known of a timing with limits of rates; None without them, and where there is none even so.
+        smooth: What is known of a timing with limits of rates; None without them, or without any timing.
     """
 
     cell: Cell

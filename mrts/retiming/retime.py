@@ -118,7 +118,14 @@ def retime(
     if asked is None:
         return fastest
     whole = SmoothQuestion(
-        constant, fastest.loads, asked.rates, asked.goal, speeds, asked.held, fastest.duration, CheckedSolver(solver)
+        constant=constant,
+        loads=fastest.loads,
+        rates=asked.rates,
+        goal=asked.goal,
+        end_speeds=speeds,
+        end_torques=asked.held,
+        fastest=fastest.duration,
+        solver=CheckedSolver(solver),
     )
     if len(fastest.loads) > 1 and asked.held != (None, None):
         raise InputError("start_torque, end_torque", "hold one load, but the cell's varies: ask for load='nominal'.")

@@ -96,7 +96,7 @@ class SmoothAnswer:
         text = f"It is a local optimum, found in {count}, of which the last gained {100 * self.gain:.2g} %"
         if self.bound is None:
             return text
-        return f"{text}; without limits of rates the fastest takes {self.bound:.4g} s, and none takes less"
+        return f"{text}; no timing takes less than {self.bound:.4g} s, the fastest without limits of rates"
 
     @property
     def what(self) -> str:

@@ -1,16 +1,19 @@
 """Files of smooth timing: what a table, a bag and a saved result carry keeps its rates, and is the same again."""
 
 import csv
+import shutil
 from itertools import pairwise
 
 import numpy as np
 import pytest
+import yaml
 from conftest import DATA
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from shown_results import with_all_rates
 
 import mrts
+from mrts.cli import main
 from mrts.output.summary_lines import retiming_lines
 from mrts.output.trajectory_table import played_rows
 from mrts.scaling.limit_use import rate_uses
@@ -130,6 +133,27 @@ def test_torques_for_another_load_keep_the_rates_or_are_refused(planar_cell, lif
     bare = mrts.torques_for_load(mrts.retime(planar_cell.with_load(alone), lift).retimed, alone)
     with pytest.raises(AssertionError):
         check_rates(bare, found.smooth.rates)  # a bang-bang timing does not keep them
+
+
+def test_the_command_line_writes_all_files_with_the_torques_of_one_load(tmp_path, capsys):
+    for path in DATA.iterdir():
+        shutil.copy(path, tmp_path)
+    cell = yaml.safe_load((tmp_path / "cell.yaml").read_text())
+    cell["object"]["variation"] = {"mass": [0.2, 3.0]}
+    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
+    line = ["scale", str(tmp_path / "cell.yaml"), str(tmp_path / "lift.yaml"), "--profile", "smooth", "--rates", "11"]
+    names = {"csv": "t.csv", "save": "r.npz", "json": "r.json", "report": "r.html", "plot": "plots", "ros-bag": "bag"}
+    files = {option: tmp_path / name for option, name in names.items()}
+    outputs = [word for name, path in files.items() for word in (f"--{name}", str(path))]
+    assert main([*line, "--carry", "mass=1.7", *outputs]) == 0
+    assert "torques for a load of 0.85 kg" in capsys.readouterr().out
+    assert all(path.exists() for path in files.values())
+    assert {"phase_plane.png", "rates.png"} <= {path.name for path in files["plot"].iterdir()}
+    saved = mrts.load_result(files["save"])
+    assert saved.cell.mass == pytest.approx(0.85)
+    check_rates(saved, saved.rule.rates)
+    table = np.genfromtxt(files["csv"], delimiter=",", names=True, deletechars="")
+    np.testing.assert_array_equal(table["tau.left/elbow"], saved.torque["left"][:, 1])
 
 
 def test_lines_tell_what_changes_nearest_to_its_limit(smooth):

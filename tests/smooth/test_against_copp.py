@@ -58,6 +58,20 @@ def test_what_jerk_oversteps_falls_with_the_step(tmp_path):
     assert fine < coarse / 2
 
 
+@pytest.mark.parametrize("robot", ["ur5", "panda"])
+def test_a_path_starts_and_ends_with_constant_jerk(robot, tmp_path):
+    """Inside the end segments too, where no row at a node sees x fall: jerk would be 4 times its limit there."""
+    path = jerk_path(robot, 0, tmp_path)
+    found = mrts.retime(path.cell, path.motion(NODES), rates=True, between=None)
+    profile, (*_, most) = dense_of_ours(found, path, POINTS), path.limits
+    first, second, third = (path.at(profile.s, order) for order in (1, 2, 3))
+    speed, x = np.sqrt(profile.square)[:, None], profile.square[:, None]
+    jerk = first * profile.jerk[:, None] + 3 * second * profile.rate[:, None] * speed + third * x * speed
+    share = np.max(np.abs(jerk) / most, axis=1).reshape(-1, POINTS)
+    assert np.max(share[[0, 1, -2, -1]]) < 1.01
+    assert np.min(share[[0, -1]]) > 0.95
+
+
 def test_the_exact_profile_of_a_path_is_right(tmp_path):
     """What both profiles are judged by: the path's derivatives by time against differences."""
     path, step = jerk_path("ur5", 0, tmp_path), 1e-4

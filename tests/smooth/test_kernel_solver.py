@@ -95,6 +95,36 @@ def test_what_cannot_be_kept_gets_no_answer(kind):
         assert (solver.step(program, base.x, soon) is None) == (ConicSolver.step(program, base.x, soon) is None)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("unit", [1e-6, 1e6])
+def test_an_answer_does_not_depend_on_the_unit_of_time(kind, unit):
+    solver = KernelSolver()
+    for program, base, goal in programs(kind, 2, 6):
+        ours, theirs = (
+            solver.step(one, base.x / by, asked)
+            for one, by, asked in (
+                (program, 1.0, goal),
+                (program.in_units_of(unit), unit, goal.in_units_of(unit)),
+            )
+        )
+        assert (ours is None) == (theirs is None)
+        if ours is not None:
+            assert unit * theirs.x == pytest.approx(ours.x, rel=AGREES)
+
+
+def test_a_row_that_is_given_stays_as_given():
+    """Limits without room between them."""
+    solver, rng = KernelSolver(), np.random.default_rng(7)
+    for _ in range(4):
+        program, base = smooth_path(rng, 20, **KINDS["two arms"])
+        lower, upper = program.lower.copy(), program.upper.copy()
+        lower[:, 0] = upper[:, 0] = program.values(base.x, base.u, base.free)[:, 0]
+        fixed = replace(program, lower=lower, upper=upper)
+        ours, theirs = (each.step(fixed, base.x, Goal()) for each in (solver, ConicSolver))
+        assert fixed.excess(ours.x, ours.u, ours.free) <= KEPT
+        assert cost(fixed, ours, Goal()) == pytest.approx(cost(fixed, theirs, Goal()), rel=AGREES)
+
+
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if "free" in KINDS[kind]])
 def test_torques_are_clarabels(kind):
     """On timings with room, and on the fastest, whose limits leave F hardly any."""

@@ -172,7 +172,8 @@ static void mrts_front_eliminate(int m, int p, double *A, const double *diagonal
                 row[j] = (A[k * m + j] - mrts_dot(j - start, row + start, L + j * p + start)) * L[j * p + j];
             }
             if (k >= p) continue; /* a diagonal is kept as its reciprocal */
-            const double pivot = A[k * m + k] + MRTS_FRONT_SOFT * diagonal[k] - mrts_dot(k - start, row + start, row + start);
+            const double taken = mrts_dot(k - start, row + start, row + start);
+            const double pivot = A[k * m + k] + MRTS_FRONT_SOFT * diagonal[k] - taken;
             row[k] = pivot > MRTS_FRONT_PIVOT * diagonal[k] ? 1 / sqrt(pivot) : 0;
         }
     }

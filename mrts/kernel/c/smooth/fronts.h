@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The Newton matrix of smooth timing, factored node by node. Unknowns are F_0, c_0, F_1, c_1, ..., F_(n-1), c_(n-1), c_n
- * with the control points c; node k's front is F_k, c_k, which are eliminated, and F_(k+1), c_(k+1), c_(k+2), which are
- * all that they meet.
+ * The Newton matrix of smooth timing, factored node by node. Unknowns are F_0, c_0, F_1, c_1, ..., F_(n-1), c_(n-1),
+ * c_n with the control points c; node k's front is F_k, c_k, which are eliminated, and F_(k+1), c_(k+1), c_(k+2), which
+ * are all that they meet.
  */
 #ifndef MRTS_FRONTS_H
 #define MRTS_FRONTS_H

@@ -11,7 +11,7 @@
 #define MRTS_SMOOTH_BOUNDARY 0.995 /* of the way to the nearest limit */
 #define MRTS_SMOOTH_SLACK 0.3      /* least one to start with, of a limit */
 #define MRTS_SMOOTH_FIRST 10       /* the gap to start with, of the objective */
-#define MRTS_SMOOTH_CENTRAL 1e-2   /* the gap, of the objective, of the iterate that is kept for a program that is near */
+#define MRTS_SMOOTH_CENTRAL 1e-2   /* the gap, of the objective, of the iterate kept for a program that is near */
 #define MRTS_SMOOTH_CLOSE 1e-4     /* likewise, where tangents have moved: those of the next program hardly differ */
 #define MRTS_SMOOTH_LAID 1e-3      /* the gap, of the objective, below which tangents move no more */
 #define MRTS_SMOOTH_LONG 0.3       /* a step this long needs no correction */
@@ -270,7 +270,8 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
 }
 
 /* Keeps the iterate for a program that is near, or, `back`, takes what was kept. */
-static void mrts_smooth_keep(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at, int back) {
+static void mrts_smooth_keep(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
+                             int back) {
     double *of[] = {at->s, at->y, state->free, state->control, &state->unit}, *kept = at->kept;
     const long long counts[] = {at->slots, at->slots, (long long)p->nodes * p->free, p->nodes + 1, 1};
     for (int i = 0; i < 5; kept += counts[i++]) {
@@ -335,6 +336,7 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
         if (is.missed <= MRTS_SMOOTH_KEPT && is.gap <= MRTS_SMOOTH_GAP * size &&
             mrts_smooth_slope(p, &state, &at) <= MRTS_SMOOTH_SLOPE * (1 + is.largest)) {
             found = MRTS_SMOOTH_FOUND;
+            if (!kept) mrts_smooth_keep(p, &state, &at, 0);
             break;
         }
         if (at.present == 0 || !(is.gap < MRTS_INFINITY) || !(is.largest < MRTS_SMOOTH_LARGE)) break;

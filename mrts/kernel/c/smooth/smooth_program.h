@@ -9,11 +9,12 @@
  *     |v_(k+1) - v_k| <= change Dt_k                                 on every segment
  *     |q1 (u_(k+1) - u_k) / step + 3 q2 u + q3 x| <= jerk / sqrt(x)  at both ends of every segment
  *
- * with Dt_k = 2 step / (sqrt(x_k) + sqrt(x_(k+1))). What is not convex is replaced by what is stricter and touches it at
- * the profile `around`: Dt and 1 / sqrt(x) by their tangents, root sqrt(x) by its own where it presses towards a limit.
+ * with Dt_k = 2 step / (sqrt(x_k) + sqrt(x_(k+1))). What is not convex is replaced by what is stricter and touches it
+ * at the profile `around`: Dt and 1 / sqrt(x) by their tangents, root sqrt(x) by its own where it presses towards a limit.
  * The least of time * duration + effort * sum of spacing weight v^2 / sqrt(x) is looked for.
  *
- * Each one-sided constraint has a slot: g <= 0 in units of its limit, a slack s and a multiplier, 0 where there is none.
+ * Each one-sided constraint has a slot: g <= 0 in units of its limit, a slack s and a multiplier, which is 0 where there
+ * is no limit.
  * Node k has the slots [rows above, rows below, changes above, changes below, jerks at the start of its segment above,
  * below, at its end above, below]; the last slot of all is that of the duration.
  */
@@ -105,8 +106,8 @@ MRTS_LOCAL void mrts_smooth_values(const mrts_smooth_program *p, mrts_smooth_sta
 MRTS_LOCAL void mrts_smooth_moved(const mrts_smooth_program *p, const mrts_smooth_state *state, const double *dx,
                                   const double *du, const double *df, double *dg);
 
-/* Sums of multipliers y by the rows of node k, into `pressing` where what lies above the row's value is to be small, and
- * into `holding` where what lies below it is to be large. */
+/* Sums of multipliers y by the rows of node k, into `pressing` where what lies above the row's value is to be small,
+ * and into `holding` where what lies below it is to be large. */
 MRTS_LOCAL void mrts_smooth_presses(const mrts_smooth_program *p, mrts_smooth_state *state, const double *y, int k);
 
 /* Adds the gradient of sum y g along x, u and F. */

@@ -120,8 +120,7 @@ static void mrts_smooth_node(const mrts_smooth_program *p, mrts_smooth_state *st
     }
 }
 
-/* What both ends of a segment give for its jerks: of joint i q1 (u' - u) / step + 3 q2 u_e + q3 x_e at end e, times what
- * makes its limit 1 where e's x is that of `around`. */
+/* Of joint i at end e of a segment: q1 (u' - u) / step + 3 q2 u_e + q3 x_e, in units of its limit at `around`. */
 static double mrts_smooth_jerk(const mrts_smooth_program *p, const mrts_smooth_state *state, int k, int e, int i,
                                double slope, double u, double x) {
     const long long node = (long long)(k + e) * p->jerks + i, segment = (2LL * k + e) * p->jerks + i;
