@@ -39,6 +39,9 @@ if TYPE_CHECKING:
     from mrts.scaling.result import ScalingResult
     from mrts.scaling.scale import Selection
 
+MAY_STAND_ALONE = {"--rates"}
+"""Options with or without a value."""
+
 EXAMPLES = """\
 examples:
   mrts scale cell.yaml motion.yaml --save result.npz --report report.html --plot plots
