@@ -88,7 +88,7 @@ class SmoothAnswer:
         rates: The limits of rates that it keeps.
         goal: What is least.
         bound: Duration of the fastest timing without limits of rates, below which none is; None if nothing bounds it.
-        steps: Convex programs solved, of the piece that took most; 0 if there is no timing.
+        steps: Convex programs solved, for all pieces and in all rounds of refinement.
         gain: Share by which the last of them lowered the cost.
         fallbacks: Programs that the chosen solver did not solve and Clarabel did.
         fastest: The path with its fastest timing without limits of rates; empty if nothing bounds it.

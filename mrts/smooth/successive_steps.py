@@ -99,8 +99,10 @@ def successive_steps(
         if duration > goal.longest:
             return TooLong(duration)
         found = solver.step(program, fast.profile.x, goal) or fast.profile
-    uneven = EVEN * cost(program, found, goal) / max(_jumps(program, found), np.finfo(float).tiny)
-    return _descent(program, found, goal.evened(uneven), solver, told)
+    best = _descent(program, found, goal, solver, told)
+    uneven = EVEN * best.costs[-1] / max(_jumps(program, best.profile), np.finfo(float).tiny)
+    even = _descent(program, best.profile, goal.evened(uneven), solver, told)
+    return StepsTaken(even.profile, (*best.costs, *even.costs[1:]), best.gain)
 
 
 def _descent(
