@@ -110,7 +110,7 @@ def _answer(question: SmoothQuestion, fastest: RetimingResult, found: RetimingRe
         goal=question.goal,
         duration=sum(float(np.sum(part.segment_times)) for part in pieces) if pieces else None,
         bound=question.fastest,
-        steps=max((len(one.costs) for one in steps), default=0),
+        steps=question.solver.steps,
         gain=max((one.gain for one in steps), default=0.0),
         fallbacks=question.solver.fallbacks,
         fastest=fastest_pieces(fastest.pieces),

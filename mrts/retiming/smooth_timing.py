@@ -14,7 +14,7 @@ from mrts.retiming.held_wrenches import given_wrenches, stopped_wrenches, unheld
 from mrts.retiming.path_pieces import NoPath, closed_piece, path_pieces
 from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import TimedPiece
-from mrts.retiming.smooth_path import SmoothPath, joined_at_stops, smooth_path
+from mrts.retiming.smooth_path import SmoothPath, fine_motion, joined_at_stops, smooth_path
 from mrts.retiming.smooth_piece import SmoothPiece, smooth_pieces
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.torque_distribution import torque_weights
@@ -132,15 +132,15 @@ def _none(question: SmoothQuestion, motion: CoordinatedMotion, status: RetimingS
 
 def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece]) -> list[_Part] | str:
     """The pieces of a path with their programs, or why given torques do not hold still."""
-    found = path_pieces(motion)
+    fine = fine_motion(question.constant.cell, motion)
+    found = path_pieces(fine.motion)
     if isinstance(found, NoPath):
         raise SolverError("a path that could be timed without limits of rates is no path with them: please report it.")
     pieces = [closed_piece(question.constant.cell, piece) for piece in found]
     _check_ends(question, pieces[0].rests[0], pieces[-1].rests[1])
     time, parts = motion.object.time, []
     held: Array | None = None
-    lasts = [float(time[given.first + len(given.speed) - 1] - time[given.first]) for given in pieces]
-    paths = [smooth_path(given, last, question.end_speeds) for given, last in zip(pieces, lasts, strict=True)]
+    paths = [smooth_path(fine, given, question.end_speeds) for given in pieces]
     for number, piece in enumerate(joined_at_stops(paths)):
         first, last = number == 0, number == len(pieces) - 1
         problems = [question.problem(piece, load) for load in question.loads]
@@ -158,6 +158,7 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
             weights,
             _ends(piece, question.end_speeds),
             (start, held),
+            piece.third_at_nodes,
         )
         likely = _likely(question, piece, program, before[number] if before else None, float(time[-1]))
         parts.append(_Part(piece, program.narrowed(NARROWING), likely))
@@ -286,7 +287,7 @@ def _planned(question: SmoothQuestion, timed: Sequence[SmoothPiece]) -> tuple[Sm
         start, held = _held(question, [problem], held, first=number == 0, last=number == len(timed) - 1)
         program = path_program(
             question.constant.cell, part.piece.path, [problem], question.rates, question.weights, part.program.ends,
-            (start, held),
+            (start, held), part.piece.third_at_nodes,
         )  # fmt: skip
         free = question.solver.torques(program, part.x, part.rate)
         if free is None:

@@ -157,6 +157,8 @@ class _Timing:
         """Second derivatives of the jumps of u."""
         by, here, there = 2 * weight / self.program.step, self.u[:-1], self.u[1:]
         shape = (self.size, self.size)
+        if weight == 0:
+            return sparse.csc_array(shape)
         return entries(shape, (here, here, by), (there, there, by), (here, there, -by), (there, here, -by)).tocsc()
 
     def _path(self, cones: Cones) -> None:

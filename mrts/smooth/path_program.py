@@ -144,6 +144,7 @@ def path_program(
     weights: Array | None = None,
     ends: tuple[float | None, float | None] = (None, None),
     end_free: tuple[Array | None, Array | None] = (None, None),
+    third: Array | None = None,
 ) -> SmoothProgram:
     """One program over all nodes of a path, for all loads at once: x and u in common, wrenches for each.
 
@@ -156,6 +157,7 @@ def path_program(
         ends: x at the first and the last node where it is given.
         end_free: [F] of all loads there, likewise. There the cell is at rest, so that rows have one value: whether it
             keeps its limits is the caller's question.
+        third: q''' at both ends of every segment, Shape (n - 1, 2, m); None takes it from q' and q'' at the nodes.
     """
     parts = [_rows(cell, problem, rates, weights) for problem in problems]
     parts[0].start_gently(path.object.time, (ends[0] is None, ends[1] is None))
@@ -194,7 +196,7 @@ def path_program(
         weight=joined("weight"),
         q1=path.dq[:, limited],
         q2=path.ddq[:, limited],
-        q3=third_derivatives(step, path.dq[:, limited], path.ddq[:, limited]),
+        q3=(third_derivatives(step, path.dq, path.ddq) if third is None else third)[..., limited],
         jerk=rates.jerk[limited],
         names=tuple(name for rows in parts for name in rows.names),
         joints=tuple(np.array(joint_names(cell))[limited].tolist()),

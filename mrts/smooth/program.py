@@ -109,6 +109,12 @@ class SmoothProgram:
             jerk=self.jerk * (1 - share),
         )
 
+    def without_jerks(self) -> Self:
+        """The same program without limits of jerk, which x and u keep or not, whatever the torques."""
+        n = self.nodes
+        nothing = np.zeros((n, 0))
+        return replace(self, q1=nothing, q2=nothing, q3=np.zeros((n - 1, 2, 0)), jerk=np.zeros(0), joints=())
+
     def values(self, x: Array, u: Array, free: Array) -> Array:
         """Values v of every row, Shape (n, r).
 

@@ -15,7 +15,7 @@ CONVERGED = 1e-4
 """Share of the cost by which a step must lower it, or it was the last."""
 
 EVEN = 1e-3
-"""Share of the cost that the jumps of u count for where it is set: none is for nothing then, at 1e-5 of the duration."""
+"""Share of the cost that the jumps of u count for where they are largest; it costs 1e-5 of the duration."""
 
 MOST_STEPS = 60
 """Steps after which the profile is taken as it is: every one keeps all limits."""
@@ -99,8 +99,10 @@ def successive_steps(
         if duration > goal.longest:
             return TooLong(duration)
         found = solver.step(program, fast.profile.x, goal) or fast.profile
-    uneven = EVEN * cost(program, found, goal) / max(_jumps(program, found), np.finfo(float).tiny)
-    return _descent(program, found, goal.evened(uneven), solver, told)
+    best = _descent(program, found, goal, solver, told)
+    uneven = EVEN * best.costs[-1] / max(_jumps(program, best.profile), np.finfo(float).tiny)
+    even = _descent(program, best.profile, goal.evened(uneven), solver, told)
+    return StepsTaken(even.profile, (*best.costs, *even.costs[1:]), best.gain)
 
 
 def _descent(
