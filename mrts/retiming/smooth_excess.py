@@ -13,12 +13,13 @@ from mrts.retiming.smooth_piece import SmoothPiece, smooth_pieces
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.smooth.rate_limits import rate_names
 
+
 def smooth_excess(timed: RetimingResult, tolerance: float) -> SegmentExcess:
     """The largest excess inside each segment, over the limits of rows and of jerk.
 
     Torques are commanded linear in time between nodes, so their rates are constant there and kept; what the motion
-    needs differs from that by the square of the step. So it is looked at with wrenches that are linear too: those of the
-    plan, and where the load varies those that carry each of its corners.
+    needs differs from that by the square of the step. So it is looked at with wrenches that are linear too: those of
+    the plan, and where the load varies those that carry each of its corners.
 
     Args:
         timed: A smooth timing with its plan.
