@@ -1,6 +1,7 @@
 """Smooth timings: limits put to the test by other code, what is least, every outcome by its name, wrong arguments."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -97,6 +98,8 @@ def test_too_short_a_duration_is_an_outcome_with_the_least(planar_cell, lift, sm
     assert (found.retimed, found.pieces, found.duration) == (None, (), None)
     assert f"takes {smooth.duration:.4g}"[:-1] in found.explanation
     assert json.loads(found.json_text())["status"] == "duration too short"
+    assert any(warning.code == "step-at-ends" for warning in found.constant.warnings)
+    assert found.warnings == ()  # it is no step of a timing that there is not
 
 
 @pytest.mark.quick
@@ -110,6 +113,7 @@ def test_a_plan_may_start_with_the_torques_of_another(planar_cell, lift, smooth)
     wrong = mrts.retime(planar_cell, lift, rates=RATES, start_torque=np.zeros(6))
     assert wrong.status.value == "infeasible holding torque"
     assert "do not hold the cell still" in wrong.explanation
+    assert re.search(r"balances the others by [0-9.]+ N m\. Take", wrong.explanation)
 
 
 def test_a_motion_stops_on_its_way_with_torques_that_hold_still(tmp_path):
