@@ -9,6 +9,7 @@ import pytest
 from gantries import along_x, gantries, there_and_back
 
 import mrts
+from mrts.retiming.smooth_excess import smooth_excess
 
 RATES = 11.5
 KEPT = 1e-6
@@ -202,3 +203,13 @@ def test_a_joint_without_a_torque_limit_needs_a_rate(tmp_path):
     endless = replace(cell.robots[0], torque_upper=np.full(3, np.inf), torque_lower=np.full(3, -np.inf))
     with pytest.raises(mrts.InputError, match=r"joint 'slide_x' of robot 'near' has none"):
         mrts.retime(replace(cell, robots=(endless, cell.robots[1])), along_x(), rates=RATES)
+
+
+def test_one_place_between_nodes_may_be_doubtful_by_itself(smooth, monkeypatch):
+    def one_passes(_problem, unknowns):
+        over = np.zeros(len(unknowns))
+        over[7] = 1.0  # by linear wrenches; the best ones keep all limits
+        return over, np.full(len(unknowns), None, dtype=object)
+
+    monkeypatch.setattr("mrts.retiming.smooth_excess._row_excess", one_passes)
+    assert smooth_excess(smooth, 1e-4).worst.share < 1e-4
