@@ -4,6 +4,7 @@
 import argparse
 from collections.abc import Iterator
 from contextlib import contextmanager
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from mrts.base.errors import InputError
@@ -49,7 +50,7 @@ def add_profile(scale: argparse.ArgumentParser) -> None:
                        "such as 11.5, joints without a torque_rate get that multiple of their torque limit per second "
                        "(always on in the smooth profile)")  # fmt: skip
     scale.add_argument("--weigh", metavar="KEY=VALUE,…",
-                       help="what the smooth profile makes least: time=1,energy=0.1 (default: time=1); the energy is "
+                       help="what the smooth profile makes least: time=1,energy=1e-4 (default: time=1); the energy is "
                        "∫ τᵀWτ dt")  # fmt: skip
     scale.add_argument("--least-energy-in", type=float, metavar="SECONDS",
                        help="the smooth profile of least energy that takes at most so long")  # fmt: skip
@@ -147,7 +148,7 @@ def smooth_arguments(options: argparse.Namespace, cell: "Cell") -> dict[str, Any
     from mrts.retiming.smooth_retiming import smooth_goal
     from mrts.smooth.smooth_solvers import DEFAULT_SMOOTH_SOLVER, check_smooth_solver
 
-    weights = None if options.weigh is None else numbers_option("--weigh", options.weigh, "time=1,energy=0.1")
+    weights = None if options.weigh is None else numbers_option("--weigh", options.weigh, "time=1,energy=1e-4")
     with told_of("--least-energy-in" if weights is None else "--weigh"):
         smooth_goal(weights, options.least_energy_in)
     solver = options.solver or DEFAULT_SMOOTH_SOLVER
@@ -175,7 +176,7 @@ def torque_option(option: str, given: list[str] | None, cell: "Cell") -> "Array 
         if name in torques:
             raise InputError(option, f"gives the robot '{name}' twice.", value=text)
         try:
-            torques[name] = [float(number) for number in numbers.split(",")]
+            torques[name] = [_finite(number) for number in numbers.split(",")]
         except ValueError:
             raise InputError(option, "must be ROBOT=NUMBER,NUMBER,…, one a joint [N m].", value=text) from None
     names = [robot.name for robot in cell.robots]
@@ -189,3 +190,15 @@ def torque_option(option: str, given: list[str] | None, cell: "Cell") -> "Array 
             rule = f"must be {len(robot.joints)} numbers for the robot '{robot.name}', one a joint."
             raise InputError(option, rule, value=torques[robot.name])
     return np.concatenate([torques[name] for name in names])
+
+
+def _finite(text: str) -> float:
+    """A number of a text.
+
+    Raises:
+        ValueError: If it is none, or not finite.
+    """
+    number = float(text)
+    if not isfinite(number):
+        raise ValueError(text)
+    return number

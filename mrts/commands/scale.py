@@ -185,7 +185,9 @@ def _scale(
 
 def _say_fallbacks(options: argparse.Namespace, count: int) -> None:
     if count and str(options.json) != "-":
-        warn(f"{count} programs were left by the chosen solver and solved by another")
+        from mrts.scaling.result import fallbacks_text
+
+        warn(fallbacks_text(count))
 
 
 def _answered(

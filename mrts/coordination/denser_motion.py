@@ -40,8 +40,8 @@ CHECKED = 12
 TIGHT_GAP = 1e-9
 """Gap of polynomials from the grasps that nobody notices [m, rad]: far below any limit's tolerance."""
 
-TIGHT_SLIP = 1e-5
-"""Slip of polynomials on the grasps, relative to the largest rate: a tenth of the excess that is allowed."""
+TIGHT_SLIP = 1e-8
+"""Slip of polynomials on the grasps, relative to the largest rate: 1e-5 is felt in the jerk between close samples."""
 
 
 def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array) -> CoordinatedMotion:

@@ -69,7 +69,9 @@ def retiming_lines(found: RetimingResult) -> Iterator[str]:
     else:
         yield f"between the samples, {loads}no limit is overstepped"
     yield from _step_lines(found.retimed)
-    yield f"energy {found.retimed.trajectory.energy:.4g} J; torques for a load of {found.retimed.cell.mass:.4g} kg\n"
+    effort = "" if found.smooth is None else f", ∫ τᵀWτ dt = {found.effort:.4g}"
+    energy = f"{found.retimed.trajectory.energy:.4g} J{effort}"
+    yield f"energy {energy}; torques for a load of {found.retimed.cell.mass:.4g} kg\n"
     yield from _torque_lines(found.retimed)
 
 

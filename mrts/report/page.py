@@ -27,7 +27,7 @@ from mrts.report.tables import (
     rates_table,
     wrench_limits_table,
 )
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.result import ScalingResult, fallbacks_text
 
 POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 """What the browser lets the page do: nothing from outside."""
@@ -159,7 +159,7 @@ def _head(result: ScalingResult) -> Html:
 def _warnings(result: ScalingResult) -> list[Html]:
     notes = [warning.text for warning in result.warnings] + result.too_fast()
     if result.fallbacks:
-        notes.append(f"{result.fallbacks} programs were left by the chosen solver and solved by another")
+        notes.append(fallbacks_text(result.fallbacks))
     if result.load is not None and result.load.not_converged:
         count = len(result.load.not_converged)
         notes.append(f"at {count} samples the search over loads was not verified: the range of a corner stands there")

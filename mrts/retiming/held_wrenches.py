@@ -54,10 +54,12 @@ def unheld(cell: Cell, problem: SampleProblem, given: GivenTorques, end: int) ->
     dry = np.concatenate([robot.motors.coulomb for robot in cell.robots])  # it may hold as much of it
     beyond = np.abs(missed) - 2 * dry
     worst = int(np.argmax(beyond))
+    unit = [unit for robot in cell.robots for unit in robot.torque_units][worst]
     if beyond[worst] > HOLDS * np.max(np.abs(torque)):
         return (
             f"the torques given for the {where} do not hold the cell still: {joint_names(cell)[worst]} misses what "
-            f"balances the others by {abs(missed[worst]):.4g}. Take those of a plan that ends there, or give none."
+            f"balances the others by {abs(missed[worst]):.4g} {unit}. "
+            "Take those of a plan that ends there, or give none."
         )
     values = problem.A[place, :, :-2] @ free
     over, under = values - problem.upper[place], problem.lower[place] - values

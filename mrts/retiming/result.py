@@ -23,9 +23,10 @@ from mrts.retiming.retimed_motion import TimedPiece
 from mrts.retiming.smooth_piece import SmoothAnswer, smooth_pieces
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.range_status import RangeStatus
+from mrts.samples.torque_distribution import torque_weights
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.result import ScalingResult, kept_text
-from mrts.scaling.with_torques import STEPS
+from mrts.scaling.with_torques import OF_TORQUES, STEPS
 
 
 class RetimingStatus(Enum):
@@ -113,6 +114,16 @@ class RetimingResult:
         return None if done is None else done.duration
 
     @property
+    def effort(self) -> float | None:
+        """∫ τᵀWτ dt of the motion at the timing [N² m² s with W = 1]; None without one."""
+        done = None if self.retimed is None else self.retimed.trajectory
+        if done is None:
+            return None
+        W = torque_weights(self.constant.rule.weights, done.torque.shape[1])
+        squares = np.einsum("ni,ij,nj->n", done.torque, W, done.torque)
+        return float(np.sum(np.diff(done.time) * (squares[1:] + squares[:-1]) / 2))
+
+    @property
     def saving(self) -> float | None:
         """Share of the best constant factor's duration that is saved; None where that motion starts or ends moving."""
         best, duration = self.constant.trajectory, self.duration
@@ -137,7 +148,9 @@ class RetimingResult:
     @property
     def warnings(self) -> tuple[Remark, ...]:
         """What to know of the cell and the motion before trusting the answer."""
-        return lasting(self.constant.warnings) if self.retimed is None else self.retimed.warnings
+        if self.retimed is not None:
+            return self.retimed.warnings
+        return tuple(remark for remark in lasting(self.constant.warnings) if remark.code not in OF_TORQUES)
 
     def summary(self) -> str:
         """The outcome in a sentence or two, and a line for each warning."""
@@ -179,7 +192,7 @@ class RetimingResult:
             "saving": self.saving,
             "constant": self.constant.range.to_json(),
             "conflict": None if self.conflict is None else [row.to_json() for row in self.conflict.rows],
-            "smooth": self.smooth and self.smooth.to_json(),
+            "smooth": self.smooth and self.smooth.to_json() | {"effort": self.effort},
             "kept_rates": self.smooth and self.smooth.rates.to_json(),
         }
         if self.retimed is None or self.excess is None:

@@ -283,6 +283,15 @@ class ScalingResult:
         write_text_atomically(as_path("path", path), self.json_text() + "\n")
 
 
+def fallbacks_text(count: int) -> str:
+    """How many programs were not solved by the solver that was asked.
+
+    Args:
+        count: > 0.
+    """
+    return f"{count} {'program was' if count == 1 else 'programs were'} left by the chosen solver and solved by another"
+
+
 def kept_text(reserve: float) -> str:
     """What a reserve that all limits keep makes of an answer, as its beginning; empty without one.
 

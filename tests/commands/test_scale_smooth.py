@@ -146,7 +146,7 @@ def test_torques_at_an_end_are_given_by_robot(planar_cell, lift, capsys):
         ([*SMOOTH[3:], "--distribute", "reserve"], "--distribute = 'reserve': does not go with limits of rates"),
         ([*SMOOTH[3:], "--solver", "qpsol"], "--solver = 'qpsol': there is no such solver of smooth timing"),
         ([*SMOOTH[3:], "--weigh", "tim=1"], "--weigh = 'tim': may have the keys time and energy only."),
-        ([*SMOOTH[3:], "--weigh", "time"], "--weigh = 'time': must be KEY=NUMBER, such as time=1,energy=0.1."),
+        ([*SMOOTH[3:], "--weigh", "time"], "--weigh = 'time': must be KEY=NUMBER, such as time=1,energy=1e-4."),
         ([*SMOOTH[3:], "--weigh", "energy=1"], "--weigh: time = 0.0: must be > 0"),
         ([*SMOOTH[3:], "--weigh", "time=1,energy=-1"], "--weigh: energy = -1.0: must be >= 0"),
         ([*SMOOTH[3:], "--weigh", "time=1", "--least-energy-in", "1"], "--weigh: does not go with --least-energy-in"),
@@ -176,3 +176,21 @@ def test_steps_are_counted_and_control_c_ends_them(tmp_path):
     assert done.shown.endswith("mrts: interrupted\x1b[0m\r\n")
     assert "Traceback" not in done.shown
     assert not (tmp_path / "answer.json").exists()
+
+
+def test_torques_that_are_no_numbers_are_told_of_their_option(capsys):
+    given = ["--start-torque", "left=nan,0,0", "--start-torque", "right=0,0,0"]
+    assert main([*SMOOTH, *given]) == 2
+    assert (
+        "--start-torque = 'left=nan,0,0': must be ROBOT=NUMBER,NUMBER,…, one a joint [N m]." in capsys.readouterr().err
+    )
+
+
+def test_the_energy_that_a_weight_is_for_is_told(capsys):
+    output = answered(capsys, *SMOOTH, "--weigh", "time=1,energy=1e-4")
+    times = output["torque"].pop("time")
+    squares = np.sum(np.column_stack(list(output["torque"].values())) ** 2, axis=1)
+    energy = np.sum(np.diff(times) * (squares[1:] + squares[:-1]) / 2)
+    assert output["smooth"]["effort"] == pytest.approx(energy)
+    assert main([*SMOOTH, "--weigh", "time=1,energy=1e-4"]) == 0
+    assert f"J, ∫ τᵀWτ dt = {energy:.4g}; torques" in capsys.readouterr().out

@@ -233,3 +233,12 @@ def test_an_internal_wrench_for_each_sample_is_known_at_these_only(planar_cell, 
     found = mrts.scale(planar_cell, lift, sharing=sharing)
     assert found.excess is None
     assert found.motion.samples == len(lift.time)
+
+
+def test_a_place_is_the_same_whatever_else_is_asked(dual_ur5):
+    """The jerk between close samples is felt otherwise, by their difference over the square of the step."""
+    motion = coordinate(dual_ur5, mrts.load_motion(TURN))
+    middles = (motion.object.time[1:] + motion.object.time[:-1]) / 2
+    together = between_samples(dual_ur5, motion, middles)
+    alone = [between_samples(dual_ur5, motion, middle[None]).dq[1] for middle in middles]
+    np.testing.assert_allclose(alone, together.dq[1:-1], atol=1e-11 * np.max(np.abs(motion.dq)))

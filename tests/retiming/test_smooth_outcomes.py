@@ -1,6 +1,7 @@
 """Smooth timings: limits put to the test by other code, what is least, every outcome by its name, wrong arguments."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from gantries import along_x, gantries, there_and_back
 
 import mrts
+from mrts.retiming.smooth_excess import smooth_excess
 
 RATES = 11.5
 KEPT = 1e-6
@@ -97,6 +99,8 @@ def test_too_short_a_duration_is_an_outcome_with_the_least(planar_cell, lift, sm
     assert (found.retimed, found.pieces, found.duration) == (None, (), None)
     assert f"takes {smooth.duration:.4g}"[:-1] in found.explanation
     assert json.loads(found.json_text())["status"] == "duration too short"
+    assert any(warning.code == "step-at-ends" for warning in found.constant.warnings)
+    assert found.warnings == ()  # it is no step of a timing that there is not
 
 
 @pytest.mark.quick
@@ -110,6 +114,7 @@ def test_a_plan_may_start_with_the_torques_of_another(planar_cell, lift, smooth)
     wrong = mrts.retime(planar_cell, lift, rates=RATES, start_torque=np.zeros(6))
     assert wrong.status.value == "infeasible holding torque"
     assert "do not hold the cell still" in wrong.explanation
+    assert re.search(r"balances the others by [0-9.]+ N m\. Take", wrong.explanation)
 
 
 def test_a_motion_stops_on_its_way_with_torques_that_hold_still(tmp_path):
@@ -211,3 +216,13 @@ def test_a_joint_without_a_torque_limit_needs_a_rate(tmp_path):
     endless = replace(cell.robots[0], torque_upper=np.full(3, np.inf), torque_lower=np.full(3, -np.inf))
     with pytest.raises(mrts.InputError, match=r"joint 'slide_x' of robot 'near' has none"):
         mrts.retime(replace(cell, robots=(endless, cell.robots[1])), along_x(), rates=RATES)
+
+
+def test_one_place_between_nodes_may_be_doubtful_by_itself(smooth, monkeypatch):
+    def one_passes(_problem, unknowns):
+        over = np.zeros(len(unknowns))
+        over[7] = 1.0  # by linear wrenches; the best ones keep all limits
+        return over, np.full(len(unknowns), None, dtype=object)
+
+    monkeypatch.setattr("mrts.retiming.smooth_excess._row_excess", one_passes)
+    assert smooth_excess(smooth, 1e-4).worst.share < 1e-4

@@ -14,6 +14,7 @@ from mrts.motors.joint_motors import JointMotors
 from mrts.output.summary_lines import scaling_lines
 from mrts.report.tables import rates_table
 from mrts.scaling.limit_use import rate_uses
+from mrts.scaling.result import fallbacks_text
 
 pytestmark = pytest.mark.quick
 
@@ -62,7 +63,7 @@ def test_rates_are_reported_and_bind_nothing(reported, lifted):
     assert worst.share > 1
     assert f"{worst.name} reaches {worst.largest:.4g} {worst.name.unit}" in warning.text
     assert f"{100 * worst.share:.0f} % of its limit" in warning.text
-    assert "--rates" in warning.text
+    assert "--rates keeps them, at a speed that varies --profile smooth" in warning.text
     assert any(
         line.startswith(f"{worst.name}: {100 * worst.share:.3g} % of its limit") for line in scaling_lines(reported)
     )
@@ -181,3 +182,8 @@ def test_a_chosen_factor_beyond_the_rates_is_refused(planar_cell, lift):
     with pytest.raises(mrts.SelectionError, match=r"c² = 2 is outside .*upper end is set .*torque rate"):
         mrts.scale(planar_cell, lift, 2.0, rates=3.0)
     assert mrts.scale(planar_cell, lift, 1.0, rates=3.0).trajectory.c2 == 1.0
+
+
+def test_one_program_is_no_programs():
+    assert fallbacks_text(1) == "1 program was left by the chosen solver and solved by another"
+    assert fallbacks_text(2).startswith("2 programs were left")
