@@ -101,6 +101,9 @@ class _Rows:
         At such an end no torque depends on σ̇: its rows leave σ̇ free, and a profile that falls within the first segment
         would gain time by a jerk that rows at nodes do not see.
 
+        Elsewhere add σ̇² + h σ̈ >= 0 with the step h that follows. That is the middle one of the three Bernstein
+        coefficients of σ̇² on a segment, its ends are the others, and a polynomial is positive where they are.
+
         Args:
             sigma: σ at the nodes, Shape (n,).
             rests: Whether the path is at rest at its start, and at its end.
@@ -108,9 +111,10 @@ class _Rows:
         n, near = len(sigma), np.repeat(rests, 2)
         nodes = np.array([0, 1, n - 2, n - 1])[near]
         for sign in (1.0, -1.0):
-            column = np.zeros((n, 1, self.map.shape[2]))
+            column, upper = np.zeros((n, 1, self.map.shape[2])), np.full((n, 1), np.inf)
+            if sign < 0:
+                column[:-1, 0, -2], column[:-1, 0, -1], upper[:-1] = -np.diff(sigma), -1.0, 0.0
             column[nodes, 0, -2], column[nodes, 0, -1] = sign * sigma[-1] / FROM_REST, -1.0
-            upper = np.full((n, 1), np.inf)
             upper[nodes] = 0.0
             self._add(column, np.zeros((n, 1)), upper, 1.0, START)
 

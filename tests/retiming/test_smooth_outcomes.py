@@ -8,10 +8,14 @@ import pytest
 from gantries import along_x, gantries, there_and_back
 
 import mrts
+from mrts.smooth.path_program import START
 
 RATES = 11.5
 KEPT = 1e-6
 """Share of a limit: the solver's own tolerance is less, differences of a table add rounding."""
+
+SAME_PATH = 1e-5
+"""Share of the duration: the path of the same motion given faster or slower has nodes that rounding moves."""
 
 NEAR_FASTEST = 5e-3
 """Share of the duration by which nodes in σ and samples by arc length differ: the fastest timing has its own."""
@@ -198,3 +202,27 @@ def test_a_joint_without_a_torque_limit_needs_a_rate(tmp_path):
     endless = replace(cell.robots[0], torque_upper=np.full(3, np.inf), torque_lower=np.full(3, -np.inf))
     with pytest.raises(mrts.InputError, match=r"joint 'slide_x' of robot 'near' has none"):
         mrts.retime(replace(cell, robots=(endless, cell.robots[1])), along_x(), rates=RATES)
+
+
+def test_the_given_duration_is_no_matter(planar_cell, lift):
+    """It only says how the samples are spaced: the timing is the same for the path in a day and in a microsecond."""
+    best = mrts.retime(planar_cell, lift, rates=RATES, between=None)
+    for slower in (1e6, 1e-5):
+        given = replace(
+            lift, time=slower * lift.time, twist=lift.twist / slower, acceleration=lift.acceleration / slower**2
+        )
+        again = mrts.retime(planar_cell, given, rates=RATES, between=None)
+        assert again.duration == pytest.approx(best.duration, rel=SAME_PATH), again.explanation
+
+
+def test_the_speed_is_positive_between_nodes(planar_cell, lift):
+    """Rows at nodes alone would let σ̇² fall below 0 between two of them."""
+    part = mrts.retime(planar_cell, lift, rates=RATES, between=None).pieces[0]
+    x, u, middle = part.x.copy(), np.zeros(len(part.x)), len(part.x) // 2
+    free, h = part.steps.profile.free, part.program.step[middle]
+    u[middle] = -1.01 * x[middle] / h
+    names = part.program.names
+    row = max(place for place, name in enumerate(names) if name == START)
+    over = part.program.values(x, u, free) - part.program.upper
+    assert over[middle, row] > 0
+    assert np.all(np.delete(over[:, row], middle) <= 0)
