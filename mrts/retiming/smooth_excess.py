@@ -47,13 +47,14 @@ def smooth_excess(timed: RetimingResult, tolerance: float) -> SegmentExcess:
             over, rows = _row_excess(problem, np.column_stack([between, u, x]))
             doubtful = np.flatnonzero(over > NEAR * tolerance)
             if doubtful.size and f > 0:
-                there = build_sample_problem(cell, played.at(doubtful), sharing=sharing, load=load)
-                least = widening_at(there, 1.0, DEFAULT_SOLVER, "the excess between nodes")
+                places = np.append(doubtful, doubtful[-1])  # a motion has two samples at least
+                there = build_sample_problem(cell, played.at(places), sharing=sharing, load=load)
+                least = widening_at(there, 1.0, DEFAULT_SOLVER, "the excess between nodes")[:-1]
                 over[doubtful] = np.minimum(over[doubtful], least)
             names = np.where(over > found, rows, names)
             found = np.maximum(found, over)
-        places = slice(part.piece.first, part.piece.first + n)
-        shares[places] = np.max(found.reshape(n, -1), axis=1)
+        segments = slice(part.piece.first, part.piece.first + n)
+        shares[segments] = np.max(found.reshape(n, -1), axis=1)
         most = int(np.argmax(found))
         if found[most] > worst.share:
             start, end = time[part.piece.first + segment[most] :][:2]
