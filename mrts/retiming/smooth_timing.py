@@ -296,7 +296,8 @@ def torque_plan(question: SmoothQuestion, pieces: Sequence[TimedPiece], load: Ar
     Raises:
         SolverError: If no solver answers.
     """
-    torques, wrenches = [], []
+    torques: list[Array] = []
+    wrenches: list[Array] = []
     smooth = smooth_pieces(pieces)
     held: Array | None = None
     for number, part in enumerate(smooth):
@@ -310,7 +311,10 @@ def torque_plan(question: SmoothQuestion, pieces: Sequence[TimedPiece], load: Ar
         if free is None:
             raise SolverError("no torques were found within the rates that the timing keeps: please report it.")
         unknowns = np.column_stack([free, part.rate, part.x])
-        skip = 0 if number == 0 else 1
-        torques.append(problem.torque(unknowns)[skip:])
-        wrenches.append(problem.wrench(unknowns)[skip:])
+        torque, wrench = problem.torque(unknowns), problem.wrench(unknowns)
+        if number > 0:  # of dry friction, which turns round with the motion, the mean
+            torque[0] = (torques[-1][-1] + torque[0]) / 2
+            torques[-1], wrenches[-1] = torques[-1][:-1], wrenches[-1][:-1]
+        torques.append(torque)
+        wrenches.append(wrench)
     return np.concatenate(torques), np.concatenate(wrenches)

@@ -9,6 +9,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.samples.motor_terms import motor_terms
 from mrts.samples.sample_problem import SampleProblem
 from mrts.smooth.program import SmoothProgram
 from mrts.smooth.rate_limits import RateLimits
@@ -65,6 +66,8 @@ class _Rows:
     def limited(self, terms: tuple[Array, Array | None, Array], place: int, size: float, name: str) -> int:
         """The row of a torque or a wrench component, with its offset; one without limits is added if there is none.
 
+        One is added too where another offset would change how fast a row with a limited rate changes.
+
         Args:
             terms: Map, root and offset of all torques or wrench components.
             place: Which of them.
@@ -74,6 +77,9 @@ class _Rows:
         column, offset = terms[0][:, place], terms[2][:, place]
         root = np.zeros(len(column)) if terms[1] is None else terms[1][:, place]
         row = self.place_of(column)
+        if row is not None and np.isfinite(self.change[row]):
+            apart = offset / self.unit[row] - self.offset[:, row]
+            row = row if np.ptp(apart) <= SAME_ROW * float(np.max(np.abs(apart))) else None
         if row is None:
             row = self.map.shape[1]
             nothing = np.full((len(column), 1), np.inf)
@@ -130,6 +136,9 @@ def path_program(
 ) -> SmoothProgram:
     """One program over all nodes of a path, for all loads at once: x and u in common, wrenches for each.
 
+    Rates are those of torques without dry friction, which steps where a joint turns back or leaves rest: no timing
+    changes that, and as a change from node to node it would allow the less speed the more nodes there are.
+
     Args:
         cell: The cell.
         path: q, q', q'' at n nodes, with σ for time.
@@ -140,7 +149,7 @@ def path_program(
         end_free: [F] of all loads there, likewise. There the cell is at rest, so that rows have one value: whether it
             keeps its limits is the caller's question.
     """
-    parts = [_rows(cell, problem, rates, weights) for problem in problems]
+    parts = [_rows(cell, path, problem, rates, weights) for problem in problems]
     parts[0].start_gently(path.object.time, (ends[0] is None, ends[1] is None))
     for rows, problem in zip(parts[1:], problems[1:], strict=True):  # they bound x alone, whatever the load
         rows.lower[:, : len(problem.is_cap)][:, problem.is_cap] = -np.inf
@@ -209,7 +218,9 @@ def third_derivatives(step: Array, dq: Array, ddq: Array) -> Array:
     return np.stack([rise - 4 * start - 2 * end, -rise + 2 * start + 4 * end], axis=1)
 
 
-def _rows(cell: Cell, problem: SampleProblem, rates: RateLimits, weights: Array | None) -> _Rows:
+def _rows(
+    cell: Cell, path: CoordinatedMotion, problem: SampleProblem, rates: RateLimits, weights: Array | None
+) -> _Rows:
     rows = _Rows(
         map=problem.A,
         root=np.zeros(problem.lower.shape) if problem.speed is None else problem.speed,
@@ -222,10 +233,12 @@ def _rows(cell: Cell, problem: SampleProblem, rates: RateLimits, weights: Array 
         names=[str(name) for name in problem.names],
     )
     torques = (problem.torque_map, problem.torque_speed, problem.torque_offset)
+    motors = motor_terms(cell, path)
+    without_dry = torques if motors is None else (*torques[:2], torques[2] - motors.dry)
     wrenches = (problem.wrench_map, None, problem.wrench_offset)
     components = [f"{robot.name}/{part}" for robot in cell.robots for part in cell.wrench_components]
     for terms, limits, names in (
-        (torques, rates.torque, [f"{joint} torque" for joint in joint_names(cell)]),
+        (without_dry, rates.torque, [f"{joint} torque" for joint in joint_names(cell)]),
         (wrenches, rates.wrench, [f"{component} contact wrench" for component in components]),
     ):
         for place in np.flatnonzero(np.isfinite(limits)).tolist():

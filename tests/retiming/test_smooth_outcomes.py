@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from gantries import along_x, gantries, there_and_back
+from gantries import along_x, gantries, there_and_back, uphill_gantries
 
 import mrts
+from mrts.retiming.smooth_excess import NEAR, smooth_excess
 from mrts.smooth.path_program import START
 
 RATES = 11.5
@@ -226,3 +227,26 @@ def test_the_speed_is_positive_between_nodes(planar_cell, lift):
     over = part.program.values(x, u, free) - part.program.upper
     assert over[middle, row] > 0
     assert np.all(np.delete(over[:, row], middle) <= 0)
+
+
+def test_dry_friction_that_turns_round_slows_nothing_down(tmp_path):
+    """It steps at any speed: were it counted from node to node, more nodes would allow less speed."""
+    cell = uphill_gantries(tmp_path, viscous=0.0, coulomb=np.array([0.5, 0, 0]))
+    coarse, fine = (mrts.scale(cell, along_x(n, profile="quintic"), rates=3.0, between=None) for n in (101, 801))
+    assert fine.trajectory.c == pytest.approx(coarse.trajectory.c, rel=1e-2)
+    there = mrts.retime(cell, there_and_back(0.5), rates=3.0)
+    done, stop = there.retimed.trajectory, there.pieces[1].piece.first
+    np.testing.assert_allclose(done.torque[stop, [0, 3]], 18.0, rtol=1e-6)  # what holds still
+    friction = 0.5 * np.sign(done.dq)
+    friction[[0, -1]] = friction[[1, -2]]
+    change = np.diff(done.torque - friction, axis=0)[:, [0, 3]] / np.diff(done.time)[:, None]
+    assert np.max(np.abs(change)) <= 3.0 * 20 * (1 + KEPT)
+
+
+def test_one_doubtful_place_between_nodes(planar_cell, lift):
+    """Where linear wrenches overstep limits they are freed, be it at a single place."""
+    timed = mrts.retime(planar_cell, lift, rates=RATES, between=None)
+    linear = smooth_excess(timed, 1.0).worst.share
+    assert linear > 0
+    freed = smooth_excess(timed, (1 - 1e-9) * linear / NEAR)
+    assert freed.worst.share <= linear
