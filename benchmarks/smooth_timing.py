@@ -45,7 +45,7 @@ def longer_and_excess(folder: Path, points: int) -> None:
     for robot, paths in ROBOTS.items():
         for seed in range(paths):
             path = jerk_path(robot, seed, folder)
-            ours = mrts.retime(path.cell, path.motion(points), rates=True, between=None)
+            ours = mrts.retime(path.cell, path.motion(points), rates=True)
             profile, s, duration = copp_timing.by_copp(path, points)
             longer.append(float(ours.duration or np.inf) / duration - 1)
             ours_over.append(copp_timing.dense_of_ours(ours, path, INSIDE).excess(path))

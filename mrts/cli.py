@@ -9,7 +9,7 @@ import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from mrts.base.errors import MrtsError
 from mrts.base.printable import message_text
@@ -102,21 +102,15 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     logging.basicConfig(handlers=[RemarkHandler()], level=logging.WARNING)
     parser, verbs = _parser()
     complete(parser)
-    _check_verb(parser, verbs, sys.argv[1:] if arguments is None else arguments)
-    options = parser.parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else arguments
+    _check_verb(parser, verbs, words)
+    options = parser.parse_args(files_apart(words, scale.MAY_STAND_ALONE))
     QUIET.set(options.quiet)
     return options
 
 
 class _Parser(argparse.ArgumentParser):
-    """Its messages quote what was typed, and an option that may stand alone takes no file for its value."""
-
-    def parse_known_args(  # type: ignore[override]  # overloads of argparse, of which this is the widest
-        self, args: Sequence[str] | None = None, namespace: Any = None
-    ) -> tuple[Any, list[str]]:
-        """As argparse does, once files are told from values."""
-        may = {name for action in self._actions if action.nargs == "?" for name in action.option_strings}
-        return super().parse_known_args(files_apart(sys.argv[1:] if args is None else args, may), namespace)
+    """Its messages quote what was typed."""
 
     def error(self, message: str) -> NoReturn:
         """Print usage and message, and leave."""
@@ -132,7 +126,7 @@ def files_apart(words: Sequence[str], may_stand_alone: set[str]) -> list[str]:
     """
     kept: list[str] = []
     alone: list[str] = []
-    for word, following in zip(words, [*words[1:], ""], strict=True):
+    for word, following in zip(words, [*words, ""][1:], strict=True):
         is_option = word.startswith("--") and any(name.startswith(word) for name in may_stand_alone) and word != "--"
         (alone if is_option and _is_file(following) else kept).append(word)
     end = kept.index("--") if "--" in kept else len(kept)

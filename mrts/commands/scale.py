@@ -39,6 +39,9 @@ if TYPE_CHECKING:
     from mrts.scaling.result import ScalingResult
     from mrts.scaling.scale import Selection
 
+MAY_STAND_ALONE = {"--rates"}
+"""Options with or without a value."""
+
 EXAMPLES = """\
 examples:
   mrts scale cell.yaml motion.yaml --save result.npz --report report.html --plot plots
@@ -78,7 +81,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     scale.add_argument("--formulation", choices=FORMULATIONS, default="wrench",
                        help="unknowns of the programs (default: %(default)s)")  # fmt: skip
     scale.add_argument("--solver", default=None,
-                       help="solver of the registry (default: kernel; of the smooth profile: conic)")  # fmt: skip
+                       help="solver of the registry (default: kernel; the smooth profile has its own)")  # fmt: skip
     scale.add_argument("--json", type=Path, metavar="FILE", help="write the whole result ('-' is standard output)")
     scale.add_argument("--save", type=Path, metavar="FILE.npz",
                        help="save the whole result, for mrts.load_result")  # fmt: skip

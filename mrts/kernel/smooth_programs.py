@@ -21,7 +21,7 @@ FOUND = 0
 _SIZES = ("nodes", "rows", "free", "width", "changes", "jerks")
 _FLAGS = ("timed", "again", "moving", "given_start", "given_end", "held_start", "held_end")
 _INDICES = ("first", "count", "place", "limited")
-_NUMBERS = ("time", "effort", "longest")
+_NUMBERS = ("time", "effort", "longest", "uneven")
 _ARRAYS = (
     "step", "square", "rate", "root", "offset", "entry", "lower", "upper", "change", "weight", "q1", "q2", "q3",
     "jerk", "around",
@@ -111,6 +111,7 @@ class Ask:
         time: Weight of the duration.
         effort: Weight of the effort.
         longest: Largest duration.
+        uneven: Weight of the jumps of u.
         timed: x and u are given: F alone is looked for.
         moving: Tangents are laid anew in each iteration.
         given: Whether x is given at the first and the last node.
@@ -122,6 +123,7 @@ class Ask:
     time: float = 0.0
     effort: float = 0.0
     longest: float = np.inf
+    uneven: float = 0.0
     timed: bool = False
     moving: bool = False
     given: tuple[bool, bool] = (False, False)
@@ -156,7 +158,8 @@ class SmoothPrograms:
         Returns:
             Whether there is an answer, how many iterations it took, and the work to give to `Ask.last`.
         """
-        program = _Program(**rows.sizes, time=ask.time, effort=ask.effort, longest=min(ask.longest, INFINITY))
+        numbers = {"time": ask.time, "effort": ask.effort, "longest": min(ask.longest, INFINITY), "uneven": ask.uneven}
+        program = _Program(**rows.sizes, **numbers)
         for name in ("timed", "moving"):
             setattr(program, name, getattr(ask, name))
         program.again = ask.last is not None

@@ -10,15 +10,13 @@ from mrts.base.arrays import Array
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.denser_motion import between_samples, denser, moved_remarks
 from mrts.refinement.excess import Excess
+from mrts.retiming.path_pieces import PLACES
 from mrts.retiming.result import RetimingResult
 from mrts.retiming.retimed_motion import between_path_samples
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.samples.widening import widening_at
 from mrts.solvers import DEFAULT_SOLVER
-
-PLACES = np.array([0.125, 0.375, 0.5, 0.625, 0.875])
-"""Where each segment is checked; the error vanishes at its ends."""
 
 MOST_ROUNDS = 12
 """Times that a path is timed again: a segment is then 4096 times shorter."""

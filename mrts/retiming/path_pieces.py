@@ -15,6 +15,9 @@ from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import REST
 
+PLACES = np.array([0.125, 0.375, 0.5, 0.625, 0.875])
+"""Where each segment is checked; the error vanishes at its ends."""
+
 NEAR_REST = 1e-3
 """Below this share, q'/|q'| and its derivative lose digits: they are continued from the first faster sample."""
 

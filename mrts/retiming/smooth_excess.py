@@ -2,16 +2,16 @@
 """How far a smooth timing oversteps limits between its nodes, where wrenches are linear in time as its torques are."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.refinement.excess import Excess
-from mrts.retiming.between_samples import PLACES, SegmentExcess
+from mrts.retiming.between_samples import SegmentExcess
 from mrts.retiming.result import RetimingResult
-from mrts.retiming.retimed_motion import path_between, retimed
+from mrts.retiming.retimed_motion import retimed
 from mrts.retiming.smooth_piece import SmoothPiece, smooth_pieces
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.widening import widening_at
-from mrts.smooth.path_program import third_derivatives
 from mrts.solvers import DEFAULT_SOLVER
 
 NEAR = 0.1
@@ -30,19 +30,18 @@ def smooth_excess(timed: RetimingResult, tolerance: float) -> SegmentExcess:
         tolerance: Share of a limit by which it may be overstepped.
     """
     cell, motion, loads, sharing = timed.cell, timed.motion, timed.loads, timed.constant.rule.sharing
-    worst, shares, time = Excess(0.0, tolerance), np.zeros(motion.samples - 1), motion.object.time
+    worst, shares = Excess(0.0, tolerance), np.zeros(motion.samples - 1)
+    limited = np.zeros(0, dtype=int) if timed.smooth is None else np.flatnonzero(np.isfinite(timed.smooth.rates.jerk))
     for part in smooth_pieces(timed.pieces):
-        path, n = path_between(cell, part, PLACES), len(part.piece.step)
-        x, u = part.inside(PLACES)
+        segment, share, x, u = part.between()
+        path = part.piece.fine.at(part.piece.inside)
         played = retimed(path, np.sqrt(x), x, u)
-        segment = np.repeat(np.arange(n), len(PLACES))
-        share = np.tile(PLACES, n)[:, None]
         f = part.steps.profile.free.shape[1] // len(loads)
-        found = _jerk_excess(part, x, u)
+        found = _jerk_excess(part, limited, segment, x, u)
         names = np.full(len(found), None, dtype=object)
         for number, load in enumerate(loads):
             free = part.steps.profile.free[:, number * f : (number + 1) * f]
-            between = free[segment] * (1 - share) + free[segment + 1] * share
+            between = free[segment] * (1 - share[:, None]) + free[segment + 1] * share[:, None]
             problem = build_sample_problem(cell, path, sharing=sharing, load=load, varying=True)
             over, rows = _row_excess(problem, np.column_stack([between, u, x]))
             doubtful = np.flatnonzero(over > NEAR * tolerance)
@@ -53,12 +52,10 @@ def smooth_excess(timed: RetimingResult, tolerance: float) -> SegmentExcess:
                 over[doubtful] = np.minimum(over[doubtful], least)
             names = np.where(over > found, rows, names)
             found = np.maximum(found, over)
-        segments = slice(part.piece.first, part.piece.first + n)
-        shares[segments] = np.max(found.reshape(n, -1), axis=1)
+        np.maximum.at(shares, part.piece.first + segment, found)
         most = int(np.argmax(found))
         if found[most] > worst.share:
-            start, end = time[part.piece.first + segment[most] :][:2]
-            at = float(start + PLACES[most % len(PLACES)] * (end - start))
+            at = float(part.piece.given_time[part.piece.inside[most]])
             worst = Excess(float(found[most]), tolerance, at, names[most])
     return SegmentExcess(shares, worst)
 
@@ -78,21 +75,14 @@ def _row_excess(problem: SampleProblem, unknowns: Array) -> tuple[Array, Array]:
     return beyond[k, most], rows
 
 
-def _jerk_excess(part: SmoothPiece, x: Array, u: Array) -> Array:
-    """By how much limits of jerk are passed inside the segments, Shape (k,)."""
-    program = part.program
-    if not len(program.jerk):
+def _jerk_excess(part: SmoothPiece, limited: NDArray[np.int_], segment: NDArray[np.int_], x: Array, u: Array) -> Array:
+    """By how much limits of jerk are passed between the nodes, Shape (k,)."""
+    if not limited.size:
         return np.zeros(len(x))
-    h, n = program.step[:, None], len(program.step)
-    q3 = third_derivatives(program.step, program.q1, program.q2)
-    p = PLACES[:, None]
-    third = q3[:, :1] + (q3[:, 1:] - q3[:, :1]) * p
-    second = program.q2[:-1, None] + h[:, None] * (q3[:, :1] * p + (q3[:, 1:] - q3[:, :1]) * p**2 / 2)
-    first = program.q1[:-1, None] + h[:, None] * (
-        program.q2[:-1, None] * p + h[:, None] * (q3[:, :1] * p**2 / 2 + (q3[:, 1:] - q3[:, :1]) * p**3 / 6)
-    )
-    slope = (np.diff(part.rates, axis=1) / h)[:, :, None]
-    x, u = x.reshape(n, -1, 1), u.reshape(n, -1, 1)
-    jerk = np.abs(first * slope + 3 * second * u + third * x) * np.sqrt(x)
-    excess: Array = np.max((jerk / program.jerk - 1).reshape(len(x) * len(PLACES), -1), axis=1)
+    path = part.piece
+    at, slope = path.inside, np.diff(part.rates, axis=1)[segment] / path.step[segment, None]
+    first, second = path.fine.dq[at][:, limited], path.fine.ddq[at][:, limited]
+    thirds = np.stack([path.third[at - 1, 1], path.third[at, 0]])[:, :, limited]
+    jerk = np.abs(first * slope + 3 * second * u[:, None] + thirds * x[:, None]) * np.sqrt(x)[:, None]
+    excess: Array = np.max(jerk / part.program.jerk - 1, axis=(0, 2))
     return excess

@@ -11,8 +11,9 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.denser_motion import between_samples, denser
 from mrts.motion.object_motion import ObjectMotion
-from mrts.retiming.path_pieces import NoPath, PathPiece, path_pieces
+from mrts.retiming.path_pieces import PLACES, NoPath, PathPiece, path_pieces
 from mrts.samples.motor_terms import travel_directions
+from mrts.smooth.path_program import third_derivatives
 
 LEAST_NODES = 60
 """Nodes of a piece where the given motion has fewer samples."""
@@ -32,11 +33,62 @@ class SmoothPath(PathPiece):
         arc: Arc length s at the nodes, Shape (n,).
         arc_speed: ds/dσ, Shape (n,).
         stops: Whether its timing is at rest at its start, and at its end.
+        fine: The path at its nodes and between them, K samples.
+        nodes: Which of them are the nodes, indices of Shape (n,).
+        third: q''' at the start and at the end of each of their segments, Shape (K - 1, 2, m).
+        given_time: Of them, in the given motion, Shape (K,) [s].
     """
 
     arc: Array
     arc_speed: Array
     stops: tuple[bool, bool]
+    fine: CoordinatedMotion
+    nodes: NDArray[np.int_]
+    third: Array
+    given_time: Array
+
+    @property
+    def third_at_nodes(self) -> Array:
+        """Q''' at the start and at the end of every segment between nodes, Shape (n - 1, 2, m)."""
+        return np.stack([self.third[self.nodes[:-1], 0], self.third[self.nodes[1:] - 1, 1]], axis=1)
+
+    @property
+    def inside(self) -> NDArray[np.int_]:
+        """Which samples of `fine` are not nodes, Shape (K - n,)."""
+        return np.setdiff1d(np.arange(self.fine.samples), self.nodes)
+
+
+@dataclass(frozen=True)
+class FineMotion:
+    """A motion at its nodes and between them.
+
+    Attributes:
+        motion: K samples.
+        is_node: Shape (K,).
+        follows: Whether accelerations between the nodes are those of the motion, not only between those at the nodes.
+    """
+
+    motion: CoordinatedMotion
+    is_node: NDArray[np.bool_]
+    follows: bool
+
+
+def fine_motion(cell: Cell, nodes: CoordinatedMotion) -> FineMotion:
+    """A motion with places between its nodes, where jerk and limits are looked at.
+
+    Args:
+        cell: The cell.
+        nodes: The motion at its nodes.
+
+    Raises:
+        MotionError: If the arms cannot hold the object there.
+    """
+    time = nodes.object.time
+    added = (time[:-1, None] + np.diff(time)[:, None] * PLACES).ravel()
+    more = between_samples(cell, nodes, added)
+    whole = denser(nodes, more, np.arange(1, len(added) + 1, dtype=np.intp))
+    follows = nodes.course is not None or nodes.object.course is not None
+    return FineMotion(whole, np.isin(whole.object.time, time), follows)
 
 
 @dataclass(frozen=True)
@@ -136,7 +188,7 @@ def _way(time: Array, s: Array, speed: Array) -> tuple[Array, Array]:
     return np.append(fine.ravel(), time[-1]), rising
 
 
-def _only(motion: CoordinatedMotion, chosen: NDArray[np.bool_]) -> CoordinatedMotion:
+def _only(motion: CoordinatedMotion, chosen: NDArray[np.bool_] | NDArray[np.int_]) -> CoordinatedMotion:
     """Some samples of a motion, at their times."""
     of = motion.object
     carried = replace(
@@ -155,36 +207,66 @@ def _only(motion: CoordinatedMotion, chosen: NDArray[np.bool_]) -> CoordinatedMo
     )
 
 
-def smooth_path(piece: PathPiece, duration: float, end_speeds: tuple[float, float]) -> SmoothPath:
+def smooth_path(given: FineMotion, piece: PathPiece, end_speeds: tuple[float, float], slower: float) -> SmoothPath:
     """A piece by σ, the time in which a quintic from stop to stop goes its way.
 
     Where it is at rest q' = q'' = 0 by σ: q goes with σ³, as from rest with a limited rate it goes with t³, so that ṡ²
     by σ is finite and not zero.
 
     Args:
-        piece: The piece by arc length, n samples.
-        duration: Of the quintic [s].
+        given: The motion.
+        piece: A piece of it by arc length, K samples.
         end_speeds: At the start and at the end of the whole motion.
+        slower: The σ that the piece takes, as a multiple of the time that it is given.
     """
+    own = slice(piece.first, piece.first + len(piece.speed))
+    time, nodes = given.motion.object.time[own], np.flatnonzero(given.is_node[own])
     at_rest, path = stops(piece, end_speeds), piece.path
-    quintic = QUINTICS[at_rest]
-    s = path.object.time
-    z = quintic.inverse(s / s[-1])
-    first = s[-1] / duration * quintic.at(z, 1)
-    second = s[-1] / duration**2 * quintic.at(z, 2)
+    s, duration = path.object.time, slower * float(time[-1] - time[0])
+    z = QUINTICS[at_rest].inverse(s / s[-1])
+    first, second, third = (s[-1] / duration**order * QUINTICS[at_rest].at(z, order) for order in (1, 2, 3))
     for place, stopped in zip((0, -1), at_rest, strict=True):
         if stopped:
             first[place] = second[place] = 0.0
+    fine = _by_sigma(path, z * duration, first, second)
+    turns = third_derivatives(np.diff(s), path.dq, path.ddq)
+    if not given.follows:
+        turns = _between_nodes(s, nodes, third_derivatives(np.diff(s[nodes]), path.dq[nodes], path.ddq[nodes]))
+    sides = np.stack([np.arange(len(s) - 1), np.arange(1, len(s))], axis=1)
+    by, by2, by3 = (of[sides][..., None] for of in (first, second, third))
+    return SmoothPath(
+        int(np.count_nonzero(given.is_node[: piece.first])),
+        _only(fine, nodes),
+        piece.speed[nodes],
+        piece.rests,
+        np.flatnonzero(np.isin(nodes, piece.continued)),
+        arc=s[nodes],
+        arc_speed=first[nodes],
+        stops=at_rest,
+        fine=fine,
+        nodes=nodes,
+        third=turns * by**3 + 3 * path.ddq[sides] * by * by2 + path.dq[sides] * by3,
+        given_time=time,
+    )
 
-    def by_sigma(rates: Array, changes: Array) -> tuple[Array, Array]:
-        return rates * first[:, None], changes * first[:, None] ** 2 + rates * second[:, None]
+
+def _by_sigma(path: CoordinatedMotion, sigma: Array, first: Array, second: Array) -> CoordinatedMotion:
+    """A path by arc length as one by σ, with ds/dσ and its derivative."""
+
+    def rates(rate: Array, change: Array) -> tuple[Array, Array]:
+        return rate * first[:, None], change * first[:, None] ** 2 + rate * second[:, None]
 
     given = path.object
-    dq, ddq = by_sigma(path.dq, path.ddq)
-    twist, acceleration = by_sigma(given.twist, given.acceleration)
-    carried = ObjectMotion(z * duration, given.position, given.rotation, twist, acceleration, smooth=False)
+    dq, ddq = rates(path.dq, path.ddq)
+    carried = ObjectMotion(sigma, given.position, given.rotation, *rates(given.twist, given.acceleration), smooth=False)
     travel = np.stack(travel_directions(path.dq, path.ddq))
-    joined = CoordinatedMotion(carried, path.q, dq, ddq, travel=travel)
-    return SmoothPath(
-        piece.first, joined, piece.speed, piece.rests, piece.continued, arc=s, arc_speed=first, stops=at_rest
-    )
+    return CoordinatedMotion(carried, path.q, dq, ddq, travel=travel)
+
+
+def _between_nodes(s: Array, nodes: NDArray[np.int_], third: Array) -> Array:
+    """Values at both ends of segments between nodes, linear in between, at both ends of every finer segment."""
+    segment = np.searchsorted(nodes, np.arange(len(s) - 1), side="right") - 1
+    start, length = s[nodes[segment]], np.diff(s[nodes])[segment]
+    share = (np.stack([s[:-1], s[1:]], axis=1) - start[:, None]) / length[:, None]
+    values: Array = third[segment, :1] + (third[segment, 1:] - third[segment, :1]) * share[..., None]
+    return values

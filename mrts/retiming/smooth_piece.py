@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.retiming.retimed_motion import FastestPiece, TimedPiece
@@ -62,6 +63,16 @@ class SmoothPiece(TimedPiece):
             "sigma_rate": self.rate.tolist(),
         }
 
+    def between(self) -> tuple[NDArray[np.int_], Array, Array, Array]:
+        """The fine samples that are not nodes: segment, place in it, x and u there, each Shape (k,)."""
+        path = self.piece
+        segment = np.searchsorted(path.nodes, path.inside) - 1
+        after = path.fine.object.time[path.inside] - path.path.object.time[segment]
+        place = after / self.piece.step[segment]
+        start, change = self.rates[segment, 0], np.diff(self.rates, axis=1)[segment, 0]
+        x = self.x[segment] + 2 * after * (start + change * place / 2)
+        return segment, place, x, start + change * place
+
     @property
     def binding(self) -> list[set[str]]:
         """Names of the limits that bind on every segment."""
@@ -77,7 +88,7 @@ class SmoothAnswer:
         rates: The limits of rates that it keeps.
         goal: What is least.
         bound: Duration of the fastest timing without limits of rates, below which none is; None if nothing bounds it.
-        steps: Convex programs solved, of the piece that took most; 0 if there is no timing.
+        steps: Convex programs solved, for all pieces and in all rounds of refinement.
         gain: Share by which the last of them lowered the cost.
         fallbacks: Programs that the chosen solver did not solve and Clarabel did.
         fastest: The path with its fastest timing without limits of rates; empty if nothing bounds it.

@@ -106,7 +106,7 @@ def _answer(question: SmoothQuestion, fastest: RetimingResult, found: RetimingRe
         rates=question.rates,
         goal=question.goal,
         bound=question.fastest,
-        steps=max((len(one.costs) for one in steps), default=0),
+        steps=question.solver.steps,
         gain=max((one.gain for one in steps), default=0.0),
         fallbacks=question.solver.fallbacks,
         fastest=fastest_pieces(fastest.pieces),

@@ -14,7 +14,7 @@ from mrts.retiming.held_wrenches import given_wrenches, stopped_wrenches, unheld
 from mrts.retiming.path_pieces import NoPath, closed_piece, path_pieces
 from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import TimedPiece
-from mrts.retiming.smooth_path import SmoothPath, smooth_path
+from mrts.retiming.smooth_path import SmoothPath, fine_motion, smooth_path
 from mrts.retiming.smooth_piece import SmoothPiece, smooth_pieces
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
@@ -141,7 +141,8 @@ def _none(question: SmoothQuestion, motion: CoordinatedMotion, status: RetimingS
 
 def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece]) -> list[_Part] | str:
     """The pieces of a path with their programs, or why given torques do not hold still."""
-    found = path_pieces(motion)
+    fine = fine_motion(question.constant.cell, motion)
+    found = path_pieces(fine.motion)
     if isinstance(found, NoPath):
         raise SolverError("a path that could be timed without limits of rates is no path with them: please report it.")
     pieces = [closed_piece(question.constant.cell, piece) for piece in found]
@@ -149,9 +150,7 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
     time, parts = motion.object.time, []
     held: Array | None = None
     for number, given in enumerate(pieces):
-        n = len(given.speed)
-        share = float((time[given.first + n - 1] - time[given.first]) / time[-1])
-        piece = smooth_path(given, share * question.usual, question.end_speeds)
+        piece = smooth_path(fine, given, question.end_speeds, question.usual / float(time[-1]))
         first, last = number == 0, number == len(pieces) - 1
         problems = [question.problem(piece, load) for load in question.loads]
         start, held = _held(question, problems, held, first=first, last=last)
@@ -168,6 +167,7 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
             weights,
             _ends(piece, question.end_speeds),
             (start, held),
+            piece.third_at_nodes,
         )
         likely = _likely(question, piece, program, before[number] if before else None)
         parts.append(_Part(piece, program.narrowed(NARROWING), likely))

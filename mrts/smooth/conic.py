@@ -147,11 +147,19 @@ class _Timing:
             if goal.longest is not None:
                 total = entries((1, self.size), (0, self.times, np.ones(len(self.times))))
                 cones.most(total, np.array([goal.longest]))
-        z = cones.solved(sparse.csc_array((self.size, self.size)), q)
+        z = cones.solved(self._uneven(0.0 if goal is None else goal.uneven), q)
         if z is None:
             return None
         self.share = float(z[self.relaxed[0]])
         return SmoothProfile(z[self.x], z[self.u], z[self.free])
+
+    def _uneven(self, weight: float) -> sparse.csc_array:
+        """Second derivatives of the jumps of u."""
+        by, here, there = 2 * weight / self.program.step, self.u[:-1], self.u[1:]
+        shape = (self.size, self.size)
+        if weight == 0:
+            return sparse.csc_array(shape)
+        return entries(shape, (here, here, by), (there, there, by), (here, there, -by), (there, here, -by)).tocsc()
 
     def _path(self, cones: Cones) -> None:
         """How x and u belong together, y² <= x, time (y + y') >= 2 h, and what is given at the ends."""

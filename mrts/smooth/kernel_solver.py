@@ -63,17 +63,17 @@ class KernelSolver:
         for place, given in zip((0, -1), program.ends, strict=True):
             x[place] = touched[place] if given is None else given
         last, self._last = self._last, None
-        known = last and last.program is program and last.goal == goal and np.array_equal(last.x, touched)
+        known = last and last.program is program and last.goal == goal.evened(0.0) and np.array_equal(last.x, touched)
         ask = Ask(
             around=touched, time=goal.time, effort=goal.effort, moving=moving,
-            longest=np.inf if goal.longest is None else goal.longest,
+            longest=np.inf if goal.longest is None else goal.longest, uneven=goal.uneven,
             given=_given(program.ends), held=_given(program.end_free), last=last.work if last and known else None,
         )  # fmt: skip
         found, self.iterations, work = self._programs.solve(self._packed(program), ask, x, u, free)
         if not found:
             return None
         if moving or np.max(np.abs(x / touched - 1)) <= NEAR:
-            self._last = _Answer(program, goal, x.copy(), work)
+            self._last = _Answer(program, goal.evened(0.0), x.copy(), work)
         return SmoothProfile(x, u, free)
 
     def _packed(self, program: SmoothProgram) -> PathRows:

@@ -20,6 +20,8 @@ needs 1 there, and more only overstepped limits inside the first segment, whose 
 
 START = "constant jerk from rest"
 
+BETWEEN_NODES = "speed between nodes"
+
 SAME_ROW = 1e-12
 """Share by which the row of a limit may differ from that of a torque whose rate is limited: rounding."""
 
@@ -101,6 +103,25 @@ class _Rows:
         self.weight = np.append(self.weight, 0.0)
         self.names.append(name)
 
+    def stay_below(self, step: Array, problem: SampleProblem) -> None:
+        """Add that the control points of x, a quadratic spline, keep the limits of speed: then so does all of x.
+
+        Without it x could stand at its limit at the nodes and u jump to and fro between them at no cost.
+
+        Args:
+            step: Length of each segment, Shape (n - 1,).
+            problem: Rows at the nodes.
+        """
+        share = problem.cap_share
+        if not share.shape[1]:
+            return
+        middle = np.max((share[:-1] + share[1:]) / 2, axis=1)
+        column = np.zeros((len(share), 1, self.map.shape[2]))
+        column[:-1, 0, -2], column[:-1, 0, -1] = middle * step, middle
+        upper = np.ones((len(share), 1))
+        upper[-1] = np.inf
+        self._add(column, np.zeros((len(share), 1)), upper, 1.0, BETWEEN_NODES)
+
     def start_gently(self, sigma: Array, rests: tuple[bool, bool]) -> None:
         """Add |σ̈| <= FROM_REST σ̇² / length at the first two and the last two nodes, where the path is at rest there.
 
@@ -133,6 +154,7 @@ def path_program(
     weights: Array | None = None,
     ends: tuple[float | None, float | None] = (None, None),
     end_free: tuple[Array | None, Array | None] = (None, None),
+    third: Array | None = None,
 ) -> SmoothProgram:
     """One program over all nodes of a path, for all loads at once: x and u in common, wrenches for each.
 
@@ -148,9 +170,11 @@ def path_program(
         ends: x at the first and the last node where it is given.
         end_free: [F] of all loads there, likewise. There the cell is at rest, so that rows have one value: whether it
             keeps its limits is the caller's question.
+        third: q''' at both ends of every segment, Shape (n - 1, 2, m); None takes it from q' and q'' at the nodes.
     """
     parts = [_rows(cell, path, problem, rates, weights) for problem in problems]
     parts[0].start_gently(path.object.time, (ends[0] is None, ends[1] is None))
+    parts[0].stay_below(np.diff(path.object.time), problems[0])
     for rows, problem in zip(parts[1:], problems[1:], strict=True):  # they bound x alone, whatever the load
         rows.lower[:, : len(problem.is_cap)][:, problem.is_cap] = -np.inf
         rows.upper[:, : len(problem.is_cap)][:, problem.is_cap] = np.inf
@@ -185,7 +209,7 @@ def path_program(
         weight=joined("weight"),
         q1=path.dq[:, limited],
         q2=path.ddq[:, limited],
-        q3=third_derivatives(step, path.dq[:, limited], path.ddq[:, limited]),
+        q3=(third_derivatives(step, path.dq, path.ddq) if third is None else third)[..., limited],
         jerk=rates.jerk[limited],
         names=tuple(name for rows in parts for name in rows.names),
         joints=tuple(np.array(joint_names(cell))[limited].tolist()),

@@ -109,6 +109,12 @@ class SmoothProgram:
             jerk=self.jerk * (1 - share),
         )
 
+    def without_jerks(self) -> Self:
+        """The same program without limits of jerk, which x and u keep or not, whatever the torques."""
+        n = self.nodes
+        nothing = np.zeros((n, 0))
+        return replace(self, q1=nothing, q2=nothing, q3=np.zeros((n - 1, 2, 0)), jerk=np.zeros(0), joints=())
+
     def values(self, x: Array, u: Array, free: Array) -> Array:
         """Values v of every row, Shape (n, r).
 
@@ -179,17 +185,27 @@ class SmoothProgram:
 
 @dataclass(frozen=True)
 class Goal:
-    """What a timing is to be: the least of time · duration + effort · effort, within a duration.
+    """What a timing is to be: the least of time · duration + effort · effort + uneven · Σ (Δu)² / h, within a duration.
 
     Attributes:
         time: Weight of the duration [1/s].
         effort: Weight of the effort; 0 leaves it out.
         longest: Largest duration, None for any [s].
+        uneven: Weight of the jumps of u between nodes: without any, u may jump to and fro where x stands at a limit.
     """
 
     time: float = 1.0
     effort: float = 0.0
     longest: float | None = None
+    uneven: float = 0.0
+
+    def evened(self, uneven: float) -> "Goal":
+        """The same goal with another weight of the jumps of u.
+
+        Args:
+            uneven: The weight.
+        """
+        return replace(self, uneven=uneven)
 
     def in_units_of(self, unit: float) -> "Goal":
         """The same goal for a program in other units; see `SmoothProgram.in_units_of`.
@@ -198,7 +214,8 @@ class Goal:
             unit: > 0 [1/s²].
         """
         root = float(np.sqrt(unit))
-        return Goal(self.time / root, self.effort / root, None if self.longest is None else self.longest * root)
+        longest = None if self.longest is None else self.longest * root
+        return Goal(self.time / root, self.effort / root, longest, self.uneven * unit**2)
 
 
 @dataclass(frozen=True)

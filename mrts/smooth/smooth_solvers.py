@@ -60,27 +60,33 @@ class CheckedSolver:
     Attributes:
         name: In `SMOOTH_SOLVERS`.
         fallbacks: Programs that Clarabel had to solve instead.
+        steps: Steps that were found.
     """
 
     name: str = DEFAULT_SMOOTH_SOLVER
     fallbacks: int = 0
+    steps: int = 0
     _made: dict[str, SmoothSolver] = field(default_factory=dict)
 
     def step(self, program: SmoothProgram, around: Array, goal: Goal) -> SmoothProfile | None:
         """See `SmoothSolver.step`; what it returns keeps the limits of the program."""
-        return self._asked(lambda solver: solver.step(program, around, goal), lambda found: _kept(program, found))
+        found = self._asked(lambda solver: solver.step(program, around, goal), lambda found: _kept(program, found))
+        self.steps += found is not None
+        return found
 
     def near(self, program: SmoothProgram, around: Array, goal: Goal) -> SmoothProfile | None:
         """See `NearSolver.near`; what it returns keeps the limits, and it is None where the solver cannot."""
         solver = self._solver(self.name)
         found = solver.near(program, around, goal) if isinstance(solver, NearSolver) else None
-        return found if found is not None and _kept(program, found) else None
+        if found is None or not _kept(program, found):
+            return None
+        self.steps += 1
+        return found
 
     def torques(self, program: SmoothProgram, x: Array, u: Array) -> Array | None:
-        """See `SmoothSolver.torques`; what it returns keeps the limits of the program."""
-        return self._asked(
-            lambda solver: solver.torques(program, x, u), lambda free: program.excess(x, u, free) <= KEPT
-        )
+        """See `SmoothSolver.torques`; what it returns keeps the limits of the program that torques can keep."""
+        rows = program.without_jerks()
+        return self._asked(lambda solver: solver.torques(rows, x, u), lambda free: rows.excess(x, u, free) <= KEPT)
 
     def _asked(self, ask: Callable[[SmoothSolver], Answer | None], kept: Callable[[Answer], bool]) -> Answer | None:
         for name in dict.fromkeys((self.name, FALLBACK)):

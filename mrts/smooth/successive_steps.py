@@ -14,6 +14,9 @@ from mrts.smooth.smooth_solvers import KEPT, CheckedSolver
 CONVERGED = 1e-4
 """Share of the cost by which a step must lower it, or it was the last."""
 
+EVEN = 1e-3
+"""Share of the cost that the jumps of u count for where they are largest; it costs 1e-5 of the duration."""
+
 MOST_STEPS = 60
 """Steps after which the profile is taken as it is: every one keeps all limits."""
 
@@ -92,10 +95,14 @@ def successive_steps(
         return found
     if goal.longest is not None:
         fast = _descent(program, found, Goal(), solver, told, enough=goal.longest)
-        if fast.costs[-1] > goal.longest:
-            return TooLong(fast.costs[-1])
+        duration = cost(program, fast.profile, Goal())
+        if duration > goal.longest:
+            return TooLong(duration)
         found = solver.step(program, fast.profile.x, goal) or fast.profile
-    return _descent(program, found, goal, solver, told)
+    best = _descent(program, found, goal, solver, told)
+    uneven = EVEN * best.costs[-1] / max(_jumps(program, best.profile), np.finfo(float).tiny)
+    even = _descent(program, best.profile, goal.evened(uneven), solver, told)
+    return StepsTaken(even.profile, (*best.costs, *even.costs[1:]), best.gain)
 
 
 def _descent(
@@ -168,7 +175,7 @@ def _by_relaxation(program: SmoothProgram, likely: Array) -> Array | RatesTooSma
 
 
 def cost(program: SmoothProgram, profile: SmoothProfile, goal: Goal) -> float:
-    """What a profile costs: the weighted sum of its duration and its effort.
+    """What a profile costs: the weighted sum of its duration, its effort and its jumps of u.
 
     Args:
         program: The program.
@@ -176,4 +183,11 @@ def cost(program: SmoothProgram, profile: SmoothProfile, goal: Goal) -> float:
         goal: The weights.
     """
     spent = goal.time * float(np.sum(program.times(profile.x)))
-    return spent + (goal.effort * program.effort(profile.x, profile.u, profile.free) if goal.effort else 0.0)
+    if goal.effort > 0:
+        spent += goal.effort * program.effort(profile.x, profile.u, profile.free)
+    return spent + goal.uneven * _jumps(program, profile)
+
+
+def _jumps(program: SmoothProgram, profile: SmoothProfile) -> float:
+    """Σ (Δu)² / h."""
+    return float(np.sum(np.diff(profile.u) ** 2 / program.step))

@@ -159,11 +159,11 @@ def test_the_command_line_keeps_rates(capsys, tmp_path):
     ("options", "message"),
     [
         (["--rates"], "the cell 'planar_dual_arm' limits no rate"),
-        (["--rates", "0"], "rates = 0.0: must be True, or a number > 0"),
-        (["--rates", "-2"], "rates = -2.0"),
-        (["--rates", "nan"], "rates = nan"),
-        (["--rates", "3", "--distribute", "reserve"], "distribute = 'reserve': with rates it must be 'least-torque'"),
-        (["--rates", "3", "--formulation", "torque"], "formulation = 'torque': with rates it must be 'wrench'"),
+        (["--rates", "0"], "--rates = '0': must be a number > 0"),
+        (["--rates", "-2"], "--rates = '-2'"),
+        (["--rates", "nan"], "--rates = 'nan'"),
+        (["--rates", "3", "--distribute", "reserve"], "--distribute = 'reserve': does not go with limits of rates"),
+        (["--rates", "3", "--formulation", "torque"], "--formulation = 'torque': the constant profile within rates"),
         (["--rates", "3", "--profile", "optimal"], "--rates"),
     ],
 )

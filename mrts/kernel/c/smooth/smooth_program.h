@@ -11,7 +11,8 @@
  *
  * with Dt_k = 2 step / (sqrt(x_k) + sqrt(x_(k+1))). What is not convex is replaced by what is stricter and touches it
  * at the profile `around`: Dt and 1 / sqrt(x) by their tangents, root sqrt(x) by its own where it presses towards a limit.
- * The least of time * duration + effort * sum of spacing weight v^2 / sqrt(x) is looked for.
+ * The least of time * duration + effort * sum of spacing weight v^2 / sqrt(x) + uneven * sum of (u_(k+1) - u_k)^2 / step
+ * is looked for.
  *
  * Each one-sided constraint has a slot: g <= 0 in units of its limit, a slack s and a multiplier, which is 0 where there
  * is no limit.
@@ -44,6 +45,7 @@ typedef struct {
     double time;
     double effort;
     double longest;      /* of the duration, MRTS_INFINITY where there is none */
+    double uneven;       /* weight of the sum of (u_(k+1) - u_k)^2 / step, which leaves no u to jump to and fro for nothing */
     const double *step;   /* (n - 1) */
     const double *square; /* (n, r), as rate, root, offset, lower, upper */
     const double *rate;

@@ -41,7 +41,14 @@ MRTS_LOCAL double mrts_smooth_objective(const mrts_smooth_program *p, mrts_smoot
             for (int l = 0; l < p->count[j]; ++l) f[l] += along * e[l];
         }
     }
-    return p->time / state->unit * total + effort;
+    double uneven = 0;
+    for (int k = 0; k < n - 1; ++k) {
+        const double by = p->uneven / (state->unit * p->step[k]), jump = state->u[k + 1] - state->u[k];
+        uneven += by * jump * jump;
+        gu[k] -= 2 * by * jump;
+        gu[k + 1] += 2 * by * jump;
+    }
+    return p->time / state->unit * total + effort + uneven;
 }
 
 /* Of a node: its rows' slots, the effort, and the bend of what replaces roots. */
@@ -162,6 +169,10 @@ MRTS_LOCAL void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_sta
         const long long at = (long long)k * slots + 2 * p->rows;
         for (int i = 0; i < 4; ++i) state->segment_second[4 * k + i] = 0;
         mrts_smooth_time_second(p, state, time, k);
+        const double even = 2 * p->uneven / (state->unit * p->step[k]);
+        state->node_second[3 * k + 2] += even;
+        state->node_second[3 * k + 5] += even;
+        state->segment_second[4 * k + 3] -= even;
         mrts_smooth_change_second(p, state, weight + at, k);
         mrts_smooth_jerk_second(p, state, weight + at + 2 * p->changes, k);
     }
