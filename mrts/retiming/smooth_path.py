@@ -209,7 +209,7 @@ def _only(motion: CoordinatedMotion, chosen: NDArray[np.bool_] | NDArray[np.int_
     )
 
 
-def smooth_path(given: FineMotion, piece: PathPiece, end_speeds: tuple[float, float]) -> SmoothPath:
+def smooth_path(given: FineMotion, piece: PathPiece, end_speeds: tuple[float, float], slower: float) -> SmoothPath:
     """A piece by σ, the time in which a quintic from stop to stop goes its way.
 
     Where it is at rest q' = q'' = 0 by σ: q goes with σ³, as from rest with a limited rate it goes with t³, so that ṡ²
@@ -219,11 +219,12 @@ def smooth_path(given: FineMotion, piece: PathPiece, end_speeds: tuple[float, fl
         given: The motion.
         piece: A piece of it by arc length, K samples.
         end_speeds: At the start and at the end of the whole motion.
+        slower: The σ that the piece takes, as a multiple of the time that it is given.
     """
     own = slice(piece.first, piece.first + len(piece.speed))
     time, nodes = given.motion.object.time[own], np.flatnonzero(given.is_node[own])
     at_rest, path = stops(piece, end_speeds), piece.path
-    s, duration = path.object.time, float(time[-1] - time[0])
+    s, duration = path.object.time, slower * float(time[-1] - time[0])
     z = QUINTICS[at_rest].inverse(s / s[-1])
     first, second, third = (s[-1] / duration**order * QUINTICS[at_rest].at(z, order) for order in (1, 2, 3))
     for place, stopped in zip((0, -1), at_rest, strict=True):

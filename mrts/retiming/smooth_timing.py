@@ -16,6 +16,7 @@ from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import TimedPiece
 from mrts.retiming.smooth_path import SmoothPath, fine_motion, joined_at_stops, smooth_path
 from mrts.retiming.smooth_piece import SmoothPiece, smooth_pieces
+from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.torque_distribution import torque_weights
 from mrts.scaling.result import ScalingResult
@@ -29,7 +30,7 @@ NARROWING = 1e-6
 """Of each limit, as a share of it, in the timing: what it leaves for the torques has an inside then."""
 
 UNBOUNDED = 1e-6
-"""A timing in less than this share of the given duration is one that nothing limits."""
+"""A timing in less than this share of the usual duration is one that nothing limits."""
 
 ON_TIME = 1e-3
 """Share of the longest duration that a motion with stops may stay below it: what weighs time and energy is searched."""
@@ -64,6 +65,14 @@ class SmoothQuestion:
     end_torques: tuple[Array | None, Array | None]
     fastest: float | None
     solver: CheckedSolver
+
+    @property
+    def usual(self) -> float:
+        """A duration of the size of the answer, whatever the given one is: what σ is measured in [s]."""
+        best, given = self.constant.trajectory, float(self.constant.motion.object.time[-1])
+        if best is None or self.constant.status is RangeStatus.UNBOUNDED:
+            return given if self.fastest is None else self.fastest
+        return best.duration
 
     @property
     def weights(self) -> Array:
@@ -118,7 +127,7 @@ def smooth_timing(
     timed = _timed(question, parts, progress)
     if isinstance(timed, RatesTooSmall | TooLong):
         return _none(question, motion, *_why(question, timed))
-    if sum(_duration(one) for one in timed) < UNBOUNDED * motion.object.time[-1]:
+    if sum(_duration(one) for one in timed) < UNBOUNDED * question.usual:
         why = "nothing limits the speed. Give velocity limits, or limits of torque rates or jerk."
         return _none(question, motion, RetimingStatus.UNBOUNDED, why)
     done = _none(question, motion, RetimingStatus.LOCALLY_OPTIMAL, "")
@@ -140,7 +149,8 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
     _check_ends(question, pieces[0].rests[0], pieces[-1].rests[1])
     time, parts = motion.object.time, []
     held: Array | None = None
-    paths = [smooth_path(fine, given, question.end_speeds) for given in pieces]
+    usual = question.usual / float(time[-1])
+    paths = [smooth_path(fine, given, question.end_speeds, usual) for given in pieces]
     for number, piece in enumerate(joined_at_stops(paths)):
         first, last = number == 0, number == len(pieces) - 1
         problems = [question.problem(piece, load) for load in question.loads]
@@ -160,7 +170,7 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
             (start, held),
             piece.third_at_nodes,
         )
-        likely = _likely(question, piece, program, before[number] if before else None, float(time[-1]))
+        likely = _likely(question, piece, program, before[number] if before else None)
         parts.append(_Part(piece, program.narrowed(NARROWING), likely))
     return parts
 
@@ -193,12 +203,10 @@ def _ends(piece: SmoothPath, end_speeds: tuple[float, float]) -> tuple[float | N
     return first, last
 
 
-def _likely(
-    question: SmoothQuestion, piece: SmoothPath, program: SmoothProgram, before: SmoothPiece | None, given: float
-) -> Array:
+def _likely(question: SmoothQuestion, piece: SmoothPath, program: SmoothProgram, before: SmoothPiece | None) -> Array:
     """X around which the first step is taken."""
     if before is None:
-        x = np.full(program.nodes, 1.0 if question.fastest is None else (given / question.fastest) ** 2)
+        x = np.full(program.nodes, 1.0 if question.fastest is None else (question.usual / question.fastest) ** 2)
     else:
         x = np.interp(piece.path.object.time, before.piece.path.object.time, before.x)
     for place, known in zip((0, -1), program.ends, strict=True):

@@ -10,6 +10,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.limits import all_rows
 from mrts.limits.rows import TORQUE_SPEED, RowName
+from mrts.samples.motor_terms import motor_terms
 from mrts.smooth.rate_limits import RateLimits, given_rate_limits, rate_names
 
 if TYPE_CHECKING:
@@ -179,7 +180,9 @@ def rate_uses(done: "ScaledTrajectory", kept: RateLimits | None) -> list[RateUse
 def _rates(done: "ScaledTrajectory", kept: RateLimits | None) -> Iterator[tuple[tuple[RowName, ...], Array, Array]]:
     """Torque rates, wrench rates and jerks: names, values between the samples, Shape (N - 1, k), limits, Shape (k,)."""
     limits, steps = given_rate_limits(done.cell) if kept is None else kept, np.diff(done.time)[:, None]
-    quantities = (done.torque, limits.torque), (done.wrench, limits.wrench), (done.ddq, limits.jerk)
+    motors = motor_terms(done.cell, done.motion)
+    torque = done.torque if motors is None else done.torque - motors.dry  # dry friction steps: no timing changes that
+    quantities = (torque, limits.torque), (done.wrench, limits.wrench), (done.ddq, limits.jerk)
     for names, (values, of_kind) in zip(rate_names(done.cell), quantities, strict=True):
         yield names, np.diff(values, axis=0) / steps, of_kind
 

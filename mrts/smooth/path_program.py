@@ -9,6 +9,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.samples.motor_terms import motor_terms
 from mrts.samples.sample_problem import SampleProblem
 from mrts.smooth.program import SmoothProgram
 from mrts.smooth.rate_limits import RateLimits
@@ -67,6 +68,8 @@ class _Rows:
     def limited(self, terms: tuple[Array, Array | None, Array], place: int, size: float, name: str) -> int:
         """The row of a torque or a wrench component, with its offset; one without limits is added if there is none.
 
+        One is added too where another offset would change how fast a row with a limited rate changes.
+
         Args:
             terms: Map, root and offset of all torques or wrench components.
             place: Which of them.
@@ -76,6 +79,9 @@ class _Rows:
         column, offset = terms[0][:, place], terms[2][:, place]
         root = np.zeros(len(column)) if terms[1] is None else terms[1][:, place]
         row = self.place_of(column)
+        if row is not None and np.isfinite(self.change[row]):
+            apart = offset / self.unit[row] - self.offset[:, row]
+            row = row if np.ptp(apart) <= SAME_ROW * float(np.max(np.abs(apart))) else None
         if row is None:
             row = self.map.shape[1]
             nothing = np.full((len(column), 1), np.inf)
@@ -122,6 +128,9 @@ class _Rows:
         At such an end no torque depends on σ̇: its rows leave σ̇ free, and a profile that falls within the first segment
         would gain time by a jerk that rows at nodes do not see.
 
+        Elsewhere add σ̇² + h σ̈ >= 0 with the step h that follows. That is the middle one of the three Bernstein
+        coefficients of σ̇² on a segment, its ends are the others, and a polynomial is positive where they are.
+
         Args:
             sigma: σ at the nodes, Shape (n,).
             rests: Whether the path is at rest at its start, and at its end.
@@ -129,9 +138,10 @@ class _Rows:
         n, near = len(sigma), np.repeat(rests, 2)
         nodes = np.array([0, 1, n - 2, n - 1])[near]
         for sign in (1.0, -1.0):
-            column = np.zeros((n, 1, self.map.shape[2]))
+            column, upper = np.zeros((n, 1, self.map.shape[2])), np.full((n, 1), np.inf)
+            if sign < 0:
+                column[:-1, 0, -2], column[:-1, 0, -1], upper[:-1] = -np.diff(sigma), -1.0, 0.0
             column[nodes, 0, -2], column[nodes, 0, -1] = sign * sigma[-1] / FROM_REST, -1.0
-            upper = np.full((n, 1), np.inf)
             upper[nodes] = 0.0
             self._add(column, np.zeros((n, 1)), upper, 1.0, START)
 
@@ -148,6 +158,9 @@ def path_program(
 ) -> SmoothProgram:
     """One program over all nodes of a path, for all loads at once: x and u in common, wrenches for each.
 
+    Rates are those of torques without dry friction, which steps where a joint turns back or leaves rest: no timing
+    changes that, and as a change from node to node it would allow the less speed the more nodes there are.
+
     Args:
         cell: The cell.
         path: q, q', q'' at n nodes, with σ for time.
@@ -159,7 +172,7 @@ def path_program(
             keeps its limits is the caller's question.
         third: q''' at both ends of every segment, Shape (n - 1, 2, m); None takes it from q' and q'' at the nodes.
     """
-    parts = [_rows(cell, problem, rates, weights) for problem in problems]
+    parts = [_rows(cell, path, problem, rates, weights) for problem in problems]
     parts[0].start_gently(path.object.time, (ends[0] is None, ends[1] is None))
     parts[0].stay_below(np.diff(path.object.time), problems[0])
     for rows, problem in zip(parts[1:], problems[1:], strict=True):  # they bound x alone, whatever the load
@@ -229,7 +242,9 @@ def third_derivatives(step: Array, dq: Array, ddq: Array) -> Array:
     return np.stack([rise - 4 * start - 2 * end, -rise + 2 * start + 4 * end], axis=1)
 
 
-def _rows(cell: Cell, problem: SampleProblem, rates: RateLimits, weights: Array | None) -> _Rows:
+def _rows(
+    cell: Cell, path: CoordinatedMotion, problem: SampleProblem, rates: RateLimits, weights: Array | None
+) -> _Rows:
     rows = _Rows(
         map=problem.A,
         root=np.zeros(problem.lower.shape) if problem.speed is None else problem.speed,
@@ -242,10 +257,12 @@ def _rows(cell: Cell, problem: SampleProblem, rates: RateLimits, weights: Array 
         names=[str(name) for name in problem.names],
     )
     torques = (problem.torque_map, problem.torque_speed, problem.torque_offset)
+    motors = motor_terms(cell, path)
+    without_dry = torques if motors is None else (*torques[:2], torques[2] - motors.dry)
     wrenches = (problem.wrench_map, None, problem.wrench_offset)
     components = [f"{robot.name}/{part}" for robot in cell.robots for part in cell.wrench_components]
     for terms, limits, names in (
-        (torques, rates.torque, [f"{joint} torque" for joint in joint_names(cell)]),
+        (without_dry, rates.torque, [f"{joint} torque" for joint in joint_names(cell)]),
         (wrenches, rates.wrench, [f"{component} contact wrench" for component in components]),
     ):
         for place in np.flatnonzero(np.isfinite(limits)).tolist():

@@ -40,18 +40,19 @@ class RatedFactor:
         for terms in self.terms:
             unit = np.abs(terms["Q"]).max() + np.abs(terms["P"]).max() * c**2  # of wrenches, for Clarabel
             F = [unit * cp.Variable(len(push)) for _ in time]
-            torques = []
+            torques = []  # without dry friction, which steps where a joint turns back or leaves rest
             for k, one in enumerate(F):
                 of_arms = [
                     terms["J"][k][:, joints].T @ one[self.cell.wrench_slices[name]]
                     for name, joints in self.cell.joint_slices.items()
                 ]
                 own = terms["E"][k] * c**2 + terms["G"][k] + self.motors["armature"] * self.motion.ddq[k] * c**2
-                own = own + self.motors["viscous"] * dq[k] * c + self.motors["coulomb"] * travel[k]
+                own = own + self.motors["viscous"] * dq[k] * c
                 torque = own + cp.hstack(of_arms)
                 balance = sum(terms["B"][k][:, part] @ one[part] for part in self.cell.wrench_slices.values())
                 constraints.append(balance / unit == (terms["P"][k] * c**2 + terms["Q"][k]) / unit)
-                constraints += within(torque, low, high, worst) + within(one, push, pull, worst)
+                dry = self.motors["coulomb"] * travel[k]
+                constraints += within(torque + dry, low, high, worst) + within(one, push, pull, worst)
                 torques.append(torque)
             for values, most in ((torques, self.rates.torque), (F, self.rates.wrench)):
                 kept = np.isfinite(most)

@@ -6,14 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from gantries import along_x, gantries, there_and_back
+from gantries import along_x, gantries, there_and_back, uphill_gantries
 
 import mrts
-from mrts.retiming.smooth_excess import smooth_excess
+from mrts.smooth.path_program import START
 
 RATES = 11.5
 KEPT = 1e-6
 """Share of a limit: the solver's own tolerance is less, differences of a table add rounding."""
+
+SAME_PATH = 1e-5
+"""Share of the duration: the path of the same motion given faster or slower has nodes that rounding moves."""
 
 NEAR_FASTEST = 5e-3
 """Share of the duration by which nodes in σ and samples by arc length differ: the fastest timing has its own."""
@@ -218,11 +221,39 @@ def test_a_joint_without_a_torque_limit_needs_a_rate(tmp_path):
         mrts.retime(replace(cell, robots=(endless, cell.robots[1])), along_x(), rates=RATES)
 
 
-def test_one_place_between_nodes_may_be_doubtful_by_itself(smooth, monkeypatch):
-    def one_passes(_problem, unknowns):
-        over = np.zeros(len(unknowns))
-        over[7] = 1.0  # by linear wrenches; the best ones keep all limits
-        return over, np.full(len(unknowns), None, dtype=object)
+def test_the_given_duration_is_no_matter(planar_cell, lift):
+    """It only says how the samples are spaced: the timing is the same for the path in a day and in a microsecond."""
+    best = mrts.retime(planar_cell, lift, rates=RATES, between=None)
+    for slower in (1e6, 1e-5):
+        given = replace(
+            lift, time=slower * lift.time, twist=lift.twist / slower, acceleration=lift.acceleration / slower**2
+        )
+        again = mrts.retime(planar_cell, given, rates=RATES, between=None)
+        assert again.duration == pytest.approx(best.duration, rel=SAME_PATH), again.explanation
 
-    monkeypatch.setattr("mrts.retiming.smooth_excess._row_excess", one_passes)
-    assert smooth_excess(smooth, 1e-4).worst.share < 1e-4
+
+def test_the_speed_is_positive_between_nodes(planar_cell, lift):
+    """Rows at nodes alone would let σ̇² fall below 0 between two of them."""
+    part = mrts.retime(planar_cell, lift, rates=RATES, between=None).pieces[0]
+    x, u, middle = part.x.copy(), np.zeros(len(part.x)), len(part.x) // 2
+    free, h = part.steps.profile.free, part.program.step[middle]
+    u[middle] = -1.01 * x[middle] / h
+    names = part.program.names
+    row = max(place for place, name in enumerate(names) if name == START)
+    over = part.program.values(x, u, free) - part.program.upper
+    assert over[middle, row] > 0
+    assert np.all(np.delete(over[:, row], middle) <= 0)
+
+
+def test_dry_friction_that_turns_round_slows_nothing_down(tmp_path):
+    """It steps at any speed: were it counted from node to node, more nodes would allow less speed."""
+    cell = uphill_gantries(tmp_path, viscous=0.0, coulomb=np.array([0.5, 0, 0]))
+    coarse, fine = (mrts.scale(cell, along_x(n, profile="quintic"), rates=3.0, between=None) for n in (101, 801))
+    assert fine.trajectory.c == pytest.approx(coarse.trajectory.c, rel=1e-2)
+    there = mrts.retime(cell, there_and_back(0.5), rates=3.0)
+    done, stop = there.retimed.trajectory, there.pieces[1].piece.first
+    np.testing.assert_allclose(done.torque[stop, [0, 3]], 18.0, rtol=1e-6)  # what holds still
+    friction = 0.5 * np.sign(done.dq)
+    friction[[0, -1]] = friction[[1, -2]]
+    change = np.diff(done.torque - friction, axis=0)[:, [0, 3]] / np.diff(done.time)[:, None]
+    assert np.max(np.abs(change)) <= 3.0 * 20 * (1 + KEPT)
