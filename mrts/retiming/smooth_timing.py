@@ -26,7 +26,7 @@ from mrts.smooth.rate_limits import RateLimits
 from mrts.smooth.smooth_solvers import CheckedSolver
 from mrts.smooth.successive_steps import RatesTooSmall, TooLong, successive_steps
 
-NARROWING = 1e-6
+NARROWING = 1e-5
 """Of each limit, as a share of it, in the timing: what it leaves for the torques has an inside then."""
 
 UNBOUNDED = 1e-6
