@@ -14,7 +14,7 @@ from mrts.retiming.retimed_motion import FastestPiece, TimedPiece
 from mrts.retiming.smooth_path import SmoothPath
 from mrts.smooth.program import Goal, SmoothProgram
 from mrts.smooth.rate_limits import RateLimits
-from mrts.smooth.successive_steps import StepsTaken
+from mrts.smooth.successive_steps import CONVERGED, StepsTaken
 
 BINDING = 1e-4
 """A limit binds where it is reached to this share: interior points come near limits, not to them."""
@@ -95,7 +95,7 @@ class SmoothAnswer:
         bound: Duration of the fastest timing without limits of rates, below which none is, as exact as the samples of
             both; None if nothing bounds it [s].
         steps: Convex programs solved, for all pieces and in all rounds of refinement.
-        gain: Share by which the last of them lowered the cost.
+        gain: Share by which the last of them lowered the cost; None where no solver took a last one.
         fallbacks: Programs that the chosen solver did not solve and Clarabel did.
         fastest: The path with its fastest timing without limits of rates; empty if nothing bounds it.
     """
@@ -105,13 +105,19 @@ class SmoothAnswer:
     duration: float | None
     bound: float | None
     steps: int
-    gain: float
+    gain: float | None
     fallbacks: int
     fastest: tuple[FastestPiece, ...] = ()
 
     def __str__(self) -> str:
         count = "1 step" if self.steps == 1 else f"{self.steps} steps"
-        text = f"It is a local optimum, found in {count}, of which the last gained {100 * self.gain:.2g} %"
+        text = f"It is a local optimum, found in {count}, of which the last gained {100 * (self.gain or 0.0):.2g} %"
+        if self.gain is None:
+            text = f"It was found in {count}, after which no solver took another: a better one may be near"
+        elif self.gain >= CONVERGED:
+            text = (
+                f"It was found in {count}, the last of which gained {100 * self.gain:.2g} %: a better one is near"
+            )
         if self.bound is None:
             return text
         if self.duration is not None and self.duration <= self.bound:

@@ -111,7 +111,7 @@ def _answer(question: SmoothQuestion, fastest: RetimingResult, found: RetimingRe
         duration=sum(float(np.sum(part.segment_times)) for part in pieces) if pieces else None,
         bound=question.fastest,
         steps=question.solver.steps,
-        gain=max((one.gain for one in steps), default=0.0),
+        gain=None if any(one.gain is None for one in steps) else max((one.gain or 0.0 for one in steps), default=0.0),
         fallbacks=question.solver.fallbacks,
         fastest=fastest_pieces(fastest.pieces),
     )

@@ -40,12 +40,12 @@ class StepsTaken:
     Attributes:
         profile: The last profile.
         costs: Of every profile in turn, falling.
-        gain: Share of the cost by which the last step lowered it; 0 where it did not.
+        gain: Share of the cost by which the last step lowered it, 0 where it did not; None where no solver took it.
     """
 
     profile: SmoothProfile
     costs: tuple[float, ...]
-    gain: float
+    gain: float | None
 
 
 @dataclass(frozen=True)
@@ -118,8 +118,10 @@ def _descent(
     told(1, costs[-1])
     while len(costs) < MOST_STEPS and costs[-1] > enough and gain >= CONVERGED:
         better = solver.step(program, found.x, goal)
-        gain = 0.0 if better is None else max(1 - cost(program, better, goal) / costs[-1], 0.0)
-        if better is not None and gain > 0:
+        if better is None:
+            return StepsTaken(found, tuple(costs), None)
+        gain = max(1 - cost(program, better, goal) / costs[-1], 0.0)
+        if gain > 0:
             found = better
             costs.append(cost(program, found, goal))
             told(len(costs), costs[-1])
