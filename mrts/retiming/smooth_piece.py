@@ -115,9 +115,7 @@ class SmoothAnswer:
         if self.gain is None:
             text = f"It was found in {count}, after which no solver took another: a better one may be near"
         elif self.gain >= CONVERGED:
-            text = (
-                f"It was found in {count}, the last of which gained {100 * self.gain:.2g} %: a better one is near"
-            )
+            text = f"It was found in {count}, the last of which gained {100 * self.gain:.2g} %: a better one is near"
         if self.bound is None:
             return text
         if self.duration is not None and self.duration <= self.bound:
