@@ -9,8 +9,8 @@ from types import FrameType
 SOON = 0.02
 """Until an interrupt inside CasADi is tried again [s]."""
 
-AGAIN = 0.2
-"""Until an interrupt that somebody swallowed is raised again [s]: longer than tidying up takes."""
+AGAIN = 0.5
+"""Until an interrupt that somebody swallowed is raised again [s]: longer than tidying up takes on a busy machine."""
 
 LIKE_INTERRUPT = (signal.SIGTERM, signal.SIGHUP)
 """End the work as Ctrl-C does, with files tidied up; SIGHUP comes when a terminal is closed."""
