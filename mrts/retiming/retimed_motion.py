@@ -163,12 +163,12 @@ def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMot
         )
         travel = _directions(path)[:, side]
         piece = CoordinatedMotion(there, path.q[side], path.dq[side], path.ddq[side], travel=travel)
-        motions.append(retimed(piece, np.sqrt(x[side]), x[side], rate))
+        motions.append(_retimed(piece, np.sqrt(x[side]), x[side], rate))
     return motions[0], motions[1]
 
 
-def path_between(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedMotion:
-    """The path inside the segments, its rates on the polynomials of `velocity_polynomials`.
+def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedMotion:
+    """The retimed motion inside the segments, dq/ds on the polynomials of `velocity_polynomials`.
 
     Args:
         cell: The cell.
@@ -176,35 +176,17 @@ def path_between(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedMoti
         places: Where in each segment, in (0, 1), Shape (p,).
 
     Returns:
-        The path at p (n - 1) samples, segment after segment, with the path parameter for time.
+        The motion at p (n - 1) samples, segment after segment; its time is the path parameter s.
     """
     path, step = part.piece.path, part.piece.step
     s = (path.object.time[:-1, None] + step[:, None] * places).ravel()
     q, dq, ddq = velocity_polynomials(path.object.time, (path.q, path.dq, path.ddq), s)
-    return carried_by_first(cell, s - s[0], q, dq, ddq, smooth=False)
-
-
-def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedMotion:
-    """The retimed motion inside the segments; its time is the path parameter.
-
-    Args:
-        cell: The cell.
-        part: A piece of n samples.
-        places: Where in each segment, in (0, 1), Shape (p,).
-    """
     x, rate = part.inside(places)
-    return retimed(path_between(cell, part, places), np.sqrt(x), x, rate)
+    return _retimed(carried_by_first(cell, s - s[0], q, dq, ddq, smooth=False), np.sqrt(x), x, rate)
 
 
-def retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> CoordinatedMotion:
-    """Samples of a path at their speeds; the time stays that of the path.
-
-    Args:
-        path: n samples.
-        speed: Shape (n,).
-        x: Its square.
-        rate: Its derivative in time, Shape (n,).
-    """
+def _retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> CoordinatedMotion:
+    """Samples of a path at their speeds; the time stays that of the path."""
     dq, ddq, twist, acceleration = _played(path, speed, x, rate)
     given = path.object
     carried = ObjectMotion(given.time, given.position, given.rotation, twist, acceleration, smooth=False)

@@ -10,7 +10,7 @@ from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, SolverError
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.retiming.held_wrenches import given_wrenches, stopped_wrenches, unheld
+from mrts.retiming.held_wrenches import GivenTorques, given_wrenches, stopped_wrenches, unheld
 from mrts.retiming.path_pieces import NoPath, closed_piece, path_pieces
 from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import TimedPiece
@@ -38,9 +38,6 @@ ON_TIME = 1e-3
 MOST_WEIGHTS = 30
 """Weights of time that are tried for it."""
 
-Ends = tuple[Array | None, Array | None]
-"""Wrenches of all loads at the start and at the end, where they are given."""
-
 
 @dataclass(frozen=True)
 class SmoothQuestion:
@@ -62,7 +59,7 @@ class SmoothQuestion:
     rates: RateLimits
     goal: Goal
     end_speeds: tuple[float, float]
-    end_torques: tuple[Array | None, Array | None]
+    end_torques: GivenTorques
     fastest: float | None
     solver: CheckedSolver
 
@@ -146,7 +143,7 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
     if isinstance(found, NoPath):
         raise SolverError("a path that could be timed without limits of rates is no path with them: please report it.")
     pieces = [closed_piece(question.constant.cell, piece) for piece in found]
-    _check_ends(question, pieces[0].rests[0], pieces[-1].rests[1])
+    _check_ends(question, (pieces[0].rests[0], pieces[-1].rests[1]))
     time, parts = motion.object.time, []
     held: Array | None = None
     usual = question.usual / float(time[-1])
@@ -184,9 +181,8 @@ def _held(
     return start, end
 
 
-def _check_ends(question: SmoothQuestion, starts_at_rest: bool, ends_at_rest: bool) -> None:  # noqa: FBT001
-    ends = ((starts_at_rest, "start", 0), (ends_at_rest, "end", 1))
-    for rests, name, place in ends:
+def _check_ends(question: SmoothQuestion, at_rest: tuple[bool, bool]) -> None:
+    for place, (name, rests) in enumerate(zip(("start", "end"), at_rest, strict=True)):
         if rests and question.end_speeds[place] > 0:
             rule = "the given motion is at rest there, so no other speed is possible."
             raise InputError(f"{name}_speed", rule, value=question.end_speeds[place])
