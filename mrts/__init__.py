@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from mrts.hands.pad import pad_contact
     from mrts.hands.polytope import rows_contact
     from mrts.hands.suction import suction_contact
+    from mrts.identification.identified_motors import ArmMotors, MotorIdentification, MotorParameter
+    from mrts.identification.identify import identify
     from mrts.limits.rows import ActiveRow, RowName
     from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
     from mrts.motion.joint_table import JointTable
@@ -53,12 +55,10 @@ if TYPE_CHECKING:
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
     from mrts.smooth.rate_limits import RateLimits
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
-    from mrts.studies.identified_motors import ArmMotors, MotorIdentification, MotorParameter
-    from mrts.studies.identify import identify
 
 _HOMES = {
     "ActiveRow": "limits.rows",
-    "ArmMotors": "studies.identified_motors",
+    "ArmMotors": "identification.identified_motors",
     "Branch": "studies.configurations",
     "Cell": "cell.cell",
     "ClosureBound": "coordination.grasp_closure",
@@ -82,8 +82,8 @@ _HOMES = {
     "LoadStudy": "scaling.load_study",
     "MotionDescription": "motion.motion_file",
     "MotionError": "base.errors",
-    "MotorIdentification": "studies.identified_motors",
-    "MotorParameter": "studies.identified_motors",
+    "MotorIdentification": "identification.identified_motors",
+    "MotorParameter": "identification.identified_motors",
     "MrtsError": "base.errors",
     "ObjectMotion": "motion.object_motion",
     "PlanReserve": "samples.reserve",
@@ -110,7 +110,7 @@ _HOMES = {
     "box_contact": "hands.box",
     "follow_object": "coordination.coordinated_motion",
     "gripper_contact": "hands.gripper",
-    "identify": "studies.identify",
+    "identify": "identification.identify",
     "load_cell": "cell.cell",
     "load_motion": "motion.motion_file",
     "load_recording": "motion.joint_recording",

@@ -40,8 +40,8 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Identify the motors."""
+    from mrts.identification.identify import identify
     from mrts.motion.joint_recording import load_recording
-    from mrts.studies.identify import identify
 
     require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
     check_outputs({"--output": options.output}, {"--plot": options.plot})

@@ -11,7 +11,7 @@ from mrts.base.argument_types import as_path
 from mrts.base.atomic_file import Write, write_together
 from mrts.drawing.colours import COLOURS
 from mrts.figures.style import figure_writer, finish, plain, plain_text
-from mrts.studies.identified_motors import ArmMotors, MotorIdentification
+from mrts.identification.identified_motors import ArmMotors, MotorIdentification
 
 ROW_INCHES = 2.0
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Questions about a cell beside one motion: its configurations, ranked; its motors, from recordings.
+"""Many questions about a cell: its configurations, what changes would do, sweeps over its numbers.
 
-May import base to retiming. Start at `configurations.py`.
+May import base to identification. Start at `configurations.py`.
 """

@@ -28,6 +28,7 @@ ROOMS = (
     "smooth",
     "scaling",
     "retiming",
+    "identification",
     "studies",
     "drawing",
     "output",

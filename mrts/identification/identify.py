@@ -12,11 +12,11 @@ from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.coordination.joint_columns import columns_by_joint, meant_instead
+from mrts.identification.identified_motors import ArmMotors, MotorIdentification, MotorParameter
+from mrts.identification.motor_regression import PARAMETERS, JointFit, fit_joint
+from mrts.identification.recorded_motion import RecordedMotion, smoothed_motion
 from mrts.inverse_kinematics.joint_limits import DEGREES_SUSPECTED, PRINTED_TOLERANCE, within_limits
 from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
-from mrts.studies.identified_motors import ArmMotors, MotorIdentification, MotorParameter
-from mrts.studies.motor_regression import PARAMETERS, JointFit, fit_joint
-from mrts.studies.recorded_motion import RecordedMotion, smoothed_motion
 
 CHUNK = 4096
 """Samples whose mass matrices are held at once."""
@@ -39,7 +39,7 @@ def identify(cell: Cell, recording: JointRecording | Path | str, *, cutoff: floa
 
         effort - τ_rb(q, q̇, q̈) = I_a q̈ + b q̇ + τ_c sign(q̇) + offset,  I_a, b, τ_c >= 0
 
-    Positions and efforts go through the same filter without delay (`mrts.studies.recorded_motion`); where a joint is so
+    Positions and efforts go through the same filter without delay (`mrts.identification.recorded_motion`); where a joint is so
     slow that its sign of travel is not known, nothing is asked of it. `motors` that the cell has already are not used.
 
     Args:

@@ -1,0 +1,5 @@
+# SPDX-License-Identifier: MIT
+"""The motors of a cell's arms, found from recordings: rotor inertia and friction.
+
+May import base to retiming. Start at `identify.py`.
+"""
