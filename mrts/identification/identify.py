@@ -39,8 +39,9 @@ def identify(cell: Cell, recording: JointRecording | Path | str, *, cutoff: floa
 
         effort - τ_rb(q, q̇, q̈) = I_a q̈ + b q̇ + τ_c sign(q̇) + offset,  I_a, b, τ_c >= 0
 
-    Positions and efforts go through the same filter without delay (`mrts.identification.recorded_motion`); where a joint is so
-    slow that its sign of travel is not known, nothing is asked of it. `motors` that the cell has already are not used.
+    Positions and efforts go through the same filter without delay (`mrts.identification.recorded_motion`); where a
+    joint is so slow that its sign of travel is not known, nothing is asked of it. `motors` that the cell has already
+    are not used.
 
     Args:
         cell: The cell; of its arms, links and gravity are used.
