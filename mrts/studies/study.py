@@ -11,10 +11,10 @@ from typing import Any, Literal, Self
 import numpy as np
 import yaml
 
-from mrts.base.argument_types import check_type
+from mrts.base.argument_types import as_path, check_type
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_atomically, write_together
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import MAX_URDF_BYTES
 from mrts.base.regular_file import read_regular
 from mrts.kernel.cache_folder import cache_folder
@@ -179,9 +179,16 @@ class Study:
 
         Args:
             point: Values of the parameters, Shape (P,).
+
+        Raises:
+            InputError: If they are something else.
         """
+        values = as_array("point", point)
+        if values.shape != (len(self.parameters),) or not np.all(np.isfinite(values)):
+            rule = f"must be a finite number for each of {', '.join(each.path for each in self.parameters)}."
+            raise InputError("point", rule, value=point)
         files = {"cell": deepcopy(self.cell), "motion": deepcopy(self.motion)}
-        for parameter, value in zip(self.parameters, np.asarray(point, dtype=float).tolist(), strict=True):
+        for parameter, value in zip(self.parameters, values.tolist(), strict=True):
             for target in parameter.targets:
                 set_number(files, target.keys, target.value(value))
         return files["cell"], files["motion"]
@@ -217,7 +224,7 @@ class Study:
         check_type("index", index, int)
         if not 0 <= index < self.variants:
             raise InputError("index", f"must be a variant, from 0 to {self.variants - 1}.", value=index)
-        folder = Path(folder)
+        folder = as_path("folder", folder)
         cell, motion = self.descriptions(self.points(index, index + 1)[0])
         for robot, urdf in zip(cell["robots"], self.urdfs, strict=True):
             if not urdf.reference.startswith("package://"):
@@ -248,7 +255,7 @@ def _reference(file: Path, folder: Path) -> str:
     """The path of a file as one in a folder gives it."""
     try:
         return Path(os.path.relpath(file, folder.resolve())).as_posix()
-    except ValueError:  # another drive
+    except ValueError:  # another drive, or no path at all, which writing refuses
         return str(file)
 
 
