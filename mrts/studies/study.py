@@ -164,15 +164,15 @@ class Study:
         Raises:
             InputError: If there are no such variants.
         """
-        check_type("first", first, int)
-        check_type("last", last, int)
+        check_type("first", first, int, np.integer)
+        check_type("last", last, int, np.integer)
         if not 0 <= first <= last <= self.variants:
             rule = f"must be a block of the variants 0 to {self.variants}, the first one and the first left out."
             raise InputError("first, last", rule, value=(first, last))
         spreads = [parameter.spread for parameter in self.parameters]
         if first == last:
             return np.empty((0, len(spreads)))
-        return sample_points(spreads, self.sample, self.variants, self.seed, (first, last))
+        return sample_points(spreads, self.sample, self.variants, self.seed, (int(first), int(last)))
 
     def descriptions(self, point: Array) -> tuple[dict[str, Any], dict[str, Any]]:
         """Keys and values of the cell file and the motion file of one variant.
@@ -221,10 +221,11 @@ class Study:
         Raises:
             InputError: If there is no such variant or the folder cannot be written.
         """
-        check_type("index", index, int)
+        check_type("index", index, int, np.integer)
         if not 0 <= index < self.variants:
             raise InputError("index", f"must be a variant, from 0 to {self.variants - 1}.", value=index)
         folder = as_path("folder", folder)
+        index = int(index)
         cell, motion = self.descriptions(self.points(index, index + 1)[0])
         for robot, urdf in zip(cell["robots"], self.urdfs, strict=True):
             if not urdf.reference.startswith("package://"):
