@@ -185,7 +185,7 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     return {robot.name: (resolve_urdf(path, robot.urdf), robot.base_link) for robot in robots}
 
 
-def described_cell(path: Path) -> dict[str, Any]:
+def all_cell_keys(path: Path) -> dict[str, Any]:
     """Keys and values of a cell file, with the default of each key that it leaves out, None where there is none.
 
     Args:
