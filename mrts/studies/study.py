@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, Literal, Self
 
 import numpy as np
-import yaml
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.arrays import Array
@@ -17,6 +16,7 @@ from mrts.base.atomic_file import text_writer, write_atomically, write_together
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import MAX_URDF_BYTES
 from mrts.base.regular_file import read_regular
+from mrts.base.yaml_parser import yaml_text
 from mrts.kernel.cache_folder import cache_folder
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
@@ -235,7 +235,7 @@ class Study:
                 motion[key] = _reference(Path(motion[key]), folder)
         paths = folder / "cell.yaml", folder / "motion.yaml"
         heading = f"# Variant {index} of {self.path.name}\n"
-        texts = [heading + as_yaml(keys) for keys in (cell, motion)]
+        texts = [heading + yaml_text(keys) for keys in (cell, motion)]
         write_together({path: text_writer(text) for path, text in zip(paths, texts, strict=True)})
         return paths
 
@@ -258,8 +258,3 @@ def _reference(file: Path, folder: Path) -> str:
         return Path(os.path.relpath(file, folder.resolve())).as_posix()
     except ValueError:  # another drive, or no path at all, which writing refuses
         return str(file)
-
-
-def as_yaml(keys: dict[str, Any]) -> str:
-    """Keys and values of a cell file or a motion file as its text."""
-    return yaml.safe_dump(keys, sort_keys=False, default_flow_style=None, allow_unicode=True, width=120)
