@@ -25,6 +25,10 @@ from mrts.studies.sampling import SampleName, sample_points
 from mrts.studies.spreads import Spread
 
 
+NUMBERS_SHOWN = 3
+"""Of what a knob moves."""
+
+
 @dataclass(frozen=True)
 class Target:
     """A number that a parameter sets to offset + factor × its own value.
@@ -69,8 +73,15 @@ class Parameter:
 
     def __str__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""
-        numbers = f" ({', '.join(target.path for target in self.targets)})" if len(self.targets) > 1 else ""
-        return f"{self.path}{numbers}: {self.spread}{unit}"
+        return f"{self.path}{self._moved()}: {self.spread}{unit}"
+
+    def _moved(self) -> str:
+        """The numbers that a knob moves, for people."""
+        paths = [target.path for target in self.targets]
+        if paths == [self.path]:
+            return ""
+        more = f" and {len(paths) - NUMBERS_SHOWN} more" if len(paths) > NUMBERS_SHOWN else ""
+        return f" ({', '.join(paths[:NUMBERS_SHOWN])}{more})"
 
 
 @dataclass(frozen=True)
