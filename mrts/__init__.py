@@ -56,6 +56,8 @@ if TYPE_CHECKING:
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
     from mrts.smooth.rate_limits import RateLimits
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
+    from mrts.studies.study import Study
+    from mrts.studies.study_file import read_study
 
 _HOMES = {
     "ActiveRow": "limits.rows",
@@ -108,6 +110,7 @@ _HOMES = {
     "SelectionError": "scaling.scale",
     "SmoothAnswer": "retiming.smooth_piece",
     "SolverError": "base.errors",
+    "Study": "studies.study",
     "box_contact": "hands.box",
     "follow_object": "coordination.coordinated_motion",
     "gripper_contact": "hands.gripper",
@@ -119,6 +122,7 @@ _HOMES = {
     "pad_contact": "hands.pad",
     "rank_configurations": "studies.configurations",
     "retime": "retiming.retime",
+    "read_study": "studies.study_file",
     "rows_contact": "hands.polytope",
     "sample_motion": "motion.motion_file",
     "save_result": "output.saved_result",
@@ -181,6 +185,7 @@ __all__ = [
     "SelectionError",
     "SmoothAnswer",
     "SolverError",
+    "Study",
     "box_contact",
     "follow_object",
     "gripper_contact",
@@ -191,6 +196,7 @@ __all__ = [
     "load_result",
     "pad_contact",
     "rank_configurations",
+    "read_study",
     "retime",
     "rows_contact",
     "sample_motion",

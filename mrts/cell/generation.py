@@ -240,6 +240,20 @@ def cell_file_in(manifest: Manifest, folder: Path, beside: Path | None) -> str:
     return text
 
 
+def all_cell_keys(path: Path) -> dict[str, Any]:
+    """Keys and values of a cell file, with the default of each key that it leaves out, None where there is none.
+
+    Args:
+        path: The cell file.
+
+    Raises:
+        InputError: If the cell file breaks a rule.
+    """
+    from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
+
+    return read_cell_description(path).model_dump()
+
+
 def virtual_machine_functions(path: Path) -> dict[str, Any]:
     """The functions of a cell file for CasADi's virtual machine, by short name.
 
