@@ -2,6 +2,7 @@
 
 from copy import deepcopy
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -31,7 +32,7 @@ def test_a_dictionary_is_the_file(name):
     cell = mrts.load_cell(SHIPPED[name])
     again = from_dict(described(name), name)
     assert same_cell(cell, again)
-    assert (again.folder, again.remarks) == (SHIPPED[name].parent.resolve(), cell.remarks)
+    assert (again.folder, again.remarks) == (SHIPPED[name].parent, cell.remarks)
 
 
 @pytest.mark.quick
@@ -56,7 +57,7 @@ def test_relative_urdfs_are_looked_up_in_the_folder(tmp_path, monkeypatch):
     with pytest.raises(mrts.InputError, match=r"planar_arm\.urdf: "):
         mrts.Cell.from_description(description, folder=tmp_path)
     monkeypatch.chdir(DATA)
-    assert mrts.Cell.from_description(description).folder == DATA.resolve()
+    assert mrts.Cell.from_description(description).folder == Path.cwd()
 
 
 @pytest.mark.quick
