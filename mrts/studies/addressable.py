@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A cell file and a motion file with all that they leave out: every number that a path can lead to."""
 
+import json
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription
 
 
 def given_keys(path: Path, what: str) -> dict[str, Any]:
-    """Keys and values of a YAML file as they stand there.
+    """Keys and values of a YAML file as they stand there; what an alias repeats stands there twice.
 
     Args:
         path: A file that has been validated.
@@ -27,7 +28,8 @@ def given_keys(path: Path, what: str) -> dict[str, Any]:
     keys = parse_yaml(read_text(path, what, MAX_YAML_BYTES))
     if not isinstance(keys, dict):
         raise InputError(path, f"this {what} changed while it was read. Read the study again.")
-    return keys
+    unshared: dict[str, Any] = json.loads(json.dumps(keys))
+    return unshared
 
 
 def filled_cell(path: Path, given: dict[str, Any], cell: Cell) -> dict[str, Any]:

@@ -14,6 +14,12 @@ ONE_FOR_ALL = frozenset({"armature", "coulomb", "viscous", "torque_rate", "jerk"
 """Keys of `motors` where one number stands for all joints."""
 
 
+NOTHING_THERE = "the file says nothing of {}, and there is no default. Write it there first."
+
+NEED_NOT_BE_GIVEN = frozenset({"linear", "angular", "torque_rate", "jerk", "rated"})
+"""Keys where null stands for a number that is not limited or not known; so it does in lists of limits."""
+
+
 class PathError(Exception):
     """A path that leads to no number; the message is the rule and what to do."""
 
@@ -47,6 +53,8 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
             _holder(files, keys)[keys[-1]] = here
         key, rest = _step(here, keys, rest, files)
         keys, here = (*keys, key), here[key]
+    if here is None and not isinstance(keys[-1], int) and keys[-1] not in NEED_NOT_BE_GIVEN:
+        raise PathError(NOTHING_THERE.format(path_text(files, keys)))
     return keys
 
 
@@ -117,7 +125,7 @@ def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[s
     if isinstance(here, list):
         return _step_into_list(here, where, rest)
     if here is None:
-        raise PathError(f"the file says nothing of {where}, and there is no default. Write it there first.")
+        raise PathError(NOTHING_THERE.format(where))
     if not isinstance(here, dict):
         raise PathError(f"{where} is {_shown(here)}; nothing stands inside of it.")
     if not rest.startswith("."):

@@ -15,6 +15,7 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_atomically, write_together
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import MAX_URDF_BYTES
+from mrts.base.printable import printable
 from mrts.base.regular_file import read_regular
 from mrts.base.yaml_parser import yaml_text
 from mrts.kernel.cache_folder import cache_folder
@@ -23,7 +24,6 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.studies.number_paths import Keys, set_number
 from mrts.studies.sampling import SampleName, sample_points
 from mrts.studies.spreads import Spread
-
 
 NUMBERS_SHOWN = 3
 """Of what a knob moves."""
@@ -245,7 +245,7 @@ class Study:
             if key in motion:
                 motion[key] = _reference(Path(motion[key]), folder)
         paths = folder / "cell.yaml", folder / "motion.yaml"
-        heading = f"# Variant {index} of {self.path.name}\n"
+        heading = f"# Variant {index} of {printable(self.path.name)}\n"
         texts = [heading + yaml_text(keys) for keys in (cell, motion)]
         write_together({path: text_writer(text) for path, text in zip(paths, texts, strict=True)})
         return paths

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from mrts.base.argument_types import as_path
 from mrts.base.errors import InputError
-from mrts.base.input_file import MAX_URDF_BYTES, Positive, StrictModel, read_model
+from mrts.base.input_file import MAX_URDF_BYTES, Finite, StrictModel, read_model
 from mrts.base.regular_file import read_regular
 from mrts.base.version import __version__
 from mrts.cell.cell import Cell
@@ -20,6 +20,8 @@ from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import load_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.ros_messages import is_bag
+from mrts.refinement.excess import checked_tolerance
+from mrts.scaling.uncertain_load import mass_grid
 from mrts.studies.addressable import filled_cell, filled_motion, given_keys, is_path_of_poses
 from mrts.studies.knobs import read_parameters
 from mrts.studies.sampling import MOST_HYPERCUBE_NUMBERS, MOST_VARIANTS, SampleName, grid_size
@@ -52,7 +54,7 @@ class StudyDescription(StrictModel):
     load: Annotated[str, Field(pattern=r"^(auto|nominal|guaranteed|possible|grid(:[0-9]{1,9})?)$")] = "auto"
     torques: bool = False
     reserve: Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)] | None = None
-    between: Positive | None = None
+    between: Finite | None = None
     vary: dict[str, Any]
     sample: SampleName = "grid"
     count: Annotated[int, Field(ge=1, le=MOST_VARIANTS)] | None = None
@@ -70,7 +72,7 @@ def read_study(path: Path | str) -> Study:
         CompilerError: If the compiler fails.
     """
     path = as_path("path", path)
-    described = read_model(path, StudyDescription, "study file")
+    described = _described(path)
     cell_path, motion_path = (path.parent / name for name in (described.cell, described.motion))
     if cell_path.is_dir():
         raise InputError(path, "must be a cell file: a study varies its numbers.", key="cell", value=described.cell)
@@ -110,6 +112,16 @@ def read_study(path: Path | str) -> Study:
     )
 
 
+def _described(path: Path) -> StudyDescription:
+    try:
+        return read_model(path, StudyDescription, "study file")
+    except InputError as error:
+        if not error.rule.endswith("but got '['."):
+            raise
+        rule = error.rule + ' In braces, YAML wants a path with an index in quotes: {"robots.left.base.xyz[0]": 1}.'
+        raise InputError(path, rule) from None
+
+
 def _given_motion(path: Path, motion: ObjectMotion | JointTable) -> dict[str, Any]:
     """Keys and values of a motion file; of a table or a bag by itself those of a motion file that names it."""
     if is_bag(path) or path.suffix.lower() == ".csv":
@@ -135,8 +147,8 @@ def _digest(texts: list[str], contents: list[bytes]) -> str:
 
 def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None:
     """What is asked fits together, and fits the cell."""
-    load = described.load
-    if load not in {"auto", "nominal"} and cell.load_box is None:
+    load, box = described.load, cell.load_box
+    if load not in {"auto", "nominal"} and box is None:
         rule = "the object's load is known: the cell file gives no 'variation'. Ask for nominal, or leave this key out."
         raise InputError(path, rule, key="load", value=load)
     if load == "possible" and described.torques:
@@ -145,6 +157,12 @@ def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None
     if described.profile == "optimal" and load not in {"auto", "nominal", "guaranteed"}:
         rule = "must be guaranteed or nominal where the speed varies (profile: optimal)."
         raise InputError(path, rule, key="load", value=load)
+    try:
+        checked_tolerance(described.between)
+        if box is not None and load.startswith("grid"):
+            mass_grid(box, load)
+    except InputError as error:
+        raise InputError(path, error.rule, key=error.where, value=error.value) from None
 
 
 def _variants(path: Path, described: StudyDescription, parameters: tuple[Parameter, ...]) -> int:
