@@ -45,6 +45,8 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
     else:
         keys = ("motion" if top in files["motion"] and top not in files["cell"] else "cell",)
         rest = f".{path}"
+    if keys == ("motion",) and not files["motion"]:
+        raise PathError("the motion is a table, of which no number varies. Give it by poses to vary it.")
     here = value_at(files, keys)
     while rest:
         if rest.startswith("[") and _is_number(here) and keys[-1] in ONE_FOR_ALL:
