@@ -88,7 +88,7 @@ def _manifest(cell: Any, generate: Callable[[], Any]) -> Manifest:
     from mrts_codegen.cell_manifest import cell_manifest  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.content_key import chains_key  # noqa: PLC0415
 
-    folder = cache_folder("chains", chains_key(cell, CACHED_STEM, bake=False))
+    folder = _chains_folder(chains_key(cell, CACHED_STEM, bake=False))
     chains = _if_sound(folder / CHAINS_NAME, ChainsRecord.model_validate_json)
     if chains is None or not _is_source(folder / chains.source, chains):
         made = generate()
@@ -98,7 +98,14 @@ def _manifest(cell: Any, generate: Callable[[], Any]) -> Manifest:
 
 
 def _source_in_cache(manifest: Manifest) -> Path:
-    return cache_folder("chains", manifest.chains) / manifest.source
+    return _chains_folder(manifest.chains) / manifest.source
+
+
+def _chains_folder(key: str) -> Path:
+    """What was generated for chains, by this version of the emitter."""
+    from mrts_codegen.content_key import emitter_key  # noqa: PLC0415 (build time, on demand)
+
+    return cache_folder("chains", key, emitter_key())
 
 
 def _if_sound(path: Path, read: Callable[[str], Record]) -> Record | None:
