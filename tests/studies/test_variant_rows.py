@@ -76,6 +76,29 @@ def test_each_row_is_what_scale_says_of_the_files_of_its_variant(wide, tmp_path)
         assert row["upper_limit"].endswith(f" at t = {result.range.upper.time:.4g} s")
 
 
+def test_shipped_studies_and_hands_are_answered_as_scale_does(tmp_path):
+    squeeze = tmp_path / "study.yaml"
+    squeeze.write_text(
+        f"cell: {UR5.parent / 'squeeze' / 'cell.yaml'}\nmotion: {UR5.parent / 'squeeze' / 'lift_and_turn.yaml'}\n"
+        """vary:
+  robots.left.contact[0].pad.friction: {from: 0.3, to: 0.7}
+  grip: {sets: ["robots.left.contact[0].pad.force[1]", "robots.right.contact[0].pad.force[1]"], from: 60, to: 200}
+  turned: {shifts: ["robots.right.grasp.rpy[0]"], normal: {mean: 0, std: 0.05}}
+sample: lhs
+count: 5
+""",
+        encoding="utf-8",
+    )
+    for path in (UR5 / "study.yaml", squeeze):
+        study = mrts.read_study(path)
+        for row in rows_of(solve_variants(study, 0, 5)):
+            folder = tmp_path / f"{path.parent.name}_{row['variant']}"
+            result = scaled(study, row["variant"], folder, between=None)
+            assert row["status"] == result.status.value
+            if result.status.admits_motion:
+                assert row["c2_upper"] == pytest.approx(result.range.upper.c2, rel=SAME)
+
+
 def test_rows_do_not_depend_on_their_block(wide):
     whole = solve_variants(wide, 0, 12)
     parts = [solve_variants(wide, first, first + 4) for first in (0, 4, 8)]
