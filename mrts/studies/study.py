@@ -72,8 +72,7 @@ class Parameter:
     targets: tuple[Target, ...]
 
     def __str__(self) -> str:
-        unit = f" {self.unit}" if self.unit else ""
-        return f"{self.path}{self._moved()}: {self.spread}{unit}"
+        return f"{self.path}{self._moved()}: {self.spread.text(self.unit)}"
 
     def _moved(self) -> str:
         """The numbers that a knob moves, for people."""
@@ -238,17 +237,27 @@ class Study:
         folder = as_path("folder", folder)
         index = int(index)
         cell, motion = self.descriptions(self.points(index, index + 1)[0])
-        for robot, urdf in zip(cell["robots"], self.urdfs, strict=True):
-            if not urdf.reference.startswith("package://"):
-                robot["urdf"] = _reference(Path(urdf.path), folder)
         for key in ("file", "joints"):
             if key in motion:
                 motion[key] = _reference(Path(motion[key]), folder)
         paths = folder / "cell.yaml", folder / "motion.yaml"
         heading = f"# Variant {index} of {printable(self.path.name)}\n"
-        texts = [heading + yaml_text(keys) for keys in (cell, motion)]
+        texts = [heading + self.cell_text(cell, folder), heading + yaml_text(motion)]
         write_together({path: text_writer(text) for path, text in zip(paths, texts, strict=True)})
         return paths
+
+    def cell_text(self, keys: dict[str, Any], folder: Path) -> str:
+        """The text of a cell file.
+
+        Args:
+            keys: Its keys and values, as from `descriptions`.
+            folder: Where it is to stand: paths of URDFs are relative to it.
+        """
+        robots = [dict(robot) for robot in keys["robots"]]
+        for robot, urdf in zip(robots, self.urdfs, strict=True):
+            if not urdf.reference.startswith("package://"):
+                robot["urdf"] = _reference(Path(urdf.path), folder)
+        return yaml_text(keys | {"robots": robots})
 
 
 def _write_bytes(path: Path, content: bytes) -> None:

@@ -225,6 +225,6 @@ def test_a_grid_says_its_steps(tmp_path):
     )
     numbers = ", ".join(f"motion.end.xyz[{axis}]" for axis in range(3))
     assert list(study_lines(study))[1:] == [
-        f"  apart ({numbers}): from 0 to 1 in 5 steps m",
+        f"  apart ({numbers}): from 0 to 1 m in 5 steps",
         "asked of each: range of c², reserve 0.2, at the samples alone",
     ]
