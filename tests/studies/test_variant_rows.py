@@ -1,6 +1,8 @@
 """Rows of a study: what `mrts.scale` says of the files of each variant, and a reason where there is no answer."""
 
 import json
+import pickle
+import shutil
 
 import numpy as np
 import pytest
@@ -168,6 +170,22 @@ def test_an_uncertain_load_is_asked_about(tmp_path, planar_cell, lift):
     found = solve_variants(study, 0, 2)
     assert found["c2_upper"] == pytest.approx([result.range.upper.c2 for result in expected], rel=SAME)
     assert all(" with " in limit for limit in found["upper_limit"])
+
+
+def test_a_study_is_solved_where_its_files_are_not(tmp_path):
+    folder = tmp_path / "there"
+    folder.mkdir()
+    for name in ("cell.yaml", "lift.yaml", "planar_arm.urdf"):
+        shutil.copy(DATA / name, folder)
+    text = "vary: {object.mass: [0.4, 0.8]}"
+    study = planar_study(folder, text, cell=folder / "cell.yaml", motion=folder / "lift.yaml")
+    expected, carried = solve_variants(study, 0, 2), pickle.dumps(study)
+    shutil.rmtree(folder)
+    found = solve_variants(pickle.loads(carried), 0, 2)  # noqa: S301 (our own)
+    assert found["status"] == ["feasible", "feasible"]
+    assert {name: list(column) for name, column in found.items()} == {
+        name: list(column) for name, column in expected.items()
+    }
 
 
 def test_a_written_variant_is_read_by_the_command_line(wide, tmp_path, capsys):
