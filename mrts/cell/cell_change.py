@@ -4,6 +4,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import degrees, pi
+from typing import Literal
 
 import numpy as np
 
@@ -16,11 +17,18 @@ from mrts.cell.robot import Robot
 
 AXES = "xyz"
 
-POSES = ("base", "grasp")
+POSES: tuple[Literal["base", "grasp"], ...] = ("base", "grasp")
 """Kinds of changes that move arms."""
+
+ChangeKind = Literal["torque", "wrench", "contact", "velocity", "motor speed", "reserve", "mass", "base", "grasp"]
+"""What a change is of: a limit, the reserve that is kept of all of them, the mass, or a pose."""
 
 SMALLEST_STEP, LARGEST_STEP = 1e-9, 0.9
 """Of a step: a smaller one is lost in the rounding of the programs, a larger one is another cell."""
+
+
+_Named = tuple[ChangeKind, str, str]
+"""Kind, robot and element of what is changed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,14 +61,14 @@ class CellChange:
     """One number of a cell changed.
 
     Attributes:
-        kind: "torque", "wrench", "contact", "velocity", "motor speed", "reserve", "mass", "base" or "grasp".
+        kind: What is changed.
         robot: Name of the arm; "object" of its own velocities, empty of mass and reserve.
         element: Joint, wrench component, contact, "linear" or "angular"; of a pose "x" along that axis, "about x"
             around it, world axes of a base and object axes of a grasp; else empty.
         step: By how much: a share of the limit, of the mass or of the reserve, or [m] and [rad] of a pose.
     """
 
-    kind: str
+    kind: ChangeKind
     robot: str = ""
     element: str = ""
     step: float
@@ -119,7 +127,9 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
         cell: The cell.
         steps: How far.
     """
-    named = [*_limits(cell), *([("reserve", "", "")] if cell.reserve else []), ("mass", "", "")]
+    named: list[_Named] = [*_limits(cell), ("mass", "", "")]
+    if cell.reserve:
+        named.append(("reserve", "", ""))
     shares = [(entry, steps.share) for entry in named]
     along, around = _axes(cell)
     for kind in POSES:
@@ -133,7 +143,7 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
     )
 
 
-def _limits(cell: Cell) -> Iterator[tuple[str, str, str]]:
+def _limits(cell: Cell) -> Iterator[_Named]:
     """Kind, robot and element of every limit that bounds something."""
     for robot in cell.robots:
         yield from _bounded("torque", robot.name, robot.joints, robot.torque_lower, robot.torque_upper)
@@ -150,9 +160,7 @@ def _limits(cell: Cell) -> Iterator[tuple[str, str, str]]:
         yield from (("motor speed", robot.name, joint) for joint, curve in curves if curve is not None)
 
 
-def _bounded(
-    kind: str, robot: str, elements: Sequence[str], lower: Array, upper: Array
-) -> Iterator[tuple[str, str, str]]:
+def _bounded(kind: ChangeKind, robot: str, elements: Sequence[str], lower: Array, upper: Array) -> Iterator[_Named]:
     """Elements with a limit on some side, unless they are held at one number."""
     is_limit = (lower < upper) & (np.isfinite(lower) | np.isfinite(upper))
     yield from ((kind, robot, element) for element, limited in zip(elements, is_limit.tolist(), strict=True) if limited)
@@ -255,7 +263,7 @@ def _pose(cell: Cell, change: CellChange) -> Cell:
     return _of_robot(cell, change, changed)
 
 
-_APPLIED: dict[str, Callable[[Cell, CellChange], Cell]] = {
+_APPLIED: dict[ChangeKind, Callable[[Cell, CellChange], Cell]] = {
     "torque": _torque,
     "wrench": _wrench,
     "contact": _contact,

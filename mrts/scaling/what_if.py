@@ -12,7 +12,7 @@ import numpy as np
 from mrts.base.argument_types import Progress
 from mrts.base.errors import InputError, MotionError, SolverError
 from mrts.cell.cell import Cell
-from mrts.cell.cell_change import CellChange, ChangeSteps, cell_changes
+from mrts.cell.cell_change import CellChange, ChangeKind, ChangeSteps, cell_changes
 from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.coordination.following_again import following_again
 from mrts.samples.sample_ranges import SampleRanges
@@ -29,6 +29,9 @@ NO_CHANGE = 1e-6
 
 MOST_GAINS, MOST_LOSSES = 12, 8
 """Changes that a table shows of those that gain, and of those that lose."""
+
+_MORE = ("gain less", "lose less", "cannot be played")
+"""What those have in common that a table leaves out."""
 
 MOST_NAMED = 3
 """Limits that bind which a line names; the rest is counted."""
@@ -178,18 +181,16 @@ class WhatIf:
         now = before.status if before.duration is None else f"now {_seconds(before.duration)}"
         now += "" if before.c2 is None or np.isinf(before.c2) else f" at c² = {before.c2:.4g}"
         yield f"what if: ±{100 * steps.share:.4g} % of limits and mass{poses if moved else ''}; {now}"
-        more, less, lost = self._sorted()
-        for shown, most, what in (
-            (more, gains, "gain less"),
-            (less, losses, "lose less"),
-            (lost, losses, "cannot be played"),
-        ):
-            yield from _rows(shown[:most])
-            if len(shown) > most:
-                yield f"  … and {len(shown) - most} more that {what} (--json has all)"
+        groups = zip(self.sorted(), (gains, losses, losses), _MORE, strict=True)
+        shown = [(group[:most], len(group) - most, what) for group, most, what in groups]
+        widths = _widths([one for group, _, _ in shown for one in group])
+        for group, hidden, what in shown:
+            yield from (_row(one, *widths) for one in group)
+            if hidden > 0:
+                yield f"  … and {hidden} more that {what} (--json has all)"
         yield from filter(None, [self.nothing_else(), self.left_out])
 
-    def _sorted(self) -> tuple[list[ChangedAnswer], list[ChangedAnswer], list[ChangedAnswer]]:
+    def sorted(self) -> tuple[list[ChangedAnswer], list[ChangedAnswer], list[ChangedAnswer]]:
         """Those that matter: what gains, what loses, what cannot be played, each the largest effect first."""
         matter = [one for one in self.changes if one.matters]
         played = [one for one in matter if one.after.duration is not None]
@@ -203,9 +204,9 @@ class WhatIf:
         counts = Counter(_SPOKEN[kinds[what]] for what in self.without_effect)
         if not counts:
             return ""
-        parts = [f"{count} {one if count == 1 else many}" for (one, many), count in counts.items()]
+        parts = [one if count == 1 else f"{count} {many}" for (one, many), count in counts.items()]
         listed = parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
-        return f"nothing else matters: {listed} may be changed as much, and the speed stays."
+        return f"nothing else matters: {listed} may be changed as much, and the speed stays"
 
     def to_json(self) -> dict[str, Any]:
         """The entry "what_if" of the JSON result."""
@@ -219,16 +220,16 @@ class WhatIf:
         }
 
 
-_SPOKEN = {
-    "torque": ("limit of a torque", "limits of torques"),
-    "wrench": ("limit of a contact wrench", "limits of contact wrenches"),
-    "contact": ("hand", "hands"),
-    "velocity": ("limit of a velocity", "limits of velocities"),
-    "motor speed": ("speed of a motor", "speeds of motors"),
+_SPOKEN: dict[ChangeKind, tuple[str, str]] = {
+    "torque": ("a torque limit", "torque limits"),
+    "wrench": ("a contact wrench limit", "contact wrench limits"),
+    "contact": ("a hand", "hands"),
+    "velocity": ("a velocity limit", "velocity limits"),
+    "motor speed": ("the speed of a motor", "speeds of motors"),
     "reserve": ("the reserve", "reserves"),
     "mass": ("the mass", "masses"),
-    "base": ("coordinate of a base", "coordinates of bases"),
-    "grasp": ("coordinate of a grasp", "coordinates of grasps"),
+    "base": ("a coordinate of a base", "coordinates of bases"),
+    "grasp": ("a coordinate of a grasp", "coordinates of grasps"),
 }
 """What one and what several changes of a kind are called."""
 
@@ -253,18 +254,19 @@ def limits_text(limits: Sequence[str]) -> str:
     return f"{', '.join(limits[:MOST_NAMED])}{more}"
 
 
-def _rows(shown: Sequence[ChangedAnswer]) -> Iterator[str]:
-    """Lines of a table, its columns as wide as they must be."""
+def _widths(shown: Sequence[ChangedAnswer]) -> tuple[int, int]:
+    """Of the columns of changes and of amounts."""
     names = max((len(str(one.change)) for one in shown), default=0)
-    amounts = max((len(one.amount) for one in shown if one.after.duration is not None), default=0)
-    for one in shown:
-        after = one.after
-        start = f"  {one.change!s:<{names}}  "
-        if after.duration is None:
-            yield f"{start}{after.status}: {after.reason}"
-        else:
-            limits = f"  then {limits_text(after.limits)}" if after.limits else ""
-            yield f"{start}{one.amount:>{amounts}}  {_seconds(after.duration):>9}{limits}"
+    return names, max((len(one.amount) for one in shown if one.after.duration is not None), default=0)
+
+
+def _row(one: ChangedAnswer, names: int, amounts: int) -> str:
+    """A line of the table."""
+    after, start = one.after, f"  {one.change!s:<{names}}  "
+    if after.duration is None:
+        return f"{start}{after.status}: {after.reason}"
+    limits = f"  then {limits_text(after.limits)}" if after.limits else ""
+    return f"{start}{one.amount:>{amounts}}  {_seconds(after.duration):>9}{limits}"
 
 
 def ask_changes(
@@ -292,7 +294,7 @@ def ask_changes(
         changes = tuple(change for change in changes if not change.moves_arms)
         left_out = (
             "bases and grasps were not moved: the joints of this motion are given, and are not those that the arms "
-            "take by themselves."
+            "take by themselves"
         )
     found = []
     for number, change in enumerate(changes):
