@@ -122,7 +122,7 @@ class ChangedAnswer:
         if change is not None:
             return f"c² {_percent(change)}"
         if self.after.c2 is not None:
-            return "nothing limits the speed" if np.isinf(self.after.c2) else f"c² {self.after.c2:.4g}"
+            return _seconds(0.0) if np.isinf(self.after.c2) else f"c² {self.after.c2:.4g}"
         faster = self.faster
         if faster is None or not 0 < faster < inf:
             return _seconds(self.after.duration)
@@ -178,9 +178,9 @@ class WhatIf:
         steps, before = self.steps, self.before
         poses = f", {1000 * steps.shift:.4g} mm and {degrees(steps.turn):.4g}° of bases and grasps"
         moved = any(one.change.moves_arms for one in self.changes)
-        now = before.status if before.duration is None else f"now {_seconds(before.duration)}"
-        now += "" if before.c2 is None or np.isinf(before.c2) else f" at c² = {before.c2:.4g}"
-        yield f"what if: ±{100 * steps.share:.4g} % of limits and mass{poses if moved else ''}; {now}"
+        now = before.status if before.duration is None else _seconds(before.duration)
+        now += f" at c² = {before.c2:.4g}" if before.c2 is not None and before.duration else ""
+        yield f"what if: ±{100 * steps.share:.4g} % of limits and mass{poses if moved else ''}; now {now}"
         groups = zip(self.sorted(), (gains, losses, losses), _MORE, strict=True)
         shown = [(group[:most], len(group) - most, what) for group, most, what in groups]
         widths = _widths([one for group, _, _ in shown for one in group])
@@ -206,7 +206,8 @@ class WhatIf:
             return ""
         parts = [one if count == 1 else f"{count} {many}" for (one, many), count in counts.items()]
         listed = parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
-        return f"nothing else matters: {listed} may be changed as much, and the speed stays"
+        stays = "the speed stays" if self.before.duration is not None else f"it stays {self.before.status}"
+        return f"nothing else matters: {listed} may be changed as much, and {stays}"
 
     def to_json(self) -> dict[str, Any]:
         """The entry "what_if" of the JSON result."""
@@ -237,6 +238,8 @@ _SPOKEN: dict[ChangeKind, tuple[str, str]] = {
 def _seconds(duration: float | None) -> str:
     if duration is None:
         return "cannot be played"
+    if duration == 0:
+        return "as fast as you like"
     return f"{duration:.4g} s" if np.isfinite(duration) else "stands still"
 
 
