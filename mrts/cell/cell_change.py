@@ -23,8 +23,11 @@ POSES: tuple[Literal["base", "grasp"], ...] = ("base", "grasp")
 ChangeKind = Literal["torque", "wrench", "contact", "velocity", "motor speed", "reserve", "mass", "base", "grasp"]
 """What a change is of: a limit, the reserve that is kept of all of them, the mass, or a pose."""
 
-SMALLEST_STEP, LARGEST_STEP = 1e-9, 0.9
-"""Of a step: a smaller one is lost in the rounding of the programs, a larger one is another cell."""
+SMALLEST_STEP = 1e-9
+"""Of a step, whatever its unit: the programs are right to as much."""
+
+LARGEST_STEP = 0.9
+"""Of a step: a larger one is another cell."""
 
 
 _Named = tuple[ChangeKind, str, str]

@@ -244,7 +244,7 @@ class ExcessEntry(_Record):
 
 
 class AnswerEntry(_Record):
-    """How fast a motion may be played with a cell, as `mrts.scaling.what_if.Answer`; null is none, or infinity."""
+    """How fast a motion may be played with a cell, as `mrts.scaling.what_if.SpeedAnswer`; null is none, or infinity."""
 
     status: str
     c2: Annotated[float, Field(ge=0)] | None

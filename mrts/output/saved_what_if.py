@@ -6,7 +6,7 @@ from math import inf, isinf
 from mrts.cell.cell_change import CellChange, ChangeSteps
 from mrts.output.saved_json import AnswerEntry, ChangeEntry, WhatIfEntry
 from mrts.samples.range_status import RangeStatus
-from mrts.scaling.what_if import Answer, ChangedAnswer, WhatIf
+from mrts.scaling.what_if import SpeedAnswer, ChangedAnswer, WhatIf
 
 
 def what_if_entry(found: WhatIf | None) -> WhatIfEntry | None:
@@ -57,7 +57,7 @@ def read_what_if(said: WhatIfEntry | None) -> WhatIf | None:
     return WhatIf(steps, before, changes, said.left_out)
 
 
-def _entry(answer: Answer) -> AnswerEntry:
+def _entry(answer: SpeedAnswer) -> AnswerEntry:
     def finite(value: float | None) -> float | None:
         return None if value is None or isinf(value) else value
 
@@ -71,10 +71,10 @@ def _entry(answer: Answer) -> AnswerEntry:
     )
 
 
-def _answer(said: AnswerEntry) -> Answer:
+def _answer(said: AnswerEntry) -> SpeedAnswer:
     c2, duration = said.c2, said.duration
     if said.status == RangeStatus.UNBOUNDED.value:
         c2, duration = inf, 0.0
     elif c2 == 0:
         duration = inf
-    return Answer(status=said.status, c2=c2, duration=duration, limits=tuple(said.limits), reason=said.reason)
+    return SpeedAnswer(status=said.status, c2=c2, duration=duration, limits=tuple(said.limits), reason=said.reason)

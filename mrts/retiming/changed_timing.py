@@ -12,7 +12,7 @@ from mrts.cell.cell_change import ChangeSteps
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.retiming.fastest_timing import fastest_timing
 from mrts.retiming.result import RetimingResult
-from mrts.scaling.what_if import Answer, WhatIf, ask_changes
+from mrts.scaling.what_if import SpeedAnswer, WhatIf, ask_changes
 
 
 def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress) -> WhatIf:
@@ -34,7 +34,7 @@ def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress
     constant = replace(constant, range=replace(constant.range, upper=None))  # it is that of the unchanged cell
     question = "nominal" if constant.load is None else "guaranteed"
 
-    def answer(changed: Cell, motion: CoordinatedMotion) -> Answer:
+    def answer(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
         asked = replace(constant, cell=changed, motion=motion)
         return _of_timing(fastest_timing(asked, question, found.end_speeds, lambda _done, _total: None))
 
@@ -42,10 +42,10 @@ def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress
     return ask_changes(found.cell, found.motion, before, steps, answer, progress)
 
 
-def _of_timing(timed: RetimingResult) -> Answer:
+def _of_timing(timed: RetimingResult) -> SpeedAnswer:
     """The answer of a timing: what limits it for the longest time binds."""
     if not timed.status.admits_motion:
-        return Answer(status=timed.status.value, reason=timed.explanation)
+        return SpeedAnswer(status=timed.status.value, reason=timed.explanation)
     duration = sum(float(np.sum(part.segment_times)) for part in timed.pieces)
     limits = tuple(dict.fromkeys(name.rpartition(" (")[0] or name for name, _ in timed.limits))  # without its value
-    return Answer(status="feasible", duration=duration, limits=limits)
+    return SpeedAnswer(status="feasible", duration=duration, limits=limits)

@@ -38,7 +38,7 @@ MOST_NAMED = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Answer:
+class SpeedAnswer:
     """How fast a motion may be played with a cell.
 
     Attributes:
@@ -78,8 +78,8 @@ class ChangedAnswer:
     """
 
     change: CellChange
-    after: Answer
-    before: Answer
+    after: SpeedAnswer
+    before: SpeedAnswer
 
     def __str__(self) -> str:
         after, before = self.after, self.before
@@ -152,7 +152,7 @@ class WhatIf:
     """
 
     steps: ChangeSteps
-    before: Answer
+    before: SpeedAnswer
     changes: tuple[ChangedAnswer, ...]
     left_out: str = ""
 
@@ -275,9 +275,9 @@ def _row(one: ChangedAnswer, names: int, amounts: int) -> str:
 def ask_changes(
     cell: Cell,
     motion: CoordinatedMotion,
-    before: Answer,
+    before: SpeedAnswer,
     steps: ChangeSteps,
-    answer: Callable[[Cell, CoordinatedMotion], Answer],
+    answer: Callable[[Cell, CoordinatedMotion], SpeedAnswer],
     progress: Progress,
 ) -> WhatIf:
     """Change every number of a cell, one at a time up and down, and ask again.
@@ -309,19 +309,19 @@ def ask_changes(
 
 
 def _answered(
-    change: CellChange, cell: Cell, motion: CoordinatedMotion, answer: Callable[[Cell, CoordinatedMotion], Answer]
-) -> Answer:
+    change: CellChange, cell: Cell, motion: CoordinatedMotion, answer: Callable[[Cell, CoordinatedMotion], SpeedAnswer]
+) -> SpeedAnswer:
     """The answer with a change, or why there is none."""
     try:
         changed = change.applied(cell)
     except InputError as error:
-        return Answer(status="invalid", reason=str(error))
+        return SpeedAnswer(status="invalid", reason=str(error))
     try:
         return answer(changed, follow_object(changed, motion.object) if change.moves_arms else motion)
     except MotionError as error:
-        return Answer(status="unreachable", reason=str(error))
+        return SpeedAnswer(status="unreachable", reason=str(error))
     except SolverError as error:
-        return Answer(status="failed", reason=str(error))
+        return SpeedAnswer(status="failed", reason=str(error))
 
 
 def _order(one: ChangedAnswer) -> float:
@@ -355,14 +355,14 @@ def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: 
 
     rule = result.rule
 
-    def answer(changed: Cell, motion: CoordinatedMotion) -> Answer:
+    def answer(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
         whole = range_at_samples(changed, motion, question, rule.formulation, rule.sharing, solver)
         within, _ = within_rate_limits(changed, AdmissibleRange(motion, *whole), rule)
         return _of_range(within.range, float(motion.object.time[-1]))
 
     before = answer(cell, result.motion)
 
-    def sooner(changed: Cell, motion: CoordinatedMotion) -> Answer:
+    def sooner(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
         """The same; to find which rows bind takes longer than to see that the range stays."""
         samples = motion_ranges(changed, motion, rule.formulation, rule.sharing, solver)
         return before if _leaves(samples, before.c2) else _of_range(intersect(samples), float(motion.object.time[-1]))
@@ -379,11 +379,11 @@ def _leaves(samples: SampleRanges, c2: float | None) -> bool:
     return low <= high and (high == c2 or abs(high - c2) <= NO_CHANGE * c2)
 
 
-def _of_range(found: ScalingRange, given: float) -> Answer:
+def _of_range(found: ScalingRange, given: float) -> SpeedAnswer:
     """The answer of a range of c² of a motion that takes so many seconds as given."""
     status, upper = found.status, found.upper
     if not status.admits_motion or upper is None:
-        return Answer(status=status.value, reason=found.explain().removesuffix(status.advice).rstrip())
+        return SpeedAnswer(status=status.value, reason=found.explain().removesuffix(status.advice).rstrip())
     duration = given / np.sqrt(upper.c2) if upper.c2 > 0 else inf
     limits = tuple(dict.fromkeys(row.name.short for row in upper.rows))
-    return Answer(status=status.value, c2=upper.c2, duration=float(duration), limits=limits)
+    return SpeedAnswer(status=status.value, c2=upper.c2, duration=float(duration), limits=limits)

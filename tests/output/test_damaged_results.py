@@ -30,7 +30,7 @@ def spoil_word(change):
 
 
 MISTAKES = {
-    "newer": (spoil_word(lambda d: d.update(version=5)), "version = 5: this mrts reads version 4; .* Update mrts"),
+    "newer": (spoil_word(lambda d: d.update(version=6)), "version = 6: this mrts reads version 5; .* Update mrts"),
     "older": (spoil_word(lambda d: d.update(version=1)), "version = 1: .* Save the result again"),
     "no version": (spoil_word(lambda d: d.pop("version")), "version: this mrts reads"),
     "foreign": (spoil_word(lambda d: d.update(format="other")), "is no saved result of mrts"),

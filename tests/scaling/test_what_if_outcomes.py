@@ -104,11 +104,11 @@ def test_what_makes_an_infeasible_motion_possible(planar_cell, lift):
 
 
 def test_what_cannot_be_played_says_why_and_comes_last(planar_cell, lift):
-    found = by_text(mrts.scale(planar_cell.with_mass(7.0), lift).what_if(share=0.8, shift=0.5))
+    found = by_text(mrts.scale(planar_cell.with_mass(7.0), lift).what_if(share=0.8, shift=0.9))
     lost = found["mass +80 %"]
     assert lost.after.status == "infeasible"
     assert str(lost).startswith("mass +80 %: infeasible: 20 of 101 samples are infeasible. The worst: at t = ")
-    far = found["left base x -500 mm"]
+    far = found["left base x -900 mm"]
     assert far.after.status == "unreachable"
     assert "robot 'left'" in far.after.reason
     kept = list(found.values())
