@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     from mrts.base.load_box import LoadBox, LoadPoint
     from mrts.base.remark import Remark
     from mrts.base.rigid_transform import RigidTransform
-    from mrts.cell.cell import Cell, load_cell
+    from mrts.cell.cell import Cell
     from mrts.cell.cell_change import CellChange, ChangeSteps
+    from mrts.cell.loading import load_cell
     from mrts.cell.robot import Robot
     from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
     from mrts.coordination.grasp_closure import ClosureBound
@@ -57,6 +58,8 @@ if TYPE_CHECKING:
     from mrts.scaling.what_if import ChangedAnswer, SpeedAnswer, WhatIf
     from mrts.smooth.rate_limits import RateLimits
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
+    from mrts.studies.study import Study
+    from mrts.studies.study_file import read_study
 
 _HOMES = {
     "ActiveRow": "limits.rows",
@@ -114,17 +117,19 @@ _HOMES = {
     "SolverError": "base.errors",
     "SpeedAnswer": "scaling.what_if",
     "WhatIf": "scaling.what_if",
+    "Study": "studies.study",
     "box_contact": "hands.box",
     "follow_object": "coordination.coordinated_motion",
     "gripper_contact": "hands.gripper",
     "identify": "identification.identify",
-    "load_cell": "cell.cell",
+    "load_cell": "cell.loading",
     "load_motion": "motion.motion_file",
     "load_recording": "motion.joint_recording",
     "load_result": "output.saved_result",
     "pad_contact": "hands.pad",
     "rank_configurations": "studies.configurations",
     "retime": "retiming.retime",
+    "read_study": "studies.study_file",
     "rows_contact": "hands.polytope",
     "sample_motion": "motion.motion_file",
     "save_result": "output.saved_result",
@@ -191,6 +196,7 @@ __all__ = [
     "SmoothAnswer",
     "SolverError",
     "SpeedAnswer",
+    "Study",
     "WhatIf",
     "box_contact",
     "follow_object",
@@ -202,6 +208,7 @@ __all__ = [
     "load_result",
     "pad_contact",
     "rank_configurations",
+    "read_study",
     "retime",
     "rows_contact",
     "sample_motion",
