@@ -34,8 +34,8 @@ def test_it_goes_with_other_questions(planar_cell, lift, tmp_path, capsys):
     assert answered(capsys, "--share", "0.6,0.4", "--reserve", "0.1")["what_if"] == (
         mrts.scale(planar_cell, lift, sharing=mrts.LoadSharing([0.6, 0.4]), reserve=0.1).what_if().to_json()
     )
-    own = mrts.scale(planar_cell, lift, formulation="torque").what_if(solver="scipy:highs").to_json()
-    assert answered(capsys, "--formulation", "torque", "--solver", "scipy:highs")["what_if"] == own
+    own = mrts.scale(planar_cell, lift).what_if(solver="qpsol:qpoases").to_json()
+    assert answered(capsys, "--solver", "qpsol:qpoases")["what_if"] == own
     timing = answered(capsys, "--profile", "optimal", "--save", str(tmp_path / "a.npz"))["what_if"]
     found = mrts.retime(planar_cell, lift).what_if()
     assert timing == found.to_json()

@@ -108,7 +108,7 @@ def test_what_cannot_be_played_says_why_and_comes_last(planar_cell, lift):
     lost = found["mass +80 %"]
     assert lost.after.status == "infeasible"
     assert str(lost).startswith("mass +80 %: infeasible: 20 of 101 samples are infeasible. The worst: at t = ")
-    far = found["left base x -900 mm"]
+    far = found["left base y -900 mm"]
     assert far.after.status == "unreachable"
     assert "robot 'left'" in far.after.reason
     kept = list(found.values())
