@@ -15,6 +15,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.cell_change import CellChange, ChangeKind, ChangeSteps, cell_changes
 from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.coordination.following_again import following_again
+from mrts.limits.rows import ActiveRow
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.range import ScalingRange, intersect
@@ -129,7 +130,7 @@ class ChangedAnswer:
         return f"time {_percent(1 / faster - 1)}"
 
     def _then(self) -> str:
-        limits = limits_text(self.after.limits)
+        limits = _limits_text(self.after.limits)
         return f", then {limits} {'binds' if len(self.after.limits) == 1 else 'bind'}" if limits else ""
 
     def to_json(self) -> dict[str, Any]:
@@ -247,12 +248,8 @@ def _percent(share: float) -> str:
     return f"{100 * share:+.3g} %"
 
 
-def limits_text(limits: Sequence[str]) -> str:
-    """The first few limits by name, the others counted.
-
-    Args:
-        limits: Their names.
-    """
+def _limits_text(limits: Sequence[str]) -> str:
+    """The first few limits by name, the others counted."""
     more = f" and {len(limits) - MOST_NAMED} more" if len(limits) > MOST_NAMED else ""
     return f"{', '.join(limits[:MOST_NAMED])}{more}"
 
@@ -268,7 +265,7 @@ def _row(one: ChangedAnswer, names: int, amounts: int) -> str:
     after, start = one.after, f"  {one.change!s:<{names}}  "
     if after.duration is None:
         return f"{start}{after.status}: {after.reason}"
-    limits = f"  then {limits_text(after.limits)}" if after.limits else ""
+    limits = f"  then {_limits_text(after.limits)}" if after.limits else ""
     return f"{start}{one.amount:>{amounts}}  {_seconds(after.duration):>9}{limits}"
 
 
@@ -319,7 +316,7 @@ def _answered(
     try:
         return answer(changed, follow_object(changed, motion.object) if change.moves_arms else motion)
     except MotionError as error:
-        return SpeedAnswer(status="unreachable", reason=str(error))
+        return SpeedAnswer(status="unreachable", reason=str(error).partition(". ")[0])  # without advice
     except SolverError as error:
         return SpeedAnswer(status="failed", reason=str(error))
 
@@ -383,7 +380,20 @@ def _of_range(found: ScalingRange, given: float) -> SpeedAnswer:
     """The answer of a range of c² of a motion that takes so many seconds as given."""
     status, upper = found.status, found.upper
     if not status.admits_motion or upper is None:
-        return SpeedAnswer(status=status.value, reason=found.explain().removesuffix(status.advice).rstrip())
+        return SpeedAnswer(status=status.value, reason=_why_not(found))
     duration = given / np.sqrt(upper.c2) if upper.c2 > 0 else inf
-    limits = tuple(dict.fromkeys(row.name.short for row in upper.rows))
-    return SpeedAnswer(status=status.value, c2=upper.c2, duration=float(duration), limits=limits)
+    return SpeedAnswer(status=status.value, c2=upper.c2, duration=float(duration), limits=_names(upper.rows))
+
+
+def _names(rows: Sequence[ActiveRow]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(row.name.short for row in rows))
+
+
+def _why_not(found: ScalingRange) -> str:
+    """Why no c² is admissible, as short as a line of a table."""
+    samples = found.samples
+    if not samples.conflicts:
+        return found.explain().removesuffix(found.status.advice).rstrip(". ")
+    worst = max(samples.conflicts, key=lambda conflict: conflict.widening)
+    names = _limits_text(_names(worst.rows))
+    return f"at {len(samples.conflicts)} of {len(samples.time)} samples; at t = {worst.time:.4g} s {names} conflict"

@@ -107,7 +107,9 @@ def test_what_cannot_be_played_says_why_and_comes_last(planar_cell, lift):
     found = by_text(mrts.scale(planar_cell.with_mass(7.0), lift).what_if(share=0.8, shift=0.9))
     lost = found["mass +80 %"]
     assert lost.after.status == "infeasible"
-    assert str(lost).startswith("mass +80 %: infeasible: 20 of 101 samples are infeasible. The worst: at t = ")
+    assert str(lost) == (
+        "mass +80 %: infeasible: at 20 of 101 samples; at t = 0 s left/elbow, right/elbow, left/fx and 1 more conflict"
+    )
     far = found["left base y -900 mm"]
     assert far.after.status == "unreachable"
     assert "robot 'left'" in far.after.reason
