@@ -113,7 +113,7 @@ class ChangedAnswer:
         """Whether the change does anything to the speed, or to whether there is one."""
         faster = self.faster
         if faster is None:
-            return self.after.status != self.before.status
+            return (self.after.duration is None) != (self.before.duration is None)
         return not abs(faster - 1) <= NO_CHANGE
 
     @property
@@ -207,7 +207,7 @@ class WhatIf:
             return ""
         parts = [one if count == 1 else f"{count} {many}" for (one, many), count in counts.items()]
         listed = parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
-        stays = "the speed stays" if self.before.duration is not None else f"it stays {self.before.status}"
+        stays = "the speed stays" if self.before.duration is not None else "it still cannot be played"
         return f"nothing else matters: {listed} may be changed as much, and {stays}"
 
     def to_json(self) -> dict[str, Any]:
