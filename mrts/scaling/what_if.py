@@ -31,8 +31,9 @@ NO_CHANGE = 1e-6
 MOST_GAINS, MOST_LOSSES = 12, 8
 """Changes that a table shows of those that gain, and of those that lose."""
 
-_MORE = ("gain less", "lose less", "cannot be played")
-"""What those have in common that a table leaves out."""
+_BAKED = "they stand as numbers in the generated C (--bake)"
+_GIVEN = "the joints of this motion are given, and are not those that the arms take by themselves"
+"""Why poses are left out."""
 
 MOST_NAMED = 3
 """Limits that bind which a line names; the rest is counted."""
@@ -182,13 +183,14 @@ class WhatIf:
         now = before.status if before.duration is None else _seconds(before.duration)
         now += f" at c² = {before.c2:.4g}" if before.c2 is not None and before.duration else ""
         yield f"what if: ±{100 * steps.share:.4g} % of limits and mass{poses if moved else ''}; now {now}"
-        groups = zip(self.sorted(), (gains, losses, losses), _MORE, strict=True)
-        shown = [(group[:most], len(group) - most, what) for group, most, what in groups]
+        what = ("gain less", "lose less", "cannot be played")
+        groups = zip(self.sorted(), (gains, losses, losses), what, strict=True)
+        shown = [(group[:most], len(group) - most, others) for group, most, others in groups]
         widths = _widths([one for group, _, _ in shown for one in group])
-        for group, hidden, what in shown:
+        for group, hidden, others in shown:
             yield from (_row(one, *widths) for one in group)
             if hidden > 0:
-                yield f"  … and {hidden} more that {what} (--json has all)"
+                yield f"  … and {hidden} more that {others} (--json has all)"
         yield from filter(None, [self.nothing_else(), self.left_out])
 
     def sorted(self) -> tuple[list[ChangedAnswer], list[ChangedAnswer], list[ChangedAnswer]]:
@@ -289,20 +291,19 @@ def ask_changes(
         answer: The answer of a changed cell and its motion; may raise what solvers raise.
         progress: Told how many of how many changes are done.
     """
-    changes, follows, left_out = cell_changes(cell, steps), following_again(cell, motion), ""
+    changes, left_out = cell_changes(cell, steps), ""
+    follows = None if cell.functions.manifest.is_baked else following_again(cell, motion)
     if follows is None:
         changes = tuple(change for change in changes if not change.moves_arms)
-        left_out = (
-            "bases and grasps were not moved: the joints of this motion are given, and are not those that the arms "
-            "take by themselves"
-        )
+        left_out = f"bases and grasps were not moved: {_BAKED if cell.functions.manifest.is_baked else _GIVEN}"
     found = []
     for number, change in enumerate(changes):
         progress(number, len(changes))
         start = cell if follows is None or not change.moves_arms else follows
         found.append(ChangedAnswer(change, _answered(change, start, motion, answer), before))
     progress(len(changes), len(changes))
-    return WhatIf(steps, before, tuple(sorted(found, key=_order)), left_out)
+    found.sort(key=lambda one: inf if one.after.duration is None else one.after.duration)
+    return WhatIf(steps, before, tuple(found), left_out)
 
 
 def _answered(
@@ -311,19 +312,13 @@ def _answered(
     """The answer with a change, or why there is none."""
     try:
         changed = change.applied(cell)
+        return answer(changed, follow_object(changed, motion.object) if change.moves_arms else motion)
     except InputError as error:
         return SpeedAnswer(status="invalid", reason=str(error))
-    try:
-        return answer(changed, follow_object(changed, motion.object) if change.moves_arms else motion)
     except MotionError as error:
         return SpeedAnswer(status="unreachable", reason=str(error).partition(". ")[0])  # without advice
     except SolverError as error:
         return SpeedAnswer(status="failed", reason=str(error))
-
-
-def _order(one: ChangedAnswer) -> float:
-    """What is fastest first; what cannot be played last."""
-    return inf if one.after.duration is None else one.after.duration
 
 
 def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: Progress) -> WhatIf:

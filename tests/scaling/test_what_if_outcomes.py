@@ -15,6 +15,7 @@ from shown_results import still_motion, with_all_rates
 import mrts
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
 from mrts.cell.cell_change import ChangeSteps, cell_changes
+from mrts.cell.generation import generate_to
 
 MOTORS = np.array([[0.0, 100.0], [0.2, 100.0], [3.0, 10.0]])
 """A torque-speed curve [rad/s, N m]."""
@@ -229,6 +230,21 @@ def test_what_is_refused(planar_cell, lift):
         possible.what_if()
     with pytest.raises(mrts.InputError, match="retimed"):
         mrts.retime(planar_cell, lift).retimed.what_if()
+
+
+def test_what_takes_the_functions_of_the_cell(planar_cell, lift, tmp_path):
+    result = mrts.scale(planar_cell, lift)
+    mrts.save_result(result, tmp_path / "a.npz")
+    with pytest.raises(mrts.InputError, match=r"load_result\(path, cell=mrts\.load"):
+        mrts.load_result(tmp_path / "a.npz").what_if()
+    again = mrts.load_result(tmp_path / "a.npz", planar_cell).what_if()
+    ours = by_text(result.what_if())
+    assert all(one.after.c2 == pytest.approx(ours[text].after.c2, rel=1e-9) for text, one in by_text(again).items())
+    generate_to(DATA / "cell.yaml", tmp_path / "baked", bake=True)
+    baked = mrts.scale(mrts.load_cell(tmp_path / "baked"), lift).what_if()
+    assert baked.left_out == "bases and grasps were not moved: they stand as numbers in the generated C (--bake)"
+    assert by_text(baked)["mass -10 %"].after.c2 == pytest.approx(ours["mass -10 %"].after.c2, rel=1e-8)
+    assert str(baked).endswith(baked.left_out)
 
 
 @pytest.mark.quick
