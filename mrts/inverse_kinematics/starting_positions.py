@@ -68,7 +68,7 @@ def starting_positions(cell: Cell, motion: ObjectMotion) -> tuple[Array, tuple[R
 
 
 def _hold_first(cell: Cell, motion: ObjectMotion, start: Array) -> HeldGrasps | None:
-    """`solve_grasps` at t = 0, near the start, in the compiled library; None where that is not there or settles nothing."""
+    """`solve_grasps` at t = 0, near the start, in the compiled library; None where that settles nothing."""
     compiled = cell.functions.compiled
     if compiled is None:
         return None
