@@ -40,7 +40,7 @@ class NewtonRule:
     reached: float
 
 
-class _Tracking(ctypes.Structure):
+class TrackingStructure(ctypes.Structure):
     """`mrts_tracking` of tracking.c."""
 
     _fields_ = [
@@ -82,7 +82,7 @@ class GraspTask:
         *limits, place = (pointer(array) for array in self._arrays)
         used = (ctypes.c_int * 6)(*components)
         wish = _Preference(*limits, push)
-        self.structure = _Tracking(newton.steps, newton.settled, newton.longest, newton.reached, used, wish, place)
+        self.structure = TrackingStructure(newton.steps, newton.settled, newton.longest, newton.reached, used, wish, place)
 
 
 @dataclass(frozen=True)
