@@ -20,20 +20,24 @@
 /* Steps of the fast iteration; what takes more is left to the rule of tracking.c. */
 enum { MRTS_QUICK = 4 };
 
-/* q at a sample from q, q', q'' at the two before it, a step h apart each: the polynomial of fifth degree through them.
- * Taylor's of second degree where it is the second sample, or where the two differ. */
-static void mrts_predict(const double *q, const double *dq, const double *ddq, double h, int second, double *taylor,
+/* q at a sample from q, q', q'' at those before it, a step h apart each: the polynomial through the last three or two of them.
+ * Taylor's of second degree from the last one where there is no more (known = 1), or where the two differ. */
+static void mrts_predict(const double *q, const double *dq, const double *ddq, double h, long long known, double *taylor,
                          double *now) {
     enum { M = MRTS_JOINTS };
     double apart = 0;
     for (int i = 0; i < M; ++i) {
         const double b = q[i], b1 = h * dq[i], b2 = h * h * ddq[i];
         now[i] = taylor[i] = b + b1 + b2 / 2;
-        if (second) continue;
+        if (known < 2) continue;
         const double a = q[i - M], a1 = h * dq[i - M], a2 = h * h * ddq[i - M];
-        const double rest = 31 * (a - b + b1 - b2 / 2) + 14 * (a1 - b1 + b2) + 2 * (a2 - b2);
-        now[i] -= rest;
-        apart = fmax(apart, fabs(rest));
+        if (known == 2) {
+            now[i] = b + 31 * (b - a) - 16 * b1 - 14 * a1 + 4 * b2 - 2 * a2;
+        } else {
+            const double z = q[i - 2 * M], z1 = h * dq[i - 2 * M], z2 = h * h * ddq[i - 2 * M];
+            now[i] = b + 228.5 * (b - a) - 122.5 * (a - z) - 94.5 * b1 - 54 * a1 + 43.5 * z1 + 13.5 * b2 - 54 * a2 + 4.5 * z2;
+        }
+        apart = fmax(apart, fabs(now[i] - taylor[i]));
     }
     for (int i = 0; i < M && !(apart <= MRTS_SMOOTH); ++i) now[i] = taylor[i];
 }
@@ -60,12 +64,76 @@ static void mrts_bias_of_columns(const mrts_tracking *task, const double *J, con
     for (int i = 0; i < W; ++i) bias[i] = six[task->components[i]];
 }
 
+/* A Jacobian as the product of two triangles, for arms with as many joints as wrench components. */
+typedef struct {
+    double triangles[MRTS_SIZE * MRTS_SIZE];
+    int row[MRTS_SIZE]; /* of the Jacobian, of each row of theirs */
+} mrts_factors;
+
+/* Factors J, by columns, with row exchanges. Returns a bound of its condition number by its determinant (H. Guggenheimer,
+ * A. Edelman, C. Johnson, A simple estimate of the condition number of a linear system, The College Mathematics Journal 26,
+ * 1995), infinite where it is singular. */
+static double mrts_factor(const double *J, mrts_factors *factors) {
+    enum { W = MRTS_SIZE };
+    double *LU = factors->triangles, square = 0, determinant = 1;
+    for (int i = 0; i < W; ++i) {
+        factors->row[i] = i;
+        for (int j = 0; j < W; ++j) {
+            LU[i * W + j] = J[j * W + i];
+            square += J[j * W + i] * J[j * W + i];
+        }
+    }
+    for (int j = 0; j < W; ++j) {
+        int p = j;
+        for (int i = j + 1; i < W; ++i) {
+            if (fabs(LU[i * W + j]) > fabs(LU[p * W + j])) p = i;
+        }
+        if (!(fabs(LU[p * W + j]) > 0)) return MRTS_INFINITY;
+        if (p != j) {
+            const int row = factors->row[j];
+            factors->row[j] = factors->row[p];
+            factors->row[p] = row;
+            for (int l = 0; l < W; ++l) {
+                const double t = LU[j * W + l];
+                LU[j * W + l] = LU[p * W + l];
+                LU[p * W + l] = t;
+            }
+        }
+        determinant *= LU[j * W + j] * LU[j * W + j];
+        const double factor = 1 / LU[j * W + j];
+        for (int i = j + 1; i < W; ++i) {
+            const double f = LU[i * W + j] *= factor;
+            for (int l = j + 1; l < W; ++l) LU[i * W + l] -= f * LU[j * W + l];
+        }
+        LU[j * W + j] = factor;
+    }
+    for (int i = 0; i < W; ++i) determinant /= square / W;
+    return 2 / sqrt(determinant);
+}
+
+/* x with J x = y. */
+static void mrts_solve(const mrts_factors *factors, const double *y, double *x) {
+    enum { W = MRTS_SIZE };
+    const double *LU = factors->triangles;
+    for (int i = 0; i < W; ++i) {
+        double rest = y[factors->row[i]];
+        for (int l = 0; l < i; ++l) rest -= LU[i * W + l] * x[l];
+        x[i] = rest;
+    }
+    for (int i = W - 1; i >= 0; --i) {
+        double rest = x[i];
+        for (int l = i + 1; l < W; ++l) rest -= LU[i * W + l] * x[l];
+        x[i] = rest * LU[i * W + i];
+    }
+}
+
 /* q, q', q'' at a sample by undamped Newton steps from `now`, which is moved, and a bound of each Jacobian's condition
  * number; 0 where they do not lead to the grasps at once. */
 static int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, const mrts_outcome *failures, double *now,
                              double *dq, double *ddq, double *condition, mrts_scratch *scratch) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
-    double tips[3 * R], rotations[9 * R], J[W * M], matrix[W * W], inverse[R][W * W], off[3], turned[3], error[W];
+    double tips[3 * R], rotations[9 * R], J[W * M], off[3], turned[3], error[W], step[W];
+    mrts_factors factors[R];
     for (int iteration = 0; iteration < MRTS_QUICK; ++iteration) {
         double largest = 0, furthest = 0;
         scratch->arg[0] = now;
@@ -76,23 +144,19 @@ static int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, con
         if (MRTS_KINEMATICS(scratch->arg, scratch->res, scratch->iw, scratch->w, 0)) return 0;
         for (int robot = 0; robot < R; ++robot) {
             const mrts_arm *arm = MRTS_ARM(task->geometry, robot);
-            const double *of_arm = J + W * W * robot;
             double gap, turn;
             condition[robot] = 1;
             if (failures[robot].code != MRTS_FOLLOWED) continue;
             mrts_tip_error(arm, at->position, at->rotation, tips + 3 * robot, rotations + 9 * robot, off, turned, &gap,
                            &turn);
             mrts_arm_error(task, arm, off, turned, error);
+            condition[robot] = mrts_factor(J + W * W * robot, factors + robot);
+            if (!(condition[robot] < MRTS_INFINITY)) return 0;
+            if (!(fmax(gap, turn) <= furthest)) furthest = fmax(gap, turn);
+            mrts_solve(factors + robot, error, step);
             for (int i = 0; i < W; ++i) {
-                for (int j = 0; j < W; ++j) matrix[i * W + j] = of_arm[j * W + i];
-            }
-            if (!mrts_invert(matrix, inverse[robot])) return 0;
-            condition[robot] = sqrt(mrts_dot(W * W, matrix, matrix) * mrts_dot(W * W, inverse[robot], inverse[robot]));
-            furthest = fmax(furthest, fmax(gap, turn));
-            for (int i = 0; i < W; ++i) {
-                const double step = mrts_dot(W, inverse[robot] + i * W, error);
-                now[W * robot + i] += step;
-                if (!(fabs(step) <= largest)) largest = fabs(step);
+                now[W * robot + i] += step[i];
+                if (!(fabs(step[i]) <= largest)) largest = fabs(step[i]);
             }
         }
         if (!(largest <= task->longest)) return 0;
@@ -103,10 +167,10 @@ static int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, con
             if (failures[robot].code != MRTS_FOLLOWED) continue;
             mrts_tip_rates(task, MRTS_ARM(task->geometry, robot), at->rotation, at->twist, at->acceleration, velocity,
                            change);
-            for (int i = 0; i < W; ++i) dq[W * robot + i] = mrts_dot(W, inverse[robot] + i * W, velocity);
+            mrts_solve(factors + robot, velocity, dq + W * robot);
             mrts_bias_of_columns(task, J + W * W * robot, dq + W * robot, bias);
             for (int i = 0; i < W; ++i) change[i] -= bias[i];
-            for (int i = 0; i < W; ++i) ddq[W * robot + i] = mrts_dot(W, inverse[robot] + i * W, change);
+            mrts_solve(factors + robot, change, ddq + W * robot);
         }
         return 1;
     }
@@ -279,6 +343,7 @@ static void mrts_follow_one(const mrts_following *rule, long long samples, const
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS };
     double reference[M], taylor[M], condition[R];
     mrts_outcome failures[R];
+    long long even = 0;
     for (int robot = 0; robot < R; ++robot) failures[robot].code = MRTS_FOLLOWED;
     for (int i = 0; i < M; ++i) reference[i] = q[i];
     for (long long n = 0; n < samples && failures[0].code == MRTS_FOLLOWED; ++n) {
@@ -289,8 +354,9 @@ static void mrts_follow_one(const mrts_following *rule, long long samples, const
         if (n == 0) {
             for (int i = 0; i < M; ++i) taylor[i] = qn[i];
         } else {
-            const double h = time[n] - time[n - 1], before = n > 1 ? time[n - 1] - time[n - 2] : 0;
-            mrts_predict(qn - M, dqn - M, ddqn - M, h, fabs(before - h) > MRTS_SAME_STEP * h, taylor, qn);
+            const double h = time[n] - time[n - 1];
+            even = n > 1 && fabs(time[n - 1] - time[n - 2] - h) <= MRTS_SAME_STEP * h ? even + 1 : 1;
+            mrts_predict(qn - M, dqn - M, ddqn - M, h, even, taylor, qn);
         }
 #ifndef MRTS_REDUNDANT
         quick = mrts_quick_sample(&rule->task, &at, failures, qn, dqn, ddqn, condition, scratch);
