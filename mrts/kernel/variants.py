@@ -98,9 +98,9 @@ def follow_variants(
         rule: How they start and follow.
         variants: V.
         samples: N.
-        given: By name, of each variant with V first, or one for all: the path's `PATH`, with N before the shape of each,
-            "geometry", Shape (3 + 24 n + h,), "posture" and "seed" (where the search for a start begins), Shape (m,),
-            and "further" (the starts tried after it), Shape (F, m).
+        given: By name, with V first, or 1 where all share one: the path's `PATH`, with N before the shape of each,
+            "geometry", Shape (V, 3 + 24 n + h), "posture" and "seed" (where the search for a start begins), Shape (V, m),
+            and "further" (the starts tried after it), Shape (V, F, m).
     """
     m = library.joints
     shapes = {name: (samples, *shape) for name, shape in PATH.items()} | {
@@ -167,16 +167,16 @@ def variant_ranges(
         limits: Rows over torques and wrenches; which limits there are is the same for all variants.
         terms: What is added at every sample, those of all variants one after the other.
         order: In which the samples are looked at, Shape (N,): those that may set the range first.
-        given: By name, of each variant with V first, or one for all: the path's "rotation", "twist" and "acceleration" as
-            in `follow_variants`, "load", Shape (10,), "geometry" as there, "velocity", limits of the joints and of the
-            object's linear and angular one, infinity where there is none, Shape (m + 2,), "lower" and "upper" limits of
-            the rows, Shape (r,).
+        given: By name, with V first, or 1 where all share one: the path's "rotation", "twist" and "acceleration" as in
+            `follow_variants`, "load", Shape (V, 10), "geometry" as there, "velocity", limits of the joints and of the
+            object's linear and angular one, infinity where there is none, Shape (V, m + 2), "lower" and "upper" limits
+            of the rows, Shape (V, r), and what the rows are made of, `SparseLimits.values`, Shape (V, e).
     """
     variants, samples, m = followed.q.shape
     shapes = {name: (samples, m) for name in ("q", "dq", "ddq")}
     shapes |= {name: (samples, *PATH[name]) for name in ("rotation", "twist", "acceleration")}
     shapes |= {"load": (10,), "geometry": given["geometry"].shape[-1:], "velocity": (m + 2,)}
-    shapes |= {"lower": (limits.rows,), "upper": (limits.rows,)}
+    shapes |= {"lower": (limits.rows,), "upper": (limits.rows,), "values": limits.values.shape}
     joints = {"q": followed.q, "dq": followed.dq, "ddq": followed.ddq}
     bounds = {name: np.clip(given[name], -INFINITY, INFINITY) for name in ("velocity", "lower", "upper")}
     arrays, strides = _strided(variants, shapes, {**given, **joints, **bounds})
@@ -202,7 +202,7 @@ def variant_ranges(
 def _strided(
     variants: int, shapes: Mapping[str, tuple[int, ...]], given: Mapping[str, Array]
 ) -> tuple[list[Array], Any]:
-    """Arrays as C reads them, and how many reals apart variants lie in each (0: one for all).
+    """Arrays as C reads them, and how many reals apart variants lie in each (0: the one for all).
 
     Raises:
         ValueError: If an array has another shape: the C would read past its end.
@@ -210,10 +210,10 @@ def _strided(
     arrays, strides = [], []
     for name, shape in shapes.items():
         array = np.ascontiguousarray(given[name], dtype=np.float64)
-        if array.shape not in {shape, (variants, *shape)}:
-            raise ValueError(f"{name} has Shape {array.shape}, not {shape} or {(variants, *shape)}")
+        if array.shape not in {(1, *shape), (variants, *shape)}:
+            raise ValueError(f"{name} has Shape {array.shape}, not {(variants, *shape)}")
         arrays.append(array)
-        strides.append(0 if array.shape == shape else int(np.prod(shape)))
+        strides.append(0 if len(array) == 1 else int(np.prod(shape)))
     return arrays, (ctypes.c_longlong * len(strides))(*strides)
 
 

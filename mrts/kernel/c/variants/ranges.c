@@ -288,13 +288,13 @@ MRTS_EXPORT void mrts_variant_ranges_work(int rows, int samples, long long *real
 
 /* The ranges of variants 0 .. count - 1 of the same number of samples, from arrays of all one after the other; a stride, in
  * reals from one variant to the next, is 0 where they share one. Which limits there are is the same for all: `limits` has the
- * rows, each variant its own lower and upper sides. Variants with `skipped` are passed over. */
+ * rows, each variant its own lower and upper sides and values. Variants with `skipped` are passed over. */
 MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const double *const *given,
                                      const long long *stride, const mrts_limits *limits, const mrts_terms *terms,
                                      const int *order, const unsigned char *skipped, mrts_variant_range *range,
                                      const double **arg, double **res, long long *iw, double *w, double *work,
                                      int *iwork) {
-    enum { Q, DQ, DDQ, ROTATION, TWIST, ACCELERATION, LOAD, GEOMETRY, VELOCITY, LOWER, UPPER, GIVEN };
+    enum { Q, DQ, DDQ, ROTATION, TWIST, ACCELERATION, LOAD, GEOMETRY, VELOCITY, LOWER, UPPER, VALUES, GIVEN };
     mrts_scratch scratch = {arg, res, iw, w};
     mrts_limits here = *limits;
     mrts_rows rows;
@@ -312,6 +312,7 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
         const mrts_terms own = mrts_terms_of_sample(terms, v * samples, limits->rows);
         here.lower = of[LOWER];
         here.upper = of[UPPER];
+        here.value = of[VALUES];
         if (limits->base) here.base = base;
         for (int i = 0; limits->base && i < 9 * MRTS_ROBOTS; ++i) {
             base[i] = MRTS_ARM(variant.geometry, i / 9)->base_rotation[3 * (i % 9 / 3) + limits->axes[i % 3]];
