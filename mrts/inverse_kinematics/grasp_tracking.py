@@ -212,7 +212,7 @@ def follow_grasps(cell: Cell, motion: ObjectMotion, start: Array) -> tuple[Array
     compiled = cell.functions.compiled
     if compiled is not None:
         path = (motion.time, motion.position, motion.rotation, motion.twist, motion.acceleration)
-        found = track_path(compiled, _grasp_task(cell), path, start)
+        found = track_path(compiled, grasp_task(cell), path, start)
         if found.done == len(motion.time) and not (
             np.any(np.maximum(found.gap, found.turn) > POSE_TOLERANCE)
             or np.any(found.jump > JUMP_LIMIT)
@@ -226,8 +226,12 @@ def follow_grasps(cell: Cell, motion: ObjectMotion, start: Array) -> tuple[Array
     return tracks.q[0], tracks.dq[0], tracks.ddq[0]
 
 
-def _grasp_task(cell: Cell) -> GraspTask:
-    """What the compiled tracking is told of a cell."""
+def grasp_task(cell: Cell) -> GraspTask:
+    """What the compiled tracking is told of a cell.
+
+    Args:
+        cell: The cell.
+    """
     robots = cell.robots
     return GraspTask(
         newton=NewtonRule(TRACKING_STEPS, SETTLED, STEP_LIMIT, POSE_TOLERANCE),

@@ -15,7 +15,7 @@ from mrts.kernel.foreign_arrays import INFINITY, pointer, work_arrays
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.kernel.tracking import GraspTask, TrackingStructure
 
-FOLLOWED, NO_START, START_PAST, OUT_OF_REACH, LOST, PAST_LIMIT, UNSETTLED = range(7)
+FOLLOWED, NO_START, START_PAST, OUT_OF_REACH, LOST, PAST_LIMIT, UNSETTLED, REFUSED = range(8)
 """How following a variant ends, as in variants.h."""
 
 OUTCOME = np.dtype(
@@ -87,22 +87,25 @@ class FollowedVariants:
     ddq: Array
     outcome: NDArray[np.void]
 
+    def parts(self) -> tuple[NDArray[Any], ...]:
+        """All arrays."""
+        return self.q, self.dq, self.ddq, self.outcome
+
 
 def follow_variants(
-    library: CellLibrary, rule: FollowingRule, variants: int, samples: int, given: Mapping[str, Array]
+    library: CellLibrary, rule: FollowingRule, refused: NDArray[np.bool_], given: Mapping[str, Array]
 ) -> FollowedVariants:
     """Start poses and joints along the path of many variants.
 
     Args:
         library: Of the cell.
         rule: How they start and follow.
-        variants: V.
-        samples: N.
+        refused: Variants that are passed over, Shape (V,).
         given: By name, with V first, or 1 where all share one: the path's `PATH`, with N before the shape of each,
             "geometry", Shape (V, 3 + 24 n + h), "posture" and "seed" (where the search for a start begins), Shape (V, m),
             and "further" (the starts tried after it), Shape (V, F, m).
     """
-    m = library.joints
+    variants, samples, m = len(refused), given["time"].shape[1], library.joints
     shapes = {name: (samples, *shape) for name, shape in PATH.items()} | {
         "geometry": given["geometry"].shape[-1:],
         "posture": (m,),
@@ -118,6 +121,7 @@ def follow_variants(
     )
     q, dq, ddq = (np.zeros((variants, samples, m)) for _ in range(3))
     outcome = np.zeros(variants, dtype=OUTCOME)
+    outcome["code"][refused] = REFUSED
     used = ("kinematics", "bias_acceleration", "geometric_stiffness", "geometric_stiffness_rate")
     scratch = [Scratch(library.opened, library.records[name]) for name in used if name in library.records]
     library.opened.mrts_follow_variants(

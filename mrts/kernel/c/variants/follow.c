@@ -350,7 +350,7 @@ static void mrts_follow_one(const mrts_following *rule, long long samples, const
         const mrts_path at = {path->position + 3 * n, path->rotation + 9 * n, path->twist + 6 * n, path->acceleration + 6 * n};
         double *qn = q + n * M, *dqn = dq + n * M, *ddqn = ddq + n * M;
         int quick = 0;
-        (void)condition;
+        (void)condition; /* of arms that are not redundant */
         if (n == 0) {
             for (int i = 0; i < M; ++i) taylor[i] = qn[i];
         } else {
@@ -366,10 +366,11 @@ static void mrts_follow_one(const mrts_following *rule, long long samples, const
             outcome->code = MRTS_UNSETTLED;
             return;
         }
-        for (int i = 0, robot = 0; i < M; ++i) {
-            if (i == MRTS_FIRST(robot + 1)) ++robot;
-            if (failures[robot].code == MRTS_FOLLOWED && !(fabs(qn[i] - taylor[i]) <= rule->jump)) {
-                failures[robot] = (mrts_outcome){MRTS_LOST, robot, (int)n, 0, {0, 0}};
+        for (int robot = 0; robot < R; ++robot) {
+            double jump = 0;
+            for (int i = MRTS_FIRST(robot); i < MRTS_FIRST(robot + 1); ++i) jump = fmax(jump, fabs(qn[i] - taylor[i]));
+            if (failures[robot].code == MRTS_FOLLOWED && jump > rule->jump) {
+                failures[robot] = (mrts_outcome){MRTS_LOST, robot, (int)n, 0, {jump, 0}};
             }
         }
     }
@@ -381,7 +382,7 @@ static void mrts_follow_one(const mrts_following *rule, long long samples, const
 }
 
 /* Follows variants 0 .. count - 1, each of the same number of samples. Arrays are of all variants one after the other; a
- * stride, in reals from one variant to the next, is 0 where they share one. */
+ * stride, in reals from one variant to the next, is 0 where they share one. Variants with MRTS_REFUSED are passed over. */
 MRTS_EXPORT void mrts_follow_variants(long long count, long long samples, const mrts_following *rule,
                                       const double *const *given, const long long *stride, double *q, double *dq,
                                       double *ddq, mrts_outcome *outcome, const double **arg, double **res, long long *iw,
@@ -392,6 +393,7 @@ MRTS_EXPORT void mrts_follow_variants(long long count, long long samples, const 
     for (long long v = 0; v < count; ++v) {
         const double *of[GIVEN];
         const long long first = v * samples * M;
+        if (outcome[v].code == MRTS_REFUSED) continue;
         for (int i = 0; i < GIVEN; ++i) of[i] = given[i] + v * stride[i];
         const mrts_path path = {of[POSITION], of[ROTATION], of[TWIST], of[ACCELERATION]};
         here.task.geometry = of[GEOMETRY];

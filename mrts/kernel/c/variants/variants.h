@@ -27,9 +27,10 @@ enum {
     MRTS_NO_START = 1,     /* no start leads to the grasp at the first sample; amounts: the least errors [m, rad] */
     MRTS_START_PAST = 2,   /* those that do are past a limit of a joint; amount: its position */
     MRTS_OUT_OF_REACH = 3, /* amounts: remaining errors [m, rad] */
-    MRTS_LOST = 4,         /* it would have to jump */
+    MRTS_LOST = 4,         /* it would have to jump; amount: how far [rad or m] */
     MRTS_PAST_LIMIT = 5,   /* of a joint; amount: its position */
-    MRTS_UNSETTLED = 6     /* left to another way to decide */
+    MRTS_UNSETTLED = 6,    /* left to another way to decide */
+    MRTS_REFUSED = 7       /* by the caller: passed over */
 };
 
 /* Of the first arm in order that cannot follow. */
