@@ -34,7 +34,7 @@ WATCH = 1.0
 
 GONE = "is gone, or has dropped this study's work: the same command goes on with what is not solved yet."
 
-CONNECT = 30.0
+CONNECT = 10.0
 """For a scheduler to answer [s]."""
 
 NO_WORKERS = 60.0
