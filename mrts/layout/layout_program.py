@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: MIT
+"""One sparse nonlinear program: the layout, the joints and wrenches of all samples, and c²."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.layout.grasp_equations import object_columns
+from mrts.layout.layout_numbers import LayoutNumbers
+from mrts.layout.limit_equations import LimitEquations
+from mrts.layout.sample_equations import sample_equations
+
+IPOPT_TOLERANCE = 1e-8
+"""Of the scaled program: c² is then right to more digits than are printed."""
+
+ITERATIONS = 300
+"""Most iterations of IPOPT; some ten to thirty are usual."""
+
+IPOPT_OPTIONS: dict[str, Any] = {
+    "print_time": False,
+    "error_on_fail": False,
+    "calc_lam_p": False,
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "ipopt.tol": IPOPT_TOLERANCE,
+    "ipopt.max_iter": ITERATIONS,
+    "ipopt.mu_strategy": "adaptive",
+    # by default IPOPT oversteps bounds by 1e-8 of their size
+    "ipopt.bound_relax_factor": 0.0,
+}
+
+
+@dataclass(frozen=True)
+class LayoutAnswer:
+    """What IPOPT found.
+
+    Attributes:
+        layout: Values of the numbers, Shape (P,).
+        c2: c²⁺ there, of the samples of the program.
+        slope: ∂ ln c²⁺/∂θ at the values, from the multipliers, Shape (P,): zero inside the bounds where it is a maximum.
+        start: Joint positions at the program's first sample, Shape (m,) [rad or m].
+        solved: Whether it is a local optimum.
+        word: Of IPOPT.
+    """
+
+    layout: Array
+    c2: float
+    slope: Array
+    start: Array
+    solved: bool
+    word: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class LayoutStart:
+    """A layout that a cell can play, along the samples of a program.
+
+    Attributes:
+        cell: The cell in that layout.
+        layout: Values of the numbers, Shape (P,).
+        motion: Its motion.
+        wrench: Wrenches that carry the load within all limits, Shape (N, n w) [N, N m].
+        c2: At this c².
+        loads: Load vectors, all of which must be carried, Shape (10,) each.
+    """
+
+    cell: Cell
+    layout: Array
+    motion: CoordinatedMotion
+    wrench: Array
+    c2: float
+    loads: tuple[Array, ...]
+
+
+class LayoutProgram:
+    """Largest c² over layout θ, q_k, q'_k, q''_k and F_k of N samples, by IPOPT (Wächter and Biegler, 2006).
+
+    Grasp closure and its two derivatives hold at each sample, and so do the rows of all limits, for every load. Balance
+    of the object is kept by eliminating the last arm's wrench. Derivatives are CasADi's, of the expressions that the
+    generated C is made of.
+
+    Args:
+        functions: The cell's functions for CasADi's virtual machine.
+        numbers: The numbers of the layout.
+        start: What to start from; says which chains, limits and loads.
+        samples: Indices of its motion's samples, N of them.
+    """
+
+    def __init__(
+        self, functions: dict[str, Any], numbers: LayoutNumbers, start: LayoutStart, samples: NDArray[np.intp]
+    ) -> None:
+        self.numbers, self.start, self.samples = numbers, start, samples
+        cell, motion = start.cell, start.motion.at(samples)
+        limits = LimitEquations.of(cell, motion)
+        layout = ca.SX.sym("layout", len(numbers.lower))
+        geometry = numbers.geometry(cell, layout)
+        sample = sample_equations(cell, functions, geometry, layout, limits, list(start.loads))
+        carried = motion.object
+        given = object_columns(carried.position, carried.rotation, carried.twist, carried.acceleration)
+        given = np.concatenate([given, limits.columns])
+        count = len(samples)
+        unknowns, shared = ca.MX.sym("unknowns", sample.unknowns, count), ca.MX.sym("shared", layout.numel() + 1)
+        rows = sample.function.map("samples", "serial", count, [1], [])(unknowns, shared, ca.DM(given))
+        self.program = {"x": ca.vertcat(shared, ca.vec(unknowns)), "f": -shared[-1], "g": ca.vec(rows)}
+        held = np.zeros((count, sample.equations))
+        repeated = [limits.rows.of_forces] * (len(start.loads) - 1)
+        self.row_bounds = [
+            np.concatenate([held, bound, *(bound[:, of_forces] for of_forces in repeated)], axis=1).ravel()
+            for bound in limits.bounds
+        ]
+        self.position_bounds = [
+            np.concatenate([getattr(robot, f"position_{side}") for robot in cell.robots]) for side in ("lower", "upper")
+        ]
+        self.sample_unknowns = sample.unknowns
+
+    def solve(self, bounds: tuple[Array, Array] | None = None, seconds: float | None = None) -> LayoutAnswer:
+        """Search from the start.
+
+        Args:
+            bounds: Of the numbers, Shape (P,) each; None takes their own. Where both are equal, the number stays.
+            seconds: Most time to take; None is no limit.
+        """
+        lower, upper = bounds or (self.numbers.lower, self.numbers.upper)
+        options = IPOPT_OPTIONS if seconds is None else IPOPT_OPTIONS | {"ipopt.max_wall_time": max(seconds, SHORTEST)}
+        solver = ca.nlpsol("layout", "ipopt", self.program, options)
+        free = [np.full(self.sample_unknowns, side * np.inf) for side in (-1, 1)]
+        for values, limits in zip(free, self.position_bounds, strict=True):
+            values[: len(limits)] = limits
+        count = len(self.samples)
+        found = solver(
+            x0=self._start(),
+            lbx=np.concatenate([lower, [-np.inf], np.tile(free[0], count)]),
+            ubx=np.concatenate([upper, [np.inf], np.tile(free[1], count)]),
+            lbg=self.row_bounds[0],
+            ubg=self.row_bounds[1],
+        )
+        P, joints = len(lower), len(self.position_bounds[0])
+        x = found["x"].full()[:, 0]
+        jacobian = solver.get_function("nlp_jac_g")(x=x)["jac_g_x"][:, :P]
+        slope = -(jacobian.T @ found["lam_g"]).full()[:, 0]
+        status = solver.stats()
+        return LayoutAnswer(
+            layout=np.clip(x[:P], lower, upper),
+            c2=float(np.exp(x[P])),
+            slope=slope,
+            start=x[P + 1 : P + 1 + joints],
+            solved=bool(status["success"]),
+            word=str(status["return_status"]),
+        )
+
+    def _start(self) -> Array:
+        start, at = self.start, self.samples
+        motion = start.motion
+        free = start.wrench[at, : -len(start.cell.wrench_components)]
+        unknowns = [motion.q[at], motion.dq[at], motion.ddq[at], *[free] * len(start.loads)]
+        return np.concatenate([start.layout, [np.log(start.c2)], np.concatenate(unknowns, axis=1).ravel()])
+
+
+SHORTEST = 0.1
+"""Least time that IPOPT is given [s]: it takes no zero."""
