@@ -248,7 +248,7 @@ class _Bodies:
         self.remarks: list[Remark] = []
 
     def carried(self, first: str, stops: set[str]) -> tuple[Inertia, bool]:
-        """Everything that a chain joint carries up to the next, in the frame of its first link; whether joints are held."""
+        """All that a chain joint carries up to the next, in the frame of its first link; whether held joints place any."""
         total, by_held = Inertia.zero(), False
         pending = [(first, RigidTransform.identity())]
         while pending:

@@ -30,8 +30,8 @@ LOAD_ENTRIES = ("mass", "mx", "my", "mz", "ixx", "iyy", "izz", "ixy", "ixz", "iy
 frame's origin, which is the nominal com [kg m²]. The balance of the object is linear in it."""
 
 GRAVITY_SIZE, ROBOT_SIZE = 3, 24
-"""Layout of a geometry vector: gravity in the world [m/s²]; of each robot the rotation of its base in the world by rows, its
-position [m], and those of its tip in the object frame; then what held joints place (`RobotRecord.held_numbers`)."""
+"""Layout of a geometry vector: gravity in the world [m/s²]; of each robot the rotation of its base in the world by rows,
+its position [m], and those of its tip in the object frame; then what held joints place (`RobotRecord.held_numbers`)."""
 
 ALWAYS_GENERATED = ("kinematics", "bias_acceleration", "dynamics", "terms", "wrench_form", "fixed_distribution")
 """Functions that every cell has."""
@@ -308,7 +308,7 @@ def verified_manifest(where: Path | str, text: str) -> Manifest:
     return manifest
 
 
-def check_source(where: Path | str, manifest: Manifest, text: str) -> None:
+def check_source(where: Path | str, manifest: ChainsRecord, text: str) -> None:
     """Check that a C text is the one that a manifest describes.
 
     Raises:

@@ -51,8 +51,8 @@ class Cell:
         remarks: What to know of how its files were read.
         reserve: Share of every limit that is kept free, 0 or more and below 1.
 
-    All but names, joints and plane can be changed in Python, by methods of this class or `dataclasses.replace`. Where the
-    functions are baked (`mrts generate --bake`), they hold gravity, bases and grasps as numbers, and these cannot.
+    All but names, joints and plane can be changed in Python, by methods of this class or `dataclasses.replace`. Where
+    the functions are baked (`mrts generate --bake`), they hold gravity, bases and grasps as numbers, and these cannot.
 
     Raises:
         InputError: If a value breaks a rule, or is not what the functions were generated with.
@@ -116,7 +116,10 @@ class Cell:
 
     @staticmethod
     def _refuse_change(
-        pairs: list[tuple[str, object, object]], robots: list[tuple[Robot, Robot]], attributes: tuple[str, ...], rule: str
+        pairs: list[tuple[str, object, object]],
+        robots: list[tuple[Robot, Robot]],
+        attributes: tuple[str, ...],
+        rule: str,
     ) -> None:
         for robot, generated in robots:
             if robot is not generated:

@@ -79,7 +79,7 @@ class CellFunctions:
     def placed(self, geometry: Array) -> Self:
         """The same functions for a cell of this geometry, Shape (3 + 24 n + h,)."""
         ours = copy(self)
-        ours._geometry = geometry
+        vars(ours)["_geometry"] = geometry
         return ours
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -29,6 +29,7 @@ CACHED_STEM = "cell"
 
 Record = TypeVar("Record", bound=ChainsRecord)
 
+
 def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     """Manifest and C file of a cell, made unless the cache holds them.
 

@@ -96,7 +96,9 @@ class Robot:
         shapes = {"axes": (n, 3), "points": (n, 3), "held_numbers": (np.size(self.held_numbers),)}
         shapes |= dict.fromkeys(("wrench_lower", "wrench_upper", "contact_rate"), wrench)
         for name in ARRAYS:
-            freeze_array(self, name, where, shapes.get(name, (n,)), finite=name in {"axes", "points", "held_numbers", "posture"})
+            freeze_array(
+                self, name, where, shapes.get(name, (n,)), finite=name in {"axes", "points", "held_numbers", "posture"}
+            )
         for T_name in ("T_base_tip", "T_world_base", "T_object_tip"):
             if not isinstance(getattr(self, T_name), RigidTransform):
                 raise InputError(where, "must be an mrts RigidTransform.", key=T_name, value=getattr(self, T_name))
