@@ -30,8 +30,8 @@ LOAD_ENTRIES = ("mass", "mx", "my", "mz", "ixx", "iyy", "izz", "ixy", "ixz", "iy
 frame's origin, which is the nominal com [kg m²]. The balance of the object is linear in it."""
 
 GRAVITY_SIZE, ROBOT_SIZE = 3, 24
-"""Layout of a geometry vector: gravity in the world [m/s²]; of each robot the rotation of its base in the world by rows,
-its position [m], and those of its tip in the object frame; then what held joints place (`RobotRecord.held_numbers`)."""
+"""Layout of a geometry vector: gravity in the world [m/s²]; of each robot the rotation of its base in the world by
+rows, its position [m], and those of its tip in the object frame; then `held_numbers` of all (`RobotRecord`)."""
 
 ALWAYS_GENERATED = ("kinematics", "bias_acceleration", "dynamics", "terms", "wrench_form", "fixed_distribution")
 """Functions that every cell has."""
@@ -287,6 +287,7 @@ def verified_manifest(where: Path | str, text: str) -> Manifest:
         InputError: If it is no manifest, of another format version, or was edited by hand.
     """
     try:
+        _check_format(where, text)
         manifest = Manifest.model_validate_json(text)
     except ValidationError as error:
         first = error.errors()[0]
@@ -294,18 +295,24 @@ def verified_manifest(where: Path | str, text: str) -> Manifest:
         raise InputError(
             where, f"{first['msg']}. The file is generated: make it again with `mrts generate`.", key=key
         ) from None
-    if manifest.format != FORMAT:
-        raise InputError(
-            where,
-            f"this mrts reads format {FORMAT}. Make it again with `mrts generate`.",
-            key="format",
-            value=manifest.format,
-        )
     if manifest.content_sha256 != manifest.content_hash():
         raise InputError(
             where, "was edited after it was generated. Change the cell file and run `mrts generate` again."
         )
     return manifest
+
+
+class _Format(BaseModel):
+    """What of a manifest of any format is looked at first."""
+
+    format: int
+
+
+def _check_format(where: Path | str, text: str) -> None:
+    given = _Format.model_validate_json(text).format
+    if given != FORMAT:
+        rule = f"this mrts reads format {FORMAT}. Make it again with `mrts generate`."
+        raise InputError(where, rule, key="format", value=given)
 
 
 def check_source(where: Path | str, manifest: ChainsRecord, text: str) -> None:

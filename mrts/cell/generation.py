@@ -185,6 +185,20 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     return {robot.name: (resolve_urdf(path, robot.urdf), robot.base_link) for robot in robots}
 
 
+def described_cell(path: Path) -> dict[str, Any]:
+    """Keys and values of a cell file, with the default of each key that it leaves out, None where there is none.
+
+    Args:
+        path: The cell file.
+
+    Raises:
+        InputError: If the cell file breaks a rule.
+    """
+    from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
+
+    return read_cell_description(path).model_dump()
+
+
 def virtual_machine_functions(path: Path) -> dict[str, Any]:
     """The functions of a cell file for CasADi's virtual machine, by short name.
 
