@@ -248,11 +248,7 @@ class _Bodies:
         self.remarks: list[Remark] = []
 
     def carried(self, first: str, stops: set[str]) -> tuple[Inertia, bool]:
-<<<<<<< HEAD
-        """All that a chain joint carries up to the next, in the frame of its first link; whether held joints place any."""
-=======
         """All that a joint carries up to the next, in the frame of its first link; whether held joints place any."""
->>>>>>> study
         total, by_held = Inertia.zero(), False
         pending = [(first, RigidTransform.identity())]
         while pending:
