@@ -1,26 +1,19 @@
 # SPDX-License-Identifier: MIT
 """The best layout of a study: a small sweep for starts, IPOPT from the best of them, `scale` for the last word."""
 
-from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from time import monotonic
-from typing import Any
-
-import numpy as np
 
 from mrts.base.argument_types import Progress, check_callable, check_type, is_number
-from mrts.base.arrays import Array
-from mrts.base.errors import InputError, MotionError, MrtsError
+from mrts.base.errors import InputError, MrtsError
 from mrts.cell.cell import Cell
 from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.layout.layout_search import LayoutSearch, Playable
-from mrts.layout.placement import Placement
+from mrts.layout.placement import PlayedLayout, Placement
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.refinement.excess import BETWEEN, checked_tolerance
 from mrts.retiming.retime import retime
-from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
 from mrts.studies.sampling import sample_points
 from mrts.studies.spreads import Range
@@ -96,6 +89,7 @@ class _Placing:
         machine = Cell.from_description(study.cell, folder=study.folder, backend="vm")
         self.numbers = LayoutNumbers.of(study, machine)
         self.motion = _object_motion(study)
+        self.looked_at, self.searches = 0, 0
         until = None if seconds is None else monotonic() + seconds
         self.search = LayoutSearch(study, self.numbers, self.motion, machine.functions.symbolic, until)
 
@@ -114,10 +108,15 @@ class _Placing:
                 self.progress(number, total)
                 if self.search.seconds_left == 0:
                     break
+                self.looked_at = number + 1
                 tried = self.search.tried(self.numbers.rounded(values))
                 (failures if isinstance(tried, str) else found).append(tried)
-            for number, start in enumerate(sorted(found, key=lambda one: -one.c2)[:starts]):
+            best_first = sorted((one for one in found if one.values is not None), key=lambda one: -one.c2)
+            for number, start in enumerate(best_first[:starts]):
+                if self.search.seconds_left == 0:
+                    break
                 self.progress(looked_at + number, total)
+                self.searches = number + 1
                 self.search.improve(start, found)
             self.progress(total, total)
         except KeyboardInterrupt:

@@ -14,6 +14,7 @@ from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.scaling.result import ScalingResult
+from mrts.studies.number_paths import value_at
 from mrts.studies.study import Study
 
 AT_BOUND = 1e-6

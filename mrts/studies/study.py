@@ -219,17 +219,27 @@ class Study:
             raise InputError("index", f"must be a variant, from 0 to {self.variants - 1}.", value=index)
         folder = Path(folder)
         cell, motion = self.descriptions(self.points(index, index + 1)[0])
-        for robot, urdf in zip(cell["robots"], self.urdfs, strict=True):
-            if not urdf.reference.startswith("package://"):
-                robot["urdf"] = _reference(Path(urdf.path), folder)
         for key in ("file", "joints"):
             if key in motion:
                 motion[key] = _reference(Path(motion[key]), folder)
         paths = folder / "cell.yaml", folder / "motion.yaml"
         heading = f"# Variant {index} of {self.path.name}\n"
-        texts = [heading + as_yaml(keys) for keys in (cell, motion)]
+        texts = [heading + self.cell_text(cell, folder), heading + as_yaml(motion)]
         write_together({path: text_writer(text) for path, text in zip(paths, texts, strict=True)})
         return paths
+
+    def cell_text(self, keys: dict[str, Any], folder: Path) -> str:
+        """The text of a cell file.
+
+        Args:
+            keys: Its keys and values, as from `descriptions`.
+            folder: Where it is to stand: paths of URDFs are relative to it.
+        """
+        robots = [dict(robot) for robot in keys["robots"]]
+        for robot, urdf in zip(robots, self.urdfs, strict=True):
+            if not urdf.reference.startswith("package://"):
+                robot["urdf"] = _reference(Path(urdf.path), folder)
+        return as_yaml(keys | {"robots": robots})
 
 
 def _write_bytes(path: Path, content: bytes) -> None:
