@@ -69,8 +69,8 @@ def grasp_equations(
 ) -> tuple[Any, Any, Any]:
     """What is zero where every tip is at its grasp, moves with it and accelerates with it, Shape (n w,) each.
 
-    The error of a rotation is the sine of its angle times its axis, in world axes: smooth where the angle is small, with
-    the identity for its derivative at zero.
+    The error of a rotation is the sine of its angle times its axis, in world axes: smooth where the angle is small,
+    and its derivative at zero is the identity.
 
     Args:
         cell: The cell.
@@ -86,7 +86,8 @@ def grasp_equations(
     v, w = carried.twist[:3], carried.twist[3:]
     a, dw = carried.acceleration[:3], carried.acceleration[3:]
     closure, velocity, acceleration = [], [], []
-    for index, (arm, part) in enumerate(zip(arm_poses(geometry, len(cell.robots)), cell.joint_slices.values(), strict=True)):
+    arms = arm_poses(geometry, len(cell.robots))
+    for index, (arm, part) in enumerate(zip(arms, cell.joint_slices.values(), strict=True)):
         r = carried.rotation @ arm.p_tip
         turn = at["rotation"][:, 3 * index : 3 * index + 3] @ (carried.rotation @ arm.R_tip).T
         off = ca.vertcat(turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]) / 2

@@ -21,8 +21,8 @@ DIGITS = 5
 """Decimals of the numbers of an answer: 10 µm and 10 µrad, less than anyone can set up."""
 
 NOT_A_LAYOUT = (
-    "is no number of a layout. What mrts place moves are base, grasp and posture of robots; leave it out, or compare it "
-    "by mrts sweep."
+    "is no number of a layout. What mrts place moves are base, grasp and posture of robots; leave it out, or compare "
+    "its values by mrts sweep."
 )
 
 
@@ -77,9 +77,7 @@ class LayoutNumbers:
                     raise InputError(study.path, NOT_A_LAYOUT, key=f"vary: {target.path}")
                 offset[row], slope[row, column] = target.offset, target.factor
         lower, upper = np.array(bounds).T
-        return cls(
-            parameters=study.parameters, lower=lower, upper=upper, given=given, offset=offset, slope=slope
-        )
+        return cls(parameters=study.parameters, lower=lower, upper=upper, given=given, offset=offset, slope=slope)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -159,6 +157,6 @@ def _row(cell: Cell, keys: Keys) -> int | None:
         case ("cell", "robots", int(robot), ("base" | "grasp") as pose, ("xyz" | "rpy") as part, int(axis)):
             return 2 * POSE * robot + (POSE if pose == "grasp" else 0) + (3 if part == "rpy" else 0) + axis
         case ("cell", "robots", int(robot), "posture", int(joint)):
-            part = list(cell.joint_slices.values())[robot]
-            return 2 * POSE * len(cell.robots) + part.start + joint
+            before = sum(len(arm.joints) for arm in cell.robots[:robot])
+            return 2 * POSE * len(cell.robots) + before + joint
     return None

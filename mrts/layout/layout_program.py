@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """One sparse nonlinear program: the layout, the joints and wrenches of all samples, and c²."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,7 +44,7 @@ class LayoutAnswer:
     Attributes:
         layout: Values of the numbers, Shape (P,).
         c2: c²⁺ there, of the samples of the program.
-        slope: ∂ ln c²⁺/∂θ at the values, from the multipliers, Shape (P,): zero inside the bounds where it is a maximum.
+        slope: ∂ ln c²⁺/∂θ there, from the multipliers, Shape (P,): zero at a maximum inside the bounds.
         start: Joint positions at the program's first sample, Shape (m,) [rad or m].
         solved: Whether it is a local optimum.
         word: Of IPOPT.
@@ -119,16 +120,18 @@ class LayoutProgram:
         ]
         self.sample_unknowns = sample.unknowns
 
-    def solve(self, bounds: tuple[Array, Array] | None = None, seconds: float | None = None) -> LayoutAnswer:
+    def solve(
+        self, bounds: tuple[Array, Array] | None = None, stop: Callable[[], bool] = lambda: False
+    ) -> LayoutAnswer:
         """Search from the start.
 
         Args:
             bounds: Of the numbers, Shape (P,) each; None takes their own. Where both are equal, the number stays.
-            seconds: Most time to take; None is no limit.
+            stop: Asked at every iteration whether the search is to end.
         """
         lower, upper = bounds or (self.numbers.lower, self.numbers.upper)
-        options = IPOPT_OPTIONS if seconds is None else IPOPT_OPTIONS | {"ipopt.max_wall_time": max(seconds, SHORTEST)}
-        solver = ca.nlpsol("layout", "ipopt", self.program, options)
+        watch = _Watch(self.program["x"].numel(), self.program["g"].numel(), stop)
+        solver = ca.nlpsol("layout", "ipopt", self.program, IPOPT_OPTIONS | {"iteration_callback": watch})
         free = [np.full(self.sample_unknowns, side * np.inf) for side in (-1, 1)]
         for values, limits in zip(free, self.position_bounds, strict=True):
             values[: len(limits)] = limits
@@ -162,5 +165,30 @@ class LayoutProgram:
         return np.concatenate([start.layout, [np.log(start.c2)], np.concatenate(unknowns, axis=1).ravel()])
 
 
-SHORTEST = 0.1
-"""Least time that IPOPT is given [s]: it takes no zero."""
+class _Watch(ca.Callback):
+    """Tells IPOPT at every iteration whether to stop.
+
+    Args:
+        unknowns: Number of unknowns.
+        rows: Number of rows.
+        stop: Asked.
+    """
+
+    def __init__(self, unknowns: int, rows: int, stop: Callable[[], bool]) -> None:
+        ca.Callback.__init__(self)
+        sizes = {"x": unknowns, "f": 1, "g": rows, "lam_x": unknowns, "lam_g": rows, "lam_p": 0}
+        self.sizes = [sizes[ca.nlpsol_out(index)] for index in range(ca.nlpsol_n_out())]
+        self.stop = stop
+        self.construct("watch", {})
+
+    def get_n_in(self) -> int:
+        return len(self.sizes)
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_sparsity_in(self, index: int) -> Any:
+        return ca.Sparsity.dense(self.sizes[index], 1 if self.sizes[index] else 0)
+
+    def eval(self, _arguments: Any) -> list[int]:
+        return [int(self.stop())]

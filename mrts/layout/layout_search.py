@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Layouts tried and improved: what a program promises counts only as far as the cell then does it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,6 @@ from mrts.layout.layout_program import LayoutAnswer, LayoutProgram, LayoutStart
 from mrts.motion.object_motion import ObjectMotion
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
-from mrts.solvers.held_interrupt import held_interrupt
 from mrts.studies.study import Study
 
 COARSE = 25
@@ -40,7 +39,7 @@ class Playable:
     """A layout that the cell can play.
 
     Attributes:
-        values: Of the numbers of the layout, Shape (P,); None of the cell as its file has it, where no values give that.
+        values: Of the numbers of the layout, Shape (P,); None of the cell as its file has it, where none give that.
         keys: Keys and values of its cell file.
         result: What `mrts.scale` finds of the given samples.
         slope: ∂ ln c²⁺/∂values, Shape (P,), where a program ended there; else None.
@@ -66,7 +65,7 @@ class LayoutSearch:
         numbers: Its numbers.
         motion: Motion of the object.
         functions: The cell's functions for CasADi's virtual machine.
-        until: When to stop, by `time.monotonic` [s]; None is never.
+        over: Says whether to come to the end.
     """
 
     def __init__(
@@ -75,14 +74,9 @@ class LayoutSearch:
         numbers: LayoutNumbers,
         motion: ObjectMotion,
         functions: dict[str, Any],
-        until: float | None,
+        over: Callable[[], bool],
     ) -> None:
-        self.study, self.numbers, self.motion, self.functions, self.until = study, numbers, motion, functions, until
-
-    @property
-    def seconds_left(self) -> float | None:
-        """Time that is left [s]; None if there is no limit."""
-        return None if self.until is None else max(self.until - monotonic(), 0.0)
+        self.study, self.numbers, self.motion, self.functions, self.over = study, numbers, motion, functions, over
 
     def tried(self, values: Array, postures: dict[str, list[float]] | None = None) -> Playable | str:
         """What the cell can do in a layout, or why it can do nothing.
@@ -123,7 +117,7 @@ class LayoutSearch:
         samples = _coarse_samples(start)
         best = start
         for _ in range(ROUNDS):
-            if self.seconds_left == 0 or not np.isfinite(best.c2):
+            if self.over() or not np.isfinite(best.c2):
                 return
             answer = self._solved(best, samples)
             reached = self._reached(best, answer)
@@ -149,8 +143,7 @@ class LayoutSearch:
             c2=start.c2,
             loads=tuple(loads),
         )
-        with held_interrupt():
-            return LayoutProgram(self.functions, self.numbers, begun, samples).solve(seconds=self.seconds_left)
+        return LayoutProgram(self.functions, self.numbers, begun, samples).solve(stop=self.over)
 
     def _reached(self, start: Playable, answer: LayoutAnswer) -> Playable | None:
         """What the cell does in the layout of an answer; None where it can do nothing.

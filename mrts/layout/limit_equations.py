@@ -59,7 +59,7 @@ class LimitEquations:
         def columns(dq: Array, ddq: Array) -> tuple[Array, Array]:
             at = limit_rows(cell, replace(motion, dq=dq, ddq=ddq))
             nothing = np.zeros((len(dq), len(at.names)))
-            return tuple(nothing if column is None else column for column in (at.speed, at.square))
+            return nothing if at.speed is None else at.speed, nothing if at.square is None else at.square
 
         speed, square = columns(still, still)
         by_velocity = np.stack([(columns(still + unit, still)[0] - speed)[0] for unit in units], axis=1)

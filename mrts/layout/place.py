@@ -5,11 +5,13 @@ from pathlib import Path
 from time import monotonic
 
 from mrts.base.argument_types import Progress, check_callable, check_type, is_number
+from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
 from mrts.cell.cell import Cell
 from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.layout.layout_search import LayoutSearch, Playable
-from mrts.layout.placement import PlayedLayout, Placement
+from mrts.layout.placement import Placement, PlayedLayout
+from mrts.layout.stop_request import stop_request
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.refinement.excess import BETWEEN, checked_tolerance
@@ -85,63 +87,71 @@ class _Placing:
     """
 
     def __init__(self, study: Study, between: float | None, seconds: float | None, progress: Progress) -> None:
-        self.study, self.between, self.progress = study, between, progress
+        self.study, self.between, self.progress = study.at_hand(), between, progress
         machine = Cell.from_description(study.cell, folder=study.folder, backend="vm")
         self.numbers = LayoutNumbers.of(study, machine)
         self.motion = _object_motion(study)
-        self.looked_at, self.searches = 0, 0
-        until = None if seconds is None else monotonic() + seconds
-        self.search = LayoutSearch(study, self.numbers, self.motion, machine.functions.symbolic, until)
+        self.until = None if seconds is None else monotonic() + seconds
+        self.asked: list[int] = []
+        self.search = LayoutSearch(self.study, self.numbers, self.motion, machine.functions.symbolic, self._over)
 
     def best(self, starts: int, looked_at: int) -> Placement:
-        """The best of some searches from the best of some layouts."""
-        total = looked_at + starts
-        found: list[Playable] = []
-        given = self.search.of_keys(self.study.cell, self.numbers.as_given())
-        failures = [given] if isinstance(given, str) else []
-        stopped = ""
-        try:
-            if not isinstance(given, str) and given.values is not None:
-                found.append(given)
-            spreads = [Range(*bounds) for bounds in zip(self.numbers.lower, self.numbers.upper, strict=True)]
-            for number, values in enumerate(sample_points(spreads, "sobol", looked_at, SEED, (0, looked_at))):
-                self.progress(number, total)
-                if self.search.seconds_left == 0:
-                    break
-                self.looked_at = number + 1
-                tried = self.search.tried(self.numbers.rounded(values))
-                (failures if isinstance(tried, str) else found).append(tried)
-            best_first = sorted((one for one in found if one.values is not None), key=lambda one: -one.c2)
-            for number, start in enumerate(best_first[:starts]):
-                if self.search.seconds_left == 0:
-                    break
-                self.progress(looked_at + number, total)
-                self.searches = number + 1
-                self.search.improve(start, found)
-            self.progress(total, total)
-        except KeyboardInterrupt:
-            stopped = "Ctrl-C"
-        if self.search.seconds_left == 0:
-            stopped = "the time limit"
-        return self._checked(given, found, failures, stopped)
+        """The best of some searches from the best of some layouts.
 
-    def _checked(
-        self, given: Playable | str, found: list[Playable], failures: list[str], stopped: str
-    ) -> Placement:
-        """The best by `mrts.scale` between the samples too, and of those that tie the first."""
-        best = max(found, key=lambda one: one.c2, default=None)
-        start = max((one for one in found if one.slope is None), key=lambda one: one.c2, default=None)
-        checked = [self._played(one) for one in {id(one): one for one in (best, start) if one is not None}.values()]
+        Args:
+            starts: From how many layouts to search.
+            looked_at: Of how many.
+        """
+        given = self.search.of_keys(self.study.cell, self.numbers.as_given())
+        found = [given] if not isinstance(given, str) and given.values is not None else []
+        failures: list[str] = []
+        total, searches, looked = looked_at + starts, 0, 0
+        with stop_request() as self.asked:
+            for values in self._layouts(looked_at):
+                if self._over():
+                    break
+                self.progress(looked, total)
+                looked += 1
+                tried = self.search.tried(values)
+                if isinstance(tried, str):
+                    failures.append(tried)
+                else:
+                    found.append(tried)
+            for start in sorted(found, key=lambda one: -one.c2)[:starts]:
+                if self._over():
+                    break
+                self.progress(looked_at + searches, total)
+                searches += 1
+                self.search.improve(start, found)
+            stopped = "Ctrl-C" if self.asked else "the time limit" if self._over() else ""
+        self.progress(total, total)
+        checked = self._checked(found)
         return Placement(
             study=self.study,
             numbers=self.numbers,
             before=None if isinstance(given, str) else self._played(given),
             after=max(checked, key=lambda layout: layout.c2, default=None),
             failures=tuple(failures),
-            looked_at=self.looked_at,
-            searches=self.searches,
+            looked_at=looked,
+            searches=searches,
             stopped=stopped,
         )
+
+    def _over(self) -> bool:
+        """Whether Ctrl-C was pressed, or time is up."""
+        return bool(self.asked) or (self.until is not None and monotonic() >= self.until)
+
+    def _layouts(self, count: int) -> Array:
+        """Layouts to look at, evenly between the bounds, Shape (count, P)."""
+        bounds = zip(self.numbers.lower, self.numbers.upper, strict=True)
+        points = sample_points([Range(*pair) for pair in bounds], "sobol", count, SEED, (0, count))
+        return self.numbers.rounded(points)
+
+    def _checked(self, found: list[Playable]) -> list[PlayedLayout]:
+        """The best, and the best start, as `mrts.scale` has them between the samples too."""
+        best_first = sorted(found, key=lambda one: -one.c2)
+        starts = [one for one in best_first if one.slope is None]
+        return [self._played(one) for one in {id(one): one for one in (*best_first[:1], *starts[:1])}.values()]
 
     def _played(self, layout: Playable) -> PlayedLayout:
         cell, load = layout.result.cell, self.study.question.load
@@ -158,4 +168,5 @@ def _object_motion(study: Study) -> ObjectMotion:
         return sample_motion(MotionDescription(**study.motion))
     if isinstance(study.table, ObjectMotion):
         return study.table
-    raise InputError(study.path, "a table of joint motion fixes where the arms stand; give the object's motion.", key="motion")
+    rule = "a table of joint motion fixes where the arms stand; give the object's motion."
+    raise InputError(study.path, rule, key="motion")

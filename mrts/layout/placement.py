@@ -97,7 +97,9 @@ class Placement:
         if after is None:
             return f"{name}: none of {self.looked_at} layouts within the bounds can be played. {self.failures[0]}"
         if before is None:
-            return f"{name}: c² up to {after.c2:.4g}, {after.duration:.4g} s; the layout of the cell file cannot be played"
+            return (
+                f"{name}: c² up to {after.c2:.4g}, {after.duration:.4g} s; the layout of the cell file cannot be played"
+            )
         if after.c2 <= before.c2:
             return f"{name}: no layout was found that is better than that of the cell file, c² up to {before.c2:.4g}"
         return (
@@ -128,13 +130,14 @@ class Placement:
         )
 
     def moved(self) -> list[tuple[str, str, float, float]]:
-        """Path, unit, value before and after of every number that the study sets, and of postures that had to follow."""
+        """Path, unit, value before and after of each number that the study sets, and of postures that followed."""
         assert self.after is not None  # noqa: S101 (asked for of an answer only)
-        moved = []
         ours, theirs = ({"cell": keys} for keys in (self.study.cell, self.after.keys))
-        for parameter in self.numbers.parameters:
-            for target in parameter.targets:
-                moved.append((target.path, target.unit, *(float(value_at(of, target.keys)) for of in (ours, theirs))))
+        targets = [target for parameter in self.numbers.parameters for target in parameter.targets]
+        moved = [
+            (target.path, target.unit, float(value_at(ours, target.keys)), float(value_at(theirs, target.keys)))
+            for target in targets
+        ]
         named = {path for path, *_ in moved}
         for own, new in zip(self.study.cell["robots"], self.after.keys["robots"], strict=True):
             for joint, pair in enumerate(zip(own["posture"], new["posture"], strict=True)):

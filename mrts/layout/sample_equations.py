@@ -18,8 +18,8 @@ class SampleEquations:
     """Equations and rows of a sample.
 
     Attributes:
-        function: Of the sample's unknowns [q, q', q'', free wrenches], of the shared ones [layout, ln c²] and of what is
-            given of it: first the equations, which are zero, then the rows of all limits in their units.
+        function: Of the sample's unknowns [q, q', q'', free wrenches], of the shared ones [layout, ln c²] and of what
+            is given of it: first the equations, which are zero, then the rows of all limits in their units.
         unknowns: Number of the sample's unknowns.
         equations: Number of equations.
     """
