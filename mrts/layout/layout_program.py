@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.layout.grasp_equations import object_columns
+from mrts.inverse_kinematics.null_space import is_redundant
+from mrts.layout.grasp_equations import ObjectSymbols, grasp_equations, object_columns
 from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.layout.limit_equations import LimitEquations
-from mrts.layout.sample_equations import sample_equations
+from mrts.layout.redundant_equations import multipliers, preference, redundant_joints
+from mrts.layout.sample_equations import SharedSymbols, sample_equations
 
 IPOPT_TOLERANCE = 1e-8
 """Of the scaled program: c² is then right to more digits than are printed."""
@@ -99,26 +101,53 @@ class LayoutProgram:
         self.numbers, self.start, self.samples = numbers, start, samples
         cell, motion = start.cell, start.motion.at(samples)
         limits = LimitEquations.of(cell, motion)
-        layout = ca.SX.sym("layout", len(numbers.lower))
-        geometry = numbers.geometry(cell, layout)
-        sample = sample_equations(cell, functions, geometry, layout, limits, list(start.loads))
+        self.redundant = redundant_joints(cell)
+        self.multipliers = multipliers(cell, start.motion.q, start.motion.q[0])
+        shared = SharedSymbols.fresh(len(numbers.lower), len(self.redundant), self.multipliers.shape[1])
+        geometry = numbers.geometry(cell, shared.layout)
+        sample = sample_equations(cell, functions, geometry, shared, limits, start.loads)
         carried = motion.object
         given = object_columns(carried.position, carried.rotation, carried.twist, carried.acceleration)
         given = np.concatenate([given, limits.columns])
         count = len(samples)
-        unknowns, shared = ca.MX.sym("unknowns", sample.unknowns, count), ca.MX.sym("shared", layout.numel() + 1)
-        rows = sample.function.map("samples", "serial", count, [1], [])(unknowns, shared, ca.DM(given))
-        self.program = {"x": ca.vertcat(shared, ca.vec(unknowns)), "f": -shared[-1], "g": ca.vec(rows)}
+        unknowns, ours = ca.MX.sym("unknowns", sample.unknowns, count), ca.MX.sym("shared", shared.stacked.numel())
+        rows = sample.function.map("samples", "serial", count, [1], [])(unknowns, ours, ca.DM(given))
+        begin = self._start_equations(functions, shared, geometry)
+        self.program = {
+            "x": ca.vertcat(ours, ca.vec(unknowns)),
+            "f": -ours[shared.layout.numel()],
+            "g": ca.vertcat(begin(ours), ca.vec(rows)),
+        }
         held = np.zeros((count, sample.equations))
         repeated = [limits.rows.of_forces] * (len(start.loads) - 1)
         self.row_bounds = [
             np.concatenate([held, bound, *(bound[:, of_forces] for of_forces in repeated)], axis=1).ravel()
             for bound in limits.bounds
         ]
+        self.row_bounds = [np.append(np.zeros(begin.numel_out()), bound) for bound in self.row_bounds]
         self.position_bounds = [
             np.concatenate([getattr(robot, f"position_{side}") for robot in cell.robots]) for side in ("lower", "upper")
         ]
         self.sample_unknowns = sample.unknowns
+
+    def _start_equations(self, functions: dict[str, Any], shared: SharedSymbols, geometry: Any) -> Any:
+        """What holds redundant arms at the start of the motion, nearest to their postures; nothing for others."""
+        cell, first = self.start.cell, self.start.motion.object
+        if not self.redundant:
+            return ca.Function("start", [shared.stacked], [ca.SX(0, 1)])
+        q = ca.SX(self.start.motion.q[0])
+        q[self.redundant] = shared.reference
+        at = ObjectSymbols(*(getattr(first, name)[0] for name in ("position", "rotation", "twist", "acceleration")))
+        lower, upper = (
+            np.concatenate([getattr(robot, f"position_{side}") for robot in cell.robots]) for side in ("lower", "upper")
+        )
+        closure = grasp_equations(cell, functions, (q, q, q), at, geometry)[0]
+        w = len(cell.wrench_components)
+        arms = [index for index, robot in enumerate(cell.robots) if is_redundant(cell, robot)]
+        closure = ca.vertcat(*(closure[w * index : w * index + w] for index in arms))
+        inside = ca.fmin(ca.fmax(self.numbers.postures(cell, shared.layout), lower), upper)
+        nearest = preference(cell, functions, q, shared.multiplier, inside[self.redundant], geometry)
+        return ca.Function("start", [shared.stacked], [ca.vertcat(closure, nearest)])
 
     def solve(
         self, bounds: tuple[Array, Array] | None = None, stop: Callable[[], bool] = lambda: False
@@ -135,16 +164,18 @@ class LayoutProgram:
         free = [np.full(self.sample_unknowns, side * np.inf) for side in (-1, 1)]
         for values, limits in zip(free, self.position_bounds, strict=True):
             values[: len(limits)] = limits
-        count = len(self.samples)
+        others = self.program["x"].numel() - len(lower) - self.sample_unknowns * len(self.samples)
+        unlimited = np.full(others, np.inf)
         found = solver(
             x0=self._start(),
-            lbx=np.concatenate([lower, [-np.inf], np.tile(free[0], count)]),
-            ubx=np.concatenate([upper, [np.inf], np.tile(free[1], count)]),
+            lbx=np.concatenate([lower, -unlimited, np.tile(free[0], len(self.samples))]),
+            ubx=np.concatenate([upper, unlimited, np.tile(free[1], len(self.samples))]),
             lbg=self.row_bounds[0],
             ubg=self.row_bounds[1],
         )
         P, joints = len(lower), len(self.position_bounds[0])
         x = found["x"].full()[:, 0]
+        at = P + others
         jacobian = solver.get_function("nlp_jac_g")(x=x)["jac_g_x"][:, :P]
         slope = -(jacobian.T @ found["lam_g"]).full()[:, 0]
         status = solver.stats()
@@ -152,17 +183,27 @@ class LayoutProgram:
             layout=np.clip(x[:P], lower, upper),
             c2=float(np.exp(x[P])),
             slope=slope,
-            start=x[P + 1 : P + 1 + joints],
+            start=x[at : at + joints],
             solved=bool(status["success"]),
             word=str(status["return_status"]),
         )
 
     def _start(self) -> Array:
         start, at = self.start, self.samples
-        motion = start.motion
+        motion, posture = start.motion, np.concatenate([robot.posture for robot in start.cell.robots])
         free = start.wrench[at, : -len(start.cell.wrench_components)]
-        unknowns = [motion.q[at], motion.dq[at], motion.ddq[at], *[free] * len(start.loads)]
-        return np.concatenate([start.layout, [np.log(start.c2)], np.concatenate(unknowns, axis=1).ravel()])
+        rates = np.zeros((len(at), 2 * self.multipliers.shape[1]))
+        unknowns = [
+            motion.q[at],
+            motion.dq[at],
+            motion.ddq[at],
+            *[free] * len(start.loads),
+            self.multipliers[at],
+            rates,
+        ]
+        begin = [motion.q[0, self.redundant], multipliers(start.cell, motion.q[:1], posture)[0]]
+        shared = [start.layout, [np.log(start.c2)], *begin]
+        return np.concatenate([*shared, np.concatenate(unknowns, axis=1).ravel()])
 
 
 class _Watch(ca.Callback):

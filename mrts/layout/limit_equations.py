@@ -93,22 +93,20 @@ class LimitEquations:
         dry = np.zeros((len(self.speed), self.by_velocity.shape[1])) if self.motors is None else self.motors.dry
         return np.concatenate([self.speed, self.square, dry], axis=1).T
 
-    def values(self, torque: Any, wrench: Any, in_object: Any, in_tip: Any, speed: Any) -> Any:
+    def values(self, torque: Any, wrench: Any, turned: tuple[Any, Any], speed: Any) -> Any:
         """What the rows are, in units, Shape (r,).
 
         Args:
             torque: τ, Shape (m,).
             wrench: F in base axes, Shape (n w,).
-            in_object: F in object axes.
-            in_tip: F in axes that turn with the tips, and are the object's at the start.
+            turned: F in object axes and in axes of the tips, as from `turned_wrenches`.
             speed: (S q' + s) c + e c², Shape (r,).
         """
         rows = self.rows
         value = ca.DM(rows.torque_matrix) @ torque + ca.DM(rows.wrench_matrix) @ wrench + speed
         if rows.object_matrix is not None:
-            turns = self.of_tip[:, None]
-            value += ca.sparsify(ca.DM(rows.object_matrix * ~turns)) @ in_object
-            value += ca.sparsify(ca.DM(rows.object_matrix * turns)) @ in_tip
+            for wrenches, there in zip(turned, (~self.of_tip, self.of_tip), strict=True):
+                value += ca.sparsify(ca.DM(rows.object_matrix * there[:, None])) @ wrenches
         return value / rows.units()
 
 
