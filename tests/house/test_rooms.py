@@ -30,6 +30,7 @@ ROOMS = (
     "retiming",
     "identification",
     "studies",
+    "layout",
     "drawing",
     "output",
     "figures",
