@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from mrts.base.load_box import LoadBox, LoadPoint
     from mrts.base.remark import Remark
     from mrts.base.rigid_transform import RigidTransform
-    from mrts.cell.cell import Cell, load_cell
+    from mrts.cell.cell import Cell
+    from mrts.cell.loading import load_cell
     from mrts.cell.robot import Robot
     from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
     from mrts.coordination.grasp_closure import ClosureBound
@@ -57,6 +58,8 @@ if TYPE_CHECKING:
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
     from mrts.smooth.rate_limits import RateLimits
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
+    from mrts.studies.study import Study
+    from mrts.studies.study_file import read_study
 
 _HOMES = {
     "ActiveRow": "limits.rows",
@@ -111,11 +114,12 @@ _HOMES = {
     "SelectionError": "scaling.scale",
     "SmoothAnswer": "retiming.smooth_piece",
     "SolverError": "base.errors",
+    "Study": "studies.study",
     "box_contact": "hands.box",
     "follow_object": "coordination.coordinated_motion",
     "gripper_contact": "hands.gripper",
     "identify": "identification.identify",
-    "load_cell": "cell.cell",
+    "load_cell": "cell.loading",
     "load_motion": "motion.motion_file",
     "load_recording": "motion.joint_recording",
     "load_result": "output.saved_result",
@@ -123,6 +127,7 @@ _HOMES = {
     "place": "layout.place",
     "rank_configurations": "studies.configurations",
     "retime": "retiming.retime",
+    "read_study": "studies.study_file",
     "rows_contact": "hands.polytope",
     "sample_motion": "motion.motion_file",
     "save_result": "output.saved_result",
@@ -187,6 +192,7 @@ __all__ = [
     "SelectionError",
     "SmoothAnswer",
     "SolverError",
+    "Study",
     "box_contact",
     "follow_object",
     "gripper_contact",
@@ -198,6 +204,7 @@ __all__ = [
     "pad_contact",
     "place",
     "rank_configurations",
+    "read_study",
     "retime",
     "rows_contact",
     "sample_motion",

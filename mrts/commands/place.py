@@ -25,7 +25,7 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
         epilog=EXAMPLES,
     )
     verb.add_argument("study", type=Path, metavar="STUDY",
-                      help="study file whose 'vary' names numbers of base, grasp or posture, each from and to")  # fmt: skip
+                      help="study file; 'vary' names numbers of base, grasp or posture, each from and to")  # fmt: skip
     verb.add_argument("-o", "--output", type=Path, required=True, metavar="FILE",
                       help="the cell file of the best layout; Ctrl-C writes the best so far")  # fmt: skip
     verb.add_argument("--starts", type=int, metavar="N",

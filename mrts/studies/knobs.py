@@ -48,19 +48,19 @@ def read_parameters(
     if not vary:
         raise InputError(path, "names nothing to vary, such as object.mass: [2, 3, 4].", key="vary")
     reader = _TargetReader(path, filled, cell)
-    parameters: list[Parameter] = []
+    parameters: dict[str, Parameter] = {}
     for name, value in vary.items():
         key = f"vary.{name}"
         knob = read_knob(path, key, value)
         spread = knob_spread(path, key, knob, sample)
         targets = tuple(reader.targets(name, knob))
         shown = name if _moves(knob) else targets[0].path
-        parameters.append(Parameter(shown, _unit(knob, targets), spread, targets))
+        parameters[name] = Parameter(shown, _unit(knob, targets), spread, targets)
         _check_whole(path, key, spread, targets)
     _check_apart(path, parameters)
-    for target in (target for parameter in parameters for target in parameter.targets):
+    for target in (target for parameter in parameters.values() for target in parameter.targets):
         with_place(given, filled, target.keys)
-    return tuple(parameters)
+    return tuple(parameters.values())
 
 
 class _TargetReader:
@@ -177,15 +177,15 @@ def _check_whole(path: Path, key: str, spread: Spread, targets: tuple[Target, ..
             raise InputError(path, f"{target.path} is a whole number: list the values that it takes.", key=key)
 
 
-def _check_apart(path: Path, parameters: list[Parameter]) -> None:
+def _check_apart(path: Path, movers: Mapping[str, Parameter]) -> None:
     """No number is moved twice."""
-    moved: dict[Keys, str] = {}
-    for parameter in parameters:
+    moved: list[tuple[Keys, str]] = []
+    for mover, parameter in movers.items():
         for target in parameter.targets:
-            for other, mover in moved.items():
-                shorter = min(len(other), len(target.keys))
-                if other[:shorter] == target.keys[:shorter]:
-                    twice = f"{target.path} is moved twice"
-                    by = f"{twice}, by '{mover}' and '{parameter.path}'" if mover != parameter.path else twice
-                    raise InputError(path, f"{by}. Each number has one mover.", key=f"vary.{parameter.path}")
-            moved[target.keys] = parameter.path
+            for keys, other in moved:
+                shorter = min(len(keys), len(target.keys))
+                if keys[:shorter] == target.keys[:shorter]:
+                    by = f", by '{other}' and '{mover}'" if other != mover else ""
+                    rule = f"{target.path} is moved twice{by}. Each number has one mover."
+                    raise InputError(path, rule, key=f"vary.{mover}")
+            moved.append((target.keys, mover))

@@ -9,20 +9,24 @@ from pathlib import Path
 from typing import Any, Literal, Self
 
 import numpy as np
-import yaml
 
-from mrts.base.argument_types import check_type
+from mrts.base.argument_types import as_path, check_type
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_atomically, write_together
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import MAX_URDF_BYTES
 from mrts.base.regular_file import read_regular
+from mrts.base.yaml_parser import yaml_text
 from mrts.kernel.cache_folder import cache_folder
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.studies.number_paths import Keys, set_number
 from mrts.studies.sampling import SampleName, sample_points
 from mrts.studies.spreads import Spread
+
+
+NUMBERS_SHOWN = 3
+"""Of what a knob moves."""
 
 
 @dataclass(frozen=True)
@@ -69,8 +73,15 @@ class Parameter:
 
     def __str__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""
-        numbers = f" ({', '.join(target.path for target in self.targets)})" if len(self.targets) > 1 else ""
-        return f"{self.path}{numbers}: {self.spread}{unit}"
+        return f"{self.path}{self._moved()}: {self.spread}{unit}"
+
+    def _moved(self) -> str:
+        """The numbers that a knob moves, for people."""
+        paths = [target.path for target in self.targets]
+        if paths == [self.path]:
+            return ""
+        more = f" and {len(paths) - NUMBERS_SHOWN} more" if len(paths) > NUMBERS_SHOWN else ""
+        return f" ({', '.join(paths[:NUMBERS_SHOWN])}{more})"
 
 
 @dataclass(frozen=True)
@@ -164,24 +175,31 @@ class Study:
         Raises:
             InputError: If there are no such variants.
         """
-        check_type("first", first, int)
-        check_type("last", last, int)
+        check_type("first", first, int, np.integer)
+        check_type("last", last, int, np.integer)
         if not 0 <= first <= last <= self.variants:
             rule = f"must be a block of the variants 0 to {self.variants}, the first one and the first left out."
             raise InputError("first, last", rule, value=(first, last))
         spreads = [parameter.spread for parameter in self.parameters]
         if first == last:
             return np.empty((0, len(spreads)))
-        return sample_points(spreads, self.sample, self.variants, self.seed, (first, last))
+        return sample_points(spreads, self.sample, self.variants, self.seed, (int(first), int(last)))
 
     def descriptions(self, point: Array) -> tuple[dict[str, Any], dict[str, Any]]:
         """Keys and values of the cell file and the motion file of one variant.
 
         Args:
             point: Values of the parameters, Shape (P,).
+
+        Raises:
+            InputError: If they are something else.
         """
+        values = as_array("point", point)
+        if values.shape != (len(self.parameters),) or not np.all(np.isfinite(values)):
+            rule = f"must be a finite number for each of {', '.join(each.path for each in self.parameters)}."
+            raise InputError("point", rule, value=point)
         files = {"cell": deepcopy(self.cell), "motion": deepcopy(self.motion)}
-        for parameter, value in zip(self.parameters, np.asarray(point, dtype=float).tolist(), strict=True):
+        for parameter, value in zip(self.parameters, values.tolist(), strict=True):
             for target in parameter.targets:
                 set_number(files, target.keys, target.value(value))
         return files["cell"], files["motion"]
@@ -214,17 +232,18 @@ class Study:
         Raises:
             InputError: If there is no such variant or the folder cannot be written.
         """
-        check_type("index", index, int)
+        check_type("index", index, int, np.integer)
         if not 0 <= index < self.variants:
             raise InputError("index", f"must be a variant, from 0 to {self.variants - 1}.", value=index)
-        folder = Path(folder)
+        folder = as_path("folder", folder)
+        index = int(index)
         cell, motion = self.descriptions(self.points(index, index + 1)[0])
         for key in ("file", "joints"):
             if key in motion:
                 motion[key] = _reference(Path(motion[key]), folder)
         paths = folder / "cell.yaml", folder / "motion.yaml"
         heading = f"# Variant {index} of {self.path.name}\n"
-        texts = [heading + self.cell_text(cell, folder), heading + as_yaml(motion)]
+        texts = [heading + self.cell_text(cell, folder), heading + yaml_text(motion)]
         write_together({path: text_writer(text) for path, text in zip(paths, texts, strict=True)})
         return paths
 
@@ -239,7 +258,7 @@ class Study:
         for robot, urdf in zip(robots, self.urdfs, strict=True):
             if not urdf.reference.startswith("package://"):
                 robot["urdf"] = _reference(Path(urdf.path), folder)
-        return as_yaml(keys | {"robots": robots})
+        return yaml_text(keys | {"robots": robots})
 
 
 def _write_bytes(path: Path, content: bytes) -> None:
@@ -258,10 +277,5 @@ def _reference(file: Path, folder: Path) -> str:
     """The path of a file as one in a folder gives it."""
     try:
         return Path(os.path.relpath(file, folder.resolve())).as_posix()
-    except ValueError:  # another drive
+    except ValueError:  # another drive, or no path at all, which writing refuses
         return str(file)
-
-
-def as_yaml(keys: dict[str, Any]) -> str:
-    """Keys and values of a cell file or a motion file as its text."""
-    return yaml.safe_dump(keys, sort_keys=False, default_flow_style=None, allow_unicode=True, width=120)
