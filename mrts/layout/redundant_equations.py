@@ -34,7 +34,8 @@ def preference(cell: Cell, functions: dict[str, Any], q: Any, F: Any, reference:
         geometry: Shape (g,).
     """
     J = functions["kinematics"](q=q, geometry=geometry)["jacobian"]
-    w, rows, start = len(cell.wrench_components), [], 0
+    rows: list[Any] = []
+    w, start = len(cell.wrench_components), 0
     for robot, part in zip(cell.robots, cell.joint_slices.values(), strict=True):
         if is_redundant(cell, robot):
             there = reference[start : start + len(robot.joints)]
