@@ -55,13 +55,6 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     return manifest, _source_in_cache(manifest)
 
 
-def _chains_folder(key: str) -> Path:
-    """What was generated for chains, by this version of the emitter."""
-    from mrts_codegen.content_key import emitter_key  # noqa: PLC0415 (build time, on demand)
-
-    return cache_folder("chains", key, emitter_key())
-
-
 def described_in_cache(description: object, folder: Path) -> tuple[Manifest, Path, Callable[[], dict[str, Any]]]:
     """Manifest of a cell that a dictionary describes, its C file, and what gives CasADi's functions; chains are cached.
 
@@ -106,6 +99,13 @@ def _manifest(cell: Any, generate: Callable[[], Any]) -> Manifest:
 
 def _source_in_cache(manifest: Manifest) -> Path:
     return _chains_folder(manifest.chains) / manifest.source
+
+
+def _chains_folder(key: str) -> Path:
+    """What was generated for chains, by this version of the emitter."""
+    from mrts_codegen.content_key import emitter_key  # noqa: PLC0415 (build time, on demand)
+
+    return cache_folder("chains", key, emitter_key())
 
 
 def _if_sound(path: Path, read: Callable[[str], Record]) -> Record | None:
