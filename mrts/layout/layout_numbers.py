@@ -84,11 +84,12 @@ class LayoutNumbers:
         """The parameters' names."""
         return tuple(parameter.path for parameter in self.parameters)
 
-    def as_given(self) -> Array | None:
-        """The values at which everything is as the files have it, Shape (P,); None where none within bounds are."""
+    def nearest_given(self) -> tuple[Array, bool]:
+        """The values nearest to what the files have, within bounds, Shape (P,), and whether they give just that."""
         values = np.linalg.lstsq(self.slope, self.given - self.offset, rcond=None)[0]
         inside = np.clip(values, self.lower, self.upper)
-        return inside if np.allclose(self.offset + self.slope @ inside, self.given, rtol=0, atol=SAME_PLACE) else None
+        off = np.max(np.abs(self.offset + self.slope @ inside - self.given))
+        return inside, bool(off <= SAME_PLACE)
 
     def rounded(self, values: Array) -> Array:
         """Values as they are written, within their bounds, Shape (P,)."""

@@ -30,6 +30,9 @@ KEPT_PROMISE = 1e-4
 BROKEN_PROMISE = 1e-2
 """Share above which it is not samples: the arms took other joint positions than the program's."""
 
+NO_GAIN = 1e-6
+"""Share of c²⁺ that is no reason to move an arm."""
+
 POSTURE_DIGITS = 4
 """Decimals of a posture that is written to keep the program's joint positions; it only says near which to start."""
 
@@ -42,12 +45,14 @@ class Playable:
         values: Of the numbers of the layout, Shape (P,); None of the cell as its file has it, where none give that.
         keys: Keys and values of its cell file.
         result: What `mrts.scale` finds of the given samples.
+        postures: By robot, where they are not the study's [rad or m]; None where they are.
         slope: ∂ ln c²⁺/∂values, Shape (P,), where a program ended there; else None.
     """
 
     values: Array | None
     keys: dict[str, Any]
     result: ScalingResult
+    postures: dict[str, list[float]] | None = None
     slope: Array | None = None
 
     @property
@@ -88,7 +93,8 @@ class LayoutSearch:
         keys = self.study.descriptions(values)[0]
         for robot in keys["robots"]:
             robot["posture"] = (postures or {}).get(robot["name"], robot["posture"])
-        return self.of_keys(keys, values)
+        found = self.of_keys(keys, values)
+        return found if isinstance(found, str) else replace(found, postures=postures)
 
     def of_keys(self, keys: dict[str, Any], values: Array | None) -> Playable | str:
         """What the cell of a description can do, or why it can do nothing.
@@ -130,6 +136,22 @@ class LayoutSearch:
             if not more.size:
                 return
             samples = np.union1d(samples, more)
+
+    def settled(self, best: Playable) -> Playable:
+        """The same with every number that gains nothing where the cell file has it.
+
+        Args:
+            best: The best layout.
+        """
+        values, _ = self.numbers.nearest_given()
+        for place, value in enumerate(values):
+            assert best.values is not None  # noqa: S101 (a layout of the study)
+            moved = np.where(np.arange(len(values)) == place, value, best.values)
+            if moved[place] != best.values[place]:
+                tried = self.tried(moved, best.postures)
+                if not isinstance(tried, str) and tried.c2 >= best.c2 * (1 - NO_GAIN):
+                    best = replace(tried, slope=best.slope)
+        return best
 
     def _solved(self, start: Playable, samples: NDArray[np.intp]) -> LayoutAnswer:
         result = start.result

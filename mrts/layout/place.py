@@ -102,8 +102,9 @@ class _Placing:
             starts: From how many layouts to search.
             looked_at: Of how many.
         """
-        given = self.search.of_keys(self.study.cell, self.numbers.as_given())
-        found = [given] if not isinstance(given, str) and given.values is not None else []
+        nearest, same = self.numbers.nearest_given()
+        given = self.search.of_keys(self.study.cell, nearest if same else None)
+        found = [given] if not isinstance(given, str) and same else []
         failures: list[str] = []
         total, searches, looked = looked_at + starts, 0, 0
         with stop_request() as self.asked:
@@ -125,7 +126,7 @@ class _Placing:
                 self.search.improve(start, found)
             stopped = "Ctrl-C" if self.asked else "the time limit" if self._over() else ""
         self.progress(total, total)
-        checked = self._checked(found)
+        checked = [self._played(one) for one in self._candidates(found)]
         return Placement(
             study=self.study,
             numbers=self.numbers,
@@ -147,11 +148,11 @@ class _Placing:
         points = sample_points([Range(*pair) for pair in bounds], "sobol", count, SEED, (0, count))
         return self.numbers.rounded(points)
 
-    def _checked(self, found: list[Playable]) -> list[PlayedLayout]:
-        """The best, and the best start, as `mrts.scale` has them between the samples too."""
+    def _candidates(self, found: list[Playable]) -> list[Playable]:
+        """The best, less what moved for nothing, and the best start, which is not to be worse between the samples."""
         best_first = sorted(found, key=lambda one: -one.c2)
-        starts = [one for one in best_first if one.slope is None]
-        return [self._played(one) for one in {id(one): one for one in (*best_first[:1], *starts[:1])}.values()]
+        best = [self.search.settled(one) for one in best_first[:1]]
+        return best + [one for one in best_first if one.slope is None][:1]
 
     def _played(self, layout: Playable) -> PlayedLayout:
         cell, load = layout.result.cell, self.study.question.load
