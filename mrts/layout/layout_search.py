@@ -30,8 +30,8 @@ KEPT_PROMISE = 1e-4
 BROKEN_PROMISE = 1e-2
 """Share above which it is not samples: the arms took other joint positions than the program's."""
 
-NO_GAIN = 1e-6
-"""Share of c²⁺ that is no reason to move an arm."""
+NO_GAIN = 1e-9
+"""Share of c²⁺ that is no reason to move an arm: rounding."""
 
 POSTURE_DIGITS = 4
 """Decimals of a posture that is written to keep the program's joint positions; it only says near which to start."""

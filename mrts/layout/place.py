@@ -73,6 +73,9 @@ def place(
         raise InputError("seconds", "must be a number of seconds, 0 or more, or None for no limit.", value=seconds)
     check_callable("progress", progress)
     tolerance = checked_tolerance(between)
+    if study.question.load == "possible":
+        rule = "the best layout is one for loads that are known, or for every load of a box: nominal or guaranteed."
+        raise InputError(study.path, rule, key="load", value="possible")
     return _Placing(study, tolerance, seconds, progress).best(starts, looked_at)
 
 
@@ -149,10 +152,10 @@ class _Placing:
         return self.numbers.rounded(points)
 
     def _candidates(self, found: list[Playable]) -> list[Playable]:
-        """The best, less what moved for nothing, and the best start, which is not to be worse between the samples."""
+        """The best and the best start, which might be better between the samples, less what moved for nothing."""
         best_first = sorted(found, key=lambda one: -one.c2)
-        best = [self.search.settled(one) for one in best_first[:1]]
-        return best + [one for one in best_first if one.slope is None][:1]
+        starts = [one for one in best_first if one.slope is None]
+        return [self.search.settled(one) for one in (*best_first[:1], *starts[:1])]
 
     def _played(self, layout: Playable) -> PlayedLayout:
         cell, load = layout.result.cell, self.study.question.load

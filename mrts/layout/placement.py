@@ -13,6 +13,7 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.layout.layout_numbers import LayoutNumbers
+from mrts.layout.layout_search import NO_GAIN
 from mrts.scaling.result import ScalingResult
 from mrts.studies.number_paths import value_at
 from mrts.studies.study import Study
@@ -100,7 +101,7 @@ class Placement:
             return (
                 f"{name}: c² up to {after.c2:.4g}, {after.duration:.4g} s; the layout of the cell file cannot be played"
             )
-        if after.c2 <= before.c2:
+        if after.c2 <= before.c2 * (1 + NO_GAIN):
             return f"{name}: no layout was found that is better than that of the cell file, c² up to {before.c2:.4g}"
         return (
             f"{name}: c² up to {after.c2:.4g} instead of {before.c2:.4g} ({100 * self.gain:+.1f} %), "
