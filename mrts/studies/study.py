@@ -15,6 +15,7 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_atomically, write_together
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import MAX_URDF_BYTES
+from mrts.base.printable import printable
 from mrts.base.regular_file import read_regular
 from mrts.base.yaml_parser import yaml_text
 from mrts.kernel.cache_folder import cache_folder
@@ -71,8 +72,7 @@ class Parameter:
     targets: tuple[Target, ...]
 
     def __str__(self) -> str:
-        unit = f" {self.unit}" if self.unit else ""
-        return f"{self.path}{self._moved()}: {self.spread}{unit}"
+        return f"{self.path}{self._moved()}: {self.spread.text(self.unit)}"
 
     def _moved(self) -> str:
         """The numbers that a knob moves, for people."""
@@ -241,7 +241,7 @@ class Study:
             if key in motion:
                 motion[key] = _reference(Path(motion[key]), folder)
         paths = folder / "cell.yaml", folder / "motion.yaml"
-        heading = f"# Variant {index} of {self.path.name}\n"
+        heading = f"# Variant {index} of {printable(self.path.name)}\n"
         texts = [heading + self.cell_text(cell, folder), heading + yaml_text(motion)]
         write_together({path: text_writer(text) for path, text in zip(paths, texts, strict=True)})
         return paths

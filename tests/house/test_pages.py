@@ -19,13 +19,14 @@ DOCS = ROOT / "docs"
     ("name", "blocks"),
     [
         ("tutorial", 13),
-        ("own_cell", 4),
+        ("own_cell", 8),
         ("own_robot", 4),
         ("command_line", 4),
         ("ros2", 3),
         ("optimal_profile", 2),
         ("smooth", 3),
         ("real_cell", 9),
+        ("what_if", 2),
         ("study_file", 5),
     ],
 )

@@ -127,7 +127,7 @@ def test_postures_follow_where_the_studys_own_lead_elsewhere(tmp_path):
     study, values = layouts.study, np.array([0.0, 0.0, 2.5, 0.0])
     machine = mrts.Cell.from_description(study.cell, folder=study.folder, backend="vm")
     numbers = LayoutNumbers.of(study, machine)
-    search = LayoutSearch(study, numbers, layouts.motion, machine.functions.symbolic, lambda: False)
+    search = LayoutSearch(study, numbers, layouts.motion, machine, lambda: False)
     ranked = mrts.rank_configurations(machine, layouts.motion, between=None).ranked
     other = next(one for one in ranked if one.c2_upper < 0.95 * ranked[0].c2_upper)
     start = search.tried(values, other.postures())
