@@ -108,7 +108,8 @@ class _Placing:
         nearest, same = self.numbers.nearest_given()
         given = self.search.of_keys(self.study.cell, nearest if same else None)
         found = [given] if not isinstance(given, str) and same else []
-        failures: list[str] = []
+        failures = [given] if isinstance(given, str) else []
+        unplayable = 0
         total, searches, looked = looked_at + starts, 0, 0
         with stop_request() as self.asked:
             for values in self._layouts(looked_at):
@@ -119,6 +120,7 @@ class _Placing:
                 tried = self.search.tried(values)
                 if isinstance(tried, str):
                     failures.append(tried)
+                    unplayable += 1
                 else:
                     found.append(tried)
             for start in sorted(found, key=lambda one: -one.c2)[:starts]:
@@ -135,8 +137,9 @@ class _Placing:
             numbers=self.numbers,
             before=None if isinstance(before, str) else before,
             after=self._best_played(found, failures),
-            failures=tuple(failures),
+            reason=failures[-1] if failures else "",
             looked_at=looked,
+            playable=looked - unplayable,
             searches=searches,
             stopped=stopped,
         )

@@ -2,18 +2,22 @@
 
 import signal
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import yaml
 from cell_bank import random_planar_cell
 from layouts import DATA, Layouts, shipped, write_study
+from machines import TURN, machine_cell
 from scipy.optimize import minimize
 
 import mrts
 from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.layout.layout_search import LayoutSearch
 from mrts.layout.place import SEED
+from mrts.limits import LIMITS
+from mrts.limits.velocity_limits import velocity_limits
 from mrts.studies.sampling import sample_points
 from mrts.studies.spreads import Range
 
@@ -24,6 +28,10 @@ SAME = 1e-9
 """Share of c²⁺ by which two solutions of the same programs differ: rounding."""
 
 LIFT = DATA / "planar_dual_arm" / "lift.yaml"
+UR5_VARY = {
+    "distance": {"sets": {"robots.left.base.xyz[0]": -1, "robots.right.base.xyz[0]": 1}, "from": 0.7, "to": 0.8},
+    "robots.right.base.xyz[1]": {"from": -0.05, "to": 0.05},
+}
 PLANAR_VARY = {
     "robots.left.base.xyz[0]": {"from": -0.3, "to": 0.3},
     "robots.left.base.xyz[1]": {"from": -0.3, "to": 0.3},
@@ -73,25 +81,23 @@ def test_no_other_search_finds_better_on_the_planar_cell(tmp_path):
     assert found.after.c2 > layouts.c2(layouts.study.points(0, 1)[0])
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_it_is_never_worse_than_its_best_start(seed, tmp_path):
+@pytest.mark.parametrize(("seed", "arms"), [(0, 2), (1, 3), (2, 1), (3, 2)])
+def test_it_is_never_worse_than_its_best_start(seed, arms, tmp_path):
     rng = np.random.default_rng(seed)
-    while True:
-        case = random_planar_cell(rng, tmp_path, 2)
+    best = np.inf
+    while not 0 < best < np.inf:
+        case = random_planar_cell(rng, tmp_path, arms)
         cell = yaml.safe_load(case.cell_file.read_text(encoding="utf-8"))
         first, second = ("xyz".index(axis) for axis in cell["plane"])
-        names = [robot["name"] for robot in cell["robots"]]
-        base, grasp = (
-            cell["robots"][index].get(pose, {}).get("xyz", [0, 0, 0]) for index, pose in ((0, "base"), (1, "grasp"))
-        )
+        left, right = cell["robots"][0], cell["robots"][-1]
+        base = left.get("base", {}).get("xyz", [0, 0, 0])[first]
+        grasp = right.get("grasp", {}).get("xyz", [0, 0, 0])[second]
         vary = {
-            f"robots.{names[0]}.base.xyz[{first}]": {"from": base[first] - 0.05, "to": base[first] + 0.05},
-            f"robots.{names[1]}.grasp.xyz[{second}]": {"from": grasp[second] - 0.03, "to": grasp[second] + 0.03},
+            f"robots.{left['name']}.base.xyz[{first}]": {"from": base - 0.05, "to": base + 0.05},
+            f"robots.{right['name']}.grasp.xyz[{second}]": {"from": grasp - 0.03, "to": grasp + 0.03},
         }
         layouts = Layouts.of(write_study(tmp_path, case.cell_file, case.motion_file, vary))
         best = max(map(layouts.c2, looked_at(layouts.study, 16)))
-        if 0 < best < np.inf:
-            break
     found = mrts.place(layouts.study, looked_at=16, between=None)
     assert found.after.c2 >= best * (1 - SAME)
     assert found.after.c2 >= found.before.c2 * (1 - SAME) if found.before else True
@@ -141,6 +147,49 @@ def test_postures_follow_where_the_studys_own_lead_elsewhere(tmp_path):
     assert mrts.scale(cell, layouts.motion, between=None).range.upper.c2 == best.c2
     turned = [robot.posture for robot in cell.robots]
     assert max(map(np.max, np.abs(np.subtract(turned, list(other.postures().values()))))) < 1
+
+
+def test_a_limit_of_ones_own_is_searched_or_refused(tmp_path, monkeypatch):
+    """Of rows that nothing but the speed moves: 3 q' is linear in the velocities, 3 q'² is not."""
+
+    def rows(column):
+        def limit(cell, motion):
+            given = velocity_limits(cell, motion)
+            return replace(
+                given, speed=column(given.speed), names=tuple(replace(one, kind="own") for one in given.names)
+            )
+
+        return limit
+
+    path = write_study(tmp_path, shipped("dual_ur5"), DATA / "dual_ur5" / "lift_and_turn.yaml", UR5_VARY)
+    plain = mrts.place(path, starts=1, looked_at=4, between=None)
+    monkeypatch.setitem(LIMITS, "own", rows(lambda speed: 3 * speed))
+    limited = mrts.place(path, starts=1, looked_at=4, between=None)
+    assert limited.after.c2 == pytest.approx(plain.after.c2 / 9, rel=BETTER)
+    assert limited.after.result.range.upper.rows[0].name.kind == "own"
+    monkeypatch.setitem(LIMITS, "own", rows(lambda speed: 3 * speed**2))
+    with pytest.raises(mrts.InputError, match="not linear in the joints' velocities"):
+        mrts.place(path, starts=1, looked_at=4, between=None)
+
+
+def test_arms_of_one_machine_move_together(tmp_path):
+    def hold(robots):
+        for robot in robots:
+            robot["fixed"] = {"turn": TURN, "lift": 0.4}
+            del robot["wrench"]  # what it leaves of c² depends on no base
+
+    cell = machine_cell(tmp_path, hold)
+    alone = {"robots.left.base.xyz[1]": {"from": -0.3, "to": -0.1}}
+    found = mrts.place(write_study(tmp_path, cell, LIFT, alone), looked_at=4)
+    assert found.after is None
+    assert "'left' and 'right' are arms of one machine: their bases move together" in found.sentence()
+    together = {"height": {"shifts": ["robots.left.base.xyz[1]", "robots.right.base.xyz[1]"], "from": 0.1, "to": 0.5}}
+    path = write_study(tmp_path, cell, LIFT, together)
+    found = mrts.place(path, looked_at=4, between=None)
+    layouts = Layouts.of(path)
+    line = [layouts.c2(np.array([height])) for height in np.linspace(0.1, 0.5, 121)]
+    assert max(line) > 1.01 * min(line)
+    assert max(line) <= found.after.c2 * (1 + SAME) <= max(line) * 1.01
 
 
 def test_time_that_is_up_and_ctrl_c_keep_the_best_so_far(tmp_path):
