@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 from mrts_codegen.cell_file import Bounds, CellDescription, RobotDescription, TorqueBounds, resolve_urdf
-from mrts_codegen.equations.spatial_algebra import PLANE_COMPONENTS
 from mrts_codegen.hand_file import build_contacts
 from mrts_codegen.motors_block import build_motors
 from mrts_codegen.urdf.held_joints import held_positions
-from mrts_codegen.urdf.planar_cell import check_plane_kept
+from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS, check_plane_kept
 from mrts_codegen.urdf.robot_model import RobotModel, build_robot_model
 from mrts_codegen.urdf.shared_joints import check_machines
 from mrts_codegen.urdf.urdf_file import read_urdf

@@ -3,10 +3,12 @@
 
 import hashlib
 import json
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
 from mrts_codegen.cell_file import read_cell_description, resolve_urdf
+from mrts_codegen.cell_model import CellModel
 
 from mrts.base import input_file, load_box, manifest, rigid_transform, yaml_parser
 from mrts.base.input_file import MAX_URDF_BYTES
@@ -27,9 +29,45 @@ def content_key(path: Path) -> str:
     digest = hashlib.sha256("\n".join(parts).encode())
     for robot in description.robots:
         digest.update(read_regular(resolve_urdf(path, robot.urdf), "URDF", MAX_URDF_BYTES))
+    digest.update(_sources())
+    return digest.hexdigest()
+
+
+def chains_key(cell: CellModel, stem: str, *, bake: bool) -> str:
+    """Hash of all that generated functions depend on: chains, not the numbers of a cell file, this package, CasADi.
+
+    Args:
+        cell: The cell.
+        stem: First part of their names.
+        bake: Whether its geometry is folded in.
+    """
+    digest = hashlib.sha256(_sources())
+    parts: list[object] = [version("casadi"), __version__, stem, bake, cell.description.plane]
+    for robot in cell.robots:
+        model = robot.model
+        for joint in model.joints:
+            by_held = (joint.placed_by_held, joint.laden_by_held)
+            parts += [joint.kind, joint.axis.tolist(), *by_held, joint.body.mass]
+            if bake or not joint.placed_by_held:
+                parts.append(joint.placement.numbers.tolist())
+            if bake or not joint.laden_by_held:
+                parts += [joint.body.com.tolist(), joint.body.at_com.tolist()]
+        parts += [model.tip_by_held, *([] if model.tip_by_held and not bake else [model.tip.numbers.tolist()])]
+        if bake:
+            parts += [robot.T_world_base.numbers.tolist(), robot.T_object_tip.numbers.tolist()]
+    if bake:
+        parts.append(cell.description.gravity)
+    digest.update(json.dumps(parts).encode())
+    return digest.hexdigest()
+
+
+@cache
+def _sources() -> bytes:
+    """Hash of what reads cells and emits functions."""
     shaping = (manifest, rigid_transform, input_file, yaml_parser, load_box)
     rooms = [source for of in (contact, joint_motors) for source in Path(of.__file__ or "").parent.glob("*.py")]
     ours = [source for source in Path(__file__).parent.rglob("*.py") if source.parent.name != "embedded"]
+    digest = hashlib.sha256()
     for source in sorted([*ours, *rooms, *(Path(module.__file__ or "") for module in shaping)]):
         digest.update(source.read_bytes())
-    return digest.hexdigest()
+    return digest.digest()

@@ -18,6 +18,7 @@ from mrts_codegen.equations.cooperative_terms import (
     split_joints,
 )
 from mrts_codegen.equations.formulations import fixed_distribution, torque_form, wrench_form
+from mrts_codegen.equations.geometry import Geometry, geometry_numbers, geometry_symbols
 from mrts_codegen.equations.inverse_dynamics import coriolis_torque, mass_matrix
 from mrts_codegen.equations.kinematics import bias_acceleration, forward_kinematics, frame_jacobian
 from mrts_codegen.equations.spatial_algebra import block_diagonal
@@ -30,6 +31,7 @@ class Sample:
     """What builders share: symbols of one sample and its terms."""
 
     cell: CellModel
+    geometry: Geometry
     symbols: SampleSymbols
     terms: CooperativeTerms
 
@@ -50,12 +52,13 @@ class Sample:
 def _kinematics(sample: Sample) -> tuple[Named, Named]:
     q = sample.symbols.q
     rotations, positions, jacobians = [], [], []
-    for robot, q_robot in zip(sample.cell.robots, split_joints(sample.cell, q), strict=True):
-        pose = forward_kinematics(robot.model, q_robot)
-        R_world_base = ca.SX(robot.T_world_base.R)
-        positions.append(ca.SX(robot.T_world_base.p) + R_world_base @ pose.p_base_tip)
+    geometry = sample.geometry
+    for model, base, q_robot in zip(geometry.models, geometry.bases, split_joints(sample.cell, q), strict=True):
+        pose = forward_kinematics(model, q_robot)
+        R_world_base = ca.SX(base.R)
+        positions.append(ca.SX(base.p) + R_world_base @ pose.p_base_tip)
         rotations.append(R_world_base @ pose.R_base_tip)
-        jacobians.append(frame_jacobian(robot.model, q_robot)[list(sample.cell.components), :])
+        jacobians.append(frame_jacobian(model, q_robot)[list(sample.cell.components), :])
     return {"q": q}, {
         "position": ca.horzcat(*positions),
         "rotation": ca.horzcat(*rotations),
@@ -66,8 +69,8 @@ def _kinematics(sample: Sample) -> tuple[Named, Named]:
 def _bias_acceleration(sample: Sample) -> tuple[Named, Named]:
     s, cell = sample.symbols, sample.cell
     columns = [
-        bias_acceleration(robot.model, q, dq)[list(cell.components)]
-        for robot, q, dq in zip(cell.robots, split_joints(cell, s.q), split_joints(cell, s.dq), strict=True)
+        bias_acceleration(model, q, dq)[list(cell.components)]
+        for model, q, dq in zip(sample.geometry.models, split_joints(cell, s.q), split_joints(cell, s.dq), strict=True)
     ]
     return {"q": s.q, "dq": s.dq}, {"bias_acceleration": ca.horzcat(*columns)}
 
@@ -105,10 +108,10 @@ def _torques_of_wrenches(sample: Sample) -> tuple[Any, list[Any]] | None:
 
 def _dynamics(sample: Sample) -> tuple[Named, Named]:
     s, cell = sample.symbols, sample.cell
-    pieces = list(zip(cell.robots, split_joints(cell, s.q), split_joints(cell, s.dq), strict=True))
+    pieces = list(zip(sample.geometry.models, split_joints(cell, s.q), split_joints(cell, s.dq), strict=True))
     return {"q": s.q, "dq": s.dq}, {
-        "mass_matrix": block_diagonal([mass_matrix(robot.model, q) for robot, q, _ in pieces]),
-        "coriolis_torque": ca.vertcat(*(coriolis_torque(robot.model, q, dq) for robot, q, dq in pieces)),
+        "mass_matrix": block_diagonal([mass_matrix(model, q) for model, q, _ in pieces]),
+        "coriolis_torque": ca.vertcat(*(coriolis_torque(model, q, dq) for model, q, dq in pieces)),
         "gravity_torque": sample.terms.G,
     }
 
@@ -133,7 +136,7 @@ def _fixed_distribution(sample: Sample) -> tuple[Named, Named]:
     count = len(sample.cell.robots)
     shares = ca.SX.sym("shares", count)
     internal = ca.SX.sym("internal_wrench", count * len(sample.cell.components))
-    form = fixed_distribution(sample.cell, sample.terms, shares, internal)
+    form = fixed_distribution(sample.cell, sample.geometry, sample.terms, shares, internal)
     return sample.inputs() | {"shares": shares, "internal_wrench": internal}, form.outputs()
 
 
@@ -151,26 +154,30 @@ BUILDERS: dict[str, Callable[[Sample], tuple[Named, Named] | None]] = {
 """Short name to builder; a builder returns None where the cell does not allow its function."""
 
 
-def build_functions(cell: CellModel) -> dict[str, ca.Function]:
+def build_functions(cell: CellModel, stem: str, *, bake: bool) -> dict[str, ca.Function]:
     """All functions of a cell as named CasADi Functions with named dense inputs and outputs.
 
     Common subexpressions are merged, which saves 15 to 40 % of the instructions.
 
     Args:
         cell: The cell.
+        stem: First part of their names.
+        bake: Whether the cell's geometry is folded in; else it is the last input of each.
 
     Returns:
-        Short name to Function; the Function itself is called `<cell name>_<short name>`.
+        Short name to Function; the Function itself is called `<stem>_<short name>`.
     """
     symbols = sample_symbols(cell)
-    sample = Sample(cell, symbols, cooperative_terms(cell, symbols))
+    geometry = geometry_numbers(cell) if bake else geometry_symbols(cell)
+    sample = Sample(cell, geometry, symbols, cooperative_terms(cell, symbols, geometry))
+    last = {} if bake else {"geometry": geometry.symbol}
     functions = {}
     for name, build in BUILDERS.items():
         built = build(sample)
         if built is not None:
-            inputs, outputs = built
+            inputs, outputs = built[0] | last, built[1]
             functions[name] = ca.Function(
-                f"{cell.description.name}_{name}",
+                f"{stem}_{name}",
                 list(inputs.values()),
                 ca.cse([ca.densify(output) for output in outputs.values()]),
                 list(inputs),

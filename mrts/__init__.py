@@ -55,6 +55,8 @@ if TYPE_CHECKING:
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
     from mrts.smooth.rate_limits import RateLimits
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
+    from mrts.studies.study import Study
+    from mrts.studies.study_file import read_study
 
 _HOMES = {
     "ActiveRow": "limits.rows",
@@ -107,6 +109,7 @@ _HOMES = {
     "SelectionError": "scaling.scale",
     "SmoothAnswer": "retiming.smooth_piece",
     "SolverError": "base.errors",
+    "Study": "studies.study",
     "box_contact": "hands.box",
     "follow_object": "coordination.coordinated_motion",
     "gripper_contact": "hands.gripper",
@@ -118,6 +121,7 @@ _HOMES = {
     "pad_contact": "hands.pad",
     "rank_configurations": "studies.configurations",
     "retime": "retiming.retime",
+    "read_study": "studies.study_file",
     "rows_contact": "hands.polytope",
     "sample_motion": "motion.motion_file",
     "save_result": "output.saved_result",
@@ -180,6 +184,7 @@ __all__ = [
     "SelectionError",
     "SmoothAnswer",
     "SolverError",
+    "Study",
     "box_contact",
     "follow_object",
     "gripper_contact",
@@ -190,6 +195,7 @@ __all__ = [
     "load_result",
     "pad_contact",
     "rank_configurations",
+    "read_study",
     "retime",
     "rows_contact",
     "sample_motion",

@@ -6,6 +6,7 @@ from typing import Any
 
 import casadi as ca
 from mrts_codegen.cell_model import CellModel
+from mrts_codegen.equations.geometry import Geometry
 from mrts_codegen.equations.grasp_map import contact_offset, grasp_map, grasp_map_inverse
 from mrts_codegen.equations.inverse_dynamics import scaled_arm_terms
 from mrts_codegen.equations.kinematics import frame_jacobian
@@ -13,7 +14,6 @@ from mrts_codegen.equations.object_dynamics import object_terms
 from mrts_codegen.equations.spatial_algebra import block_diagonal
 
 from mrts.base.manifest import LOAD_ENTRIES
-from mrts.base.rigid_transform import multiply
 
 
 @dataclass(frozen=True)
@@ -92,34 +92,36 @@ def split_joints(cell: CellModel, stacked: Any) -> list[Any]:
     return pieces
 
 
-def cooperative_terms(cell: CellModel, symbols: SampleSymbols) -> CooperativeTerms:
+def cooperative_terms(cell: CellModel, symbols: SampleSymbols, geometry: Geometry) -> CooperativeTerms:
     """Stack the terms of all arms and the object (definitions above (22)); no inverse of a Jacobian.
 
     Args:
         cell: The cell.
         symbols: The sample.
+        geometry: Its geometry.
     """
-    gravity = cell.description.gravity
     rows = list(cell.components)
     arms, J, B, offsets = [], [], [], []
-    for robot, q, dq, ddq in zip(
-        cell.robots,
+    for model, down, base, grasp, q, dq, ddq in zip(
+        geometry.models,
+        geometry.down,
+        geometry.bases,
+        geometry.grasps,
         split_joints(cell, symbols.q),
         split_joints(cell, symbols.dq),
         split_joints(cell, symbols.ddq),
         strict=True,
     ):
-        T = robot.T_world_base
-        arms.append(scaled_arm_terms(robot.model, q, dq, ddq, multiply(T.R.T, ca.DM(gravity).full()[:, 0])))
-        J.append(ca.densify(frame_jacobian(robot.model, q)[rows, :]))
-        offsets.append(contact_offset(symbols.R_world_object, robot.T_object_tip.p))
-        B.append(grasp_map(offsets[-1], T.R, cell.components))
+        arms.append(scaled_arm_terms(model, q, dq, ddq, down))
+        J.append(ca.densify(frame_jacobian(model, q)[rows, :]))
+        offsets.append(contact_offset(symbols.R_world_object, grasp.p))
+        B.append(grasp_map(offsets[-1], base.R, cell.components))
     carried = object_terms(
         symbols.load,
         symbols.R_world_object,
         symbols.twist,
         symbols.acceleration,
-        ca.DM(gravity).full()[:, 0],
+        geometry.gravity,
         cell.components,
     )
     return CooperativeTerms(
@@ -128,7 +130,7 @@ def cooperative_terms(cell: CellModel, symbols: SampleSymbols) -> CooperativeTer
         G=ca.densify(ca.vertcat(*(arm.G for arm in arms))),
         J=J,
         B=B,
-        B_last_inverse=grasp_map_inverse(offsets[-1], cell.robots[-1].T_world_base.R, cell.components),
+        B_last_inverse=grasp_map_inverse(offsets[-1], geometry.bases[-1].R, cell.components),
         offsets=offsets,
         P=carried.P,
         S=carried.S,

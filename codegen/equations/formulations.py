@@ -14,6 +14,7 @@ from typing import Any
 import casadi as ca
 from mrts_codegen.cell_model import CellModel
 from mrts_codegen.equations.cooperative_terms import CooperativeTerms, inverse_jacobian_transpose, load_map
+from mrts_codegen.equations.geometry import Geometry
 from mrts_codegen.equations.spatial_algebra import block_diagonal, cross
 
 
@@ -89,17 +90,20 @@ def wrench_of_torque(terms: CooperativeTerms, J_D: Any) -> tuple[Any, Any]:
     return ca.horzcat(J_D, -J_D @ terms.E), -J_D @ terms.G
 
 
-def fixed_distribution(cell: CellModel, terms: CooperativeTerms, shares: Any, internal_wrench: Any) -> Formulation:
+def fixed_distribution(
+    cell: CellModel, geometry: Geometry, terms: CooperativeTerms, shares: Any, internal_wrench: Any
+) -> Formulation:
     """Eqs. (36), (37): the only unknown is c²; every torque is a_i c² + b_i, every wrench likewise.
 
     Args:
         cell: The cell.
+        geometry: Its geometry.
         terms: Terms of the sample.
         shares: α_i, Shape (n,); the caller keeps Σ α_i = 1.
         internal_wrench: Prescribed internal wrenches in base axes, Shape (n w,), with Σ B_i F_i = 0.
     """
-    wrench_map = _shared_wrench(cell, terms, shares, terms.P)
-    wrench_offset = _shared_wrench(cell, terms, shares, terms.Q) + internal_wrench
+    wrench_map = _shared_wrench(cell, geometry, terms, shares, terms.P)
+    wrench_offset = _shared_wrench(cell, geometry, terms, shares, terms.Q) + internal_wrench
     J_T = block_diagonal([J.T for J in terms.J])
     return Formulation(
         J_T @ wrench_map + terms.E,
@@ -111,7 +115,7 @@ def fixed_distribution(cell: CellModel, terms: CooperativeTerms, shares: Any, in
     )
 
 
-def _shared_wrench(cell: CellModel, terms: CooperativeTerms, shares: Any, total: Any) -> Any:
+def _shared_wrench(cell: CellModel, geometry: Geometry, terms: CooperativeTerms, shares: Any, total: Any) -> Any:
     """Eq. (35): arm i gives force α_i f and moment α_i (M - Σ_j r_j × α_j f), extended to any grasp.
 
     With α_i = 1/n and Σ r_j = 0 this is (35) as printed. `total` is [f; M] in world axes, Shape (w,).
@@ -123,8 +127,8 @@ def _shared_wrench(cell: CellModel, terms: CooperativeTerms, shares: Any, total:
     for index, offset in enumerate(terms.offsets):
         M = M - cross(offset, shares[index] * f)
     wrenches = []
-    for index, robot in enumerate(cell.robots):
-        R_base_world = ca.SX(robot.T_world_base.R.T)
+    for index, base in enumerate(geometry.bases):
+        R_base_world = ca.SX(base.R.T)
         wrench = ca.vertcat(R_base_world @ f, R_base_world @ M) * shares[index]
         wrenches.append(wrench[rows])
     return ca.vertcat(*wrenches)

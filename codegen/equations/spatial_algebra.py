@@ -11,9 +11,6 @@ import numpy as np
 
 from mrts.base.arrays import Array
 
-PLANE_COMPONENTS = {None: (0, 1, 2, 3, 4, 5), "xy": (0, 1, 5), "xz": (0, 2, 4), "yz": (1, 2, 3)}
-"""Which rows of a wrench or twist [x, y, z, about x, about y, about z] a cell uses, by its `plane`."""
-
 
 def skew(v: Any) -> Any:
     """Eq. (7): matrix S(v) with S(v) u = v × u, Shape (3, 3)."""

@@ -10,6 +10,9 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import RigidTransform, multiply
 
+PLANE_COMPONENTS = {None: (0, 1, 2, 3, 4, 5), "xy": (0, 1, 5), "xz": (0, 2, 4), "yz": (1, 2, 3)}
+"""Which rows of a wrench or twist [x, y, z, about x, about y, about z] a cell uses, by its `plane`."""
+
 PLANE_TOLERANCE = 1e-9
 """Largest entry of a rotation that still counts as zero: 1 nm at 1 m, far below any calibration."""
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
 from mrts_codegen.urdf.link_inertia import Inertia, link_inertia
 from mrts_codegen.urdf.urdf_joint import (
     MOVING_TYPES,
@@ -38,6 +39,8 @@ class Joint:
         velocity: Largest velocity from the URDF, None if it says nothing [rad/s or m/s].
         coulomb: Dry friction from the URDF, 0 if it says nothing [N m or N].
         viscous: Likewise what grows with the velocity [N m s/rad or N s/m].
+        placed_by_held: Whether the placement depends on where held joints stand.
+        laden_by_held: Whether the body does.
     """
 
     name: str
@@ -51,6 +54,8 @@ class Joint:
     velocity: float | None
     coulomb: float
     viscous: float
+    placed_by_held: bool
+    laden_by_held: bool
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,7 @@ class RobotModel:
         tip_link: Name in the URDF.
         joints: Moving joints from base to tip.
         tip: Tip frame in the last joint's frame (the base frame if nothing moves).
+        tip_by_held: Whether it depends on where held joints stand.
         remarks: What to know of the links that it carries.
     """
 
@@ -69,7 +75,24 @@ class RobotModel:
     tip_link: str
     joints: tuple[Joint, ...]
     tip: RigidTransform
+    tip_by_held: bool
     remarks: tuple[Remark, ...] = ()
+
+    def held_numbers(self) -> Array:
+        """What of the chain depends on where held joints stand, in order, Shape (h,) [1, m, kg m²].
+
+        Of a joint that is placed by them R by rows and p, of a body laden by them its com and its inertia by rows, of
+        the tip R and p.
+        """
+        parts: list[Array] = [np.empty(0)]
+        for joint in self.joints:
+            if joint.placed_by_held:
+                parts.append(joint.placement.numbers)
+            if joint.laden_by_held:
+                parts += [joint.body.com, joint.body.at_com.ravel()]
+        if self.tip_by_held:
+            parts.append(self.tip.numbers)
+        return np.concatenate(parts)
 
     def zero_frames(self) -> list[RigidTransform]:
         """Joint frames, then the tip, in the base frame with every joint at zero."""
@@ -106,17 +129,19 @@ def build_robot_model(
     moving_names, stops = {joint.name for joint in moving}, {joint.child for joint in moving}
 
     joints = []
-    placement = RigidTransform.identity()
+    placement, placed_by_held = RigidTransform.identity(), False
     for urdf_joint in chain:
         _check_kind(path, urdf_joint, moves=urdf_joint.name in moving_names)
         placement = placement @ joint_pose(path, urdf_joint, held.get(urdf_joint.name, 0.0))
+        placed_by_held |= urdf_joint.name in held
         if urdf_joint.name in moving_names:
-            joints.append(_joint(path, urdf_joint, placement, bodies.carried(urdf_joint.child, stops)))
-            placement = RigidTransform.identity()
+            body, laden = bodies.carried(urdf_joint.child, stops)
+            joints.append(_joint(path, urdf_joint, placement, body, by_held=(placed_by_held, laden)))
+            placement, placed_by_held = RigidTransform.identity(), False
     if not joints:
         raise InputError(path, f"no joint moves between '{base_link}' and '{tip_link}'.", key="tip_link")
     remarks = (*bodies.remarks, *_follower_remarks(path, urdf.joints, moving))
-    return RobotModel(base_link, tip_link, tuple(joints), placement, remarks)
+    return RobotModel(base_link, tip_link, tuple(joints), placement, placed_by_held, remarks)
 
 
 def _follower_remarks(path: Path, joints: list[Any], moving: list[Any]) -> Iterator[Remark]:
@@ -185,7 +210,7 @@ def _check_tree(path: Path, links: dict[str, Any], joints: list[Any]) -> None:
         raise InputError(path, "has no <link>.")
 
 
-def _joint(path: Path, joint: Any, placement: RigidTransform, body: Inertia) -> Joint:
+def _joint(path: Path, joint: Any, placement: RigidTransform, body: Inertia, *, by_held: tuple[bool, bool]) -> Joint:
     lower, upper = position_limits(path, joint)
     coulomb, viscous = friction(path, joint)
     return Joint(
@@ -200,6 +225,8 @@ def _joint(path: Path, joint: Any, placement: RigidTransform, body: Inertia) -> 
         velocity=velocity_limit(path, joint),
         coulomb=coulomb,
         viscous=viscous,
+        placed_by_held=by_held[0],
+        laden_by_held=by_held[1],
     )
 
 
@@ -220,16 +247,17 @@ class _Bodies:
             self._below.setdefault(joint.parent, []).append(joint)
         self.remarks: list[Remark] = []
 
-    def carried(self, first: str, stops: set[str]) -> Inertia:
-        """Everything that a chain joint carries up to the next, in the frame of its first link."""
-        total = Inertia.zero()
+    def carried(self, first: str, stops: set[str]) -> tuple[Inertia, bool]:
+        """All that a joint carries up to the next, in the frame of its first link; whether held joints place any."""
+        total, by_held = Inertia.zero(), False
         pending = [(first, RigidTransform.identity())]
         while pending:
             link, T_body_link = pending.pop()
             total = total + link_inertia(self._path, self._links[link], self.remarks).seen_from(T_body_link)
+            below = [joint for joint in self._below.get(link, []) if joint.child not in stops]
+            by_held |= any(joint.name in self._held for joint in below)
             pending += [
                 (joint.child, T_body_link @ joint_pose(self._path, joint, self._held.get(joint.name, 0.0)))
-                for joint in self._below.get(link, [])
-                if joint.child not in stops
+                for joint in below
             ]
-        return total
+        return total, by_held

@@ -45,11 +45,12 @@ class StrictModel(BaseModel):
     @classmethod
     def _name_unknown_keys(cls, data: Any, handler: ValidatorFunctionWrapHandler) -> Self:
         if isinstance(data, dict):
+            fields = [field.alias or name for name, field in cls.model_fields.items()]
             for key in data:
-                if key not in cls.model_fields:
-                    close = difflib.get_close_matches(str(key), cls.model_fields, n=1)
+                if key not in fields:
+                    close = difflib.get_close_matches(str(key), fields, n=1)
                     hint = f"; did you mean '{close[0]}'?" if close else ""
-                    known = ", ".join(cls.model_fields)
+                    known = ", ".join(fields)
                     raise broken_rule(f"unknown key '{key}'{hint or '.'} The keys here are: {known}")
         model: Self = handler(data)
         return model

@@ -12,8 +12,11 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from mrts.base.errors import InputError
 from mrts.base.input_file import IDENTIFIER, Name, broken_rule, read_text
 
-MANIFEST_NAME = "manifest.json"
-FORMAT = 6
+MANIFEST_NAME, CHAINS_NAME = "manifest.json", "chains.json"
+GEOMETRY = "geometry"
+"""Name of the last input of functions that hold no numbers of a cell file."""
+
+FORMAT = 7
 """Version of this file's layout; a change that old code cannot read raises it."""
 
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
@@ -25,6 +28,10 @@ WRENCH_UNITS = dict(zip(WRENCH_COMPONENTS, ("N", "N", "N", "N m", "N m", "N m"),
 LOAD_ENTRIES = ("mass", "mx", "my", "mz", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 """Layout of a load vector, in the object frame: mass [kg], first moments mass × com [kg m], and the inertia about the
 frame's origin, which is the nominal com [kg m²]. The balance of the object is linear in it."""
+
+GRAVITY_SIZE, ROBOT_SIZE = 3, 24
+"""Layout of a geometry vector: gravity in the world [m/s²]; of each robot the rotation of its base in the world by
+rows, its position [m], and those of its tip in the object frame; then `held_numbers` of all (`RobotRecord`)."""
 
 ALWAYS_GENERATED = ("kinematics", "bias_acceleration", "dynamics", "terms", "wrench_form", "fixed_distribution")
 """Functions that every cell has."""
@@ -43,6 +50,16 @@ Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
 Matrix3 = Annotated[list[Vector3], Field(min_length=3, max_length=3)]
 Identifier = Annotated[str, Field(pattern=IDENTIFIER, max_length=100)]
 Size = Annotated[int, Field(ge=1, le=LARGEST_SIZE)]
+
+
+def geometry_size(robots: int, held: int) -> int:
+    """Entries of a geometry vector.
+
+    Args:
+        robots: Number of them.
+        held: Numbers of all their `held_numbers`.
+    """
+    return GRAVITY_SIZE + ROBOT_SIZE * robots + held
 
 
 class _Record(BaseModel):
@@ -104,6 +121,7 @@ class RobotRecord(_Record):
     tip_link: str
     joints: Annotated[list[JointRecord], Field(min_length=1, max_length=MOST)]
     held: dict[str, float]
+    held_numbers: Annotated[list[float], Field(max_length=LARGEST_SIZE)]
     base_tip: PoseRecord
     world_base: PoseRecord
     object_tip: PoseRecord
@@ -160,30 +178,25 @@ class RemarkRecord(_Record):
     text: str
 
 
-class Manifest(_Record):
-    """The whole manifest; see docs/generated_files.md.
+class ChainsRecord(_Record):
+    """The generated functions: what of them is the same for all cells with the same chains.
 
-    Anyone may have written it: what of it reaches C text or a path is an identifier, and sizes agree with each other.
+    Anyone may have written it: what of it reaches C text or a path is an identifier.
     """
 
-    notice: str
-    content_sha256: str
-    format: int
-    mrts_version: str
+    chains: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
     casadi_version: str
-    name: Name
     source: str
     source_sha256: str
-    plane: Literal["xy", "xz", "yz"] | None
-    wrench_components: list[Literal["fx", "fy", "fz", "nx", "ny", "nz"]]
-    gravity: Vector3
-    object: ObjectRecord
-    robots: Annotated[list[RobotRecord], Field(min_length=1, max_length=MOST)]
     functions: dict[Identifier, FunctionRecord]
-    remarks: Annotated[list[RemarkRecord], Field(max_length=MOST)]
+
+    @property
+    def is_baked(self) -> bool:
+        """Whether the functions hold the geometry of one cell as numbers; else it is their last input."""
+        return all(one.name != GEOMETRY for function in self.functions.values() for one in function.inputs)
 
     @model_validator(mode="after")
-    def _names_belong_together(self) -> Self:
+    def _functions_of_one_file(self) -> Self:
         stem = self.source.removesuffix(".c")
         if self.source == stem or not re.fullmatch(IDENTIFIER, stem):
             raise broken_rule("its source must be the name of a C file: letters, digits, single underscores, and .c")
@@ -193,6 +206,30 @@ class Manifest(_Record):
         for short in ALWAYS_GENERATED:
             if short not in self.functions:
                 raise broken_rule(f"its functions must include '{short}'")
+        return self
+
+    def to_json(self) -> str:
+        """Deterministic text of the file."""
+        return json.dumps(self.model_dump(mode="json"), indent=1, allow_nan=False) + "\n"
+
+
+class Manifest(ChainsRecord):
+    """The whole manifest; see docs/generated_files.md. Sizes agree with each other."""
+
+    notice: str
+    content_sha256: str
+    format: int
+    mrts_version: str
+    name: Name
+    plane: Literal["xy", "xz", "yz"] | None
+    wrench_components: list[Literal["fx", "fy", "fz", "nx", "ny", "nz"]]
+    gravity: Vector3
+    object: ObjectRecord
+    robots: Annotated[list[RobotRecord], Field(min_length=1, max_length=MOST)]
+    remarks: Annotated[list[RemarkRecord], Field(max_length=MOST)]
+
+    @model_validator(mode="after")
+    def _names_differ(self) -> Self:
         if len({robot.name for robot in self.robots}) < len(self.robots):
             raise broken_rule("two robots have the same name")
         return self
@@ -209,10 +246,6 @@ class Manifest(_Record):
             if len(robot.joints) > size and missing:
                 raise broken_rule(f"its functions must include '{missing[0]}'")
         return self
-
-    def to_json(self) -> str:
-        """Deterministic text of manifest.json."""
-        return json.dumps(self.model_dump(mode="json"), indent=1, allow_nan=False) + "\n"
 
     def content_hash(self) -> str:
         """Hash of everything in the manifest but the hash itself."""
@@ -254,6 +287,7 @@ def verified_manifest(where: Path | str, text: str) -> Manifest:
         InputError: If it is no manifest, of another format version, or was edited by hand.
     """
     try:
+        _check_format(where, text)
         manifest = Manifest.model_validate_json(text)
     except ValidationError as error:
         first = error.errors()[0]
@@ -261,13 +295,6 @@ def verified_manifest(where: Path | str, text: str) -> Manifest:
         raise InputError(
             where, f"{first['msg']}. The file is generated: make it again with `mrts generate`.", key=key
         ) from None
-    if manifest.format != FORMAT:
-        raise InputError(
-            where,
-            f"this mrts reads format {FORMAT}. Make it again with `mrts generate`.",
-            key="format",
-            value=manifest.format,
-        )
     if manifest.content_sha256 != manifest.content_hash():
         raise InputError(
             where, "was edited after it was generated. Change the cell file and run `mrts generate` again."
@@ -275,7 +302,20 @@ def verified_manifest(where: Path | str, text: str) -> Manifest:
     return manifest
 
 
-def check_source(where: Path | str, manifest: Manifest, text: str) -> None:
+class _Format(BaseModel):
+    """What of a manifest of any format is looked at first."""
+
+    format: int
+
+
+def _check_format(where: Path | str, text: str) -> None:
+    given = _Format.model_validate_json(text).format
+    if given != FORMAT:
+        rule = f"this mrts reads format {FORMAT}. Make it again with `mrts generate`."
+        raise InputError(where, rule, key="format", value=given)
+
+
+def check_source(where: Path | str, manifest: ChainsRecord, text: str) -> None:
     """Check that a C text is the one that a manifest describes.
 
     Raises:

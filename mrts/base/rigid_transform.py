@@ -30,6 +30,11 @@ class RigidTransform:
     def __matmul__(self, other: "RigidTransform") -> "RigidTransform":
         return RigidTransform(multiply(self.R, other.R), self.p + multiply(self.R, other.p))
 
+    @property
+    def numbers(self) -> Array:
+        """R by rows, then p, Shape (12,)."""
+        return np.concatenate([self.R.ravel(), self.p])
+
     @staticmethod
     def identity() -> "RigidTransform":
         """The frame itself."""

@@ -3,7 +3,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from types import NoneType
 from typing import Any, Literal, Self
@@ -22,8 +22,11 @@ from mrts.cell.functions import Backend, CellFunctions, bind_functions
 from mrts.cell.generation import generated_in_cache, virtual_machine_functions
 from mrts.cell.robot import Robot, robot_from_record
 
-GENERATED = ("name", "joints", "joint_types", "axes", "points", "held", "T_base_tip", "T_world_base", "T_object_tip")
-"""Attributes of a robot that the generated functions hold as numbers, or that name their inputs and outputs."""
+OF_CHAINS = ("name", "joints", "joint_types", "axes", "points", "held", "held_numbers", "T_base_tip")
+"""Attributes of a robot that its URDF gives, or that name inputs and outputs of the generated functions."""
+
+OF_GEOMETRY = ("T_world_base", "T_object_tip")
+"""Those that baked functions hold as numbers besides."""
 
 SAME_NUMBER = 1e-12
 """Largest difference of what is the same number after rounding [m, rad, m/s²]."""
@@ -48,8 +51,8 @@ class Cell:
         remarks: What to know of how its files were read.
         reserve: Share of every limit that is kept free, 0 or more and below 1.
 
-    What the generated functions hold as numbers (names, joints, poses, plane, gravity) cannot be changed in Python, by
-    `dataclasses.replace` or otherwise: that takes another cell file. Limits, postures and load can.
+    All but names, joints and plane can be changed in Python, by methods of this class or `dataclasses.replace`. Where
+    the functions are baked (`mrts generate --bake`), they hold gravity, bases and grasps as numbers, and these cannot.
 
     Raises:
         InputError: If a value breaks a rule, or is not what the functions were generated with.
@@ -85,34 +88,46 @@ class Cell:
             raise InputError("cell", rule, key="object_velocity_limit", value=self.object_velocity_limit.tolist())
         _check_reserve(self.reserve)
         self._check_generated()
+        object.__setattr__(self, "functions", self.functions.placed(self.geometry))
         for robot in self.robots:
             if len(robot.wrench_lower) != len(self.wrench_components):
                 rule = f"must have Shape ({len(self.wrench_components)},): {', '.join(self.wrench_components)}."
                 raise InputError(f"robot '{robot.name}'", rule, key="wrench_lower", value=robot.wrench_lower.tolist())
 
     def _check_generated(self) -> None:
-        """Check that what the generated functions hold as numbers is what they were generated with."""
+        """Check that what the generated functions hold is what they were generated with."""
         made = self.functions.manifest
         pairs: list[tuple[str, object, object]] = [
             ("name", self.name, made.name),
             ("plane", self.plane, made.plane),
             ("wrench_components", list(self.wrench_components), made.wrench_components),
-            ("gravity", self.gravity, np.array(made.gravity)),
             ("robots", [robot.name for robot in self.robots], [robot.name for robot in made.robots]),
         ]
-        for robot, generated in zip(self.robots, self.functions.robots, strict=False):
+        robots = list(zip(self.robots, self.functions.robots, strict=False))
+        self._refuse_change(pairs, robots, OF_CHAINS, (
+            "is part of the generated functions, so changing it in Python would be ignored there. Change the cell file "
+            "(name, plane, fixed, robots) or the URDF, and read it again: mrts.load_cell(path)."
+        ))  # fmt: skip
+        if made.is_baked:
+            self._refuse_change([("gravity", self.gravity, np.array(made.gravity))], robots, OF_GEOMETRY, (
+                "stands as a number in the generated C, which was baked, so changing it in Python would be ignored "
+                "there. Read the cell file instead, mrts.load_cell(path), or generate without --bake."
+            ))  # fmt: skip
+
+    @staticmethod
+    def _refuse_change(
+        pairs: list[tuple[str, object, object]],
+        robots: list[tuple[Robot, Robot]],
+        attributes: tuple[str, ...],
+        rule: str,
+    ) -> None:
+        for robot, generated in robots:
             if robot is not generated:
                 where = f"robot '{robot.name}' "
-                pairs += [(where + key, getattr(robot, key), getattr(generated, key)) for key in GENERATED]
+                pairs = pairs + [(where + key, getattr(robot, key), getattr(generated, key)) for key in attributes]
         for key, ours, theirs in pairs:
             if not _same(ours, theirs):
-                raise InputError(
-                    "cell",
-                    "stands as numbers in the generated C, so changing it in Python would be ignored there. Change the "
-                    "cell file (gravity, plane, base, grasp, fixed, robots) or the URDF, and read it again: "
-                    "mrts.load_cell(path). What can be changed in Python are limits, postures and the load.",
-                    key=key,
-                )
+                raise InputError("cell", rule, key=key)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Cell, tuple(getattr(self, entry.name) for entry in fields(self))  # checked again where it arrives
@@ -121,6 +136,17 @@ class Cell:
         arms = ", ".join(f"{robot.name} ({len(robot.joints)} joints)" for robot in self.robots)
         load = f"{self.mass:.4g} kg" if self.load_box is None else self.load_box.description()
         return f"<Cell '{self.name}': {arms}; {self.plane or 'spatial'}; load {load}>"
+
+    @cached_property
+    def geometry(self) -> Array:
+        """Gravity, bases, grasps and what held joints place, as the generated functions take it, Shape (3 + 24 n + h,).
+
+        Layout: `mrts.base.manifest.ROBOT_SIZE`.
+        """
+        poses = [T.numbers for robot in self.robots for T in (robot.T_world_base, robot.T_object_tip)]
+        whole = np.concatenate([self.gravity, *poses, *(robot.held_numbers for robot in self.robots)])
+        whole.flags.writeable = False
+        return whole
 
     @property
     def joint_slices(self) -> dict[str, slice]:

@@ -3,6 +3,7 @@
 
 import logging
 from collections.abc import Callable
+from copy import copy
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -11,7 +12,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import CompilerError, InputError
-from mrts.base.manifest import MANIFEST_NAME, FunctionRecord, Manifest, check_source, verified_manifest
+from mrts.base.manifest import GEOMETRY, MANIFEST_NAME, FunctionRecord, Manifest, check_source, verified_manifest
 from mrts.cell.robot import Robot, robot_from_record
 from mrts.kernel.c_text import cell_source
 from mrts.kernel.cell_library import CellLibrary
@@ -47,6 +48,7 @@ class CellFunctions:
         self.manifest = manifest
         self.backend = backend
         self.compiled = compiled
+        self._geometry: Array | None = None
         self._evaluate = evaluate
         self._origin = origin
 
@@ -64,12 +66,21 @@ class CellFunctions:
         Args:
             name: Short name, such as "terms".
             samples: Number of samples N.
-            inputs: By input name, Shape (N, rows), (N, rows, columns), or (rows,) for one value for all samples.
+            inputs: By input name, Shape (N, rows), (N, rows, columns), or (rows,) for one value for all samples; the
+                geometry is that of the cell unless it is given.
 
         Returns:
             By output name, Shape (N, rows, columns); (N, rows) for a column.
         """
+        if self._geometry is not None:
+            inputs = {GEOMETRY: self._geometry} | inputs
         return self._evaluate(name, samples, inputs)
+
+    def placed(self, geometry: Array) -> Self:
+        """The same functions for a cell of this geometry, Shape (3 + 24 n + h,)."""
+        ours = copy(self)
+        vars(ours)["_geometry"] = geometry
+        return ours
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _bound_again, (self.manifest.to_json(), self.backend, self._origin)
@@ -164,7 +175,7 @@ def _compiled_functions(
     where: Path | str, manifest: Manifest, command: tuple[str, ...], generated: str
 ) -> CellFunctions:
     text = cell_source(manifest, generated)
-    compiled = library_or_rebuilt(command, manifest.name, text, partial(CellLibrary, manifest))
+    compiled = library_or_rebuilt(command, manifest.source.removesuffix(".c"), text, partial(CellLibrary, manifest))
     check_shapes(where, manifest, compiled.opened)
     return CellFunctions(manifest, compiled.map, "compiled", generated, compiled)
 

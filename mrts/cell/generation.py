@@ -4,19 +4,36 @@
 This is the only place where the run time calls the build time (`mrts_codegen`).
 """
 
-from functools import lru_cache
+from collections.abc import Callable
+from functools import lru_cache, partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
+from mrts.base.atomic_file import write_text_atomically
 from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
 from mrts.base.errors import InputError
-from mrts.base.manifest import MANIFEST_NAME, Manifest, read_generated
+from mrts.base.manifest import (
+    CHAINS_NAME,
+    MANIFEST_NAME,
+    ChainsRecord,
+    Manifest,
+    check_source,
+    read_generated,
+    verified_manifest,
+)
 from mrts.kernel.c_text import one_file
 from mrts.kernel.cache_folder import cache_folder, only_ours
 
+CACHED_STEM = "cell"
+"""Names of generated functions in the cache begin so: cells of other names share them."""
+
+Record = TypeVar("Record", bound=ChainsRecord)
+
 
 def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
-    """Manifest and C file of a cell, generated unless the cache holds them.
+    """Manifest and C file of a cell, made unless the cache holds them.
+
+    All cells with the same chains share one C file, whatever the numbers in their cell files.
 
     Args:
         path: The cell file.
@@ -27,24 +44,58 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     from mrts_codegen.content_key import content_key  # noqa: PLC0415 (build time, on demand)
 
     key = content_key(path)
-    folder = cache_folder("cells", key)
-    if only_ours(folder / MANIFEST_NAME):
-        try:
-            manifest, source = read_generated(folder)
-            if only_ours(source):
-                return manifest, source
-        except InputError:
-            pass  # damaged: make it again
-    _generated(path, key).write(folder, private=True)
-    return read_generated(folder)
+    described = cache_folder("cells", key) / MANIFEST_NAME
+    manifest = _if_sound(described, partial(verified_manifest, described))
+    if manifest is not None:
+        source = cache_folder("chains", manifest.chains) / manifest.source
+        if _is_source(source, manifest):
+            return manifest, source
+    manifest = _described(path, key)
+    write_text_atomically(described, manifest.to_json(), private=True)
+    return manifest, cache_folder("chains", manifest.chains) / manifest.source
 
 
-def generate_to(path: Path, folder: Path | None) -> tuple[Manifest, Path]:
+def _described(path: Path, key: str) -> Manifest:
+    """The manifest of a cell, its C file in the cache."""
+    from mrts_codegen.cell_manifest import cell_manifest  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.content_key import chains_key  # noqa: PLC0415
+
+    cell = _model(path, key)
+    folder = cache_folder("chains", chains_key(cell, CACHED_STEM, bake=False))
+    chains = _if_sound(folder / CHAINS_NAME, ChainsRecord.model_validate_json)
+    if chains is None or not _is_source(folder / chains.source, chains):
+        made = _chains(path, key)
+        made.write(folder)
+        chains = made.record
+    return cell_manifest(cell, chains)
+
+
+def _if_sound(path: Path, read: Callable[[str], Record]) -> Record | None:
+    """What a file of the cache holds; None where it is missing or damaged."""
+    try:
+        return read(path.read_text(encoding="utf-8")) if only_ours(path) else None
+    except (InputError, ValueError):
+        return None
+
+
+def _is_source(path: Path, chains: ChainsRecord) -> bool:
+    """Whether a C file of the cache is there and whole."""
+    if not only_ours(path):
+        return False
+    try:
+        check_source(path, chains, path.read_text(encoding="utf-8"))
+    except (InputError, ValueError):
+        return False
+    return True
+
+
+def generate_to(path: Path, folder: Path | None, *, bake: bool = False) -> tuple[Manifest, Path]:
     """Generate a cell and keep it.
 
     Args:
         path: The cell file.
         folder: Where to write the C file and manifest.json; None is the cache.
+        bake: Whether gravity, bases, grasps and held joints are folded into the C; needs a folder.
 
     Returns:
         The manifest and the path of the C file.
@@ -56,7 +107,7 @@ def generate_to(path: Path, folder: Path | None) -> tuple[Manifest, Path]:
         return generated_in_cache(path)
     from mrts_codegen.generate import generate_cell  # noqa: PLC0415 (build time, on demand)
 
-    generate_cell(path).write(folder)
+    generate_cell(path, bake=bake).write(folder)
     return read_generated(folder)
 
 
@@ -93,7 +144,7 @@ def export_to(
     from mrts_codegen.embedded.parts import PARTS  # noqa: PLC0415
     from mrts_codegen.generate import generate_cell  # noqa: PLC0415
 
-    cell = generate_cell(path)
+    cell = generate_cell(path, bake=True)
     texts = export_library(
         cell.manifest if name is None else cell.manifest.model_copy(update={"name": name}),
         cell.functions,
@@ -134,6 +185,20 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     return {robot.name: (resolve_urdf(path, robot.urdf), robot.base_link) for robot in robots}
 
 
+def described_cell(path: Path) -> dict[str, Any]:
+    """Keys and values of a cell file, with the default of each key that it leaves out, None where there is none.
+
+    Args:
+        path: The cell file.
+
+    Raises:
+        InputError: If the cell file breaks a rule.
+    """
+    from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
+
+    return read_cell_description(path).model_dump()
+
+
 def virtual_machine_functions(path: Path) -> dict[str, Any]:
     """The functions of a cell file for CasADi's virtual machine, by short name.
 
@@ -142,14 +207,23 @@ def virtual_machine_functions(path: Path) -> dict[str, Any]:
     """
     from mrts_codegen.content_key import content_key  # noqa: PLC0415 (build time, on demand)
 
-    functions: dict[str, Any] = _generated(path, content_key(path)).functions
-    _generated.cache_clear()
+    functions: dict[str, Any] = _chains(path, content_key(path)).functions
+    _chains.cache_clear()
+    _model.cache_clear()
     return functions
 
 
 @lru_cache(maxsize=1)
-def _generated(path: Path, _key: str) -> Any:
-    """A cell generated from files of this content, kept until the virtual machine takes it: that takes seconds."""
-    from mrts_codegen.generate import generate_cell  # noqa: PLC0415 (the symbolic layer, only if it is needed)
+def _model(path: Path, _key: str) -> Any:
+    """A cell with its URDFs, read from files of this content."""
+    from mrts_codegen.cell_manifest import read_cell_model  # noqa: PLC0415 (build time, on demand)
 
-    return generate_cell(path)
+    return read_cell_model(path)
+
+
+@lru_cache(maxsize=1)
+def _chains(path: Path, key: str) -> Any:
+    """Functions generated from files of this content, kept until the virtual machine takes them: that takes seconds."""
+    from mrts_codegen.generate import generate_chains  # noqa: PLC0415 (the symbolic layer, only if it is needed)
+
+    return generate_chains(_model(path, key), CACHED_STEM)

@@ -19,7 +19,7 @@ from mrts.motors.joint_motors import JointMotors
 from mrts.motors.motors_record import motors_from_record, motors_record
 
 ARRAYS = (
-    *("axes", "points", "position_lower", "position_upper", "velocity_limit", "posture"),
+    *("axes", "points", "held_numbers", "position_lower", "position_upper", "velocity_limit", "posture"),
     *("torque_lower", "torque_upper", "wrench_lower", "wrench_upper", "contact_rate"),
 )
 """Attributes of a robot that are arrays."""
@@ -47,6 +47,7 @@ class Robot:
         wrench_lower: On F_i, base axes, minus infinity where unbounded, Shape (w,) [N, N m].
         wrench_upper: On F_i, base axes, infinity where unbounded, Shape (w,) [N, N m].
         held: Joints of its URDF that stand still, and where [rad or m].
+        held_numbers: What they make of the chain, an input of the generated functions, Shape (h_i,).
         motors: What stands between motors and joints; those of no joint at all stand for ideal ones.
         contacts: What its hand can exert on the object; all of them hold for its one wrench.
         contact_rate: Largest change of F_i, base axes, infinity where it is not known, Shape (w,) [N/s, N m/s].
@@ -76,6 +77,7 @@ class Robot:
     motors: JointMotors = field(default_factory=partial(JointMotors.unknown, 0))
     contacts: tuple[Contact, ...] = ()
     contact_rate: Array = field(default_factory=partial(np.empty, 0))
+    held_numbers: Array = field(default_factory=partial(np.empty, 0))
 
     def __post_init__(self) -> None:
         where = f"robot '{self.name}'"
@@ -91,10 +93,12 @@ class Robot:
         wrench = as_array(f"{where}: wrench_lower", self.wrench_lower).shape[:1] or (len(WRENCH_COMPONENTS),)
         if np.all(as_array(f"{where}: contact_rate", self.contact_rate) == np.inf):
             object.__setattr__(self, "contact_rate", np.full(wrench, np.inf))
-        shapes = {"axes": (n, 3), "points": (n, 3)}
+        shapes = {"axes": (n, 3), "points": (n, 3), "held_numbers": (np.size(self.held_numbers),)}
         shapes |= dict.fromkeys(("wrench_lower", "wrench_upper", "contact_rate"), wrench)
         for name in ARRAYS:
-            freeze_array(self, name, where, shapes.get(name, (n,)), finite=name in {"axes", "points", "posture"})
+            freeze_array(
+                self, name, where, shapes.get(name, (n,)), finite=name in {"axes", "points", "held_numbers", "posture"}
+            )
         for T_name in ("T_base_tip", "T_world_base", "T_object_tip"):
             if not isinstance(getattr(self, T_name), RigidTransform):
                 raise InputError(where, "must be an mrts RigidTransform.", key=T_name, value=getattr(self, T_name))
@@ -175,6 +179,7 @@ def robot_from_record(record: RobotRecord) -> Robot:
         motors=motors_from_record(record.motors),
         contacts=tuple(map(contact_from_record, record.contacts)),
         contact_rate=with_infinity(record.contact_rate, np.inf),
+        held_numbers=np.array(record.held_numbers, dtype=np.float64),
     )
 
 
@@ -202,6 +207,7 @@ def robot_record(robot: Robot, generated: RobotRecord) -> RobotRecord:
             "name": robot.name,
             "joints": [JointRecord(**dict(zip(JointRecord.model_fields, row, strict=True))) for row in columns],
             "held": dict(robot.held),
+            "held_numbers": robot.held_numbers.tolist(),
             "base_tip": _pose_record(robot.T_base_tip),
             "world_base": _pose_record(robot.T_world_base),
             "object_tip": _pose_record(robot.T_object_tip),

@@ -232,9 +232,7 @@ def _grasp_task(cell: Cell) -> GraspTask:
     return GraspTask(
         newton=NewtonRule(TRACKING_STEPS, SETTLED, STEP_LIMIT, POSE_TOLERANCE),
         components=cell.wrench_rows,
-        base_rotation=np.array([robot.T_world_base.R for robot in robots]),
-        tip_rotation=np.array([robot.T_object_tip.R for robot in robots]),
-        tip_position=np.array([robot.T_object_tip.p for robot in robots]),
+        geometry=cell.geometry,
         lower=np.concatenate([robot.position_lower for robot in robots]),
         upper=np.concatenate([robot.position_upper for robot in robots]),
         zone=np.concatenate([limit_zone(robot) for robot in robots]),

@@ -66,6 +66,7 @@ def cell_source(manifest: Manifest, generated: str) -> str:
         "MRTS_ROBOTS": len(manifest.robots),
         "MRTS_SIZE": components,
         "MRTS_WRENCHES": components * len(manifest.robots),
+        "MRTS_INPUTS": len(manifest.functions["wrench_form"].inputs),
         "MRTS_UNKNOWNS": components * (len(manifest.robots) - 1) + 1,
         "MRTS_WRENCH_FORM": symbol["wrench_form"],
         "MRTS_KINEMATICS": symbol["kinematics"],

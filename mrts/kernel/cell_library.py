@@ -156,6 +156,7 @@ class CellLibrary:
         programs: The programs that it holds.
         records: Its generated functions by short name.
         unknowns: Wrenches of all arms but the last, and c².
+        robots: Number of them.
         joints: Of all arms.
         wrenches: Components of all wrenches.
 
@@ -169,6 +170,7 @@ class CellLibrary:
         self.programs = Programs(self.opened)
         self.records = manifest.functions
         self.unknowns = len(manifest.wrench_components) * (len(manifest.robots) - 1) + 1
+        self.robots = len(manifest.robots)
         self.joints = sum(len(robot.joints) for robot in manifest.robots)
         self.wrenches = len(manifest.wrench_components) * len(manifest.robots)
         offer_programs(self.programs)

@@ -5,7 +5,7 @@ import ctypes
 from pathlib import Path
 
 from mrts.base.errors import InputError
-from mrts.base.manifest import LOAD_ENTRIES, ArgumentRecord, FunctionRecord, Manifest
+from mrts.base.manifest import LOAD_ENTRIES, ArgumentRecord, FunctionRecord, Manifest, geometry_size
 
 Shapes = list[tuple[int, int]]
 
@@ -63,13 +63,15 @@ def _kernel_shapes(manifest: Manifest) -> dict[str, tuple[Shapes, Shapes]]:
     n, w = len(manifest.robots), len(manifest.wrench_components)
     m, f, k = sum(len(robot.joints) for robot in manifest.robots), n * w, (n - 1) * w + 1
     joints = (m, 1)
-    sample = [joints, joints, joints, (3, 3), (6, 1), (6, 1), (len(LOAD_ENTRIES), 1)]
+    held = sum(len(robot.held_numbers) for robot in manifest.robots)
+    last = [] if manifest.is_baked else [(geometry_size(n, held), 1)]
+    sample = [joints, joints, joints, (3, 3), (6, 1), (6, 1), (len(LOAD_ENTRIES), 1), *last]
     return {
         "wrench_form": (sample, [(m, k), (m, 1), (f, k), (f, 1)]),
-        "kinematics": ([joints], [(3, n), (3, 3 * n), (w, m)]),
-        "bias_acceleration": ([joints, joints], [(w, n)]),
-        "geometric_stiffness": ([joints, (f, 1)], [(m, m)]),
-        "geometric_stiffness_rate": ([joints, joints, (f, 1)], [(m, 1)]),
+        "kinematics": ([joints, *last], [(3, n), (3, 3 * n), (w, m)]),
+        "bias_acceleration": ([joints, joints, *last], [(w, n)]),
+        "geometric_stiffness": ([joints, (f, 1), *last], [(m, m)]),
+        "geometric_stiffness_rate": ([joints, joints, (f, 1), *last], [(m, 1)]),
     }
 
 

@@ -12,16 +12,6 @@ from mrts.kernel.cell_library import CellLibrary, Scratch
 from mrts.kernel.foreign_arrays import pointer
 
 
-class _Arm(ctypes.Structure):
-    """`mrts_arm` of tracking.c."""
-
-    _fields_ = [
-        ("base_rotation", ctypes.c_double * 9),
-        ("tip_rotation", ctypes.c_double * 9),
-        ("tip_position", ctypes.c_double * 3),
-    ]
-
-
 class _Preference(ctypes.Structure):
     """`mrts_preference` of null_space.h."""
 
@@ -50,15 +40,27 @@ class NewtonRule:
     reached: float
 
 
+class _Tracking(ctypes.Structure):
+    """`mrts_tracking` of tracking.c."""
+
+    _fields_ = [
+        ("steps", ctypes.c_int),
+        ("settled", ctypes.c_double),
+        ("longest", ctypes.c_double),
+        ("reached", ctypes.c_double),
+        ("components", ctypes.c_int * 6),
+        ("wish", _Preference),
+        ("geometry", ctypes.c_void_p),
+    ]
+
+
 class GraspTask:
     """What the n arms of a cell, m joints in all, are to hold, and how: the same at every sample.
 
     Args:
         newton: How the iteration at a sample goes.
         components: Rows of a six-component twist that the cell uses.
-        base_rotation: Of the arms in the world, Shape (n, 3, 3).
-        tip_rotation: Of the grasps in the object frame, Shape (n, 3, 3).
-        tip_position: Likewise, Shape (n, 3) [m].
+        geometry: Of the cell, Shape (3 + 24 n + h,).
         lower: Least joint positions, minus infinity where there is none, Shape (m,) [rad or m].
         upper: Largest ones, Shape (m,).
         zone: Widths of the zones beside them, Shape (m,).
@@ -70,37 +72,17 @@ class GraspTask:
         *,
         newton: NewtonRule,
         components: Sequence[int],
-        base_rotation: Array,
-        tip_rotation: Array,
-        tip_position: Array,
+        geometry: Array,
         lower: Array,
         upper: Array,
         zone: Array,
         push: float,
     ) -> None:
-        class Tracking(ctypes.Structure):
-            """`mrts_tracking` of tracking.c."""
-
-            _fields_ = [
-                ("steps", ctypes.c_int),
-                ("settled", ctypes.c_double),
-                ("longest", ctypes.c_double),
-                ("reached", ctypes.c_double),
-                ("components", ctypes.c_int * 6),
-                ("wish", _Preference),
-                ("arm", _Arm * len(tip_position)),
-            ]
-
-        self.robots = len(tip_position)
-        self._limits = [np.ascontiguousarray(array) for array in (lower, upper, zone)]
-        wish = _Preference(*(pointer(array) for array in self._limits), push)
+        self._arrays = [np.ascontiguousarray(array) for array in (lower, upper, zone, geometry)]
+        *limits, place = (pointer(array) for array in self._arrays)
         used = (ctypes.c_int * 6)(*components)
-        self.structure = Tracking(newton.steps, newton.settled, newton.longest, newton.reached, used, wish)
-        places = zip(self.structure.arm, base_rotation, tip_rotation, tip_position, strict=True)
-        for arm, base, tip, position in places:
-            arm.base_rotation[:] = base.ravel().tolist()
-            arm.tip_rotation[:] = tip.ravel().tolist()
-            arm.tip_position[:] = position.tolist()
+        wish = _Preference(*limits, push)
+        self.structure = _Tracking(newton.steps, newton.settled, newton.longest, newton.reached, used, wish, place)
 
 
 @dataclass(frozen=True)
@@ -143,7 +125,7 @@ def track_path(library: CellLibrary, task: GraspTask, path: Sequence[Array], sta
     given = [np.ascontiguousarray(part) for part in path]
     samples = len(given[0])
     q, dq, ddq = (np.zeros((samples, len(start))) for _ in range(3))
-    about = [np.zeros((samples, task.robots)) for _ in range(6)]
+    about = [np.zeros((samples, library.robots)) for _ in range(6)]
     q[0] = start
     used = ("kinematics", "bias_acceleration", "geometric_stiffness", "geometric_stiffness_rate")
     scratch = [Scratch(library.opened, library.records[name]) for name in used if name in library.records]

@@ -286,13 +286,14 @@ def _rule(entry: RuleEntry) -> DistributionRule:
 
 
 def _manifest(cell: Cell) -> Manifest:
-    """The manifest of a cell with its robots and velocity limits as they are now."""
+    """The manifest of a cell with its gravity, robots and velocity limits as they are now."""
     generated = cell.functions.manifest
     linear, angular = without_infinity(cell.object_velocity_limit)
     carried = generated.object.model_copy(update={"linear_velocity": linear, "angular_velocity": angular})
     try:
         robots = [robot_record(robot, record) for robot, record in zip(cell.robots, generated.robots, strict=True)]
-        changed = generated.model_copy(update={"name": cell.name, "object": carried, "robots": robots})
+        ours = {"name": cell.name, "gravity": cell.gravity.tolist(), "object": carried, "robots": robots}
+        changed = generated.model_copy(update=ours)
         return Manifest.model_validate(changed.model_dump()).sealed()
     except ValueError:
         raise InputError(
@@ -305,7 +306,8 @@ def _manifest(cell: Cell) -> Manifest:
 
 def _functions_of(cell: Cell, saved: Manifest, path: Path) -> CellFunctions:
     """The functions of a cell if they are those that a result was found with."""
-    ours, theirs = _made_from(cell.functions.manifest), _made_from(saved)
+    made = cell.functions.manifest
+    ours, theirs = (_made_from(manifest, baked=made.is_baked) for manifest in (made, saved))
     for key in theirs | ours:
         if ours.get(key) != theirs.get(key):
             raise InputError(
@@ -317,11 +319,12 @@ def _functions_of(cell: Cell, saved: Manifest, path: Path) -> CellFunctions:
     return cell.functions
 
 
-def _made_from(manifest: Manifest) -> dict[str, Any]:
-    """What a cell's functions depend on: not its limits, postures and load, which are their inputs."""
-    made: dict[str, Any] = {name: getattr(manifest, name) for name in ("plane", "wrench_components", "gravity")}
+def _made_from(manifest: Manifest, *, baked: bool) -> dict[str, Any]:
+    """What a cell's functions depend on: not its limits and load, nor, unless it is folded in, its geometry."""
+    geometry = (("gravity",), ("world_base", "object_tip")) if baked else ((), ())
+    made: dict[str, Any] = {name: getattr(manifest, name) for name in ("plane", "wrench_components", *geometry[0])}
     for number, robot in enumerate(manifest.robots):
-        for name in ("urdf_sha256", "base_link", "tip_link", "held", "world_base", "object_tip", "name"):
+        for name in ("urdf_sha256", "base_link", "tip_link", "held", "name", *geometry[1]):
             made[f"robots[{number}].{name}"] = getattr(robot, name)
     return made | {"name": manifest.name}
 

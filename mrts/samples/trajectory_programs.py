@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import CellLibrary, KernelIntervals, KernelRanges, SparseLimits
@@ -80,7 +81,8 @@ def _compiled_ranges(
     cell: Cell, motion: CoordinatedMotion, fast: "_Compiled", solver: str, load: Array | None
 ) -> SampleRanges:
     """The ranges by the kernel; what it does not settle is left to the solvers."""
-    inputs, most = motion.inputs(cell.load if load is None else load), fast.caps.largest()
+    inputs = motion.inputs(cell.load if load is None else load) | {GEOMETRY: cell.geometry}
+    most = fast.caps.largest()
     given = motion.samples, inputs, fast.sparse(), fast.terms(), most
     divided: list[tuple[int, list[tuple[float, float]]]] = []
     found: KernelRanges | KernelIntervals
@@ -157,7 +159,7 @@ def motion_torques(
         return problem.torque(x), problem.wrench(x), fallbacks
     torque, wrench, status = fast.compiled.torques(
         motion.samples,
-        motion.inputs(cell.load),
+        motion.inputs(cell.load) | {GEOMETRY: cell.geometry},
         fast.sparse(),
         fast.terms(float(np.sqrt(c2))),
         np.full(motion.samples, c2),

@@ -48,6 +48,7 @@ METHODS = {
     "LoadBox": ("load_at", "draw", "corners"),
     "RetimingResult": ("write_json",),
     "ScalingResult": ("write_json",),
+    "Study": ("points", "descriptions", "write_variant"),
 }
 """Methods that take what a user gives."""
 
@@ -81,6 +82,7 @@ def good(planar_cell):
     with_solver = {"solver": DEFAULT_SOLVER}
     objects = {name: getattr(motion, name) for name in ("time", "position", "rotation", "twist", "acceleration")}
     joints = {"object": motion, "q": whole.q, "dq": whole.dq, "ddq": whole.ddq}
+    study = mrts.read_study(DATA.parent / "dual_ur5" / "study.yaml")
     plan = {"weights": None, "load": "auto", "distribute": "reserve", "reserve": None, "closure": None}
     smooth = {"start_speed": 0.0, "end_speed": 0.0, "rates": 11.5, "weigh": None, "least_energy_in": None}
     smooth |= {"start_torque": None, "end_torque": None, "solver": "conic", "distribute": "least-torque"}
@@ -97,6 +99,7 @@ def good(planar_cell):
         "load_motion": {"path": DATA / "lift.yaml"},
         "load_result": {"path": "good.npz", "cell": planar_cell},
         "rank_configurations": search | with_solver | {"cap": 1},
+        "read_study": {"path": DATA.parent / "dual_ur5" / "study.yaml"},
         "retime": search | plan | smooth,
         "sample_motion": {"description": description},
         "save_result": {"result": result, "path": "saved.npz"},
@@ -119,6 +122,9 @@ def good(planar_cell):
         "LoadBox.load_at": {"self": box, "parameters": {"mass": 1.5}},
         "LoadBox.draw": {"self": box, "rng": np.random.default_rng(1), "count": 2},
         "LoadBox.corners": {"self": box, "varying": None},
+        "Study.points": {"self": study, "first": 0, "last": 3},
+        "Study.descriptions": {"self": study, "point": study.points(0, 1)[0]},
+        "Study.write_variant": {"self": study, "index": 3, "folder": "variant"},
         "ScalingResult.write_json": {"self": result, "path": "result.json"},
         "RetimingResult.write_json": {"self": mrts.retime(planar_cell, motion), "path": "retimed.json"},
     }

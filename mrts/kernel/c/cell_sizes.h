@@ -14,6 +14,7 @@
 #define MRTS_UNKNOWNS 7                /* of the range: wrenches of all arms but the last, and c^2 */
 #define MRTS_MOST_JOINTS 7             /* of the longest arm */
 #define MRTS_FIRST_JOINTS {0, 7, 14}   /* where each arm's joints begin, and their number last */
+#define MRTS_INPUTS 8                  /* of the wrench form */
 #define MRTS_REDUNDANT 1               /* defined if an arm has more joints than a wrench components */
 #define MRTS_WRENCH_FORM sample_wrench_form
 #define MRTS_KINEMATICS sample_kinematics
@@ -22,9 +23,22 @@
 #define MRTS_GEOMETRIC_STIFFNESS_RATE sample_geometric_stiffness_rate
 #endif
 
+/* One arm in its place: rotation matrices by rows. */
+typedef struct {
+    double base_rotation[9]; /* in the world */
+    double base_position[3]; /* likewise [m] */
+    double tip_rotation[9];  /* of the grasp in the object frame */
+    double tip_position[3];  /* likewise [m] */
+} mrts_arm;
+
+/* A geometry is gravity in the world [m/s^2], the arms, and what joints that are held place. */
+#define MRTS_GRAVITY 3
+#define MRTS_ARM(geometry, robot) ((const mrts_arm *)((geometry) + MRTS_GRAVITY) + (robot))
+
 /* A generated function: inputs, outputs, work, and a memory that is not used; 0 if it worked. Matrices by columns. */
 #define MRTS_GENERATED(name) int name(const double **arg, double **res, long long *iw, double *w, int mem)
 
+/* The last input of each is the geometry, see mrts_arm; functions into which it is folded do not read it. */
 /* q, q', q'', rotation, twist, acceleration, load to the affine maps of torques and wrenches, see rows.h. */
 MRTS_GENERATED(MRTS_WRENCH_FORM);
 /* q to positions and rotations of the tips and the Jacobians of all arms side by side. */

@@ -82,7 +82,8 @@ MRTS_LOCAL void mrts_square(int joints, const double *J, double *square) {
     }
 }
 
-MRTS_LOCAL int mrts_null_spaces(const mrts_preference *wish, const double *q, const double *reference, const double *J_all,
+MRTS_LOCAL int mrts_null_spaces(const mrts_preference *wish, const double *geometry, const double *q,
+                                const double *reference, const double *J_all,
                                 mrts_null_space *spaces, double *F, const double **arg, double **res, long long *iw,
                                 double *w) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
@@ -104,6 +105,7 @@ MRTS_LOCAL int mrts_null_spaces(const mrts_preference *wish, const double *q, co
     }
     arg[0] = q;
     arg[1] = F;
+    arg[2] = geometry;
     res[0] = stiffness;
     if (MRTS_GEOMETRIC_STIFFNESS(arg, res, iw, w, 0)) return 0;
     for (int robot = 0; robot < R; ++robot) {
@@ -119,7 +121,8 @@ MRTS_LOCAL int mrts_null_spaces(const mrts_preference *wish, const double *q, co
     return 1;
 }
 
-MRTS_LOCAL int mrts_change_along(const double *q, const double *dq, const mrts_null_space *spaces, const double *F,
+MRTS_LOCAL int mrts_change_along(const double *geometry, const double *q, const double *dq,
+                                 const mrts_null_space *spaces, const double *F,
                                  const double *dF, double *change, const double **arg, double **res, long long *iw,
                                  double *w) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
@@ -127,10 +130,12 @@ MRTS_LOCAL int mrts_change_along(const double *q, const double *dq, const mrts_n
     arg[0] = q;
     arg[1] = dq;
     arg[2] = F;
+    arg[3] = geometry;
     res[0] = change;
     if (MRTS_GEOMETRIC_STIFFNESS_RATE(arg, res, iw, w, 0)) return 0;
     arg[0] = q;
     arg[1] = dF;
+    arg[2] = geometry;
     res[0] = stiffness;
     if (MRTS_GEOMETRIC_STIFFNESS(arg, res, iw, w, 0)) return 0;
     for (int robot = 0; robot < R; ++robot) {

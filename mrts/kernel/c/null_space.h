@@ -35,7 +35,8 @@ typedef struct {
 } mrts_null_space;
 
 /* The null spaces of the redundant arms at q, and their multipliers F of least squares; 0 if an arm is singular. */
-MRTS_LOCAL int mrts_null_spaces(const mrts_preference *wish, const double *q, const double *reference,
+MRTS_LOCAL int mrts_null_spaces(const mrts_preference *wish, const double *geometry, const double *q,
+                                const double *reference,
                                 const double *J_all, mrts_null_space *spaces, double *F, const double **arg,
                                 double **res, long long *iw, double *w);
 
@@ -47,7 +48,8 @@ MRTS_LOCAL double mrts_preferred(int joints, const double *J, const mrts_null_sp
 MRTS_LOCAL void mrts_square(int joints, const double *J, double *square);
 
 /* hessian q'' - J'F'' of the redundant arms from the rates F' of their multipliers, Shape (M,). */
-MRTS_LOCAL int mrts_change_along(const double *q, const double *dq, const mrts_null_space *spaces, const double *F,
+MRTS_LOCAL int mrts_change_along(const double *geometry, const double *q, const double *dq,
+                                 const mrts_null_space *spaces, const double *F,
                                  const double *dF, double *change, const double **arg, double **res, long long *iw,
                                  double *w);
 

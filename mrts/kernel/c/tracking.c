@@ -9,13 +9,6 @@
 /* Sine of an angle below which a turn has no axis: it is none, or half a turn. */
 #define MRTS_NO_TURN 1e-9
 
-/* One arm in its place: rotation matrices by rows. */
-typedef struct {
-    double base_rotation[9];
-    double tip_rotation[9]; /* of the grasp in the object frame */
-    double tip_position[3]; /* likewise [m] */
-} mrts_arm;
-
 /* What the arms of a cell are to hold, and how, at every sample. */
 typedef struct {
     int steps;            /* most Newton steps at a sample */
@@ -24,7 +17,7 @@ typedef struct {
     double reached;       /* remaining error at which a grasp counts as held [m, rad] */
     int components[6];    /* rows of a six-component twist that this cell uses */
     mrts_preference wish; /* of redundant arms */
-    mrts_arm arm[MRTS_ROBOTS];
+    const double *geometry;
 } mrts_tracking;
 
 /* R v and R'v of a rotation matrix by rows. */
@@ -189,6 +182,7 @@ static int mrts_hold_grasps(const mrts_tracking *task, const double *position, c
     for (int iteration = 0; iteration < task->steps; ++iteration) {
         double largest = 0;
         arg[0] = now;
+        arg[1] = task->geometry;
         res[0] = tips;
         res[1] = rotations;
         res[2] = J_all;
@@ -196,10 +190,10 @@ static int mrts_hold_grasps(const mrts_tracking *task, const double *position, c
 #ifdef MRTS_REDUNDANT
         mrts_null_space spaces[R];
         double F[W * R], fall[M], unused[W];
-        if (!mrts_null_spaces(&task->wish, now, reference, J_all, spaces, F, arg, res, iw, w)) return 0;
+        if (!mrts_null_spaces(&task->wish, task->geometry, now, reference, J_all, spaces, F, arg, res, iw, w)) return 0;
 #endif
         for (int robot = 0; robot < R; ++robot) {
-            const mrts_arm *arm = task->arm + robot;
+            const mrts_arm *arm = MRTS_ARM(task->geometry, robot);
             const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
             const double *J = J_all + W * first;
             double gap_now, turn_now, size, left = 0, *q = now + first;
@@ -262,7 +256,8 @@ static int mrts_rates_of_tips(const mrts_tracking *task, const double *rotation,
         if (!mrts_invert(matrix, rate->inverse)) return 0;
         condition[robot] = sqrt(mrts_dot(W * W, matrix, matrix) * mrts_dot(W * W, rate->inverse, rate->inverse));
         if (joints > W) condition[robot] = sqrt(condition[robot] * W);
-        mrts_tip_rates(task, task->arm + robot, rotation, twist, acceleration, rate->velocity, rate->change);
+        mrts_tip_rates(task, MRTS_ARM(task->geometry, robot), rotation, twist, acceleration, rate->velocity,
+                       rate->change);
     }
     return 1;
 }
@@ -277,6 +272,7 @@ static int mrts_joint_rates(const mrts_tracking *task, const double *rotation, c
     mrts_task_rates rates[R];
     (void)reference; /* of redundant arms */
     arg[0] = q;
+    arg[1] = task->geometry;
     res[0] = tips;
     res[1] = rotations;
     res[2] = J;
@@ -285,7 +281,7 @@ static int mrts_joint_rates(const mrts_tracking *task, const double *rotation, c
 #ifdef MRTS_REDUNDANT
     mrts_null_space spaces[R];
     double F[W * R], dF[W * R] = {0}, change[M], nothing[M] = {0};
-    if (!mrts_null_spaces(&task->wish, q, reference, J, spaces, F, arg, res, iw, w)) return 0;
+    if (!mrts_null_spaces(&task->wish, task->geometry, q, reference, J, spaces, F, arg, res, iw, w)) return 0;
 #endif
     for (int robot = 0; robot < R; ++robot) {
         const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
@@ -303,10 +299,11 @@ static int mrts_joint_rates(const mrts_tracking *task, const double *rotation, c
     }
     arg[0] = q;
     arg[1] = dq;
+    arg[2] = task->geometry;
     res[0] = bias;
     if (MRTS_BIAS_ACCELERATION(arg, res, iw, w, 0)) return 0;
 #ifdef MRTS_REDUNDANT
-    if (!mrts_change_along(q, dq, spaces, F, dF, change, arg, res, iw, w)) return 0;
+    if (!mrts_change_along(task->geometry, q, dq, spaces, F, dF, change, arg, res, iw, w)) return 0;
 #endif
     for (int robot = 0; robot < R; ++robot) {
         const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;

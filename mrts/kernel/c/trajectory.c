@@ -11,8 +11,8 @@
 /* Rounding of an answer at the bound of c^2, as a share. */
 #define MRTS_AT_UNBOUNDED 1e-9
 
-/* Inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load. */
-enum { MRTS_INPUTS = 7, MRTS_ROTATION = 3 };
+/* Inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load, geometry unless it is folded in. */
+enum { MRTS_ROTATION = 3 };
 
 /* The terms of a sample, of those of all samples one after the other. */
 static mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long sample, int rows) {

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: MIT
+"""Paths to numbers of a cell and a motion file: `robots.left.base.xyz[0]`, `object.mass`, `motion.duration`."""
+
+import difflib
+import re
+from collections.abc import Iterator, Mapping
+from copy import deepcopy
+from typing import Any
+
+Keys = tuple[str | int, ...]
+"""Where a number stands, from "cell" or "motion" inward."""
+
+ONE_FOR_ALL = frozenset({"armature", "coulomb", "viscous", "torque_rate", "jerk", "rated"})
+"""Keys of `motors` where one number stands for all joints."""
+
+
+class PathError(Exception):
+    """A path that leads to no number; the message is the rule and what to do."""
+
+
+def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
+    """Where a path leads.
+
+    Args:
+        files: Keys and values of the "cell" and the "motion" file, what they leave out filled in. Where one number
+            stands for all joints and the path names a joint, it becomes a list here.
+        joints: Number of joints of each robot.
+        path: As a user writes it; `robots.left` and `robots[0]` are the same, and so are `duration` and
+            `motion.duration`.
+
+    Raises:
+        PathError: If it names nothing that is there.
+    """
+    first = re.match(r"[^.\[]*", path)
+    top = first.group() if first else ""
+    if top == "motion":
+        keys: Keys = ("motion",)
+        rest = path[len(top) :]
+    else:
+        keys = ("motion" if top in files["motion"] and top not in files["cell"] else "cell",)
+        rest = f".{path}"
+    here = value_at(files, keys)
+    while rest:
+        if rest.startswith("[") and _is_number(here) and keys[-1] in ONE_FOR_ALL:
+            robot = keys[2]
+            here = [here] * joints[robot if isinstance(robot, int) else 0]
+            _holder(files, keys)[keys[-1]] = here
+        key, rest = _step(here, keys, rest, files)
+        keys, here = (*keys, key), here[key]
+    return keys
+
+
+def path_text(files: Mapping[str, Any], keys: Keys) -> str:
+    """The path to a place as results name it: robots by name, numbers of the motion file after `motion`."""
+    text = "motion" if keys[0] == "motion" else ""
+    here = value_at(files, keys[:1])
+    for place, key in enumerate(keys[1:], start=1):
+        named = isinstance(key, int) and place == 2 and keys[1] == "robots"  # noqa: PLR2004 (cell, robots, this)
+        here = here[key]
+        word = here["name"] if named else key
+        text += f"[{word}]" if isinstance(word, int) else f".{word}" if text else word
+    return text
+
+
+def value_at(files: Mapping[str, Any], keys: Keys) -> Any:
+    """What stands at a place."""
+    here: Any = files
+    for key in keys:
+        here = here[key]
+    return here
+
+
+def numbers_below(files: Mapping[str, Any], keys: Keys) -> Iterator[Keys]:
+    """The places of all numbers at a place and inside of it."""
+    here = value_at(files, keys)
+    if _is_number(here):
+        yield keys
+    elif isinstance(here, dict):
+        for key in here:
+            yield from numbers_below(files, (*keys, key))
+    elif isinstance(here, list):
+        for index in range(len(here)):
+            yield from numbers_below(files, (*keys, index))
+
+
+def with_place(file: dict[str, Any], filled: Mapping[str, Any], keys: Keys) -> None:
+    """Write into a file what it leaves out on the way to a place, so that the place is there.
+
+    Args:
+        file: Keys and values as they were given; changed.
+        filled: The same with all that they leave out.
+        keys: The place, from the file's own keys inward.
+    """
+    here: Any = file
+    full: Any = filled
+    for key in keys[:-1]:
+        full = full[key]
+        there = here.get(key) if isinstance(here, dict) else here[key]
+        if not isinstance(there, dict | list) or (isinstance(there, list) and len(there) != len(full)):
+            here[key] = deepcopy(full)
+        here = here[key]
+
+
+def set_number(file: dict[str, Any], keys: Keys, value: float) -> None:
+    """Write a number at a place, from the file's own keys inward."""
+    _holder(file, keys)[keys[-1]] = value
+
+
+def _holder(file: Mapping[str, Any], keys: Keys) -> Any:
+    """The list or mapping in which a place is."""
+    return value_at(file, keys[:-1])
+
+
+def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[str | int, str]:
+    """The next key or index of a path, and what is left of the path after it."""
+    where = path_text(files, keys) or "the cell file"
+    if isinstance(here, list):
+        return _step_into_list(here, where, rest)
+    if here is None:
+        raise PathError(f"the file says nothing of {where}, and there is no default. Write it there first.")
+    if not isinstance(here, dict):
+        raise PathError(f"{where} is {_shown(here)}; nothing stands inside of it.")
+    if not rest.startswith("."):
+        raise PathError(f"{where} has keys, not places: {_known(here)}.")
+    inside = rest[1:]
+    fitting = [key for key in here if inside == key or inside.startswith((f"{key}.", f"{key}["))]
+    if fitting:
+        key = max(fitting, key=len)
+        return key, inside[len(key) :]
+    wrong = inside.split(".")[0].split("[")[0]
+    raise PathError(f"there is no '{wrong}' in {where}{_close(wrong, here)} There are {_known(here)}.")
+
+
+def _step_into_list(here: list[Any], where: str, rest: str) -> tuple[int, str]:
+    named = {each["name"]: index for index, each in enumerate(here) if isinstance(each, dict) and "name" in each}
+    index = re.match(r"\[(\d{1,9})\]", rest)
+    if index:
+        place = int(index.group(1))
+        if place >= len(here):
+            most = f"{where}[0] to {where}[{len(here) - 1}]" if here else "it is empty"
+            raise PathError(f"{where} has {len(here)} values: {most}.")
+        return place, rest[index.end() :]
+    if named and rest.startswith("."):
+        wrong = rest[1:].split(".", maxsplit=1)[0].split("[", maxsplit=1)[0]
+        if wrong in named:
+            return named[wrong], rest[1 + len(wrong) :]
+        raise PathError(f"there is no robot '{wrong}'{_close(wrong, named)} There are {_known(named)}.")
+    raise PathError(f"{where} is a list of {len(here)} values: name one of them, such as {where}[0].")
+
+
+def _close(wrong: str, known: Mapping[str, Any]) -> str:
+    close = difflib.get_close_matches(wrong, known, n=1)
+    return f"; did you mean '{close[0]}'?" if close else "."
+
+
+def _known(known: Mapping[str, Any]) -> str:
+    return ", ".join(map(str, known))
+
+
+def _shown(value: object) -> str:
+    return "a number" if _is_number(value) else f"'{value}'"
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

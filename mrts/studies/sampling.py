@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: MIT
+"""Which points a study looks at: a grid, a Latin hypercube, or a Sobol sequence; any block of them by itself."""
+
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.studies.spreads import Levels, Spread
+
+SampleName = Literal["grid", "lhs", "sobol"]
+
+MOST_VARIANTS = 100_000_000
+"""At a thousand a second and core a day of one core."""
+
+MOST_HYPERCUBE_NUMBERS = 20_000_000
+"""Of a Latin hypercube, which is drawn as a whole and kept: 160 MB."""
+
+
+def grid_size(spreads: Sequence[Spread]) -> int:
+    """Number of points of the grid."""
+    return math.prod(len(spread.values) for spread in spreads if isinstance(spread, Levels))
+
+
+def sample_points(
+    spreads: Sequence[Spread], sample: SampleName, count: int, seed: int, block: tuple[int, int]
+) -> Array:
+    """A block of the points of a study, the same whatever block they are asked for in.
+
+    Args:
+        spreads: How each of the P numbers is spread; of a grid they are `Levels`.
+        sample: "grid" takes every combination, the last number varying fastest; "lhs" is a Latin hypercube, "sobol" a
+            scrambled Sobol sequence (`scipy.stats.qmc`).
+        count: Number of all points.
+        seed: Of what is drawn.
+        block: The first point, and the first that is left out.
+
+    Returns:
+        Shape (V, P).
+    """
+    first, last = block
+    if sample == "grid":
+        values = [np.array(spread.values) for spread in spreads if isinstance(spread, Levels)]
+        places = np.unravel_index(np.arange(first, last), [len(levels) for levels in values])
+        return np.column_stack([levels[place] for levels, place in zip(values, places, strict=True)])
+    if sample == "lhs":
+        drawn = [_hypercube_column(count, seed, number)[first:last] for number in range(len(spreads))]
+    else:
+        drawn = list(_sobol(len(spreads), seed, first, last).T)
+    return np.column_stack([spread.at(column) for spread, column in zip(spreads, drawn, strict=True)])
+
+
+@lru_cache(maxsize=256)
+def _hypercube_column(count: int, seed: int, number: int) -> Array:
+    """One number's probabilities in a Latin hypercube, Shape (count,): one in each of `count` equal parts of [0, 1].
+
+    Columns are independent of one another by definition, so each is drawn by itself and another number changes none.
+    """
+    from scipy.stats import qmc  # noqa: PLC0415 (slow to import)
+
+    column: Array = qmc.LatinHypercube(1, rng=np.random.default_rng([seed, number])).random(count)[:, 0]
+    column.setflags(write=False)
+    return column
+
+
+def _sobol(numbers: int, seed: int, first: int, last: int) -> Array:
+    """Points of a scrambled Sobol sequence, Shape (V, P)."""
+    from scipy.stats import qmc  # noqa: PLC0415 (slow to import)
+
+    engine = qmc.Sobol(numbers, rng=np.random.default_rng(seed))
+    if first > 0:
+        engine.fast_forward(first)
+        return np.asarray(engine.random(last - first))
+    start = engine.random(min(last, 1))  # by itself: a first block that is no power of 2 would be warned of
+    return np.vstack([start, engine.random(last - 1)]) if last > 1 else np.asarray(start)

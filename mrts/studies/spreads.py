@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: MIT
+"""How a number of a study is spread: levels, a range, or a distribution."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from mrts.base.arrays import Array
+
+NEAREST_TO_CERTAIN = 2.0**-53
+"""Least distance of a probability from 0 and 1: a distribution without ends has no number there."""
+
+
+@dataclass(frozen=True)
+class Levels:
+    """Some values, one as likely as another.
+
+    Attributes:
+        values: The values, in the order in which a grid takes them.
+        between: Whether they are the steps of a range, for people.
+    """
+
+    values: tuple[float, ...]
+    between: bool = False
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Least and largest value."""
+        return min(self.values), max(self.values)
+
+    def at(self, probability: Array) -> Array:
+        """The values that probabilities from 0 to 1 stand for, of the same Shape."""
+        places = (probability * len(self.values)).astype(np.intp)
+        return np.array(self.values)[np.minimum(places, len(self.values) - 1)]
+
+    def __str__(self) -> str:
+        if self.between:
+            return f"from {self.values[0]:g} to {self.values[-1]:g} in {len(self.values)} steps"
+        return ", ".join(f"{value:g}" for value in self.values)
+
+
+@dataclass(frozen=True)
+class Range:
+    """Every value from one to another, one as likely as another.
+
+    Attributes:
+        low: Least value.
+        high: Largest value.
+    """
+
+    low: float
+    high: float
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Least and largest value."""
+        return self.low, self.high
+
+    def at(self, probability: Array) -> Array:
+        """The values that probabilities from 0 to 1 stand for, of the same Shape."""
+        return self.low + probability * (self.high - self.low)
+
+    def __str__(self) -> str:
+        return f"from {self.low:g} to {self.high:g}"
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """Values of which some are likelier than others.
+
+    Attributes:
+        kind: "normal", "lognormal" or "triangular".
+        numbers: What shapes it: mean and standard deviation; median and standard deviation of the logarithm; least,
+            likeliest and largest value.
+    """
+
+    kind: str
+    numbers: tuple[float, ...]
+
+    @property
+    def bounds(self) -> tuple[float, float] | None:
+        """Least and largest value; None where there are none."""
+        return (self.numbers[0], self.numbers[2]) if self.kind == "triangular" else None
+
+    def at(self, probability: Array) -> Array:
+        """The values that probabilities from 0 to 1 stand for, of the same Shape."""
+        from scipy.special import ndtri  # noqa: PLC0415 (slow to import, and most studies have no such number)
+
+        certain = np.clip(probability, NEAREST_TO_CERTAIN, 1 - NEAREST_TO_CERTAIN)
+        return QUANTILES[self.kind](self.numbers, certain, ndtri)
+
+    def __str__(self) -> str:
+        first, *rest = self.numbers
+        words = {
+            "normal": "around {0:g}, standard deviation {1:g}",
+            "lognormal": "around {0:g}, standard deviation {1:g} of the logarithm",
+            "triangular": "from {0:g} to {2:g}, likeliest {1:g}",
+        }
+        return f"{self.kind}, {words[self.kind].format(first, *rest)}"
+
+
+Spread = Levels | Range | Distribution
+
+
+def _normal(numbers: tuple[float, ...], p: Array, ndtri: Callable[[Array], Array]) -> Array:
+    mean, deviation = numbers
+    return mean + deviation * ndtri(p)
+
+
+def _lognormal(numbers: tuple[float, ...], p: Array, ndtri: Callable[[Array], Array]) -> Array:
+    median, deviation = numbers
+    return median * np.exp(deviation * ndtri(p))
+
+
+def _triangular(numbers: tuple[float, ...], p: Array, _ndtri: Callable[[Array], Array]) -> Array:
+    low, peak, high = numbers
+    width = high - low
+    rising = p * width < peak - low
+    up = low + np.sqrt(np.maximum(p * width * (peak - low), 0))
+    down = high - np.sqrt(np.maximum((1 - p) * width * (high - peak), 0))
+    return np.where(rising, up, down)
+
+
+QUANTILES: dict[str, Callable[[tuple[float, ...], Array, Callable[[Array], Array]], Array]] = {
+    "normal": _normal,
+    "lognormal": _lognormal,
+    "triangular": _triangular,
+}
+"""Value of each kind at a probability."""

@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: MIT
+"""A study: a cell and a motion of which numbers vary, and what is asked of each variant."""
+
+import os
+from copy import deepcopy
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any, Literal, Self
+
+import numpy as np
+import yaml
+
+from mrts.base.argument_types import as_path, check_type
+from mrts.base.arrays import Array
+from mrts.base.atomic_file import text_writer, write_atomically, write_together
+from mrts.base.errors import InputError, as_array
+from mrts.base.input_file import MAX_URDF_BYTES
+from mrts.base.regular_file import read_regular
+from mrts.kernel.cache_folder import cache_folder
+from mrts.motion.joint_table import JointTable
+from mrts.motion.object_motion import ObjectMotion
+from mrts.studies.number_paths import Keys, set_number
+from mrts.studies.sampling import SampleName, sample_points
+from mrts.studies.spreads import Spread
+
+
+@dataclass(frozen=True)
+class Target:
+    """A number that a parameter sets to offset + factor × its own value.
+
+    Attributes:
+        path: Of the number: `robots.left.base.xyz[0]`.
+        keys: The same as keys and indices, from "cell" or "motion" inward.
+        unit: Of the number; empty if it has none.
+        factor: Of the parameter's value.
+        offset: Added to it.
+        whole: Whether it is a whole number.
+    """
+
+    path: str
+    keys: Keys
+    unit: str
+    factor: float = 1.0
+    offset: float = 0.0
+    whole: bool = False
+
+    def value(self, at: float) -> float | int:
+        """The number where the parameter has a value."""
+        number = self.offset + self.factor * at
+        return round(number) if self.whole else number
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What a study varies: one number, or several that move together.
+
+    Attributes:
+        path: Of the number, or the name of the knob that moves several; heads its column in the table.
+        unit: Empty if it has none.
+        spread: How it is spread.
+        targets: The numbers that it sets.
+    """
+
+    path: str
+    unit: str
+    spread: Spread
+    targets: tuple[Target, ...]
+
+    def __str__(self) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        numbers = f" ({', '.join(target.path for target in self.targets)})" if len(self.targets) > 1 else ""
+        return f"{self.path}{numbers}: {self.spread}{unit}"
+
+
+@dataclass(frozen=True)
+class StudyQuestion:
+    """What is asked of each variant.
+
+    Attributes:
+        profile: "constant" asks for the range of c², "optimal" for the fastest timing too.
+        load: The question of an uncertain load, as in `mrts.scale`.
+        torques: Whether energy and root mean square torques are wanted.
+        reserve: Share of every limit that is kept free; None is the cell's own.
+        between: Share of a limit by which it may be overstepped between the samples; None looks at the samples alone.
+    """
+
+    profile: Literal["constant", "optimal"] = "constant"
+    load: str = "auto"
+    torques: bool = False
+    reserve: float | None = None
+    between: float | None = None
+
+
+@dataclass(frozen=True)
+class UrdfText:
+    """The URDF of a robot, so that a study can be solved where its files are not.
+
+    Attributes:
+        reference: As the cell file gives it.
+        path: Where it was read.
+        content: Its bytes.
+    """
+
+    reference: str
+    path: str
+    content: bytes
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Study:
+    """Many variants of one cell and one motion. It pickles with all that a worker needs; equal studies ask the same.
+
+    Attributes:
+        path: The study file.
+        folder: That the cell's URDFs are relative to.
+        parameters: What varies, P of them.
+        sample: "grid", "lhs" or "sobol".
+        variants: Number of variants.
+        seed: Of what is drawn.
+        question: What is asked of each variant.
+        cell: Keys and values of the cell file, with those that are varied.
+        motion: Keys and values of the motion file, likewise; a table's are where it is.
+        table: The motion, where it is a table: no number of it varies.
+        urdfs: The robots' URDFs, in the order of the cell file.
+        joints: Names of each robot's joints, base to tip, by robot.
+        digest: Hash of all that the answers depend on.
+    """
+
+    path: Path
+    folder: Path
+    parameters: tuple[Parameter, ...]
+    sample: SampleName
+    variants: int
+    seed: int
+    question: StudyQuestion
+    cell: dict[str, Any]
+    motion: dict[str, Any]
+    table: ObjectMotion | JointTable | None
+    urdfs: tuple[UrdfText, ...]
+    joints: dict[str, tuple[str, ...]]
+    digest: str
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Study) and other.digest == self.digest
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    def __repr__(self) -> str:
+        varied = ", ".join(parameter.path for parameter in self.parameters)
+        return f"<Study of cell '{self.cell['name']}': {self.variants} variants ({self.sample}) of {varied}>"
+
+    def points(self, first: int, last: int) -> Array:
+        """Values of the parameters of some variants, the same whatever block they are asked for in.
+
+        Args:
+            first: The first variant.
+            last: The first that is left out.
+
+        Returns:
+            Shape (V, P), in the units of the parameters.
+
+        Raises:
+            InputError: If there are no such variants.
+        """
+        check_type("first", first, int)
+        check_type("last", last, int)
+        if not 0 <= first <= last <= self.variants:
+            rule = f"must be a block of the variants 0 to {self.variants}, the first one and the first left out."
+            raise InputError("first, last", rule, value=(first, last))
+        spreads = [parameter.spread for parameter in self.parameters]
+        if first == last:
+            return np.empty((0, len(spreads)))
+        return sample_points(spreads, self.sample, self.variants, self.seed, (first, last))
+
+    def descriptions(self, point: Array) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Keys and values of the cell file and the motion file of one variant.
+
+        Args:
+            point: Values of the parameters, Shape (P,).
+
+        Raises:
+            InputError: If they are something else.
+        """
+        values = as_array("point", point)
+        if values.shape != (len(self.parameters),) or not np.all(np.isfinite(values)):
+            rule = f"must be a finite number for each of {', '.join(each.path for each in self.parameters)}."
+            raise InputError("point", rule, value=point)
+        files = {"cell": deepcopy(self.cell), "motion": deepcopy(self.motion)}
+        for parameter, value in zip(self.parameters, values.tolist(), strict=True):
+            for target in parameter.targets:
+                set_number(files, target.keys, target.value(value))
+        return files["cell"], files["motion"]
+
+    def at_hand(self) -> Self:
+        """The same study with URDFs that are where it says, with the content that it was read with.
+
+        It is itself where they still are; elsewhere, or where one has changed, they are written into the user's cache.
+        """
+        if all(_holds(Path(urdf.path), urdf.content) for urdf in self.urdfs):
+            return self
+        folder = cache_folder("studies", self.digest)
+        cell = deepcopy(self.cell)
+        for index, (robot, urdf) in enumerate(zip(cell["robots"], self.urdfs, strict=True)):
+            robot["urdf"] = f"{index}.urdf"
+            if not _holds(folder / robot["urdf"], urdf.content):
+                write_atomically(folder / robot["urdf"], partial(_write_bytes, content=urdf.content), private=True)
+        return replace(self, folder=folder, cell=cell)
+
+    def write_variant(self, index: int, folder: Path | str) -> tuple[Path, Path]:
+        """Write one variant as files that `mrts scale` reads: cell.yaml and motion.yaml.
+
+        Args:
+            index: The variant, from 0.
+            folder: For the files; made if it is missing. Comments of the study's own files are not in them.
+
+        Returns:
+            The cell file and the motion file.
+
+        Raises:
+            InputError: If there is no such variant or the folder cannot be written.
+        """
+        check_type("index", index, int)
+        if not 0 <= index < self.variants:
+            raise InputError("index", f"must be a variant, from 0 to {self.variants - 1}.", value=index)
+        folder = as_path("folder", folder)
+        cell, motion = self.descriptions(self.points(index, index + 1)[0])
+        for robot, urdf in zip(cell["robots"], self.urdfs, strict=True):
+            if not urdf.reference.startswith("package://"):
+                robot["urdf"] = _reference(Path(urdf.path), folder)
+        for key in ("file", "joints"):
+            if key in motion:
+                motion[key] = _reference(Path(motion[key]), folder)
+        paths = folder / "cell.yaml", folder / "motion.yaml"
+        heading = f"# Variant {index} of {self.path.name}\n"
+        texts = [heading + as_yaml(keys) for keys in (cell, motion)]
+        write_together({path: text_writer(text) for path, text in zip(paths, texts, strict=True)})
+        return paths
+
+
+def _write_bytes(path: Path, content: bytes) -> None:
+    path.write_bytes(content)
+
+
+def _holds(path: Path, content: bytes) -> bool:
+    """Whether a file is there with a content."""
+    try:
+        return read_regular(path, "URDF", MAX_URDF_BYTES) == content
+    except InputError:
+        return False
+
+
+def _reference(file: Path, folder: Path) -> str:
+    """The path of a file as one in a folder gives it."""
+    try:
+        return Path(os.path.relpath(file, folder.resolve())).as_posix()
+    except ValueError:  # another drive, or no path at all, which writing refuses
+        return str(file)
+
+
+def as_yaml(keys: dict[str, Any]) -> str:
+    """Keys and values of a cell file or a motion file as its text."""
+    return yaml.safe_dump(keys, sort_keys=False, default_flow_style=None, allow_unicode=True, width=120)

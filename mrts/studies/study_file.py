@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: MIT
+"""The study file: which numbers of a cell file and a motion file vary, how, and what is asked of each variant."""
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from mrts.base.argument_types import as_path
+from mrts.base.errors import InputError
+from mrts.base.input_file import MAX_URDF_BYTES, Positive, StrictModel, read_model
+from mrts.base.regular_file import read_regular
+from mrts.base.version import __version__
+from mrts.cell.cell import Cell, load_cell
+from mrts.cell.generation import urdf_files
+from mrts.motion.joint_table import JointTable
+from mrts.motion.motion_file import load_motion
+from mrts.motion.object_motion import ObjectMotion
+from mrts.motion.ros_messages import is_bag
+from mrts.studies.addressable import filled_cell, filled_motion, given_keys, is_path_of_poses
+from mrts.studies.knobs import read_parameters
+from mrts.studies.sampling import MOST_HYPERCUBE_NUMBERS, MOST_VARIANTS, SampleName, grid_size
+from mrts.studies.study import Parameter, Study, StudyQuestion, UrdfText
+
+MAX_BAG_FILE_BYTES = 10**10
+"""Of one file of a ROS 2 bag; as large as its reader can bear."""
+
+
+class StudyDescription(StrictModel):
+    """A validated study file; see docs/study_file.md.
+
+    Attributes:
+        cell: Cell file, relative to the study file.
+        motion: Motion file, table or bag, likewise.
+        profile: "constant" asks for the range of c², "optimal" for the fastest timing too.
+        load: The question of an uncertain load.
+        torques: Whether energy and root mean square torques are wanted.
+        reserve: Share of every limit that is kept free.
+        between: Share of a limit by which it may be overstepped between the samples; None looks at the samples alone.
+        vary: What varies: a path to a number or a name of a knob, and how; `KnobDescription` or a list of values.
+        sample: How points are chosen.
+        count: How many are drawn; a grid has as many as it has.
+        seed: Of what is drawn.
+    """
+
+    cell: Annotated[str, Field(min_length=1)]
+    motion: Annotated[str, Field(min_length=1)]
+    profile: Literal["constant", "optimal"] = "constant"
+    load: Annotated[str, Field(pattern=r"^(auto|nominal|guaranteed|possible|grid(:[0-9]{1,9})?)$")] = "auto"
+    torques: bool = False
+    reserve: Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)] | None = None
+    between: Positive | None = None
+    vary: dict[str, Any]
+    sample: SampleName = "grid"
+    count: Annotated[int, Field(ge=1, le=MOST_VARIANTS)] | None = None
+    seed: Annotated[int, Field(ge=0, le=2**32 - 1)] | None = None
+
+
+def read_study(path: Path | str) -> Study:
+    """Read a study: the study file, and the cell file, the URDFs and the motion that it names.
+
+    Args:
+        path: The study file.
+
+    Raises:
+        InputError: If one of them breaks a rule, or the study varies what is not there.
+        CompilerError: If the compiler fails.
+    """
+    path = as_path("path", path)
+    described = read_model(path, StudyDescription, "study file")
+    cell_path, motion_path = (path.parent / name for name in (described.cell, described.motion))
+    if cell_path.is_dir():
+        raise InputError(path, "must be a cell file: a study varies its numbers.", key="cell", value=described.cell)
+    cell = load_cell(cell_path)
+    motion = load_motion(motion_path)
+    _check_question(path, described, cell)
+    given = {"cell": given_keys(cell_path, "cell file"), "motion": _given_motion(motion_path, motion)}
+    poses = is_path_of_poses(given["motion"])
+    filled = {
+        "cell": filled_cell(cell_path, given["cell"], cell),
+        "motion": filled_motion(given["motion"]) if poses else {},
+    }
+    parameters = read_parameters(path, described.vary, described.sample, given, filled, cell)
+    urdfs = tuple(
+        UrdfText(robot["urdf"], str(file.absolute()), read_regular(file, "URDF", MAX_URDF_BYTES))
+        for robot, (file, _) in zip(given["cell"]["robots"], urdf_files(cell_path).values(), strict=True)
+    )
+    question = StudyQuestion(described.profile, described.load, described.torques, described.reserve, described.between)
+    variants, seed = _variants(path, described, parameters), described.seed or 0
+    asked = [__version__, repr((parameters, described.sample, variants, seed, question)), json.dumps(given["cell"])]
+    tables = [] if poses else _table_files(given["motion"])
+    asked += [json.dumps(given["motion"])] if poses else [json.dumps(given["motion"].get("samples"))]
+    return Study(
+        path=path.absolute(),
+        folder=cell_path.resolve().parent,
+        parameters=parameters,
+        sample=described.sample,
+        variants=variants,
+        seed=seed,
+        question=question,
+        cell=given["cell"],
+        motion=given["motion"],
+        table=None if poses else motion,
+        urdfs=urdfs,
+        joints={robot.name: robot.joints for robot in cell.robots},
+        digest=_digest(asked, [*(urdf.content for urdf in urdfs), *tables]),
+    )
+
+
+def _given_motion(path: Path, motion: ObjectMotion | JointTable) -> dict[str, Any]:
+    """Keys and values of a motion file; of a table or a bag by itself those of a motion file that names it."""
+    if is_bag(path) or path.suffix.lower() == ".csv":
+        return {"joints" if isinstance(motion, JointTable) else "file": str(path.absolute())}
+    given = given_keys(path, "motion file")
+    tables = {key: str((path.parent / given[key]).absolute()) for key in ("file", "joints") if key in given}
+    return given | tables
+
+
+def _table_files(motion: dict[str, Any]) -> list[bytes]:
+    """Content of the table or of all files of the bag that a motion is given by."""
+    named = Path(motion.get("file") or motion["joints"])
+    files = sorted(each for each in named.rglob("*") if each.is_file()) if named.is_dir() else [named]
+    return [read_regular(file, "table of motion", MAX_BAG_FILE_BYTES) for file in files]
+
+
+def _digest(texts: list[str], contents: list[bytes]) -> str:
+    digest = hashlib.sha256()
+    for part in [*(text.encode() for text in texts), *contents]:
+        digest.update(hashlib.sha256(part).digest())
+    return digest.hexdigest()
+
+
+def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None:
+    """What is asked fits together, and fits the cell."""
+    load = described.load
+    if load not in {"auto", "nominal"} and cell.load_box is None:
+        rule = "the object's load is known: the cell file gives no 'variation'. Ask for nominal, or leave this key out."
+        raise InputError(path, rule, key="load", value=load)
+    if load == "possible" and described.torques:
+        rule = "what is possible leaves open which load it is, so there are no torques. Leave one of the two out."
+        raise InputError(path, rule, key="torques", value=True)
+    if described.profile == "optimal" and load not in {"auto", "nominal", "guaranteed"}:
+        rule = "must be guaranteed or nominal where the speed varies (profile: optimal)."
+        raise InputError(path, rule, key="load", value=load)
+
+
+def _variants(path: Path, described: StudyDescription, parameters: tuple[Parameter, ...]) -> int:
+    """Number of variants."""
+    if described.sample == "grid":
+        for key, value in (("count", described.count), ("seed", described.seed)):
+            if value is not None:
+                rule = "a grid takes every combination, so nothing is drawn. Leave this out, or take sample: sobol."
+                raise InputError(path, rule, key=key, value=value)
+        size = grid_size([parameter.spread for parameter in parameters])
+        if size > MOST_VARIANTS:
+            rule = (
+                f"this grid has {size} variants, at most {MOST_VARIANTS} are allowed. Take fewer steps, or a sample: "
+            )
+            raise InputError(path, rule + "sobol or lhs with a count.", key="vary")
+        return size
+    if described.count is None:
+        rule = f"this key is required with sample: {described.sample}: how many variants are drawn, such as 1024."
+        raise InputError(path, rule, key="count")
+    if described.sample == "lhs" and described.count * len(parameters) > MOST_HYPERCUBE_NUMBERS:
+        rule = (
+            f"a Latin hypercube is drawn as a whole, at most {MOST_HYPERCUBE_NUMBERS} numbers; this one has "
+            f"{described.count} times {len(parameters)}. Take sample: sobol, which has no such bound."
+        )
+        raise InputError(path, rule, key="count", value=described.count)
+    return described.count

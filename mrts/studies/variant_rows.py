@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: MIT
+"""The answers of a study: one row a variant, whatever becomes of it."""
+
+import math
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mrts.base.argument_types import check_type
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError, MotionError, MrtsError
+from mrts.cell.cell import Cell, load_cell
+from mrts.coordination.coordinate import coordinate
+from mrts.limits.rows import ActiveRow
+from mrts.motion.joint_table import JointTable
+from mrts.motion.motion_file import MotionDescription, sample_motion
+from mrts.motion.object_motion import ObjectMotion
+from mrts.retiming.result import RetimingStatus
+from mrts.retiming.retime import retime
+from mrts.samples.range_status import RangeStatus
+from mrts.scaling.range import RangeEnd, ScalingRange
+from mrts.scaling.result import DistributionRule, ScalingResult
+from mrts.scaling.scale import SelectionError, admissible_range, load_question, scale
+from mrts.solvers import DEFAULT_SOLVER
+from mrts.studies.study import Study, as_yaml
+
+UNREACHABLE, INVALID, FAILED = "unreachable", "invalid", "failed"
+"""Statuses of a variant beside those of a range: the arms cannot follow, its numbers break a rule, a solver stopped."""
+
+Row = dict[str, Any]
+Columns = dict[str, Any]
+"""A column by name: an array of numbers, or a list with None where there is nothing."""
+
+
+def column_types(study: Study) -> dict[str, str]:
+    """Names and types ("int64", "float64", "string") of the columns of a study's table, in order.
+
+    Args:
+        study: The study.
+    """
+    types = {"variant": "int64"} | {parameter.path: "float64" for parameter in study.parameters}
+    types |= {"status": "string", "reason": "string", "c2_lower": "float64", "c2_upper": "float64"}
+    types |= {"lower_limit": "string", "upper_limit": "string", "duration": "float64"}
+    return types | dict.fromkeys(_torque_columns(study), "float64")
+
+
+def solve_variants(study: Study, first: int, last: int) -> Columns:
+    """The rows of some variants of a study.
+
+    Args:
+        study: The study.
+        first: The first variant.
+        last: The first that is left out.
+
+    Returns:
+        By column (`column_types`), one entry a variant. A variant that cannot be solved has a status and a reason.
+
+    Raises:
+        InputError: If there are no such variants.
+    """
+    check_type("study", study, Study)
+    points = study.points(first, last)
+    return solve_one_by_one(study, points, first)
+
+
+def solve_one_by_one(study: Study, points: Array, first: int) -> Columns:
+    """The rows of variants, each solved as `mrts.scale` solves its files.
+
+    Args:
+        study: The study.
+        points: Values of its parameters, Shape (V, P).
+        first: Number of the first of them.
+    """
+    study = study.at_hand()
+    rows = [_solved(study, point) for point in points]
+    columns: Columns = {"variant": np.arange(first, first + len(points))}
+    columns |= {parameter.path: points[:, place] for place, parameter in enumerate(study.parameters)}
+    return columns | {name: [row.get(name) for row in rows] for name in column_types(study) if name not in columns}
+
+
+def limit_text(rows: Sequence[ActiveRow], time: float, load: object = None) -> str:
+    """What binds at an end of the range, as the tables of studies have it: "right/elbow torque upper at t = 0.31 s".
+
+    Args:
+        rows: Rows that bind.
+        time: When [s].
+        load: The load that sets it, if the load is uncertain.
+    """
+    of_load = "" if load is None else f" with {load}"
+    return f"{', '.join(map(str, rows))} at t = {time:.4g} s{of_load}"
+
+
+def range_row(found: ScalingRange, given_duration: float) -> Row:
+    """What a range says of a variant.
+
+    Args:
+        found: The range.
+        given_duration: Of the motion as it is given [s].
+    """
+    row: Row = {"status": found.status.value}
+    if found.status is not RangeStatus.FEASIBLE:
+        row["reason"] = found.explain() or found.status.advice
+    if not found.status.admits_motion or found.lower is None or found.upper is None:
+        return row
+    row["c2_lower"] = found.lower.c2
+    row["lower_limit"] = _limit(found.lower) if found.lower.c2 > 0 else None
+    if found.upper.time is not None:
+        row["c2_upper"] = found.upper.c2
+        row["upper_limit"] = _limit(found.upper)
+        row["duration"] = given_duration / math.sqrt(found.upper.c2) if found.upper.c2 > 0 else None
+    return row
+
+
+def _limit(end: RangeEnd) -> str | None:
+    return None if end.time is None else limit_text(end.rows, end.time, end.load)
+
+
+def _solved(study: Study, point: Array) -> Row:
+    """The row of one variant, without its number and its parameters."""
+    try:
+        keys, motion_keys = study.descriptions(point)
+        cell = _cell(keys, study.folder)
+        motion = study.table if study.table is not None else sample_motion(MotionDescription(**motion_keys))
+        return _answer(study, cell, motion)
+    except InputError as error:
+        return {"status": INVALID, "reason": str(error)}
+    except MotionError as error:
+        return {"status": UNREACHABLE, "reason": str(error)}
+    except MrtsError as error:
+        return {"status": FAILED, "reason": str(error)}
+    except Exception as error:  # noqa: BLE001 (a defect in one variant must not take the others with it)
+        return {"status": FAILED, "reason": f"{type(error).__name__}: {error}"}
+
+
+def _cell(keys: dict[str, Any], folder: Path) -> Cell:
+    keys = keys | {"robots": [robot | {"urdf": str(folder / robot["urdf"])} for robot in keys["robots"]]}
+    with tempfile.TemporaryDirectory() as temporary:
+        path = Path(temporary) / "cell.yaml"
+        path.write_text(as_yaml(keys), encoding="utf-8")
+        return load_cell(path)
+
+
+def _answer(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
+    """What is asked of one variant."""
+    question = study.question
+    if question.profile == "optimal":
+        return _retimed(study, cell, motion)
+    if question.torques:
+        return _scaled(study, cell, motion)
+    cell = cell if question.reserve is None else cell.with_reserve(question.reserve)
+    asked = load_question(cell, question.load, "auto")
+    path = coordinate(cell, motion, None)
+    found = admissible_range(cell, path, asked, DistributionRule(), DEFAULT_SOLVER, question.between)
+    return range_row(found.range, float(path.object.time[-1]))
+
+
+def _scaled(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
+    """The row of a variant whose torques are wanted."""
+    question = study.question
+    try:
+        result = scale(cell, motion, load=question.load, reserve=question.reserve, between=question.between)
+    except SelectionError as error:
+        if error.result is None:
+            raise
+        return _row(error.result) | {"reason": str(error)}
+    return _row(result) | _torques(study, result)
+
+
+def _retimed(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
+    """The row of a variant whose fastest timing is wanted: the range is that of a constant factor."""
+    question = study.question
+    found = retime(cell, motion, load=question.load, reserve=question.reserve, between=question.between)
+    row = _row(found.constant) | {"duration": found.duration, "status": RangeStatus.FEASIBLE.value, "reason": None}
+    if found.status.admits_motion:
+        return row | ({} if found.retimed is None else _torques(study, found.retimed))
+    unbounded = found.status is RetimingStatus.UNBOUNDED
+    status = RangeStatus.UNBOUNDED if unbounded else RangeStatus.INFEASIBLE
+    return row | {"status": status.value, "reason": found.explanation or found.status.value}
+
+
+def _row(result: ScalingResult) -> Row:
+    return range_row(result.range, float(result.motion.object.time[-1]))
+
+
+def _torques(study: Study, result: ScalingResult) -> Row:
+    """Energy and root mean square torques, where they are wanted and there is a fastest speed."""
+    done = result.trajectory
+    if not study.question.torques or done is None or result.status is not RangeStatus.FEASIBLE:
+        return {}
+    rms = [value for duty in done.duty.values() for value in duty.rms_torque.tolist()]
+    return dict(zip(_torque_columns(study), [done.energy, *rms], strict=True))
+
+
+def _torque_columns(study: Study) -> list[str]:
+    """Names of the columns of torques; none unless they are wanted."""
+    if not study.question.torques:
+        return []
+    rms = [f"rms.{robot}.{joint}" for robot, joints in study.joints.items() for joint in joints]
+    return ["energy", *rms]

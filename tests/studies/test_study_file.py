@@ -1,0 +1,187 @@
+"""The study file: what it may say, and what is said of a wrong one."""
+
+import pickle
+import shutil
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA, ROOT
+from study_files import planar_study
+
+import mrts
+from mrts.studies.spreads import Distribution, Levels, Range
+
+UR5 = DATA.parent / "dual_ur5"
+
+BASE = "vary: {object.mass: [1, 2]}"
+
+WRONG = yaml.safe_load((ROOT / "tests" / "cases" / "wrong_studies.yaml").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_study_is_refused_by_file_key_value_and_rule(name, tmp_path):
+    with pytest.raises(mrts.InputError) as raised:
+        planar_study(tmp_path, WRONG[name]["file"])
+    assert str(raised.value).startswith(str(tmp_path / "study.yaml"))
+    assert WRONG[name]["says"] in str(raised.value)
+
+
+def test_files_that_are_not_there_are_named(tmp_path):
+    for wrong, message in (({"cell": "cel.yaml"}, "cel.yaml: there is no such cell file"),
+                           ({"motion": "lif.yaml"}, "lif.yaml: there is no such motion file"),
+                           ({"cell": tmp_path}, "must be a cell file: a study varies its numbers")):  # fmt: skip
+        with pytest.raises(mrts.InputError, match=message):
+            planar_study(tmp_path, BASE, **wrong)
+
+
+def test_questions_that_do_not_go_together_are_refused(tmp_path):
+    uncertain = tmp_path / "cell.yaml"
+    keys = yaml.safe_load((DATA / "cell.yaml").read_text(encoding="utf-8"))
+    keys["object"]["variation"] = {"mass": [0.5, 2]}
+    for robot in keys["robots"]:
+        robot["urdf"] = str(DATA / robot["urdf"])
+    uncertain.write_text(yaml.safe_dump(keys), encoding="utf-8")
+    for text, message in (("load: possible\ntorques: true", "there are no torques"),
+                          ("load: grid:5\nprofile: optimal", "where the speed varies")):  # fmt: skip
+        with pytest.raises(mrts.InputError, match=message):
+            planar_study(tmp_path, f"{BASE}\n{text}", cell=uncertain)
+    study = planar_study(tmp_path, "vary:\n  object.variation.mass[1]: [1.5, 3]", cell=uncertain)
+    assert [target.path for target in study.parameters[0].targets] == ["object.variation.mass[1]"]
+
+
+def test_paths_lead_to_what_the_files_leave_out(tmp_path):
+    study = planar_study(
+        tmp_path,
+        """
+vary:
+  robots.left.base.rpy[2]: [0.1]
+  robots[1].wrench.upper[1]: [90]
+  robots.right.motors.armature[2]: [0.4]
+  robots.right.motors.friction.viscous[0]: [0.3]
+  robots.left.motors.jerk: [800]
+  robots.left.contact_rate[1]: [40]
+  object.velocity.linear: [2]
+  start.rpy[2]: [0.05]
+  samples: [31]
+  object.inertia[1]: [0.1999]
+  gravity[1]: [-9]
+""",
+    )
+    assert [(each.path, each.unit) for each in study.parameters] == [
+        ("robots.left.base.rpy[2]", "rad"), ("robots.right.wrench.upper[1]", "N"),
+        ("robots.right.motors.armature[2]", "kg m²"), ("robots.right.motors.friction.viscous[0]", "N m s/rad"),
+        ("robots.left.motors.jerk", "rad/s³"), ("robots.left.contact_rate[1]", "N m/s"),
+        ("object.velocity.linear", "m/s"), ("motion.start.rpy[2]", "rad"), ("motion.samples", ""),
+        ("object.inertia[1]", "kg m²"), ("gravity[1]", "m/s²"),
+    ]  # fmt: skip
+    folder = tmp_path / "variant"
+    cell, motion = (path(file) for path, file in zip((mrts.load_cell, mrts.load_motion), study.write_variant(0, folder),
+                                                     strict=True))  # fmt: skip
+    left, right = cell.robots
+    np.testing.assert_allclose(left.T_world_base.R[0, :2], [np.cos(0.1), -np.sin(0.1)], atol=1e-15)
+    assert right.wrench_upper.tolist() == [2, 90, 1]
+    assert right.motors.armature.tolist() == [0, 0, 0.4]
+    assert right.motors.viscous.tolist() == [0.3, 0, 0]
+    assert left.motors.jerk.tolist() == [800] * 3
+    assert left.contact_rate.tolist() == [np.inf, np.inf, 40]
+    assert cell.object_velocity_limit.tolist() == [2, np.inf]
+    assert len(motion.time) == 31
+    assert (cell.inertia[1, 1], cell.gravity[1]) == (0.1999, -9)
+
+
+def test_torques_of_the_urdf_are_there_to_be_scaled(tmp_path):
+    """The shipped cell gives no torque limits of its own."""
+    path = tmp_path / "study.yaml"
+    scales = "vary: {strength: {scales: [robots.left.torque, robots.right.torque], values: [1, 0.5]}}"
+    path.write_text(f"cell: {UR5 / 'cell.yaml'}\nmotion: {UR5 / 'lift_and_turn.yaml'}\n{scales}\n", encoding="utf-8")
+    study = mrts.read_study(path)
+    assert study.parameters[0].unit == ""
+    cells = [mrts.load_cell(study.write_variant(index, tmp_path / str(index))[0]) for index in (0, 1)]
+    for whole, half in zip(*(cell.robots for cell in cells), strict=True):
+        assert whole.torque_upper.tolist() == [150, 150, 150, 28, 28, 28]
+        np.testing.assert_array_equal(half.torque_upper, whole.torque_upper / 2)
+        np.testing.assert_array_equal(half.torque_lower, whole.torque_lower / 2)
+
+
+def test_a_knob_sets_shifts_and_scales(tmp_path):
+    study = planar_study(
+        tmp_path,
+        """
+vary:
+  apart:
+    sets:
+      robots.left.base.xyz[0]: -1
+      robots.right.base.xyz[0]: {factor: 1, offset: 2.5}
+    values: [0.25]
+  lift:
+    shifts: [motion.start.xyz, motion.end]
+    values: [0.5]
+  light:
+    scales: [object.mass, object.inertia]
+    values: [0.5]
+""",
+    )
+    cell, motion = study.descriptions(study.points(0, 1)[0])
+    assert [robot["base"]["xyz"] for robot in cell["robots"]] == [[-0.25, 0, 0], [2.75, 0, 0]]
+    assert (motion["start"]["xyz"], motion["end"]["xyz"]) == ([1.75, 1.5, 0.5], [1.75, 2.0, 0.5])
+    assert motion["end"]["rpy"] == [0.5, 0.5, 0.5]
+    assert cell["object"] == {"mass": 0.25, "inertia": [0.00025, 0.1, 0.1]}
+    assert [each.unit for each in study.parameters] == ["m", "", ""]  # an end is a place and a rotation
+
+
+def test_spreads_are_those_of_the_file(tmp_path):
+    vary = """
+vary:
+  object.mass: {normal: {mean: 0.5, std: 0.01}}
+  motion.duration: {lognormal: {median: 0.5, log_std: 0.1}}
+  gravity[1]: {triangular: {from: -10, peak: -9.8, to: -9}}
+  robots.left.posture[0]: {uniform: {from: 2, to: 2.2}}
+  robots.left.torque[0]: [90, 100]
+sample: sobol
+count: 8
+"""
+    assert [each.spread for each in planar_study(tmp_path, vary).parameters] == [
+        Distribution("normal", (0.5, 0.01)), Distribution("lognormal", (0.5, 0.1)),
+        Distribution("triangular", (-10, -9.8, -9)), Range(2.0, 2.2), Levels((90.0, 100.0)),
+    ]  # fmt: skip
+
+
+def test_the_digest_is_of_all_that_answers_depend_on_and_of_nothing_else(tmp_path):
+    cell = tmp_path / "cell.yaml"
+    urdf = tmp_path / "planar_arm.urdf"
+    shutil.copy(DATA / "cell.yaml", cell)
+    shutil.copy(DATA / "planar_arm.urdf", urdf)
+    digests = [planar_study(tmp_path, text, cell=cell).digest for text in (BASE, f"# a comment\n{BASE}")]
+    assert digests[0] == digests[1]
+    others = ("vary: {object.mass: [1, 3]}", f"{BASE}\ntorques: true", f"{BASE}\nbetween: 0.001")
+    digests += [planar_study(tmp_path, text, cell=cell).digest for text in others]
+    digests.append(planar_study(tmp_path, BASE, cell=cell, motion=DATA / "fast_lift.yaml").digest)
+    cell.write_text(cell.read_text(encoding="utf-8").replace("100, 80, 50", "100, 80, 51"), encoding="utf-8")
+    digests.append(planar_study(tmp_path, BASE, cell=cell).digest)
+    urdf.write_text(urdf.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    digests.append(planar_study(tmp_path, BASE, cell=cell).digest)
+    assert len({*digests}) == len(digests) - 1
+
+
+def test_a_study_pickles_small_and_equal():
+    study = mrts.read_study(UR5 / "study.yaml")
+    text = pickle.dumps(study)
+    again = pickle.loads(text)  # noqa: S301 (our own)
+    assert again == study
+    assert again.digest == study.digest
+    assert len(text) < 20_000
+    np.testing.assert_array_equal(again.points(5, 9), study.points(5, 9))
+
+
+def test_a_study_goes_where_its_files_are_not(tmp_path, private_cache):
+    shutil.copy(DATA / "cell.yaml", tmp_path)
+    shutil.copy(DATA / "planar_arm.urdf", tmp_path)
+    study = planar_study(tmp_path, BASE, cell=tmp_path / "cell.yaml")
+    assert study.at_hand() is study
+    (tmp_path / "planar_arm.urdf").write_text("<robot/>", encoding="utf-8")
+    moved = study.at_hand()
+    assert moved == study
+    assert moved.folder.is_relative_to(private_cache)
+    for robot in moved.cell["robots"]:
+        assert (moved.folder / robot["urdf"]).read_bytes() == (DATA / "planar_arm.urdf").read_bytes()
