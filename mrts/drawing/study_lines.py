@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.drawing.study_map import weights
+from mrts.drawing.study_map import duration_ends, weights
 from mrts.drawing.study_table import Index, StudyTable
 from mrts.drawing.study_words import best_part
 
@@ -15,9 +15,6 @@ MOST_AXES = 10
 
 MOST_LINES = 200
 """Of the best, of the others, and of those without a duration, each."""
-
-NEARLY_ALL = 0.95
-"""Share of the durations that the axis of durations spans; longer ones stand at its end."""
 
 NO_DURATION = 1.12
 """Where variants without a duration meet the last axis; the longest shown is at 1."""
@@ -71,8 +68,7 @@ def parallel_axes(table: StudyTable) -> ParallelAxes:
         table: The study, with at least one variant.
     """
     knobs = tuple(sorted(weight.knob for weight in weights(table)[:MOST_AXES]))
-    durations = table.duration[table.ranked]
-    ends = (durations[0], np.quantile(durations, NEARLY_ALL)) if len(durations) else (0.0, 1.0)
+    ends = duration_ends(table) if len(table.ranked) else (0.0, 1.0)
     shown = table.values[:, knobs]
     first = len(best_part(table))
     groups = (
@@ -96,4 +92,4 @@ def _some(rows: Index) -> Index:
     """All, or an even choice with the first."""
     if len(rows) <= MOST_LINES:
         return rows
-    return rows[np.linspace(0, len(rows) - 1, MOST_LINES).round().astype(int)]
+    return np.asarray(rows[np.linspace(0, len(rows) - 1, MOST_LINES).round().astype(int)])

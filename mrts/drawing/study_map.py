@@ -1,12 +1,21 @@
 # SPDX-License-Identifier: MIT
 """The variants of a study laid out over one or two of its numbers, and how much each number matters."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.drawing.colours import COLOURS
 from mrts.drawing.study_table import Index, StudyTable
+
+LIMIT_COLOURS = (*COLOURS[:6], "#999999")
+"""Of the limits that bind on a map; rarer ones share the last."""
+
+NEARLY_ALL = 0.95
+"""Share of the durations that colours and axes tell apart; longer ones look like the longest of these."""
 
 MOST_VALUES = 120
 """Different values of a number that are shown one by one; of more, neighbours share a cell."""
@@ -20,6 +29,9 @@ VARIANTS_A_CELL = 6
 
 GROUPS = 20
 """Into which the values of a number are sorted to see how much it explains."""
+
+MOST_WEIGHED = 100_000
+"""Variants by which it is told how much a number explains: more do not change a per cent of it."""
 
 OUTERMOST = 0.02
 """Share of a number's range, at either end, in which a value counts as at the end."""
@@ -82,13 +94,17 @@ class StudyMap:
         return all(cells.exact for cells in self.axes)
 
 
-def study_map(table: StudyTable, knobs: tuple[int, ...]) -> StudyMap:
-    """Lay out a study.
+def study_map(table: StudyTable, over: Sequence[str] = ()) -> StudyMap:
+    """Lay out a study over one or two of its numbers.
 
     Args:
-        table: The study, with at least one variant.
-        knobs: Indices of one or two of its numbers.
+        table: The study, with at least one variant and one number.
+        over: Their paths; without any, all, or the two that matter most.
+
+    Raises:
+        InputError: If the study does not vary them.
     """
+    knobs = _knobs(table, over)
     different = [np.unique(table.values[:, knob]) for knob in knobs]
     counts = [len(values) for values in different]
     whole = max(counts) <= MOST_VALUES and np.prod(counts) <= MOST_EMPTY * table.variants
@@ -107,6 +123,16 @@ def study_map(table: StudyTable, knobs: tuple[int, ...]) -> StudyMap:
     became = became.reshape(-1, kinds)
     outcome = np.where((best < 0) & (np.sum(became, axis=1) > 0), np.argmax(became, axis=1), -1)
     return StudyMap(axes, best.reshape(shape), outcome.reshape(shape), len(table.knobs) - len(knobs))
+
+
+def _knobs(table: StudyTable, over: Sequence[str]) -> list[int]:
+    """Indices of numbers."""
+    if not over:
+        return sorted(weight.knob for weight in weights(table)[:2])
+    paths = [knob.path for knob in table.knobs]
+    if len(over) > 2 or len(set(over)) < len(over) or not set(over) <= set(paths):  # noqa: PLR2004 (of a picture)
+        raise InputError("over", f"must be one or two of what the study varies: {', '.join(paths)}.", value=list(over))
+    return [paths.index(path) for path in over]
 
 
 def _cells(column: Array, knob: int, values: Array, most: int) -> Cells:
@@ -146,21 +172,24 @@ class Weight:
 def weights(table: StudyTable) -> list[Weight]:
     """How much each number matters by itself, the most first.
 
-    The durations are replaced by their ranks, and the variants sorted into groups by the number's value; what the means of
-    the groups spread, of what all spread, is the correlation ratio ε² (Kelley, 1935): the first-order index of Sobol,
-    corrected for the number of groups. What numbers do only together, it does not see.
+    The durations are replaced by their ranks, and the variants sorted into groups by the number's value; what the means
+    of the groups spread, of what all spread, is the correlation ratio ε² (Kelley, 1935): the first-order index of
+    Sobol, corrected for the number of groups. What numbers do only together, it does not see.
 
     Args:
         table: The study.
     """
-    rank = np.empty(len(table.ranked))
-    rank[np.argsort(table.duration[table.ranked], kind="stable")] = np.arange(len(table.ranked))
-    found = []
-    for knob in range(len(table.knobs)):
-        group = _groups(table.values[:, knob])
-        found.append(
-            Weight(knob, _explained(rank, group[table.ranked]), _explained(table.admitted.astype(np.float64), group))
-        )
+    some = np.arange(table.variants)
+    if table.variants > MOST_WEIGHED:  # by chance: an even choice would keep time with a grid
+        some = np.sort(np.random.default_rng(0).choice(table.variants, MOST_WEIGHED, replace=False))
+    has = np.isin(some, table.ranked)
+    rank = np.empty(np.count_nonzero(has))
+    rank[np.argsort(table.duration[some[has]], kind="stable")] = np.arange(len(rank))
+    playable = table.admitted[some].astype(np.float64)
+    groups = [_groups(table.values[some, knob]) for knob in range(len(table.knobs))]
+    found = [
+        Weight(knob, _explained(rank, group[has]), _explained(playable, group)) for knob, group in enumerate(groups)
+    ]
     return sorted(found, key=lambda weight: -weight.larger)
 
 
@@ -180,7 +209,7 @@ def _explained(values: Array, group: Index) -> float:
         return 0.0
     means = np.bincount(group, values) / np.maximum(size, 1)
     within = float(np.sum((values - means[group]) ** 2))
-    return max(0.0, 1 - within / free / (total / (len(values) - 1)))
+    return max(0.0, float(1 - within / free / (total / (len(values) - 1))))
 
 
 def ends_reached(table: StudyTable, row: int) -> list[tuple[int, str]]:
@@ -199,14 +228,14 @@ def ends_reached(table: StudyTable, row: int) -> list[tuple[int, str]]:
     ]
 
 
-def map_knobs(table: StudyTable) -> tuple[int, ...]:
-    """The one or two numbers over which a study is shown: all, or the two that matter most; in their own order.
+def duration_ends(table: StudyTable) -> tuple[float, float]:
+    """The shortest duration, and one that nearly all variants with a duration keep [s].
 
     Args:
-        table: The study.
+        table: The study, with a variant that has a duration.
     """
-    first = [weight.knob for weight in weights(table)[:2]]
-    return tuple(sorted(first))
+    durations = table.duration[table.ranked]
+    return float(durations[0]), float(np.quantile(durations, NEARLY_ALL))
 
 
 def map_remark(table: StudyTable, drawn: StudyMap) -> str:
@@ -239,14 +268,14 @@ class Binding:
     codes: Index
 
 
-def map_binding(table: StudyTable, drawn: StudyMap, most: int) -> Binding:
-    """Which limit binds where.
+def map_binding(table: StudyTable, drawn: StudyMap) -> Binding:
+    """Which limit binds where, at most as many as there are colours.
 
     Args:
         table: The study.
         drawn: Its map.
-        most: Names at most; the rarer limits share the last.
     """
+    most = len(LIMIT_COLOURS)
     limits = np.where(drawn.best >= 0, table.limit.codes[drawn.best], -1)
     found, count = np.unique(limits[limits >= 0], return_counts=True)
     order = found[np.argsort(-count, kind="stable")]

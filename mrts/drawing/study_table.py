@@ -6,12 +6,17 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.samples.range_status import RangeStatus
+from mrts.studies.study_folder import read_study_folder
+from mrts.studies.variant_rows import FAILED, INVALID, UNREACHABLE
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -19,21 +24,28 @@ if TYPE_CHECKING:
 Index = NDArray[np.int_]
 
 OUTCOMES = {
-    "feasible": "some speed keeps all limits",
-    "unbounded": "no limit depends on the speed",
-    "infeasible": "at some moment no speed keeps all limits",
-    "empty": "no one speed suits all moments",
-    "unreachable": "the arms cannot follow the object",
-    "invalid": "the numbers break a rule",
-    "failed": "a solver stopped",
+    RangeStatus.FEASIBLE.value: "some speed keeps all limits",
+    RangeStatus.UNBOUNDED.value: "no limit depends on the speed",
+    RangeStatus.INFEASIBLE.value: "at some moment no speed keeps all limits",
+    RangeStatus.EMPTY.value: "no one speed suits all moments",
+    UNREACHABLE: "the arms cannot follow the object",
+    INVALID: "the numbers break a rule",
+    FAILED: "a solver stopped",
 }
 """What may become of a variant, and what it means."""
 
-MOMENT = re.compile(r" at t = \S+ s$")
-"""When a limit binds, after its name."""
+MOMENT = re.compile(r" at t = \S+ s(?: with .*)?$")
+"""When a limit binds and with which load, after its name."""
+
+VALUE = re.compile(r"\((upper|lower), [^()]*\)")
+"""Side and value of a limit, after its name: the value may be what varies."""
 
 NUMBER = re.compile(r"(?<![\w/.])[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w/])")
 """Reasons that differ by such only are alike."""
+
+
+READ = ("variant", "status", "reason", "upper_limit", "c2_upper", "duration")
+"""Columns that are read beside those of what varies."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +98,7 @@ class StudyTable:
         values: Shape (V, P).
         outcome: What became of each, by the names in `OUTCOMES`.
         reason: Why there is none; without a text where there is nothing to say.
-        limit: What binds at c²⁺, without the moment.
+        limit: What binds at c²⁺, without its value and the moment.
         c2: c²⁺, NaN where there is none, Shape (V,).
         duration: Of the fastest motion, NaN where there is none, Shape (V,) [s].
     """
@@ -110,7 +122,8 @@ class StudyTable:
     @cached_property
     def admitted(self) -> NDArray[np.bool_]:
         """Which variants may be played at some speed, Shape (V,)."""
-        return np.isin(self.outcome.codes, [list(OUTCOMES).index(name) for name in ("feasible", "unbounded")])
+        playable = [status.value for status in RangeStatus if status.admits_motion]
+        return np.isin(self.outcome.codes, [self.outcome.names.index(name) for name in playable])
 
     @cached_property
     def ranked(self) -> Index:
@@ -125,14 +138,34 @@ class StudyTable:
         """
         counts: Counter[tuple[str, str]] = Counter()
         examples: dict[tuple[str, str], str] = {}
-        pairs = self.outcome.codes[~self.admitted] * (len(self.reason.names) + 1) + self.reason.codes[~self.admitted] + 1
+        kinds, without = len(self.reason.names) + 1, ~self.admitted
+        pairs = self.outcome.codes[without] * kinds + self.reason.codes[without] + 1
         for pair, count in zip(*np.unique(pairs, return_counts=True), strict=True):
-            outcome, code = divmod(int(pair), len(self.reason.names) + 1)
+            outcome, code = divmod(int(pair), kinds)
             text = self.reason.names[code - 1] if code else ""
             key = (self.outcome.names[outcome], NUMBER.sub("…", text))
             counts[key] += int(count)
             examples.setdefault(key, text)
         return [(key[0], examples[key], count) for key, count in counts.most_common()]
+
+
+def read_study_table(folder: Path) -> StudyTable:
+    """What a sweep has found so far.
+
+    Args:
+        folder: Of the study, as `mrts sweep -o` wrote it.
+
+    Raises:
+        InputError: If it holds no study, or none of its variants is solved.
+    """
+    opened = read_study_folder(folder)
+    units = opened.record["columns"]
+    names = list(units)
+    knobs = [Knob(name, units[name]) for name in names[1 : names.index("status")]]
+    found = opened.table([name for name in names if name in {*READ, *(knob.path for knob in knobs)}])
+    if not found.num_rows:
+        raise InputError(folder, "no variant of this study is solved yet: let mrts sweep go on.")
+    return study_table(found, str(opened.record["study"]["cell"]["name"]), knobs, opened.variants)
 
 
 def study_table(found: "pa.Table", name: str, knobs: Sequence[Knob], planned: int) -> StudyTable:
@@ -156,7 +189,7 @@ def study_table(found: "pa.Table", name: str, knobs: Sequence[Knob], planned: in
         values=np.stack(columns, axis=1) if columns else np.empty((len(variant), 0)),
         outcome=Labels(tuple(OUTCOMES), places[outcome.codes] if len(places) else outcome.codes),
         reason=_labels(found, "reason"),
-        limit=_without_moments(_labels(found, "upper_limit")),
+        limit=_names_only(_labels(found, "upper_limit")),
         c2=_numbers(found, "c2_upper"),
         duration=_numbers(found, "duration"),
     )
@@ -173,8 +206,8 @@ def _labels(found: "pa.Table", name: str) -> Labels:
     return Labels(tuple(coded.dictionary.to_pylist()), codes)
 
 
-def _without_moments(limit: Labels) -> Labels:
-    names = [MOMENT.sub("", name) for name in limit.names]
+def _names_only(limit: Labels) -> Labels:
+    names = [VALUE.sub(r"(\1)", MOMENT.sub("", name)) for name in limit.names]
     merged = {name: code for code, name in enumerate(dict.fromkeys(names))}
     codes = np.array([*(merged[name] for name in names), -1], dtype=int)
     return Labels(tuple(merged), codes[limit.codes])

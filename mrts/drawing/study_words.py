@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""What a study found, in words: how many variants may be played, the best, what holds the others back, what to do next."""
+"""What a study found, in words: how many variants may be played, the best, what limits it, what to do next."""
 
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.drawing.study_map import ends_reached, weights
+from mrts.drawing.study_map import Weight, ends_reached, weights
 from mrts.drawing.study_table import Index, StudyTable
 
 BEST_PART = 0.05
@@ -52,7 +52,7 @@ def managed(table: StudyTable, share: float) -> float | None:
 
 def managed_texts(table: StudyTable) -> list[str]:
     """Such as "95 % of the variants manage 0.52 s", for some shares; the last says how far they go."""
-    texts = []
+    texts: list[str] = []
     for share in SHARES:
         duration = managed(table, share)
         if duration is None:
@@ -112,9 +112,10 @@ def _span(values: Array) -> str:
 def next_steps(table: StudyTable) -> list[str]:
     """What a designer may do with this, the most telling first."""
     steps = []
+    found = weights(table)
     if len(table.ranked):
-        steps += _widen(table)
-    steps += _numbers_that_matter(table)
+        steps += _widen(table, {weight.knob for weight in found if weight.larger < HARDLY and len(found) > 1})
+    steps += _numbers_that_matter(table, found if len(found) > 1 else [])
     without = table.variants - int(np.sum(table.admitted))
     if without >= MANY * table.variants:
         outcome, reason, count = table.reasons()[0]
@@ -132,25 +133,27 @@ def next_steps(table: StudyTable) -> list[str]:
     return steps
 
 
-def _widen(table: StudyTable) -> list[str]:
+def _widen(table: StudyTable, idle: set[int]) -> list[str]:
+    """Numbers of the best at the end of what was tried, but for those that hardly matter."""
     row = int(table.ranked[0])
     return [
         f"Of the best, {table.knobs[knob].path} is at the {end} end of what was tried "
         f"({table.values[row, knob]:.4g} {table.knobs[knob].unit}".rstrip()
         + "): try further, if the room allows."
         for knob, end in ends_reached(table, row)
+        if knob not in idle
     ]
 
 
-def _numbers_that_matter(table: StudyTable) -> list[str]:
-    found = weights(table) if len(table.knobs) > 1 else []
+def _numbers_that_matter(table: StudyTable, found: list[Weight]) -> list[str]:
     steps = []
     if found and (most := max(found, key=lambda weight: weight.duration)).duration >= HARDLY:
         steps.append(
             f"{table.knobs[most.knob].path} matters most: by itself it explains {100 * most.duration:.0f} % of how the "
             "durations spread."
         )
-    if idle := [table.knobs[weight.knob].path for weight in found if weight.larger < HARDLY]:
+    idle = [table.knobs[weight.knob].path for weight in found if weight.larger < HARDLY]
+    if idle and len(idle) < len(found):
         does = "does" if len(idle) == 1 else "do"
         steps.append(f"{', '.join(idle)} by itself hardly {does} anything: choose by other reasons, or vary less.")
     return steps

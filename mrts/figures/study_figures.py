@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 
 from mrts.base.argument_types import as_path
 from mrts.base.atomic_file import write_together
-from mrts.base.errors import InputError
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.study_table import StudyTable, read_study_table
 from mrts.drawing.study_words import SHARES, best_rows, managed, managed_texts
 from mrts.figures.study_lines import parallel_coordinates_figure
-from mrts.figures.study_map import study_map_figure, study_title
+from mrts.figures.study_maps import study_map_figure, study_title
 from mrts.figures.style import figure_writer, finish, plain_text
 
 FEWEST_BINS, MOST_BINS = 4, 60
@@ -66,7 +66,7 @@ def draw_durations(axes: Axes, table: StudyTable) -> None:
     durations = table.duration[table.ranked]
     most = float(np.quantile(durations, NEARLY_ALL))
     bins = np.linspace(durations[0], max(most, durations[0] * (1 + SAME)), _bins(len(durations)) + 1)
-    axes.hist(durations, bins, weights=np.full(len(durations), 100 / table.variants), color=COLOURS[5])
+    axes.hist(durations, bins.tolist(), weights=np.full(len(durations), 100 / table.variants), color=COLOURS[5])
     finish(axes, "shortest duration [s]", "in each bin [%]")
     axes.set_xlim(bins[0], bins[-1] + 0.02 * (bins[-1] - bins[0]))
 
@@ -110,7 +110,7 @@ def best_variants_figure(table: StudyTable) -> Figure:
     figure.suptitle(study_title(table), fontsize="small", x=0.01, ha="left", y=0.99, va="top")
     axes = figure.add_axes((0.01, 0.01, 0.98, 0.99 - 0.55 / figure.get_figheight()))
     axes.set_axis_off()
-    drawn = axes.table(cells, colLabels=head, cellLoc="left", colLoc="left", edges="horizontal", bbox=(0, 0, 1, 1),
+    drawn = axes.table(cells, colLabels=head, cellLoc="left", colLoc="left", edges="horizontal", bbox=Bbox.unit(),
                        colWidths=[2.4, *[1.35] * (len(head) - 1)])  # fmt: skip
     drawn.auto_set_font_size(False)  # noqa: FBT003 (matplotlib's)
     drawn.set_fontsize(8)
@@ -142,18 +142,16 @@ def study_figures(table: StudyTable) -> dict[str, Figure]:
     return figures
 
 
-def write_study_figures(folder: Path | str, to: Path | str) -> None:
+def write_study_figures(study: StudyTable | Path | str, to: Path | str) -> None:
     """Write the figures of what a sweep has found so far.
 
     Args:
-        folder: Of the study, as `mrts sweep -o` wrote it.
+        study: The table, or the folder of the study, as `mrts sweep -o` wrote it.
         to: Folder for the figures, made if missing; it gets all figures or none.
 
     Raises:
         InputError: If there is no study, none of its variants is solved, or a file cannot be written.
     """
-    table = read_study_table(as_path("folder", folder))
-    if not table.variants:
-        raise InputError(folder, "no variant of this study is solved yet: run `mrts sweep` on.")
+    table = study if isinstance(study, StudyTable) else read_study_table(as_path("study", study))
     to = as_path("to", to)
     write_together({to / name: figure_writer(figure) for name, figure in study_figures(table).items()})

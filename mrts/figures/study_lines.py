@@ -12,13 +12,16 @@ from mrts.drawing.colours import COLOURS
 from mrts.drawing.study_lines import NO_DURATION, ParallelAxes, parallel_axes
 from mrts.drawing.study_table import StudyTable
 from mrts.drawing.study_words import span_texts
-from mrts.figures.study_map import study_title
+from mrts.figures.study_maps import study_title
 from mrts.figures.style import plain
 
 AXIS_INCHES = 1.25
 AXIS_LETTERS = 30
 BELOW, ABOVE = -0.03, 1.03
 """Where the ends of an axis are written, its own at 0 and 1."""
+
+BESIDE = 0.06
+"""From the last axis to what is written beside it, of the distance of the axes."""
 
 LOOKS: dict[str, dict[str, Any]] = {
     "without": {"color": "#9a9a9a", "linewidth": 0.5, "alpha": 0.5, "linestyle": ":", "label": "cannot be played"},
@@ -44,15 +47,16 @@ def draw_parallel_coordinates(axes: Axes, table: StudyTable, drawn: ParallelAxes
             lines = [np.column_stack([place, line]) for line in drawn.heights(table, rows)]
             axes.add_collection(LineCollection(lines, **LOOKS[name]))
     axes.vlines(place, 0, 1, color="black", linewidth=0.9)
-    for at, low, high in zip(place, drawn.low, drawn.high, strict=True):
+    white = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
+    for at, (low, high) in enumerate(zip(drawn.low.tolist(), drawn.high.tolist(), strict=True)):
         first, last = span_texts(low, high)
-        white = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
         axes.text(at, BELOW, first, ha="center", va="top", fontsize="small")
-        side = {"ha": "center", "va": "bottom"} if at < count - 1 else {"ha": "left", "va": "center"}
-        height = ABOVE if at < count - 1 else 1.0
-        axes.text(at + 0.06 * (at == count - 1), height, last, fontsize="small", bbox=white, **side)
+        if at < count - 1:
+            axes.text(at, ABOVE, last, ha="center", va="bottom", fontsize="small", bbox=white)
+        else:
+            axes.text(at + BESIDE, 1, last, va="center", fontsize="small", bbox=white)
     if len(drawn.without):
-        axes.text(count - 0.94, NO_DURATION, "none", fontsize="small", va="center")
+        axes.text(count - 1 + BESIDE, NO_DURATION, "none", fontsize="small", va="center")
     axes.xaxis.tick_top()
     titles = [plain(table.knobs[knob].title, AXIS_LETTERS) for knob in drawn.knobs]
     axes.set_xticks(place, [*titles, "duration [s]"], rotation=20, ha="left", fontsize="small")
@@ -77,4 +81,3 @@ def parallel_coordinates_figure(table: StudyTable) -> Figure:
     draw_parallel_coordinates(figure.subplots(), table, drawn)
     figure.suptitle(study_title(table, drawn.remark(table)), fontsize="small", x=0.01, ha="left")
     return figure
-

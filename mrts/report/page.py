@@ -26,6 +26,7 @@ from mrts.report.tables import (
 )
 from mrts.scaling.result import ScalingResult, fallbacks_text
 
+
 def write_report(result: ScalingResult, path: Path | str) -> None:
     """Write the report of a result: one HTML file that opens offline.
 

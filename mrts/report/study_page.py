@@ -7,7 +7,6 @@ import numpy as np
 
 from mrts.base.argument_types import as_path
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.errors import InputError
 from mrts.drawing.study_map import map_remark, weights
 from mrts.drawing.study_table import OUTCOMES, StudyTable, read_study_table
 from mrts.drawing.study_words import (
@@ -33,18 +32,18 @@ MOST_LIMITS = 15
 """Rows of the tables of reasons and limits; the rest is counted."""
 
 
-def write_study_report(folder: Path | str, path: Path | str) -> None:
+def write_study_report(study: StudyTable | Path | str, path: Path | str) -> None:
     """Write the report of what a sweep has found so far: one HTML file that opens offline.
 
     Args:
-        folder: Of the study, as `mrts sweep -o` wrote it.
+        study: The table, or the folder of the study, as `mrts sweep -o` wrote it.
         path: The file.
 
     Raises:
         InputError: If there is no study, none of its variants is solved, plotly is not installed, or the file cannot
             be written.
     """
-    found = read_study_table(as_path("folder", folder))
+    found = study if isinstance(study, StudyTable) else read_study_table(as_path("study", study))
     write_text_atomically(as_path("path", path), study_html(found))
 
 

@@ -9,7 +9,7 @@ from mrts.base.arrays import Array
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.labels import shortened
 from mrts.drawing.study_lines import NO_DURATION, ParallelAxes, parallel_axes
-from mrts.drawing.study_map import StudyMap, map_binding, map_knobs, study_map
+from mrts.drawing.study_map import LIMIT_COLOURS, StudyMap, duration_ends, map_binding, study_map
 from mrts.drawing.study_table import OUTCOMES, Index, StudyTable
 from mrts.drawing.study_words import SHARES, managed, span_texts
 from mrts.report.markup import plot_text
@@ -18,11 +18,8 @@ from mrts.report.plots import Plot, layout, line, numbers, shown_samples
 FASTER = "Viridis"
 """Of durations, reversed: bright is fast."""
 
-WITHIN_COLOURS = 0.95
-"""Share of the durations within the colours."""
-
-LIMIT_COLOURS = (*COLOURS[:6], "#999999")
-OUTCOME_COLOURS = dict(zip(OUTCOMES, ("#fff", "#e3f1e9", "#bbb", "#a9a9a9", "#d9d9d9", "#8d8d8d", "#6f6f6f"), strict=True))
+GREYS = ("#fff", "#e3f1e9", "#bbb", "#a9a9a9", "#d9d9d9", "#8d8d8d", "#6f6f6f")
+OUTCOME_COLOURS = dict(zip(OUTCOMES, GREYS, strict=True))
 """Of what has no duration: greys, which no duration has."""
 
 MAP_HEIGHT, LINES_HEIGHT = 460, 480
@@ -41,20 +38,19 @@ def map_plots(table: StudyTable) -> tuple[StudyMap, list[Plot]]:
     Args:
         table: The study, with at least one variant and one number.
     """
-    drawn = study_map(table, map_knobs(table))
+    drawn = study_map(table)
     return drawn, [_line_plot(table, drawn)] if len(drawn.axes) == 1 else _heat_maps(table, drawn)
 
 
 def _heat_maps(table: StudyTable, drawn: StudyMap) -> list[Plot]:
-    durations = table.duration[table.ranked]
     texts = _texts(table, drawn)
     heat: list[dict[str, Any]] = []
-    if len(durations):
-        ends = {"zmin": float(durations[0]), "zmax": float(np.quantile(durations, WITHIN_COLOURS))}
+    if len(table.ranked):
+        ends = dict(zip(("zmin", "zmax"), duration_ends(table), strict=True))
         bar = {"title": {"text": "duration [s]", "side": "right"}, "thickness": 14}
         look = {"colorscale": FASTER, "reversescale": True, "colorbar": bar} | ends
         heat = [_cells(drawn, drawn.of_best(table.duration), texts) | look]
-    binding = map_binding(table, drawn, len(LIMIT_COLOURS))
+    binding = map_binding(table, drawn)
     limits = [_codes(drawn, np.where(binding.codes < 0, np.nan, binding.codes), LIMIT_COLOURS, texts)]
     without = _codes(drawn, np.where(drawn.outcome < 0, np.nan, drawn.outcome), tuple(OUTCOME_COLOURS.values()), texts)
     found = sorted(set(drawn.outcome[drawn.outcome >= 0].tolist()))
@@ -64,12 +60,12 @@ def _heat_maps(table: StudyTable, drawn: StudyMap) -> list[Plot]:
     plots = []
     for name, title, traces in (("duration-map", "Shortest duration", [*heat, without, *keys]),
                                 ("limit-map", "What limits it", [*limits, without, *named, *keys])):  # fmt: skip
-        shape = _map_layout(table, drawn, x, y)
+        shape = _map_layout(drawn, x, y)
         plots.append(Plot(name, title, [*traces, *_best(table, drawn)], shape, MAP_HEIGHT + 18 * len(keys + named)))
     return plots
 
 
-def _map_layout(table: StudyTable, drawn: StudyMap, xtitle: str, ytitle: str) -> dict[str, Any]:
+def _map_layout(drawn: StudyMap, xtitle: str, ytitle: str) -> dict[str, Any]:
     x, y = drawn.axes
     shape = layout(plot_text(xtitle), plot_text(ytitle), (float(y.edges[0]), float(y.edges[-1])))
     shape["xaxis"] |= {"range": numbers(x.edges[[0, -1]]), "showgrid": False}
@@ -119,8 +115,9 @@ def _texts(table: StudyTable, drawn: StudyMap) -> list[Any]:
             limit = table.limit.codes[row]
             said = [f"variant {table.variant[row]}: {table.duration[row]:.4g} s, c² = {table.c2[row]:.4g}"]
             said += [f"limited by {table.limit.names[limit]}"] if limit >= 0 else []
-            for knob in (cells.knob for cells in drawn.axes):
-                said.append(f"{table.knobs[knob].path} = {table.values[row, knob]:.4g} {table.knobs[knob].unit}".rstrip())
+            for number in (cells.knob for cells in drawn.axes):
+                knob = table.knobs[number]
+                said.append(f"{knob.path} = {table.values[row, number]:.4g} {knob.unit}".rstrip())
             texts[place] = "<br>".join(plot_text(shortened(each, 80)) for each in said)
         elif drawn.outcome[place] >= 0:
             name = table.outcome.names[drawn.outcome[place]]
@@ -131,7 +128,7 @@ def _texts(table: StudyTable, drawn: StudyMap) -> list[Any]:
 def _line_plot(table: StudyTable, drawn: StudyMap) -> Plot:
     cells = drawn.axes[0]
     durations = drawn.of_best(table.duration)
-    binding = map_binding(table, drawn, len(LIMIT_COLOURS))
+    binding = map_binding(table, drawn)
     finite = durations[np.isfinite(durations)]
     low, high = (float(np.min(finite)), float(np.max(finite))) if len(finite) else (0.0, 1.0)
     margin = 0.06 * (high - low) or 0.1 * high or 1.0

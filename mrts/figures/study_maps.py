@@ -7,12 +7,18 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from mrts.drawing.colours import COLOURS
-from mrts.drawing.study_map import Cells, StudyMap, map_binding, map_knobs, map_remark, study_map
+from mrts.drawing.study_map import (
+    LIMIT_COLOURS,
+    Cells,
+    StudyMap,
+    duration_ends,
+    map_binding,
+    map_remark,
+    study_map,
+)
 from mrts.drawing.study_table import StudyTable
 from mrts.drawing.study_words import best_text, outcome_text
 from mrts.figures.style import finish, legend_below, plain, plain_text
@@ -20,17 +26,11 @@ from mrts.figures.style import finish, legend_below, plain, plain_text
 FASTER = "viridis_r"
 """Bright is fast; ordered in grey and for every kind of colour vision (van der Walt and Smith, 2015)."""
 
-WITHIN_COLOURS = 0.95
-"""Share of the durations within the colours; slower ones have the last colour."""
-
 HATCHES = {"infeasible": "////", "empty": "\\\\\\\\", "unreachable": "xxxx", "invalid": "....", "failed": "****",
            "unbounded": "||||"}  # fmt: skip
 """Of what has no duration."""
 
 WITHOUT: dict[str, Any] = {"facecolor": "#e9e9e9", "edgecolor": "#8a8a8a", "linewidth": 0}
-
-LIMIT_COLOURS = (*COLOURS[:6], "#999999")
-"""Of the limits that bind; rarer ones share the last."""
 
 BAND = 0.3
 """Opacity of a band behind a line."""
@@ -59,14 +59,14 @@ def draw_study_map(axes: Axes, table: StudyTable, drawn: StudyMap) -> None:
     durations = np.ma.masked_invalid(drawn.of_best(table.duration))
     x, y = drawn.axes
     if durations.count():
-        colours = duration_colours(table)
-        mesh = axes.pcolormesh(x.edges, y.edges, durations, cmap=FASTER, norm=colours)
+        low, high = duration_ends(table)
+        mesh = axes.pcolormesh(x.edges, y.edges, durations, cmap=FASTER, vmin=low, vmax=high)
         figure = axes.get_figure()
         assert figure is not None  # noqa: S101 (axes that are drawn into belong to a figure)
-        beyond = "max" if float(np.max(durations)) > (colours.vmax or 0.0) else "neither"
+        beyond = "max" if float(np.max(durations)) > high else "neither"
         figure.colorbar(mesh, ax=axes, label="shortest duration [s]", extend=beyond)
-        if drawn.exact and min(x.count, y.count) >= CONTOURS and np.max(durations) > np.min(durations):
-            levels = np.linspace(colours.vmin or 0.0, colours.vmax or 1.0, CONTOURS + 2)[1:-1]
+        if drawn.exact and min(x.count, y.count) >= CONTOURS and high > low:
+            levels = np.linspace(low, high, CONTOURS + 2)[1:-1]
             lines = axes.contour(x.middles, y.middles, durations, levels=levels, colors="white", linewidths=0.8)
             axes.clabel(lines, fmt="%.3g s", fontsize="x-small")
     _draw_without(axes, table, drawn)
@@ -81,7 +81,7 @@ def draw_limit_map(axes: Axes, table: StudyTable, drawn: StudyMap) -> None:
         table: The study.
         drawn: Its map over two numbers.
     """
-    binding = map_binding(table, drawn, len(LIMIT_COLOURS))
+    binding = map_binding(table, drawn)
     for code, (name, colour) in enumerate(zip(binding.names, LIMIT_COLOURS, strict=False)):
         _fill(axes, drawn, binding.codes == code, plain(name), color=colour, linewidth=0.2)
     _draw_without(axes, table, drawn)
@@ -97,7 +97,7 @@ def draw_study_line(axes: Axes, table: StudyTable, drawn: StudyMap) -> None:
         drawn: Its map over one number.
     """
     cells, marked = drawn.axes[0], "o" if drawn.axes[0].count <= MOST_POINTS else ""
-    binding = map_binding(table, drawn, len(LIMIT_COLOURS))
+    binding = map_binding(table, drawn)
     axes.plot(cells.middles, drawn.of_best(table.duration), color="black", marker=marked, markersize=3)
     for code, (name, colour) in enumerate(zip(binding.names, LIMIT_COLOURS, strict=False)):
         _bands(axes, cells, binding.codes == code, plain(name), color=colour, alpha=BAND, linewidth=0)
@@ -119,8 +119,8 @@ def study_map_figure(table: StudyTable) -> Figure:
     Args:
         table: The study, with at least one variant and one number.
     """
-    drawn = study_map(table, map_knobs(table))
-    kinds = len(map_binding(table, drawn, len(LIMIT_COLOURS)).names) + len(set(drawn.outcome[drawn.outcome >= 0]))
+    drawn = study_map(table)
+    kinds = len(map_binding(table, drawn).names) + len(set(drawn.outcome[drawn.outcome >= 0]))
     height = 4.8 + LEGEND_INCHES * (kinds + 1)
     title = study_title(table, map_remark(table, drawn))
     if len(drawn.axes) == 1:
@@ -146,16 +146,6 @@ def study_title(table: StudyTable, *remarks: str) -> str:
     """
     lines = [f"{table.name}: {outcome_text(table)}", best_text(table), *(remark for remark in remarks if remark)]
     return plain_text("\n".join(textwrap.fill(line, TITLE_LETTERS, subsequent_indent="    ") for line in lines))
-
-
-def duration_colours(table: StudyTable) -> Normalize:
-    """From the shortest duration to one that nearly all keep.
-
-    Args:
-        table: The study, with a variant that has a duration.
-    """
-    durations = table.duration[table.ranked]
-    return Normalize(float(durations[0]), float(np.quantile(durations, WITHIN_COLOURS)))
 
 
 def _draw_without(axes: Axes, table: StudyTable, drawn: StudyMap) -> None:
