@@ -25,24 +25,22 @@ def content_key(path: Path) -> str:
         InputError: If the cell file breaks a rule or a URDF is missing.
     """
     description = read_cell_description(path)
-    parts = [json.dumps(description.model_dump(), sort_keys=True), version("casadi"), __version__]
+    parts = [json.dumps(description.model_dump(), sort_keys=True), emitter_key()]
     digest = hashlib.sha256("\n".join(parts).encode())
     for robot in description.robots:
         digest.update(read_regular(resolve_urdf(path, robot.urdf), "URDF", MAX_URDF_BYTES))
-    digest.update(_sources())
     return digest.hexdigest()
 
 
 def chains_key(cell: CellModel, stem: str, *, bake: bool) -> str:
-    """Hash of all that generated functions depend on: chains, not the numbers of a cell file, this package, CasADi.
+    """Hash of what functions are generated of: the chains, not the numbers of a cell file.
 
     Args:
         cell: The cell.
         stem: First part of their names.
         bake: Whether its geometry is folded in.
     """
-    digest = hashlib.sha256(_sources())
-    parts: list[object] = [version("casadi"), __version__, stem, bake, cell.description.plane]
+    parts: list[object] = [stem, bake, cell.description.plane]
     for robot in cell.robots:
         model = robot.model
         for joint in model.joints:
@@ -57,17 +55,16 @@ def chains_key(cell: CellModel, stem: str, *, bake: bool) -> str:
             parts += [robot.T_world_base.numbers.tolist(), robot.T_object_tip.numbers.tolist()]
     if bake:
         parts.append(cell.description.gravity)
-    digest.update(json.dumps(parts).encode())
-    return digest.hexdigest()
+    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 
 @cache
-def _sources() -> bytes:
-    """Hash of what reads cells and emits functions."""
+def emitter_key() -> str:
+    """Hash of what reads cells and emits functions: this package and CasADi's version."""
     shaping = (manifest, rigid_transform, input_file, yaml_parser, load_box)
     rooms = [source for of in (contact, joint_motors) for source in Path(of.__file__ or "").parent.glob("*.py")]
     ours = [source for source in Path(__file__).parent.rglob("*.py") if source.parent.name != "embedded"]
-    digest = hashlib.sha256()
+    digest = hashlib.sha256("\n".join([version("casadi"), __version__]).encode())
     for source in sorted([*ours, *rooms, *(Path(module.__file__ or "") for module in shaping)]):
         digest.update(source.read_bytes())
-    return digest.digest()
+    return digest.hexdigest()

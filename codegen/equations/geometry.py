@@ -18,7 +18,7 @@ from mrts.base.manifest import geometry_size
 from mrts.base.rigid_transform import RigidTransform, multiply
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Geometry:
     """What the equations of a cell take of its geometry, symbols or numbers alike; n arms.
 
@@ -71,7 +71,7 @@ def geometry_symbols(cell: CellModel) -> Geometry:
         gravity = ca.vertcat(*(gravity[axis] if "xyz"[axis] in plane else ca.SX(0) for axis in range(3)))
     models = tuple(_with_symbols(robot.model, entries) for robot in cell.robots)
     down = tuple(base.R.T @ gravity for base in bases)
-    return Geometry(symbol, gravity, down, tuple(bases), tuple(grasps), models)
+    return Geometry(symbol=symbol, gravity=gravity, down=down, bases=tuple(bases), grasps=tuple(grasps), models=models)
 
 
 def _take(entries: Iterator[Any], count: int) -> Any:

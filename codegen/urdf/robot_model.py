@@ -58,7 +58,7 @@ class Joint:
     laden_by_held: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RobotModel:
     """A chain from base link to tip link.
 
@@ -141,7 +141,14 @@ def build_robot_model(
     if not joints:
         raise InputError(path, f"no joint moves between '{base_link}' and '{tip_link}'.", key="tip_link")
     remarks = (*bodies.remarks, *_follower_remarks(path, urdf.joints, moving))
-    return RobotModel(base_link, tip_link, tuple(joints), placement, placed_by_held, remarks)
+    return RobotModel(
+        base_link=base_link,
+        tip_link=tip_link,
+        joints=tuple(joints),
+        tip=placement,
+        tip_by_held=placed_by_held,
+        remarks=remarks,
+    )
 
 
 def _follower_remarks(path: Path, joints: list[Any], moving: list[Any]) -> Iterator[Remark]:

@@ -3,7 +3,6 @@
 
 import logging
 from collections.abc import Callable
-from copy import copy
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -78,8 +77,8 @@ class CellFunctions:
 
     def placed(self, geometry: Array) -> Self:
         """The same functions for a cell of this geometry, Shape (3 + 24 n + h,)."""
-        ours = copy(self)
-        vars(ours)["_geometry"] = geometry
+        ours = object.__new__(type(self))  # a copy would bind them again
+        vars(ours).update(vars(self) | {"_geometry": geometry})
         return ours
 
     def __reduce__(self) -> tuple[Any, ...]:

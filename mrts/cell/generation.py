@@ -47,12 +47,19 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     described = cache_folder("cells", key) / MANIFEST_NAME
     manifest = _if_sound(described, partial(verified_manifest, described))
     if manifest is not None:
-        source = cache_folder("chains", manifest.chains) / manifest.source
+        source = _chains_folder(manifest.chains) / manifest.source
         if _is_source(source, manifest):
             return manifest, source
     manifest = _described(path, key)
     write_text_atomically(described, manifest.to_json(), private=True)
-    return manifest, cache_folder("chains", manifest.chains) / manifest.source
+    return manifest, _chains_folder(manifest.chains) / manifest.source
+
+
+def _chains_folder(key: str) -> Path:
+    """What was generated for chains, by this version of the emitter."""
+    from mrts_codegen.content_key import emitter_key  # noqa: PLC0415 (build time, on demand)
+
+    return cache_folder("chains", key, emitter_key())
 
 
 def _described(path: Path, key: str) -> Manifest:
@@ -61,7 +68,7 @@ def _described(path: Path, key: str) -> Manifest:
     from mrts_codegen.content_key import chains_key  # noqa: PLC0415
 
     cell = _model(path, key)
-    folder = cache_folder("chains", chains_key(cell, CACHED_STEM, bake=False))
+    folder = _chains_folder(chains_key(cell, CACHED_STEM, bake=False))
     chains = _if_sound(folder / CHAINS_NAME, ChainsRecord.model_validate_json)
     if chains is None or not _is_source(folder / chains.source, chains):
         made = _chains(path, key)

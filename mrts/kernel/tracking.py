@@ -82,7 +82,15 @@ class GraspTask:
         *limits, place = (pointer(array) for array in self._arrays)
         used = (ctypes.c_int * 6)(*components)
         wish = _Preference(*limits, push)
-        self.structure = _Tracking(newton.steps, newton.settled, newton.longest, newton.reached, used, wish, place)
+        self.structure = _Tracking(
+            steps=newton.steps,
+            settled=newton.settled,
+            longest=newton.longest,
+            reached=newton.reached,
+            components=used,
+            wish=wish,
+            geometry=place,
+        )
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from conftest import DATA
 
 import mrts
 from mrts.base.rigid_transform import rotation_from_rpy
+from mrts.cell.generation import generate_to
 
 pytestmark = pytest.mark.quick
 
@@ -24,16 +25,13 @@ def with_left(cell, **changes):
     return replace(cell, robots=(replace(left, **changes), *others))
 
 
-BAKED = {
-    "gravity": lambda cell: replace(cell, gravity=np.array([0.0, -1.6, 0.0])),
+OF_CHAINS = {
     "plane": lambda cell: replace(cell, plane="xz"),
     "wrench_components": lambda cell: replace(cell, wrench_components=("fx", "fz", "ny")),
     "name": lambda cell: replace(cell, name="other"),
     "robots": lambda cell: replace(cell, robots=cell.robots[::-1]),
     "robots fewer": lambda cell: replace(cell, robots=cell.robots[:1]),
     "robots more": lambda cell: replace(cell, robots=(*cell.robots, cell.robots[0])),
-    "robot 'left' T_world_base": lambda cell: with_left(cell, T_world_base=moved(cell.robots[0].T_world_base)),
-    "robot 'left' T_object_tip": lambda cell: with_left(cell, T_object_tip=moved(cell.robots[0].T_object_tip)),
     "robot 'left' T_base_tip": lambda cell: with_left(
         cell, T_base_tip=mrts.RigidTransform(rotation_from_rpy(0, 0, 0.1), cell.robots[0].T_base_tip.p)
     ),
@@ -45,11 +43,40 @@ BAKED = {
 }
 
 
-@pytest.mark.parametrize("what", BAKED)
+OF_GEOMETRY = {
+    "gravity": lambda cell: replace(cell, gravity=np.array([0.0, -1.6, 0.0])),
+    "robot 'left' T_world_base": lambda cell: with_left(cell, T_world_base=moved(cell.robots[0].T_world_base)),
+    "robot 'left' T_object_tip": lambda cell: with_left(cell, T_object_tip=moved(cell.robots[0].T_object_tip)),
+}
+
+
+@pytest.fixture(scope="module")
+def baked(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("baked")
+    generate_to(DATA / "cell.yaml", folder, bake=True)
+    return mrts.load_cell(folder)
+
+
+@pytest.mark.parametrize("what", OF_CHAINS)
 def test_what_the_generated_c_holds_is_refused(what, planar_cell):
     key = what.removesuffix(" fewer").removesuffix(" more")
     with pytest.raises(mrts.InputError, match=rf"^cell: {key}: .*Change the cell file .*mrts\.load_cell\(path\)"):
-        BAKED[what](planar_cell)
+        OF_CHAINS[what](planar_cell)
+
+
+@pytest.mark.parametrize("what", OF_GEOMETRY)
+def test_geometry_is_refused_only_where_it_is_baked(what, planar_cell, baked, lift):
+    with pytest.raises(mrts.InputError, match=rf"^cell: {what}: .*which was baked.*without --bake"):
+        OF_GEOMETRY[what](baked)
+    assert c2(OF_GEOMETRY[what](planar_cell), lift) != c2(planar_cell, lift)
+
+
+def test_a_baked_cell_answers_alike(planar_cell, baked, lift):
+    """Same numbers, other order of rounding; and fewer instructions."""
+    ours, theirs = (mrts.scale(cell, lift).range.upper.c2 for cell in (planar_cell, baked))
+    assert ours == pytest.approx(theirs, rel=1e-12)
+    for name, record in baked.functions.manifest.functions.items():
+        assert record.instructions <= planar_cell.functions.manifest.functions[name].instructions
 
 
 def test_functions_of_another_cell_are_refused(planar_cell, tmp_path):
@@ -61,7 +88,7 @@ def test_functions_of_another_cell_are_refused(planar_cell, tmp_path):
 def test_the_same_numbers_again_are_no_change(planar_cell, lift):
     left = planar_cell.robots[0]
     again = with_left(
-        planar_cell, T_world_base=mrts.RigidTransform(left.T_world_base.R.copy(), left.T_world_base.p + 1e-16)
+        planar_cell, T_world_base=mrts.RigidTransform(left.T_world_base.R.copy(), left.T_world_base.p.copy())
     )
     assert mrts.scale(again, lift).to_json() == mrts.scale(planar_cell, lift).to_json()
 

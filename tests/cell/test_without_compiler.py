@@ -102,14 +102,14 @@ def test_speeds_are_those_of_the_kernel(largest):
 
 
 def test_the_virtual_machine_generates_a_cell_once(monkeypatch, tmp_path):
-    real, calls = generate.generate_cell, []
+    real, calls = generate.generate_chains, []
 
-    def counted(path):
-        calls.append(path)
-        return real(path)
+    def counted(cell, stem):
+        calls.append(stem)
+        return real(cell, stem)
 
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(generate, "generate_cell", counted)
+    monkeypatch.setattr(generate, "generate_chains", counted)
     assert mrts.load_cell(DATA / "cell.yaml", backend="vm").functions.backend == "vm"
     assert len(calls) == 1
     assert generation.generated_in_cache(DATA / "cell.yaml")[1].exists()

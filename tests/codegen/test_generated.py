@@ -213,7 +213,7 @@ def test_a_function_that_the_c_file_lacks_is_missed(tmp_path):
 def test_names_stay_as_generated(planar_cell, changed):
     """So none that could not be read back is saved."""
     robots = tuple(replace(robot, name="a b") for robot in planar_cell.robots)
-    with pytest.raises(mrts.InputError, match=f"cell: {changed}: stands as numbers in the generated C"):
+    with pytest.raises(mrts.InputError, match=f"cell: {changed}: is part of the generated functions"):
         replace(planar_cell, **{changed: {"name": "../x", "robots": robots}[changed]})
 
 

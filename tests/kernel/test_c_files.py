@@ -13,6 +13,7 @@ PLANAR = {
     "MRTS_SIZE": "3",
     "MRTS_JOINTS": "6",
     "MRTS_WRENCHES": "6",
+    "MRTS_INPUTS": "8",
     "MRTS_UNKNOWNS": "4",
     "MRTS_MOST_JOINTS": "3",
     "MRTS_FIRST_JOINTS": "{0, 3, 6}",
