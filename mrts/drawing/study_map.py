@@ -14,8 +14,12 @@ from mrts.drawing.study_table import Index, StudyTable
 LIMIT_COLOURS = (*COLOURS[:6], "#999999")
 """Of the limits that bind on a map; rarer ones share the last."""
 
-NEARLY_ALL = 0.95
-"""Share of the durations that colours and axes tell apart; longer ones look like the longest of these."""
+NEARLY_ALL, SEVERAL = 0.95, 3.0
+"""Share of the durations, and times the shortest, that colours tell apart; longer ones look like the longest of these:
+near a singularity a variant may take a hundred times as long as the best."""
+
+WIDE = 10.0
+"""Times the shortest duration from which an axis of durations is logarithmic."""
 
 MOST_VALUES = 120
 """Different values of a number that are shown one by one; of more, neighbours share a cell."""
@@ -224,18 +228,29 @@ def ends_reached(table: StudyTable, row: int) -> list[tuple[int, str]]:
     return [
         (knob, "lower" if at[knob] <= OUTERMOST else "upper")
         for knob in np.flatnonzero((high > low) & ((at <= OUTERMOST) | (at >= 1 - OUTERMOST))).tolist()
-        if table.knobs[knob].bounded
+        if not table.knobs[knob].by_chance
     ]
 
 
 def duration_ends(table: StudyTable) -> tuple[float, float]:
-    """The shortest duration, and one that nearly all variants with a duration keep [s].
+    """The shortest duration, and the longest that is worth a colour of its own [s].
 
     Args:
         table: The study, with a variant that has a duration.
     """
     durations = table.duration[table.ranked]
-    return float(durations[0]), float(np.quantile(durations, NEARLY_ALL))
+    most, median = np.quantile(durations, (NEARLY_ALL, 0.5))
+    return float(durations[0]), float(min(most, max(median, SEVERAL * durations[0])))
+
+
+def spreads_widely(table: StudyTable) -> bool:
+    """Whether an axis of durations is better logarithmic.
+
+    Args:
+        table: The study, with a variant that has a duration.
+    """
+    durations = table.duration[table.ranked]
+    return bool(durations[-1] > WIDE * durations[0])
 
 
 def map_remark(table: StudyTable, drawn: StudyMap) -> str:

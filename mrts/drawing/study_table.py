@@ -3,10 +3,11 @@
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -73,12 +74,12 @@ class Knob:
     Attributes:
         path: Where it stands in the cell or motion file; also the name of its column.
         unit: Empty where it has none.
-        bounded: Whether it was tried from an end to another, rather than drawn from a distribution without ends.
+        by_chance: Whether it has a distribution, so that it is not for a designer to choose.
     """
 
     path: str
     unit: str
-    bounded: bool = True
+    by_chance: bool = False
 
     @property
     def title(self) -> str:
@@ -101,6 +102,7 @@ class StudyTable:
         limit: What binds at c²⁺, without its value and the moment.
         c2: c²⁺, NaN where there is none, Shape (V,).
         duration: Of the fastest motion, NaN where there is none, Shape (V,) [s].
+        asked: What was asked of each variant, in words.
     """
 
     name: str
@@ -113,6 +115,7 @@ class StudyTable:
     limit: Labels
     c2: Array
     duration: Array
+    asked: Mapping[str, str]
 
     @property
     def variants(self) -> int:
@@ -159,16 +162,23 @@ def read_study_table(folder: Path) -> StudyTable:
         InputError: If it holds no study, or none of its variants is solved.
     """
     opened = read_study_folder(folder)
-    units = opened.record["columns"]
-    names = list(units)
-    knobs = [Knob(name, units[name]) for name in names[1 : names.index("status")]]
-    found = opened.table([name for name in names if name in {*READ, *(knob.path for knob in knobs)}])
+    study = opened.record["study"]
+    knobs = [Knob(each["path"], each["unit"], "kind" in each["spread"]) for each in study["vary"]]
+    found = opened.table([*READ, *(knob.path for knob in knobs)])
     if not found.num_rows:
         raise InputError(folder, "no variant of this study is solved yet: let mrts sweep go on.")
-    return study_table(found, str(opened.record["study"]["cell"]["name"]), knobs, opened.variants)
+    asked = {
+        "study file": study["file"],
+        "varied": "; ".join(each["text"] for each in study["vary"]),
+        "points": study["sample"] + ("" if study["sample"] == "grid" else f", seed {study['seed']}"),
+        **{name: str(value) for name, value in study["question"].items() if value not in {None, False}},
+    }
+    return study_table(found, study["cell"]["name"], knobs, opened.variants, asked)
 
 
-def study_table(found: "pa.Table", name: str, knobs: Sequence[Knob], planned: int) -> StudyTable:
+def study_table(
+    found: "pa.Table", name: str, knobs: Sequence[Knob], planned: int, asked: Mapping[str, str] = MappingProxyType({})
+) -> StudyTable:
     """Take from a study's table what pictures need.
 
     Args:
@@ -176,6 +186,7 @@ def study_table(found: "pa.Table", name: str, knobs: Sequence[Knob], planned: in
         name: Of the study.
         knobs: What was varied, each the name of a column.
         planned: Number of variants of the whole study.
+        asked: What was asked of each variant, in words.
     """
     columns = [_numbers(found, knob.path) for knob in knobs]
     outcome = _labels(found, "status")
@@ -192,6 +203,7 @@ def study_table(found: "pa.Table", name: str, knobs: Sequence[Knob], planned: in
         limit=_names_only(_labels(found, "upper_limit")),
         c2=_numbers(found, "c2_upper"),
         duration=_numbers(found, "duration"),
+        asked=asked,
     )
 
 

@@ -119,15 +119,15 @@ def next_steps(table: StudyTable) -> list[str]:
     without = table.variants - int(np.sum(table.admitted))
     if without >= MANY * table.variants:
         outcome, reason, count = table.reasons()[0]
-        why = f", such as: {reason.rstrip('.')}" if reason else ""
+        why = f", such as: {reason.split('. ')[0].rstrip('.')}" if reason else ""
         steps.append(f"{count} of the {without} variants that cannot be played are {outcome}{why}.")
     if len(table.ranked):
         code, count = next(iter(table.limit.counts(np.isin(np.arange(table.variants), best_part(table)))), (-1, 0))
         if code >= 0:
             share = percent(count, len(best_part(table)))
             steps.append(
-                f"{table.limit.names[code]} limits {share} of the best variants: ask mrts scale --what-if of the best "
-                "what raising it would bring, and what binds then."
+                f"{table.limit.names[code]} limits {share} of the best variants: mrts sweep --top writes the best as "
+                "files; ask mrts scale --what-if of these what raising it would bring, and what binds then."
             )
         steps.append("mrts place searches on from the best variants, between the points that were tried.")
     return steps

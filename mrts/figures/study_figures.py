@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import StrMethodFormatter
 from matplotlib.transforms import Bbox
 
 from mrts.base.argument_types import as_path
 from mrts.base.atomic_file import write_together
 from mrts.drawing.colours import COLOURS
+from mrts.drawing.study_map import spreads_widely
 from mrts.drawing.study_table import StudyTable, read_study_table
 from mrts.drawing.study_words import SHARES, best_rows, managed, managed_texts
 from mrts.figures.study_lines import parallel_coordinates_figure
@@ -19,13 +21,10 @@ from mrts.figures.study_maps import study_map_figure, study_title
 from mrts.figures.style import figure_writer, finish, plain_text
 
 FEWEST_BINS, MOST_BINS = 4, 60
-"""Of a histogram."""
+"""Of a histogram: about the square root of the number of values."""
 
 SAME = 0.01
 """Durations that differ by less than this share of them have one picture."""
-
-NEARLY_ALL = 0.99
-"""Share of the durations that are drawn; the axis would else follow a few to where the rest is a line."""
 
 MOST_COLUMNS = 5
 """Best variants in the table."""
@@ -43,6 +42,7 @@ def draw_managed(axes: Axes, table: StudyTable) -> None:
     """
     durations = table.duration[table.ranked]
     percent = 100 * np.arange(1, len(durations) + 1) / table.variants
+    axes.set_xscale("log" if spreads_widely(table) else "linear")
     axes.step(durations, percent, where="post", color=COLOURS[0], label="manage this duration")
     axes.axhline(percent[-1], color=COLOURS[1], linewidth=1, linestyle="--", label="can be played at all")
     for share in SHARES:
@@ -64,16 +64,16 @@ def draw_durations(axes: Axes, table: StudyTable) -> None:
         table: The study, with a variant that has a duration.
     """
     durations = table.duration[table.ranked]
-    most = float(np.quantile(durations, NEARLY_ALL))
-    bins = np.linspace(durations[0], max(most, durations[0] * (1 + SAME)), _bins(len(durations)) + 1)
+    wide = spreads_widely(table)
+    count = int(np.clip(np.sqrt(len(durations)), FEWEST_BINS, MOST_BINS))
+    divided = np.geomspace if wide else np.linspace
+    bins = divided(durations[0], max(durations[-1], durations[0] * (1 + SAME)), count + 1)
     axes.hist(durations, bins.tolist(), weights=np.full(len(durations), 100 / table.variants), color=COLOURS[5])
     finish(axes, "shortest duration [s]", "in each bin [%]")
-    axes.set_xlim(bins[0], bins[-1] + 0.02 * (bins[-1] - bins[0]))
-
-
-def _bins(count: int) -> int:
-    """About the square root of the number of values."""
-    return int(np.clip(np.sqrt(count), FEWEST_BINS, MOST_BINS))
+    if wide:
+        axes.set_xscale("log")
+        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.set_xlim(bins[0], bins[-1])
 
 
 def durations_figure(table: StudyTable) -> Figure:

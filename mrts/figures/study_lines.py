@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The variants of a study as lines through parallel axes."""
 
+import textwrap
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,9 @@ from mrts.figures.study_maps import study_title
 from mrts.figures.style import plain
 
 AXIS_INCHES = 1.25
-AXIS_LETTERS = 30
+LINE_LETTERS, MOST_LETTERS = 15, 44
+"""Of a line of an axis' name, and of the name."""
+
 BELOW, ABOVE = -0.03, 1.03
 """Where the ends of an axis are written, its own at 0 and 1."""
 
@@ -58,8 +61,8 @@ def draw_parallel_coordinates(axes: Axes, table: StudyTable, drawn: ParallelAxes
     if len(drawn.without):
         axes.text(count - 1 + BESIDE, NO_DURATION, "none", fontsize="small", va="center")
     axes.xaxis.tick_top()
-    titles = [plain(table.knobs[knob].title, AXIS_LETTERS) for knob in drawn.knobs]
-    axes.set_xticks(place, [*titles, "duration [s]"], rotation=20, ha="left", fontsize="small")
+    titles = [_lines(plain(table.knobs[knob].title, MOST_LETTERS)) for knob in drawn.knobs]
+    axes.set_xticks(place, [*titles, "duration\n[s]"], fontsize="small")
     axes.tick_params(length=0)
     axes.set_yticks([])
     axes.set_xlim(-0.3, count - 0.6)
@@ -68,6 +71,11 @@ def draw_parallel_coordinates(axes: Axes, table: StudyTable, drawn: ParallelAxes
     legend = axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=4, fontsize="small", frameon=False)
     for line in legend.get_lines():
         line.set_alpha(1.0)
+
+
+def _lines(title: str) -> str:
+    """A path and its unit in lines that stand over an axis."""
+    return textwrap.fill(title.replace(".", ". "), LINE_LETTERS).replace(". ", ".")
 
 
 def parallel_coordinates_figure(table: StudyTable) -> Figure:

@@ -17,6 +17,7 @@ from mrts.drawing.study_map import (
     duration_ends,
     map_binding,
     map_remark,
+    spreads_widely,
     study_map,
 )
 from mrts.drawing.study_table import StudyTable
@@ -108,6 +109,8 @@ def draw_study_line(axes: Axes, table: StudyTable, drawn: StudyMap) -> None:
     if len(table.ranked):
         best = table.ranked[0]
         axes.plot(table.values[best, cells.knob], table.duration[best], **BEST)
+        if spreads_widely(table):
+            axes.set_yscale("log")
     finish(axes, plain(table.knobs[cells.knob].title), "shortest duration [s]")
     axes.set_xlim(cells.edges[0], cells.edges[-1])
     legend_below(axes, 1)

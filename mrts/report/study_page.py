@@ -131,7 +131,10 @@ def _outcomes(found: StudyTable) -> Html:
     parts = [table(("outcome", "what it means", "variants", "share"), counts)]
     reasons = found.reasons()
     if reasons:
-        rows = [(outcome, reason, str(count)) for outcome, reason, count in reasons[:MOST_REASONS]]
+        rows = [
+            (outcome, element("div", reason, class_="prose"), str(count))
+            for outcome, reason, count in reasons[:MOST_REASONS]
+        ]
         parts += [
             element("h3", "Why not"),
             table(("outcome", "reason of the first", "variants alike"), rows),
@@ -154,7 +157,11 @@ def _varied(found: StudyTable) -> Html:
         column = found.values[:, number]
         low, high = span_texts(float(np.min(column)), float(np.max(column)))
         rows.append((knob.path, low, high, knob.unit, str(len(np.unique(column)))))
-    return section("varied", "What was varied", table(("number", "from", "to", "unit", "different values"), rows))
+    asked = element(
+        "dl", joined(joined([element("dt", name), element("dd", text)]) for name, text in found.asked.items())
+    )
+    whole = table(("number", "from", "to", "unit", "different values"), rows)
+    return section("varied", "What was asked", *([asked] if found.asked else []), whole)
 
 
 def _rest(count: int, what: str) -> list[Html]:

@@ -9,7 +9,7 @@ from mrts.base.arrays import Array
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.labels import shortened
 from mrts.drawing.study_lines import NO_DURATION, ParallelAxes, parallel_axes
-from mrts.drawing.study_map import LIMIT_COLOURS, StudyMap, duration_ends, map_binding, study_map
+from mrts.drawing.study_map import LIMIT_COLOURS, StudyMap, duration_ends, map_binding, spreads_widely, study_map
 from mrts.drawing.study_table import OUTCOMES, Index, StudyTable
 from mrts.drawing.study_words import SHARES, managed, span_texts
 from mrts.report.markup import plot_text
@@ -135,6 +135,8 @@ def _line_plot(table: StudyTable, drawn: StudyMap) -> Plot:
     shape = layout(plot_text(table.knobs[cells.knob].title), "shortest duration [s]", (low - margin, high + margin))
     shape["xaxis"] |= {"range": numbers(cells.edges[[0, -1]])}
     shape["xaxis"].pop("unifiedhovertitle")
+    if len(finite) and spreads_widely(table):
+        shape["yaxis"] |= {"type": "log", "range": numbers(np.log10([low / 1.1, high * 1.1]))}
     shape["hovermode"], shape["shapes"] = "closest", []
     keys = []
     fills = [(binding.codes == code, name, colour) for code, (name, colour) in
@@ -222,5 +224,6 @@ def durations_plot(table: StudyTable) -> Plot | None:
     }
     all_of_it = line(durations[[0, -1]], np.full(2, percent[-1]), "can be played at all", 1, None)
     shape = layout("duration [s]", "share of all variants [%]", (0.0, 104.0))
+    shape["xaxis"]["type"] = "log" if spreads_widely(table) else "linear"
     shape["xaxis"]["unifiedhovertitle"] = {"text": "%{x:.4g} s"}
     return Plot("durations", "Which share of the variants manages which duration", [curve, all_of_it, points], shape)

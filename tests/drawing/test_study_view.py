@@ -77,9 +77,10 @@ def test_cells_of_drawn_points_show_the_best_of_theirs():
     assert 2 < x.count == y.count <= MOST_CELLS
     assert "other number; knob 1 and knob 2" in map_remark(table, drawn)
     has = np.isfinite(table.duration)
-    least = binned_statistic_2d(*table.values[has, 1:].T, table.duration[has], "min", [x.edges, y.edges]).statistic.T
+    points = np.delete(table.values, 0, axis=1)
+    least = binned_statistic_2d(*points[has].T, table.duration[has], "min", [x.edges, y.edges]).statistic.T
     np.testing.assert_array_equal(drawn.of_best(table.duration), np.where(np.isnan(least), np.nan, least))
-    count = binned_statistic_2d(*table.values[:, 1:].T, None, "count", [x.edges, y.edges]).statistic.T
+    count = binned_statistic_2d(*points.T, None, "count", [x.edges, y.edges]).statistic.T
     np.testing.assert_array_equal(drawn.outcome >= 0, (count > 0) & (drawn.best < 0))
     for wrong in (("knob 9",), ("knob 1", "knob 1"), ("knob 0", "knob 1", "knob 2")):
         with pytest.raises(mrts.InputError, match="one or two of what the study varies: knob 0, knob 1, knob 2"):
@@ -136,7 +137,9 @@ def test_words_say_how_many_and_how_fast():
     assert text.startswith(f"{counts['feasible']} of 108 variants solved so far, of 400 may be played")
     assert f"{counts['unreachable']} unreachable, {counts['infeasible']} infeasible" in text
     assert managed_texts(table)[-1].startswith("no duration suits")
-    assert managed_texts(KINDS["all alike"]) == [f"{share} % of the variants manage 0.4 s" for share in (50, 90, 95, 99)]
+    assert managed_texts(KINDS["all alike"]) == [
+        f"{share} % of the variants manage 0.4 s" for share in (50, 90, 95, 99)
+    ]
     assert [percent(*pair) for pair in ((0, 5), (1, 10**6), (999_999, 10**6), (5, 5), (1, 3))] == [
         "0 %", "0.0001 %", "99.9 %", "100 %", "33 %"
     ]  # fmt: skip

@@ -50,7 +50,7 @@ def test_every_kind_of_study_has_legible_figures(name, tmp_path):
         check_legible(figure)
 
 
-def test_the_map_is_the_durations_of_the_best(tmp_path):
+def test_the_map_is_the_durations_of_the_best():
     table = grid_study()
     drawn = study_map(table)
     left, right = Figure().subplots(1, 2)
