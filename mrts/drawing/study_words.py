@@ -10,8 +10,8 @@ from mrts.drawing.study_table import Index, StudyTable
 BEST_PART = 0.05
 """Share of the variants with a duration that counts as the best."""
 
-SHARES = (0.5, 0.9, 0.95, 0.99)
-"""Shares of the variants of which the duration is told that they manage."""
+SHARES = (50, 90, 95, 99)
+"""Of the variants, of which the duration is told that they manage [%]."""
 
 HARDLY = 0.02
 """A number that explains less than this share of anything hardly matters."""
@@ -39,15 +39,15 @@ def best_text(table: StudyTable) -> str:
     return f"{text}, limited by {table.limit.names[limit]}" if limit >= 0 else text
 
 
-def managed(table: StudyTable, share: float) -> float | None:
+def managed(table: StudyTable, share: int) -> float | None:
     """The duration that a share of all variants manages [s]; None if fewer have one at all.
 
     Args:
         table: The study.
-        share: Above 0, at most 1.
+        share: From 1 to 100 [%].
     """
-    needed = int(np.ceil(share * table.variants - 1e-9))
-    return float(table.duration[table.ranked[needed - 1]]) if 0 < needed <= len(table.ranked) else None
+    needed = -(-share * table.variants // 100)
+    return float(table.duration[table.ranked[needed - 1]]) if needed <= len(table.ranked) else None
 
 
 def managed_texts(table: StudyTable) -> list[str]:
@@ -57,8 +57,8 @@ def managed_texts(table: StudyTable) -> list[str]:
         duration = managed(table, share)
         if duration is None:
             having = percent(len(table.ranked), table.variants)
-            return [*texts, f"no duration suits {100 * share:g} % of the variants: {having} have one"]
-        texts.append(f"{100 * share:g} % of the variants manage {duration:.4g} s")
+            return [*texts, f"no duration suits {share} % of the variants: {having} have one"]
+        texts.append(f"{share} % of the variants manage {duration:.4g} s")
     return texts
 
 

@@ -48,8 +48,8 @@ def draw_managed(axes: Axes, table: StudyTable) -> None:
     for share in SHARES:
         duration = managed(table, share)
         if duration is not None:
-            axes.plot(duration, 100 * share, "o", color=COLOURS[0], markersize=5)
-            axes.annotate(f"{100 * share:g} %: {duration:.4g} s", (duration, 100 * share), xytext=(6, -5),
+            axes.plot(duration, share, "o", color=COLOURS[0], markersize=5)
+            axes.annotate(f"{share} %: {duration:.4g} s", (duration, share), xytext=(6, -5),
                           textcoords="offset points", va="top", fontsize="small")  # fmt: skip
     finish(axes, "shortest duration [s]", "share of all variants [%]")
     axes.set_ylim(0, 104)

@@ -214,8 +214,8 @@ def durations_plot(table: StudyTable) -> Plot | None:
     marks = [(share, value) for share, value in ends if value is not None]
     points = {
         "x": [value for _, value in marks],
-        "y": [100 * share for share, _ in marks],
-        "text": [f"{100 * share:g} %: {value:.4g} s" for share, value in marks],
+        "y": [share for share, _ in marks],
+        "text": [f"{share} %: {value:.4g} s" for share, value in marks],
         "mode": "markers+text",
         "textposition": "bottom right",
         "marker": {"size": 9, "color": COLOURS[0]},
