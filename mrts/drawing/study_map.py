@@ -284,19 +284,21 @@ class Binding:
 
 
 def map_binding(table: StudyTable, drawn: StudyMap) -> Binding:
-    """Which limit binds where, at most as many as there are colours.
+    """Which limit binds where, at most as many as there are colours; of several at once, the first.
 
     Args:
         table: The study.
         drawn: Its map.
     """
-    most = len(LIMIT_COLOURS)
-    limits = np.where(drawn.best >= 0, table.limit.codes[drawn.best], -1)
+    firsts = [name.split(", ")[0] for name in table.limit.names]
+    first = {name: code for code, name in enumerate(dict.fromkeys(firsts))}
+    of_variant = np.array([*(first[name] for name in firsts), -1])[table.limit.codes]
+    limits = np.where(drawn.best >= 0, of_variant[drawn.best], -1)
     found, count = np.unique(limits[limits >= 0], return_counts=True)
     order = found[np.argsort(-count, kind="stable")]
-    names = [table.limit.names[code] for code in order]
+    names, most = [list(first)[code] for code in order], len(LIMIT_COLOURS)
     if len(order) > most:
         names = [*names[: most - 1], f"{len(order) - most + 1} other limits"]
-    place = np.full(len(table.limit.names) + 1, -1)
+    place = np.full(len(first) + 1, -1)
     place[order] = np.minimum(np.arange(len(order)), most - 1)
     return Binding(tuple(names), place[limits])

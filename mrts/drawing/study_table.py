@@ -38,8 +38,11 @@ OUTCOMES = {
 MOMENT = re.compile(r" at t = \S+ s(?: with .*)?$")
 """When a limit binds and with which load, after its name."""
 
-VALUE = re.compile(r"\((upper|lower), [^()]*\)")
-"""Side and value of a limit, after its name: the value may be what varies."""
+BETWEEN_LIMITS = re.compile(r", (?![^()]*\))")
+"""Between the limits that bind together, not within the value of one."""
+
+LIMIT = re.compile(r"(.*?)(?: torque| contact wrench)? \((upper|lower)(?:, [^()]*)?\)")
+"""Name, side and value of a limit; the value may be what varies."""
 
 NUMBER = re.compile(r"(?<![\w/.])[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w/])")
 """Reasons that differ by such only are alike."""
@@ -99,7 +102,7 @@ class StudyTable:
         values: Shape (V, P).
         outcome: What became of each, by the names in `OUTCOMES`.
         reason: Why there is none; without a text where there is nothing to say.
-        limit: What binds at c²⁺, without its value and the moment.
+        limit: What binds at c²⁺, several limits with ", " between them: `left/elbow ↑, left/fx ↓`.
         c2: c²⁺, NaN where there is none, Shape (V,).
         duration: Of the fastest motion, NaN where there is none, Shape (V,) [s].
         asked: What was asked of each variant, in words.
@@ -133,6 +136,22 @@ class StudyTable:
         """Rows of the variants that have a duration, the shortest first; of equals, that with the lower number."""
         rows = np.flatnonzero(self.admitted & np.isfinite(self.duration))
         return rows[np.lexsort((self.variant[rows], self.duration[rows]))]
+
+    def limits(self, row: int) -> list[str]:
+        """The limits that bind at c²⁺ of a variant; none where nothing does."""
+        code = self.limit.codes[row]
+        return self.limit.names[code].split(", ") if code >= 0 else []
+
+    def limit_counts(self, rows: NDArray[np.bool_]) -> list[tuple[str, int]]:
+        """Which limit binds how often, the most frequent first; several may bind at a variant.
+
+        Args:
+            rows: Which variants count, Shape (V,).
+        """
+        counts: Counter[str] = Counter()
+        for code, count in self.limit.counts(rows):
+            counts.update(dict.fromkeys(self.limit.names[code].split(", "), count))
+        return counts.most_common()
 
     def reasons(self) -> list[tuple[str, str, int]]:
         """Outcome, reason and number of the variants without a speed, the most frequent first.
@@ -200,7 +219,7 @@ def study_table(
         values=np.stack(columns, axis=1) if columns else np.empty((len(variant), 0)),
         outcome=Labels(tuple(OUTCOMES), places[outcome.codes] if len(places) else outcome.codes),
         reason=_labels(found, "reason"),
-        limit=_names_only(_labels(found, "upper_limit")),
+        limit=_short_limits(_labels(found, "upper_limit")),
         c2=_numbers(found, "c2_upper"),
         duration=_numbers(found, "duration"),
         asked=asked,
@@ -218,8 +237,15 @@ def _labels(found: "pa.Table", name: str) -> Labels:
     return Labels(tuple(coded.dictionary.to_pylist()), codes)
 
 
-def _names_only(limit: Labels) -> Labels:
-    names = [VALUE.sub(r"(\1)", MOMENT.sub("", name)) for name in limit.names]
+def _short_limits(limit: Labels) -> Labels:
+    """The names of limits alone; texts that then are alike become one."""
+    names = [", ".join(map(_short, BETWEEN_LIMITS.split(MOMENT.sub("", name)))) for name in limit.names]
     merged = {name: code for code, name in enumerate(dict.fromkeys(names))}
     codes = np.array([*(merged[name] for name in names), -1], dtype=int)
     return Labels(tuple(merged), codes[limit.codes])
+
+
+def _short(limit: str) -> str:
+    """A limit as other pictures have it, see `mrts.drawing.labels.row_label`: `left/elbow ↑`."""
+    found = LIMIT.fullmatch(limit)
+    return limit if found is None else f"{found[1]} {'↑' if found[2] == 'upper' else '↓'}"

@@ -4,6 +4,7 @@
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.drawing.labels import MOST_NAMES
 from mrts.drawing.study_map import Weight, ends_reached, weights
 from mrts.drawing.study_table import Index, StudyTable
 
@@ -35,8 +36,14 @@ def best_text(table: StudyTable) -> str:
         return "no variant has a shortest duration"
     row = int(table.ranked[0])
     text = f"the best is variant {table.variant[row]}: {table.duration[row]:.4g} s, c² = {table.c2[row]:.4g}"
-    limit = int(table.limit.codes[row])
-    return f"{text}, limited by {table.limit.names[limit]}" if limit >= 0 else text
+    return f"{text}, limited by {limits_text(table, row)}" if table.limits(row) else text
+
+
+def limits_text(table: StudyTable, row: int) -> str:
+    """The first limits that bind at c²⁺ of a variant, and how many more do."""
+    limits = table.limits(row)
+    more = f" and {len(limits) - MOST_NAMES} more" if len(limits) > MOST_NAMES else ""
+    return ", ".join(limits[:MOST_NAMES]) + more
 
 
 def managed(table: StudyTable, share: int) -> float | None:
@@ -78,7 +85,6 @@ def best_rows(table: StudyTable, most: int) -> tuple[list[str], list[list[str]]]
         Titles of the columns, and the rows, each with its own title first.
     """
     best = table.ranked[:most]
-    limits = [table.limit.names[code] if code >= 0 else "" for code in table.limit.codes[best]]
     rows = [
         ["duration [s]", _span(table.duration[table.ranked]), *(f"{value:.4g}" for value in table.duration[best])],
         ["c²⁺ [1]", _span(table.c2[table.ranked]), *(f"{value:.4g}" for value in table.c2[best])],
@@ -90,7 +96,7 @@ def best_rows(table: StudyTable, most: int) -> tuple[list[str], list[list[str]]]
             for row, ends in zip(best, reached, strict=True)
         ]
         rows.append([knob.title, _span(table.values[:, number]), *values])
-    rows.append(["limited by", "", *limits])
+    rows.append(["limited by", "", *(limits_text(table, int(row)) for row in best)])
     return ["variant", "from … to", *(str(number) for number in table.variant[best])], rows
 
 
@@ -122,11 +128,11 @@ def next_steps(table: StudyTable) -> list[str]:
         why = f", such as: {reason.split('. ')[0].rstrip('.')}" if reason else ""
         steps.append(f"{count} of the {without} variants that cannot be played are {outcome}{why}.")
     if len(table.ranked):
-        code, count = next(iter(table.limit.counts(np.isin(np.arange(table.variants), best_part(table)))), (-1, 0))
-        if code >= 0:
-            share = percent(count, len(best_part(table)))
+        counts = table.limit_counts(np.isin(np.arange(table.variants), best_part(table)))
+        if counts:
+            share = percent(counts[0][1], len(best_part(table)))
             steps.append(
-                f"{table.limit.names[code]} limits {share} of the best variants: mrts sweep --top writes the best as "
+                f"{counts[0][0]} limits {share} of the best variants: mrts sweep --top writes the best as "
                 "files; ask mrts scale --what-if of these what raising it would bring, and what binds then."
             )
         steps.append("mrts place searches on from the best variants, between the points that were tried.")

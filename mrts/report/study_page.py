@@ -73,7 +73,7 @@ def _sections(found: StudyTable, place: Place) -> list[Html]:
     ]  # fmt: skip
     if len(found.ranked):
         head, (*rows, limits) = best_rows(found, MOST_BEST)
-        rows.append([limits[0], *(Html(html(limit).replace(" ", "<br>", 1)) for limit in limits[1:])])
+        rows.append([limits[0], *(Html(html(limit).replace(", ", "<br>")) for limit in limits[1:])])
         note = "(end): at an end of what was tried; further may be better."
         pieces.append(section("best", "The best variants", table(head, rows), element("p", note, class_="note")))
     if found.knobs:
@@ -111,15 +111,15 @@ def _weights(found: StudyTable) -> list[Html]:
 def _limits(found: StudyTable) -> list[Html]:
     """Which limit binds how often; nothing where none does."""
     best = np.isin(np.arange(found.variants), best_part(found))
-    counts = found.limit.counts(found.admitted)
-    of_best = dict(found.limit.counts(best))
-    total, total_best = sum(count for _, count in counts), sum(of_best.values())
+    counts, of_best = found.limit_counts(found.admitted), dict(found.limit_counts(best))
+    total, total_best = np.count_nonzero(found.admitted), max(np.count_nonzero(best), 1)
     rows = [
-        (found.limit.names[code], _bar(count / total), _bar(of_best.get(code, 0) / max(total_best, 1)))
-        for code, count in counts[:MOST_LIMITS]
+        (name, _bar(count / total), _bar(of_best.get(name, 0) / total_best)) for name, count in counts[:MOST_LIMITS]
     ]
+    note = "↑ at its upper limit, ↓ at its lower one. Several may bind at once: raising one alone then brings little."
     whole = table(("limit at c²⁺", "of all that can be played", "of the best 5 %"), rows)
-    return [section("limits", "What limits them", whole, *_rest(len(counts) - MOST_LIMITS, "limits"))] if rows else []
+    rest = _rest(len(counts) - MOST_LIMITS, "limits")
+    return [section("limits", "What limits them", whole, *rest, element("p", note, class_="note"))] if rows else []
 
 
 def _outcomes(found: StudyTable) -> Html:

@@ -7,6 +7,7 @@ from found_studies import ELBOW, FORCE, drawn_study, found_study, grid_study, ki
 from scipy.stats import binned_statistic_2d, norm
 
 import mrts
+from mrts.drawing.labels import row_label
 from mrts.drawing.study_lines import MOST_LINES, NO_DURATION, parallel_axes
 from mrts.drawing.study_map import MOST_CELLS, OUTERMOST, ends_reached, map_binding, map_remark, study_map, weights
 from mrts.drawing.study_table import OUTCOMES
@@ -28,13 +29,17 @@ def test_texts_lose_their_moment_value_and_load():
     limits = [f"{ELBOW} at t = 0.1 s with mass 3 kg", "right/elbow torque (upper, 81.5 N m), c² ≥ 0", FORCE, ELBOW]
     table = found_study(np.zeros((4, 1)), np.array([0.4, 0.3, 0.2, np.nan]), limit=limits)
     names = [table.limit.names[code] if code >= 0 else None for code in table.limit.codes]
-    assert names == [
-        "right/elbow torque (upper)",
-        "right/elbow torque (upper), c² ≥ 0",
-        "left/fx contact wrench (lower)",
-        None,
-    ]
-    assert table.limit.counts(np.ones(4, dtype=bool)) == [(0, 1), (1, 1), (2, 1)]
+    assert names == ["right/elbow ↑", "right/elbow ↑, c² ≥ 0", "left/fx ↓", None]
+    assert table.limits(1) == ["right/elbow ↑", "c² ≥ 0"]
+    assert table.limits(3) == []
+    assert table.limit_counts(np.ones(4, dtype=bool)) == [("right/elbow ↑", 2), ("c² ≥ 0", 1), ("left/fx ↓", 1)]
+
+
+def test_limits_are_named_as_in_the_pictures_of_a_result(planar_cell, lift):
+    for cell in (planar_cell, planar_cell.with_mass(3.0)):
+        end = mrts.scale(cell, lift).range.upper
+        table = found_study(np.zeros((1, 1)), np.array([0.3]), limit=", ".join(map(str, end.rows)))
+        assert table.limits(0) == [row_label(row) for row in end.rows]
 
 
 def test_reasons_that_differ_by_numbers_are_one():
@@ -152,7 +157,7 @@ def test_the_best_table_holds_the_numbers_of_the_best():
     by_title = {row[0]: row[1:] for row in rows}
     assert by_title["duration [s]"][1:] == [f"{value:.4g}" for value in np.sort(table.duration)[:3]]
     assert by_title["knob 1 [m]"] == ["2 … 3", "2 (end)", "2 (end)", "2 (end)"]
-    assert by_title["limited by"][1] == "left/fx contact wrench (lower)"
+    assert by_title["limited by"][1] == "left/fx ↓"
 
 
 def test_the_next_step_is_the_one_that_the_numbers_ask_for():
@@ -162,7 +167,7 @@ def test_the_next_step_is_the_one_that_the_numbers_ask_for():
     assert "knob 0 is at the" not in steps
     assert "knob 1 matters most" in steps
     assert f"27 of the {without} variants that cannot be played are unreachable" in steps
-    assert "left/fx contact wrench (lower) limits" in steps
+    assert "left/fx ↓ limits" in steps
     inside = np.random.default_rng(1).uniform(0, 1, (500, 3))
     calm = "\n".join(next_steps(found_study(inside, 0.5 + (inside[:, 0] - 0.5) ** 2)))
     assert "try further" not in calm

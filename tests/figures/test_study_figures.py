@@ -66,7 +66,7 @@ def test_the_map_is_the_durations_of_the_best():
     assert any(line.get_paths() for line in left.collections if "Contour" in type(line).__name__)
     limits = [each for each in right.collections if each.get_label() in table.limit.names]
     assert sum(len(each.get_paths()) for each in limits) == np.count_nonzero(np.isfinite(table.duration))
-    assert legend_of(right) == ["left/fx contact wrench (lower)", "right/elbow torque (upper)", "infeasible",
+    assert legend_of(right) == ["left/fx ↓", "right/elbow ↑", "infeasible",
                                 "unreachable", "the best"]  # fmt: skip
     assert len({patch.get_facecolor() for patch in right.get_legend().get_patches()[:2]}) == 2
 

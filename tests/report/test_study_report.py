@@ -110,7 +110,7 @@ def test_the_text_says_what_became_of_the_variants():
         f"{count} of 108 variants may be played",
         "<td>unreachable</td>\n<td>the arms cannot follow the object</td>\n<td>27</td>\n<td>25 %</td>",
         "knob 1 is at the lower end of what was tried",
-        "<td>left/fx contact wrench (lower)</td>",
+        "<td>left/fx ↓</td>",
         "left/elbow and right/fx conflict",
         "no duration suits",
     ):
