@@ -22,12 +22,17 @@ from mrts.base.input_file import (
     StrictModel,
     Vector3,
     broken_rule,
+    plain,
     read_model,
+    validated,
 )
 from mrts.base.load_box import PARAMETERS, range_problem
 
 INERTIA_TOLERANCE = 1e-9
 """Share by which an inertia may miss symmetry, the triangle inequality, and 0: printed with few digits."""
+
+DESCRIBED = Path("cell description")
+"""What messages call the dictionary that stands for a cell file."""
 
 ROBOT_NAMES_TAKEN = frozenset({"time", "components"})
 """Keys that stand beside the robots' names in the JSON result."""
@@ -174,6 +179,16 @@ def read_cell_description(path: Path) -> CellDescription:
     return read_model(path, CellDescription, "cell file")
 
 
+def cell_description(data: object) -> CellDescription:
+    """Validate what a dictionary made in Python says of a cell: keys and rules of a cell file, numpy's numbers as well.
+
+    Raises:
+        InputError: If it breaks a rule.
+    """
+    where = str(DESCRIBED)
+    return validated(DESCRIBED, plain(where, data), CellDescription, where)
+
+
 def inertia_problem(inertia: Array, *, triangle: float = INERTIA_TOLERANCE, rods: bool = False) -> str:
     """Why an inertia matrix, Shape (3, 3) [kg m²], is not that of a body; empty if it is.
 
@@ -208,15 +223,20 @@ def triangle_excess(inertia: Array) -> float:
     return float(largest) / total - 1 if total > 0 else np.inf
 
 
-def resolve_urdf(cell_path: Path, reference: str) -> Path:
+def resolve_urdf(cell_path: Path, folder: Path, reference: str) -> Path:
     """Path of a robot's URDF: relative to the cell file, absolute, or `package://NAME/…` of an installed package.
+
+    Args:
+        cell_path: The cell file, for messages.
+        folder: Where it stands, absolute.
+        reference: What it says.
 
     Raises:
         InputError: If a `package://` name is not an installed Python package.
     """
     match = re.fullmatch(r"package://([^/]+)/(.+)", reference)
     if not match:
-        return cell_path.resolve().parent / reference
+        return folder / reference
     from importlib.util import find_spec  # noqa: PLC0415 (only for package:// references)
 
     package, inside = match.groups()

@@ -64,6 +64,7 @@ def cell_manifest(cell: CellModel, chains: ChainsRecord) -> Manifest:
         gravity=list(description.gravity),
         object=_object_record(description.object),
         robots=[_robot_record(robot) for robot in cell.robots],
+        machines=list(cell.machines),
         remarks=[RemarkRecord(code=remark.code, text=remark.text) for remark in cell.remarks],
     ).sealed()
 
@@ -107,6 +108,7 @@ def _robot_record(robot: CellRobot) -> RobotRecord:
         held_numbers=robot.model.held_numbers().tolist(),
         base_tip=_pose_record(tip),
         world_base=_pose_record(robot.T_world_base),
+        base_root=_pose_record(robot.T_base_root),
         object_tip=_pose_record(robot.T_object_tip),
         posture=robot.posture.tolist(),
         wrench_lower=[_finite(value) for value in robot.wrench_lower],

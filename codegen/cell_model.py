@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mrts_codegen.cell_file import Bounds, CellDescription, RobotDescription, TorqueBounds, resolve_urdf
+from mrts_codegen.cell_file import CellDescription, RobotDescription, TorqueBounds, resolve_urdf
 from mrts_codegen.hand_file import build_contacts
 from mrts_codegen.motors_block import build_motors
 from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS, check_plane_kept
 from mrts_codegen.urdf.robot_model import RobotModel, build_robot_model
-from mrts_codegen.urdf.shared_joints import check_machines
+from mrts_codegen.urdf.shared_joints import check_machines, root_in_base
 from mrts_codegen.urdf.urdf_file import read_urdf
 from mrts_codegen.urdf.urdf_joint import NO_LIMIT
 
@@ -26,7 +26,9 @@ from mrts.base.regular_file import read_regular
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
 from mrts.hands.contact import Contact
+from mrts.hands.wrench_limits import given_wrench_limits
 from mrts.motors.joint_motors import JointMotors
+from mrts.motors.torque_limits import given_torque_limits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +42,7 @@ class CellRobot:
         urdf_sha256: Hash of the URDF's bytes.
         held: Joints that are held still, and what moves with them, with their positions [rad or m].
         T_world_base: Base link in the world.
+        T_base_root: Root of the URDF in the base link, joints in between held or at zero.
         T_object_tip: Tip link in the object frame (its grasp).
         posture: Joint positions near which the motion starts, Shape (n,) [rad or m].
         torque_lower: Shape (n,) [N m or N].
@@ -58,6 +61,7 @@ class CellRobot:
     urdf_sha256: str
     held: Mapping[str, float]
     T_world_base: RigidTransform
+    T_base_root: RigidTransform
     T_object_tip: RigidTransform
     posture: Array
     torque_lower: Array
@@ -79,12 +83,14 @@ class CellModel:
         components: Rows of a six-component wrench that this cell uses.
         wrench_components: Their names.
         robots: The arms in the order of the cell file.
+        machines: Names of each two that are arms of one machine.
     """
 
     description: CellDescription
     components: tuple[int, ...]
     wrench_components: tuple[str, ...]
     robots: tuple[CellRobot, ...]
+    machines: tuple[tuple[str, str], ...]
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
@@ -93,26 +99,27 @@ class CellModel:
         return tuple(dict.fromkeys(said))
 
 
-def build_cell_model(path: Path, description: CellDescription) -> CellModel:
+def build_cell_model(path: Path, description: CellDescription, folder: Path | None = None) -> CellModel:
     """Read the URDFs of a cell and check every array of the cell file against them.
 
     Args:
-        path: The cell file, for messages and for relative URDF paths.
+        path: The cell file, for messages.
         description: Its content.
+        folder: That URDFs are relative to, absolute; None is where the cell file stands.
 
     Raises:
         InputError: If a URDF or an array of the cell file breaks a rule.
     """
     components = PLANE_COMPONENTS[description.plane]
     names = tuple(WRENCH_COMPONENTS[component] for component in components)
-    files = [resolve_urdf(path, robot.urdf) for robot in description.robots]
+    folder = path.resolve().parent if folder is None else folder
+    files = [resolve_urdf(path, folder, robot.urdf) for robot in description.robots]
     urdfs = [read_urdf(file) for file in files]
     robots = tuple(
         _build_robot(path, description, index, names, file, urdf)
         for index, (file, urdf) in enumerate(zip(files, urdfs, strict=True))
     )
-    check_machines(path, robots, urdfs)
-    return CellModel(description, components, names, robots)
+    return CellModel(description, components, names, robots, check_machines(path, robots, urdfs))
 
 
 def _build_robot(
@@ -131,7 +138,8 @@ def _build_robot(
             value=robot.posture,
         )
     torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model)
-    wrench_lower, wrench_upper = _wrench_limits(path, key, robot.wrench, len(components))
+    bounds = robot.wrench
+    wrench_lower, wrench_upper = given_wrench_limits(path, f"{key}.wrench", bounds.lower, bounds.upper, len(components))
     motors, remarks = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
     T_world_base = RigidTransform.from_xyz_rpy(robot.base.xyz, robot.base.rpy)
     T_object_tip = RigidTransform.from_xyz_rpy(robot.grasp.xyz, robot.grasp.rpy)
@@ -144,6 +152,7 @@ def _build_robot(
         urdf_sha256=hashlib.sha256(read_regular(urdf_path, "URDF", MAX_URDF_BYTES)).hexdigest(),
         held=held,
         T_world_base=T_world_base,
+        T_base_root=root_in_base(urdf_path, urdf, model.base_link, held),
         T_object_tip=T_object_tip,
         posture=np.array(robot.posture, dtype=float),
         torque_lower=torque_lower,
@@ -173,53 +182,10 @@ def _torque_limits(
                 )
         upper = np.array([joint.effort for joint in model.joints], dtype=float)
         return -upper, upper
-    if isinstance(robot.torque, TorqueBounds):
-        sides = {"torque.lower": robot.torque.lower, "torque.upper": robot.torque.upper}
-    else:
-        sides = {"torque": robot.torque}
-    for name, values in sides.items():
-        if len(values) != len(joints):
-            raise InputError(
-                path,
-                f"must have {len(joints)} values, one for each of {', '.join(joints)}.",
-                key=f"{key}.{name}",
-                value=values,
-            )
-    upper = np.array(list(sides.values())[-1], dtype=float)
-    lower = np.array(sides["torque.lower"], dtype=float) if "torque.lower" in sides else -upper
-    if np.any(lower >= upper):
-        joint_index = int(np.argmax(lower >= upper))
-        raise InputError(
-            path,
-            f"the lower torque limit {lower[joint_index]:g} of joint '{joints[joint_index]}' must be below "
-            f"the upper one, {upper[joint_index]:g} (a symmetric limit must be > 0).",
-            key=f"{key}.torque",
-        )
-    return lower, upper
-
-
-def _wrench_limits(path: Path, key: str, bounds: Bounds, size: int) -> tuple[Array, Array]:
-    sides = []
-    for name, values, unbounded in (("lower", bounds.lower, -np.inf), ("upper", bounds.upper, np.inf)):
-        if values is not None and len(values) != size:
-            what = "fx, fy, fz, nx, ny, nz" if size != 3 else "two forces and the moment about the plane's normal"  # noqa: PLR2004
-            raise InputError(
-                path,
-                f"must have {size} values ({what}); null is unbounded.",
-                key=f"{key}.wrench.{name}",
-                value=values,
-            )
-        filled = [unbounded if value is None else value for value in values or [None] * size]
-        sides.append(np.array(filled, dtype=float))
-    lower, upper = sides
-    if np.any(lower > upper):
-        component = int(np.argmax(lower > upper))
-        raise InputError(
-            path,
-            f"its lower bound {lower[component]:g} exceeds its upper bound {upper[component]:g}.",
-            key=f"{key}.wrench[{component}]",
-        )
-    return lower, upper
+    given = robot.torque
+    if isinstance(given, TorqueBounds):
+        return given_torque_limits(path, f"{key}.torque", given.lower, given.upper, joints)
+    return given_torque_limits(path, f"{key}.torque", None, given, joints)
 
 
 def _contact_rate(given: list[float | None] | None, components: tuple[str, ...]) -> Array:

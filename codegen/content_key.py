@@ -28,7 +28,7 @@ def content_key(path: Path) -> str:
     parts = [json.dumps(description.model_dump(), sort_keys=True), emitter_key()]
     digest = hashlib.sha256("\n".join(parts).encode())
     for robot in description.robots:
-        digest.update(read_regular(resolve_urdf(path, robot.urdf), "URDF", MAX_URDF_BYTES))
+        digest.update(read_regular(resolve_urdf(path, path.resolve().parent, robot.urdf), "URDF", MAX_URDF_BYTES))
     return digest.hexdigest()
 
 

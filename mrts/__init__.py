@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from mrts.base.load_box import LoadBox, LoadPoint
     from mrts.base.remark import Remark
     from mrts.base.rigid_transform import RigidTransform
-    from mrts.cell.cell import Cell, load_cell
+    from mrts.cell.cell import Cell
+    from mrts.cell.loading import load_cell
     from mrts.cell.robot import Robot
     from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
     from mrts.coordination.grasp_closure import ClosureBound
@@ -119,7 +120,7 @@ _HOMES = {
     "follow_object": "coordination.coordinated_motion",
     "gripper_contact": "hands.gripper",
     "identify": "identification.identify",
-    "load_cell": "cell.cell",
+    "load_cell": "cell.loading",
     "load_motion": "motion.motion_file",
     "load_recording": "motion.joint_recording",
     "load_result": "output.saved_result",

@@ -3,24 +3,21 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations, permutations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from mrts_codegen.urdf.urdf_joint import MOVING_TYPES, joint_pose
 
 from mrts.base.errors import InputError
-from mrts.base.rigid_transform import RigidTransform, multiply
+from mrts.base.rigid_transform import SAME_PLACE, RigidTransform, in_one_place
 
 if TYPE_CHECKING:
     from mrts_codegen.cell_model import CellRobot
 
-SAME_PLACE = 1e-9
-"""Two copies of a machine are one if no entry of their poses differs by more [m, 1]: rounding of angles in a file."""
 
-
-def check_machines(path: Path, robots: Sequence["CellRobot"], urdfs: Sequence[Any]) -> None:
+def check_machines(path: Path, robots: Sequence["CellRobot"], urdfs: Sequence[Any]) -> tuple[tuple[str, str], ...]:
     """Check that arms of one machine, one URDF in one place, agree on what moves.
 
     Each arm has joints of its own in the dynamics. A torso that two arms share would be there twice, each copy free to
@@ -31,29 +28,53 @@ def check_machines(path: Path, robots: Sequence["CellRobot"], urdfs: Sequence[An
         robots: The arms.
         urdfs: What `read_urdf` returned for each.
 
+    Returns:
+        Names of each two robots that are arms of one machine.
+
     Raises:
         InputError: Names the joint and the ways out.
     """
-    arms = [
-        _Arm(robot, {joint.child: joint for joint in urdf.joints}) for robot, urdf in zip(robots, urdfs, strict=True)
-    ]
+    arms = [_Arm(robot, urdf) for robot, urdf in zip(robots, urdfs, strict=True)]
+    machines = []
     for first, second in combinations(arms, 2):
-        if first.robot.urdf_sha256 == second.robot.urdf_sha256 and _in_one_place(first, second):
+        if first.robot.urdf_sha256 == second.robot.urdf_sha256 and _of_one_machine(first, second):
             _check_pair(path, first, second)
+            machines.append((first.robot.name, second.robot.name))
+    return tuple(machines)
+
+
+def root_in_base(path: Path, urdf: Any, base_link: str, held: Mapping[str, float]) -> RigidTransform:
+    """Root of a URDF in the frame of one of its links, joints in between held where `held` says, else at zero.
+
+    Args:
+        path: The URDF, for messages.
+        urdf: What `read_urdf` returned.
+        base_link: The link.
+        held: Positions of joints that stand still [rad or m].
+    """
+    T = RigidTransform.identity()
+    for joint in joints_to({joint.child: joint for joint in urdf.joints}, base_link):
+        T = T @ joint_pose(path, joint, held.get(joint.name, 0.0))
+    return T.inverse()
+
+
+def joints_to(joint_above: Mapping[str, Any], link: str) -> list[Any]:
+    """Joints from the URDF's root to a link."""
+    joints: list[Any] = []
+    while link in joint_above:
+        joints.insert(0, joint_above[link])
+        link = joints[0].parent
+    return joints
 
 
 @dataclass(frozen=True)
 class _Arm:
     robot: "CellRobot"
-    joint_above: Mapping[str, Any]
+    urdf: Any
 
-    def to(self, link: str) -> list[Any]:
-        """Joints from the URDF's root to a link."""
-        joints: list[Any] = []
-        while link in self.joint_above:
-            joints.insert(0, self.joint_above[link])
-            link = joints[0].parent
-        return joints
+    @cached_property
+    def joint_above(self) -> dict[str, Any]:
+        return {joint.child: joint for joint in self.urdf.joints}
 
     def moving(self) -> dict[str, float]:
         """Joints that this arm moves, with its posture."""
@@ -62,25 +83,21 @@ class _Arm:
 
     def still(self) -> set[str]:
         """Joints that could move, but are taken to stand still by this arm."""
-        below = {joint.name for joint in self.to(self.robot.model.tip_link) if joint.type in MOVING_TYPES}
-        return below.union(self.robot.held).difference(self.moving())
+        below = joints_to(self.joint_above, self.robot.model.tip_link)
+        names = {joint.name for joint in below if joint.type in MOVING_TYPES}
+        return names.union(self.robot.held).difference(self.moving())
 
     def root(self, positions: Mapping[str, float]) -> RigidTransform:
         """Root of the URDF in the world, where the joints up to the base link stand at given positions."""
-        T = RigidTransform.identity()
-        for joint in self.to(self.robot.model.base_link):
-            T = T @ joint_pose(Path(self.robot.urdf), joint, positions.get(joint.name, 0.0))
-        return self.robot.T_world_base @ RigidTransform(T.R.T, -multiply(T.R.T, T.p))
+        robot = self.robot
+        return robot.T_world_base @ root_in_base(Path(robot.urdf), self.urdf, robot.model.base_link, positions)
 
 
-def _in_one_place(first: _Arm, second: _Arm) -> bool:
+def _of_one_machine(first: _Arm, second: _Arm) -> bool:
     """Whether two arms of one URDF are of one machine, with the joints between their bases at zero or as postured."""
     held = {**first.robot.held, **second.robot.held}
-    for positions in (held, {**first.moving(), **second.moving(), **held}):
-        one, other = first.root(positions), second.root(positions)
-        if max(np.max(np.abs(one.R - other.R)), np.max(np.abs(one.p - other.p))) <= SAME_PLACE:
-            return True
-    return False
+    moving = {**first.moving(), **second.moving()}
+    return any(in_one_place(first.root(positions), second.root(positions)) for positions in (held, moving | held))
 
 
 def _check_pair(path: Path, first: _Arm, second: _Arm) -> None:

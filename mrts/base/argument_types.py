@@ -34,6 +34,7 @@ WORDS = {
     "bool": "True or False",
     "float": "a number",
     "int": "a whole number",
+    "integer": "one of numpy",
     "str": "text",
 }
 """What a type is called in a message."""

@@ -3,15 +3,17 @@
 
 import difflib
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self, TypeVar
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidatorFunctionWrapHandler, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from mrts.base.errors import InputError
 from mrts.base.regular_file import read_regular
-from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
+from mrts.base.yaml_parser import MAX_YAML_BYTES, MAX_YAML_DEPTH, parse_yaml
 
 MAX_FILE_BYTES = 30_000_000
 """Far above any cell, motion, URDF or generated C file: a larger one is a mistake."""
@@ -105,16 +107,55 @@ def read_model(path: Path, model: type[Model], what: str) -> Model:
         data = parse_yaml(text)
     except ValueError as error:
         raise InputError(path, f"this {what} {error}.") from None
+    return validated(path, data, model, what)
+
+
+def validated(where: Path | str, data: object, model: type[Model], what: str) -> Model:
+    """What a file or a dictionary says, validated.
+
+    Args:
+        where: The file, or what the dictionary is, for messages.
+        data: Mappings, lists, texts and numbers.
+        model: The format that it must have.
+        what: What it is, for messages: "cell file".
+
+    Raises:
+        InputError: If it breaks a rule of the format.
+    """
     if not isinstance(data, dict):
         raise InputError(
-            path, f"a {what} is a mapping of keys to values ({', '.join(model.model_fields)}).", value=data
+            where, f"a {what} is a mapping of keys to values ({', '.join(model.model_fields)}).", value=data
         )
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise broken_format(path, error) from None
+        raise broken_format(where, error) from None
     except InputError as error:  # of a format that can also be built in Python
-        raise InputError(path, error.rule, key=error.key, value=error.value) from None
+        raise InputError(where, error.rule, key=error.key, value=error.value) from None
+
+
+def plain(where: str, data: object, depth: int = MAX_YAML_DEPTH) -> object:
+    """A value as a YAML file could hold it: numpy's arrays and numbers, tuples and paths become lists, numbers, text.
+
+    Args:
+        where: What the value is, for messages.
+        data: A dictionary made in Python.
+        depth: How deep lists and dictionaries may lie in each other.
+
+    Raises:
+        InputError: If they lie deeper, as where one holds itself.
+    """
+    if depth < 0:
+        raise InputError(where, f"its lists and keys may lie {MAX_YAML_DEPTH} deep at most.")
+    if isinstance(data, Mapping):
+        return {key: plain(where, value, depth - 1) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [plain(where, value, depth - 1) for value in data]
+    if isinstance(data, np.ndarray):
+        return plain(where, data.tolist(), depth - 1)
+    if isinstance(data, np.generic):
+        return data.item()
+    return str(data) if isinstance(data, Path) else data
 
 
 def broken_rule(rule: str) -> PydanticCustomError:

@@ -5,7 +5,7 @@ import hashlib
 import json
 import re
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
@@ -100,7 +100,7 @@ class PoseRecord(_Record):
 
 
 class ContactRecord(_Record):
-    """Rows lower <= A F <= upper of one contact, as `mrts.hands.contact.Contact`; None is unbounded."""
+    """Rows lower <= A F <= upper of one contact, as `mrts.hands.contact.Contact`; None is unbounded, or not given."""
 
     name: str
     frame: Literal["tip", "object", "base"]
@@ -109,6 +109,7 @@ class ContactRecord(_Record):
     A: Matrix
     lower: list[float | None]
     upper: list[float | None]
+    given: dict[str, Any] | None
 
 
 class RobotRecord(_Record):
@@ -124,6 +125,7 @@ class RobotRecord(_Record):
     held_numbers: Annotated[list[float], Field(max_length=LARGEST_SIZE)]
     base_tip: PoseRecord
     world_base: PoseRecord
+    base_root: PoseRecord
     object_tip: PoseRecord
     posture: list[float]
     wrench_lower: list[float | None]
@@ -226,6 +228,7 @@ class Manifest(ChainsRecord):
     gravity: Vector3
     object: ObjectRecord
     robots: Annotated[list[RobotRecord], Field(min_length=1, max_length=MOST)]
+    machines: Annotated[list[tuple[str, str]], Field(max_length=MOST)]
     remarks: Annotated[list[RemarkRecord], Field(max_length=MOST)]
 
     @model_validator(mode="after")

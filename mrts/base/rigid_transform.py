@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Rotation matrices and rigid transforms of constant frames, reproducible bit for bit.
+"""Rotation matrices and rigid transforms of constant frames, reproducible bit for bit; frames that keep to a plane.
 
 The generated C carries these numbers, so products avoid BLAS, whose kernels differ between processors.
 """
 
 from dataclasses import dataclass
-from math import cos, sin
+from itertools import product
+from math import atan2, cos, hypot, nextafter, pi, sin
 
 import numpy as np
 
@@ -13,6 +14,21 @@ from mrts.base.arrays import Array
 
 SNAP = 1e-15
 """Entries this close to 0 or ±1 are rounding of cos(π/2) and the like; exact ones vanish from the C."""
+
+ROUNDED_ANGLE = 1e-15
+"""An angle of a rotation is known to this share of it, or of 1 rad: rounding of its sine and cosine."""
+
+LONG_DECIMAL = 15
+"""Characters of a number that nobody typed."""
+
+ROTATION_TOLERANCE = 1e-9
+"""Largest entry of R Rᵀ - I of a constant rotation, far above the rounding of a product."""
+
+PLANE_TOLERANCE = 1e-9
+"""Largest entry of a rotation that still counts as zero: 1 nm at 1 m, far below any calibration."""
+
+SAME_PLACE = 1e-9
+"""Two frames are one if no entry of their poses differs by more [m, 1]: rounding of angles in a file."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +50,10 @@ class RigidTransform:
     def numbers(self) -> Array:
         """R by rows, then p, Shape (12,)."""
         return np.concatenate([self.R.ravel(), self.p])
+
+    def inverse(self) -> "RigidTransform":
+        """Pose of frame a in frame b."""
+        return RigidTransform(self.R.T, -multiply(self.R.T, self.p))
 
     @staticmethod
     def identity() -> "RigidTransform":
@@ -72,3 +92,98 @@ def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Array:
         ]
     )
     return snap_rotation(R)
+
+
+def rpy_from_rotation(R: Array) -> list[float]:
+    """Roll, pitch, yaw [rad] of a rotation, Shape (3,): those of `rotation_from_rpy` that give its very numbers.
+
+    Near the angles that the entries tell, the shortest decimals are tried first. Where pitch is ±π/2 roll and yaw turn
+    about one axis, and yaw is 0; there the rotation comes back to rounding.
+
+    Args:
+        R: Shape (3, 3).
+    """
+    level = hypot(R[0, 0], R[1, 0])
+    pitch = atan2(-R[2, 0], level)
+    if level > ROUNDED_ANGLE:
+        angles = (atan2(R[2, 1], R[2, 2]), pitch, atan2(R[1, 0], R[0, 0]))
+    else:
+        angles = (atan2(-R[1, 2], R[1, 1]), pitch, 0.0)
+    best, least = list(angles), np.inf
+    for tried in sorted(product(*map(_ranked, angles)), key=lambda ranked: sum(rank for rank, _ in ranked)):
+        rpy = [angle for _, angle in tried]
+        off = float(np.max(np.abs(rotation_from_rpy(*rpy) - R)))
+        if off < least:
+            best, least = rpy, off
+        if off == 0:
+            break
+    return best
+
+
+def _ranked(angle: float) -> list[tuple[int, float]]:
+    """Numbers that an angle may be a rounding of, each with its rank: short decimals, itself, its neighbours."""
+    near = ROUNDED_ANGLE * max(1.0, abs(angle))
+    decimals = [rounded for digits in range(17) if abs((rounded := round(angle, digits)) - angle) <= near]
+    short = [value for value in decimals[:1] if len(repr(value)) < LONG_DECIMAL]
+    below, above = nextafter(angle, -pi), nextafter(angle, pi)
+    neighbours = (below, above, nextafter(below, -pi), nextafter(above, pi))
+    return list(enumerate(dict.fromkeys(value + 0.0 for value in (*short, angle, *decimals, *neighbours))))
+
+
+def is_rotation(R: Array) -> bool:
+    """Whether a matrix, Shape (3, 3), is a rotation."""
+    return bool(np.max(np.abs(R @ R.T - np.eye(3))) <= ROTATION_TOLERANCE and np.linalg.det(R) > 0)
+
+
+def in_one_place(one: RigidTransform, other: RigidTransform) -> bool:
+    """Whether two poses in one frame are the same."""
+    return bool(max(np.max(np.abs(one.R - other.R)), np.max(np.abs(one.p - other.p))) <= SAME_PLACE)
+
+
+def plane_normal(plane: str) -> Array:
+    """First × second coordinate axis of a plane, Shape (3,): 'xz' has -y."""
+    first, second = (np.eye(3)["xyz".index(axis)] for axis in plane)
+    return np.cross(first, second)
+
+
+def tilt(R: Array, plane: str) -> float:
+    """How far a rotation turns the normal of a plane out of itself: largest change of an entry.
+
+    Args:
+        R: Shape (3, 3).
+        plane: Such as "xy".
+    """
+    normal = plane_normal(plane)
+    return float(np.max(np.abs(R @ normal - normal)))
+
+
+def base_leaves(plane: str, R_world_base: Array) -> str:
+    """The rule that a base of a planar cell breaks; empty if it stays in the plane.
+
+    Args:
+        plane: Of the cell.
+        R_world_base: Rotation of the base in the world, Shape (3, 3).
+    """
+    if tilt(R_world_base, plane) <= PLANE_TOLERANCE:
+        return ""
+    return f"in a cell with plane {plane} a base may turn about the plane's normal only."
+
+
+def grasp_leaves(plane: str, R_object_tip: Array, R_base_tip: Array, tip: str) -> str:
+    """The rule that a grasp of a planar cell breaks; empty if it stays in the plane.
+
+    Args:
+        plane: Of the cell.
+        R_object_tip: Rotation of the tip in the object, Shape (3, 3).
+        R_base_tip: Rotation of the tip in the base with every joint at zero, Shape (3, 3).
+        tip: Name of the tip link.
+    """
+    R_base_object = multiply(R_base_tip, R_object_tip.T)
+    if tilt(R_base_object, plane) <= PLANE_TOLERANCE:
+        return ""
+    normal = plane_normal(plane)
+    angle = np.degrees(np.arccos(np.clip((R_base_object @ normal) @ normal, -1, 1)))
+    return (
+        f"the tip frame '{tip}' is tilted by {angle:.4g}° against the object. Choose a grasp rotation that differs "
+        f"from the tip's own only about the plane's normal ({plane})."
+    )

@@ -11,6 +11,9 @@ MAX_YAML_BYTES = 1_000_000
 MAX_YAML_VALUES = 20_000
 """Nearly two thousand waypoints: read in a second, and far above any cell. Larger data go into tables."""
 
+LINE = 110
+"""Characters of a line that is written."""
+
 MAX_YAML_DEPTH = 20
 """A cell file is 5 deep."""
 
@@ -74,6 +77,27 @@ _StrictLoader.add_implicit_resolver(
     re.compile(r"^([-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN))$"),
     list("-+0123456789."),
 )
+
+
+class _StrictDumper(yaml.SafeDumper):
+    """What `_StrictLoader` reads as text stands in quotes where it looks like a number, and nothing is an alias."""
+
+    yaml_implicit_resolvers = _StrictLoader.yaml_implicit_resolvers
+
+    def ignore_aliases(self, _data: Any) -> bool:
+        return True
+
+
+def yaml_text(value: Any) -> str:
+    """YAML text of a value, keys in their order, lists of numbers in one line; `parse_yaml` reads the same value.
+
+    Args:
+        value: Dictionaries with texts for keys, lists, texts, numbers, None.
+    """
+    text: str = yaml.dump(
+        value, Dumper=_StrictDumper, default_flow_style=None, sort_keys=False, allow_unicode=True, width=LINE
+    )
+    return text
 
 
 def parse_yaml(text: str) -> Any:

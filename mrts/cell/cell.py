@@ -3,33 +3,24 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from types import NoneType
 from typing import Any, Literal, Self
 
 import numpy as np
 
-from mrts.base.argument_types import as_path, check_list, check_type, is_number
-from mrts.base.arrays import Array, freeze_array, with_infinity
+from mrts.base.argument_types import check_list, check_type, is_number
+from mrts.base.arrays import Array, freeze_array
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
-from mrts.base.load_box import LoadBox, load_vector
-from mrts.base.manifest import LOAD_ENTRIES, MANIFEST_NAME, WRENCH_COMPONENTS, WRENCH_UNITS, Manifest, read_generated
+from mrts.base.load_box import LoadBox
+from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.remark import Remark
-from mrts.base.rigid_transform import RigidTransform
-from mrts.cell.functions import Backend, CellFunctions, bind_functions
-from mrts.cell.generation import generated_in_cache, virtual_machine_functions
-from mrts.cell.robot import Robot, robot_from_record
-
-OF_CHAINS = ("name", "joints", "joint_types", "axes", "points", "held", "held_numbers", "T_base_tip")
-"""Attributes of a robot that its URDF gives, or that name inputs and outputs of the generated functions."""
-
-OF_GEOMETRY = ("T_world_base", "T_object_tip")
-"""Those that baked functions hold as numbers besides."""
-
-SAME_NUMBER = 1e-12
-"""Largest difference of what is the same number after rounding [m, rad, m/s²]."""
+from mrts.cell.cell_check import check_generated, check_placement
+from mrts.cell.functions import Backend, CellFunctions
+from mrts.cell.robot import Robot
+from mrts.cell.robot_changes import Bounds, Numbers, posed, torque_limited, vector, wrench_limited
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -50,6 +41,7 @@ class Cell:
         enforces_velocity_limits: Whether velocity limits bound the speed, or are reported only.
         remarks: What to know of how its files were read.
         reserve: Share of every limit that is kept free, 0 or more and below 1.
+        folder: That the URDFs of its cell file are relative to; None where that is not known.
 
     All but names, joints and plane can be changed in Python, by methods of this class or `dataclasses.replace`. Where
     the functions are baked (`mrts generate --bake`), they hold gravity, bases and grasps as numbers, and these cannot.
@@ -70,10 +62,12 @@ class Cell:
     enforces_velocity_limits: bool = True
     remarks: tuple[Remark, ...] = ()
     reserve: float = 0.0
+    folder: Path | None = None
 
     def __post_init__(self) -> None:
         check_type("cell: functions", self.functions, CellFunctions)
         check_type("cell: load_box", self.load_box, LoadBox, NoneType)
+        check_type("cell: folder", self.folder, Path, NoneType)
         check_type("cell: enforces_velocity_limits", self.enforces_velocity_limits, bool)
         for key, kind in (("wrench_components", str), ("robots", Robot), ("remarks", Remark)):
             check_list(f"cell: {key}", getattr(self, key), kind)
@@ -87,47 +81,46 @@ class Cell:
             rule = "must be > 0; infinity where there is none."
             raise InputError("cell", rule, key="object_velocity_limit", value=self.object_velocity_limit.tolist())
         _check_reserve(self.reserve)
-        self._check_generated()
+        check_generated(self)
+        check_placement(self)
         object.__setattr__(self, "functions", self.functions.placed(self.geometry))
         for robot in self.robots:
             if len(robot.wrench_lower) != len(self.wrench_components):
                 rule = f"must have Shape ({len(self.wrench_components)},): {', '.join(self.wrench_components)}."
                 raise InputError(f"robot '{robot.name}'", rule, key="wrench_lower", value=robot.wrench_lower.tolist())
 
-    def _check_generated(self) -> None:
-        """Check that what the generated functions hold is what they were generated with."""
-        made = self.functions.manifest
-        pairs: list[tuple[str, object, object]] = [
-            ("name", self.name, made.name),
-            ("plane", self.plane, made.plane),
-            ("wrench_components", list(self.wrench_components), made.wrench_components),
-            ("robots", [robot.name for robot in self.robots], [robot.name for robot in made.robots]),
-        ]
-        robots = list(zip(self.robots, self.functions.robots, strict=False))
-        self._refuse_change(pairs, robots, OF_CHAINS, (
-            "is part of the generated functions, so changing it in Python would be ignored there. Change the cell file "
-            "(name, plane, fixed, robots) or the URDF, and read it again: mrts.load_cell(path)."
-        ))  # fmt: skip
-        if made.is_baked:
-            self._refuse_change([("gravity", self.gravity, np.array(made.gravity))], robots, OF_GEOMETRY, (
-                "stands as a number in the generated C, which was baked, so changing it in Python would be ignored "
-                "there. Read the cell file instead, mrts.load_cell(path), or generate without --bake."
-            ))  # fmt: skip
+    @classmethod
+    def from_description(
+        cls, description: Mapping[str, Any], *, folder: Path | str | None = None, backend: Backend = "auto"
+    ) -> "Cell":
+        """A cell from a dictionary with the keys of a cell file, under the same rules; numpy's numbers and arrays too.
 
-    @staticmethod
-    def _refuse_change(
-        pairs: list[tuple[str, object, object]],
-        robots: list[tuple[Robot, Robot]],
-        attributes: tuple[str, ...],
-        rule: str,
-    ) -> None:
-        for robot, generated in robots:
-            if robot is not generated:
-                where = f"robot '{robot.name}' "
-                pairs = pairs + [(where + key, getattr(robot, key), getattr(generated, key)) for key in attributes]
-        for key, ours, theirs in pairs:
-            if not _same(ours, theirs):
-                raise InputError("cell", rule, key=key)
+        Args:
+            description: The keys; see docs/cell_file.md.
+            folder: That URDFs are relative to; None is the current one.
+            backend: As in `mrts.load_cell`.
+
+        Raises:
+            InputError: If the description or a URDF breaks a rule.
+            CompilerError: If the compiler fails.
+        """
+        from mrts.cell.loading import described_cell  # noqa: PLC0415 (it makes cells)
+
+        return described_cell(description, folder, backend)
+
+    def to_yaml(self, path: Path | str | None = None) -> str:
+        """The text of a cell file that reads back to an equal cell: it was read again before it is handed out.
+
+        Args:
+            path: File to write it to, whole or not at all; a URDF in its folder or below is then given relative to it.
+
+        Raises:
+            InputError: If a cell file cannot hold what the cell is now, a URDF is not there as it was, or the file
+                cannot be written.
+        """
+        from mrts.cell.cell_text import cell_text  # noqa: PLC0415 (it reads cells)
+
+        return cell_text(self, path)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Cell, tuple(getattr(self, entry.name) for entry in fields(self))  # checked again where it arrives
@@ -275,84 +268,99 @@ class Cell:
             InputError: If a name is unknown or a posture has the wrong length or is not finite.
         """
         check_type("postures", postures, Mapping)
-        known = {robot.name: robot for robot in self.robots}
         for name, posture in postures.items():
-            if name not in known:
-                raise InputError("postures", f"there is no such robot; there are {', '.join(known)}.", value=name)
-            joints = known[name].joints
+            joints = self._robot("postures", name).joints
             if as_array("postures", posture).shape != (len(joints),) or not np.all(np.isfinite(posture)):
                 raise InputError(
                     "postures", f"must hold {len(joints)} finite joint positions.", key=name, value=posture
                 )
-        return replace(
-            self,
-            robots=tuple(
-                replace(robot, posture=np.array(postures.get(robot.name, robot.posture), dtype=float))
-                for robot in self.robots
-            ),
+        robots = (
+            replace(robot, posture=np.array(postures[robot.name], dtype=float)) if robot.name in postures else robot
+            for robot in self.robots
         )
+        return replace(self, robots=tuple(robots))
+
+    def with_base(self, name: str, xyz: Numbers | None = None, rpy: Numbers | None = None) -> Self:
+        """The same cell with the base of a robot elsewhere in the world; None keeps position or rotation.
+
+        Args:
+            name: Of the robot.
+            xyz: Position of its base link, Shape (3,) [m].
+            rpy: Roll, pitch, yaw in URDF's convention, Shape (3,) [rad].
+
+        Raises:
+            InputError: If a value breaks a rule of the cell file, or the robot is an arm of a machine with another.
+        """
+        robot = self._robot("name", name)
+        return self._with(replace(robot, T_world_base=posed(robot, "base", robot.T_world_base, xyz, rpy)))
+
+    def with_grasp(self, name: str, xyz: Numbers | None = None, rpy: Numbers | None = None) -> Self:
+        """The same cell with a robot that holds the object elsewhere; None keeps position or rotation.
+
+        What its hand can exert stays as it is in tip axes, and turns with the tip.
+
+        Args:
+            name: Of the robot.
+            xyz: Position of its tip link in the object frame, Shape (3,) [m].
+            rpy: Roll, pitch, yaw in URDF's convention, Shape (3,) [rad].
+
+        Raises:
+            InputError: If a value breaks a rule of the cell file.
+        """
+        robot = self._robot("name", name)
+        return self._with(replace(robot, T_object_tip=posed(robot, "grasp", robot.T_object_tip, xyz, rpy)))
+
+    def with_torque_limits(self, name: str, upper: Numbers, lower: Numbers | None = None) -> Self:
+        """The same cell with other torque limits of a robot.
+
+        Args:
+            name: Of the robot.
+            upper: Largest torques, Shape (n_i,) [N m, N of a prismatic joint].
+            lower: Least torques, likewise; None is -upper.
+
+        Raises:
+            InputError: If a value breaks a rule of the cell file.
+        """
+        return self._with(torque_limited(self._robot("name", name), upper, lower))
+
+    def with_wrench_limits(self, name: str, lower: Bounds = None, upper: Bounds = None) -> Self:
+        """The same cell with other bounds of what a robot exerts on the object.
+
+        Args:
+            name: Of the robot.
+            lower: On F_i, base axes, Shape (w,) [N, N m]; None or infinity is unbounded, a component or the whole side.
+            upper: Likewise.
+
+        Raises:
+            InputError: If a value breaks a rule of the cell file.
+        """
+        return self._with(wrench_limited(self._robot("name", name), lower, upper))
+
+    def with_gravity(self, gravity: Numbers) -> Self:
+        """The same cell under another gravity: downward, world axes, Shape (3,) [m/s²].
+
+        Raises:
+            InputError: Unless it is three finite numbers.
+        """
+        return replace(self, gravity=vector("cell", "gravity", gravity))
+
+    def _robot(self, argument: str, name: str) -> Robot:
+        """The robot of a name that a user gave."""
+        for robot in self.robots:
+            if robot.name == name:
+                return robot
+        known = ", ".join(robot.name for robot in self.robots)
+        raise InputError(argument, f"there is no such robot; there are {known}.", value=name)
+
+    def _with(self, changed: Robot) -> Self:
+        """The same cell with another robot in the place of the one of its name."""
+        return replace(self, robots=tuple(changed if ours.name == changed.name else ours for ours in self.robots))
 
 
 def _check_reserve(reserve: object) -> None:
     if not is_number(reserve, 0, np.nextafter(1, 0)):
         rule = "must be a number, 0 or more and below 1: the share of every limit that is kept free, such as 0.1."
         raise InputError("reserve", rule, value=reserve)
-
-
-def load_cell(path: Path | str, *, backend: Backend = "auto") -> Cell:
-    """Read a cell: generate and compile it on first use, from the cache after that.
-
-    Args:
-        path: A cell file, or a folder that `mrts generate` wrote.
-        backend: "auto" compiles the C and falls back to CasADi's virtual machine where there is no compiler;
-            "compiled" and "vm" insist.
-
-    Raises:
-        InputError: If the cell file, a URDF or the generated folder breaks a rule.
-        CompilerError: If the compiler fails.
-    """
-    check_type("backend", backend, str)
-    if backend not in {"auto", "compiled", "vm"}:
-        raise InputError("backend", "must be 'auto', 'compiled' or 'vm'.", value=backend)
-    path = as_path("path", path)
-    if path.is_dir() or path.name == MANIFEST_NAME:
-        manifest, source = read_generated(path if path.is_dir() else path.parent)
-        return cell_from_manifest(manifest, bind_functions(manifest, source, backend, None))
-    manifest, source = generated_in_cache(path)
-    machine = partial(virtual_machine_functions, path)
-    return cell_from_manifest(manifest, bind_functions(manifest, source, backend, machine))
-
-
-def cell_from_manifest(manifest: Manifest, functions: CellFunctions) -> Cell:
-    """The cell that a manifest describes.
-
-    Args:
-        manifest: The description.
-        functions: The generated functions.
-    """
-    carried = manifest.object
-    inertia = np.array(carried.inertia)
-    return Cell(
-        name=manifest.name,
-        plane=manifest.plane,
-        wrench_components=tuple(manifest.wrench_components),
-        gravity=np.array(manifest.gravity),
-        load=load_vector(carried.mass, np.zeros(3), inertia),
-        load_box=LoadBox(carried.mass, inertia, carried.variation, carried.outer_hull) if carried.variation else None,
-        object_velocity_limit=with_infinity([carried.linear_velocity, carried.angular_velocity], np.inf),
-        robots=functions.robots if manifest is functions.manifest else tuple(map(robot_from_record, manifest.robots)),
-        functions=functions,
-        remarks=tuple(Remark(record.code, record.text) for record in manifest.remarks),
-    )
-
-
-def _same(ours: object, theirs: object) -> bool:
-    """Whether a value is the one that was generated."""
-    if isinstance(ours, RigidTransform) and isinstance(theirs, RigidTransform):
-        return _same(ours.R, theirs.R) and _same(ours.p, theirs.p)
-    if isinstance(ours, np.ndarray) and isinstance(theirs, np.ndarray):
-        return theirs.shape == ours.shape and bool(np.all(np.abs(ours - theirs) <= SAME_NUMBER))
-    return ours == theirs
 
 
 def _slices(sizes: dict[str, int]) -> dict[str, slice]:

@@ -5,7 +5,7 @@ This is the only place where the run time calls the build time (`mrts_codegen`).
 """
 
 from collections.abc import Callable
-from functools import lru_cache, partial
+from functools import cache, lru_cache, partial
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -47,12 +47,58 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     described = cache_folder("cells", key) / MANIFEST_NAME
     manifest = _if_sound(described, partial(verified_manifest, described))
     if manifest is not None:
-        source = _chains_folder(manifest.chains) / manifest.source
+        source = _source_in_cache(manifest)
         if _is_source(source, manifest):
             return manifest, source
-    manifest = _described(path, key)
+    manifest = _manifest(_model(path, key), partial(_chains, path, key))
     write_text_atomically(described, manifest.to_json(), private=True)
-    return manifest, _chains_folder(manifest.chains) / manifest.source
+    return manifest, _source_in_cache(manifest)
+
+
+def described_in_cache(description: object, folder: Path) -> tuple[Manifest, Path, Callable[[], dict[str, Any]]]:
+    """Manifest of a cell that a dictionary describes, its C file, and what gives CasADi's functions; chains are cached.
+
+    Args:
+        description: Keys of a cell file.
+        folder: That URDFs are relative to.
+
+    Raises:
+        InputError: If the description or a URDF breaks a rule.
+    """
+    from mrts_codegen.cell_file import DESCRIBED, cell_description  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.cell_model import build_cell_model  # noqa: PLC0415
+
+    cell = build_cell_model(DESCRIBED, cell_description(description), folder.resolve())
+
+    @cache
+    def chains() -> Any:
+        return _generate_chains(cell)
+
+    manifest = _manifest(cell, chains)
+    return manifest, _source_in_cache(manifest), lambda: dict(chains().functions)
+
+
+def _manifest(cell: Any, generate: Callable[[], Any]) -> Manifest:
+    """The manifest of a cell, its C file in the cache.
+
+    Args:
+        cell: With its URDFs.
+        generate: Its functions, if the cache lacks them.
+    """
+    from mrts_codegen.cell_manifest import cell_manifest  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.content_key import chains_key  # noqa: PLC0415
+
+    folder = _chains_folder(chains_key(cell, CACHED_STEM, bake=False))
+    chains = _if_sound(folder / CHAINS_NAME, ChainsRecord.model_validate_json)
+    if chains is None or not _is_source(folder / chains.source, chains):
+        made = generate()
+        made.write(folder)
+        chains = made.record
+    return cell_manifest(cell, chains)
+
+
+def _source_in_cache(manifest: Manifest) -> Path:
+    return _chains_folder(manifest.chains) / manifest.source
 
 
 def _chains_folder(key: str) -> Path:
@@ -60,21 +106,6 @@ def _chains_folder(key: str) -> Path:
     from mrts_codegen.content_key import emitter_key  # noqa: PLC0415 (build time, on demand)
 
     return cache_folder("chains", key, emitter_key())
-
-
-def _described(path: Path, key: str) -> Manifest:
-    """The manifest of a cell, its C file in the cache."""
-    from mrts_codegen.cell_manifest import cell_manifest  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.content_key import chains_key  # noqa: PLC0415
-
-    cell = _model(path, key)
-    folder = _chains_folder(chains_key(cell, CACHED_STEM, bake=False))
-    chains = _if_sound(folder / CHAINS_NAME, ChainsRecord.model_validate_json)
-    if chains is None or not _is_source(folder / chains.source, chains):
-        made = _chains(path, key)
-        made.write(folder)
-        chains = made.record
-    return cell_manifest(cell, chains)
 
 
 def _if_sound(path: Path, read: Callable[[str], Record]) -> Record | None:
@@ -189,10 +220,27 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     from mrts_codegen.cell_file import read_cell_description, resolve_urdf  # noqa: PLC0415 (build time, on demand)
 
     robots = read_cell_description(path).robots
-    return {robot.name: (resolve_urdf(path, robot.urdf), robot.base_link) for robot in robots}
+    return {robot.name: (resolve_urdf(path, path.resolve().parent, robot.urdf), robot.base_link) for robot in robots}
 
 
-def described_cell(path: Path) -> dict[str, Any]:
+def cell_file_in(manifest: Manifest, folder: Path, beside: Path | None) -> str:
+    """Text of a cell file that reads back to the cell of a manifest.
+
+    Args:
+        manifest: Of the cell as it is now.
+        folder: That its URDFs are relative to, absolute.
+        beside: Folder for the file; None for one that stands anywhere.
+
+    Raises:
+        InputError: If a cell file cannot hold the cell, or a URDF is not there as it was.
+    """
+    from mrts_codegen.written_cell import cell_file_text  # noqa: PLC0415 (build time, on demand)
+
+    text: str = cell_file_text(manifest, folder, beside)
+    return text
+
+
+def all_cell_keys(path: Path) -> dict[str, Any]:
     """Keys and values of a cell file, with the default of each key that it leaves out, None where there is none.
 
     Args:
@@ -231,6 +279,10 @@ def _model(path: Path, _key: str) -> Any:
 @lru_cache(maxsize=1)
 def _chains(path: Path, key: str) -> Any:
     """Functions generated from files of this content, kept until the virtual machine takes them: that takes seconds."""
+    return _generate_chains(_model(path, key))
+
+
+def _generate_chains(cell: Any) -> Any:
     from mrts_codegen.generate import generate_chains  # noqa: PLC0415 (the symbolic layer, only if it is needed)
 
-    return generate_chains(_model(path, key), CACHED_STEM)
+    return generate_chains(cell, CACHED_STEM)

@@ -11,8 +11,9 @@ import numpy as np
 from mrts.base.argument_types import check_list, check_type
 from mrts.base.arrays import Array, freeze_array, with_infinity, without_infinity
 from mrts.base.errors import InputError, as_array
+from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.manifest import WRENCH_COMPONENTS, JointRecord, PoseRecord, RobotRecord
-from mrts.base.rigid_transform import RigidTransform
+from mrts.base.rigid_transform import RigidTransform, is_rotation
 from mrts.hands.contact import Contact
 from mrts.hands.contact_record import contact_from_record, contact_record
 from mrts.motors.joint_motors import JointMotors
@@ -100,8 +101,7 @@ class Robot:
                 self, name, where, shapes.get(name, (n,)), finite=name in {"axes", "points", "held_numbers", "posture"}
             )
         for T_name in ("T_base_tip", "T_world_base", "T_object_tip"):
-            if not isinstance(getattr(self, T_name), RigidTransform):
-                raise InputError(where, "must be an mrts RigidTransform.", key=T_name, value=getattr(self, T_name))
+            object.__setattr__(self, T_name, _checked_pose(where, T_name, getattr(self, T_name)))
         for kind in ("position", "torque", "wrench"):
             lower, upper = getattr(self, f"{kind}_lower"), getattr(self, f"{kind}_upper")
             if np.any(lower > upper) or np.any(lower == np.inf) or np.any(upper == -np.inf):
@@ -164,12 +164,12 @@ def robot_from_record(record: RobotRecord) -> Robot:
         joint_types=tuple(joint.type for joint in record.joints),
         axes=np.array([joint.axis for joint in record.joints]),
         points=np.array([joint.point for joint in record.joints]),
-        T_base_tip=_transform(record.base_tip),
+        T_base_tip=transform(record.base_tip),
         position_lower=with_infinity([joint.lower for joint in record.joints], -np.inf),
         position_upper=with_infinity([joint.upper for joint in record.joints], np.inf),
         velocity_limit=with_infinity([joint.velocity for joint in record.joints], np.inf),
-        T_world_base=_transform(record.world_base),
-        T_object_tip=_transform(record.object_tip),
+        T_world_base=transform(record.world_base),
+        T_object_tip=transform(record.object_tip),
         posture=np.array(record.posture),
         torque_lower=np.array([joint.torque_lower for joint in record.joints]),
         torque_upper=np.array([joint.torque_upper for joint in record.joints]),
@@ -221,7 +221,26 @@ def robot_record(robot: Robot, generated: RobotRecord) -> RobotRecord:
     )
 
 
-def _transform(record: PoseRecord) -> RigidTransform:
+def _checked_pose(where: str, key: str, given: object) -> RigidTransform:
+    """A pose that nobody can write to."""
+    if not isinstance(given, RigidTransform):
+        raise InputError(where, "must be an mrts RigidTransform.", key=key, value=given)
+    R, p = as_array(f"{where}: {key}.R", given.R), as_array(f"{where}: {key}.p", given.p)
+    sizes = np.abs([*R.flat, *p.flat])
+    if R.shape != (3, 3) or p.shape != (3,) or not np.all(sizes <= LARGEST_NUMBER) or not is_rotation(R):
+        rule = (
+            "must have a rotation R with Shape (3, 3), R Rᵀ = I, det R = 1, and a position p with Shape (3,), each "
+            f"number at most {LARGEST_NUMBER:.0e} in size."
+        )
+        raise InputError(where, rule, key=key, value=given)
+    if not any(isinstance(part, np.ndarray) and part.flags.writeable for part in (given.R, given.p)):
+        return given
+    R.flags.writeable = p.flags.writeable = False
+    return RigidTransform(R, p)
+
+
+def transform(record: PoseRecord) -> RigidTransform:
+    """The pose that an entry of a manifest describes."""
     return RigidTransform(np.array(record.rotation), np.array(record.position))
 
 

@@ -73,7 +73,7 @@ def between_option(text: str | None) -> float | None:
 
 def cell_option(path: Path) -> "Cell":
     """The cell of a file or folder; on first use generated and compiled, which a terminal sees."""
-    from mrts.cell.cell import load_cell
+    from mrts.cell.loading import load_cell
 
     with working(f"generating and compiling {path}"):
         return load_cell(path)

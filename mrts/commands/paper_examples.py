@@ -11,7 +11,8 @@ from pydantic import Field
 from mrts.base.argument_types import Progress
 from mrts.base.atomic_file import Write, text_writer, write_together
 from mrts.base.input_file import Finite, Positive, StrictModel, read_model
-from mrts.cell.cell import Cell, load_cell
+from mrts.cell.cell import Cell
+from mrts.cell.loading import load_cell
 from mrts.drawing.labels import row_labels
 from mrts.motion.motion_file import load_motion
 from mrts.samples.load_sharing import LoadSharing

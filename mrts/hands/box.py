@@ -5,9 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mrts.base.arrays import without_infinity
 from mrts.base.errors import InputError, as_array
 from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
-from mrts.hands.contact import Contact, Frame, check_components, holds
+from mrts.hands.contact import Contact, Frame, as_given, check_components, holds
 
 
 def box_contact(
@@ -58,4 +59,5 @@ def box_contact(
         A=np.eye(size)[limited],
         lower=least[limited],
         upper=most[limited],
+        given=as_given("box", lower=without_infinity(least), upper=without_infinity(most), frame=frame),
     )

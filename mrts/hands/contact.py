@@ -2,8 +2,9 @@
 """A contact: the wrenches that a hand can exert on the object, as named two-sided rows."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from types import NoneType
 from typing import Any, Literal, TypeGuard
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from mrts.base.argument_types import check_list, check_type
 from mrts.base.arrays import Array, freeze_array
 from mrts.base.errors import InputError, as_array
+from mrts.base.input_file import plain
 from mrts.base.manifest import WRENCH_COMPONENTS
 
 Frame = Literal["tip", "object", "base"]
@@ -35,6 +37,7 @@ class Contact:
         lower: Minus infinity where unbounded, Shape (r,).
         upper: Infinity where unbounded, Shape (r,). A row whose limit is 0 is measured by the largest limit of the
             contact that has its unit.
+        given: The entry of a cell file that says the same, such as {"pad": {…}}; None where there is none.
 
     Raises:
         InputError: If an array has another shape, holds what is no number, or a row limits nothing.
@@ -47,9 +50,11 @@ class Contact:
     A: Array
     lower: Array
     upper: Array
+    given: Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
         check_type("contact: name", self.name, str)
+        check_type("contact: given", self.given, Mapping, NoneType)
         where = f"contact '{self.name}'"
         if not self.name or self.name != "".join(self.name.split()):
             raise InputError("contact", "its name must be text without blanks.", key="name", value=self.name)
@@ -100,6 +105,17 @@ def check_components(components: object) -> None:
     if not known or not any(holds(components, count) for count in (3, len(WRENCH_COMPONENTS))):
         rule = f"must be {', '.join(WRENCH_COMPONENTS)}, or in a plane three of them."
         raise InputError("contact", rule, key="components", value=components)
+
+
+def as_given(kind: str, **values: Any) -> dict[str, Any]:
+    """The entry of a cell file that stands for a contact made in Python.
+
+    Args:
+        kind: Such as "pad".
+        **values: What it was made of; None stands for what is left out.
+    """
+    plain_values = {key: plain("contact", value) for key, value in values.items() if value is not None}
+    return {kind: plain_values}
 
 
 def numbered(kinds: Sequence[str]) -> list[str]:

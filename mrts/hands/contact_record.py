@@ -18,6 +18,7 @@ def contact_record(contact: Contact) -> ContactRecord:
         A=contact.A.tolist(),
         lower=without_infinity(contact.lower),
         upper=without_infinity(contact.upper),
+        given=None if contact.given is None else dict(contact.given),
     )
 
 
@@ -35,4 +36,5 @@ def contact_from_record(record: ContactRecord) -> Contact:
         A=np.array(record.A, dtype=np.float64),
         lower=with_infinity(record.lower, -np.inf),
         upper=with_infinity(record.upper, np.inf),
+        given=record.given,
     )

@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -100,6 +101,7 @@ def surface_contact(
     *,
     normal_force: tuple[float, float],
     pressed: float,
+    given: dict[str, Any],
 ) -> Contact:
     """A surface that holds by friction what its normal force and what presses it besides can bear.
 
@@ -109,6 +111,7 @@ def surface_contact(
         axes: Turns a triple of a wrench from tip into contact axes (`mrts.hands.contact_axes.contact_axes`).
         normal_force: Least and most f_n [N].
         pressed: What presses the surface besides f_n [N].
+        given: Its entry in a cell file.
     """
     along = np.zeros(len(next(iter(needed.values()))))
     along[2 if len(along) == len(WRENCH_COMPONENTS) else 1] = 1.0
@@ -121,4 +124,5 @@ def surface_contact(
         A=in_tip_axes(rows, axes),
         lower=np.array([normal_force[0], *(-np.inf for _ in needed)]),
         upper=np.array([normal_force[1], *(pressed for _ in needed)]),
+        given=given,
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import WRENCH_COMPONENTS
-from mrts.hands.contact import Contact
+from mrts.hands.contact import Contact, as_given
 from mrts.hands.contact_axes import contact_axes, in_tip_axes
 from mrts.hands.friction import half_widths, positive, pyramid
 
@@ -51,6 +51,7 @@ def gripper_contact(
         A=in_tip_axes(np.array(list(rows.values())), axes),
         lower=np.full(len(rows), -both),
         upper=np.full(len(rows), both),
+        given=as_given("gripper", force=force, friction=friction, half_width=half_width, axis=axis),
     )
 
 

@@ -7,7 +7,7 @@ from mrts.base.argument_types import is_number
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.manifest import WRENCH_COMPONENTS
-from mrts.hands.contact import Contact, holds
+from mrts.hands.contact import Contact, as_given, holds
 from mrts.hands.contact_axes import contact_axes
 from mrts.hands.friction import half_widths, normal_force_needed, pyramid, surface_contact
 
@@ -42,4 +42,5 @@ def pad_contact(
     if not pair or not all(is_number(value, 0, LARGEST_NUMBER) for value in force) or not force[0] < force[1]:
         rule = "must be [least, most] normal force in N with 0 <= least < most: a pad presses and cannot pull."
         raise InputError("contact", rule, key="force", value=force)
-    return surface_contact(name, needed, axes, normal_force=(force[0], force[1]), pressed=0.0)
+    given = as_given("pad", friction=friction, normal=normal, half_width=half_width, force=force)
+    return surface_contact(name, needed, axes, normal_force=(force[0], force[1]), pressed=0.0, given=given)

@@ -8,7 +8,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.manifest import WRENCH_COMPONENTS
-from mrts.hands.contact import Contact, check_components, holds
+from mrts.hands.contact import Contact, as_given, check_components, holds
 
 INTERIOR = 1e-6
 """Least radius of a ball in a polytope, as a share of how far its rows are from the origin: HiGHS is right to 1e-7."""
@@ -63,6 +63,7 @@ def rows_contact(
         A=rows,
         lower=np.full(len(rows), -np.inf),
         upper=limits,
+        given=as_given("rows", A=A, upper=upper),
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from mrts.base.manifest import WRENCH_COMPONENTS
-from mrts.hands.contact import Contact
+from mrts.hands.contact import Contact, as_given
 from mrts.hands.contact_axes import contact_axes
 from mrts.hands.friction import normal_force_needed, positive, pyramid, surface_contact
 
@@ -42,4 +42,5 @@ def suction_contact(
     in_space = len(components) == len(WRENCH_COMPONENTS)
     widths = [width / np.sqrt(2)] * 2 if in_space else [width]
     needed = normal_force_needed(pyramid(friction, components), widths)
-    return surface_contact(name, needed, axes, normal_force=(-holding, np.inf), pressed=holding)
+    given = as_given("suction", holding_force=holding_force, friction=friction, radius=radius, normal=normal)
+    return surface_contact(name, needed, axes, normal_force=(-holding, np.inf), pressed=holding, given=given)

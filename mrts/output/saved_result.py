@@ -11,16 +11,17 @@ from typing import Any
 import numpy as np
 
 from mrts.base.argument_types import as_path, check_type
-from mrts.base.arrays import with_infinity, without_infinity
+from mrts.base.arrays import with_infinity
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError, as_array
 from mrts.base.load_box import LoadPoint
 from mrts.base.manifest import Manifest
 from mrts.base.remark import Remark
 from mrts.base.version import __version__
-from mrts.cell.cell import Cell, cell_from_manifest
+from mrts.cell.cell import Cell
+from mrts.cell.cell_text import manifest_of
 from mrts.cell.functions import CellFunctions, saved_functions
-from mrts.cell.robot import robot_record
+from mrts.cell.loading import cell_from_manifest
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import LIMITS
 from mrts.motion.object_motion import ObjectMotion
@@ -236,7 +237,7 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
         format=FORMAT_NAME,
         version=VERSION,
         mrts_version=__version__,
-        manifest=_manifest(cell),
+        manifest=manifest_of(cell),
         load=cell.load.tolist(),
         load_box=None if cell.load_box is None else BoxEntry.of(cell.load_box),
         enforces_velocity_limits=cell.enforces_velocity_limits,
@@ -283,25 +284,6 @@ def _rule(entry: RuleEntry) -> DistributionRule:
     if given is not None:
         rates = RateLimits(*(with_infinity(of, np.inf) for of in (given.torque, given.wrench, given.jerk)))
     return DistributionRule(fixed, entry.formulation, array("weights", entry.weights), entry.distribute, rates)
-
-
-def _manifest(cell: Cell) -> Manifest:
-    """The manifest of a cell with its gravity, robots and velocity limits as they are now."""
-    generated = cell.functions.manifest
-    linear, angular = without_infinity(cell.object_velocity_limit)
-    carried = generated.object.model_copy(update={"linear_velocity": linear, "angular_velocity": angular})
-    try:
-        robots = [robot_record(robot, record) for robot, record in zip(cell.robots, generated.robots, strict=True)]
-        ours = {"name": cell.name, "gravity": cell.gravity.tolist(), "object": carried, "robots": robots}
-        changed = generated.model_copy(update=ours)
-        return Manifest.model_validate(changed.model_dump()).sealed()
-    except ValueError:
-        raise InputError(
-            "cell",
-            "its name and its robots' names must be letters, digits and single underscores, and its torque limits, "
-            "postures and poses finite, to be saved.",
-            value=cell.name,
-        ) from None
 
 
 def _functions_of(cell: Cell, saved: Manifest, path: Path) -> CellFunctions:

@@ -9,7 +9,7 @@ from mrts.base.errors import InputError
 from mrts.base.input_file import read_text
 from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
 from mrts.cell.cell import Cell
-from mrts.cell.generation import described_cell
+from mrts.cell.generation import all_cell_keys
 from mrts.cell.robot import Robot
 from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription
 
@@ -41,7 +41,7 @@ def filled_cell(path: Path, given: dict[str, Any], cell: Cell) -> dict[str, Any]
     Raises:
         InputError: If the file breaks a rule.
     """
-    filled = described_cell(path)
+    filled = all_cell_keys(path)
     for robot, arm, as_given in zip(filled["robots"], cell.robots, given["robots"], strict=True):
         _fill_robot(robot, arm, len(cell.wrench_components))
         robot["contact"] = deepcopy(as_given.get("contact") or [])

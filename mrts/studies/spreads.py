@@ -8,7 +8,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 
-NEAREST_TO_CERTAIN = 2.0**-53
+NEAREST_TO_CERTAIN = 1e-16
 """Least distance of a probability from 0 and 1: a distribution without ends has no number there."""
 
 

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, Literal, Self
 
 import numpy as np
-import yaml
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.arrays import Array
@@ -17,12 +16,16 @@ from mrts.base.atomic_file import text_writer, write_atomically, write_together
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import MAX_URDF_BYTES
 from mrts.base.regular_file import read_regular
+from mrts.base.yaml_parser import yaml_text
 from mrts.kernel.cache_folder import cache_folder
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.studies.number_paths import Keys, set_number
 from mrts.studies.sampling import SampleName, sample_points
 from mrts.studies.spreads import Spread
+
+NUMBERS_SHOWN = 3
+"""Of what a knob moves."""
 
 
 @dataclass(frozen=True)
@@ -69,8 +72,15 @@ class Parameter:
 
     def __str__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""
-        numbers = f" ({', '.join(target.path for target in self.targets)})" if len(self.targets) > 1 else ""
-        return f"{self.path}{numbers}: {self.spread}{unit}"
+        return f"{self.path}{self._moved()}: {self.spread}{unit}"
+
+    def _moved(self) -> str:
+        """The numbers that a knob moves, for people."""
+        paths = [target.path for target in self.targets]
+        if paths == [self.path]:
+            return ""
+        more = f" and {len(paths) - NUMBERS_SHOWN} more" if len(paths) > NUMBERS_SHOWN else ""
+        return f" ({', '.join(paths[:NUMBERS_SHOWN])}{more})"
 
 
 @dataclass(frozen=True)
@@ -164,15 +174,15 @@ class Study:
         Raises:
             InputError: If there are no such variants.
         """
-        check_type("first", first, int)
-        check_type("last", last, int)
+        check_type("first", first, int, np.integer)
+        check_type("last", last, int, np.integer)
         if not 0 <= first <= last <= self.variants:
             rule = f"must be a block of the variants 0 to {self.variants}, the first one and the first left out."
             raise InputError("first, last", rule, value=(first, last))
         spreads = [parameter.spread for parameter in self.parameters]
         if first == last:
             return np.empty((0, len(spreads)))
-        return sample_points(spreads, self.sample, self.variants, self.seed, (first, last))
+        return sample_points(spreads, self.sample, self.variants, self.seed, (int(first), int(last)))
 
     def descriptions(self, point: Array) -> tuple[dict[str, Any], dict[str, Any]]:
         """Keys and values of the cell file and the motion file of one variant.
@@ -221,10 +231,11 @@ class Study:
         Raises:
             InputError: If there is no such variant or the folder cannot be written.
         """
-        check_type("index", index, int)
+        check_type("index", index, int, np.integer)
         if not 0 <= index < self.variants:
             raise InputError("index", f"must be a variant, from 0 to {self.variants - 1}.", value=index)
         folder = as_path("folder", folder)
+        index = int(index)
         cell, motion = self.descriptions(self.points(index, index + 1)[0])
         for robot, urdf in zip(cell["robots"], self.urdfs, strict=True):
             if not urdf.reference.startswith("package://"):
@@ -234,7 +245,7 @@ class Study:
                 motion[key] = _reference(Path(motion[key]), folder)
         paths = folder / "cell.yaml", folder / "motion.yaml"
         heading = f"# Variant {index} of {self.path.name}\n"
-        texts = [heading + as_yaml(keys) for keys in (cell, motion)]
+        texts = [heading + yaml_text(keys) for keys in (cell, motion)]
         write_together({path: text_writer(text) for path, text in zip(paths, texts, strict=True)})
         return paths
 
@@ -257,8 +268,3 @@ def _reference(file: Path, folder: Path) -> str:
         return Path(os.path.relpath(file, folder.resolve())).as_posix()
     except ValueError:  # another drive, or no path at all, which writing refuses
         return str(file)
-
-
-def as_yaml(keys: dict[str, Any]) -> str:
-    """Keys and values of a cell file or a motion file as its text."""
-    return yaml.safe_dump(keys, sort_keys=False, default_flow_style=None, allow_unicode=True, width=120)

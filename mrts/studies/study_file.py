@@ -13,8 +13,9 @@ from mrts.base.errors import InputError
 from mrts.base.input_file import MAX_URDF_BYTES, Positive, StrictModel, read_model
 from mrts.base.regular_file import read_regular
 from mrts.base.version import __version__
-from mrts.cell.cell import Cell, load_cell
+from mrts.cell.cell import Cell
 from mrts.cell.generation import urdf_files
+from mrts.cell.loading import load_cell
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import load_motion
 from mrts.motion.object_motion import ObjectMotion

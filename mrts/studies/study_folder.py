@@ -249,6 +249,7 @@ def study_content(study: Study) -> dict[str, Any]:
             "question": asdict(study.question),
             "vary": [asdict(each) | {"bounds": each.spread.bounds, "text": str(each)} for each in study.parameters],
             "sample": study.sample,
+            "count": study.variants,
             "seed": study.seed,
             "urdfs": {each.reference: f"SHA-256 {hashlib.sha256(each.content).hexdigest()}" for each in study.urdfs},
         },

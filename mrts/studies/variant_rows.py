@@ -2,9 +2,7 @@
 """The answers of a study: one row a variant, whatever becomes of it."""
 
 import math
-import tempfile
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +10,7 @@ import numpy as np
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError, MrtsError
-from mrts.cell.cell import Cell, load_cell
+from mrts.cell.cell import Cell
 from mrts.coordination.coordinate import coordinate
 from mrts.limits.rows import ActiveRow
 from mrts.motion.joint_table import JointTable
@@ -25,7 +23,7 @@ from mrts.scaling.range import RangeEnd, ScalingRange
 from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.scale import SelectionError, admissible_range, load_question, scale
 from mrts.solvers import DEFAULT_SOLVER
-from mrts.studies.study import Study, as_yaml
+from mrts.studies.study import Study
 
 UNREACHABLE, INVALID, FAILED = "unreachable", "invalid", "failed"
 """Statuses of a variant beside those of a range: the arms cannot follow, its numbers break a rule, a solver stopped."""
@@ -122,7 +120,7 @@ def _solved(study: Study, point: Array) -> Row:
     """The row of one variant, without its number and its parameters."""
     try:
         keys, motion_keys = study.descriptions(point)
-        cell = _cell(keys, study.folder)
+        cell = Cell.from_description(keys, folder=study.folder)
         motion = study.table if study.table is not None else sample_motion(MotionDescription(**motion_keys))
         return _answer(study, cell, motion)
     except InputError as error:
@@ -133,14 +131,6 @@ def _solved(study: Study, point: Array) -> Row:
         return {"status": FAILED, "reason": str(error)}
     except Exception as error:  # noqa: BLE001 (a defect in one variant must not take the others with it)
         return {"status": FAILED, "reason": f"{type(error).__name__}: {error}"}
-
-
-def _cell(keys: dict[str, Any], folder: Path) -> Cell:
-    keys = keys | {"robots": [robot | {"urdf": str(folder / robot["urdf"])} for robot in keys["robots"]]}
-    with tempfile.TemporaryDirectory() as temporary:
-        path = Path(temporary) / "cell.yaml"
-        path.write_text(as_yaml(keys), encoding="utf-8")
-        return load_cell(path)
 
 
 def _answer(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:

@@ -23,9 +23,9 @@ from random_cells import (
 import mrts
 from mrts.base.atomic_file import write_atomically
 from mrts.base.load_box import load_vector
-from mrts.cell.cell import cell_from_manifest
 from mrts.cell.functions import bind_functions
 from mrts.cell.generation import generated_in_cache, virtual_machine_functions
+from mrts.cell.loading import cell_from_manifest
 from mrts.kernel.cache_folder import cache_folder
 
 ARMS = (1, 2, 3, 4)

@@ -7,8 +7,8 @@ from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA
 
 import mrts
-from mrts.cell.cell import cell_from_manifest
 from mrts.cell.functions import CellFunctions
+from mrts.cell.loading import cell_from_manifest
 
 KINDS = (
     "planar", "spatial", "infeasible", "empty", "least speed", "unbounded", "guaranteed", "infeasible load",

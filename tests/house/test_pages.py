@@ -26,6 +26,7 @@ DOCS = ROOT / "docs"
         ("optimal_profile", 2),
         ("smooth", 3),
         ("real_cell", 9),
+        ("study_file", 4),
     ],
 )
 def test_a_page_does_what_it_shows_and_prints_what_it_says(name, blocks, tmp_path):

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: MIT
+"""What of a cell may be changed in Python: not what its functions were generated with, and no arm out of its place."""
+
+from collections.abc import Iterator
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mrts.base.errors import InputError
+from mrts.base.rigid_transform import RigidTransform, base_leaves, grasp_leaves, in_one_place
+from mrts.cell.robot import Robot, transform
+
+if TYPE_CHECKING:
+    from mrts.cell.cell import Cell
+
+OF_CHAINS = ("name", "joints", "joint_types", "axes", "points", "held", "held_numbers", "T_base_tip")
+"""Attributes of a robot that its URDF gives, or that name inputs and outputs of the generated functions."""
+
+OF_GEOMETRY = ("T_world_base", "T_object_tip")
+"""Those that baked functions hold as numbers besides."""
+
+SAME_NUMBER = 1e-12
+"""Largest difference of what is the same number after rounding [m, rad, m/s²]."""
+
+IN_CHAINS = (
+    "is part of the generated functions, so changing it in Python would be ignored there. Change the cell file (name, "
+    "plane, fixed, robots) or the URDF, and read it again: mrts.load_cell(path)."
+)
+IN_BAKED = (
+    "stands as a number in the generated C, which was baked, so changing it in Python would be ignored there. Read the "
+    "cell file instead, mrts.load_cell(path), or generate without --bake."
+)
+
+
+def check_generated(cell: "Cell") -> None:
+    """Check that what the generated functions hold is what they were generated with.
+
+    Raises:
+        InputError: If it is something else.
+    """
+    made = cell.functions.manifest
+    _refuse_change(
+        [
+            ("name", cell.name, made.name),
+            ("plane", cell.plane, made.plane),
+            ("wrench_components", list(cell.wrench_components), made.wrench_components),
+            ("robots", [robot.name for robot in cell.robots], [robot.name for robot in made.robots]),
+            *_of_robots(cell, OF_CHAINS),
+        ],
+        IN_CHAINS,
+    )
+    if made.is_baked:
+        gravity = ("gravity", cell.gravity, np.array(made.gravity))
+        _refuse_change([gravity, *_of_robots(cell, OF_GEOMETRY)], IN_BAKED)
+
+
+def check_placement(cell: "Cell") -> None:
+    """Check that arms which stand or hold elsewhere than their file says still keep to the rules of the file.
+
+    Raises:
+        InputError: If an arm leaves the plane of a planar cell, or arms of one machine part or meet.
+    """
+    made = cell.functions.manifest
+    moved = [ours.T_world_base is not theirs.T_world_base for ours, theirs in _changed(cell)]
+    for robot, generated in _changed(cell):
+        where = f"robot '{robot.name}'"
+        if cell.plane is not None:
+            problem = base_leaves(cell.plane, robot.T_world_base.R)
+            if problem:
+                raise InputError(where, problem, key="base")
+            tip = next(record.tip_link for record in made.robots if record.name == robot.name)
+            problem = grasp_leaves(cell.plane, robot.T_object_tip.R, generated.T_base_tip.R, tip)
+            if problem:
+                raise InputError(where, problem, key="grasp")
+    if any(moved):
+        _check_machines(cell)
+
+
+def _check_machines(cell: "Cell") -> None:
+    """Arms of one machine stay where they are on it, and no two copies of one machine stand in one place."""
+    made = cell.functions.manifest
+    arms = zip(cell.robots, cell.functions.robots, made.robots, strict=True)
+    for (one, one_made, first), (other, other_made, second) in combinations(arms, 2):
+        if first.urdf_sha256 != second.urdf_sha256:
+            continue
+        names = f"robots '{one.name}' and '{other.name}'"
+        if (first.name, second.name) in made.machines:
+            kept = one_made.T_world_base.inverse() @ other_made.T_world_base
+            if not in_one_place(one.T_world_base.inverse() @ other.T_world_base, kept):
+                raise InputError(
+                    "cell",
+                    f"{names} are arms of one machine (one URDF in one place): their bases move together. Give both in "
+                    "one step: mrts.Cell.from_description, or dataclasses.replace(cell, robots=…).",
+                    key="base",
+                )
+        elif in_one_place(
+            one.T_world_base @ transform(first.base_root), other.T_world_base @ transform(second.base_root)
+        ):
+            raise InputError(
+                "cell",
+                f"{names} would stand in one place, which makes them arms of one machine (they have one URDF). Move "
+                "one of them, or say so in a cell file, which is checked against the URDF.",
+                key="base",
+            )
+
+
+def _changed(cell: "Cell") -> Iterator[tuple[Robot, Robot]]:
+    """Robots that are others than those generated, with these."""
+    pairs = zip(cell.robots, cell.functions.robots, strict=False)
+    return ((robot, generated) for robot, generated in pairs if robot is not generated)
+
+
+def _of_robots(cell: "Cell", attributes: tuple[str, ...]) -> Iterator[tuple[str, object, object]]:
+    """Attributes of the changed robots: key, value, value as generated."""
+    for robot, generated in _changed(cell):
+        for name in attributes:
+            yield f"robot '{robot.name}' {name}", getattr(robot, name), getattr(generated, name)
+
+
+def _refuse_change(pairs: list[tuple[str, object, object]], rule: str) -> None:
+    for key, ours, theirs in pairs:
+        if not _same(ours, theirs):
+            raise InputError("cell", rule, key=key)
+
+
+def _same(ours: object, theirs: object) -> bool:
+    """Whether a value is the one that was generated."""
+    if ours is theirs:
+        return True
+    if isinstance(ours, RigidTransform) and isinstance(theirs, RigidTransform):
+        return _same(ours.R, theirs.R) and _same(ours.p, theirs.p)
+    if isinstance(ours, np.ndarray) and isinstance(theirs, np.ndarray):
+        return theirs.shape == ours.shape and bool(np.all(np.abs(ours - theirs) <= SAME_NUMBER))
+    return ours == theirs

@@ -1,0 +1,207 @@
+"""Rows of a study: what `mrts.scale` says of the files of each variant, and a reason where there is no answer."""
+
+import json
+
+import numpy as np
+import pytest
+from conftest import DATA
+from study_files import planar_study
+
+import mrts
+from mrts.cli import main
+from mrts.limits import LIMITS
+from mrts.studies.dry_run import estimate, study_lines, time_text
+from mrts.studies.variant_rows import column_types, solve_one_by_one, solve_variants
+
+SAME = 1e-9
+"""Share by which answers from the same numbers may differ: matrices are rounded once more on the way through a file."""
+
+UR5 = DATA.parent / "dual_ur5"
+
+REFUSED = {"invalid": mrts.InputError, "unreachable": mrts.MotionError}
+"""What `mrts.scale` raises of files whose rows have these statuses."""
+
+WIDE = """
+vary:
+  robots.left.base.xyz[0]: {from: -1.5, to: 0.5}
+  robots.right.grasp.xyz[1]: {from: -0.2, to: 0.2}
+  object.mass: {normal: {mean: 0.4, std: 0.4}}
+  robots.left.wrench.lower[0]: {from: -30, to: 1}
+  motion.duration: {from: 0.2, to: 2}
+  strength: {scales: [robots.left.torque, robots.right.torque], from: 0.02, to: 2}
+sample: sobol
+count: 48
+seed: 3
+"""
+"""Masses below 0, lower wrench limits above upper ones, and arms that do not reach are among the variants."""
+
+
+def rows_of(columns):
+    names = list(columns)
+    return [dict(zip(names, values, strict=True)) for values in zip(*columns.values(), strict=True)]
+
+
+def scaled(study, index, folder, **options):
+    cell, motion = study.write_variant(index, folder)
+    return mrts.scale(mrts.load_cell(cell), mrts.load_motion(motion), **options)
+
+
+@pytest.fixture(scope="module")
+def wide(tmp_path_factory):
+    return planar_study(tmp_path_factory.mktemp("wide"), WIDE)
+
+
+def test_each_row_is_what_scale_says_of_the_files_of_its_variant(wide, tmp_path):
+    rows = rows_of(solve_variants(wide, 0, wide.variants))
+    assert {"feasible", "infeasible", "unreachable", "invalid"} <= {row["status"] for row in rows}
+    assert [row["variant"] for row in rows] == list(range(wide.variants))
+    for row in rows:
+        folder = tmp_path / str(row["variant"])
+        if row["status"] in REFUSED:
+            with pytest.raises(REFUSED[row["status"]]) as raised:
+                scaled(wide, row["variant"], folder, between=None)
+            assert str(raised.value).endswith(row["reason"].removeprefix("cell description"))
+            continue
+        result = scaled(wide, row["variant"], folder, between=None)
+        assert row["status"] == result.status.value
+        if not result.status.admits_motion:
+            assert row["reason"] == result.range.explain()
+            assert row["c2_upper"] is None
+            continue
+        assert row["reason"] is None
+        assert row["c2_upper"] == pytest.approx(result.range.upper.c2, rel=SAME)
+        assert row["c2_lower"] == pytest.approx(result.range.lower.c2, rel=SAME)
+        assert row["duration"] == pytest.approx(result.trajectory.duration, rel=SAME)
+        assert row["upper_limit"].startswith(str(result.range.upper.rows[0]))
+        assert row["upper_limit"].endswith(f" at t = {result.range.upper.time:.4g} s")
+
+
+def test_rows_do_not_depend_on_their_block(wide):
+    whole = solve_variants(wide, 0, 12)
+    parts = [solve_variants(wide, first, first + 4) for first in (0, 4, 8)]
+    for name in column_types(wide):
+        assert np.concatenate([part[name] for part in parts]).tolist() == list(whole[name])
+
+
+def test_columns_are_named_and_ordered_as_announced(wide):
+    assert list(column_types(wide)) == list(solve_variants(wide, 0, 1)) == [
+        "variant", "robots.left.base.xyz[0]", "robots.right.grasp.xyz[1]", "object.mass", "robots.left.wrench.lower[0]",
+        "motion.duration", "strength", "status", "reason", "c2_lower", "c2_upper", "lower_limit", "upper_limit",
+        "duration",
+    ]  # fmt: skip
+    assert list(solve_variants(wide, 5, 5)["status"]) == []
+
+
+def test_questions_of_a_study_are_those_of_scale(tmp_path):
+    text = "vary: {object.mass: [0.4, 0.8]}\ntorques: true\nreserve: 0.1\nbetween: 0.001"
+    study = planar_study(tmp_path, text)
+    for row in rows_of(solve_variants(study, 0, 2)):
+        result = scaled(study, row["variant"], tmp_path / str(row["variant"]), reserve=0.1, between=0.001)
+        assert row["c2_upper"] == pytest.approx(result.range.upper.c2, rel=SAME)
+        assert row["energy"] == pytest.approx(result.trajectory.energy, rel=SAME)
+        rms = result.trajectory.duty["right"].rms_torque
+        joints = result.cell.robots[1].joints
+        assert [row[f"rms.right.{joint}"] for joint in joints] == pytest.approx(rms.tolist(), rel=SAME)
+
+
+def test_the_optimal_profile_gives_its_duration_beside_the_constant_range(tmp_path):
+    study = planar_study(tmp_path, "vary: {object.mass: [0.4, 100]}\nprofile: optimal\ntorques: true")
+    fast, heavy = rows_of(solve_variants(study, 0, 2))
+    cell, motion = study.write_variant(0, tmp_path / "fast")
+    found = mrts.retime(mrts.load_cell(cell), mrts.load_motion(motion), between=None)
+    assert fast["status"] == "feasible"
+    assert fast["duration"] == pytest.approx(found.duration, rel=SAME)
+    assert fast["c2_upper"] == pytest.approx(found.constant.range.upper.c2, rel=SAME)
+    assert fast["energy"] == pytest.approx(found.retimed.trajectory.energy, rel=SAME)
+    assert (heavy["status"], heavy["duration"], heavy["energy"]) == ("infeasible", None, None)
+    assert heavy["reason"]
+
+
+def test_nothing_that_limits_the_speed_is_a_status_of_its_own(tmp_path):
+    still = tmp_path / "still.yaml"
+    still.write_text(
+        "duration: 1\nprofile: cubic\nstart: {xyz: [1.25, 1, 0]}\nend: {xyz: [1.25, 1, 0]}\n", encoding="utf-8"
+    )
+    row = rows_of(solve_variants(planar_study(tmp_path, "vary: {object.mass: [0.4]}", motion=still), 0, 1))[0]
+    assert (row["status"], row["c2_upper"], row["duration"]) == ("unbounded", None, None)
+    assert "as fast as you like" in row["reason"]
+
+
+def test_a_table_of_joints_is_played_by_every_variant(tmp_path, planar_cell, lift):
+    table = tmp_path / "joints.csv"
+    mrts.write_trajectory_csv(mrts.scale(planar_cell, lift, "nominal"), table)
+    study = planar_study(tmp_path, "vary: {object.mass: [0.4, 0.8]}", motion=table)
+    for row in rows_of(solve_variants(study, 0, 2)):
+        result = scaled(study, row["variant"], tmp_path / str(row["variant"]), between=None)
+        assert row["c2_upper"] == pytest.approx(result.range.upper.c2, rel=SAME)
+
+
+def test_an_uncertain_load_is_asked_about(tmp_path, planar_cell, lift):
+    cell = tmp_path / "cell.yaml"
+    text = (DATA / "cell.yaml").read_text(encoding="utf-8").replace("urdf: ", f"urdf: {DATA}/")
+    cell.write_text(text.replace("  mass: 0.5", "  variation: {mass: [0.5, 1.5]}\n  mass: 0.5"), encoding="utf-8")
+    study = planar_study(tmp_path, "vary:\n  object.variation.mass[1]: [1.5, 3]", cell=cell)
+    expected = [mrts.scale(planar_cell.with_variation(mass=(0.5, most)), lift, between=None) for most in (1.5, 3.0)]
+    found = solve_variants(study, 0, 2)
+    assert found["c2_upper"] == pytest.approx([result.range.upper.c2 for result in expected], rel=SAME)
+    assert all(" with " in limit for limit in found["upper_limit"])
+
+
+def test_a_written_variant_is_read_by_the_command_line(wide, tmp_path, capsys):
+    rows = rows_of(solve_variants(wide, 0, wide.variants))
+    best = max((row for row in rows if row["status"] == "feasible"), key=lambda row: row["c2_upper"])
+    files = wide.write_variant(best["variant"], tmp_path / "a" / "b")
+    assert main(["scale", *map(str, files), "--between", "off", "--json", str(tmp_path / "out.json")]) == 0
+    capsys.readouterr()
+    out = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
+    assert out["c2"]["upper"] == pytest.approx(best["c2_upper"], rel=SAME)
+    assert files[0].read_text(encoding="utf-8").startswith(f"# Variant {best['variant']} of study.yaml\n")
+
+
+def test_a_defect_is_a_row_and_an_interrupt_is_not(wide, monkeypatch):
+    def broken(_cell, _motion):
+        raise ZeroDivisionError("of mine")
+
+    def interrupted(_cell, _motion):
+        raise KeyboardInterrupt
+
+    monkeypatch.setitem(LIMITS, "mine", broken)
+    feasible = solve_one_by_one(wide, wide.points(0, 8), 0)
+    assert "failed" in feasible["status"]
+    place = feasible["status"].index("failed")
+    assert feasible["reason"][place] == "ZeroDivisionError: of mine"
+    monkeypatch.setitem(LIMITS, "mine", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        solve_one_by_one(wide, wide.points(0, 8), 0)
+
+
+def test_blocks_that_are_not_there_are_refused(wide):
+    for first, last in ((-1, 3), (3, 2), (0, wide.variants + 1)):
+        with pytest.raises(mrts.InputError, match="must be a block of the variants 0 to 48"):
+            solve_variants(wide, first, last)
+
+
+def test_a_dry_run_says_what_varies_and_how_long_it_takes(wide):
+    lines = list(study_lines(wide))
+    assert lines[0] == "study.yaml: 48 variants (sobol, seed 3) of cell 'planar_dual_arm'"
+    assert lines[1] == "  robots.left.base.xyz[0]: from -1.5 to 0.5 m"
+    assert lines[3] == "  object.mass: normal, around 0.4, standard deviation 0.4 kg"
+    assert lines[-1] == "asked of each: range of c², at the samples alone"
+    found = estimate(wide)
+    assert sum(found.statuses.values()) == found.tried <= wide.variants
+    assert found.seconds() == pytest.approx(found.seconds_each * wide.variants)
+    assert found.seconds(4) == pytest.approx(found.seconds() / 4)
+    assert list(found.lines())[-1].startswith(f"tried {found.tried} (")
+    assert [time_text(seconds) for seconds in (0.032, 119, 200, 9000, 4e5)] == ["0.032 s", "1.2e+02 s", "3.3 min",
+                                                                              "2.5 h", "4.6 days"]  # fmt: skip
+
+
+def test_a_grid_says_its_steps(tmp_path):
+    study = planar_study(
+        tmp_path, "vary: {apart: {shifts: {motion.end.xyz: 1}, from: 0, to: 1, steps: 5}}\nreserve: 0.2"
+    )
+    numbers = ", ".join(f"motion.end.xyz[{axis}]" for axis in range(3))
+    assert list(study_lines(study))[1:] == [
+        f"  apart ({numbers}): from 0 to 1 in 5 steps m",
+        "asked of each: range of c², reserve 0.2, at the samples alone",
+    ]
