@@ -60,11 +60,19 @@ def study_load(
         return guaranteed_range(asked, box, effective_parameters(cell, motion, box))
     if question == "possible":
         return possible_range(asked, box, effective_parameters(cell, motion, box))
-    return for_every_load(asked, question, box, _mass_grid(box, question))
+    return for_every_load(asked, question, box, mass_grid(box, question))
 
 
-def _mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
-    """The paper's exhaustive search along k_m (below (46)): evenly spaced masses, both ends included."""
+def mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
+    """The paper's exhaustive search along k_m (below (46)): evenly spaced masses, both ends included.
+
+    Args:
+        box: What the load is known within.
+        question: "grid", or "grid:N" for N masses.
+
+    Raises:
+        InputError: If it is another question, or the mass does not vary.
+    """
     match = re.fullmatch(r"grid(?::([0-9]{1,9}))?", question)
     if not match:
         raise InputError("load", "must be nominal, guaranteed, possible, or grid:N such as grid:51.", value=question)

@@ -10,8 +10,16 @@ from mrts.base.errors import InputError
 from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
 from mrts.cell.cell import Cell
 from mrts.studies.knob_spread import KnobDescription, knob_spread, read_knob
-from mrts.studies.number_paths import Keys, PathError, find_keys, numbers_below, path_text, value_at, with_place
-from mrts.studies.number_units import number_unit
+from mrts.studies.number_paths import (
+    Keys,
+    PathError,
+    find_keys,
+    number_unit,
+    numbers_below,
+    path_text,
+    value_at,
+    with_place,
+)
 from mrts.studies.sampling import SampleName
 from mrts.studies.spreads import Levels, Spread
 from mrts.studies.study import Parameter, Target

@@ -1,6 +1,8 @@
 """Rows of a study: what `mrts.scale` says of the files of each variant, and a reason where there is no answer."""
 
 import json
+import pickle
+import shutil
 
 import numpy as np
 import pytest
@@ -76,6 +78,29 @@ def test_each_row_is_what_scale_says_of_the_files_of_its_variant(wide, tmp_path)
         assert row["upper_limit"].endswith(f" at t = {result.range.upper.time:.4g} s")
 
 
+def test_shipped_studies_and_hands_are_answered_as_scale_does(tmp_path):
+    squeeze = tmp_path / "study.yaml"
+    squeeze.write_text(
+        f"cell: {UR5.parent / 'squeeze' / 'cell.yaml'}\nmotion: {UR5.parent / 'squeeze' / 'lift_and_turn.yaml'}\n"
+        """vary:
+  robots.left.contact[0].pad.friction: {from: 0.3, to: 0.7}
+  grip: {sets: ["robots.left.contact[0].pad.force[1]", "robots.right.contact[0].pad.force[1]"], from: 60, to: 200}
+  turned: {shifts: ["robots.right.grasp.rpy[0]"], normal: {mean: 0, std: 0.05}}
+sample: lhs
+count: 5
+""",
+        encoding="utf-8",
+    )
+    for path in (UR5 / "study.yaml", squeeze):
+        study = mrts.read_study(path)
+        for row in rows_of(solve_variants(study, 0, 5)):
+            folder = tmp_path / f"{path.parent.name}_{row['variant']}"
+            result = scaled(study, row["variant"], folder, between=None)
+            assert row["status"] == result.status.value
+            if result.status.admits_motion:
+                assert row["c2_upper"] == pytest.approx(result.range.upper.c2, rel=SAME)
+
+
 def test_rows_do_not_depend_on_their_block(wide):
     whole = solve_variants(wide, 0, 12)
     parts = [solve_variants(wide, first, first + 4) for first in (0, 4, 8)]
@@ -147,6 +172,22 @@ def test_an_uncertain_load_is_asked_about(tmp_path, planar_cell, lift):
     assert all(" with " in limit for limit in found["upper_limit"])
 
 
+def test_a_study_is_solved_where_its_files_are_not(tmp_path):
+    folder = tmp_path / "there"
+    folder.mkdir()
+    for name in ("cell.yaml", "lift.yaml", "planar_arm.urdf"):
+        shutil.copy(DATA / name, folder)
+    text = "vary: {object.mass: [0.4, 0.8]}"
+    study = planar_study(folder, text, cell=folder / "cell.yaml", motion=folder / "lift.yaml")
+    expected, carried = solve_variants(study, 0, 2), pickle.dumps(study)
+    shutil.rmtree(folder)
+    found = solve_variants(pickle.loads(carried), 0, 2)  # noqa: S301 (our own)
+    assert found["status"] == ["feasible", "feasible"]
+    assert {name: list(column) for name, column in found.items()} == {
+        name: list(column) for name, column in expected.items()
+    }
+
+
 def test_a_written_variant_is_read_by_the_command_line(wide, tmp_path, capsys):
     rows = rows_of(solve_variants(wide, 0, wide.variants))
     best = max((row for row in rows if row["status"] == "feasible"), key=lambda row: row["c2_upper"])
@@ -202,6 +243,6 @@ def test_a_grid_says_its_steps(tmp_path):
     )
     numbers = ", ".join(f"motion.end.xyz[{axis}]" for axis in range(3))
     assert list(study_lines(study))[1:] == [
-        f"  apart ({numbers}): from 0 to 1 in 5 steps m",
+        f"  apart ({numbers}): from 0 to 1 m in 5 steps",
         "asked of each: range of c², reserve 0.2, at the samples alone",
     ]
