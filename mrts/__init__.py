@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from mrts.base.remark import Remark
     from mrts.base.rigid_transform import RigidTransform
     from mrts.cell.cell import Cell
+    from mrts.cell.cell_change import CellChange, ChangeSteps
     from mrts.cell.loading import load_cell
     from mrts.cell.robot import Robot
     from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
@@ -54,6 +55,7 @@ if TYPE_CHECKING:
     from mrts.scaling.result import DistributionRule, Residuals, ScalingResult
     from mrts.scaling.scale import SelectionError, scale
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
+    from mrts.scaling.what_if import ChangedAnswer, SpeedAnswer, WhatIf
     from mrts.smooth.rate_limits import RateLimits
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
     from mrts.studies.study import Study
@@ -67,6 +69,9 @@ _HOMES = {
     "ArmMotors": "identification.identified_motors",
     "Branch": "studies.configurations",
     "Cell": "cell.cell",
+    "CellChange": "cell.cell_change",
+    "ChangeSteps": "cell.cell_change",
+    "ChangedAnswer": "scaling.what_if",
     "ClosureBound": "coordination.grasp_closure",
     "CompilerError": "base.errors",
     "Configuration": "studies.configurations",
@@ -113,6 +118,8 @@ _HOMES = {
     "SelectionError": "scaling.scale",
     "SmoothAnswer": "retiming.smooth_piece",
     "SolverError": "base.errors",
+    "SpeedAnswer": "scaling.what_if",
+    "WhatIf": "scaling.what_if",
     "Study": "studies.study",
     "StudyFolder": "studies.study_folder",
     "SweepProgress": "sweeps.sweep_progress",
@@ -146,6 +153,9 @@ __all__ = [
     "ArmMotors",
     "Branch",
     "Cell",
+    "CellChange",
+    "ChangeSteps",
+    "ChangedAnswer",
     "ClosureBound",
     "CompilerError",
     "Configuration",
@@ -192,9 +202,11 @@ __all__ = [
     "SelectionError",
     "SmoothAnswer",
     "SolverError",
+    "SpeedAnswer",
     "Study",
     "StudyFolder",
     "SweepProgress",
+    "WhatIf",
     "box_contact",
     "follow_object",
     "gripper_contact",

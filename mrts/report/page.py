@@ -24,6 +24,7 @@ from mrts.report.tables import (
     rates_table,
     wrench_limits_table,
 )
+from mrts.report.what_if_plot import what_if_notes, what_if_plots
 from mrts.scaling.result import ScalingResult, fallbacks_text
 
 
@@ -62,6 +63,9 @@ def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[H
     found, study, done = result.range, result.load, result.trajectory
     pieces = [_head(result), *_warnings(result), _player_section(scene, given=done is None)]
     pieces.append(section("range", "Range of c²", *range_table(found), place(range_plot(found))))
+    if result.changes is not None:
+        drawn_changes = place(*what_if_plots(result.changes))
+        pieces.append(section("what-if", "What changes would do", *what_if_notes(result.changes), drawn_changes))
     if found.samples.conflicts:
         pieces.append(section("conflicts", "Limits that conflict", conflicts_table(found.samples.conflicts)))
     if done is not None:

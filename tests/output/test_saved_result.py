@@ -69,7 +69,17 @@ CASES = {
     "no load of the box": lambda cell, lift: mrts.scale(cell.with_variation(mass=(0.2, 200.0)), lift),
     "empty": lambda cell, lift: mrts.scale(forks(cell).with_variation(mass=(0.45, 2.0)), until_braking(lowering(lift))),
     "unbounded": lambda cell, lift: mrts.scale(cell, still(lift)),
+    "what if": lambda cell, lift: asked(mrts.scale(cell.with_mass(7.0), lift), share=0.8, shift=0.9),
+    "what if nothing limits": lambda cell, lift: asked(mrts.scale(cell, still(lift))),
+    "what if of a timing": lambda cell, lift: replace(
+        (found := mrts.retime(cell, lift)).retimed, changes=found.what_if(share=0.2)
+    ),
 }
+
+
+def asked(result, **steps):
+    """The result with what changes to its cell would do."""
+    return replace(result, changes=result.what_if(**steps))
 
 
 def until_braking(motion):
