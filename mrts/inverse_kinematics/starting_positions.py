@@ -19,6 +19,8 @@ FURTHER_STARTS = 40
 FURTHER_STEPS = 60
 """Steps from each of them; those that take more lead nowhere."""
 
+STARTS_TRIED = f"{1 + FURTHER_STARTS} starts were tried."
+
 SEED = 13
 
 SPREAD = 2.0
@@ -49,7 +51,7 @@ def starting_positions(cell: Cell, motion: ObjectMotion) -> tuple[Array, tuple[R
     found: Array = held.q[0].copy()
     lost = [index for index in range(len(cell.robots)) if not _holds(cell, motion, held, index)[0]]
     if lost:
-        starts = np.concatenate([_further_starts(robot) for robot in cell.robots], axis=1)
+        starts = np.concatenate([further_starts(robot, robot.posture) for robot in cell.robots], axis=1)
         further = solve_grasps(cell, motion, 0, starts, FURTHER_STEPS, np.tile(reference, (len(starts), 1)))
         for index in lost:
             joints = cell.joint_slices[cell.robots[index].name]
@@ -82,14 +84,19 @@ def _holds(cell: Cell, motion: ObjectMotion, held: HeldGrasps, index: int) -> li
     ]
 
 
-def _further_starts(robot: Robot) -> Array:
-    """Shape (FURTHER_STARTS, n_i)."""
+def further_starts(robot: Robot, posture: Array) -> Array:
+    """Where the search goes on from, Shape (…, FURTHER_STARTS, n_i).
+
+    Args:
+        robot: The arm.
+        posture: Shape (…, n_i) [rad or m].
+    """
     low, high = robot.position_lower, robot.position_upper
     steps = np.linspace(0, SPREAD, FURTHER_STARTS)[:, None]
     turns = np.random.default_rng(SEED).uniform(-1, 1, (FURTHER_STARTS, len(robot.joints)))
-    starts = np.clip(robot.posture + steps * turns, low, high)
+    starts: Array = np.clip(posture[..., None, :] + steps * turns, low, high)
     limited = np.isfinite(low) & np.isfinite(high)
-    starts[0, limited] = (low[limited] + high[limited]) / 2
+    starts[..., 0, limited] = (low[limited] + high[limited]) / 2
     return starts
 
 
@@ -114,8 +121,8 @@ def _nearest(cell: Cell, motion: ObjectMotion, held: HeldGrasps, further: HeldGr
             robot, motion.time, within_limits(robot, q[int(np.argmax(reached))][None, joints])
         )
     best = int(np.argmin(np.maximum(gap, turn)))
-    failure = failure or unreachable(robot, motion, 0, float(gap[best]), float(turn[best]))
-    raise MotionError(f"{failure} {1 + FURTHER_STARTS} starts were tried.")
+    failure = failure or unreachable(robot, motion.time, 0, float(gap[best]), float(turn[best]))
+    raise MotionError(f"{failure} {STARTS_TRIED}")
 
 
 def _parts(held: HeldGrasps, index: int) -> tuple[Array, Array, Array, Array]:

@@ -12,13 +12,16 @@ from mrts.base.manifest import Manifest
 PROGRAM_FILES = ("linear_programs.c", "quadratic_programs.c", "batch.c")
 """The programs, which need no cell."""
 
-CELL_FILES = (*PROGRAM_FILES, "rows.c", "speed_intervals.c", "trajectory.c", "null_space.c", "tracking.c")
+CELL_FILES = (
+    *(*PROGRAM_FILES, "rows.c", "speed_intervals.c", "trajectory.c", "tracking/null_space.c", "tracking/tracking.c"),
+    *("variants/follow.c", "variants/ranges.c"),
+)
 """All of the kernel; the last files need a cell's sizes and generated functions."""
 
 SMOOTH_FILES = tuple(f"smooth/{name}.c" for name in ("smooth_rows", "smooth_second", "fronts", "interior_point"))
 """The programs of smooth timing, which need no cell either."""
 
-INCLUDED = re.compile(r'^#include "((?:\.\./)?\w+\.h)"\n', re.MULTILINE)
+INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.h)"\n', re.MULTILINE)
 
 
 def one_file(name: str) -> str:

@@ -40,7 +40,7 @@ class NewtonRule:
     reached: float
 
 
-class _Tracking(ctypes.Structure):
+class TrackingStructure(ctypes.Structure):
     """`mrts_tracking` of tracking.c."""
 
     _fields_ = [
@@ -82,7 +82,7 @@ class GraspTask:
         *limits, place = (pointer(array) for array in self._arrays)
         used = (ctypes.c_int * 6)(*components)
         wish = _Preference(*limits, push)
-        self.structure = _Tracking(
+        self.structure = TrackingStructure(
             steps=newton.steps,
             settled=newton.settled,
             longest=newton.longest,
