@@ -15,12 +15,10 @@ Keys = tuple[str | int, ...]
 ONE_FOR_ALL = frozenset({"armature", "coulomb", "viscous", "torque_rate", "jerk", "rated"})
 """Keys of `motors` where one number stands for all joints."""
 
-
 NOTHING_THERE = "the file says nothing of {}, and there is no default. Write it there first."
 
 NEED_NOT_BE_GIVEN = frozenset({"linear", "angular", "torque_rate", "jerk", "rated"})
 """Keys where null stands for a number that is not limited or not known; so it does in lists of limits."""
-
 
 BY_KEY = {
     "xyz": "m",
@@ -136,24 +134,38 @@ def number_unit(keys: Keys, robots: Sequence[Robot], wrench_units: Sequence[str]
         wrench_units: Of the cell's contact wrenches.
     """
     words = [key for key in keys if isinstance(key, str)]
-    index = keys[-1] if isinstance(keys[-1], int) else 0
     if "variation" in words:
         key = words[words.index("variation") + 1]
         return "" if key == "mass" else OF_VARIATION.get(key[0], "")
     if words[:2] == ["cell", "robots"] and isinstance(keys[2], int):
-        robot, inside = robots[keys[2]], words[2:]
-        if inside[0] == "wrench" or "box" in inside:
-            return wrench_units[index]
-        if inside[0] == "contact_rate":
-            return ("N/s", "N m/s")[index]
-        if "torque_speed" in inside:
-            curve = keys[-3] if isinstance(keys[-3], int) else 0
-            turning = robot.joint_types[curve] == "revolute"
-            return (("rad/s", "N m") if turning else ("m/s", "N"))[index]
-        for word in inside:
-            if word in OF_JOINT:
-                return OF_JOINT[word][robot.joint_types[index] == "prismatic"]
+        unit = _robot_unit(keys, words[2:], robots[keys[2]], wrench_units)
+        if unit is not None:
+            return unit
     return next((BY_KEY[word] for word in words if word in BY_KEY), "")
+
+
+def _robot_unit(keys: Keys, inside: list[str], robot: Robot, wrench_units: Sequence[str]) -> str | None:
+    """Unit of a number of a robot; None where the key alone says it.
+
+    Args:
+        keys: The place.
+        inside: Those of its keys that are words, from the robot inward.
+        robot: The robot.
+        wrench_units: Of its contact wrench.
+    """
+    index = keys[-1] if isinstance(keys[-1], int) else 0
+    if inside[0] == "fixed":
+        return ""
+    if inside[0] == "wrench" or "box" in inside:
+        return wrench_units[index]
+    if inside[0] == "contact_rate":
+        return ("N/s", "N m/s")[index]
+    if "torque_speed" in inside:
+        curve = keys[-3] if isinstance(keys[-3], int) else 0
+        units = ("rad/s", "N m") if robot.joint_types[curve] == "revolute" else ("m/s", "N")
+        return units[index]
+    of_joint = next((OF_JOINT[word] for word in inside if word in OF_JOINT), None)
+    return None if of_joint is None else of_joint[robot.joint_types[index] == "prismatic"]
 
 
 def with_place(file: dict[str, Any], filled: Mapping[str, Any], keys: Keys) -> None:
