@@ -9,6 +9,7 @@ May import base to output. Start at `result_figures.py`.
 from mrts.drawing.study_lines import parallel_axes
 from mrts.drawing.study_map import study_map
 from mrts.drawing.study_table import read_study_table
+from mrts.drawing.study_words import managed_texts, next_steps
 from mrts.figures.c2_range import draw_binding_rows, draw_range, range_figure
 from mrts.figures.configurations import draw_ranking, ranking_figure
 from mrts.figures.loads import draw_load_study, load_figure, study_figure
@@ -56,7 +57,9 @@ __all__ = [
     "draw_torques",
     "durations_figure",
     "load_figure",
+    "managed_texts",
     "motor_figure",
+    "next_steps",
     "parallel_axes",
     "parallel_coordinates_figure",
     "phase_plane_figure",

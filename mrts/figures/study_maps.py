@@ -68,7 +68,8 @@ def draw_study_map(axes: Axes, table: StudyTable, drawn: StudyMap) -> None:
         figure.colorbar(mesh, ax=axes, label="shortest duration [s]", extend=beyond)
         if drawn.exact and min(x.count, y.count) >= CONTOURS and high > low:
             levels = np.linspace(low, high, CONTOURS + 2)[1:-1]
-            lines = axes.contour(x.middles, y.middles, durations, levels=levels, colors="white", linewidths=0.8)
+            near = np.ma.masked_greater(durations, high)  # far longer ones beside them would draw an edge as contours
+            lines = axes.contour(x.middles, y.middles, near, levels=levels, colors="white", linewidths=0.8)
             axes.clabel(lines, fmt="%.3g s", fontsize="x-small")
     _draw_without(axes, table, drawn)
     _finish_map(axes, table, drawn)

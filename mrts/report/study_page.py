@@ -112,7 +112,7 @@ def _limits(found: StudyTable) -> list[Html]:
     """Which limit binds how often; nothing where none does."""
     best = np.isin(np.arange(found.variants), best_part(found))
     counts, of_best = found.limit_counts(found.admitted), dict(found.limit_counts(best))
-    total, total_best = np.count_nonzero(found.admitted), max(np.count_nonzero(best), 1)
+    total, total_best = int(np.sum(found.admitted)), max(1, int(np.sum(best)))
     rows = [
         (name, _bar(count / total), _bar(of_best.get(name, 0) / total_best)) for name, count in counts[:MOST_LIMITS]
     ]

@@ -110,7 +110,8 @@ def _best(table: StudyTable, drawn: StudyMap) -> list[dict[str, Any]]:
 def _texts(table: StudyTable, drawn: StudyMap) -> list[Any]:
     """What is said of each cell: its best variant, or what became of it."""
     texts = np.full(drawn.best.shape, "", dtype=object)
-    for place, row in np.ndenumerate(drawn.best):
+    for place, best in np.ndenumerate(drawn.best):
+        row = int(best)
         if row >= 0:
             said = [f"variant {table.variant[row]}: {table.duration[row]:.4g} s, c² = {table.c2[row]:.4g}"]
             said += [f"limited by {limits_text(table, row)}"] if table.limits(row) else []

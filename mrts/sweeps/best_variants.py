@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mrts.cell.cell import load_cell
+from mrts.cell.loading import load_cell
 from mrts.motion.motion_file import load_motion
 from mrts.retiming.result import RetimingResult
 from mrts.retiming.retime import retime
