@@ -46,14 +46,22 @@ def sample_points(
     """
     first, last = block
     if sample == "grid":
-        values = [np.array(spread.values) for spread in spreads if isinstance(spread, Levels)]
-        places = np.unravel_index(np.arange(first, last), [len(levels) for levels in values])
-        return np.column_stack([levels[place] for levels, place in zip(values, places, strict=True)])
+        return _grid([np.array(spread.values) for spread in spreads if isinstance(spread, Levels)], first, last)
     if sample == "lhs":
         drawn = _hypercube(len(spreads), count, seed)[:, first:last]
     else:
         drawn = _sobol(len(spreads), seed, first, last).T
     return np.column_stack([spread.at(column) for spread, column in zip(spreads, drawn, strict=True)])
+
+
+def _grid(values: Sequence[Array], first: int, last: int) -> Array:
+    """Points of a grid, Shape (V, P); of numpy's index functions none takes more than 64 numbers."""
+    left = np.arange(first, last)
+    columns = []
+    for levels in reversed(values):
+        left, place = np.divmod(left, len(levels))
+        columns.append(levels[place])
+    return np.column_stack(columns[::-1])
 
 
 @lru_cache(maxsize=1)

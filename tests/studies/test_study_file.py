@@ -10,7 +10,9 @@ from conftest import DATA, ROOT
 from study_files import planar_study
 
 import mrts
+from mrts.studies.number_paths import numbers_below, path_text, value_at
 from mrts.studies.spreads import Distribution, Levels, Range
+from mrts.studies.variant_rows import solve_variants
 
 UR5 = DATA.parent / "dual_ur5"
 
@@ -221,3 +223,24 @@ def test_a_variant_that_is_not_there_is_not_written(tmp_path):
         study.write_variant(2, tmp_path / "none")
     assert not (tmp_path / "none").exists()
     assert study.write_variant(np.int64(1), tmp_path / "one")[0].exists()
+
+
+@pytest.mark.parametrize("folder", ["dual_ur5", "planar_dual_arm", "squeeze"])
+def test_every_number_of_the_files_may_vary_and_at_its_own_value_changes_nothing(folder, tmp_path):
+    files = {"cell": DATA.parent / folder / "cell.yaml"}
+    files["motion"] = files["cell"].with_name("lift.yaml" if folder == "planar_dual_arm" else "lift_and_turn.yaml")
+    keys = {name: yaml.safe_load(path.read_text(encoding="utf-8")) for name, path in files.items()}
+    own = [place for name in keys for place in numbers_below(keys, (name,))]
+    vary = {path_text(keys, place): [value_at(keys, place)] for place in own}
+    assert len(vary) >= 50
+    text = yaml.safe_dump({"vary": vary})
+    study = planar_study(tmp_path, text, cell=files["cell"], motion=files["motion"])
+    assert study.variants == 1
+    assert study.descriptions(study.points(0, 1)[0]) == (keys["cell"], keys["motion"])
+    described = mrts.Cell.from_description(study.cell, folder=study.folder)
+    expected = mrts.scale(described, mrts.load_motion(files["motion"]), between=None)
+    assert solve_variants(study, 0, 1)["c2_upper"] == [pytest.approx(expected.range.upper.c2, rel=1e-9)]
+    for move, neutral in (("scales", 1), ("shifts", 0)):
+        knob = {"all": {move: [path for path, (value,) in vary.items() if value != 0], "values": [neutral]}}
+        moved = planar_study(tmp_path, yaml.safe_dump({"vary": knob}), cell=files["cell"], motion=files["motion"])
+        assert moved.descriptions(moved.points(0, 1)[0]) == (keys["cell"], keys["motion"])

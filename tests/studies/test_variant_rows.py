@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import re
 import shutil
 
 import numpy as np
@@ -73,6 +74,7 @@ def test_each_row_is_what_scale_says_of_the_files_of_its_variant(wide, tmp_path)
         assert row["reason"] is None
         assert row["c2_upper"] == pytest.approx(result.range.upper.c2, rel=SAME)
         assert row["c2_lower"] == pytest.approx(result.range.lower.c2, rel=SAME)
+        assert row["lower_limit"] is None
         assert row["duration"] == pytest.approx(result.trajectory.duration, rel=SAME)
         assert row["upper_limit"].startswith(str(result.range.upper.rows[0]))
         assert row["upper_limit"].endswith(f" at t = {result.range.upper.time:.4g} s")
@@ -150,6 +152,23 @@ def test_nothing_that_limits_the_speed_is_a_status_of_its_own(tmp_path):
     row = rows_of(solve_variants(planar_study(tmp_path, "vary: {object.mass: [0.4]}", motion=still), 0, 1))[0]
     assert (row["status"], row["c2_upper"], row["duration"]) == ("unbounded", None, None)
     assert "as fast as you like" in row["reason"]
+
+
+def test_a_least_speed_is_told_with_what_sets_it(tmp_path):
+    """Hands that push up with less than the weight can only let the bar fall fast enough: c² >= (g - F/m) / a."""
+    time, fall, mass, push = np.linspace(0, 0.5, 21), 2.0, 0.5, 2.0
+    zero, one = np.zeros_like(time), np.ones_like(time)
+    columns = {"t": time, "px": 1.25 * one, "py": 1.5 - fall * time**2 / 2, "pz": zero}
+    columns |= {"qx": zero, "qy": zero, "qz": zero, "qw": one, "vx": zero, "vy": -fall * time, "vz": zero}
+    columns |= dict.fromkeys(("wx", "wy", "wz", "ax", "az", "alphax", "alphay", "alphaz"), zero) | {"ay": -fall * one}
+    table = tmp_path / "fall.csv"
+    np.savetxt(table, np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="")
+    vary = "vary:\n" + "".join(f"  robots.{robot}.wrench.upper[1]: [{push}]\n" for robot in ("left", "right"))
+    study = planar_study(tmp_path, vary, motion=table)
+    row = rows_of(solve_variants(study, 0, 1))[0]
+    assert row["status"] == "feasible"
+    assert row["c2_lower"] == pytest.approx((9.8 - 2 * push / mass) / fall, rel=SAME)
+    assert re.search(r"(left|right)/fy contact wrench \(upper, 2 N\).* at t = ", row["lower_limit"])
 
 
 def test_a_table_of_joints_is_played_by_every_variant(tmp_path, planar_cell, lift):
