@@ -128,4 +128,4 @@ def chunk_size(study: Study) -> int:
     """
     fitting = min(CHUNK_TIME / estimate(study).seconds_each, study.variants, MOST_VARIANTS)
     power = int(10 ** max(0, math.floor(math.log10(fitting))))
-    return max(1, *(step * power for step in ROUND if step * power <= fitting))
+    return max([1, *(step * power for step in ROUND if step * power <= fitting)])

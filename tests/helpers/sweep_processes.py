@@ -32,12 +32,13 @@ def driver_command(*arguments, chunk=0.1):
 @contextmanager
 def started(command, **options):
     """A process in a session of its own; whatever is left of it ends with the block."""
-    process = subprocess.Popen(command, start_new_session=True, stderr=subprocess.PIPE, text=True, cwd=ROOT, **options)
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.communicate()
+    with subprocess.Popen(
+        command, start_new_session=True, stderr=subprocess.PIPE, text=True, cwd=ROOT, **options
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
 
 
 def until(condition):

@@ -50,7 +50,12 @@ def test_rows_come_back_in_order_with_their_types_and_units(complete, study):
     assert table.schema.field("duration").metadata == {b"unit": b"s"}
     assert {str(field.type) for field in table.schema} == {"int64", "double", "string"}
     heavy = table.to_pylist()[8]
-    assert (heavy["object.mass"], heavy["status"], heavy["c2_upper"], heavy["upper_limit"]) == (24, "infeasible", None, None)
+    assert (heavy["object.mass"], heavy["status"], heavy["c2_upper"], heavy["upper_limit"]) == (
+        24,
+        "infeasible",
+        None,
+        None,
+    )
     assert "these limits conflict" in heavy["reason"]
     assert table["reason"].to_pylist()[:8] == [None] * 8
     assert found.table(["status"]).column_names == ["status"]
@@ -110,10 +115,10 @@ def test_changed_files_of_a_study_are_seen(complete, study, tmp_path):
         opened(complete.path, planar_study(tmp_path, VARY, cell=cell))
 
 
-def test_another_version_of_mrts_is_named(complete, study, monkeypatch):
+def test_another_version_of_mrts_is_named(complete, study):
     record = json.loads((complete.path / "study.json").read_text())
     (complete.path / "study.json").write_text(json.dumps(record | {"mrts": "0.0.9", "digest": "other"}))
-    with pytest.raises(mrts.InputError, match="was begun by mrts 0.0.9, this is "):
+    with pytest.raises(mrts.InputError, match=r"was begun by mrts 0\.0\.9, this is "):
         opened(complete.path, study)
 
 
@@ -153,11 +158,13 @@ def test_a_study_that_never_began_leaves_nothing(study, tmp_path):
 
 
 def test_two_sweeps_in_one_folder_are_refused_and_the_lock_of_a_dead_one_is_not(complete, study):
-    held = "import fcntl, sys; f = open(sys.argv[1], 'a'); fcntl.flock(f, fcntl.LOCK_EX); print('held', flush=True); input()"
-    command = [sys.executable, "-c", held, str(complete.path / ".lock")]
+    lock = "import fcntl, sys; f = open(sys.argv[1], 'a'); fcntl.flock(f, fcntl.LOCK_EX); print('held', flush=True)"
+    command = [sys.executable, "-c", f"{lock}; input()", str(complete.path / ".lock")]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
         assert other.stdout.readline() == "held\n"
-        with pytest.raises(mrts.InputError, match=r"another sweep writes into it \(process \d+ on .*\): let it end first"):
+        with pytest.raises(
+            mrts.InputError, match=r"another sweep writes into it \(process \d+ on .*\): let it end first"
+        ):
             opened(complete.path, study)
         other.kill()
     assert opened(complete.path, study).chunk == CHUNK
