@@ -6,6 +6,7 @@ import numpy as np
 from mrts.base.errors import MotionError
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
+from mrts.inverse_kinematics.null_space import is_redundant
 
 SAME_JOINTS = 1e-6
 """Largest difference of joints that are followed again, as a share of the largest of them: what Newton steps leave."""
@@ -13,6 +14,8 @@ SAME_JOINTS = 1e-6
 
 def following_again(cell: Cell, motion: CoordinatedMotion) -> Cell | None:
     """The cell with postures from which its arms follow the object as in a motion: its own, or where that starts.
+
+    Where the motion starts is found again sooner, but a redundant arm stays near its posture, whatever has moved.
 
     Args:
         cell: The cell.
@@ -22,7 +25,10 @@ def following_again(cell: Cell, motion: CoordinatedMotion) -> Cell | None:
         None if the arms take other joints, as where redundant ones were given.
     """
     parts = cell.joint_slices.items()
-    for start in (cell, cell.with_postures({name: motion.q[0, part].tolist() for name, part in parts})):
+    starts = (cell.with_postures({name: motion.q[0, part].tolist() for name, part in parts}), cell)
+    if any(is_redundant(cell, robot) for robot in cell.robots):
+        starts = starts[::-1]
+    for start in starts:
         try:
             again = follow_object(start, motion.object)
         except MotionError:

@@ -136,7 +136,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
     said, arrays = _read(path)
     functions = saved_functions(said.manifest, path) if cell is None else _functions_of(cell, said.manifest, path)
     with _damage(path):
-        known = cell_from_manifest(said.manifest, functions)
+        known = cell_from_manifest(said.manifest, functions, None if cell is None else cell.folder)
     _check_arrays(path, arrays, said, known)
     with _damage(path):
         load_box = None if said.load_box is None else said.load_box.box()

@@ -15,6 +15,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.cell_change import CellChange, ChangeKind, ChangeSteps, cell_changes
 from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.coordination.following_again import following_again
+from mrts.limits.rows import ActiveRow
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.range import ScalingRange, intersect
@@ -30,8 +31,9 @@ NO_CHANGE = 1e-6
 MOST_GAINS, MOST_LOSSES = 12, 8
 """Changes that a table shows of those that gain, and of those that lose."""
 
-_MORE = ("gain less", "lose less", "cannot be played")
-"""What those have in common that a table leaves out."""
+_BAKED = "they stand as numbers in the generated C (--bake)"
+_GIVEN = "the joints of this motion are given, and are not those that the arms take by themselves"
+"""Why poses are left out."""
 
 MOST_NAMED = 3
 """Limits that bind which a line names; the rest is counted."""
@@ -112,7 +114,7 @@ class ChangedAnswer:
         """Whether the change does anything to the speed, or to whether there is one."""
         faster = self.faster
         if faster is None:
-            return self.after.status != self.before.status
+            return (self.after.duration is None) != (self.before.duration is None)
         return not abs(faster - 1) <= NO_CHANGE
 
     @property
@@ -129,7 +131,7 @@ class ChangedAnswer:
         return f"time {_percent(1 / faster - 1)}"
 
     def _then(self) -> str:
-        limits = limits_text(self.after.limits)
+        limits = _limits_text(self.after.limits)
         return f", then {limits} {'binds' if len(self.after.limits) == 1 else 'bind'}" if limits else ""
 
     def to_json(self) -> dict[str, Any]:
@@ -181,13 +183,14 @@ class WhatIf:
         now = before.status if before.duration is None else _seconds(before.duration)
         now += f" at c² = {before.c2:.4g}" if before.c2 is not None and before.duration else ""
         yield f"what if: ±{100 * steps.share:.4g} % of limits and mass{poses if moved else ''}; now {now}"
-        groups = zip(self.sorted(), (gains, losses, losses), _MORE, strict=True)
-        shown = [(group[:most], len(group) - most, what) for group, most, what in groups]
+        what = ("gain less", "lose less", "cannot be played")
+        groups = zip(self.sorted(), (gains, losses, losses), what, strict=True)
+        shown = [(group[:most], len(group) - most, others) for group, most, others in groups]
         widths = _widths([one for group, _, _ in shown for one in group])
-        for group, hidden, what in shown:
+        for group, hidden, others in shown:
             yield from (_row(one, *widths) for one in group)
             if hidden > 0:
-                yield f"  … and {hidden} more that {what} (--json has all)"
+                yield f"  … and {hidden} more that {others} (--json has all)"
         yield from filter(None, [self.nothing_else(), self.left_out])
 
     def sorted(self) -> tuple[list[ChangedAnswer], list[ChangedAnswer], list[ChangedAnswer]]:
@@ -206,7 +209,7 @@ class WhatIf:
             return ""
         parts = [one if count == 1 else f"{count} {many}" for (one, many), count in counts.items()]
         listed = parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
-        stays = "the speed stays" if self.before.duration is not None else f"it stays {self.before.status}"
+        stays = "the speed stays" if self.before.duration is not None else "it still cannot be played"
         return f"nothing else matters: {listed} may be changed as much, and {stays}"
 
     def to_json(self) -> dict[str, Any]:
@@ -247,12 +250,8 @@ def _percent(share: float) -> str:
     return f"{100 * share:+.3g} %"
 
 
-def limits_text(limits: Sequence[str]) -> str:
-    """The first few limits by name, the others counted.
-
-    Args:
-        limits: Their names.
-    """
+def _limits_text(limits: Sequence[str]) -> str:
+    """The first few limits by name, the others counted."""
     more = f" and {len(limits) - MOST_NAMED} more" if len(limits) > MOST_NAMED else ""
     return f"{', '.join(limits[:MOST_NAMED])}{more}"
 
@@ -268,7 +267,7 @@ def _row(one: ChangedAnswer, names: int, amounts: int) -> str:
     after, start = one.after, f"  {one.change!s:<{names}}  "
     if after.duration is None:
         return f"{start}{after.status}: {after.reason}"
-    limits = f"  then {limits_text(after.limits)}" if after.limits else ""
+    limits = f"  then {_limits_text(after.limits)}" if after.limits else ""
     return f"{start}{one.amount:>{amounts}}  {_seconds(after.duration):>9}{limits}"
 
 
@@ -292,20 +291,19 @@ def ask_changes(
         answer: The answer of a changed cell and its motion; may raise what solvers raise.
         progress: Told how many of how many changes are done.
     """
-    changes, follows, left_out = cell_changes(cell, steps), following_again(cell, motion), ""
+    changes, left_out = cell_changes(cell, steps), ""
+    follows = None if cell.functions.manifest.is_baked else following_again(cell, motion)
     if follows is None:
         changes = tuple(change for change in changes if not change.moves_arms)
-        left_out = (
-            "bases and grasps were not moved: the joints of this motion are given, and are not those that the arms "
-            "take by themselves"
-        )
+        left_out = f"bases and grasps were not moved: {_BAKED if cell.functions.manifest.is_baked else _GIVEN}"
     found = []
     for number, change in enumerate(changes):
         progress(number, len(changes))
         start = cell if follows is None or not change.moves_arms else follows
         found.append(ChangedAnswer(change, _answered(change, start, motion, answer), before))
     progress(len(changes), len(changes))
-    return WhatIf(steps, before, tuple(sorted(found, key=_order)), left_out)
+    found.sort(key=lambda one: inf if one.after.duration is None else one.after.duration)
+    return WhatIf(steps, before, tuple(found), left_out)
 
 
 def _answered(
@@ -314,19 +312,13 @@ def _answered(
     """The answer with a change, or why there is none."""
     try:
         changed = change.applied(cell)
+        return answer(changed, follow_object(changed, motion.object) if change.moves_arms else motion)
     except InputError as error:
         return SpeedAnswer(status="invalid", reason=str(error))
-    try:
-        return answer(changed, follow_object(changed, motion.object) if change.moves_arms else motion)
     except MotionError as error:
-        return SpeedAnswer(status="unreachable", reason=str(error))
+        return SpeedAnswer(status="unreachable", reason=str(error).partition(". ")[0])  # without advice
     except SolverError as error:
         return SpeedAnswer(status="failed", reason=str(error))
-
-
-def _order(one: ChangedAnswer) -> float:
-    """What is fastest first; what cannot be played last."""
-    return inf if one.after.duration is None else one.after.duration
 
 
 def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: Progress) -> WhatIf:
@@ -383,7 +375,20 @@ def _of_range(found: ScalingRange, given: float) -> SpeedAnswer:
     """The answer of a range of c² of a motion that takes so many seconds as given."""
     status, upper = found.status, found.upper
     if not status.admits_motion or upper is None:
-        return SpeedAnswer(status=status.value, reason=found.explain().removesuffix(status.advice).rstrip())
+        return SpeedAnswer(status=status.value, reason=_why_not(found))
     duration = given / np.sqrt(upper.c2) if upper.c2 > 0 else inf
-    limits = tuple(dict.fromkeys(row.name.short for row in upper.rows))
-    return SpeedAnswer(status=status.value, c2=upper.c2, duration=float(duration), limits=limits)
+    return SpeedAnswer(status=status.value, c2=upper.c2, duration=float(duration), limits=_names(upper.rows))
+
+
+def _names(rows: Sequence[ActiveRow]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(row.name.short for row in rows))
+
+
+def _why_not(found: ScalingRange) -> str:
+    """Why no c² is admissible, as short as a line of a table."""
+    samples = found.samples
+    if not samples.conflicts:
+        return found.explain().removesuffix(found.status.advice).rstrip(". ")
+    worst = max(samples.conflicts, key=lambda conflict: conflict.widening)
+    names = _limits_text(_names(worst.rows))
+    return f"at {len(samples.conflicts)} of {len(samples.time)} samples; at t = {worst.time:.4g} s {names} conflict"

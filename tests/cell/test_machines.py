@@ -1,5 +1,6 @@
 """Arms of one machine: a joint that both would move is refused; held still, it is where Pinocchio puts it."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import casadi as ca
@@ -18,6 +19,7 @@ from mrts_codegen.urdf.robot_model import build_robot_model
 from mrts_codegen.urdf.urdf_file import read_urdf
 from published_robots import ROBOTS
 from random_cells import configuration
+from same_cells import same_cell
 
 import mrts
 from mrts.cli import main
@@ -29,6 +31,7 @@ TIAGO = ROBOTS / "tiago_description/robots/tiago_dual.urdf"
 TOLERANCE = 1e-10  # relative; both sides are exact recursions
 
 GRAVITY = [0.3, -0.2, -9.81]
+STEP = np.array([0.1, 0.0, 0.0])
 
 
 def hold(**positions):
@@ -207,3 +210,60 @@ def test_held_joints_equal_pinocchios_locked_ones(path, tip, fixed):
         place = data.oMf[frame]
         for value, expected in ((torque[:, 0], theirs), (p[:, 0], place.translation), (R, place.rotation)):
             np.testing.assert_allclose(value, expected, rtol=0, atol=TOLERANCE * (1 + np.max(np.abs(expected))))
+
+
+def one_machine(folder):
+    """The cell whose arms stand on one held torso."""
+    return mrts.load_cell(machine_cell(folder, hold(turn=TURN, lift=0.4)), backend="vm")
+
+
+def test_one_base_of_a_machine_does_not_move_alone(tmp_path):
+    cell = one_machine(tmp_path)
+    assert cell.functions.manifest.machines == [("left", "right")]
+    left, right = cell.robots
+    for change in (
+        lambda: cell.with_base("left", xyz=left.T_world_base.p + STEP),
+        lambda: cell.with_base("right", rpy=[0, 0, 0.2]),
+        lambda: replace(cell, robots=(replace(left, T_world_base=right.T_world_base @ left.T_world_base), right)),
+    ):
+        with pytest.raises(mrts.InputError, match=r"are arms of one machine .* move together\. Give both"):
+            change()
+    step = mrts.RigidTransform.from_xyz_rpy([0.1, -0.2, 0], [0, 0, 0.4])
+    moved = tuple(replace(robot, T_world_base=step @ robot.T_world_base) for robot in cell.robots)
+    together = replace(cell, robots=moved)
+    assert same_cell(mrts.Cell.from_description(yaml.safe_load(together.to_yaml()), backend="vm"), together)
+    assert cell.with_grasp("left", xyz=left.T_object_tip.p).with_mass(1.0).robots[1] is right
+
+
+def test_two_machines_do_not_come_to_stand_in_one_place(tmp_path):
+    """Not where their bases meet, but where their roots do."""
+
+    def apart(robots):
+        hold(turn=TURN, lift=0.4)(robots)
+        robots[1]["base"]["xyz"][0] += 5.0
+
+    cell = mrts.load_cell(machine_cell(tmp_path, apart), backend="vm")
+    left, right = cell.robots
+    assert cell.functions.manifest.machines == []
+    assert cell.with_base("right", xyz=right.T_world_base.p + STEP)
+    with pytest.raises(mrts.InputError, match="would stand in one place, which makes them arms of one machine"):
+        cell.with_base("right", xyz=left.T_world_base.p)
+
+
+def test_held_joints_are_written_without_their_followers(tmp_path):
+    """TALOS: a gripper that is held, and what mimics it, beside a joint of the torso."""
+    held = {"torso_1_joint": 0.4, "gripper_left_joint": -0.5}
+    description = {
+        "name": "talos",
+        "gravity": GRAVITY,
+        "object": {"mass": 1.0, "inertia": [0.1, 0.1, 0.1]},
+        "robots": [
+            {"name": "left", "urdf": str(TALOS), "tip_link": "gripper_left_base_link", "fixed": held,
+             "posture": [0.1] * 8, "torque": [100.0] * 8}
+        ],
+    }  # fmt: skip
+    cell = mrts.Cell.from_description(description, backend="vm")
+    assert len(cell.robots[0].held) > len(held)
+    text = cell.to_yaml(tmp_path / "cell.yaml")
+    assert yaml.safe_load(text)["robots"][0]["fixed"] == held
+    assert same_cell(cell, mrts.load_cell(tmp_path / "cell.yaml", backend="vm"))

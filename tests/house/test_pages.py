@@ -19,7 +19,7 @@ DOCS = ROOT / "docs"
     ("name", "blocks"),
     [
         ("tutorial", 13),
-        ("own_cell", 4),
+        ("own_cell", 8),
         ("own_robot", 4),
         ("command_line", 4),
         ("ros2", 3),

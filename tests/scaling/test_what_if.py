@@ -137,6 +137,12 @@ def test_random_changes_of_random_cells_against_an_independent_implementation(se
         lambda: make(rng, tmp_path, arms=2 + seed % 2, samples=11),
     )
     found = result.what_if()
+    for one in found.changes:
+        if one.change.kind in {"torque", "wrench", "velocity"} and one.faster is not None:
+            assert (one.faster - 1) * one.change.step >= -PROGRAMS, one  # wider never slows, narrower never speeds
+        assert (
+            one.change.step < 0 or one.after.duration is not None or one.change.unit != "1" or one.change.kind == "mass"
+        )
     described = yaml.safe_load(case.cell_file.read_text())
     kinds = ("torque", "wrench", "mass", "base", "grasp")
     checked = [one for one in found.changes if one.change.kind in kinds and one.after.duration is not None]

@@ -8,13 +8,19 @@ import numpy as np
 import pytest
 from conftest import DATA
 from gantries import along_x, gantries
+from published_robots import CASES, single_arm_cell
+from scipy.spatial.transform import Rotation
 from shown_results import still_motion, with_all_rates
 
 import mrts
+from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
 from mrts.cell.cell_change import ChangeSteps, cell_changes
+from mrts.cell.generation import generate_to
 
 MOTORS = np.array([[0.0, 100.0], [0.2, 100.0], [3.0, 10.0]])
 """A torque-speed curve [rad/s, N m]."""
+
+RATED = 1e-6  # a conic program is right to as much
 
 
 def by_text(found):
@@ -107,7 +113,9 @@ def test_what_cannot_be_played_says_why_and_comes_last(planar_cell, lift):
     found = by_text(mrts.scale(planar_cell.with_mass(7.0), lift).what_if(share=0.8, shift=0.9))
     lost = found["mass +80 %"]
     assert lost.after.status == "infeasible"
-    assert str(lost).startswith("mass +80 %: infeasible: 20 of 101 samples are infeasible. The worst: at t = ")
+    assert str(lost) == (
+        "mass +80 %: infeasible: at 20 of 101 samples; at t = 0 s left/elbow, right/elbow, left/fx and 1 more conflict"
+    )
     far = found["left base y -900 mm"]
     assert far.after.status == "unreachable"
     assert "robot 'left'" in far.after.reason
@@ -148,7 +156,7 @@ def test_a_motor_with_a_curve_changes_as_a_whole(planar_cell, lift):
         assert found[text].matters
 
 
-def test_hands_reserve_and_rates_are_asked_too(planar_cell, lift):
+def test_hands_and_reserve_are_asked_too():
     squeeze = DATA.parent / "squeeze"
     cell = mrts.load_cell(squeeze / "cell.yaml").with_reserve(0.05)
     motion = mrts.load_motion(squeeze / "lift_and_turn.yaml")
@@ -163,14 +171,18 @@ def test_hands_reserve_and_rates_are_asked_too(planar_cell, lift):
     less = mrts.scale(cell.with_reserve(0.045), motion, between=None)
     assert found["reserve -10 %"].after.c2 == pytest.approx(less.range.upper.c2, rel=1e-8)
 
-    rated = with_all_rates(planar_cell)
-    kept = mrts.scale(rated, lift, rates=11.0, between=None)
-    limits = kept.rule.rates
-    found = by_text(kept.what_if(shift=0.001, turn=0.001))
-    again = mrts.scale(rated.with_mass(0.9 * rated.mass), lift, rates=11.0, between=None)
-    assert found["mass -10 %"].before.c2 == pytest.approx(kept.range.upper.c2, rel=1e-6)
-    assert found["mass -10 %"].after.c2 == pytest.approx(again.range.upper.c2, rel=1e-6)
-    assert again.rule.rates.torque.tolist() == limits.torque.tolist()
+
+def test_limits_of_rates_are_kept_as_they_are(tmp_path):
+    """Rates that follow from a torque limit do not follow it when it changes."""
+    cell, motion = with_all_rates(gantries(tmp_path)), along_x(samples=21)
+    result = mrts.scale(cell, motion, rates=1.0, between=None)
+    found = by_text(result.what_if())
+    again = mrts.scale(cell.with_mass(0.9 * cell.mass), motion, rates=1.0, between=None)
+    assert found["mass -10 %"].before.c2 == pytest.approx(result.range.upper.c2, rel=RATED)
+    assert found["mass -10 %"].after.c2 == pytest.approx(again.range.upper.c2, rel=RATED)
+    assert found["mass -10 %"].matters
+    assert "rate" in " ".join(found["mass -10 %"].after.limits)
+    assert not found["far/slide_x +10 %"].matters
 
 
 def test_what_nothing_limits_and_what_stands_still(planar_cell, lift):
@@ -220,6 +232,21 @@ def test_what_is_refused(planar_cell, lift):
         mrts.retime(planar_cell, lift).retimed.what_if()
 
 
+def test_what_takes_the_functions_of_the_cell(planar_cell, lift, tmp_path):
+    result = mrts.scale(planar_cell, lift)
+    mrts.save_result(result, tmp_path / "a.npz")
+    with pytest.raises(mrts.InputError, match=r"load_result\(path, cell=mrts\.load"):
+        mrts.load_result(tmp_path / "a.npz").what_if()
+    again = mrts.load_result(tmp_path / "a.npz", planar_cell).what_if()
+    ours = by_text(result.what_if())
+    assert all(one.after.c2 == pytest.approx(ours[text].after.c2, rel=1e-9) for text, one in by_text(again).items())
+    generate_to(DATA / "cell.yaml", tmp_path / "baked", bake=True)
+    baked = mrts.scale(mrts.load_cell(tmp_path / "baked"), lift).what_if()
+    assert baked.left_out == "bases and grasps were not moved: they stand as numbers in the generated C (--bake)"
+    assert by_text(baked)["mass -10 %"].after.c2 == pytest.approx(ours["mass -10 %"].after.c2, rel=1e-8)
+    assert str(baked).endswith(baked.left_out)
+
+
 @pytest.mark.quick
 def test_it_is_told_how_far_it_is_and_travels(planar_cell, lift, planar_changes):
     told = []
@@ -233,3 +260,26 @@ def test_it_is_told_how_far_it_is_and_travels(planar_cell, lift, planar_changes)
     assert len(asked["changes"]) == len(found.changes)
     assert "what_if" not in result.to_json()
     assert repr(found) == f"<WhatIf: {len(found.changes)} changes, 34 matter>"
+
+
+def test_a_redundant_arm_stays_near_its_posture_whatever_has_moved(tmp_path):
+    """Its joints are not those of where it starts, but those that scaling the moved cell finds."""
+    cell = mrts.load_cell(single_arm_cell(tmp_path, *CASES["panda"], 7), backend="vm")
+    posture = [0.1, 0.3, -0.2, -1.9, 0.1, 2.1, 0.7]
+    cell = cell.with_postures({"arm": [0.05 + angle for angle in posture]}).without_wrench_limits()
+    tip = cell.functions("kinematics", 1, {"q": np.array([posture])})
+    here = {"xyz": tip["position"][0].ravel().tolist(), "rpy": rpy_from(tip["rotation"][0])}
+    there = here | {"xyz": [value + 0.05 for value in here["xyz"]]}
+    motion = mrts.sample_motion(
+        mrts.MotionDescription(duration=0.3, samples=21, profile="cubic", start=here, end=there)
+    )
+    found = by_text(mrts.scale(cell, motion, between=None).what_if())
+    arm = cell.robots[0]
+    turned = RigidTransform(rotation_from_rpy(0, 0, np.radians(1)) @ arm.T_world_base.R, arm.T_world_base.p)
+    again = mrts.scale(replace(cell, robots=(replace(arm, T_world_base=turned),)), motion, between=None)
+    assert found["arm base about z +1°"].after.c2 == pytest.approx(again.range.upper.c2, rel=1e-8)
+    assert found["arm base about z +1°"].matters
+
+
+def rpy_from(rotation):
+    return Rotation.from_matrix(rotation).as_euler("xyz").tolist()
