@@ -30,8 +30,8 @@ KEPT_PROMISE = 1e-4
 BROKEN_PROMISE = 1e-2
 """Share above which it is not samples: the arms took other joint positions than the program's."""
 
-NO_GAIN = 1e-6
-"""Share of c²⁺ that is no reason to move an arm."""
+NO_GAIN = 1e-9
+"""Share of c²⁺ that is no reason to move an arm: rounding."""
 
 POSTURE_DIGITS = 4
 """Decimals of a posture that is written to keep the program's joint positions; it only says near which to start."""
@@ -69,7 +69,7 @@ class LayoutSearch:
         study: The study.
         numbers: Its numbers.
         motion: Motion of the object.
-        functions: The cell's functions for CasADi's virtual machine.
+        machine: The cell with functions for CasADi's virtual machine.
         over: Says whether to come to the end.
     """
 
@@ -78,10 +78,11 @@ class LayoutSearch:
         study: Study,
         numbers: LayoutNumbers,
         motion: ObjectMotion,
-        functions: dict[str, Any],
+        machine: Cell,
         over: Callable[[], bool],
     ) -> None:
-        self.study, self.numbers, self.motion, self.functions, self.over = study, numbers, motion, functions, over
+        self.study, self.numbers, self.motion, self.over = study, numbers, motion, over
+        self.functions, self.machines = machine.functions.symbolic, machine.functions.manifest.machines
 
     def tried(self, values: Array, postures: dict[str, list[float]] | None = None) -> Playable | str:
         """What the cell can do in a layout, or why it can do nothing.
@@ -106,6 +107,13 @@ class LayoutSearch:
         asked = self.study.question
         try:
             cell = Cell.from_description(keys, folder=self.study.folder)
+            parted = set(self.machines) - set(cell.functions.manifest.machines)
+            if parted:
+                first, second = min(parted)
+                return (
+                    f"robots '{first}' and '{second}' are arms of one machine: their bases move together. Let one knob "
+                    "move both."
+                )
             result = scale(cell, self.motion, load=asked.load, reserve=asked.reserve, between=None)
         except MrtsError as error:
             return str(error)

@@ -73,6 +73,9 @@ def place(
         raise InputError("seconds", "must be a number of seconds, 0 or more, or None for no limit.", value=seconds)
     check_callable("progress", progress)
     tolerance = checked_tolerance(between)
+    if study.question.load == "possible":
+        rule = "the best layout is one for loads that are known, or for every load of a box: nominal or guaranteed."
+        raise InputError(study.path, rule, key="load", value="possible")
     return _Placing(study, tolerance, seconds, progress).best(starts, looked_at)
 
 
@@ -93,7 +96,7 @@ class _Placing:
         self.motion = _object_motion(study)
         self.until = None if seconds is None else monotonic() + seconds
         self.asked: list[int] = []
-        self.search = LayoutSearch(self.study, self.numbers, self.motion, machine.functions.symbolic, self._over)
+        self.search = LayoutSearch(self.study, self.numbers, self.motion, machine, self._over)
 
     def best(self, starts: int, looked_at: int) -> Placement:
         """The best of some searches from the best of some layouts.
@@ -105,7 +108,8 @@ class _Placing:
         nearest, same = self.numbers.nearest_given()
         given = self.search.of_keys(self.study.cell, nearest if same else None)
         found = [given] if not isinstance(given, str) and same else []
-        failures: list[str] = []
+        failures = [given] if isinstance(given, str) else []
+        unplayable = 0
         total, searches, looked = looked_at + starts, 0, 0
         with stop_request() as self.asked:
             for values in self._layouts(looked_at):
@@ -116,6 +120,7 @@ class _Placing:
                 tried = self.search.tried(values)
                 if isinstance(tried, str):
                     failures.append(tried)
+                    unplayable += 1
                 else:
                     found.append(tried)
             for start in sorted(found, key=lambda one: -one.c2)[:starts]:
@@ -126,14 +131,15 @@ class _Placing:
                 self.search.improve(start, found)
             stopped = "Ctrl-C" if self.asked else "the time limit" if self._over() else ""
         self.progress(total, total)
-        checked = [self._played(one) for one in self._candidates(found)]
+        before = given if isinstance(given, str) else self._played(given)
         return Placement(
             study=self.study,
             numbers=self.numbers,
-            before=None if isinstance(given, str) else self._played(given),
-            after=max(checked, key=lambda layout: layout.c2, default=None),
-            failures=tuple(failures),
+            before=None if isinstance(before, str) else before,
+            after=self._best_played(found, failures),
+            reason=failures[-1] if failures else "",
             looked_at=looked,
+            playable=looked - unplayable,
             searches=searches,
             stopped=stopped,
         )
@@ -148,15 +154,33 @@ class _Placing:
         points = sample_points([Range(*pair) for pair in bounds], "sobol", count, SEED, (0, count))
         return self.numbers.rounded(points)
 
-    def _candidates(self, found: list[Playable]) -> list[Playable]:
-        """The best, less what moved for nothing, and the best start, which is not to be worse between the samples."""
-        best_first = sorted(found, key=lambda one: -one.c2)
-        best = [self.search.settled(one) for one in best_first[:1]]
-        return best + [one for one in best_first if one.slope is None][:1]
+    def _best_played(self, found: list[Playable], failures: list[str]) -> PlayedLayout | None:
+        """The best, and the best start, which might be better between the samples, less what moved for nothing.
 
-    def _played(self, layout: Playable) -> PlayedLayout:
+        Args:
+            found: All that can be played at the samples.
+            failures: Why others cannot; what cannot between the samples joins them.
+        """
+        checked: list[PlayedLayout] = []
+        best_first = sorted(found, key=lambda one: -one.c2)
+        for group in (best_first, [one for one in best_first if one.slope is None]):
+            for one in group:
+                played = self._played(self.search.settled(one))
+                if not isinstance(played, str):
+                    checked.append(played)
+                    break
+                failures.append(played)
+        return max(checked, key=lambda layout: layout.c2, default=None)
+
+    def _played(self, layout: Playable) -> PlayedLayout | str:
+        """A layout between the samples too, or why it cannot be played there."""
         cell, load = layout.result.cell, self.study.question.load
-        result = scale(cell, self.motion, load=load, between=self.between)
+        try:
+            result = scale(cell, self.motion, load=load, between=self.between)
+        except MrtsError as error:
+            return str(error)
+        if result.trajectory is None:
+            return f"{result.status.value}: {result.explanation()}"
         try:
             fastest = retime(cell, self.motion, load=load, between=self.between).duration
         except MrtsError:

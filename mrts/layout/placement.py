@@ -13,7 +13,8 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.layout.layout_numbers import LayoutNumbers
-from mrts.scaling.result import ScalingResult
+from mrts.layout.layout_search import NO_GAIN
+from mrts.scaling.result import ScalingResult, kept_text
 from mrts.studies.number_paths import value_at
 from mrts.studies.study import Study
 
@@ -66,8 +67,9 @@ class Placement:
         numbers: What of it is a layout.
         before: The layout of the cell file; None if it cannot be played.
         after: The best layout within the bounds; None if none that was looked at can be played.
-        failures: Why layouts that were looked at cannot be played.
+        reason: Why a layout that was looked at cannot be played; empty if all can.
         looked_at: Number of layouts that were looked at.
+        playable: How many of them can be played.
         searches: Number of layouts from which IPOPT searched.
         stopped: What ended the search early: "Ctrl-C", "the time limit"; empty if nothing did.
     """
@@ -76,8 +78,9 @@ class Placement:
     numbers: LayoutNumbers
     before: PlayedLayout | None
     after: PlayedLayout | None
-    failures: tuple[str, ...]
+    reason: str
     looked_at: int
+    playable: int
     searches: int
     stopped: str
 
@@ -93,17 +96,18 @@ class Placement:
 
     def sentence(self) -> str:
         """The outcome."""
-        name, after, before = self.study.cell["name"], self.after, self.before
+        after, before = self.after, self.before
+        name = f"{self.study.cell['name']}: {kept_text(self.study.question.reserve or 0)}".rstrip()
         if after is None:
-            return f"{name}: none of {self.looked_at} layouts within the bounds can be played. {self.failures[0]}"
+            return f"{name} none of {self.looked_at} layouts within the bounds can be played. {self.reason}"
         if before is None:
             return (
-                f"{name}: c² up to {after.c2:.4g}, {after.duration:.4g} s; the layout of the cell file cannot be played"
+                f"{name} c² up to {after.c2:.4g}, {after.duration:.4g} s; the layout of the cell file cannot be played"
             )
-        if after.c2 <= before.c2:
-            return f"{name}: no layout was found that is better than that of the cell file, c² up to {before.c2:.4g}"
+        if after.c2 <= before.c2 * (1 + NO_GAIN):
+            return f"{name} no layout was found that is better than that of the cell file, c² up to {before.c2:.4g}"
         return (
-            f"{name}: c² up to {after.c2:.4g} instead of {before.c2:.4g} ({100 * self.gain:+.1f} %), "
+            f"{name} c² up to {after.c2:.4g} instead of {before.c2:.4g} ({100 * self.gain:+.1f} %), "
             f"{after.duration:.4g} s instead of {before.duration:.4g} s"
         )
 
@@ -126,7 +130,7 @@ class Placement:
         ended = f"; ended by {self.stopped}" if self.stopped else ""
         yield (
             f"searched from the best {self.searches} of {self.looked_at} layouts, of which "
-            f"{self.looked_at - len(self.failures)} can be played{ended}"
+            f"{self.playable} can be played{ended}"
         )
 
     def moved(self) -> list[tuple[str, str, float, float]]:

@@ -28,7 +28,7 @@ DOCS = ROOT / "docs"
         ("real_cell", 9),
         ("studies", 11),
         ("what_if", 2),
-        ("study_file", 4),
+        ("study_file", 5),
     ],
 )
 def test_a_page_does_what_it_shows_and_prints_what_it_says(name, blocks, tmp_path):

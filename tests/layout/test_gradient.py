@@ -7,8 +7,8 @@ from layouts import DATA, Layouts, shipped, write_study
 from published_robots import ROBOTS
 
 STEP = 1e-5
-"""Of central differences [m, rad]: their error is its square, 1e-10, times third derivatives, and rounding of c²⁺, 1e-12,
-over it."""
+"""Of central differences [m, rad]: their error is its square, 1e-10, times third derivatives, and rounding of c²⁺,
+1e-12, over it."""
 
 SAME_SLOPE = 1e-5
 """Of ∂ ln c²⁺/∂θ [1/m, 1/rad]: what differences leave, and IPOPT's tolerance of 1e-8."""
@@ -107,7 +107,9 @@ def test_the_slope_is_that_of_scale(case, tmp_path):
     while len(slopes) < 2:
         values = bounds[:, 0] + rng.uniform(0.2, 0.8, len(bounds)) * (bounds[:, 1] - bounds[:, 0])
         c2 = layouts.c2(values)
-        around = np.array([[layouts.c2(values + side * step) for side in (1, -1)] for step in STEP * np.eye(len(bounds))])
+        around = np.array(
+            [[layouts.c2(values + side * step) for side in (1, -1)] for step in STEP * np.eye(len(bounds))]
+        )
         one_sided = np.log(around / c2) * [1, -1] / STEP
         if np.max(np.abs(one_sided[:, 0] - one_sided[:, 1])) > 1e-2:
             continue  # a kink: another row binds on the other side
