@@ -86,7 +86,7 @@ class VariantTracking:
             posture: Of all joints, Shape (V or 1, m) [rad or m].
             refused: Variants that are passed over, Shape (V,); they end as `REFUSED`.
         """
-        seed, reasons = self._seeds(path, geometry, posture, len(refused))
+        seed, reasons = self._seeds(path, geometry, posture, refused)
         passed_over = refused.copy()
         passed_over[list(reasons)] = True
         given = {**path, "geometry": geometry, "posture": posture, "seed": seed}
@@ -121,7 +121,7 @@ class VariantTracking:
         return f"{text} {STARTS_TRIED}" if code in {NO_START, START_PAST} else text
 
     def _seeds(
-        self, path: Mapping[str, Array], geometry: Array, posture: Array, count: int
+        self, path: Mapping[str, Array], geometry: Array, posture: Array, refused: NDArray[np.bool_]
     ) -> tuple[Array, dict[int, str]]:
         """Where the search for each start begins, Shape (V or 1, m), and variants out of reach of a closed form."""
         seed, reasons = posture, {}
@@ -139,8 +139,7 @@ class VariantTracking:
             lead = max(len(seed), len(at))
             seed = np.repeat(seed, lead, axis=0) if len(seed) < lead else seed.copy()
             seed[:, joints] = at
-            beyond = np.broadcast_to(found.out_of_reach(), (count,))
-            for variant in np.flatnonzero(beyond).tolist():
+            for variant in np.flatnonzero(found.out_of_reach() & ~refused).tolist():
                 time = path["time"][variant if len(path["time"]) > 1 else 0]
                 which = variant if len(found.wrist) > 1 else 0
                 reasons.setdefault(variant, found.failure(robot, time, (which,)))

@@ -23,6 +23,9 @@ OUTCOME = np.dtype(
 )
 """`mrts_outcome` of variants.h."""
 
+NAMED = 4
+"""Most rows that are named at an end, as a multiple of the unknowns: `MRTS_MOST_NAMED` of ranges.c."""
+
 PATH = {"time": (), "position": (3,), "rotation": (3, 3), "twist": (6,), "acceleration": (6,)}
 """What is known of the object at each sample, and its shape there."""
 
@@ -139,17 +142,17 @@ def follow_variants(
 def range_record(unknowns: int) -> np.dtype[np.void]:
     """`mrts_variant_range` of ranges.c for so many unknowns, c² last.
 
-    `status` is that of a program: of `OPTIMAL` variants both ends are known, `INFEASIBLE` ones are so at sample[0].
-    `rows` determine each end (1 + row at an upper, -1 - row at a lower limit), `dual` are their multipliers.
+    Of a variant with `status` `OPTIMAL` both ends are known; one with `INFEASIBLE` is so at `sample[0]`, and `rows[0]` are
+    those that conflict. Rows are 1 + row at an upper, -1 - row at a lower limit; `count` of them set each end.
     """
     return np.dtype(
         [
             ("status", np.int32),
-            ("entering", np.int32),
+            ("capped", np.int32),
             ("sample", np.int32, (2,)),
-            ("rows", np.int32, (2, unknowns)),
+            ("count", np.int32, (2,)),
+            ("rows", np.int32, (2, NAMED * unknowns)),
             ("c2", np.float64, (2,)),
-            ("dual", np.float64, (2, unknowns)),
         ],
         align=True,
     )

@@ -68,8 +68,7 @@ class VariantAnswers:
 
     def _infeasible(self, variant: int) -> Row:
         found, status = self.found[variant], RangeStatus.INFEASIBLE
-        sides = self._of("lower", variant), self._of("upper", variant)
-        rows = self._limits.conflicting(found["rows"][0], found["dual"][0], int(found["entering"]), *sides)
+        rows = self._named(variant, 0)
         sample = int(found["sample"][0])
         reason = (
             f"at t = {self._of('time', variant)[sample]:.4g} s (sample {sample}) no torques carry the object at any "
@@ -103,11 +102,14 @@ class VariantAnswers:
 
     def _rows(self, variant: int, end: int) -> tuple[ActiveRow, ...]:
         """What sets an end."""
-        found = self.found[variant]
-        sides = self._of("lower", variant), self._of("upper", variant)
-        rows, capped = self._limits.at_end(found["rows"][end], found["dual"][end], *sides)
-        if end and capped:
-            sample = int(found["sample"][1])
+        rows = self._named(variant, end)
+        if end and self.found[variant]["capped"]:
+            sample = int(self.found[variant]["sample"][1])
             twist, limit = self._of("twist", variant)[sample], self._of("velocity", variant)
             rows += self._limits.velocities_at(self._joints.dq[variant, sample], twist, limit)
         return tuple(rows)
+
+    def _named(self, variant: int, end: int) -> list[ActiveRow]:
+        found = self.found[variant]
+        sides = self._of("lower", variant), self._of("upper", variant)
+        return self._limits.named(found["rows"][end, : found["count"][end]], *sides)

@@ -18,8 +18,6 @@ from mrts.limits.squared_rows import binds
 from mrts.limits.torque_limits import torque_limits
 from mrts.limits.velocity_limits import velocity_limits
 from mrts.limits.wrench_limits import wrench_limits
-from mrts.samples.infeasibility import NEGLIGIBLE_MULTIPLIER
-from mrts.samples.range_ends import BINDING_TOLERANCE
 from mrts.studies.variant_numbers import LIMITS, VariantNumbers
 
 class VariantLimits:
@@ -80,36 +78,21 @@ class VariantLimits:
             velocity = (1 - self._reserve) * velocity
         return {**sides, "velocity": velocity, "values": self._values(numbers, geometry)}
 
-    def at_end(self, codes: Array, dual: Array, lower: Array, upper: Array) -> tuple[list[ActiveRow], bool]:
-        """The rows that determine an end, in their order, and whether c² is bounded by velocities there.
+    def named(self, codes: Array, lower: Array, upper: Array) -> list[ActiveRow]:
+        """Rows at their limits.
 
         Args:
-            codes: 1 + row at an upper, -1 - row at a lower limit, Shape (k,).
-            dual: Their multipliers, Shape (k,).
+            codes: 1 + row at an upper, -1 - row at a lower limit.
             lower: Of the variant, Shape (r,).
             upper: Likewise.
         """
-        size = np.abs(dual)
-        strong = codes[size > BINDING_TOLERANCE * np.max(size)].tolist()
-        places = sorted((abs(code) - 1, code > 0) for code in strong)
-        named = [self._active(row, above, lower, upper) for row, above in places if row < self.sparse.rows]
-        return named, any(row >= self.sparse.rows and above for row, above in places)
-
-    def conflicting(self, codes: Array, dual: Array, entering: int, lower: Array, upper: Array) -> list[ActiveRow]:
-        """The rows of a certificate that none of their torques and wrenches keep together; arguments as of `at_end`.
-
-        Args:
-            codes: Rows of the certificate.
-            dual: Their multipliers: at a lower limit if above 0.
-            entering: One more, as of `codes`.
-            lower: Of the variant.
-            upper: Likewise.
-        """
-        size = np.abs(dual)
-        kept = size > NEGLIGIBLE_MULTIPLIER * max(1.0, float(np.max(size)))
-        of_basis = zip(np.abs(codes[kept]) - 1, dual[kept] < 0, strict=True)
-        places = sorted({(int(row), bool(above)) for row, above in of_basis} | {(abs(entering) - 1, entering > 0)})
-        return [self._active(row, above, lower, upper) for row, above in places if row < self.sparse.rows]
+        names = self.rows.names
+        return [
+            ActiveRow(names[code - 1], "upper", float(upper[code - 1]))
+            if code > 0
+            else ActiveRow(names[-code - 1], "lower", float(lower[-code - 1]))
+            for code in codes.tolist()
+        ]
 
     def velocities_at(self, dq: Array, twist: Array, limit: Array) -> list[ActiveRow]:
         """The velocities that bound c² the most at a sample.
@@ -124,9 +107,6 @@ class VariantLimits:
             ActiveRow(self._speeds[row], "upper", float(limit[row]))
             for row in np.flatnonzero(binds((speeds / limit) ** 2)).tolist()
         ]
-
-    def _active(self, row: int, above: bool, lower: Array, upper: Array) -> ActiveRow:
-        return ActiveRow(self.rows.names[row], "upper" if above else "lower", float((upper if above else lower)[row]))
 
     def _places_of(self, kind: str, every: tuple[RowName, ...]) -> tuple[list[int], list[int]]:
         """Rows of torques or wrenches, and their places among all joints or components."""

@@ -17,6 +17,16 @@
 /* Share of all limits that wrenches must keep free to serve other samples. */
 #define MRTS_MIDDLE 1e-3
 
+/* As of mrts/samples: a multiplier above this share of the largest binds; limits are moved outward by this share of themselves,
+ * and a row is at its limit if no solution keeps further away than this share. One above MRTS_SURE is so in any case. */
+#define MRTS_BINDING 1e-7
+#define MRTS_WIDER 3e-9
+#define MRTS_NEAR 1e-4
+#define MRTS_SURE 1e-2
+
+/* Most rows that are named at an end, or near to it. */
+#define MRTS_MOST_NAMED (4 * MRTS_UNKNOWNS)
+
 enum { MRTS_VK = MRTS_UNKNOWNS, MRTS_VF = MRTS_UNKNOWNS - 1 };
 
 /* One sample of a variant, laid out in memory. */
@@ -107,11 +117,11 @@ static int mrts_find_middle(const mrts_limits *limits, mrts_rows *rows, const mr
 }
 
 /* The least (end 0) or largest c^2 of a sample, as mrts_ranges finds it, started from a basis; the status of its program, with
- * the rows and multipliers that determine it or prove that there is none. */
+ * wrenches x that go with it, and the rows and multipliers that determine it or prove that there is none. */
 static int mrts_exact_end(const mrts_limits *limits, mrts_rows *rows, const mrts_sample *sample, int end, int *basis,
-                          double *c2, double *y, int *entering, double *work, int *iwork) {
+                          double *c2, double *x, double *y, int *entering, double *work, int *iwork) {
     enum { K = MRTS_VK };
-    double g[K], x[K], column[K];
+    double g[K], column[K];
     int status = MRTS_STOPPED;
     if (!mrts_build_rows(K, MRTS_JOINTS, MRTS_WRENCHES, &sample->form, limits, &sample->terms, rows)) return MRTS_STOPPED;
     mrts_scale_columns(K, rows, column);
@@ -125,6 +135,7 @@ static int mrts_exact_end(const mrts_limits *limits, mrts_rows *rows, const mrts
         basis[0] = 0;
     }
     *c2 = x[K - 1] * column[K - 1];
+    for (int j = 0; j < K - 1; ++j) x[j] *= column[j];
     if (end && x[K - 1] >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED)) *c2 = MRTS_INFINITY;
     return status;
 }
@@ -132,6 +143,7 @@ static int mrts_exact_end(const mrts_limits *limits, mrts_rows *rows, const mrts
 /* What a sample leaves of the range at one end. Returns the status of a program that has no answer, else MRTS_OPTIMAL. */
 static int mrts_cut_end(const mrts_limits *limits, mrts_rows *rows, mrts_sample *sample, int end, int at_rest,
                     mrts_side *side, double *y, int *entering, double *work, int *iwork) {
+    double x[MRTS_VK];
     const double most = sample->most;
     double asked = at_rest ? 0 : side->c2 * (end ? 1 + 2 * MRTS_TIE : 1 - 2 * MRTS_TIE);
     int status, capped = end && most <= asked;
@@ -147,7 +159,7 @@ static int mrts_cut_end(const mrts_limits *limits, mrts_rows *rows, mrts_sample 
         if (!capped) return MRTS_OPTIMAL;
         sample->end[1] = most;
     } else {
-        status = mrts_exact_end(limits, rows, sample, end, side->basis, sample->end + end, y, entering, work, iwork);
+        status = mrts_exact_end(limits, rows, sample, end, side->basis, sample->end + end, x, y, entering, work, iwork);
         if (status == MRTS_OPTIMAL && at_rest && sample->end[0] > 0) status = MRTS_STOPPED;
         if (status != MRTS_OPTIMAL) return status;
     }
@@ -207,43 +219,129 @@ static double mrts_forms_of_variant(long long samples, const mrts_variant *of, c
 /* Where a variant's range ends, and why. */
 typedef struct {
     int status;    /* MRTS_OPTIMAL, MRTS_INFEASIBLE at sample[0], or MRTS_STOPPED */
-    int entering;  /* of the certificate of MRTS_INFEASIBLE, as in `rows` */
+    int capped;    /* whether velocities bound the largest c^2 */
     int sample[2]; /* of the least and the largest c^2, the first of those that differ by rounding only; -1: none sets it */
-    int rows[2][MRTS_UNKNOWNS]; /* that determine each end there, as in mrts_ranges; of rows[0] the certificate's */
+    int count[2];  /* of the rows that set each end there; of rows[0] those of the certificate of MRTS_INFEASIBLE */
+    int rows[2][MRTS_MOST_NAMED]; /* 1 + row at an upper, -1 - row at a lower limit, in their order */
     double c2[2];
-    double dual[2][MRTS_UNKNOWNS];
 } mrts_variant_range;
 
-/* The rows of an end at a sample, from a cold start: what is found is then the same whatever came before. */
-static int mrts_settle_end(const mrts_limits *limits, mrts_rows *rows, const mrts_sample *sample, int end, double *c2,
-                           mrts_variant_range *range, double *work, int *iwork) {
-    int basis[MRTS_VK] = {0}, entering;
-    const int status = mrts_exact_end(limits, rows, sample, end, basis, c2, range->dual[end], &entering, work, iwork);
-    for (int j = 0; j < MRTS_VK && status == MRTS_OPTIMAL; ++j) {
-        range->rows[end][j] = mrts_row_of_limits(limits, rows, basis[j]);
-    }
-    return status;
+/* Adds a row, coded as of a program, in its place; 0 if there is no more room. */
+static int mrts_name(const mrts_limits *limits, const mrts_rows *rows, int code, int end, mrts_variant_range *range) {
+    const int row = mrts_row_of_limits(limits, rows, code);
+    int *named = range->rows[end], at = range->count[end];
+    if (at == MRTS_MOST_NAMED) return 0;
+    for (; at > 0 && MRTS_ABS(named[at - 1]) > MRTS_ABS(row); --at) named[at] = named[at - 1];
+    named[at] = row;
+    ++range->count[end];
+    return 1;
 }
 
-/* One end of a range, of the samples where it is known. */
+/* The largest distance, at most 1, that wrenches within all limits can keep from some sides of rows at once, or more than that
+ * where rounding leaves it open: what a program stops at is on the far side. `rows` has c^2 put in. */
+static double mrts_keep_away(const mrts_rows *rows, int count, const int *sides, double *work, int *iwork) {
+    enum { K = MRTS_VK, F = MRTS_VF };
+    double *A = work, *lower = A + (rows->count + MRTS_MOST_NAMED) * K, *upper = lower + rows->count + MRTS_MOST_NAMED + K;
+    double g[K], x[K], y[K];
+    int basis[K] = {0}, entering;
+    const int total = rows->count + count;
+    for (int i = 0; i < total; ++i) {
+        const int code = i < rows->count ? i + 1 : sides[i - rows->count], row = MRTS_ABS(code) - 1;
+        for (int j = 0; j < F; ++j) A[i * K + j] = code > 0 ? rows->A[row * F + j] : -rows->A[row * F + j];
+        A[i * K + F] = i < rows->count ? 0 : 1;
+        lower[i] = i < rows->count ? rows->lower[i] : -MRTS_INFINITY;
+        upper[i] = code > 0 ? rows->upper[row] : -rows->lower[row];
+    }
+    for (int j = 0; j < K; ++j) {
+        lower[total + j] = j < F ? -MRTS_INFINITY : 0;
+        upper[total + j] = j < F ? MRTS_INFINITY : 1;
+        g[j] = j < F ? 0 : -1;
+    }
+    mrts_lp(K, total, A, lower, upper, g, basis, x, y, &entering, upper + rows->count + MRTS_MOST_NAMED + K, iwork);
+    return x[F];
+}
+
+/* Names the rows that are at their limit in every solution at an end, as mrts/samples/end_rows.py does: those with a multiplier
+ * that cannot be rounding, and of those near their limit in the solution found the ones that no other keeps away from it. */
+static int mrts_name_rows(const mrts_limits *limits, mrts_rows *rows, const mrts_sample *sample, int end, double c2,
+                          const double *x, const int *basis, const double *y, mrts_variant_range *range, double *work,
+                          int *iwork) {
+    enum { K = MRTS_VK, F = MRTS_VF };
+    int near[MRTS_MOST_NAMED], count = 0, sure[K], certain = 0;
+    double largest = 0, column[K];
+    for (int j = 0; j < K; ++j) largest = fmax(largest, fabs(y[j]));
+    for (int j = 0; j < K; ++j) {
+        const int row = MRTS_ABS(basis[j]) - 1;
+        if (end && row >= rows->count && basis[j] > 0) range->capped = fabs(y[j]) > MRTS_BINDING * largest;
+        if (row < rows->count && fabs(y[j]) > MRTS_SURE * largest) sure[certain++] = basis[j];
+    }
+    if (!mrts_build_rows(K, MRTS_JOINTS, MRTS_WRENCHES, &sample->form, limits, &sample->terms, rows)) return 0;
+    mrts_fix_speed(K, limits, c2, MRTS_WIDER, rows);
+    for (int i = 0; i < rows->count; ++i) {
+        const double value = mrts_dot(F, rows->A + i * F, x);
+        if (!(rows->upper[i] - rows->lower[i] > 2 * MRTS_NEAR)) continue;
+        for (int code = i + 1; code >= -i - 1; code -= 2 * i + 2) {
+            int is_sure = 0;
+            if ((code > 0 ? rows->upper[i] - value : value - rows->lower[i]) > MRTS_NEAR) continue;
+            for (int j = 0; j < certain; ++j) is_sure |= sure[j] == code;
+            if (is_sure && !mrts_name(limits, rows, code, end, range)) return 0;
+            if (is_sure) continue;
+            if (count == MRTS_MOST_NAMED) return 0;
+            near[count++] = code;
+        }
+    }
+    if (count == 0) return 1;
+    mrts_scale_columns(F, rows, column);
+    if (mrts_keep_away(rows, count, near, work, iwork) > MRTS_NEAR) return 1;
+    for (int i = 0; i < count; ++i) {
+        if (mrts_keep_away(rows, 1, near + i, work, iwork) > MRTS_NEAR) continue;
+        if (!mrts_name(limits, rows, near[i], end, range)) return 0;
+    }
+    return 1;
+}
+
+/* An end of a range, of the samples where it is known: from cold starts, so that what is found is the same whatever came
+ * before. */
 static int mrts_settle(long long samples, const mrts_limits *limits, mrts_rows *rows, const mrts_sample *sample, int end,
                        double c2, mrts_variant_range *range, double *work, int *iwork) {
-    double unused;
+    enum { K = MRTS_VK };
+    double x[K], y[K], its;
+    int basis[K] = {0}, entering, status;
     long long at = -1, first = -1;
     range->sample[end] = -1;
+    range->count[end] = range->capped = 0;
     range->c2[end] = c2 < MRTS_INFINITY ? c2 : INFINITY;
     if (end ? c2 >= MRTS_INFINITY : c2 <= 0) return MRTS_OPTIMAL;
     for (long long n = 0; n < samples; ++n) {
-        const double its = sample[n].end[end];
+        its = sample[n].end[end];
         if (!sample[n].known[end]) continue;
         if (at < 0 && its == c2) at = n;
         if (first < 0 && (end ? its <= c2 + MRTS_TIE * c2 : its >= c2 - MRTS_TIE * c2)) first = n;
     }
     if (at < 0) return MRTS_STOPPED;
     range->sample[end] = (int)first;
-    const int status = mrts_settle_end(limits, rows, sample + at, end, range->c2 + end, range, work, iwork);
-    if (status != MRTS_OPTIMAL || first == at) return status;
-    return mrts_settle_end(limits, rows, sample + first, end, &unused, range, work, iwork);
+    status = mrts_exact_end(limits, rows, sample + at, end, basis, range->c2 + end, x, y, &entering, work, iwork);
+    its = range->c2[end];
+    if (status == MRTS_OPTIMAL && first != at) {
+        basis[0] = 0;
+        status = mrts_exact_end(limits, rows, sample + first, end, basis, &its, x, y, &entering, work, iwork);
+    }
+    if (status != MRTS_OPTIMAL) return status;
+    return mrts_name_rows(limits, rows, sample + first, end, its, x, basis, y, range, work, iwork) ? MRTS_OPTIMAL : MRTS_STOPPED;
+}
+
+/* Names the rows of a certificate, whose limits exclude each other: of the basis those with a multiplier, and the one that was
+ * to enter. Bounds of c^2 are none. */
+static void mrts_name_conflict(const mrts_limits *limits, const mrts_rows *rows, const int *basis, const double *y,
+                               int entering, mrts_variant_range *range) {
+    double largest = 1;
+    range->count[0] = 0;
+    for (int j = 0; j < MRTS_VK; ++j) largest = fmax(largest, fabs(y[j]));
+    for (int j = -1; j < MRTS_VK; ++j) {
+        const int row = MRTS_ABS(j < 0 ? entering : basis[j]), above = j < 0 ? entering > 0 : y[j] < 0;
+        if (row > rows->count || (j >= 0 && !(fabs(y[j]) > MRTS_SEPARATED * largest))) continue;
+        mrts_name(limits, rows, above ? row : -row, 0, range);
+    }
 }
 
 /* The range of one variant. `order` is that in which its samples are looked at. */
@@ -263,11 +361,7 @@ static void mrts_range_of_variant(long long samples, const mrts_limits *limits, 
             if (range->status == MRTS_OPTIMAL) continue;
             range->sample[0] = n;
             if (range->status != MRTS_INFEASIBLE) return;
-            range->entering = mrts_row_of_limits(limits, rows, entering);
-            for (int j = 0; j < MRTS_VK; ++j) {
-                range->rows[0][j] = mrts_row_of_limits(limits, rows, side[end].basis[j]);
-                range->dual[0][j] = y[j];
-            }
+            mrts_name_conflict(limits, rows, side[end].basis, y, entering, range);
             return;
         }
     }
@@ -281,9 +375,10 @@ MRTS_EXPORT void mrts_variant_ranges_work(int rows, int samples, long long *real
     const long long each = MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES) +
                            MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES);
     const long long header = (long long)((sizeof(mrts_sample) + sizeof(double) - 1) / sizeof(double));
-    *reals = MRTS_ROWS_WORK(MRTS_VK, rows) + MRTS_ROWS_WORK(MRTS_VK, 2 * rows) + MRTS_LP_WORK(MRTS_VK) +
+    const int most = 2 * rows + MRTS_MOST_NAMED;
+    *reals = MRTS_ROWS_WORK(MRTS_VK, rows) + MRTS_ROWS_WORK(MRTS_VK, most) + MRTS_LP_WORK(MRTS_VK) +
              samples * (each + header);
-    *ints = MRTS_ROWS_IWORK(rows) + MRTS_LP_IWORK(MRTS_VK, 2 * rows);
+    *ints = MRTS_ROWS_IWORK(rows) + MRTS_LP_IWORK(MRTS_VK, most);
 }
 
 /* The ranges of variants 0 .. count - 1 of the same number of samples, from arrays of all one after the other; a stride, in
@@ -300,7 +395,8 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
     mrts_rows rows;
     double base[9 * MRTS_ROBOTS];
     double *lp_work = work + MRTS_ROWS_WORK(MRTS_VK, limits->rows);
-    mrts_sample *sample = (mrts_sample *)(void *)(lp_work + MRTS_ROWS_WORK(MRTS_VK, 2 * limits->rows) + MRTS_LP_WORK(MRTS_VK));
+    mrts_sample *sample = (mrts_sample *)(void *)(lp_work + MRTS_ROWS_WORK(MRTS_VK, 2 * limits->rows + MRTS_MOST_NAMED) +
+                                                  MRTS_LP_WORK(MRTS_VK));
     double *memory = (double *)(void *)(sample + samples);
     int *lp_iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
     for (long long v = 0; v < count; ++v) {
