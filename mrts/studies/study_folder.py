@@ -43,7 +43,7 @@ FORMAT = 1
 UNITS = {"duration": "s", "energy": "J"}
 """Of columns that are not parameters; c² has none, and torques have that of their joint."""
 
-DIGEST_KEY = b"mrts.study"
+DIGEST_KEY = b"study"
 """In the metadata of a part: the digest of its study."""
 
 logger = logging.getLogger("mrts")

@@ -32,7 +32,9 @@ ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_
 WATCH = 1.0
 """Between two looks of a worker whether its driver still lives [s]."""
 
-CONNECT = 30.0
+GONE = "is gone, or has dropped this study's work: the same command goes on with what is not solved yet."
+
+CONNECT = 10.0
 """For a scheduler to answer [s]."""
 
 NO_WORKERS = 60.0
@@ -40,6 +42,11 @@ NO_WORKERS = 60.0
 
 LOCAL = "local"
 """Name of a Dask cluster of this machine's processes, made for one study."""
+
+ANY_PORT = "127.0.0.1:0"
+
+TALKATIVE = ("distributed", "distributed.client")
+"""Loggers of what is dealt with here: workers that come and go."""
 
 Result = TypeVar("Result")
 logger = logging.getLogger("mrts")
@@ -148,15 +155,15 @@ class DaskCluster:
             if not self._threads and time.monotonic() > self._reminded + NO_WORKERS:
                 logger.warning("the cluster at %s has no workers: waiting for them", self._address)
                 self._reminded = time.monotonic()
+        if any(future.cancelled() for future in done):  # not by us
+            raise InputError("scheduler", GONE, value=self._address)
         return done
 
     def died(self, error: BaseException) -> bool:
-        """Whether an error says that workers are gone, as many as the scheduler's `allowed-failures`, or the call."""
-        from concurrent.futures import CancelledError  # noqa: PLC0415 (next to its kind)
-
+        """Whether an error says that workers are gone, as many as the scheduler's `allowed-failures`."""
         from distributed.scheduler import KilledWorker  # noqa: PLC0415 (an extra)
 
-        return isinstance(error, KilledWorker | CancelledError)
+        return isinstance(error, KilledWorker)
 
 
 def check_workers(workers: int | None, scheduler: str | None) -> None:
@@ -206,6 +213,7 @@ def _dask_cluster(stack: ExitStack, workers: int | None, scheduler: str) -> Dask
         InputError: If no scheduler answers.
     """
     dask, distributed = import_module("dask"), import_module("distributed")
+    stack.enter_context(_silent())
 
     address: Any = scheduler
     if scheduler == LOCAL:
@@ -213,7 +221,7 @@ def _dask_cluster(stack: ExitStack, workers: int | None, scheduler: str) -> Dask
         stack.enter_context(dask.config.set({"distributed.deploy.lost-worker-timeout": "1 day"}))
         with _without_interrupts():
             address = distributed.LocalCluster(
-                n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL
+                n_workers=workers, threads_per_worker=1, dashboard_address=ANY_PORT, silence_logs=logging.CRITICAL
             )
         stack.callback(_uninterrupted, address.close)
     try:
@@ -225,6 +233,19 @@ def _dask_cluster(stack: ExitStack, workers: int | None, scheduler: str) -> Dask
         ) from None  # fmt: skip
     stack.callback(_uninterrupted, client.close)
     return DaskCluster(client, scheduler)
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    loggers = [logging.getLogger(name) for name in TALKATIVE]
+    levels = [each.level for each in loggers]
+    for each in loggers:
+        each.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for each, level in zip(loggers, levels, strict=True):
+            each.setLevel(level)
 
 
 def _uninterrupted(close: Callable[[], None]) -> None:

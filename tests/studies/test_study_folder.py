@@ -84,7 +84,7 @@ def test_a_damaged_part_is_dropped_and_said(damage, complete, study, caplog):
         shutil.copy(complete.part(2), path)
     else:
         table = pq.read_table(path)
-        pq.write_table(table.replace_schema_metadata({"mrts.study": "another"}), path)
+        pq.write_table(table.replace_schema_metadata({"study": "another"}), path)
     folder = opened(complete.path, study)
     assert list(folder.parts()) == [0, 2]
     assert "part-00000001.parquet is damaged, or of another study: solved again" in caplog.text
