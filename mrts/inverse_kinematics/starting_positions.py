@@ -8,9 +8,10 @@ from mrts.base.errors import MotionError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.inverse_kinematics.grasp_tracking import STARTING_STEPS, HeldGrasps, solve_grasps, unreachable
+from mrts.inverse_kinematics.grasp_tracking import STARTING_STEPS, HeldGrasps, solve_grasps
 from mrts.inverse_kinematics.joint_limits import joint_limit_failure, nearest_turns, within_limits
 from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_branches
+from mrts.inverse_kinematics.tracking_messages import unreachable
 from mrts.motion.object_motion import ObjectMotion
 
 FURTHER_STARTS = 40

@@ -24,7 +24,6 @@ from mrts.studies.number_paths import Keys, set_number
 from mrts.studies.sampling import SampleName, sample_points
 from mrts.studies.spreads import Spread
 
-
 NUMBERS_SHOWN = 3
 """Of what a knob moves."""
 
