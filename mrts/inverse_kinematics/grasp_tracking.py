@@ -25,6 +25,7 @@ from mrts.inverse_kinematics.null_space import (
     limit_zone,
     null_spaces,
 )
+from mrts.inverse_kinematics.tracking_messages import branch_lost, unreachable
 from mrts.kernel.tracking import GraspTask, NewtonRule, track_path
 from mrts.motion.object_motion import ObjectMotion
 
@@ -345,15 +346,6 @@ def _note_failures(
                 failures[robot.name] = TrackingFailure(LOST, branch_lost(robot, motion.time, k, jump[track]), k)
 
 
-def branch_lost(robot: Robot, time: Array, sample: int, jump: float) -> str:
-    """The message for an arm whose joint would have to jump [rad or m]; time as in `unreachable`."""
-    return (
-        f"robot '{robot.name}' loses its branch at sample {sample} (t = {time[sample]:.6g} s): a joint is "
-        f"{jump:.3g} (rad or m) from where its velocity led. Use more samples, or keep away from the singularity near "
-        "there."
-    )
-
-
 def _jump(robot: Robot, motion: ObjectMotion, k: int) -> TrackingFailure:
     return TrackingFailure(
         LOST,
@@ -361,23 +353,6 @@ def _jump(robot: Robot, motion: ObjectMotion, k: int) -> TrackingFailure:
         "that hold the grasp, those near its start and away from its limits end there, and it would have to jump. "
         "Choose another posture, or a path that keeps nearer to the start.",
         k,
-    )
-
-
-def unreachable(robot: Robot, time: Array, sample: int, gap: float, turn: float) -> str:
-    """The message for a grasp out of reach: the smallest position and rotation errors met [m, rad].
-
-    Args:
-        robot: The arm.
-        time: Shape (N,) [s].
-        sample: Where.
-        gap: [m].
-        turn: [rad].
-    """
-    return (
-        f"robot '{robot.name}' cannot reach its grasp at sample {sample} (t = {time[sample]:.6g} s): its tip "
-        f"came no nearer than {gap:.3g} m and {turn:.3g} rad. Choose another posture, from which another branch may "
-        "reach it, or move the path, the base or the grasp."
     )
 
 

@@ -14,10 +14,10 @@ from mrts.inverse_kinematics.grasp_tracking import (
     grasp_task,
     path_of,
     solve_grasps,
-    unreachable,
 )
 from mrts.inverse_kinematics.joint_limits import joint_limit_failure, nearest_turns, within_limits
 from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_branches
+from mrts.inverse_kinematics.tracking_messages import unreachable
 from mrts.kernel.tracking import track_path
 from mrts.motion.object_motion import ObjectMotion
 
