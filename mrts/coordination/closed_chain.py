@@ -141,7 +141,9 @@ def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
     if gaps.largest > POSE_TOLERANCE:
         robot, sample, _ = gaps.worst(ClosureBound(POSE_TOLERANCE, POSE_TOLERANCE))
         raise MotionError(
-            unreachable(cell.robots[robot], target.time, sample, gaps.distance[robot, sample], gaps.angle[robot, sample])
+            unreachable(
+                cell.robots[robot], target.time, sample, gaps.distance[robot, sample], gaps.angle[robot, sample]
+            )
         )
     return held.q
 

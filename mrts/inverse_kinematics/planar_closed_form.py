@@ -102,15 +102,15 @@ def planar_branches(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Arr
         MotionError: If a sample is out of reach; names robot, sample and distance.
     """
     base, grasp = robot.T_world_base, robot.T_object_tip
-    found = branches_of_places(cell, robot, ArmPlaces(base.R, base.p, grasp.R, grasp.p), motion.position, motion.rotation)
+    found = branches_of_places(
+        cell, robot, ArmPlaces(base.R, base.p, grasp.R, grasp.p), motion.position, motion.rotation
+    )
     if found.out_of_reach():
         raise MotionError(found.failure(robot, motion.time))
     return found.branches
 
 
-def branches_of_places(
-    cell: Cell, robot: Robot, places: ArmPlaces, position: Array, rotation: Array
-) -> PlanarBranches:
+def branches_of_places(cell: Cell, robot: Robot, places: ArmPlaces, position: Array, rotation: Array) -> PlanarBranches:
     """Both elbow branches of an arm in its places.
 
     The wrist's place in the base frame fixes the triangle of the two links; the law of cosines gives the elbow.

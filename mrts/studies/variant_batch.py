@@ -117,7 +117,9 @@ class VariantBatch:
             part = points[start : start + self.block]
             answers = self._answers(VariantNumbers(self._base, self._entries, part))
             found = (answers.row(variant) for variant in range(len(part)))
-            rows += [solved_row(self._study, point) if row is None else row for point, row in zip(part, found, strict=True)]
+            rows += [
+                solved_row(self._study, point) if row is None else row for point, row in zip(part, found, strict=True)
+            ]
         return columns_of(self._study, points, first, rows)
 
     def _answers(self, numbers: VariantNumbers) -> VariantAnswers:
@@ -140,7 +142,10 @@ class VariantBatch:
         xyz, rpy = (np.stack([np.broadcast_to(value, (lead, 3)) for value in ends[part]], axis=1) for part in ends)
         duration = np.broadcast_to(numbers["duration"], (max(lead, len(numbers["duration"])),))
         lead = len(duration)
-        positions, rotations = np.broadcast_to(xyz, (lead, 2, 3)), np.broadcast_to(rotations_from_rpy(rpy), (lead, 2, 3, 3))
+        positions, rotations = (
+            np.broadcast_to(xyz, (lead, 2, 3)),
+            np.broadcast_to(rotations_from_rpy(rpy), (lead, 2, 3, 3)),
+        )
         profile = PROFILES[self._study.motion["profile"]]
         rates = geodesic_rates(positions, rotations, duration, profile(u))
         return dict(zip(PATH, (duration[:, None] * u, *rates), strict=True))

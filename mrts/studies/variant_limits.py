@@ -144,5 +144,8 @@ class VariantLimits:
 
     def _shrunk(self, lower: Array, upper: Array) -> tuple[Array, Array]:
         """As `LimitRows.shrunk`, of many variants, each Shape (V, r)."""
-        moved = [replace(self.rows, lower=low, upper=high).shrunk(self._reserve) for low, high in zip(lower, upper, strict=True)]
+        moved = [
+            replace(self.rows, lower=low, upper=high).shrunk(self._reserve)
+            for low, high in zip(lower, upper, strict=True)
+        ]
         return np.array([rows.lower for rows in moved]), np.array([rows.upper for rows in moved])
