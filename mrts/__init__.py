@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from mrts.hands.suction import suction_contact
     from mrts.identification.identified_motors import ArmMotors, MotorIdentification, MotorParameter
     from mrts.identification.identify import identify
+    from mrts.layout.place import place
+    from mrts.layout.placement import Placement, PlayedLayout
     from mrts.limits.rows import ActiveRow, RowName
     from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
     from mrts.motion.joint_table import JointTable
@@ -97,7 +99,9 @@ _HOMES = {
     "MotorParameter": "identification.identified_motors",
     "MrtsError": "base.errors",
     "ObjectMotion": "motion.object_motion",
+    "Placement": "layout.placement",
     "PlanReserve": "samples.reserve",
+    "PlayedLayout": "layout.placement",
     "RangeEnd": "scaling.range",
     "RecordedJoint": "motion.joint_recording",
     "Remark": "base.remark",
@@ -132,6 +136,7 @@ _HOMES = {
     "load_recording": "motion.joint_recording",
     "load_result": "output.saved_result",
     "pad_contact": "hands.pad",
+    "place": "layout.place",
     "rank_configurations": "studies.configurations",
     "retime": "retiming.retime",
     "read_study": "studies.study_file",
@@ -181,7 +186,9 @@ __all__ = [
     "MotorParameter",
     "MrtsError",
     "ObjectMotion",
+    "Placement",
     "PlanReserve",
+    "PlayedLayout",
     "RangeEnd",
     "RateLimits",
     "RecordedJoint",
@@ -216,6 +223,7 @@ __all__ = [
     "load_recording",
     "load_result",
     "pad_contact",
+    "place",
     "rank_configurations",
     "read_study",
     "read_study_folder",

@@ -123,4 +123,9 @@ def _answered(study: "Study", folder: "StudyFolder", tally: "Tally", options: ar
                 best = write_best(study, folder, options.top)
             for line in best_lines(best, folder.path):
                 say(line)
+    if options.plot is not None:
+        with outputs.attempt():
+            from mrts.figures import write_study_figures
+
+            write_study_figures(folder.path, options.plot)
     return outputs.code(FEASIBLE if admitted else INFEASIBLE)

@@ -32,9 +32,9 @@ from mrts.inverse_kinematics.grasp_tracking import (
     TRACKING_STEPS,
     solve_grasps,
     tip_rates,
-    unreachable,
 )
 from mrts.inverse_kinematics.joint_limits import PRINTED_TOLERANCE, check_joint_limits
+from mrts.inverse_kinematics.tracking_messages import unreachable
 from mrts.motion.joint_table import Source
 from mrts.motion.object_motion import ObjectMotion
 

@@ -32,13 +32,13 @@ def has_closed_form(cell: Cell, robot: Robot) -> bool:
 
 @dataclass(frozen=True)
 class ArmPlaces:
-    """Where one arm stands and holds, in one cell or in many; positions [m] with any first axes, rotations with the same.
+    """Where one arm stands and holds, in one cell or, with the same first axes throughout, in many.
 
     Attributes:
         base_rotation: Of the base in the world, Shape (…, 3, 3).
-        base_position: Shape (…, 3).
+        base_position: Shape (…, 3) [m].
         tip_rotation: Of the tip in the object frame, Shape (…, 3, 3).
-        tip_position: Shape (…, 3).
+        tip_position: Shape (…, 3) [m].
     """
 
     base_rotation: Array

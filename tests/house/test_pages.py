@@ -26,8 +26,9 @@ DOCS = ROOT / "docs"
         ("optimal_profile", 2),
         ("smooth", 3),
         ("real_cell", 9),
+        ("studies", 11),
         ("what_if", 2),
-        ("study_file", 4),
+        ("study_file", 5),
     ],
 )
 def test_a_page_does_what_it_shows_and_prints_what_it_says(name, blocks, tmp_path):

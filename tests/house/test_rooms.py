@@ -31,6 +31,7 @@ ROOMS = (
     "identification",
     "studies",
     "sweeps",
+    "layout",
     "drawing",
     "output",
     "figures",
