@@ -24,8 +24,7 @@ torques: true
 sample: sobol
 count: 24
 """
-CHUNK_TIME = 0.1
-"""So that a short study has many chunks [s]."""
+CHUNK = 2
 
 SEED = 17
 
@@ -44,7 +43,7 @@ def alone(study):
 
 @pytest.fixture(autouse=True)
 def many_chunks(monkeypatch):
-    monkeypatch.setattr(engine, "CHUNK_TIME", CHUNK_TIME)
+    monkeypatch.setattr(engine, "chunk_size", lambda _study: CHUNK)
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +51,7 @@ def solved(study, tmp_path_factory):
     """The folder of the study, solved by two workers, and what was told meanwhile."""
     out, told = tmp_path_factory.mktemp("solved") / "out", []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(engine, "CHUNK_TIME", CHUNK_TIME)
+        patch.setattr(engine, "chunk_size", lambda _study: CHUNK)
         mrts.sweep(study, out, workers=2, progress=told.append)
     return out, told
 
@@ -68,7 +67,7 @@ def test_two_workers_give_the_table_that_none_gives(solved, alone):
     out, told = solved
     table = mrts.read_study_folder(out).table()
     assert_same_table(table, alone)
-    assert len(parts(out)) > 4
+    assert len(parts(out)) == 12
     assert set(table["status"].to_pylist()) == {"feasible", "infeasible", "unreachable"}
     assert [each.done for each in told] == sorted({each.done for each in told})
     assert (told[0].done, told[0].rate, told[0].remaining) == (0, 0, None)
@@ -77,6 +76,15 @@ def test_two_workers_give_the_table_that_none_gives(solved, alone):
     assert (last.done, last.remaining, last.best) == (24, 0, min(durations))
     assert durations[last.best_variant] == last.best
     assert re.fullmatch(r"\S+ a second, 0 s left; best 0\.\d+ s", str(last))
+
+
+def test_a_chunk_is_a_round_number_of_variants_and_not_more_than_there_are(study, monkeypatch):
+    monkeypatch.undo()
+    assert engine.chunk_size(study) in {1, 2, 5, 10, 20}
+    monkeypatch.setattr(engine, "CHUNK_TIME", 1e6)
+    assert engine.chunk_size(study) == 20
+    monkeypatch.setattr(engine, "CHUNK_TIME", 1e-6)
+    assert engine.chunk_size(study) == 1
 
 
 def test_one_worker_without_a_folder_gives_the_same(study, alone):
