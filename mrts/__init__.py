@@ -62,6 +62,9 @@ if TYPE_CHECKING:
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
     from mrts.studies.study import Study
     from mrts.studies.study_file import read_study
+    from mrts.studies.study_folder import StudyFolder, read_study_folder
+    from mrts.sweeps.sweep import sweep
+    from mrts.sweeps.sweep_progress import SweepProgress
 
 _HOMES = {
     "ActiveRow": "limits.rows",
@@ -122,6 +125,8 @@ _HOMES = {
     "SpeedAnswer": "scaling.what_if",
     "WhatIf": "scaling.what_if",
     "Study": "studies.study",
+    "StudyFolder": "studies.study_folder",
+    "SweepProgress": "sweeps.sweep_progress",
     "box_contact": "hands.box",
     "follow_object": "coordination.coordinated_motion",
     "gripper_contact": "hands.gripper",
@@ -135,11 +140,13 @@ _HOMES = {
     "rank_configurations": "studies.configurations",
     "retime": "retiming.retime",
     "read_study": "studies.study_file",
+    "read_study_folder": "studies.study_folder",
     "rows_contact": "hands.polytope",
     "sample_motion": "motion.motion_file",
     "save_result": "output.saved_result",
     "scale": "scaling.scale",
     "suction_contact": "hands.suction",
+    "sweep": "sweeps.sweep",
     "torques_for_load": "scaling.known_load",
     "write_report": "report",
     "write_ros_bag": "output.ros_bag",
@@ -204,6 +211,8 @@ __all__ = [
     "SolverError",
     "SpeedAnswer",
     "Study",
+    "StudyFolder",
+    "SweepProgress",
     "WhatIf",
     "box_contact",
     "follow_object",
@@ -217,12 +226,14 @@ __all__ = [
     "place",
     "rank_configurations",
     "read_study",
+    "read_study_folder",
     "retime",
     "rows_contact",
     "sample_motion",
     "save_result",
     "scale",
     "suction_contact",
+    "sweep",
     "torques_for_load",
     "write_report",
     "write_ros_bag",

@@ -7,6 +7,7 @@ The generated C carries these numbers, so products avoid BLAS, whose kernels dif
 from dataclasses import dataclass
 from itertools import product
 from math import atan2, copysign, cos, hypot, inf, nextafter, pi, sin
+from typing import Any
 
 import numpy as np
 
@@ -83,7 +84,17 @@ def snap_rotation(R: Array) -> Array:
 
 def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Array:
     """Rotation Rz(yaw) Ry(pitch) Rx(roll), Shape (3, 3); angles in rad (URDF's convention)."""
-    cr, sr, cp, sp, cy, sy = cos(roll), sin(roll), cos(pitch), sin(pitch), cos(yaw), sin(yaw)
+    return _turned(cos(roll), sin(roll), cos(pitch), sin(pitch), cos(yaw), sin(yaw))
+
+
+def rotations_from_rpy(rpy: Array) -> Array:
+    """`rotation_from_rpy` of many roll, pitch, yaw [rad], Shape (…, 3): Shape (…, 3, 3)."""
+    parts = (turn(rpy[..., axis]) for axis in range(3) for turn in (np.cos, np.sin))
+    return np.moveaxis(_turned(*parts), (0, 1), (-2, -1))
+
+
+def _turned(cr: Any, sr: Any, cp: Any, sp: Any, cy: Any, sy: Any) -> Array:
+    """From cosines and sines of roll, pitch and yaw, numbers or arrays; rows and columns are the first two axes."""
     R = np.array(
         [
             [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
@@ -146,7 +157,11 @@ def _ranked(angle: float) -> list[tuple[int, float]]:
 
 def is_rotation(R: Array) -> bool:
     """Whether a matrix, Shape (3, 3), is a rotation."""
-    return bool(np.max(np.abs(R @ R.T - np.eye(3))) <= ROTATION_TOLERANCE and np.linalg.det(R) > 0)
+    x, y, z = R.tolist()  # numbers of Python: cells are made by the thousand
+    off = [sum(a * b for a, b in zip(one, two, strict=True)) for one, two in ((x, y), (x, z), (y, z))]
+    off += [sum(a * a for a in row) - 1 for row in (x, y, z)]
+    volume = sum(x[i] * (y[i - 2] * z[i - 1] - y[i - 1] * z[i - 2]) for i in range(3))
+    return all(abs(entry) <= ROTATION_TOLERANCE for entry in off) and volume > 0
 
 
 def in_one_place(one: RigidTransform, other: RigidTransform) -> bool:

@@ -209,12 +209,21 @@ def check_motion(cell: Cell, motion: ObjectMotion) -> None:
                 f"{len(cell.wrench_components)}: it could not follow any motion.",
                 key=f"robot '{robot.name}'",
             )
-    if cell.plane is None:
-        return
-    normal = ({0, 1, 2} - {"xyz".index(axis) for axis in cell.plane}).pop()
-    tilting = [3 + axis for axis in range(3) if axis != normal]
-    if np.max(np.abs(motion.twist[:, [normal, *tilting]])) > OUT_OF_PLANE:
+    if cell.plane is not None and leaves_plane(cell, motion.twist):
+        normal = "".join(sorted({*"xyz"} - {*cell.plane}))
         raise MotionError(
             f"the object leaves the plane {cell.plane} of cell '{cell.name}': its path may move in {cell.plane} and "
-            f"turn about {'xyz'[normal]} only."
+            f"turn about {normal} only."
         )
+
+
+def leaves_plane(cell: Cell, twist: Array) -> NDArray[np.bool_]:
+    """Whether the object leaves the plane of a planar cell along motions, Shape (…).
+
+    Args:
+        cell: The cell.
+        twist: Of the object, Shape (…, N, 6).
+    """
+    normal = ({0, 1, 2} - {"xyz".index(axis) for axis in cell.plane or "xy"}).pop()
+    tilting = [3 + axis for axis in range(3) if axis != normal]
+    return np.asarray(np.max(np.abs(twist[..., [normal, *tilting]]), axis=(-2, -1)) > OUT_OF_PLANE)

@@ -2,6 +2,7 @@
 """Position limits of the joints along a motion."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
@@ -18,11 +19,21 @@ PRINTED_TOLERANCE = 1e-4
 """The same for positions that are given, which may carry few digits."""
 
 
-def nearest_turns(robot: Robot, q: Array) -> Array:
-    """The same joint positions with whole turns added to come nearest to the posture, Shape (n_i,) [rad or m]."""
-    turns = np.array([kind == "revolute" for kind in robot.joint_types])
-    away = q - robot.posture
-    return np.where(turns, robot.posture + (away + np.pi) % (2 * np.pi) - np.pi, q)
+def nearest_turns(robot: Robot, q: Array, posture: Array | None = None) -> Array:
+    """The same joint positions with whole turns added to come nearest to the posture, Shape (n_i,) [rad or m].
+
+    Args:
+        robot: The arm.
+        q: Joint positions.
+        posture: None for the robot's own; several, as of q, have Shape (V, n_i).
+    """
+    near = robot.posture if posture is None else posture
+    return np.where(is_turning(robot), near + (q - near + np.pi) % (2 * np.pi) - np.pi, q)
+
+
+def is_turning(robot: Robot) -> NDArray[np.bool_]:
+    """Joints of which whole turns are the same position, Shape (n_i,)."""
+    return np.array([kind == "revolute" for kind in robot.joint_types])
 
 
 def within_limits(robot: Robot, q: Array) -> Array:
@@ -32,7 +43,7 @@ def within_limits(robot: Robot, q: Array) -> Array:
         robot: The arm.
         q: Joint positions along a motion, Shape (N, n_i) [rad or m].
     """
-    turn = np.where([kind == "revolute" for kind in robot.joint_types], 2 * np.pi, np.inf)
+    turn = np.where(is_turning(robot), 2 * np.pi, np.inf)
     low, high = np.min(q, axis=0), np.max(q, axis=0)
     down = np.ceil((high - robot.position_upper) / turn - POSITION_TOLERANCE).clip(min=0)
     up = np.ceil((robot.position_lower - low) / turn - POSITION_TOLERANCE).clip(min=0)
@@ -57,12 +68,25 @@ def joint_limit_failure(robot: Robot, time: Array, q: Array, tolerance: float = 
         return None
     sample = int(np.argmax(np.any(beyond, axis=1)))
     joint = int(np.argmax(beyond[sample]))
+    return past_a_limit(robot, time, sample, joint, float(q[sample, joint]))
+
+
+def past_a_limit(robot: Robot, time: Array, sample: int, joint: int, position: float) -> str:
+    """The message for a joint that passes its position limit.
+
+    Args:
+        robot: The arm.
+        time: Shape (N,) [s].
+        sample: Where.
+        joint: Which.
+        position: Where it would be [rad or m].
+    """
     hint = ""
-    if robot.joint_types[joint] == "revolute" and abs(q[sample, joint]) > DEGREES_SUSPECTED:
+    if robot.joint_types[joint] == "revolute" and abs(position) > DEGREES_SUSPECTED:
         hint = " If these are degrees: positions are in rad."
     return (
         f"robot '{robot.name}' passes a position limit at sample {sample} (t = {time[sample]:.6g} s): joint "
-        f"'{robot.joints[joint]}' would be at {q[sample, joint]:.6g}, its limits are [{robot.position_lower[joint]:g}, "
+        f"'{robot.joints[joint]}' would be at {position:.6g}, its limits are [{robot.position_lower[joint]:g}, "
         f"{robot.position_upper[joint]:g}].{hint} Choose another posture, path, base or grasp."
     )
 

@@ -8,9 +8,17 @@ from mrts.base.errors import MotionError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.inverse_kinematics.grasp_tracking import STARTING_STEPS, HeldGrasps, solve_grasps, unreachable
+from mrts.inverse_kinematics.grasp_tracking import (
+    STARTING_STEPS,
+    HeldGrasps,
+    grasp_task,
+    path_of,
+    solve_grasps,
+)
 from mrts.inverse_kinematics.joint_limits import joint_limit_failure, nearest_turns, within_limits
 from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_branches
+from mrts.inverse_kinematics.tracking_messages import unreachable
+from mrts.kernel.tracking import track_path
 from mrts.motion.object_motion import ObjectMotion
 
 FURTHER_STARTS = 40
@@ -18,6 +26,8 @@ FURTHER_STARTS = 40
 
 FURTHER_STEPS = 60
 """Steps from each of them; those that take more lead nowhere."""
+
+STARTS_TRIED = f"{1 + FURTHER_STARTS} starts were tried."
 
 SEED = 13
 
@@ -45,16 +55,28 @@ def starting_positions(cell: Cell, motion: ObjectMotion) -> tuple[Array, tuple[R
         if has_closed_form(cell, robot):
             near = [nearest_turns(robot, branch[0]) for branch in planar_branches(cell, robot, motion)]
             start[joints] = min(near, key=lambda q: float(np.max(np.abs(q - robot.posture))))
-    held = solve_grasps(cell, motion, 0, start[None], STARTING_STEPS, reference[None])
+    held = _hold_first(cell, motion, start) if np.array_equal(start, reference) else None
+    if held is None:
+        held = solve_grasps(cell, motion, 0, start[None], STARTING_STEPS, reference[None])
     found: Array = held.q[0].copy()
     lost = [index for index in range(len(cell.robots)) if not _holds(cell, motion, held, index)[0]]
     if lost:
-        starts = np.concatenate([_further_starts(robot) for robot in cell.robots], axis=1)
+        starts = np.concatenate([further_starts(robot, robot.posture) for robot in cell.robots], axis=1)
         further = solve_grasps(cell, motion, 0, starts, FURTHER_STEPS, np.tile(reference, (len(starts), 1)))
         for index in lost:
             joints = cell.joint_slices[cell.robots[index].name]
             found[joints] = _nearest(cell, motion, held, further, index)
     return found, tuple(_other_start(cell.robots[index]) for index in lost)
+
+
+def _hold_first(cell: Cell, motion: ObjectMotion, start: Array) -> HeldGrasps | None:
+    """`solve_grasps` at t = 0, near the start, in the compiled library; None where that settles nothing."""
+    compiled = cell.functions.compiled
+    if compiled is None:
+        return None
+    found = track_path(compiled, grasp_task(cell, STARTING_STEPS), [part[:1] for part in path_of(motion)], start)
+    held = HeldGrasps(found.q, found.gap, found.turn, found.drift)
+    return held if found.done and np.all(held.settled()) else None
 
 
 def _other_start(robot: Robot) -> Remark:
@@ -82,14 +104,19 @@ def _holds(cell: Cell, motion: ObjectMotion, held: HeldGrasps, index: int) -> li
     ]
 
 
-def _further_starts(robot: Robot) -> Array:
-    """Shape (FURTHER_STARTS, n_i)."""
+def further_starts(robot: Robot, posture: Array) -> Array:
+    """Where the search goes on from, Shape (…, FURTHER_STARTS, n_i).
+
+    Args:
+        robot: The arm.
+        posture: Shape (…, n_i) [rad or m].
+    """
     low, high = robot.position_lower, robot.position_upper
     steps = np.linspace(0, SPREAD, FURTHER_STARTS)[:, None]
     turns = np.random.default_rng(SEED).uniform(-1, 1, (FURTHER_STARTS, len(robot.joints)))
-    starts = np.clip(robot.posture + steps * turns, low, high)
+    starts: Array = np.clip(posture[..., None, :] + steps * turns, low, high)
     limited = np.isfinite(low) & np.isfinite(high)
-    starts[0, limited] = (low[limited] + high[limited]) / 2
+    starts[..., 0, limited] = (low[limited] + high[limited]) / 2
     return starts
 
 
@@ -114,8 +141,8 @@ def _nearest(cell: Cell, motion: ObjectMotion, held: HeldGrasps, further: HeldGr
             robot, motion.time, within_limits(robot, q[int(np.argmax(reached))][None, joints])
         )
     best = int(np.argmin(np.maximum(gap, turn)))
-    failure = failure or unreachable(robot, motion, 0, float(gap[best]), float(turn[best]))
-    raise MotionError(f"{failure} {1 + FURTHER_STARTS} starts were tried.")
+    failure = failure or unreachable(robot, motion.time, 0, float(gap[best]), float(turn[best]))
+    raise MotionError(f"{failure} {STARTS_TRIED}")
 
 
 def _parts(held: HeldGrasps, index: int) -> tuple[Array, Array, Array, Array]:

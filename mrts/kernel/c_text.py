@@ -2,7 +2,7 @@
 """The C of mrts/kernel/c: as one text to compile with a cell's generated C, or file by file for an export."""
 
 import re
-from collections.abc import Sequence
+from functools import cache
 from importlib.resources import files
 from itertools import accumulate
 from posixpath import dirname, join, normpath
@@ -12,13 +12,16 @@ from mrts.base.manifest import Manifest
 PROGRAM_FILES = ("linear_programs.c", "quadratic_programs.c", "batch.c")
 """The programs, which need no cell."""
 
-CELL_FILES = (*PROGRAM_FILES, "rows.c", "speed_intervals.c", "trajectory.c", "null_space.c", "tracking.c")
+CELL_FILES = (
+    *(*PROGRAM_FILES, "rows.c", "speed_intervals.c", "trajectory.c", "tracking/null_space.c", "tracking/tracking.c"),
+    *(f"variants/{name}.c" for name in ("quick_sample", "follow", "end_rows", "ranges")),
+)
 """All of the kernel; the last files need a cell's sizes and generated functions."""
 
 SMOOTH_FILES = tuple(f"smooth/{name}.c" for name in ("smooth_rows", "smooth_second", "fronts", "interior_point"))
 """The programs of smooth timing, which need no cell either."""
 
-INCLUDED = re.compile(r'^#include "((?:\.\./)?\w+\.h)"\n', re.MULTILINE)
+INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.h)"\n', re.MULTILINE)
 
 
 def one_file(name: str) -> str:
@@ -26,7 +29,8 @@ def one_file(name: str) -> str:
     return (files("mrts") / "kernel" / "c" / name).read_text(encoding="utf-8")
 
 
-def one_text(names: Sequence[str]) -> str:
+@cache
+def one_text(names: tuple[str, ...]) -> str:
     """Some C files of the kernel, in order, as one text: each header of ours stands where it is first included.
 
     Args:

@@ -49,6 +49,12 @@ class SparseLimits:
         base: Rotation of each base in the world, its columns those of `axes`, Shape (n, 3, 3); None where no row is in
             object axes.
         axes: x, y, z (0, 1, 2) in the order in which a triple of a wrench has them.
+        pattern: Entries that may be other than zero, Shape of `matrix`; None for those that are.
+
+    Attributes:
+        rows: r.
+        entries: Row and column of each entry that is kept, each Shape (e,).
+        values: Of the entries, Shape (e,).
 
     Raises:
         ValueError: If a lower limit is not at most the upper one.
@@ -63,17 +69,19 @@ class SparseLimits:
         group: Sequence[str],
         base: Array | None = None,
         axes: Sequence[int] = (0, 1, 2),
+        pattern: NDArray[np.bool_] | None = None,
     ) -> None:
         if not np.all(lower <= upper):
             raise ValueError(f"rows {np.flatnonzero(~(lower <= upper)).tolist()}: a lower limit is above its upper one")
         self.rows = len(matrix)
-        row, column = np.nonzero(matrix)
+        self.entries = row, column = np.nonzero(matrix if pattern is None else pattern)
+        self.values = np.ascontiguousarray(matrix[row, column])
         start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=self.rows))])
         units = list(dict.fromkeys(group))
         self._arrays: list[NDArray[Any]] = [
             np.ascontiguousarray(start, dtype=np.int32),
             np.ascontiguousarray(column, dtype=np.int32),
-            np.ascontiguousarray(matrix[row, column]),
+            self.values,
             np.ascontiguousarray(np.maximum(lower, -INFINITY)),
             np.ascontiguousarray(np.minimum(upper, INFINITY)),
             np.array([units.index(unit) for unit in group], dtype=np.int32),

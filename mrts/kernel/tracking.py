@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Inverse kinematics along a whole path in one foreign call (mrts/kernel/c/tracking.c)."""
+"""Inverse kinematics along a whole path in one foreign call (mrts/kernel/c/tracking/tracking.c)."""
 
 import ctypes
 from collections.abc import Sequence
@@ -40,8 +40,8 @@ class NewtonRule:
     reached: float
 
 
-class _Tracking(ctypes.Structure):
-    """`mrts_tracking` of tracking.c."""
+class TrackingStructure(ctypes.Structure):
+    """`mrts_tracking` of tracking.h."""
 
     _fields_ = [
         ("steps", ctypes.c_int),
@@ -82,7 +82,7 @@ class GraspTask:
         *limits, place = (pointer(array) for array in self._arrays)
         used = (ctypes.c_int * 6)(*components)
         wish = _Preference(*limits, push)
-        self.structure = _Tracking(
+        self.structure = TrackingStructure(
             steps=newton.steps,
             settled=newton.settled,
             longest=newton.longest,

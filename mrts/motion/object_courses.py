@@ -45,17 +45,7 @@ class Geodesic:
 
     def at(self, u: Array) -> ObjectRates:
         """The motion at shares of its duration, Shape (k,)."""
-        s, ds, dds = self.profile(u)
-        first, last = self.rotations
-        step = self.positions[1] - self.positions[0]
-        turn = Rotation.from_matrix(last @ first.T).as_rotvec()  # world axes, constant on the geodesic
-        direction = np.concatenate([step, turn])
-        return (
-            self.positions[0] + s[:, None] * step,
-            Rotation.from_rotvec(s[:, None] * turn).as_matrix() @ first,
-            ds[:, None] / self.duration * direction,
-            dds[:, None] / self.duration**2 * direction,
-        )
+        return geodesic_rates(self.positions, self.rotations, self.duration, self.profile(u))
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -113,6 +103,37 @@ class PoseSplines:
             np.concatenate([position[2], change], axis=1),
         )
         return position[0], rotation, twist, acceleration
+
+
+def geodesic_rates(
+    positions: Array, rotations: Array, duration: Array | float, fractions: tuple[Array, Array, Array]
+) -> ObjectRates:
+    """The motions of one `Geodesic` or of many that run alike.
+
+    Args:
+        positions: Start and end, Shape (…, 2, 3) [m].
+        rotations: Start and end, Shape (…, 2, 3, 3).
+        duration: Shape (…) [s].
+        fractions: Path fraction s and its first and second derivative by the share of the duration, each Shape (k,).
+
+    Returns:
+        Position, rotation, twist and acceleration, Shape (…, k, 3), (…, k, 3, 3), (…, k, 6), (…, k, 6).
+    """
+    s, ds, dds = (value[:, None] for value in fractions)
+    lead, samples = positions.shape[:-2], len(s)
+    first, last = rotations[..., 0, :, :], rotations[..., 1, :, :]
+    step = positions[..., 1:, :] - positions[..., :1, :]
+    between = (last @ np.swapaxes(first, -1, -2)).reshape(-1, 3, 3)
+    turn = Rotation.from_matrix(between).as_rotvec().reshape(*lead, 1, 3)  # world axes, constant on the geodesic
+    direction = np.concatenate([step, turn], axis=-1)
+    turned = Rotation.from_rotvec((s * turn).reshape(-1, 3)).as_matrix().reshape(*lead, 3 * samples, 3)
+    T = np.asarray(duration, dtype=np.float64)[..., None, None]
+    return (
+        positions[..., :1, :] + s * step,
+        (turned @ first).reshape(*lead, samples, 3, 3),
+        ds / T * direction,
+        dds / T**2 * direction,
+    )
 
 
 def geodesic_motion(

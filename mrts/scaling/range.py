@@ -124,10 +124,7 @@ class ScalingRange:
         elif self.status is RangeStatus.EMPTY and (exclusions := self._exclusions()):
             text = exclusions
         elif self.status is RangeStatus.EMPTY and self.lower and self.upper:
-            slow, fast = self.lower, self.upper
-            text = f"c² must be at least {slow.c2:.6g} {slow.place()}, but at most {fast.c2:.6g} {fast.place()}."
-            if any(row.name.kind in RATES for row in (*slow.rows, *fast.rows)):
-                text = f"a rate is too small: {text}"
+            text = contradiction(self.lower, self.upper)
         else:
             return ""
         return f"{text} {self.status.advice}"
@@ -147,6 +144,18 @@ class ScalingRange:
         return (
             f"of c² ∈ {interval_text(lower, upper)} single samples leave nothing: {'; '.join(parts)}." if parts else ""
         )
+
+
+def contradiction(slow: RangeEnd, fast: RangeEnd) -> str:
+    """Why no c² is in all ranges, where the least of one sample is above the largest of another.
+
+    Args:
+        slow: The least c².
+        fast: The largest.
+    """
+    text = f"c² must be at least {slow.c2:.6g} {slow.place()}, but at most {fast.c2:.6g} {fast.place()}."
+    rated = any(row.name.kind in RATES for row in (*slow.rows, *fast.rows))
+    return f"a rate is too small: {text}" if rated else text
 
 
 def gap_place(samples: SampleRanges, gap: Gap) -> str:

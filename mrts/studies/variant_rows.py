@@ -60,8 +60,10 @@ def solve_variants(study: Study, first: int, last: int) -> Columns:
         InputError: If there are no such variants.
     """
     check_type("study", study, Study)
-    points = study.points(first, last)
-    return solve_one_by_one(study, points, first)
+    from mrts.studies.variant_batch import batch_for  # noqa: PLC0415 (what it does not settle is solved here)
+
+    points, batch = study.points(first, last), batch_for(study)
+    return solve_one_by_one(study, points, first) if batch is None else batch.solve(points, first)
 
 
 def solve_one_by_one(study: Study, points: Array, first: int) -> Columns:
@@ -73,7 +75,18 @@ def solve_one_by_one(study: Study, points: Array, first: int) -> Columns:
         first: Number of the first of them.
     """
     study = study.at_hand()
-    rows = [_solved(study, point) for point in points]
+    return columns_of(study, points, first, [solved_row(study, point) for point in points])
+
+
+def columns_of(study: Study, points: Array, first: int, rows: Sequence[Row]) -> Columns:
+    """The rows of variants as columns.
+
+    Args:
+        study: The study.
+        points: Values of its parameters, Shape (V, P).
+        first: Number of the first variant.
+        rows: One a variant, without its number and its parameters.
+    """
     columns: Columns = {"variant": np.arange(first, first + len(points))}
     columns |= {parameter.path: points[:, place] for place, parameter in enumerate(study.parameters)}
     return columns | {name: [row.get(name) for row in rows] for name in column_types(study) if name not in columns}
@@ -116,8 +129,13 @@ def _limit(end: RangeEnd) -> str | None:
     return None if end.time is None else limit_text(end.rows, end.time, end.load)
 
 
-def _solved(study: Study, point: Array) -> Row:
-    """The row of one variant, without its number and its parameters."""
+def solved_row(study: Study, point: Array) -> Row:
+    """The row of one variant, without its number and its parameters, solved as `mrts.scale` solves its files.
+
+    Args:
+        study: The study, as from `Study.at_hand`.
+        point: Values of its parameters, Shape (P,).
+    """
     try:
         keys, motion_keys = study.descriptions(point)
         cell = Cell.from_description(keys, folder=study.folder)

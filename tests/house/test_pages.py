@@ -26,6 +26,7 @@ DOCS = ROOT / "docs"
         ("optimal_profile", 2),
         ("smooth", 3),
         ("real_cell", 9),
+        ("studies", 11),
         ("what_if", 2),
         ("study_file", 5),
     ],

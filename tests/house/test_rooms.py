@@ -30,6 +30,7 @@ ROOMS = (
     "retiming",
     "identification",
     "studies",
+    "sweeps",
     "layout",
     "drawing",
     "output",

@@ -3,30 +3,12 @@
  * The range of c^2 and the torques along a whole trajectory: the generated wrench form evaluated at each sample, its
  * rows put together, and the programs solved, each started from the answer at the sample before.
  */
-#include "cell_sizes.h"
 #include "quadratic_programs.h"
-#include "rows.h"
 #include "speed_intervals.h"
-
-/* Rounding of an answer at the bound of c^2, as a share. */
-#define MRTS_AT_UNBOUNDED 1e-9
+#include "trajectory.h"
 
 /* Inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load, geometry unless it is folded in. */
 enum { MRTS_ROTATION = 3 };
-
-/* The terms of a sample, of those of all samples one after the other. */
-static mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long sample, int rows) {
-    const long long torques = sample * MRTS_JOINTS, limits = sample * rows;
-    mrts_terms here;
-    here.torque_square = all->torque_square ? all->torque_square + torques : 0;
-    here.torque_offset = all->torque_offset ? all->torque_offset + torques : 0;
-    here.square = all->square ? all->square + limits : 0;
-    here.offset = all->offset ? all->offset + limits : 0;
-    here.margin = all->margin ? all->margin + limits : 0;
-    here.torque_speed = all->torque_speed ? all->torque_speed + torques : 0;
-    here.speed = all->speed ? all->speed + limits : 0;
-    return here;
-}
 
 /* Evaluates the wrench form of a sample and builds its rows: 1 if they are finite, 0 if not, -1 if the form failed. */
 static int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
@@ -42,13 +24,6 @@ static int mrts_rows_of_sample(const double *const *in, const long long *stride,
     mrts_add_motors(MRTS_UNKNOWNS, MRTS_JOINTS, &terms, form);
     mrts_turn_wrenches(MRTS_UNKNOWNS, MRTS_ROBOTS, MRTS_SIZE, limits, arg[MRTS_ROTATION], 1, 3, turned, form);
     return mrts_build_rows(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, form, limits, &terms, rows);
-}
-
-/* A row of a basis, 1 + row or -1 - row, as a row of the limits; the unknowns come after those. */
-static short mrts_row_of_limits(const mrts_limits *limits, const mrts_rows *rows, int code) {
-    const int row = (code < 0 ? -code : code) - 1;
-    const int place = row < rows->count ? rows->which[row] : limits->rows + row - rows->count;
-    return (short)(code < 0 ? -place - 1 : place + 1);
 }
 
 /* Reals and ints of work of mrts_ranges and mrts_torques for so many rows of limits. */

@@ -6,8 +6,8 @@
 #ifndef MRTS_NULL_SPACE_H
 #define MRTS_NULL_SPACE_H
 
-#include "cell_sizes.h"
-#include "numbers.h"
+#include "../cell_sizes.h"
+#include "../numbers.h"
 
 /* Where an arm's joints begin: a constant of the compiler where no arm is redundant, which is faster. */
 #ifdef MRTS_REDUNDANT

@@ -4,21 +4,10 @@
  * the Levenberg-Marquardt method, IEEE Transactions on Robotics 27, 2011) from positions predicted by the sample before,
  * for arms with as many joints as wrench components, and those that null_space.h prefers for arms with more.
  */
-#include "null_space.h"
+#include "tracking.h"
 
 /* Sine of an angle below which a turn has no axis: it is none, or half a turn. */
 #define MRTS_NO_TURN 1e-9
-
-/* What the arms of a cell are to hold, and how, at every sample. */
-typedef struct {
-    int steps;            /* most Newton steps at a sample */
-    double settled;       /* joint step at which the iteration ends [rad or m] */
-    double longest;       /* largest joint step [rad or m] */
-    double reached;       /* remaining error at which a grasp counts as held [m, rad] */
-    int components[6];    /* rows of a six-component twist that this cell uses */
-    mrts_preference wish; /* of redundant arms */
-    const double *geometry;
-} mrts_tracking;
 
 /* R v and R'v of a rotation matrix by rows. */
 static void mrts_times(const double *R, const double *v, double *out) {
@@ -29,7 +18,7 @@ static void mrts_transposed_times(const double *R, const double *v, double *out)
     for (int i = 0; i < 3; ++i) out[i] = R[i] * v[0] + R[3 + i] * v[1] + R[6 + i] * v[2];
 }
 
-static void mrts_cross(const double *a, const double *b, double *out) {
+MRTS_LOCAL void mrts_cross(const double *a, const double *b, double *out) {
     out[0] = a[1] * b[2] - a[2] * b[1];
     out[1] = a[2] * b[0] - a[0] * b[2];
     out[2] = a[0] * b[1] - a[1] * b[0];
@@ -52,8 +41,7 @@ static void mrts_turn_between(const double *target, const double *tip, double *t
     if (sine <= MRTS_NO_TURN && cosine < 0) turn[0] = 3.14159265358979; /* half a turn: its axis does not matter here */
 }
 
-/* Inverse of a matrix by Gauss-Jordan elimination with row exchanges; 0 if it is singular. */
-static int mrts_invert(const double *matrix, double *inverse) {
+MRTS_LOCAL int mrts_invert(const double *matrix, double *inverse) {
     enum { W = MRTS_SIZE };
     double M[W * W];
     for (int i = 0; i < W * W; ++i) {
@@ -93,9 +81,8 @@ static int mrts_invert(const double *matrix, double *inverse) {
     return 1;
 }
 
-/* Velocity and acceleration of a grasp in base axes and cell components. */
-static void mrts_tip_rates(const mrts_tracking *task, const mrts_arm *arm, const double *rotation, const double *twist,
-                           const double *acceleration, double *velocity, double *change) {
+MRTS_LOCAL void mrts_tip_rates(const mrts_tracking *task, const mrts_arm *arm, const double *rotation,
+                               const double *twist, const double *acceleration, double *velocity, double *change) {
     double r[3], wr[3], wwr[3], dwr[3], v[3], a[3], six[6];
     mrts_times(rotation, arm->tip_position, r);
     mrts_cross(twist + 3, r, wr);
@@ -113,9 +100,8 @@ static void mrts_tip_rates(const mrts_tracking *task, const mrts_arm *arm, const
     for (int i = 0; i < MRTS_SIZE; ++i) change[i] = six[task->components[i]];
 }
 
-/* Error of one arm's tip against its grasp on the object, in the world, and its sizes. */
-static void mrts_tip_error(const mrts_arm *arm, const double *position, const double *rotation, const double *tip,
-                           const double *tip_rotation, double *off, double *turned, double *gap, double *turn) {
+MRTS_LOCAL void mrts_tip_error(const mrts_arm *arm, const double *position, const double *rotation, const double *tip,
+                               const double *tip_rotation, double *off, double *turned, double *gap, double *turn) {
     double target[9];
     mrts_times(rotation, arm->tip_position, off);
     for (int i = 0; i < 3; ++i) off[i] += position[i] - tip[i];
@@ -130,9 +116,8 @@ static void mrts_tip_error(const mrts_arm *arm, const double *position, const do
     *turn = sqrt(turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2]);
 }
 
-/* Error of an arm's tip in base axes and cell components; returns the damping that it wants. */
-static double mrts_arm_error(const mrts_tracking *task, const mrts_arm *arm, const double *off, const double *turned,
-                             double *error) {
+MRTS_LOCAL double mrts_arm_error(const mrts_tracking *task, const mrts_arm *arm, const double *off,
+                                 const double *turned, double *error) {
     enum { W = MRTS_SIZE };
     double six[6], damping = 0;
     mrts_transposed_times(arm->base_rotation, off, six);
@@ -170,11 +155,9 @@ static double mrts_shorten(const mrts_tracking *task, int joints, double *step) 
     return longest;
 }
 
-/* Joint positions with the smallest errors met from `now` on, which is moved; of those that hold a grasp with a redundant
- * arm, those with the smallest step still to go. 0 if an arm is singular. */
-static int mrts_hold_grasps(const mrts_tracking *task, const double *position, const double *rotation,
-                            const double *reference, double *now, double *best, double *gap, double *turn, double *drift,
-                            const double **arg, double **res, long long *iw, double *w) {
+MRTS_LOCAL int mrts_hold_grasps(const mrts_tracking *task, const double *position, const double *rotation,
+                                const double *reference, double *now, double *best, double *gap, double *turn,
+                                double *drift, const double **arg, double **res, long long *iw, double *w) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double tips[3 * R], rotations[9 * R], J_all[W * M], off[3], turned[3], error[W], step[M], least[R];
     (void)reference; /* of redundant arms */
@@ -262,11 +245,10 @@ static int mrts_rates_of_tips(const mrts_tracking *task, const double *rotation,
     return 1;
 }
 
-/* q' = J^-1 v and q'' = J^-1 (a - J' q') of all arms, of redundant ones as null_space.h prefers. 0 if one is singular. */
-static int mrts_joint_rates(const mrts_tracking *task, const double *rotation, const double *twist,
-                            const double *acceleration, const double *reference, const double *q, double *dq, double *ddq,
-                            double *condition, double *curvature, const double **arg, double **res, long long *iw,
-                            double *w) {
+MRTS_LOCAL int mrts_joint_rates(const mrts_tracking *task, const double *rotation, const double *twist,
+                                const double *acceleration, const double *reference, const double *q, double *dq,
+                                double *ddq, double *condition, double *curvature, const double **arg, double **res,
+                                long long *iw, double *w) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double tips[3 * R], rotations[9 * R], J[W * M], bias[W * R];
     mrts_task_rates rates[R];

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: MIT
+"""What native calls found of many variants, as the columns of a study's table."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.inverse_kinematics.variant_tracking import TrackedVariants, VariantTracking
+from mrts.kernel.programs import INFEASIBLE, OPTIMAL
+from mrts.kernel.variants import FOLLOWED, REFUSED, UNSETTLED
+from mrts.limits.rows import ActiveRow
+from mrts.samples.range_status import RangeStatus
+from mrts.samples.sample_ranges import POINT_TOLERANCE
+from mrts.scaling.range import RangeEnd, contradiction
+from mrts.studies.at_once.variant_limits import VariantLimits
+from mrts.studies.variant_rows import UNREACHABLE, Row, limit_text
+
+
+class VariantAnswers:
+    """The rows of the table of some variants, as far as they are settled.
+
+    Args:
+        tracking: How they followed.
+        limits: Of their cell.
+        given: What the native calls took, by name, with V or 1 first.
+        tracked: What they gave.
+        found: Ranges, of `mrts.kernel.variants.range_record`.
+
+    Attributes:
+        found: Likewise.
+    """
+
+    def __init__(
+        self,
+        tracking: VariantTracking,
+        limits: VariantLimits,
+        given: Mapping[str, Array],
+        tracked: TrackedVariants,
+        found: NDArray[np.void],
+    ) -> None:
+        self._tracking, self._limits, self._given = tracking, limits, given
+        self._joints, self._reasons, self.found = tracked.joints, tracked.reasons, found
+
+    def row(self, variant: int) -> Row | None:
+        """The row of one variant, without its number and its parameters; None where it is not settled.
+
+        Args:
+            variant: Place in the arrays.
+        """
+        outcome = self._joints.outcome[variant]
+        code = int(outcome["code"])
+        if variant in self._reasons:
+            return {"status": UNREACHABLE, "reason": self._reasons[variant]}
+        if code in {UNSETTLED, REFUSED}:
+            return None
+        if code != FOLLOWED:
+            return {"status": UNREACHABLE, "reason": self._tracking.reason(outcome, self._of("time", variant))}
+        status = int(self.found[variant]["status"])
+        if status == INFEASIBLE:
+            return self._infeasible(variant)
+        return self._range(variant) if status == OPTIMAL else None
+
+    def _of(self, name: str, variant: int) -> Array:
+        values = self._given[name]
+        one: Array = values[variant if len(values) > 1 else 0]
+        return one
+
+    def _infeasible(self, variant: int) -> Row:
+        found, status = self.found[variant], RangeStatus.INFEASIBLE
+        rows = self._named(variant, 0)
+        sample = int(found["sample"][0])
+        reason = (
+            f"at t = {self._of('time', variant)[sample]:.4g} s (sample {sample}) no torques carry the object at any "
+            f"speed: these limits conflict: {'; '.join(map(str, rows))}. {status.advice}"
+        )
+        return {"status": status.value, "reason": reason}
+
+    def _range(self, variant: int) -> Row:
+        """As `mrts.studies.variant_rows.range_row` has it."""
+        low, high = self.found[variant]["c2"].tolist()
+        if high < low <= high * (1 + POINT_TOLERANCE):
+            low = high
+        if low > high:
+            text = contradiction(self._end(variant, 0, low), self._end(variant, 1, high))
+            return {"status": RangeStatus.EMPTY.value, "reason": f"{text} {RangeStatus.EMPTY.advice}"}
+        row: Row = {"status": RangeStatus.FEASIBLE.value, "c2_lower": low}
+        if low > 0:
+            row["lower_limit"] = self._limit(variant, 0, low)
+        if np.isinf(high):
+            return row | {"status": RangeStatus.UNBOUNDED.value, "reason": RangeStatus.UNBOUNDED.advice}
+        duration = self._of("time", variant)[-1] / np.sqrt(high)
+        return row | {"c2_upper": high, "upper_limit": self._limit(variant, 1, high), "duration": float(duration)}
+
+    def _end(self, variant: int, end: int, c2: float) -> RangeEnd:
+        sample = int(self.found[variant]["sample"][end])
+        return RangeEnd(c2, sample, float(self._of("time", variant)[sample]), self._rows(variant, end))
+
+    def _limit(self, variant: int, end: int, c2: float) -> str:
+        at = self._end(variant, end, c2)
+        return limit_text(at.rows, at.time or 0.0)
+
+    def _rows(self, variant: int, end: int) -> tuple[ActiveRow, ...]:
+        """What sets an end."""
+        rows = self._named(variant, end)
+        if end and self.found[variant]["capped"]:
+            sample = int(self.found[variant]["sample"][1])
+            twist, limit = self._of("twist", variant)[sample], self._of("velocity", variant)
+            rows += self._limits.velocities_at(self._joints.dq[variant, sample], twist, limit)
+        return tuple(rows)
+
+    def _named(self, variant: int, end: int) -> list[ActiveRow]:
+        found = self.found[variant]
+        sides = self._of("lower", variant), self._of("upper", variant)
+        return self._limits.named(found["rows"][end, : found["count"][end]], *sides)

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: MIT
+"""Many variants of one cell solved at once, in native calls: start poses, joints, ranges of c²."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.errors import MrtsError
+from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
+from mrts.base.rigid_transform import rotations_from_rpy
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion, leaves_plane
+from mrts.inverse_kinematics.variant_tracking import VariantTracking
+from mrts.kernel.cell_library import CellLibrary
+from mrts.kernel.sample_terms import SampleTerms
+from mrts.kernel.variants import PATH, variant_ranges
+from mrts.limits import LIMITS, OWN_LIMITS
+from mrts.motion.motion_file import MotionDescription, sample_motion
+from mrts.motion.object_courses import geodesic_rates
+from mrts.motion.object_motion import ObjectMotion
+from mrts.motion.velocity_profile import PROFILES
+from mrts.studies.at_once.variant_answers import VariantAnswers
+from mrts.studies.at_once.variant_limits import VariantLimits
+from mrts.studies.at_once.variant_numbers import (
+    NEAR_A_RULE,
+    PATH_ENDS,
+    Entry,
+    VariantNumbers,
+    base_numbers,
+    varied_entries,
+)
+from mrts.studies.study import Study
+from mrts.studies.variant_rows import Columns, Row, columns_of, solved_row
+
+BLOCK_BYTES = 8_000_000
+"""Of the arrays of the variants that one native call solves: small enough to stay near the processor."""
+
+STRIDE = 8
+"""Samples between those that are looked at first, after those that set the range of the unvaried cell."""
+
+KEPT = 4
+"""Studies whose cells are kept ready."""
+
+
+@lru_cache(maxsize=KEPT)
+def batch_for(study: Study) -> "VariantBatch | None":
+    """What solves the variants of a study at once; None where they take more than that.
+
+    Covered are ranges of a constant factor at the samples, for a known load and a free distribution of it, on a path
+    from pose to pose or one that does not vary, with varied poses, gravity, object, postures, duration, and limits of
+    torques, wrenches and the object's velocity; of two arms or more whose motors are ideal.
+
+    Args:
+        study: The study.
+
+    """
+    question = study.question
+    asked = (question.profile, question.torques, question.between) == ("constant", False, None)
+    if not asked or tuple(LIMITS) != OWN_LIMITS:
+        return None
+    here = study.at_hand()
+    try:
+        cell = Cell.from_description(here.cell, folder=here.folder)
+        motion = study.table if study.table is not None else sample_motion(MotionDescription(**study.motion))
+    except MrtsError:  # of the study's own numbers, which it may vary
+        return None
+    known = question.load == "nominal" or (question.load == "auto" and cell.load_box is None)
+    entries = varied_entries(study, cell)
+    library = cell.functions.compiled
+    if not known or entries is None or library is None or len(cell.robots) == 1 or not _covers(cell, entries):
+        return None
+    return VariantBatch(here, cell, library, motion, entries) if isinstance(motion, ObjectMotion) else None
+
+
+def _covers(cell: Cell, entries: Sequence[Entry]) -> bool:
+    """Whether rows and terms of the cell are those of plain torques, wrenches, contacts and velocities."""
+    names = {entry.name for entry in entries}
+    motors = [robot.motors for robot in cell.robots]
+    ideal = all(not each.has_effect and set(each.torque_speed) <= {None} for each in motors)
+    in_tip = any(contact.frame == "tip" for robot in cell.robots for contact in robot.contacts)
+    return ideal and not (cell.plane is not None and in_tip and "grasp_rpy" in names)
+
+
+class VariantBatch:
+    """Variants of one cell, solved at once.
+
+    Args:
+        study: Whose variants they are, as from `Study.at_hand`.
+        cell: Its cell, unvaried.
+        library: Of the cell.
+        motion: Its motion, unvaried.
+        entries: What is varied.
+    """
+
+    def __init__(
+        self, study: Study, cell: Cell, library: CellLibrary, motion: ObjectMotion, entries: Sequence[Entry]
+    ) -> None:
+        self._study, self._cell, self._library, self._motion, self._entries = study, cell, library, motion, entries
+        reserve = cell.reserve if study.question.reserve is None else study.question.reserve
+        still = np.zeros((len(motion.time), sum(len(robot.joints) for robot in cell.robots)))
+        self._limits = VariantLimits(cell, CoordinatedMotion(motion, still, still, still), reserve)
+        self._tracking = VariantTracking(cell, library)
+        self._base = base_numbers(study, cell)
+        varied = {entry.name for entry in entries}
+        m = still.shape[1]
+        each = len(motion.time) * (3 * m + (0 if varied.isdisjoint(PATH_ENDS) else 25)) * 8
+        self.block = max(1, BLOCK_BYTES // each)
+        self._order = self._first_looked_at(np.arange(len(motion.time)))
+        ends = self._answers(VariantNumbers(self._base, (), np.zeros((1, 0)))).found[0]["sample"]
+        self._order = self._first_looked_at(ends[::-1])
+
+    def solve(self, points: Array, first: int) -> Columns:
+        """The rows of variants, as `mrts.studies.variant_rows.solve_variants` gives them.
+
+        Args:
+            points: Values of the parameters, Shape (V, P).
+            first: Number of the first variant.
+        """
+        rows: list[Row] = []
+        for start in range(0, len(points), self.block):
+            part = points[start : start + self.block]
+            answers = self._answers(VariantNumbers(self._base, self._entries, part))
+            found = (answers.row(variant) for variant in range(len(part)))
+            rows += [
+                solved_row(self._study, point) if row is None else row for point, row in zip(part, found, strict=True)
+            ]
+        return columns_of(self._study, points, first, rows)
+
+    def _answers(self, numbers: VariantNumbers) -> VariantAnswers:
+        geometry, path = numbers.geometry(self._cell), self._path(numbers)
+        refused = numbers.doubtful()
+        if self._cell.plane is not None:
+            refused |= leaves_plane(self._cell, path["twist"]) | _tilted(self._cell, geometry)
+        tracked = self._tracking.follow(path, geometry, numbers["posture"], refused)
+        given = {**path, "geometry": geometry, "load": numbers.loads(), **self._limits.of(numbers, geometry)}
+        found = variant_ranges(self._library, tracked.joints, self._limits.sparse, SampleTerms(), self._order, given)
+        return VariantAnswers(self._tracking, self._limits, given, tracked, found)
+
+    def _path(self, numbers: VariantNumbers) -> dict[str, Array]:
+        """The motion of the object, as `mrts.kernel.variants.PATH` with V or 1 first."""
+        if not numbers.any_of(PATH_ENDS):
+            return {name: getattr(self._motion, name)[None] for name in PATH}
+        u = np.linspace(0.0, 1.0, len(self._motion.time))
+        start, end, turned, turning, duration = (
+            np.broadcast_to(numbers[name], (numbers.count, *numbers[name].shape[1:]))
+            for name in ("start_xyz", "end_xyz", "start_rpy", "end_rpy", "duration")
+        )
+        positions, rotations = np.stack([start, end], axis=1), rotations_from_rpy(np.stack([turned, turning], axis=1))
+        profile = PROFILES[self._study.motion["profile"]]
+        rates = geodesic_rates(positions, rotations, duration, profile(u))
+        return dict(zip(PATH, (duration[:, None] * u, *rates), strict=True))
+
+    def _first_looked_at(self, ends: NDArray[Any]) -> NDArray[np.intp]:
+        """The samples in the order in which they are looked at, Shape (N,): given ones, some of all, the rest."""
+        samples = len(self._motion.time)
+        order = [*(end for end in ends.tolist() if end >= 0), *range(0, samples, STRIDE), *range(samples)]
+        return np.array(list(dict.fromkeys(order)))
+
+
+def _tilted(cell: Cell, geometry: Array) -> NDArray[np.bool_]:
+    """Variants of a planar cell of which a base or a hand may be tilted out of the plane, Shape (V or 1,)."""
+    normal = ({0, 1, 2} - {"xyz".index(axis) for axis in cell.plane or "xy"}).pop()
+    tilted = np.zeros(len(geometry), dtype=bool)
+    for index, robot in enumerate(cell.robots):
+        first = GRAVITY_SIZE + ROBOT_SIZE * index
+        for start, turned in ((first, np.eye(3)), (first + ROBOT_SIZE // 2, robot.T_base_tip.R)):
+            rotation = geometry[:, start : start + 9].reshape(-1, 3, 3)
+            along = np.swapaxes(rotation, 1, 2)[:, :, normal] @ turned.T
+            tilted |= np.max(np.abs(along - np.eye(3)[normal]), axis=1) > NEAR_A_RULE
+    return tilted

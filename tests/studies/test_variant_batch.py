@@ -1,0 +1,115 @@
+"""Variants solved at once are those that `mrts.scale` solves one by one."""
+
+from collections import Counter
+
+import cell_bank
+import numpy as np
+import pytest
+from conftest import DATA
+from study_files import planar_study, wide_study
+
+import mrts
+from mrts.studies.variant_batch import batch_for
+from mrts.studies.variant_rows import column_types, solve_one_by_one, solve_variants
+
+UR5, SQUEEZE = DATA.parent / "dual_ur5", DATA.parent / "squeeze"
+
+AGREE = 1e-9
+"""Relative difference of numbers: joints are predicted in another way, and programs start elsewhere."""
+
+SHIPPED = {
+    "dual": (UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml"),
+    "planar": (DATA / "cell.yaml", DATA / "lift.yaml"),
+    "squeeze": (SQUEEZE / "cell.yaml", SQUEEZE / "lift_and_turn.yaml"),
+}
+
+STUDIES = {
+    "dual near": ("dual", {"spread": 0.05, "count": 50}),
+    "dual far": ("dual", {"spread": 0.3, "count": 60}),
+    "dual heavy": ("dual", {"spread": 0.02, "count": 40, "limits": 0.5, "mass": (5, 15)}),
+    "planar near": ("planar", {"spread": 0.1, "count": 60}),
+    "planar far": ("planar", {"spread": 0.6, "count": 60, "inertia": 0.01}),
+    "planar heavy": ("planar", {"spread": 0.02, "count": 40, "limits": 0.5, "mass": (1, 20)}),
+    "squeeze": ("squeeze", {"spread": 0.03, "count": 40, "mass": (0.5, 1.5)}),
+    "squeeze heavy": ("squeeze", {"spread": 0.05, "count": 30, "mass": (1, 3)}),
+}
+SEEN = {
+    "dual far": {"unreachable", "feasible"},
+    "dual heavy": {"infeasible", "feasible"},
+    "planar far": {"unreachable", "invalid"},
+    "planar heavy": {"infeasible"},
+    "squeeze heavy": {"infeasible"},
+}
+"""Outcomes that must be among them."""
+
+
+def compare(study, count):
+    """Solve variants both ways and compare every column; gives how often each outcome was met."""
+    points = study.points(0, count)
+    batch = batch_for(study)
+    assert batch is not None
+    at_once, one_by_one = batch.solve(points, 0), solve_one_by_one(study, points, 0)
+    assert list(at_once) == list(one_by_one) == list(column_types(study))
+    for name, kind in column_types(study).items():
+        for variant, (ours, theirs) in enumerate(zip(at_once[name], one_by_one[name], strict=True)):
+            where = f"variant {variant}, {name}: {ours!r} at once, {theirs!r} alone"
+            if kind == "float64" and ours is not None and theirs is not None:
+                assert ours == pytest.approx(theirs, rel=AGREE), where
+            elif name == "reason" and at_once["status"][variant] == "infeasible":
+                assert "limits conflict" in ours, where  # of the first sample that is found, not of the worst
+            else:
+                assert ours == theirs, where
+    return Counter(at_once["status"])
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_variants_of_shipped_cells(name, tmp_path):
+    cell, how = STUDIES[name]
+    met = compare(wide_study(tmp_path, *SHIPPED[cell], **how), how["count"])
+    assert met.keys() >= SEEN.get(name, {"feasible"}), met
+
+
+@pytest.mark.parametrize(("draw", "arms", "seed"), [
+    (cell_bank.random_planar_cell, 3, 1),
+    (cell_bank.random_planar_cell, 2, 2),
+    (cell_bank.random_spatial_cell, 2, 3),
+    (cell_bank.random_spatial_cell, 3, 4),
+])  # fmt: skip
+def test_variants_of_random_cells(draw, arms, seed, tmp_path):
+    drawn = draw(np.random.default_rng(seed), tmp_path, arms)
+    compare(wide_study(tmp_path, drawn.cell_file, drawn.motion_file, spread=0.02, count=40, seed=seed), 40)
+
+
+def test_a_variant_has_the_same_bits_whatever_it_is_solved_with(tmp_path):
+    study = wide_study(tmp_path, *SHIPPED["dual"], spread=0.2, count=40)
+    batch = batch_for(study)
+    whole = batch.solve(study.points(0, 40), 0)
+    pieces = [batch.solve(study.points(first, last), first) for first, last in ((0, 1), (1, 18), (18, 40))]
+    for name, values in whole.items():
+        assert list(values) == [value for piece in pieces for value in piece[name]], name
+
+
+def test_the_range_is_that_of_another_solver(tmp_path):
+    study = wide_study(tmp_path, *SHIPPED["dual"], spread=0.05, count=6)
+    found = solve_variants(study, 0, 6)
+    for variant in range(6):
+        cell_file, motion_file = study.write_variant(variant, tmp_path / str(variant))
+        asked = mrts.load_cell(cell_file), mrts.load_motion(motion_file)
+        alone = mrts.scale(*asked, solver="scipy:highs", between=None)
+        assert found["c2_upper"][variant] == pytest.approx(alone.range.upper.c2, rel=AGREE)
+
+
+@pytest.mark.parametrize("asked", [
+    "profile: optimal",
+    "torques: true",
+    "between: 1e-3",
+])  # fmt: skip
+def test_what_it_does_not_cover_is_solved_one_by_one(asked, tmp_path):
+    study = planar_study(tmp_path, f"{asked}\nvary: {{object.mass: [1, 2]}}")
+    assert batch_for(study) is None
+    assert solve_variants(study, 0, 2)["status"] == ["feasible", "feasible"]
+
+
+def test_a_share_that_is_kept_free_is(tmp_path):
+    text = "reserve: 0.2\nvary: {object.mass: [1, 2, 3], 'robots.left.torque[1]': [60, 90]}"
+    assert compare(planar_study(tmp_path, text), 6) == {"feasible": 6}
