@@ -160,14 +160,12 @@ def _numbers_that_matter(table: StudyTable, found: list[Weight]) -> list[str]:
         )
     idle = [table.knobs[weight.knob].path for weight in found if weight.larger < HARDLY]
     if idle and len(idle) < len(found):
-        does = "does" if len(idle) == 1 else "do"
-        steps.append(f"{', '.join(idle)} by itself hardly {does} anything: choose by other reasons, or vary less.")
+        alone = "by itself hardly does" if len(idle) == 1 else "by themselves hardly do"
+        steps.append(f"{', '.join(idle)} {alone} anything: choose by other reasons, or vary less.")
     return steps
 
 
 def percent(count: int, of: int) -> str:
-    """A share in per cent, never rounded to none or all."""
+    """A share in per cent, rounded down so that what falls short of all, or of a share, is seen to do so."""
     share = 100 * count / of if of else 0.0
-    if 0 < share < 1 or 99 < share < 100:  # noqa: PLR2004 (per cent)
-        return f"{share:.2g} %" if share < 1 else f"{np.floor(10 * share) / 10:.1f} %"
-    return f"{share:.0f} %"
+    return f"{share:.2g} %" if 0 < share < 1 else f"{1000 * count // of / 10 if of else 0:g} %"

@@ -217,7 +217,7 @@ def durations_plot(table: StudyTable) -> Plot | None:
         "y": [share for share, _ in marks],
         "text": [f"{share} %: {value:.4g} s" for share, value in marks],
         "mode": "markers+text",
-        "textposition": "bottom right",
+        "textposition": ["bottom right" if share == marks[0][0] else "bottom left" for share, _ in marks],
         "marker": {"size": 9, "color": COLOURS[0]},
         "hoverinfo": "skip",
         "showlegend": False,

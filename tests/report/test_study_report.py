@@ -146,7 +146,7 @@ def test_a_folder_of_a_study_is_reported(tmp_path, capsys):
     found = mrts.sweep(study, tmp_path / "found", workers=1).to_pandas()
     target = tmp_path / "report.html"
     assert main(["report", str(tmp_path / "found"), "-o", str(target)]) == 0
-    assert "planar_dual_arm: 2 of 3 variants may be played (67 %); 1 infeasible" in capsys.readouterr().out
+    assert "planar_dual_arm: 2 of 3 variants may be played (66.6 %); 1 infeasible" in capsys.readouterr().out
     text = target.read_text(encoding="utf-8")
     assert f"{found.duration.min():.4g} s" in text
     assert "<td>object.mass</td>\n<td>0.5</td>\n<td>300</td>\n<td>kg</td>" in text
