@@ -157,7 +157,11 @@ def _ranked(angle: float) -> list[tuple[int, float]]:
 
 def is_rotation(R: Array) -> bool:
     """Whether a matrix, Shape (3, 3), is a rotation."""
-    return bool(np.max(np.abs(R @ R.T - np.eye(3))) <= ROTATION_TOLERANCE and np.linalg.det(R) > 0)
+    x, y, z = R.tolist()  # numbers of Python: cells are made by the thousand
+    off = [sum(a * b for a, b in zip(one, two, strict=True)) for one, two in ((x, y), (x, z), (y, z))]
+    off += [sum(a * a for a in row) - 1 for row in (x, y, z)]
+    volume = sum(x[i] * (y[i - 2] * z[i - 1] - y[i - 1] * z[i - 2]) for i in range(3))
+    return all(abs(entry) <= ROTATION_TOLERANCE for entry in off) and volume > 0
 
 
 def in_one_place(one: RigidTransform, other: RigidTransform) -> bool:

@@ -32,9 +32,9 @@ from mrts.inverse_kinematics.grasp_tracking import (
     TRACKING_STEPS,
     solve_grasps,
     tip_rates,
-    unreachable,
 )
 from mrts.inverse_kinematics.joint_limits import PRINTED_TOLERANCE, check_joint_limits
+from mrts.inverse_kinematics.tracking_messages import unreachable
 from mrts.motion.joint_table import Source
 from mrts.motion.object_motion import ObjectMotion
 
@@ -141,7 +141,9 @@ def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
     if gaps.largest > POSE_TOLERANCE:
         robot, sample, _ = gaps.worst(ClosureBound(POSE_TOLERANCE, POSE_TOLERANCE))
         raise MotionError(
-            unreachable(cell.robots[robot], target.time, sample, gaps.distance[robot, sample], gaps.angle[robot, sample])
+            unreachable(
+                cell.robots[robot], target.time, sample, gaps.distance[robot, sample], gaps.angle[robot, sample]
+            )
         )
     return held.q
 

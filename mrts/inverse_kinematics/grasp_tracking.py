@@ -25,6 +25,7 @@ from mrts.inverse_kinematics.null_space import (
     limit_zone,
     null_spaces,
 )
+from mrts.inverse_kinematics.tracking_messages import branch_lost, unreachable
 from mrts.kernel.tracking import GraspTask, NewtonRule, track_path
 from mrts.motion.object_motion import ObjectMotion
 
@@ -211,8 +212,7 @@ def follow_grasps(cell: Cell, motion: ObjectMotion, start: Array) -> tuple[Array
     """
     compiled = cell.functions.compiled
     if compiled is not None:
-        path = (motion.time, motion.position, motion.rotation, motion.twist, motion.acceleration)
-        found = track_path(compiled, grasp_task(cell), path, start)
+        found = track_path(compiled, grasp_task(cell, TRACKING_STEPS), path_of(motion), start)
         if found.done == len(motion.time) and not (
             np.any(np.maximum(found.gap, found.turn) > POSE_TOLERANCE)
             or np.any(found.jump > JUMP_LIMIT)
@@ -226,15 +226,16 @@ def follow_grasps(cell: Cell, motion: ObjectMotion, start: Array) -> tuple[Array
     return tracks.q[0], tracks.dq[0], tracks.ddq[0]
 
 
-def grasp_task(cell: Cell) -> GraspTask:
-    """What the compiled tracking is told of a cell.
+def path_of(motion: ObjectMotion) -> tuple[Array, ...]:
+    """What the compiled tracking is told of a motion."""
+    return motion.time, motion.position, motion.rotation, motion.twist, motion.acceleration
 
-    Args:
-        cell: The cell.
-    """
+
+def grasp_task(cell: Cell, steps: int) -> GraspTask:
+    """What the compiled tracking is told of a cell; steps: most at a sample."""
     robots = cell.robots
     return GraspTask(
-        newton=NewtonRule(TRACKING_STEPS, SETTLED, STEP_LIMIT, POSE_TOLERANCE),
+        newton=NewtonRule(steps, SETTLED, STEP_LIMIT, POSE_TOLERANCE),
         components=cell.wrench_rows,
         geometry=cell.geometry,
         lower=np.concatenate([robot.position_lower for robot in robots]),
@@ -345,15 +346,6 @@ def _note_failures(
                 failures[robot.name] = TrackingFailure(LOST, branch_lost(robot, motion.time, k, jump[track]), k)
 
 
-def branch_lost(robot: Robot, time: Array, sample: int, jump: float) -> str:
-    """The message for an arm whose joint would have to jump [rad or m]; time as in `unreachable`."""
-    return (
-        f"robot '{robot.name}' loses its branch at sample {sample} (t = {time[sample]:.6g} s): a joint is "
-        f"{jump:.3g} (rad or m) from where its velocity led. Use more samples, or keep away from the singularity near "
-        "there."
-    )
-
-
 def _jump(robot: Robot, motion: ObjectMotion, k: int) -> TrackingFailure:
     return TrackingFailure(
         LOST,
@@ -361,23 +353,6 @@ def _jump(robot: Robot, motion: ObjectMotion, k: int) -> TrackingFailure:
         "that hold the grasp, those near its start and away from its limits end there, and it would have to jump. "
         "Choose another posture, or a path that keeps nearer to the start.",
         k,
-    )
-
-
-def unreachable(robot: Robot, time: Array, sample: int, gap: float, turn: float) -> str:
-    """The message for a grasp out of reach: the smallest position and rotation errors met [m, rad].
-
-    Args:
-        robot: The arm.
-        time: Shape (N,) [s].
-        sample: Where.
-        gap: [m].
-        turn: [rad].
-    """
-    return (
-        f"robot '{robot.name}' cannot reach its grasp at sample {sample} (t = {time[sample]:.6g} s): its tip "
-        f"came no nearer than {gap:.3g} m and {turn:.3g} rad. Choose another posture, from which another branch may "
-        "reach it, or move the path, the base or the grasp."
     )
 
 

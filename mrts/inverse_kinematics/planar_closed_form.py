@@ -32,13 +32,13 @@ def has_closed_form(cell: Cell, robot: Robot) -> bool:
 
 @dataclass(frozen=True)
 class ArmPlaces:
-    """Where one arm stands and holds, in one cell or in many; positions [m] with any first axes, rotations with the same.
+    """Where one arm stands and holds, in one cell or, with the same first axes throughout, in many.
 
     Attributes:
         base_rotation: Of the base in the world, Shape (…, 3, 3).
-        base_position: Shape (…, 3).
+        base_position: Shape (…, 3) [m].
         tip_rotation: Of the tip in the object frame, Shape (…, 3, 3).
-        tip_position: Shape (…, 3).
+        tip_position: Shape (…, 3) [m].
     """
 
     base_rotation: Array
@@ -102,15 +102,15 @@ def planar_branches(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Arr
         MotionError: If a sample is out of reach; names robot, sample and distance.
     """
     base, grasp = robot.T_world_base, robot.T_object_tip
-    found = branches_of_places(cell, robot, ArmPlaces(base.R, base.p, grasp.R, grasp.p), motion.position, motion.rotation)
+    found = branches_of_places(
+        cell, robot, ArmPlaces(base.R, base.p, grasp.R, grasp.p), motion.position, motion.rotation
+    )
     if found.out_of_reach():
         raise MotionError(found.failure(robot, motion.time))
     return found.branches
 
 
-def branches_of_places(
-    cell: Cell, robot: Robot, places: ArmPlaces, position: Array, rotation: Array
-) -> PlanarBranches:
+def branches_of_places(cell: Cell, robot: Robot, places: ArmPlaces, position: Array, rotation: Array) -> PlanarBranches:
     """Both elbow branches of an arm in its places.
 
     The wrist's place in the base frame fixes the triangle of the two links; the law of cosines gives the elbow.

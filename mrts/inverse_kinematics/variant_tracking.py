@@ -15,24 +15,19 @@ from mrts.inverse_kinematics.grasp_tracking import (
     JUMP_LIMIT,
     SETTLED_PREFERENCE,
     STARTING_STEPS,
-    branch_lost,
+    TRACKING_STEPS,
     grasp_task,
-    unreachable,
 )
 from mrts.inverse_kinematics.joint_limits import POSITION_TOLERANCE, is_turning, nearest_turns, past_a_limit
 from mrts.inverse_kinematics.null_space import FOLD
 from mrts.inverse_kinematics.planar_closed_form import ArmPlaces, branches_of_places, has_closed_form
 from mrts.inverse_kinematics.starting_positions import FURTHER_STEPS, STARTS_TRIED, further_starts
+from mrts.inverse_kinematics.tracking_messages import branch_lost, unreachable
 from mrts.kernel.cell_library import CellLibrary
 from mrts.kernel.variants import (
-    FOLLOWED,
     LOST,
     NO_START,
-    OUT_OF_REACH,
-    OUTCOME,
     PAST_LIMIT,
-    PATH,
-    REFUSED,
     START_PAST,
     FollowedVariants,
     FollowingRule,
@@ -64,7 +59,7 @@ class VariantTracking:
     def __init__(self, cell: Cell, library: CellLibrary) -> None:
         self._cell, self._library = cell, library
         self._rule = FollowingRule(
-            task=grasp_task(cell),
+            task=grasp_task(cell, TRACKING_STEPS),
             start_steps=STARTING_STEPS,
             further_steps=FURTHER_STEPS,
             jump=JUMP_LIMIT,
@@ -124,7 +119,8 @@ class VariantTracking:
         self, path: Mapping[str, Array], geometry: Array, posture: Array, refused: NDArray[np.bool_]
     ) -> tuple[Array, dict[int, str]]:
         """Where the search for each start begins, Shape (V or 1, m), and variants out of reach of a closed form."""
-        seed, reasons = posture, {}
+        reasons: dict[int, str] = {}
+        seed = posture
         for index, (robot, joints) in enumerate(zip(self._cell.robots, self._cell.joint_slices.values(), strict=True)):
             if not has_closed_form(self._cell, robot):
                 continue

@@ -2,7 +2,7 @@
 """The C of mrts/kernel/c: as one text to compile with a cell's generated C, or file by file for an export."""
 
 import re
-from collections.abc import Sequence
+from functools import cache
 from importlib.resources import files
 from itertools import accumulate
 from posixpath import dirname, join, normpath
@@ -14,7 +14,7 @@ PROGRAM_FILES = ("linear_programs.c", "quadratic_programs.c", "batch.c")
 
 CELL_FILES = (
     *(*PROGRAM_FILES, "rows.c", "speed_intervals.c", "trajectory.c", "tracking/null_space.c", "tracking/tracking.c"),
-    *("variants/follow.c", "variants/ranges.c"),
+    *(f"variants/{name}.c" for name in ("quick_sample", "follow", "end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""
 
@@ -29,7 +29,8 @@ def one_file(name: str) -> str:
     return (files("mrts") / "kernel" / "c" / name).read_text(encoding="utf-8")
 
 
-def one_text(names: Sequence[str]) -> str:
+@cache
+def one_text(names: tuple[str, ...]) -> str:
     """Some C files of the kernel, in order, as one text: each header of ours stands where it is first included.
 
     Args:

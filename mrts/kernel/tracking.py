@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Inverse kinematics along a whole path in one foreign call (mrts/kernel/c/tracking.c)."""
+"""Inverse kinematics along a whole path in one foreign call (mrts/kernel/c/tracking/tracking.c)."""
 
 import ctypes
 from collections.abc import Sequence
@@ -41,7 +41,7 @@ class NewtonRule:
 
 
 class TrackingStructure(ctypes.Structure):
-    """`mrts_tracking` of tracking.c."""
+    """`mrts_tracking` of tracking.h."""
 
     _fields_ = [
         ("steps", ctypes.c_int),

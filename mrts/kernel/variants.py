@@ -105,8 +105,8 @@ def follow_variants(
         rule: How they start and follow.
         refused: Variants that are passed over, Shape (V,).
         given: By name, with V first, or 1 where all share one: the path's `PATH`, with N before the shape of each,
-            "geometry", Shape (V, 3 + 24 n + h), "posture" and "seed" (where the search for a start begins), Shape (V, m),
-            and "further" (the starts tried after it), Shape (V, F, m).
+            "geometry", Shape (V, 3 + 24 n + h), "posture" and "seed" (where the search for a start begins), Shape
+            (V, m), and "further" (the starts tried after it), Shape (V, F, m).
     """
     variants, samples, m = len(refused), given["time"].shape[1], library.joints
     shapes = {name: (samples, *shape) for name, shape in PATH.items()} | {
@@ -142,8 +142,8 @@ def follow_variants(
 def range_record(unknowns: int) -> np.dtype[np.void]:
     """`mrts_variant_range` of ranges.c for so many unknowns, c² last.
 
-    Of a variant with `status` `OPTIMAL` both ends are known; one with `INFEASIBLE` is so at `sample[0]`, and `rows[0]` are
-    those that conflict. Rows are 1 + row at an upper, -1 - row at a lower limit; `count` of them set each end.
+    Of a variant with `status` `OPTIMAL` both ends are known; one with `INFEASIBLE` is so at `sample[0]`, and `rows[0]`
+    are those that conflict. Rows are 1 + row at an upper, -1 - row at a lower limit; `count` of them set each end.
     """
     return np.dtype(
         [
@@ -180,7 +180,7 @@ def variant_ranges(
             of the rows, Shape (V, r), and what the rows are made of, `SparseLimits.values`, Shape (V, e).
     """
     variants, samples, m = followed.q.shape
-    shapes = {name: (samples, m) for name in ("q", "dq", "ddq")}
+    shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("q", "dq", "ddq"), (samples, m))
     shapes |= {name: (samples, *PATH[name]) for name in ("rotation", "twist", "acceleration")}
     shapes |= {"load": (10,), "geometry": given["geometry"].shape[-1:], "velocity": (m + 2,)}
     shapes |= {"lower": (limits.rows,), "upper": (limits.rows,), "values": limits.values.shape}

@@ -20,6 +20,9 @@ POSE = 6
 DIGITS = 5
 """Decimals of the numbers of an answer: 10 µm and 10 µrad, less than anyone can set up."""
 
+SAME_PLACE = 1e-9
+"""Largest difference of numbers that are the same after rounding [m, rad]."""
+
 NOT_A_LAYOUT = (
     "is no number of a layout. What mrts place moves are base, grasp and posture of robots; leave it out, or compare "
     "its values by mrts sweep."
@@ -79,11 +82,6 @@ class LayoutNumbers:
         lower, upper = np.array(bounds).T
         return cls(parameters=study.parameters, lower=lower, upper=upper, given=given, offset=offset, slope=slope)
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The parameters' names."""
-        return tuple(parameter.path for parameter in self.parameters)
-
     def nearest_given(self) -> tuple[Array, bool]:
         """The values nearest to what the files have, within bounds, Shape (P,), and whether they give just that."""
         values = np.linalg.lstsq(self.slope, self.given - self.offset, rcond=None)[0]
@@ -121,10 +119,6 @@ class LayoutNumbers:
 
         rows = slice(2 * POSE * len(cell.robots), None)
         return ca.DM(self.offset[rows]) + ca.sparsify(ca.DM(self.slope[rows])) @ values
-
-
-SAME_PLACE = 1e-9
-"""Largest difference of numbers that are the same after rounding [m, rad]."""
 
 
 def _rotation(rpy: Any) -> Any:

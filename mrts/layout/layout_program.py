@@ -49,7 +49,6 @@ class LayoutAnswer:
         slope: ∂ ln c²⁺/∂θ there, from the multipliers, Shape (P,): zero at a maximum inside the bounds.
         start: Joint positions at the program's first sample, Shape (m,) [rad or m].
         solved: Whether it is a local optimum.
-        word: Of IPOPT.
     """
 
     layout: Array
@@ -57,7 +56,6 @@ class LayoutAnswer:
     slope: Array
     start: Array
     solved: bool
-    word: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,14 +176,12 @@ class LayoutProgram:
         at = P + others
         jacobian = solver.get_function("nlp_jac_g")(x=x)["jac_g_x"][:, :P]
         slope = -(jacobian.T @ found["lam_g"]).full()[:, 0]
-        status = solver.stats()
         return LayoutAnswer(
             layout=np.clip(x[:P], lower, upper),
             c2=float(np.exp(x[P])),
             slope=slope,
             start=x[at : at + joints],
-            solved=bool(status["success"]),
-            word=str(status["return_status"]),
+            solved=bool(solver.stats()["success"]),
         )
 
     def _start(self) -> Array:

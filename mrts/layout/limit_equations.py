@@ -84,8 +84,8 @@ class LimitEquations:
         margin = np.zeros((1, len(rows.names)))
         if motors is not None and motors.turning is not None:
             margin = motors.turning @ np.abs(rows.torque_matrix).T
-        size = rows.units()
-        return (rows.lower + margin) / size + 0 * self.speed, (rows.upper - margin) / size + 0 * self.speed
+        lower, upper = ((limit + side * margin) / rows.units() for side, limit in ((1, rows.lower), (-1, rows.upper)))
+        return np.broadcast_to(lower, self.speed.shape), np.broadcast_to(upper, self.speed.shape)
 
     @property
     def columns(self) -> Array:

@@ -12,6 +12,7 @@ from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
+from mrts.base.printable import printable
 from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.layout.layout_search import NO_GAIN
 from mrts.scaling.result import ScalingResult, kept_text
@@ -183,5 +184,5 @@ class Placement:
         path = as_path("path", path)
         if self.after is None:
             raise InputError(path, "there is no layout to write: none within the bounds can be played.")
-        heading = f"# The layout that mrts place found of {self.study.path.name}\n"
+        heading = f"# The layout that mrts place found of {printable(self.study.path.name)}\n"
         write_text_atomically(path, heading + self.study.cell_text(self.after.keys, path.absolute().parent))

@@ -210,7 +210,8 @@ class WhatIf:
         parts = [one if count == 1 else f"{count} {many}" for (one, many), count in counts.items()]
         listed = parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
         stays = "the speed stays" if self.before.duration is not None else "it still cannot be played"
-        return f"nothing else matters: {listed} may be changed as much, and {stays}"
+        nothing = "nothing else matters" if any(one.matters for one in self.changes) else "nothing matters"
+        return f"{nothing}: {listed} may be changed as much, and {stays}"
 
     def to_json(self) -> dict[str, Any]:
         """The entry "what_if" of the JSON result."""

@@ -40,7 +40,12 @@ class LognormalDescription(StrictModel):
 
 
 class UniformDescription(StrictModel):
-    """Every value from one to another, one as likely as another."""
+    """Every value from one to another, one as likely as another.
+
+    Attributes:
+        low: `from` in the file: the least value.
+        high: `to`: the largest.
+    """
 
     low: Finite = Field(alias="from")
     high: Finite = Field(alias="to")
@@ -57,7 +62,16 @@ class TriangularDescription(UniformDescription):
 
 
 class KnobDescription(StrictModel):
-    """An entry of `vary` that is no list; see docs/study_file.md."""
+    """An entry of `vary` that is no list; see docs/study_file.md.
+
+    Attributes:
+        low: `from` in the file: where a range begins.
+        high: `to`: where it ends.
+        steps: Of a range, in a grid.
+        values: Some values.
+        normal, lognormal, uniform, triangular: Distributions.
+        sets, shifts, scales: Numbers that a knob moves; an entry without them is itself the path to one.
+    """
 
     low: Finite | None = Field(default=None, alias="from")
     high: Finite | None = Field(default=None, alias="to")

@@ -167,7 +167,7 @@ class _TargetReader:
 
 
 def _moves(knob: KnobDescription) -> list[str]:
-    return [move for move in MOVES if getattr(knob, move) is not None]
+    return [move for move in MOVES if move in knob.model_fields_set]
 
 
 def _unit(knob: KnobDescription, targets: tuple[Target, ...]) -> str:

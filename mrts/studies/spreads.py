@@ -100,10 +100,8 @@ class Distribution:
 
     def at(self, probability: Array) -> Array:
         """The values that probabilities from 0 to 1 stand for, of the same Shape."""
-        from scipy.special import ndtri  # noqa: PLC0415 (slow to import, and most studies have no such number)
-
-        certain = np.clip(probability, NEAREST_TO_CERTAIN, 1 - NEAREST_TO_CERTAIN)
-        return QUANTILES[self.kind](self.numbers, certain, ndtri)
+        uncertain = np.clip(probability, NEAREST_TO_CERTAIN, 1 - NEAREST_TO_CERTAIN)
+        return QUANTILES[self.kind](self.numbers, uncertain)
 
     def text(self, unit: str) -> str:
         """The distribution for people, with the unit of its values, which may be empty."""
@@ -117,26 +115,31 @@ def _spaced(unit: str) -> str:
     return unit and f" {unit}"
 
 
-def _normal(numbers: tuple[float, ...], p: Array, ndtri: Callable[[Array], Array]) -> Array:
+def _standard_normal(p: Array) -> Array:
+    from scipy.special import ndtri  # noqa: PLC0415 (slow to import, and most studies have no such number)
+
+    return np.asarray(ndtri(p), dtype=np.float64)
+
+
+def _normal(numbers: tuple[float, ...], p: Array) -> Array:
     mean, deviation = numbers
-    return mean + deviation * ndtri(p)
+    return mean + deviation * _standard_normal(p)
 
 
-def _lognormal(numbers: tuple[float, ...], p: Array, ndtri: Callable[[Array], Array]) -> Array:
+def _lognormal(numbers: tuple[float, ...], p: Array) -> Array:
     median, deviation = numbers
-    return median * np.exp(deviation * ndtri(p))
+    return median * np.exp(deviation * _standard_normal(p))
 
 
-def _triangular(numbers: tuple[float, ...], p: Array, _ndtri: Callable[[Array], Array]) -> Array:
+def _triangular(numbers: tuple[float, ...], p: Array) -> Array:
     low, peak, high = numbers
     width = high - low
-    rising = p * width < peak - low
-    up = low + np.sqrt(np.maximum(p * width * (peak - low), 0))
-    down = high - np.sqrt(np.maximum((1 - p) * width * (high - peak), 0))
-    return np.where(rising, up, down)
+    up = low + np.sqrt(p * width * (peak - low))
+    down = high - np.sqrt((1 - p) * width * (high - peak))
+    return np.where(p * width < peak - low, up, down)
 
 
-QUANTILES: dict[str, Callable[[tuple[float, ...], Array, Callable[[Array], Array]], Array]] = {
+QUANTILES: dict[str, Callable[[tuple[float, ...], Array], Array]] = {
     "normal": _normal,
     "lognormal": _lognormal,
     "triangular": _triangular,

@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,10 +23,17 @@ from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_courses import geodesic_rates
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.velocity_profile import PROFILES
+from mrts.studies.at_once.variant_answers import VariantAnswers
+from mrts.studies.at_once.variant_limits import VariantLimits
+from mrts.studies.at_once.variant_numbers import (
+    NEAR_A_RULE,
+    PATH_ENDS,
+    Entry,
+    VariantNumbers,
+    base_numbers,
+    varied_entries,
+)
 from mrts.studies.study import Study
-from mrts.studies.variant_answers import VariantAnswers
-from mrts.studies.variant_limits import VariantLimits
-from mrts.studies.variant_numbers import NEAR_A_RULE, PATH_ENDS, Entry, VariantNumbers, base_numbers, varied_entries
 from mrts.studies.variant_rows import Columns, Row, columns_of, solved_row
 
 BLOCK_BYTES = 8_000_000
@@ -42,9 +50,9 @@ KEPT = 4
 def batch_for(study: Study) -> "VariantBatch | None":
     """What solves the variants of a study at once; None where they take more than that.
 
-    Covered are ranges of a constant factor at the samples, for a known load and a free distribution of it, on a path from
-    pose to pose or one that does not vary, with varied poses, gravity, object, postures, duration, and limits of torques,
-    wrenches and the object's velocity.
+    Covered are ranges of a constant factor at the samples, for a known load and a free distribution of it, on a path
+    from pose to pose or one that does not vary, with varied poses, gravity, object, postures, duration, and limits of
+    torques, wrenches and the object's velocity; of two arms or more whose motors are ideal.
 
     Args:
         study: The study.
@@ -117,7 +125,9 @@ class VariantBatch:
             part = points[start : start + self.block]
             answers = self._answers(VariantNumbers(self._base, self._entries, part))
             found = (answers.row(variant) for variant in range(len(part)))
-            rows += [solved_row(self._study, point) if row is None else row for point, row in zip(part, found, strict=True)]
+            rows += [
+                solved_row(self._study, point) if row is None else row for point, row in zip(part, found, strict=True)
+            ]
         return columns_of(self._study, points, first, rows)
 
     def _answers(self, numbers: VariantNumbers) -> VariantAnswers:
@@ -135,17 +145,16 @@ class VariantBatch:
         if not numbers.any_of(PATH_ENDS):
             return {name: getattr(self._motion, name)[None] for name in PATH}
         u = np.linspace(0.0, 1.0, len(self._motion.time))
-        ends = {part: (numbers[f"start_{part}"], numbers[f"end_{part}"]) for part in ("xyz", "rpy")}
-        lead = max(len(value) for pair in ends.values() for value in pair)
-        xyz, rpy = (np.stack([np.broadcast_to(value, (lead, 3)) for value in ends[part]], axis=1) for part in ends)
-        duration = np.broadcast_to(numbers["duration"], (max(lead, len(numbers["duration"])),))
-        lead = len(duration)
-        positions, rotations = np.broadcast_to(xyz, (lead, 2, 3)), np.broadcast_to(rotations_from_rpy(rpy), (lead, 2, 3, 3))
+        start, end, turned, turning, duration = (
+            np.broadcast_to(numbers[name], (numbers.count, *numbers[name].shape[1:]))
+            for name in ("start_xyz", "end_xyz", "start_rpy", "end_rpy", "duration")
+        )
+        positions, rotations = np.stack([start, end], axis=1), rotations_from_rpy(np.stack([turned, turning], axis=1))
         profile = PROFILES[self._study.motion["profile"]]
         rates = geodesic_rates(positions, rotations, duration, profile(u))
         return dict(zip(PATH, (duration[:, None] * u, *rates), strict=True))
 
-    def _first_looked_at(self, ends: Array) -> NDArray[np.intp]:
+    def _first_looked_at(self, ends: NDArray[Any]) -> NDArray[np.intp]:
         """The samples in the order in which they are looked at, Shape (N,): given ones, some of all, the rest."""
         samples = len(self._motion.time)
         order = [*(end for end in ends.tolist() if end >= 0), *range(0, samples, STRIDE), *range(samples)]

@@ -16,6 +16,7 @@ import mrts
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
 from mrts.cell.cell_change import ChangeSteps, cell_changes
 from mrts.cell.generation import generate_to
+from mrts.refinement.excess import BETWEEN
 
 MOTORS = np.array([[0.0, 100.0], [0.2, 100.0], [3.0, 10.0]])
 """A torque-speed curve [rad/s, N m]."""
@@ -260,6 +261,35 @@ def test_it_is_told_how_far_it_is_and_travels(planar_cell, lift, planar_changes)
     assert len(asked["changes"]) == len(found.changes)
     assert "what_if" not in result.to_json()
     assert repr(found) == f"<WhatIf: {len(found.changes)} changes, 34 matter>"
+
+
+def test_joints_of_a_table_are_followed_again(planar_cell, lift, tmp_path):
+    """The fastest plan as a table: played 1.75 times as fast as given, changes do the same to it."""
+    plan = mrts.scale(planar_cell, lift, between=None)
+    mrts.write_trajectory_csv(plan, tmp_path / "plan.csv")
+    (tmp_path / "plan.yaml").write_text("joints: plan.csv\n")
+    again = mrts.scale(planar_cell, mrts.load_motion(tmp_path / "plan.yaml"), between=None).what_if()
+    assert again.left_out == ""
+    ours = by_text(plan.what_if())
+    for text, one in by_text(again).items():
+        assert one.c2_change == pytest.approx(ours[text].c2_change, abs=1e-6), text
+
+
+def test_samples_that_were_added_stay(planar_cell):
+    """Around a corner of three waypoints c²⁺ is set by a sample that was added."""
+    corner = [{"xyz": [x, y, 0]} for x, y in ((1.25, 1), (1.25, 1.15), (1.25, 1.3), (1.4, 1.3), (1.55, 1.3))]
+    path = mrts.MotionDescription(duration=0.8, samples=22, profile="quintic", waypoints=corner)
+    motion = mrts.sample_motion(path)
+    result = mrts.scale(planar_cell, motion)
+    assert result.motion.samples > 22
+    found = by_text(result.what_if())
+    assert found["mass +10 %"].before.c2 == result.range.upper.c2
+    for text, cell in (
+        ("mass +10 %", planar_cell.with_mass(1.1 * planar_cell.mass)),
+        ("left base about z -1°", planar_cell.with_base("left", rpy=[0, 0, np.radians(-1)])),
+    ):
+        assert found[text].after.c2 == pytest.approx(mrts.scale(cell, motion).range.upper.c2, rel=BETWEEN), text
+        assert found[text].matters
 
 
 def test_a_redundant_arm_stays_near_its_posture_whatever_has_moved(tmp_path):

@@ -5,10 +5,11 @@
  * there; those of a sample nearby, in the middle of all limits, usually do.
  */
 #include "../linear_programs.h"
-#include "../trajectory.h"
+#include "ranges.h"
 #include "variants.h"
 
-/* Share of an end by which another sample's may differ and still count as the same: twice that of the samples that tie. */
+/* Share of an end by which another sample's may differ and still count as the same: twice that of the samples that tie.
+ */
 #define MRTS_TIE 1e-7
 
 /* A sample is at rest where c^2 moves no row by more than this share of what it does elsewhere. */
@@ -16,28 +17,6 @@
 
 /* Share of all limits that wrenches must keep free to serve other samples. */
 #define MRTS_MIDDLE 1e-3
-
-/* As of mrts/samples: a multiplier above this share of the largest binds; limits are moved outward by this share of themselves,
- * and a row is at its limit if no solution keeps further away than this share. One above MRTS_SURE is so in any case. */
-#define MRTS_BINDING 1e-7
-#define MRTS_WIDER 3e-9
-#define MRTS_NEAR 1e-4
-#define MRTS_SURE 1e-2
-
-/* Most rows that are named at an end, or near to it. */
-#define MRTS_MOST_NAMED (4 * MRTS_UNKNOWNS)
-
-enum { MRTS_VK = MRTS_UNKNOWNS, MRTS_VF = MRTS_UNKNOWNS - 1 };
-
-/* One sample of a variant, laid out in memory. */
-typedef struct {
-    mrts_form form;
-    mrts_terms terms;
-    double most;   /* largest c^2 of the velocities */
-    double effect; /* largest effect of c^2 on a row, in its unit */
-    int known[2];  /* which ends have been computed */
-    double end[2]; /* those */
-} mrts_sample;
 
 /* One end of the range of a variant, and what finds it. */
 typedef struct {
@@ -78,8 +57,8 @@ static int mrts_holds(const mrts_limits *limits, const mrts_rows *rows, const mr
     return 1;
 }
 
-/* Wrenches in the middle of the limits of a sample at c^2, by a program: those whose least distance to any limit, in its unit,
- * is the largest. 0 if that is too small to serve, or not found. */
+/* Wrenches in the middle of the limits of a sample at c^2, by a program: those whose least distance to any limit, in
+ * its unit, is the largest. 0 if that is too small to serve, or not found. */
 static int mrts_find_middle(const mrts_limits *limits, mrts_rows *rows, const mrts_sample *sample, double c2,
                             mrts_side *side, double *work, int *iwork) {
     enum { K = MRTS_VK, F = MRTS_VF };
@@ -116,8 +95,9 @@ static int mrts_find_middle(const mrts_limits *limits, mrts_rows *rows, const mr
     return 1;
 }
 
-/* The least (end 0) or largest c^2 of a sample, as mrts_ranges finds it, started from a basis; the status of its program, with
- * wrenches x that go with it, and the rows and multipliers that determine it or prove that there is none. */
+/* The least (end 0) or largest c^2 of a sample, as mrts_ranges finds it, started from a basis; the status of its
+ * program, with wrenches x that go with it, and the rows and multipliers that determine it or prove that there is none.
+ */
 static int mrts_exact_end(const mrts_limits *limits, mrts_rows *rows, const mrts_sample *sample, int end, int *basis,
                           double *c2, double *x, double *y, int *entering, double *work, int *iwork) {
     enum { K = MRTS_VK };
@@ -140,7 +120,8 @@ static int mrts_exact_end(const mrts_limits *limits, mrts_rows *rows, const mrts
     return status;
 }
 
-/* What a sample leaves of the range at one end. Returns the status of a program that has no answer, else MRTS_OPTIMAL. */
+/* What a sample leaves of the range at one end. Returns the status of a program that has no answer, else MRTS_OPTIMAL.
+ */
 static int mrts_cut_end(const mrts_limits *limits, mrts_rows *rows, mrts_sample *sample, int end, int at_rest,
                     mrts_side *side, double *y, int *entering, double *work, int *iwork) {
     double x[MRTS_VK];
@@ -173,7 +154,8 @@ typedef struct {
     const double *q, *dq, *ddq, *rotation, *twist, *acceleration, *load, *geometry, *velocity;
 } mrts_variant;
 
-/* Evaluates the wrench form at all samples of a variant; the largest effect of c^2 on any row, below 0 where it failed. */
+/* Evaluates the wrench form at all samples of a variant; the largest effect of c^2 on any row, below 0 where it failed.
+ */
 static double mrts_forms_of_variant(long long samples, const mrts_variant *of, const mrts_limits *limits,
                                     const mrts_rows *rows, const mrts_terms *terms, mrts_sample *sample, double *memory,
                                     mrts_scratch *scratch) {
@@ -216,92 +198,8 @@ static double mrts_forms_of_variant(long long samples, const mrts_variant *of, c
     return largest;
 }
 
-/* Where a variant's range ends, and why. */
-typedef struct {
-    int status;    /* MRTS_OPTIMAL, MRTS_INFEASIBLE at sample[0], or MRTS_STOPPED */
-    int capped;    /* whether velocities bound the largest c^2 */
-    int sample[2]; /* of the least and the largest c^2, the first of those that differ by rounding only; -1: none sets it */
-    int count[2];  /* of the rows that set each end there; of rows[0] those of the certificate of MRTS_INFEASIBLE */
-    int rows[2][MRTS_MOST_NAMED]; /* 1 + row at an upper, -1 - row at a lower limit, in their order */
-    double c2[2];
-} mrts_variant_range;
-
-/* Adds a row, coded as of a program, in its place; 0 if there is no more room. */
-static int mrts_name(const mrts_limits *limits, const mrts_rows *rows, int code, int end, mrts_variant_range *range) {
-    const int row = mrts_row_of_limits(limits, rows, code);
-    int *named = range->rows[end], at = range->count[end];
-    if (at == MRTS_MOST_NAMED) return 0;
-    for (; at > 0 && MRTS_ABS(named[at - 1]) > MRTS_ABS(row); --at) named[at] = named[at - 1];
-    named[at] = row;
-    ++range->count[end];
-    return 1;
-}
-
-/* The largest distance, at most 1, that wrenches within all limits can keep from some sides of rows at once, or more than that
- * where rounding leaves it open: what a program stops at is on the far side. `rows` has c^2 put in. */
-static double mrts_keep_away(const mrts_rows *rows, int count, const int *sides, double *work, int *iwork) {
-    enum { K = MRTS_VK, F = MRTS_VF };
-    double *A = work, *lower = A + (rows->count + MRTS_MOST_NAMED) * K, *upper = lower + rows->count + MRTS_MOST_NAMED + K;
-    double g[K], x[K], y[K];
-    int basis[K] = {0}, entering;
-    const int total = rows->count + count;
-    for (int i = 0; i < total; ++i) {
-        const int code = i < rows->count ? i + 1 : sides[i - rows->count], row = MRTS_ABS(code) - 1;
-        for (int j = 0; j < F; ++j) A[i * K + j] = code > 0 ? rows->A[row * F + j] : -rows->A[row * F + j];
-        A[i * K + F] = i < rows->count ? 0 : 1;
-        lower[i] = i < rows->count ? rows->lower[i] : -MRTS_INFINITY;
-        upper[i] = code > 0 ? rows->upper[row] : -rows->lower[row];
-    }
-    for (int j = 0; j < K; ++j) {
-        lower[total + j] = j < F ? -MRTS_INFINITY : 0;
-        upper[total + j] = j < F ? MRTS_INFINITY : 1;
-        g[j] = j < F ? 0 : -1;
-    }
-    mrts_lp(K, total, A, lower, upper, g, basis, x, y, &entering, upper + rows->count + MRTS_MOST_NAMED + K, iwork);
-    return x[F];
-}
-
-/* Names the rows that are at their limit in every solution at an end, as mrts/samples/end_rows.py does: those with a multiplier
- * that cannot be rounding, and of those near their limit in the solution found the ones that no other keeps away from it. */
-static int mrts_name_rows(const mrts_limits *limits, mrts_rows *rows, const mrts_sample *sample, int end, double c2,
-                          const double *x, const int *basis, const double *y, mrts_variant_range *range, double *work,
-                          int *iwork) {
-    enum { K = MRTS_VK, F = MRTS_VF };
-    int near[MRTS_MOST_NAMED], count = 0, sure[K], certain = 0;
-    double largest = 0, column[K];
-    for (int j = 0; j < K; ++j) largest = fmax(largest, fabs(y[j]));
-    for (int j = 0; j < K; ++j) {
-        const int row = MRTS_ABS(basis[j]) - 1;
-        if (end && row >= rows->count && basis[j] > 0) range->capped = fabs(y[j]) > MRTS_BINDING * largest;
-        if (row < rows->count && fabs(y[j]) > MRTS_SURE * largest) sure[certain++] = basis[j];
-    }
-    if (!mrts_build_rows(K, MRTS_JOINTS, MRTS_WRENCHES, &sample->form, limits, &sample->terms, rows)) return 0;
-    mrts_fix_speed(K, limits, c2, MRTS_WIDER, rows);
-    for (int i = 0; i < rows->count; ++i) {
-        const double value = mrts_dot(F, rows->A + i * F, x);
-        if (!(rows->upper[i] - rows->lower[i] > 2 * MRTS_NEAR)) continue;
-        for (int code = i + 1; code >= -i - 1; code -= 2 * i + 2) {
-            int is_sure = 0;
-            if ((code > 0 ? rows->upper[i] - value : value - rows->lower[i]) > MRTS_NEAR) continue;
-            for (int j = 0; j < certain; ++j) is_sure |= sure[j] == code;
-            if (is_sure && !mrts_name(limits, rows, code, end, range)) return 0;
-            if (is_sure) continue;
-            if (count == MRTS_MOST_NAMED) return 0;
-            near[count++] = code;
-        }
-    }
-    if (count == 0) return 1;
-    mrts_scale_columns(F, rows, column);
-    if (mrts_keep_away(rows, count, near, work, iwork) > MRTS_NEAR) return 1;
-    for (int i = 0; i < count; ++i) {
-        if (mrts_keep_away(rows, 1, near + i, work, iwork) > MRTS_NEAR) continue;
-        if (!mrts_name(limits, rows, near[i], end, range)) return 0;
-    }
-    return 1;
-}
-
-/* An end of a range, of the samples where it is known: from cold starts, so that what is found is the same whatever came
- * before. */
+/* An end of a range, of the samples where it is known: from cold starts, so that what is found is the same whatever
+ * came before. */
 static int mrts_settle(long long samples, const mrts_limits *limits, mrts_rows *rows, const mrts_sample *sample, int end,
                        double c2, mrts_variant_range *range, double *work, int *iwork) {
     enum { K = MRTS_VK };
@@ -328,20 +226,6 @@ static int mrts_settle(long long samples, const mrts_limits *limits, mrts_rows *
     }
     if (status != MRTS_OPTIMAL) return status;
     return mrts_name_rows(limits, rows, sample + first, end, its, x, basis, y, range, work, iwork) ? MRTS_OPTIMAL : MRTS_STOPPED;
-}
-
-/* Names the rows of a certificate, whose limits exclude each other: of the basis those with a multiplier, and the one that was
- * to enter. Bounds of c^2 are none. */
-static void mrts_name_conflict(const mrts_limits *limits, const mrts_rows *rows, const int *basis, const double *y,
-                               int entering, mrts_variant_range *range) {
-    double largest = 1;
-    range->count[0] = 0;
-    for (int j = 0; j < MRTS_VK; ++j) largest = fmax(largest, fabs(y[j]));
-    for (int j = -1; j < MRTS_VK; ++j) {
-        const int row = MRTS_ABS(j < 0 ? entering : basis[j]), above = j < 0 ? entering > 0 : y[j] < 0;
-        if (row > rows->count || (j >= 0 && !(fabs(y[j]) > MRTS_SEPARATED * largest))) continue;
-        mrts_name(limits, rows, above ? row : -row, 0, range);
-    }
 }
 
 /* The range of one variant. `order` is that in which its samples are looked at. */
@@ -381,9 +265,10 @@ MRTS_EXPORT void mrts_variant_ranges_work(int rows, int samples, long long *real
     *ints = MRTS_ROWS_IWORK(rows) + MRTS_LP_IWORK(MRTS_VK, most);
 }
 
-/* The ranges of variants 0 .. count - 1 of the same number of samples, from arrays of all one after the other; a stride, in
- * reals from one variant to the next, is 0 where they share one. Which limits there are is the same for all: `limits` has the
- * rows, each variant its own lower and upper sides and values. Variants with `skipped` are passed over. */
+/* The ranges of variants 0 .. count - 1 of the same number of samples, from arrays of all one after the other; a
+ * stride, in reals from one variant to the next, is 0 where they share one. Which limits there are is the same for all:
+ * `limits` has the rows, each variant its own lower and upper sides and values. Variants with `skipped` are passed
+ * over. */
 MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const double *const *given,
                                      const long long *stride, const mrts_limits *limits, const mrts_terms *terms,
                                      const int *order, const unsigned char *skipped, mrts_variant_range *range,

@@ -52,4 +52,16 @@ typedef struct {
     double *w;
 } mrts_scratch;
 
+/* q at a sample from q, q', q'' at those before it, a step h apart each: the polynomial through the last three or two
+ * of them. Taylor's of second degree from the last one where there is no more (known = 1), or where the two differ. */
+MRTS_LOCAL void mrts_predict(const double *q, const double *dq, const double *ddq, double h, long long known,
+                             double *taylor, double *now);
+
+#ifndef MRTS_REDUNDANT
+/* q, q', q'' at a sample by undamped Newton steps from `now`, which is moved, and a bound of each Jacobian's condition
+ * number; 0 where they do not lead to the grasps at once. Arms that have failed stay. */
+MRTS_LOCAL int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, const mrts_outcome *failures, double *now,
+                                 double *dq, double *ddq, double *condition, mrts_scratch *scratch);
+#endif
+
 #endif

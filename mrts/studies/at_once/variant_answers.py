@@ -14,7 +14,7 @@ from mrts.limits.rows import ActiveRow
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import POINT_TOLERANCE
 from mrts.scaling.range import RangeEnd, contradiction
-from mrts.studies.variant_limits import VariantLimits
+from mrts.studies.at_once.variant_limits import VariantLimits
 from mrts.studies.variant_rows import UNREACHABLE, Row, limit_text
 
 
@@ -64,7 +64,8 @@ class VariantAnswers:
 
     def _of(self, name: str, variant: int) -> Array:
         values = self._given[name]
-        return values[variant if len(values) > 1 else 0]
+        one: Array = values[variant if len(values) > 1 else 0]
+        return one
 
     def _infeasible(self, variant: int) -> Row:
         found, status = self.found[variant], RangeStatus.INFEASIBLE

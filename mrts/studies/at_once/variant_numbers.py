@@ -74,26 +74,27 @@ def varied_entries(study: Study, cell: Cell) -> tuple[Entry, ...] | None:
 
 def _places(keys: Keys, study: Study, cell: Cell) -> list[tuple[str, tuple[int, ...], float]]:
     """Arrays, indices and signs that a number of the files stands for; none where it has no array."""
+    found: tuple[str, tuple[int, ...]] | None = None
     match keys:
-        case ("cell", "gravity", int(axis)):
-            return [("gravity", (axis,), 1.0)]
-        case ("cell", "object", "mass"):
-            return [("mass", (), 1.0)]
-        case ("cell", "object", "inertia", int(axis)):
-            return [("inertia", (axis, axis), 1.0)]
-        case ("cell", "object", "inertia", int(row), int(column)):
-            return [("inertia", (row, column), 1.0)]
-        case ("cell", "object", "velocity", "linear" | "angular" as part):
-            return [("object_velocity", (("linear", "angular").index(part),), 1.0)]
+        case ("cell", "robots", int(robot), "posture" | "torque" | "wrench", *_):
+            return _places_of_limits(keys[3:], cell, robot)
         case ("cell", "robots", int(robot), "base" | "grasp" as frame, "xyz" | "rpy" as part, int(axis)):
-            return [(f"{frame}_{part}", (robot, axis), 1.0)]
-        case ("cell", "robots", int(robot), *rest):
-            return _places_of_limits(rest, cell, robot)
+            found = f"{frame}_{part}", (robot, axis)
+        case ("cell", "gravity", int(axis)):
+            found = "gravity", (axis,)
+        case ("cell", "object", "mass"):
+            found = "mass", ()
+        case ("cell", "object", "inertia", int(axis)):
+            found = "inertia", (axis, axis)
+        case ("cell", "object", "inertia", int(row), int(column)):
+            found = "inertia", (row, column)
+        case ("cell", "object", "velocity", "linear" | "angular" as part):
+            found = "object_velocity", (("linear", "angular").index(part),)
         case ("motion", "start" | "end" as pose, "xyz" | "rpy" as part, int(axis)) if "waypoints" not in study.motion:
-            return [(f"{pose}_{part}", (axis,), 1.0)]
+            found = f"{pose}_{part}", (axis,)
         case ("motion", "duration") if "waypoints" not in study.motion:
-            return [("duration", (), 1.0)]
-    return []
+            found = "duration", ()
+    return [] if found is None else [(*found, 1.0)]
 
 
 def _places_of_limits(rest: Sequence[str | int], cell: Cell, robot: int) -> list[tuple[str, tuple[int, ...], float]]:
@@ -101,13 +102,13 @@ def _places_of_limits(rest: Sequence[str | int], cell: Cell, robot: int) -> list
     name = cell.robots[robot].name
     joint, component = cell.joint_slices[name].start, cell.wrench_slices[name].start
     match rest:
-        case ["posture", int(place)]:
+        case ("posture", int(place)):
             return [("posture", (joint + place,), 1.0)]
-        case ["torque", int(place)]:
+        case ("torque", int(place)):
             return [("torque_upper", (joint + place,), 1.0), ("torque_lower", (joint + place,), -1.0)]
-        case ["torque", "lower" | "upper" as side, int(place)]:
+        case ("torque", "lower" | "upper" as side, int(place)):
             return [(f"torque_{side}", (joint + place,), 1.0)]
-        case ["wrench", "lower" | "upper" as side, int(place)]:
+        case ("wrench", "lower" | "upper" as side, int(place)):
             return [(f"wrench_{side}", (component + place,), 1.0)]
     return []
 
@@ -162,7 +163,8 @@ class VariantNumbers:
             self._arrays[name] = np.repeat(base[name], self.count, axis=0)
         for entry in entries:
             number = entry.offset + entry.factor * points[:, entry.column]
-            self._arrays[entry.name][(slice(None), *entry.index)] = number
+            of_all: tuple[slice | int, ...] = (slice(None), *entry.index)
+            self._arrays[entry.name][of_all] = number
 
     def __getitem__(self, name: str) -> Array:
         return self._arrays[name]

@@ -18,7 +18,8 @@ from mrts.limits.squared_rows import binds
 from mrts.limits.torque_limits import torque_limits
 from mrts.limits.velocity_limits import velocity_limits
 from mrts.limits.wrench_limits import wrench_limits
-from mrts.studies.variant_numbers import LIMITS, VariantNumbers
+from mrts.studies.at_once.variant_numbers import LIMITS, VariantNumbers
+
 
 class VariantLimits:
     """The rows of one cell, and the sides and values that variants of it have.
@@ -44,7 +45,7 @@ class VariantLimits:
         matrix, turned = self.rows.matrix, self.rows.object_axes
         pattern = matrix != 0
         for places, columns, block in self._in_tip:
-            pattern[np.ix_(places, columns)] |= np.repeat(np.any(block != 0, axis=2), 3, axis=1)
+            pattern[np.array(places)[:, None], columns] |= np.repeat(np.any(block != 0, axis=2), 3, axis=1)
         self.sparse = SparseLimits(
             matrix=matrix,
             lower=self.rows.lower,
@@ -64,9 +65,9 @@ class VariantLimits:
         """
         sides = {"lower": self.rows.lower[None], "upper": self.rows.upper[None]}
         if numbers.any_of(LIMITS):
-            for side, limits in sides.items():
-                sides[side] = limits = np.repeat(limits, numbers.count, axis=0)
-                for kind, (rows, places) in self._places.items():
+            sides = {side: np.repeat(limits, numbers.count, axis=0) for side, limits in sides.items()}
+            for kind, (rows, places) in self._places.items():
+                for side, limits in sides.items():
                     limits[:, rows] = numbers[f"{kind}_{side}"][:, places]
         joints = np.concatenate([robot.velocity_limit for robot in self._cell.robots])
         of_object = numbers["object_velocity"]
@@ -143,5 +144,8 @@ class VariantLimits:
 
     def _shrunk(self, lower: Array, upper: Array) -> tuple[Array, Array]:
         """As `LimitRows.shrunk`, of many variants, each Shape (V, r)."""
-        moved = [replace(self.rows, lower=low, upper=high).shrunk(self._reserve) for low, high in zip(lower, upper, strict=True)]
+        moved = [
+            replace(self.rows, lower=low, upper=high).shrunk(self._reserve)
+            for low, high in zip(lower, upper, strict=True)
+        ]
         return np.array([rows.lower for rows in moved]), np.array([rows.upper for rows in moved])
