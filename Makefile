@@ -92,6 +92,7 @@ bench: install $(VENV)/bench  ## measure speed against what a user would otherwi
 	$(BIN)/python benchmarks/smooth_timing.py
 	$(BIN)/python benchmarks/closed_loop.py
 	$(BIN)/python benchmarks/generation_cost.py
+	$(BIN)/python benchmarks/sweep_speed.py
 
 instructions: install  ## count instructions of a sample (needs gcc and valgrind)
 	$(BIN)/python benchmarks/instructions.py

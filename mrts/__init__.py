@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from mrts.base.remark import Remark
     from mrts.base.rigid_transform import RigidTransform
     from mrts.cell.cell import Cell
+    from mrts.cell.cell_change import CellChange, ChangeSteps
     from mrts.cell.loading import load_cell
     from mrts.cell.robot import Robot
     from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from mrts.hands.suction import suction_contact
     from mrts.identification.identified_motors import ArmMotors, MotorIdentification, MotorParameter
     from mrts.identification.identify import identify
+    from mrts.layout.place import place
+    from mrts.layout.placement import Placement, PlayedLayout
     from mrts.limits.rows import ActiveRow, RowName
     from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
     from mrts.motion.joint_table import JointTable
@@ -54,16 +57,23 @@ if TYPE_CHECKING:
     from mrts.scaling.result import DistributionRule, Residuals, ScalingResult
     from mrts.scaling.scale import SelectionError, scale
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
+    from mrts.scaling.what_if import ChangedAnswer, SpeedAnswer, WhatIf
     from mrts.smooth.rate_limits import RateLimits
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
     from mrts.studies.study import Study
     from mrts.studies.study_file import read_study
+    from mrts.studies.study_folder import StudyFolder, read_study_folder
+    from mrts.sweeps.sweep import sweep
+    from mrts.sweeps.sweep_progress import SweepProgress
 
 _HOMES = {
     "ActiveRow": "limits.rows",
     "ArmMotors": "identification.identified_motors",
     "Branch": "studies.configurations",
     "Cell": "cell.cell",
+    "CellChange": "cell.cell_change",
+    "ChangeSteps": "cell.cell_change",
+    "ChangedAnswer": "scaling.what_if",
     "ClosureBound": "coordination.grasp_closure",
     "CompilerError": "base.errors",
     "Configuration": "studies.configurations",
@@ -89,7 +99,9 @@ _HOMES = {
     "MotorParameter": "identification.identified_motors",
     "MrtsError": "base.errors",
     "ObjectMotion": "motion.object_motion",
+    "Placement": "layout.placement",
     "PlanReserve": "samples.reserve",
+    "PlayedLayout": "layout.placement",
     "RangeEnd": "scaling.range",
     "RecordedJoint": "motion.joint_recording",
     "Remark": "base.remark",
@@ -110,7 +122,11 @@ _HOMES = {
     "SelectionError": "scaling.scale",
     "SmoothAnswer": "retiming.smooth_piece",
     "SolverError": "base.errors",
+    "SpeedAnswer": "scaling.what_if",
+    "WhatIf": "scaling.what_if",
     "Study": "studies.study",
+    "StudyFolder": "studies.study_folder",
+    "SweepProgress": "sweeps.sweep_progress",
     "box_contact": "hands.box",
     "follow_object": "coordination.coordinated_motion",
     "gripper_contact": "hands.gripper",
@@ -120,14 +136,17 @@ _HOMES = {
     "load_recording": "motion.joint_recording",
     "load_result": "output.saved_result",
     "pad_contact": "hands.pad",
+    "place": "layout.place",
     "rank_configurations": "studies.configurations",
     "retime": "retiming.retime",
     "read_study": "studies.study_file",
+    "read_study_folder": "studies.study_folder",
     "rows_contact": "hands.polytope",
     "sample_motion": "motion.motion_file",
     "save_result": "output.saved_result",
     "scale": "scaling.scale",
     "suction_contact": "hands.suction",
+    "sweep": "sweeps.sweep",
     "torques_for_load": "scaling.known_load",
     "write_report": "report",
     "write_ros_bag": "output.ros_bag",
@@ -139,6 +158,9 @@ __all__ = [
     "ArmMotors",
     "Branch",
     "Cell",
+    "CellChange",
+    "ChangeSteps",
+    "ChangedAnswer",
     "ClosureBound",
     "CompilerError",
     "Configuration",
@@ -164,7 +186,9 @@ __all__ = [
     "MotorParameter",
     "MrtsError",
     "ObjectMotion",
+    "Placement",
     "PlanReserve",
+    "PlayedLayout",
     "RangeEnd",
     "RateLimits",
     "RecordedJoint",
@@ -185,7 +209,11 @@ __all__ = [
     "SelectionError",
     "SmoothAnswer",
     "SolverError",
+    "SpeedAnswer",
     "Study",
+    "StudyFolder",
+    "SweepProgress",
+    "WhatIf",
     "box_contact",
     "follow_object",
     "gripper_contact",
@@ -195,14 +223,17 @@ __all__ = [
     "load_recording",
     "load_result",
     "pad_contact",
+    "place",
     "rank_configurations",
     "read_study",
+    "read_study_folder",
     "retime",
     "rows_contact",
     "sample_motion",
     "save_result",
     "scale",
     "suction_contact",
+    "sweep",
     "torques_for_load",
     "write_report",
     "write_ros_bag",

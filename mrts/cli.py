@@ -14,7 +14,7 @@ from typing import NoReturn
 from mrts.base.errors import MrtsError
 from mrts.base.printable import message_text
 from mrts.base.version import __version__
-from mrts.commands import configurations, demo, export, generate, identify, report, scale, view
+from mrts.commands import configurations, demo, export, generate, identify, place, report, scale, sweep, view
 from mrts.commands.completion import complete
 from mrts.console.defect import describe_defect, trace
 from mrts.console.exit_codes import BAD_INPUT, DEFECT, PIPE_CLOSED, SIGNALLED
@@ -29,7 +29,7 @@ from mrts.console.terminal import (
     open_closed_streams,
 )
 
-VERBS = (demo, generate, scale, configurations, identify, view, report, export)
+VERBS = (demo, generate, scale, configurations, sweep, place, identify, view, report, export)
 """In the order of `--help`."""
 
 ENDINGS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "the terminal is gone"}

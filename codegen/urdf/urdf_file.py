@@ -6,6 +6,7 @@ would silently replace by a default (a missing mass, a missing inertia entry) is
 """
 
 import io
+from functools import lru_cache
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,9 @@ from lxml import etree
 
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER, MAX_URDF_BYTES, read_text
+
+FILES_KEPT = 16
+"""URDFs that are not parsed again while their text stays the same: many cells are made of a few."""
 
 MAX_LINKS = 2000
 """Far above any robot; reading so many takes a second."""
@@ -37,7 +41,11 @@ def read_urdf(path: Path) -> Any:
     Raises:
         InputError: If it is missing, not XML, not a URDF, an unexpanded xacro, or holds a value that is no number.
     """
-    text = read_text(path, "URDF", MAX_URDF_BYTES)
+    return _parsed(path, read_text(path, "URDF", MAX_URDF_BYTES))
+
+
+@lru_cache(maxsize=FILES_KEPT)
+def _parsed(path: Path, text: str) -> Any:
     root = _parse(path, text)
     if root.tag != "robot":
         raise InputError(path, "is not a URDF: its root element must be <robot>.", value=root.tag)

@@ -6,7 +6,7 @@ The generated C carries these numbers, so products avoid BLAS, whose kernels dif
 
 from dataclasses import dataclass
 from itertools import product
-from math import atan2, cos, hypot, nextafter, pi, sin
+from math import atan2, copysign, cos, hypot, inf, nextafter, pi, sin
 from typing import Any
 
 import numpy as np
@@ -108,8 +108,9 @@ def _turned(cr: Any, sr: Any, cp: Any, sp: Any, cy: Any, sy: Any) -> Array:
 def rpy_from_rotation(R: Array) -> list[float]:
     """Roll, pitch, yaw [rad] of a rotation, Shape (3,): those of `rotation_from_rpy` that give its very numbers.
 
-    Near the angles that the entries tell, the shortest decimals are tried first. Where pitch is ±π/2 roll and yaw turn
-    about one axis, and yaw is 0; there the rotation comes back to rounding.
+    Of the two triples that any rotation has, the one with more zeros comes first; near each angle a short decimal is
+    tried first. Where pitch is ±π/2 roll and yaw turn about one axis, and yaw is 0: there the rotation comes back to
+    rounding.
 
     Args:
         R: Shape (3, 3).
@@ -117,33 +118,50 @@ def rpy_from_rotation(R: Array) -> list[float]:
     level = hypot(R[0, 0], R[1, 0])
     pitch = atan2(-R[2, 0], level)
     if level > ROUNDED_ANGLE:
-        angles = (atan2(R[2, 1], R[2, 2]), pitch, atan2(R[1, 0], R[0, 0]))
+        first = (atan2(R[2, 1], R[2, 2]), pitch, atan2(R[1, 0], R[0, 0]))
+        second = (first[0] - copysign(pi, first[0]), copysign(pi, pitch) - pitch, first[2] - copysign(pi, first[2]))
+        triples: list[tuple[float, ...]] = sorted(
+            (first, second), key=lambda triple: sum(abs(each) > ROUNDED_ANGLE for each in triple)
+        )
+        for sign, triple in product((-1, 1), tuple(triples)):
+            triples.append(tuple(angle - 2 * pi * sign if angle * sign > 0 else angle for angle in triple))
     else:
-        angles = (atan2(-R[1, 2], R[1, 1]), pitch, 0.0)
-    best, least = list(angles), np.inf
-    for tried in sorted(product(*map(_ranked, angles)), key=lambda ranked: sum(rank for rank, _ in ranked)):
-        rpy = [angle for _, angle in tried]
-        off = float(np.max(np.abs(rotation_from_rpy(*rpy) - R)))
-        if off < least:
-            best, least = rpy, off
-        if off == 0:
-            break
+        triples = [(atan2(-R[1, 2], R[1, 1]), pitch, 0.0)]
+    best, least = list(triples[0]), np.inf
+    for triple in triples:
+        for tried in sorted(product(*map(_ranked, triple)), key=lambda ranked: sum(rank for rank, _ in ranked)):
+            rpy = [angle for _, angle in tried]
+            off = float(np.max(np.abs(rotation_from_rpy(*rpy) - R)))
+            if off < least:
+                best, least = rpy, off
+            if off == 0:
+                return best
     return best
 
 
 def _ranked(angle: float) -> list[tuple[int, float]]:
-    """Numbers that an angle may be a rounding of, each with its rank: short decimals, itself, its neighbours."""
+    """Numbers that an angle may be a rounding of, ranked: a short decimal, itself, its neighbours, -π for π."""
     near = ROUNDED_ANGLE * max(1.0, abs(angle))
     decimals = [rounded for digits in range(17) if abs((rounded := round(angle, digits)) - angle) <= near]
     short = [value for value in decimals[:1] if len(repr(value)) < LONG_DECIMAL]
-    below, above = nextafter(angle, -pi), nextafter(angle, pi)
-    neighbours = (below, above, nextafter(below, -pi), nextafter(above, pi))
-    return list(enumerate(dict.fromkeys(value + 0.0 for value in (*short, angle, *decimals, *neighbours))))
+    below, above = nextafter(angle, -inf), nextafter(angle, inf)
+    others = [
+        below,
+        above,
+        nextafter(below, -inf),
+        nextafter(above, inf),
+        *([-angle] if pi - abs(angle) <= near else []),
+    ]
+    return list(enumerate(dict.fromkeys(value + 0.0 for value in (*short, angle, *decimals, *others))))
 
 
 def is_rotation(R: Array) -> bool:
     """Whether a matrix, Shape (3, 3), is a rotation."""
-    return bool(np.max(np.abs(R @ R.T - np.eye(3))) <= ROTATION_TOLERANCE and np.linalg.det(R) > 0)
+    x, y, z = R.tolist()  # numbers of Python: cells are made by the thousand
+    off = [sum(a * b for a, b in zip(one, two, strict=True)) for one, two in ((x, y), (x, z), (y, z))]
+    off += [sum(a * a for a in row) - 1 for row in (x, y, z)]
+    volume = sum(x[i] * (y[i - 2] * z[i - 1] - y[i - 1] * z[i - 2]) for i in range(3))
+    return all(abs(entry) <= ROTATION_TOLERANCE for entry in off) and volume > 0
 
 
 def in_one_place(one: RigidTransform, other: RigidTransform) -> bool:

@@ -346,11 +346,10 @@ class Cell:
 
     def _robot(self, argument: str, name: str) -> Robot:
         """The robot of a name that a user gave."""
-        for robot in self.robots:
-            if robot.name == name:
-                return robot
-        known = ", ".join(robot.name for robot in self.robots)
-        raise InputError(argument, f"there is no such robot; there are {known}.", value=name)
+        known = {robot.name: robot for robot in self.robots}
+        if not isinstance(name, str) or name not in known:
+            raise InputError(argument, f"there is no such robot; there are {', '.join(known)}.", value=name)
+        return known[name]
 
     def _with(self, changed: Robot) -> Self:
         """The same cell with another robot in the place of the one of its name."""

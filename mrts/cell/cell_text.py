@@ -25,7 +25,11 @@ def cell_text(cell: Cell, path: Path | str | None) -> str:
     target = None if path is None else as_path("path", path)
     _refuse_what_no_file_holds(cell)
     assert cell.folder is not None  # noqa: S101 (refused above)
-    text = cell_file_in(manifest_of(cell), cell.folder, None if target is None else target.resolve().parent)
+    try:
+        beside = None if target is None else target.resolve().parent
+    except (OSError, RuntimeError, ValueError):  # a loop of links, a NUL
+        raise InputError("path", "is no path of a file.", value=str(path)) from None
+    text = cell_file_in(manifest_of(cell), cell.folder, beside)
     if target is not None:
         write_text_atomically(target, text)
     return text

@@ -75,6 +75,13 @@ class CellFunctions:
             inputs = {GEOMETRY: self._geometry} | inputs
         return self._evaluate(name, samples, inputs)
 
+    @property
+    def symbolic(self) -> dict[str, Any]:
+        """CasADi's functions by short name, to build programs of; only those of the backend "vm" have them."""
+        if not isinstance(self._origin, dict):
+            raise InputError("backend", "must be 'vm': compiled functions have no expressions.", value=self.backend)
+        return self._origin
+
     def placed(self, geometry: Array) -> Self:
         """The same functions for a cell of this geometry, Shape (3 + 24 n + h,)."""
         ours = object.__new__(type(self))  # a copy would bind them again

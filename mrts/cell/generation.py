@@ -60,7 +60,7 @@ def described_in_cache(description: object, folder: Path) -> tuple[Manifest, Pat
 
     Args:
         description: Keys of a cell file.
-        folder: That URDFs are relative to.
+        folder: That URDFs are relative to, absolute.
 
     Raises:
         InputError: If the description or a URDF breaks a rule.
@@ -68,7 +68,7 @@ def described_in_cache(description: object, folder: Path) -> tuple[Manifest, Pat
     from mrts_codegen.cell_file import DESCRIBED, cell_description  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.cell_model import build_cell_model  # noqa: PLC0415
 
-    cell = build_cell_model(DESCRIBED, cell_description(description), folder.resolve())
+    cell = build_cell_model(DESCRIBED, cell_description(description), folder)
 
     @cache
     def chains() -> Any:

@@ -51,7 +51,7 @@ def described_cell(description: object, folder: Path | str | None, backend: Back
     """
     _check_backend(backend)
     check_type("folder", folder, str, PathLike, NoneType)
-    here = (Path() if folder is None else as_path("folder", folder)).resolve()
+    here = (Path() if folder is None else as_path("folder", folder)).absolute()
     manifest, source, machine = described_in_cache(description, here)
     return cell_from_manifest(manifest, bind_functions(manifest, source, backend, machine), here)
 

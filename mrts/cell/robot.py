@@ -226,8 +226,9 @@ def _checked_pose(where: str, key: str, given: object) -> RigidTransform:
     if not isinstance(given, RigidTransform):
         raise InputError(where, "must be an mrts RigidTransform.", key=key, value=given)
     R, p = as_array(f"{where}: {key}.R", given.R), as_array(f"{where}: {key}.p", given.p)
-    sizes = np.abs([*R.flat, *p.flat])
-    if R.shape != (3, 3) or p.shape != (3,) or not np.all(sizes <= LARGEST_NUMBER) or not is_rotation(R):
+    numbers = [*R.ravel().tolist(), *p.ravel().tolist()]
+    small = all(abs(number) <= LARGEST_NUMBER for number in numbers)
+    if R.shape != (3, 3) or p.shape != (3,) or not small or not is_rotation(R):
         rule = (
             "must have a rotation R with Shape (3, 3), R Rᵀ = I, det R = 1, and a position p with Shape (3,), each "
             f"number at most {LARGEST_NUMBER:.0e} in size."

@@ -27,6 +27,7 @@ GOES_WITH = {
     "--start-torque": ("smooth",),
     "--end-torque": ("smooth",),
     "--solver": ("constant", "smooth"),
+    "--what-if": ("constant", "optimal"),
 }
 """The profiles that an option goes with; those that are not here go with all."""
 

@@ -13,6 +13,7 @@ from mrts.console.terminal import say
 EXAMPLES = """\
 examples:
   mrts report result.npz -o report.html
+  mrts report found -o report.html                          of what mrts sweep wrote into the folder found
   mrts scale cell.yaml motion.yaml --report report.html     without saving the result"""
 
 
@@ -20,10 +21,10 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the verb to the command line."""
     report = verbs.add_parser(
         "report",
-        help="write a saved result as an HTML page that opens offline",
+        help="write a saved result or a study as an HTML page that opens offline",
         epilog=EXAMPLES,
     )
-    report.add_argument("result", type=Path, metavar="RESULT", help="saved result (.npz)")
+    report.add_argument("result", type=Path, metavar="RESULT", help="saved result (.npz), or the folder of a study")
     report.add_argument("-o", "--output", type=Path, default=Path("report.html"), metavar="FILE",
                         help="HTML file to write (default: %(default)s)")  # fmt: skip
     report.set_defaults(run=run)
@@ -38,7 +39,21 @@ def run(options: argparse.Namespace) -> int:
     if options.output.suffix not in {".html", ".htm"}:
         raise InputError("--output", "writes a file that ends in .html.", value=str(options.output))
     check_outputs({"--output": options.output}, {})
+    if options.result.is_dir():
+        return _report_study(options.result, options.output)
     result = load_result(options.result)
     write_report(result, options.output)
     say(f"{result.cell.name}: {result.status.value}; the report is {options.output}")
     return FEASIBLE if result.status.admits_motion else INFEASIBLE
+
+
+def _report_study(folder: Path, output: Path) -> int:
+    """Write the report of what a sweep has found so far."""
+    from mrts.drawing.study_table import read_study_table
+    from mrts.drawing.study_words import outcome_text
+    from mrts.report import write_study_report
+
+    found = read_study_table(folder)
+    write_study_report(found, output)
+    say(f"{found.name}: {outcome_text(found)}; the report is {output}")
+    return FEASIBLE if found.admitted.any() else INFEASIBLE

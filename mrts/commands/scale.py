@@ -2,6 +2,7 @@
 """`mrts scale`."""
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -49,6 +50,7 @@ examples:
   mrts scale cell.yaml motion.yaml --profile smooth --rates 11.5 --csv smooth.csv
   mrts scale cell.yaml motion.yaml --c2 0.8 --share 0.6,0.4 --csv trajectory.csv
   mrts scale cell.yaml motion.yaml --load guaranteed --carry mass=1.5,izz=0.8
+  mrts scale cell.yaml motion.yaml --what-if --report report.html
   mrts scale cell.yaml motion.yaml -q --json - | jq .c2.upper"""
 
 
@@ -82,6 +84,9 @@ def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
                        help="unknowns of the programs (default: %(default)s)")  # fmt: skip
     scale.add_argument("--solver", default=None,
                        help="solver of the registry (default: kernel; the smooth profile has its own)")  # fmt: skip
+    scale.add_argument("--what-if", action="store_true",
+                       help="tell what 10 %% of each limit and of the mass, and 10 mm and 1° of each base and grasp, "
+                       "would do to the speed")  # fmt: skip
     scale.add_argument("--json", type=Path, metavar="FILE", help="write the whole result ('-' is standard output)")
     scale.add_argument("--save", type=Path, metavar="FILE.npz",
                        help="save the whole result, for mrts.load_result")  # fmt: skip
@@ -105,6 +110,8 @@ def run(options: argparse.Namespace) -> int:
             require(form.needs[0], f"--{name}", form.needs[1], wanted=path is not None)
     check_profile(options)
     _check_outputs(options)
+    if options.what_if and options.load == "possible":
+        raise InputError("--what-if", "goes with --load guaranteed, not with what is possible with some load.")
     between_option(options.between)  # a wrong one is told before any work
     motion = load_motion(options.motion)
     sharing, closure = sharing_option(options.share), closure_option(options.closure)
@@ -167,6 +174,10 @@ def _scale(
                 rates=rates_option(options, cell),
                 progress=progress,
             )
+        if options.what_if:
+            with working("changing the cell") as progress:
+                changes = result.what_if(solver=options.solver or DEFAULT_SOLVER, progress=progress)
+            result = replace(result, changes=changes)
         if carried is not None and result.trajectory is not None:
             result = torques_for_load(result, carried, solver=options.solver or DEFAULT_SOLVER)
     except SelectionError as error:
@@ -213,8 +224,6 @@ def _retime(
     carried: "Array | None",
     closure: "ClosureBound | None",
 ) -> int:
-    from dataclasses import replace
-
     from mrts.output.summary_lines import retiming_lines
     from mrts.retiming.retime import retime
     from mrts.scaling.known_load import torques_for_load
@@ -236,6 +245,11 @@ def _retime(
         )
         if carried is not None and found.retimed is not None:
             found = replace(found, retimed=torques_for_load(found.retimed, carried))
+    if options.what_if:
+        with working("changing the cell") as progress:
+            changes = found.what_if(progress=progress)
+        played = found.retimed and replace(found.retimed, changes=changes)
+        found = replace(found, changes=changes, retimed=played)
     with working("writing"):  # files first: whoever reads the lines may go away
         _write_timing(options, found, outputs)
     code = _answered(options, found, retiming_lines(found), outputs)

@@ -4,7 +4,7 @@
 import shutil
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Protocol
@@ -19,8 +19,15 @@ PATIENCE = 1.0
 """Work that is done sooner shows nothing [s]."""
 
 
+class Update(Protocol):
+    """To be told how many of how many pieces are done, and what else is worth a few words."""
+
+    def __call__(self, done: int, total: int, note: str = "") -> None:
+        """Tell."""
+
+
 @contextmanager
-def working(what: str) -> Iterator[Callable[[int, int], None]]:
+def working(what: str) -> Iterator[Update]:
     """Show on standard error, if that is a terminal, that work goes on, once it has taken a second.
 
     Args:
@@ -30,7 +37,7 @@ def working(what: str) -> Iterator[Callable[[int, int], None]]:
         To be told how many of how many pieces are done; where nobody tells, time alone is shown.
     """
     if QUIET.get() or not is_terminal(sys.stderr):
-        yield lambda _done, _total: None
+        yield lambda done, total, note="": None  # noqa: ARG005 (names of a protocol)
         return
     display: _Display = (_Line if find_spec("rich") is None else _Bar)(printable(what))
     timer = threading.Timer(PATIENCE, display.start)
@@ -44,9 +51,13 @@ def working(what: str) -> Iterator[Callable[[int, int], None]]:
         display.stop()
 
 
+def _count(done: int, total: int, note: str) -> str:
+    return f"{done} of {total}; {note}" if note else f"{done} of {total}"
+
+
 class _Display(Protocol):
     def start(self) -> None: ...
-    def update(self, done: int, total: int) -> None: ...
+    def update(self, done: int, total: int, note: str = "") -> None: ...
     def stop(self) -> None: ...
 
 
@@ -75,11 +86,11 @@ class _Bar:
         progress.start()
         self.progress = progress
 
-    def update(self, done: int, total: int) -> None:
+    def update(self, done: int, total: int, note: str = "") -> None:
         self.done, self.total = done, total
         if self.progress is not None:
             task = self.progress.task_ids[0]
-            self.progress.update(task, completed=done, total=total, count=f"{done} of {total}")
+            self.progress.update(task, completed=done, total=total, count=_count(done, total, note))
 
     def stop(self) -> None:
         if self.progress is not None:
@@ -100,8 +111,8 @@ class _Line:
         sys.stderr.write(CLEAR_LINE + text)
         sys.stderr.flush()
 
-    def update(self, done: int, total: int) -> None:
-        self.count = f"… {done} of {total}"
+    def update(self, done: int, total: int, note: str = "") -> None:
+        self.count = f"… {_count(done, total, note)}"
         if self.shown:
             self.start()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
 """What pictures share, without any plotting library: lanes, axes, words, shapes.
 
-May import base to studies. Start at `lanes.py`.
+May import base to layout. Start at `lanes.py`.
 """

@@ -212,8 +212,7 @@ def follow_grasps(cell: Cell, motion: ObjectMotion, start: Array) -> tuple[Array
     """
     compiled = cell.functions.compiled
     if compiled is not None:
-        path = (motion.time, motion.position, motion.rotation, motion.twist, motion.acceleration)
-        found = track_path(compiled, grasp_task(cell), path, start)
+        found = track_path(compiled, grasp_task(cell, TRACKING_STEPS), path_of(motion), start)
         if found.done == len(motion.time) and not (
             np.any(np.maximum(found.gap, found.turn) > POSE_TOLERANCE)
             or np.any(found.jump > JUMP_LIMIT)
@@ -227,15 +226,16 @@ def follow_grasps(cell: Cell, motion: ObjectMotion, start: Array) -> tuple[Array
     return tracks.q[0], tracks.dq[0], tracks.ddq[0]
 
 
-def grasp_task(cell: Cell) -> GraspTask:
-    """What the compiled tracking is told of a cell.
+def path_of(motion: ObjectMotion) -> tuple[Array, ...]:
+    """What the compiled tracking is told of a motion."""
+    return motion.time, motion.position, motion.rotation, motion.twist, motion.acceleration
 
-    Args:
-        cell: The cell.
-    """
+
+def grasp_task(cell: Cell, steps: int) -> GraspTask:
+    """What the compiled tracking is told of a cell; steps: most at a sample."""
     robots = cell.robots
     return GraspTask(
-        newton=NewtonRule(TRACKING_STEPS, SETTLED, STEP_LIMIT, POSE_TOLERANCE),
+        newton=NewtonRule(steps, SETTLED, STEP_LIMIT, POSE_TOLERANCE),
         components=cell.wrench_rows,
         geometry=cell.geometry,
         lower=np.concatenate([robot.position_lower for robot in robots]),

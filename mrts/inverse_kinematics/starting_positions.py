@@ -8,11 +8,18 @@ from mrts.base.errors import MotionError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.inverse_kinematics.grasp_tracking import STARTING_STEPS, HeldGrasps, solve_grasps
+from mrts.inverse_kinematics.grasp_tracking import (
+    STARTING_STEPS,
+    HeldGrasps,
+    grasp_task,
+    path_of,
+    solve_grasps,
+)
 from mrts.inverse_kinematics.joint_limits import joint_limit_failure, nearest_turns, within_limits
 from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_branches
 from mrts.inverse_kinematics.reach import ArmPlaces, arm_reach
 from mrts.inverse_kinematics.tracking_messages import unreachable
+from mrts.kernel.tracking import track_path
 from mrts.motion.object_motion import ObjectMotion
 
 FURTHER_STARTS = 40
@@ -49,7 +56,9 @@ def starting_positions(cell: Cell, motion: ObjectMotion) -> tuple[Array, tuple[R
         if has_closed_form(cell, robot):
             near = [nearest_turns(robot, branch[0]) for branch in planar_branches(cell, robot, motion)]
             start[joints] = min(near, key=lambda q: float(np.max(np.abs(q - robot.posture))))
-    held = solve_grasps(cell, motion, 0, start[None], STARTING_STEPS, reference[None])
+    held = _hold_first(cell, motion, start) if np.array_equal(start, reference) else None
+    if held is None:
+        held = solve_grasps(cell, motion, 0, start[None], STARTING_STEPS, reference[None])
     found: Array = held.q[0].copy()
     lost = [index for index in range(len(cell.robots)) if not _holds(cell, motion, held, index)[0]]
     for index in lost:
@@ -68,6 +77,16 @@ def starting_positions(cell: Cell, motion: ObjectMotion) -> tuple[Array, tuple[R
             joints = cell.joint_slices[cell.robots[index].name]
             found[joints] = _nearest(cell, motion, held, further, index)
     return found, tuple(_other_start(cell.robots[index]) for index in lost)
+
+
+def _hold_first(cell: Cell, motion: ObjectMotion, start: Array) -> HeldGrasps | None:
+    """`solve_grasps` at t = 0, near the start, in the compiled library; None where that settles nothing."""
+    compiled = cell.functions.compiled
+    if compiled is None:
+        return None
+    found = track_path(compiled, grasp_task(cell, STARTING_STEPS), [part[:1] for part in path_of(motion)], start)
+    held = HeldGrasps(found.q, found.gap, found.turn, found.drift)
+    return held if found.done and np.all(held.settled()) else None
 
 
 def _other_start(robot: Robot) -> Remark:

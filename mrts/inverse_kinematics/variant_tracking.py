@@ -15,6 +15,7 @@ from mrts.inverse_kinematics.grasp_tracking import (
     JUMP_LIMIT,
     SETTLED_PREFERENCE,
     STARTING_STEPS,
+    TRACKING_STEPS,
     grasp_task,
 )
 from mrts.inverse_kinematics.joint_limits import POSITION_TOLERANCE, is_turning, nearest_turns, past_a_limit
@@ -59,7 +60,7 @@ class VariantTracking:
     def __init__(self, cell: Cell, library: CellLibrary) -> None:
         self._cell, self._library = cell, library
         self._rule = FollowingRule(
-            task=grasp_task(cell),
+            task=grasp_task(cell, TRACKING_STEPS),
             start_steps=STARTING_STEPS,
             further_steps=FURTHER_STEPS,
             jump=JUMP_LIMIT,

@@ -2,7 +2,7 @@
 """The C of mrts/kernel/c: as one text to compile with a cell's generated C, or file by file for an export."""
 
 import re
-from collections.abc import Sequence
+from functools import cache
 from importlib.resources import files
 from itertools import accumulate
 from posixpath import dirname, join, normpath
@@ -29,7 +29,8 @@ def one_file(name: str) -> str:
     return (files("mrts") / "kernel" / "c" / name).read_text(encoding="utf-8")
 
 
-def one_text(names: Sequence[str]) -> str:
+@cache
+def one_text(names: tuple[str, ...]) -> str:
     """Some C files of the kernel, in order, as one text: each header of ours stands where it is first included.
 
     Args:

@@ -12,6 +12,7 @@ from mrts.base.errors import InputError
 from mrts.base.input_file import broken_rule
 from mrts.base.load_box import PARAMETERS, LoadBox
 from mrts.base.manifest import FORMAT, LOAD_ENTRIES, Manifest, Matrix, Matrix3, Vector3
+from mrts.cell.cell_change import ChangeKind
 from mrts.limits import OWN_LIMITS
 from mrts.limits.rows import ActiveRow, RowName
 from mrts.samples import DistributionName, FormulationName
@@ -19,7 +20,7 @@ from mrts.samples.range_status import RangeStatus
 
 FORMAT_NAME = "mrts result"
 
-VERSION = 4
+VERSION = 5
 """Of arrays and description together; any change of either, or of the manifest's format, raises it."""
 
 DESCRIPTION_BYTES = 5_000_000
@@ -242,11 +243,42 @@ class ExcessEntry(_Record):
     row: Index | None
 
 
+class AnswerEntry(_Record):
+    """How fast a motion may be played with a cell, as `mrts.scaling.what_if.SpeedAnswer`; null is none, or infinity."""
+
+    status: str
+    c2: Annotated[float, Field(ge=0)] | None
+    duration: Annotated[float, Field(gt=0)] | None
+    limits: list[str]
+    reason: str
+
+
+class ChangeEntry(_Record):
+    """A change and what it does, as `mrts.scaling.what_if.ChangedAnswer`."""
+
+    kind: ChangeKind
+    robot: str
+    element: str
+    step: float
+    after: AnswerEntry
+
+
+class WhatIfEntry(_Record):
+    """What changes to the cell would do, as `mrts.scaling.what_if.WhatIf`."""
+
+    share: float
+    shift: float
+    turn: float
+    before: AnswerEntry
+    changes: list[ChangeEntry]
+    left_out: str
+
+
 class Description(_Record):
     """Everything of a saved result that is not a number a sample; docs/saved_results.md has the meaning of each."""
 
     format: Literal["mrts result"]
-    version: Literal[4]
+    version: Literal[5]
     mrts_version: str
     manifest: Manifest
     load: LoadVector
@@ -268,6 +300,7 @@ class Description(_Record):
     gaps: Annotated[list[GapEntry], FailFast()] = []
     excess: ExcessEntry | None = None
     rated: RatedEntry | None = None
+    what_if: WhatIfEntry | None = None
 
     def text(self) -> str:
         """As JSON."""

@@ -56,6 +56,7 @@ from mrts.output.saved_ranges import (
     require_places,
     reserve_entry,
 )
+from mrts.output.saved_what_if import read_what_if, what_if_entry
 from mrts.refinement.excess import Excess
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.sample_ranges import SampleRanges
@@ -135,7 +136,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
     said, arrays = _read(path)
     functions = saved_functions(said.manifest, path) if cell is None else _functions_of(cell, said.manifest, path)
     with _damage(path):
-        known = cell_from_manifest(said.manifest, functions)
+        known = cell_from_manifest(said.manifest, functions, None if cell is None else cell.folder)
     _check_arrays(path, arrays, said, known)
     with _damage(path):
         load_box = None if said.load_box is None else said.load_box.box()
@@ -151,6 +152,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         motion = CoordinatedMotion(carried, arrays["q"], arrays["dq"], arrays["ddq"], travel=arrays.get("travel"))
         rule = _rule(said.rule)
         box = None if said.study is None else said.study.box.box()
+        changes = read_what_if(said.what_if)
     whole, *of_loads = read_ranges(path, arrays, said, motion.object.time)
     first, others = read_rated(path, said, whole), map(intersect, of_loads)
     study = None
@@ -179,6 +181,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         origin=said.origin,
         warnings=warnings,
         excess=_excess(path, said),
+        changes=changes,
     )
     reserve = read_reserve(path, said, motion.object.time)
     return result if reserve is None and done is not None else result.with_known_reserve(reserve)
@@ -265,6 +268,7 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
         reserve=reserve,
         excess=excess,
         rated=rated,
+        what_if=what_if_entry(result.changes),
     )
 
 

@@ -12,6 +12,7 @@ from mrts.scaling.limit_use import largest_step, limit_uses, rate_uses
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
+from mrts.scaling.what_if import WhatIf
 
 LOADS_SHOWN = 8
 """Loads of a box that are printed."""
@@ -39,6 +40,12 @@ def scaling_lines(result: ScalingResult) -> Iterator[str]:
     yield from map(str, result.warnings)
     if result.load is not None:
         yield from _load_lines(result.load)
+    yield from _plan_lines(result)
+    yield from _what_if_lines(result.changes)
+
+
+def _plan_lines(result: ScalingResult) -> Iterator[str]:
+    """What the plan at the chosen c² asks of arms and hands; nothing where none was chosen."""
     done = result.trajectory
     if done is None:
         return
@@ -59,6 +66,19 @@ def retiming_lines(found: RetimingResult) -> Iterator[str]:
     """
     yield f"{found.cell.name}: {found.sentence()}"
     yield from map(str, found.warnings)
+    yield from _timing_lines(found)
+    yield from _what_if_lines(found.changes)
+
+
+def _what_if_lines(changes: WhatIf | None) -> Iterator[str]:
+    """What changes to the cell would do, apart from what stands before; nothing where that was not asked."""
+    if changes is not None:
+        yield ""
+        yield from changes.lines()
+
+
+def _timing_lines(found: RetimingResult) -> Iterator[str]:
+    """What limits the timing, and what it asks of the arms; nothing without one."""
     if found.retimed is None or found.retimed.trajectory is None or found.excess is None:
         return
     limits = "; ".join(f"{name} {100 * share:.0f} % of the time" for name, share in found.limits[:LIMITS_SHOWN])

@@ -1,17 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""The whole page: everything in one file that fetches nothing."""
+"""The page of a result."""
 
-import json
-from collections.abc import Callable
 from dataclasses import asdict
-from importlib.resources import files
 from pathlib import Path
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
-from mrts.report.markup import Html, element, html, joined, plot_place, section
+from mrts.report.document import Place, document, placing
+from mrts.report.markup import Html, element, joined, section
 from mrts.report.player import SPEEDS, Player, player
 from mrts.report.plots import Plot, load_plot, power_plots, rate_plots, torque_plots, wrench_plots
 from mrts.report.range_plot import range_plot
@@ -27,10 +24,8 @@ from mrts.report.tables import (
     rates_table,
     wrench_limits_table,
 )
+from mrts.report.what_if_plot import what_if_notes, what_if_plots
 from mrts.scaling.result import ScalingResult, fallbacks_text
-
-POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
-"""What the browser lets the page do: nothing from outside."""
 
 
 def write_report(result: ScalingResult, path: Path | str) -> None:
@@ -56,56 +51,21 @@ def report_html(result: ScalingResult) -> str:
     Raises:
         InputError: If plotly is not installed.
     """
-    try:
-        from plotly.offline import get_plotlyjs  # noqa: PLC0415 (the extra 'report')
-    except ModuleNotFoundError:
-        raise InputError("report", "needs plotly: pip install 'mrts[report]'.") from None
     plots: list[Plot] = []
     scene = player(result)
     body = joined(_sections(result, scene, plots))
-    data = {
-        "plots": {plot.place: {"data": plot.data, "layout": plot.layout} for plot in plots},
-        "player": asdict(scene),
-    }
-    # "<" could end the element; JSON may write it in another way
-    text = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
-    name = html(result.cell.name)
-    return f"""<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{POLICY}">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="generator" content="mrts">
-<title>{name}: {html(result.status.value)}</title>
-<style>
-{_file("report.css")}</style>
-</head>
-<body>
-{body}
-<script>{get_plotlyjs()}</script>
-<script type="application/json" id="report-data">{text}</script>
-<script>
-{_file("report.js")}</script>
-</body>
-</html>
-"""
-
-
-def _file(name: str) -> str:
-    return (files("mrts") / "report" / name).read_text(encoding="utf-8")
+    return document(f"{result.cell.name}: {result.status.value}", body, plots, player=asdict(scene))
 
 
 def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[Html]:
     """All sections in order; their plots are added to `plots`."""
-
-    def place(*drawn: Plot) -> Html:
-        plots.extend(drawn)
-        return element("div", joined(plot_place(plot.place, plot.title, plot.height) for plot in drawn), class_="plots")
-
+    place = placing(plots)
     found, study, done = result.range, result.load, result.trajectory
     pieces = [_head(result), *_warnings(result), _player_section(scene, given=done is None)]
     pieces.append(section("range", "Range of c²", *range_table(found), place(range_plot(found))))
+    if result.changes is not None:
+        drawn_changes = place(*what_if_plots(result.changes))
+        pieces.append(section("what-if", "What changes would do", *what_if_notes(result.changes), drawn_changes))
     if found.samples.conflicts:
         pieces.append(section("conflicts", "Limits that conflict", conflicts_table(found.samples.conflicts)))
     if done is not None:
@@ -134,7 +94,7 @@ def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[H
     return pieces
 
 
-def _rates(result: ScalingResult, place: Callable[..., Html]) -> list[Html]:
+def _rates(result: ScalingResult, place: Place) -> list[Html]:
     """How fast torques, wrenches and accelerations change; nothing where that is not limited."""
     listed = rates_table(result)
     return [section("rates", "How fast torques change", *listed, place(*rate_plots(result)))] if listed else []

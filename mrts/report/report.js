@@ -1,11 +1,18 @@
 "use strict";
-// Draws the plots of the page and plays the motion; all data stand in the element #report-data.
+// Draws the plots of the page, and plays the motion where it has one; all data stand in the element #report-data.
 (() => {
   const report = JSON.parse(document.getElementById("report-data").textContent);
   // named one by one: plotly's own choice has a button that would upload the chart
   const config = (...buttons) => ({ responsive: true, displaylogo: false, modeBarButtons: [["toImage", ...buttons]] });
-  for (const [name, plot] of Object.entries(report.plots)) {
-    Plotly.newPlot(name, plot.data, plot.layout, config("zoom2d", "pan2d", "resetScale2d"));
+  const drawn = Object.entries(report.plots).map(([name, plot]) =>
+    Plotly.newPlot(name, plot.data, plot.layout, config("zoom2d", "pan2d", "resetScale2d")),
+  );
+  const resize = () => document.querySelectorAll(".js-plotly-plot").forEach((plot) => Plotly.Plots.resize(plot));
+  window.addEventListener("beforeprint", resize);
+  window.addEventListener("afterprint", resize);
+  if (!report.player) {
+    Promise.all(drawn).then(() => (document.body.dataset.ready = "yes"));
+    return;
   }
 
   const { data, layout, frames, time, speed } = report.player;
@@ -83,8 +90,4 @@
     window.addEventListener("resize", () => Plotly.relayout(scene, { "scene.aspectratio": fit(metres) }));
     document.body.dataset.ready = "yes";
   });
-
-  const resize = () => document.querySelectorAll(".js-plotly-plot").forEach((plot) => Plotly.Plots.resize(plot));
-  window.addEventListener("beforeprint", resize);
-  window.addEventListener("afterprint", resize);
 })();

@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from mrts.base.argument_types import as_path
+from mrts.base.argument_types import Progress, as_path, check_callable
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
+from mrts.cell.cell_change import ChangeSteps
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.refinement.excess import Excess
 from mrts.retiming.profile_limits import binding_limits, profile_limits
@@ -26,6 +27,7 @@ from mrts.samples.range_status import RangeStatus
 from mrts.samples.torque_distribution import torque_weights
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.result import ScalingResult, kept_text
+from mrts.scaling.what_if import WhatIf
 from mrts.scaling.with_torques import OF_TORQUES, STEPS
 
 
@@ -90,6 +92,8 @@ class RetimingResult:
         conflict: The limits that conflict, where limits are the reason.
         excess: How far limits are overstepped between the samples; None without a profile.
         smooth: What is known of a timing with limits of rates; None without them, or without any timing.
+        end_speeds: ṙ at the start and at the end, where the given motion does not rest there.
+        changes: What changes to the cell would do, from `what_if`, where it is to be shown with the result.
     """
 
     cell: Cell
@@ -103,6 +107,8 @@ class RetimingResult:
     conflict: Conflict | None = None
     excess: Excess | None = None
     smooth: SmoothAnswer | None = None
+    end_speeds: tuple[float, float] = (0.0, 0.0)
+    changes: WhatIf | None = None
 
     def __repr__(self) -> str:
         return f"RetimingResult({self.cell.name}: {self.sentence()})"
@@ -152,6 +158,33 @@ class RetimingResult:
             return self.retimed.warnings
         return tuple(remark for remark in lasting(self.constant.warnings) if remark.code not in OF_TORQUES)
 
+    def what_if(
+        self,
+        *,
+        share: float = ChangeSteps.share,
+        shift: float = ChangeSteps.shift,
+        turn: float = ChangeSteps.turn,
+        progress: Progress = lambda _done, _total: None,
+    ) -> WhatIf:
+        """What changes to the cell would do to the fastest timing, as `ScalingResult.what_if` of a constant factor.
+
+        Limits are kept at the samples of this timing, and what lies between them is not looked at again.
+
+        Args:
+            share: Of limits, mass and reserve, as a share of them.
+            shift: Of bases and grasps along an axis [m].
+            turn: Of bases and grasps about an axis [rad].
+            progress: Told how many of how many changes are done.
+
+        Raises:
+            InputError: If a step breaks a rule, or the timing is one with limits of rates.
+            SolverError: If no solver answers.
+        """
+        from mrts.retiming.changed_timing import timing_what_if  # noqa: PLC0415 (it times, which makes results)
+
+        check_callable("progress", progress)
+        return timing_what_if(self, ChangeSteps(share=share, shift=shift, turn=turn), progress)
+
     def summary(self) -> str:
         """The outcome in a sentence or two, and a line for each warning."""
         return "\n".join([self.sentence(), *(str(warning) for warning in self.warnings)])
@@ -195,6 +228,8 @@ class RetimingResult:
             "smooth": self.smooth and self.smooth.to_json() | {"effort": self.effort},
             "kept_rates": self.smooth and self.smooth.rates.to_json(),
         }
+        if self.changes is not None:
+            output["what_if"] = self.changes.to_json()
         if self.retimed is None or self.excess is None:
             return output
         whole, time = self.retimed.to_json(), self.motion.object.time

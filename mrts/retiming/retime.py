@@ -109,7 +109,7 @@ def retime(
 
     def timed(path: CoordinatedMotion) -> RetimingResult:
         bare = replace(constant, motion=path, rule=replace(constant.rule, rates=None))
-        found = fastest_timing(bare, question, speeds, progress)
+        found = replace(fastest_timing(bare, question, speeds, progress), end_speeds=speeds)
         if not found.pieces:
             return found
         return replace(found, retimed=played_result(found.constant, found.pieces, "fastest timing"))

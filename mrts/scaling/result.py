@@ -6,17 +6,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from mrts.base.argument_types import as_path
+from mrts.base.argument_types import Progress, as_path, check_callable
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import SolverError
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
+from mrts.cell.cell_change import ChangeSteps
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import squared_limits
 from mrts.refinement.excess import Excess
@@ -31,7 +32,10 @@ from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange
 from mrts.scaling.result_html import result_html
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.smooth.rate_limits import RateLimits
-from mrts.solvers import DEFAULT_SOLVER
+from mrts.solvers import DEFAULT_SOLVER, check_solver
+
+if TYPE_CHECKING:
+    from mrts.scaling.what_if import WhatIf
 
 END_TOLERANCE = 1e-7
 """Share by which c² may miss a range by rounding: a plan at its fastest read back from a file, another load's range."""
@@ -92,6 +96,7 @@ class ScalingResult:
         origin: What was done to the motion before, for people; empty if nothing.
         warnings: What to know of the cell and the motion before trusting the answer.
         excess: How far limits are overstepped between the samples; None if that was not looked at.
+        changes: What changes to the cell would do, from `what_if`, where it is to be shown and saved with the result.
     """
 
     cell: Cell
@@ -104,6 +109,7 @@ class ScalingResult:
     origin: str = ""
     warnings: tuple[Remark, ...] = ()
     excess: Excess | None = None
+    changes: "WhatIf | None" = None
 
     def __repr__(self) -> str:
         done = self.trajectory
@@ -152,6 +158,38 @@ class ScalingResult:
         done = replace(self)
         object.__setattr__(done, "reserve", reserve)
         return done
+
+    def what_if(
+        self,
+        *,
+        share: float = ChangeSteps.share,
+        shift: float = ChangeSteps.shift,
+        turn: float = ChangeSteps.turn,
+        solver: str = DEFAULT_SOLVER,
+        progress: Progress = lambda _done, _total: None,
+    ) -> "WhatIf":
+        """What changes to the cell would do to c²⁺, one at a time, each solved again at the samples of the result.
+
+        Both sides of each limit, the mass and a reserve are changed by a share up and down; each arm's base is moved
+        along and turned about world axes through its origin, each grasp along and about the object's axes, and the
+        arms follow again. Limits of rates, and limits that were registered besides, stay as they are.
+
+        Args:
+            share: Of limits, mass and reserve, as a share of them.
+            shift: Of bases and grasps along an axis [m].
+            turn: Of bases and grasps about an axis [rad].
+            solver: As in `mrts.scale`.
+            progress: Told how many of how many changes are done.
+
+        Raises:
+            InputError: If a step breaks a rule, or the result is that of a retimed motion or of a possible load.
+            SolverError: If no solver answers.
+        """
+        from mrts.scaling.what_if import what_if  # noqa: PLC0415 (it scales, which makes results)
+
+        check_solver(solver)
+        check_callable("progress", progress)
+        return what_if(self, ChangeSteps(share=share, shift=shift, turn=turn), solver, progress)
 
     def too_fast(self) -> list[str]:
         """Velocities that pass their limit at the chosen speed, a sentence each.
@@ -256,6 +294,8 @@ class ScalingResult:
         }
         if self.load is not None:
             output["load"] = self.load.to_json()
+        if self.changes is not None:
+            output["what_if"] = self.changes.to_json()
         if self.trajectory is not None:
             output |= self.trajectory.to_json() | {"velocity_limits_passed": self.too_fast()} | self._nearness()
         return output

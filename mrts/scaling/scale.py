@@ -32,9 +32,9 @@ from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.motion_remarks import motion_remarks
-from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange, intersect, within_rates
+from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange, within_rates
 from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult, kept_text
-from mrts.scaling.uncertain_load import study_load
+from mrts.scaling.uncertain_load import range_at_samples
 from mrts.scaling.with_torques import with_torques
 from mrts.smooth.rate_limits import Rates, rate_limits
 from mrts.solvers import DEFAULT_SOLVER, check_solver
@@ -130,7 +130,7 @@ def scale(
     _check_rates(rule, question)
     given = coordinate(cell, motion, closure)
     found = admissible_range(cell, given, question, rule, solver, tolerance, progress)
-    found, factors = _within_rates(cell, found, rule)
+    found, factors = within_rate_limits(cell, found, rule)
     remarks = motion_remarks(cell, given, found.range)
     added = np.setdiff1d(found.motion.object.time, given.object.time)
     untouched = ScalingResult(
@@ -203,9 +203,7 @@ def admissible_range(
     sharing, formulation = rule.sharing, rule.formulation
 
     def along(path: CoordinatedMotion, told: Progress) -> tuple[ScalingRange, LoadStudy | None]:
-        if question == "nominal":
-            return intersect(motion_ranges(cell, path, formulation, sharing, solver)), None
-        return study_load(cell, path, question, formulation, sharing, solver, told)
+        return range_at_samples(cell, path, question, formulation, sharing, solver, told)
 
     def problem(path: CoordinatedMotion, places: NDArray[np.intp], loads: Array | None) -> SampleProblem:
         carried = None
@@ -233,10 +231,16 @@ def admissible_range(
     return AdmissibleRange(refined.motion, finer, study, refined, _interpolated(motion, found, finer))
 
 
-def _within_rates(
+def within_rate_limits(
     cell: Cell, found: AdmissibleRange, rule: DistributionRule
 ) -> tuple[AdmissibleRange, "RatedFactors | None"]:
-    """What limits of rates leave of a range for all loads that were asked about, and what they admit; None without."""
+    """What limits of rates leave of a range for all loads that were asked about, and what they admit; None without.
+
+    Args:
+        cell: The cell.
+        found: The range, rates apart.
+        rule: With the limits, if there are any.
+    """
     if rule.rates is None or not found.range.status.admits_motion:
         return found, None
     from mrts.smooth.constant_rates import RatedFactors  # noqa: PLC0415 (scipy is not needed otherwise)

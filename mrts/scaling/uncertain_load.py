@@ -12,15 +12,45 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.guaranteed_range import effective_parameters, for_every_load, guaranteed_range
 from mrts.scaling.load_study import LoadQuestion, LoadStudy
 from mrts.scaling.possible_load import possible_range
-from mrts.scaling.range import ScalingRange
+from mrts.scaling.range import ScalingRange, intersect
 
 GRID_POINTS = 51
 """Loads of `grid` where no number is given."""
 
 LARGEST_GRID = 10_000
+
+
+def range_at_samples(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    question: str,
+    formulation: FormulationName,
+    sharing: LoadSharing | None,
+    solver: str,
+    progress: Progress = lambda _done, _total: None,
+) -> tuple[ScalingRange, LoadStudy | None]:
+    """The range of c² at the samples of a motion (steps 1 and 2 of MMTSF), and what was asked of an uncertain load.
+
+    Args:
+        cell: As in `study_load`, and so the others.
+        motion: Its motion.
+        question: As there, or "nominal".
+        formulation: Unknowns of the programs.
+        sharing: A fixed distribution of the load, None for a free one.
+        solver: Name in the registry.
+        progress: Told how far the work is.
+
+    Raises:
+        InputError: If an argument breaks a rule.
+        SolverError: If no solver answers.
+    """
+    if question == "nominal":
+        return intersect(motion_ranges(cell, motion, formulation, sharing, solver)), None
+    return study_load(cell, motion, question, formulation, sharing, solver, progress)
 
 
 def study_load(
@@ -60,11 +90,19 @@ def study_load(
         return guaranteed_range(asked, box, effective_parameters(cell, motion, box))
     if question == "possible":
         return possible_range(asked, box, effective_parameters(cell, motion, box))
-    return for_every_load(asked, question, box, _mass_grid(box, question))
+    return for_every_load(asked, question, box, mass_grid(box, question))
 
 
-def _mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
-    """The paper's exhaustive search along k_m (below (46)): evenly spaced masses, both ends included."""
+def mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
+    """The paper's exhaustive search along k_m (below (46)): evenly spaced masses, both ends included.
+
+    Args:
+        box: What the load is known within.
+        question: "grid", or "grid:N" for N masses.
+
+    Raises:
+        InputError: If it is another question, or the mass does not vary.
+    """
     match = re.fullmatch(r"grid(?::([0-9]{1,9}))?", question)
     if not match:
         raise InputError("load", "must be nominal, guaranteed, possible, or grid:N such as grid:51.", value=question)

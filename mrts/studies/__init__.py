@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Many questions about a cell: its configurations, what changes would do, sweeps over its numbers.
+"""Many questions about a cell: its configurations, sweeps over its numbers.
 
 May import base to identification. Start at `configurations.py`.
 """

@@ -9,7 +9,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from mrts.base.errors import InputError
 from mrts.base.input_file import Finite, Positive, StrictModel, broken_format, broken_rule
-from mrts.studies.sampling import MOST_VARIANTS, SampleName
+from mrts.studies.sampling import MOST_STEPS, SampleName
 from mrts.studies.spreads import Distribution, Levels, Range, Spread
 
 FORMS = "a list such as [1, 2, 3], a range such as {from: 1, to: 3, steps: 5}, or {normal: {mean: 2, std: 0.1}}"
@@ -40,7 +40,12 @@ class LognormalDescription(StrictModel):
 
 
 class UniformDescription(StrictModel):
-    """Every value from one to another, one as likely as another."""
+    """Every value from one to another, one as likely as another.
+
+    Attributes:
+        low: `from` in the file: the least value.
+        high: `to`: the largest.
+    """
 
     low: Finite = Field(alias="from")
     high: Finite = Field(alias="to")
@@ -57,11 +62,20 @@ class TriangularDescription(UniformDescription):
 
 
 class KnobDescription(StrictModel):
-    """An entry of `vary` that is no list; see docs/study_file.md."""
+    """An entry of `vary` that is no list; see docs/study_file.md.
+
+    Attributes:
+        low: `from` in the file: where a range begins.
+        high: `to`: where it ends.
+        steps: Of a range, in a grid.
+        values: Some values.
+        normal, lognormal, uniform, triangular: Distributions.
+        sets, shifts, scales: Numbers that a knob moves; an entry without them is itself the path to one.
+    """
 
     low: Finite | None = Field(default=None, alias="from")
     high: Finite | None = Field(default=None, alias="to")
-    steps: Annotated[int, Field(ge=2, le=MOST_VARIANTS)] | None = None
+    steps: Annotated[int, Field(ge=2, le=MOST_STEPS)] | None = None
     values: Annotated[list[Finite], Field(min_length=1)] | None = None
     normal: NormalDescription | None = None
     lognormal: LognormalDescription | None = None

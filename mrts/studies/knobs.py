@@ -6,12 +6,21 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from mrts.base.argument_types import is_number
 from mrts.base.errors import InputError
-from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
+from mrts.base.input_file import IDENTIFIER, LARGEST_NUMBER, LONGEST_NAME
 from mrts.cell.cell import Cell
 from mrts.studies.knob_spread import KnobDescription, knob_spread, read_knob
-from mrts.studies.number_paths import Keys, PathError, find_keys, numbers_below, path_text, value_at, with_place
-from mrts.studies.number_units import number_unit
+from mrts.studies.number_paths import (
+    Keys,
+    PathError,
+    find_keys,
+    number_unit,
+    numbers_below,
+    path_text,
+    value_at,
+    with_place,
+)
 from mrts.studies.sampling import SampleName
 from mrts.studies.spreads import Levels, Spread
 from mrts.studies.study import Parameter, Target
@@ -120,13 +129,13 @@ class _TargetReader:
         if isinstance(given, list) and given and all(isinstance(path, str) for path in given):
             yield from ((path, 1.0, 0.0) for path in given)
             return
-        if not isinstance(given, dict) or not given:
+        if not isinstance(given, dict) or not given or not all(isinstance(path, str) for path in given):
             raise InputError(self.path, f"{form}.", key=key, value=given)
         for path, line in given.items():
             parts = line if isinstance(line, dict) else {"factor": line}
             numbers = {"factor": 1.0, "offset": 0.0} | parts
-            sound = all(isinstance(one, int | float) and not isinstance(one, bool) for one in numbers.values())
-            if not parts or len(numbers) > 2 or not sound or not abs(numbers["factor"]) > 0:  # noqa: PLR2004 (the two)
+            sound = all(is_number(one, -LARGEST_NUMBER, LARGEST_NUMBER) for one in numbers.values())
+            if not parts or len(numbers) > 2 or not sound or numbers["factor"] == 0:  # noqa: PLR2004 (the two)
                 raise InputError(self.path, f"{form}; a factor is not 0.", key=f"{key}.{path}", value=line)
             yield path, float(numbers["factor"]), float(numbers["offset"])
 
@@ -158,7 +167,7 @@ class _TargetReader:
 
 
 def _moves(knob: KnobDescription) -> list[str]:
-    return [move for move in MOVES if getattr(knob, move) is not None]
+    return [move for move in MOVES if move in knob.model_fields_set]
 
 
 def _unit(knob: KnobDescription, targets: tuple[Target, ...]) -> str:
@@ -178,14 +187,16 @@ def _check_whole(path: Path, key: str, spread: Spread, targets: tuple[Target, ..
 
 
 def _check_apart(path: Path, movers: Mapping[str, Parameter]) -> None:
-    """No number is moved twice."""
-    moved: list[tuple[Keys, str]] = []
+    """No number is moved twice, nor a part of what another moves."""
+    moved: dict[Keys, str] = {}
+    above: dict[Keys, str] = {}
     for mover, parameter in movers.items():
         for target in parameter.targets:
-            for keys, other in moved:
-                shorter = min(len(keys), len(target.keys))
-                if keys[:shorter] == target.keys[:shorter]:
-                    by = f", by '{other}' and '{mover}'" if other != mover else ""
-                    rule = f"{target.path} is moved twice{by}. Each number has one mover."
-                    raise InputError(path, rule, key=f"vary.{mover}")
-            moved.append((target.keys, mover))
+            parents = [target.keys[:size] for size in range(1, len(target.keys))]
+            other = next(filter(None, map(moved.get, [target.keys, *parents])), above.get(target.keys))
+            if other is not None:
+                by = f", by '{other}' and '{mover}'" if other != mover else ""
+                rule = f"{target.path} is moved twice{by}. Each number has one mover."
+                raise InputError(path, rule, key=f"vary.{mover}")
+            moved[target.keys] = mover
+            above |= dict.fromkeys(parents, mover)

@@ -1,17 +1,55 @@
 # SPDX-License-Identifier: MIT
-"""Paths to numbers of a cell and a motion file: `robots.left.base.xyz[0]`, `object.mass`, `motion.duration`."""
+"""Paths to numbers of a cell and a motion file, such as `robots.left.base.xyz[0]`, `motion.duration`; their units."""
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from typing import Any
+
+from mrts.cell.robot import Robot
 
 Keys = tuple[str | int, ...]
 """Where a number stands, from "cell" or "motion" inward."""
 
 ONE_FOR_ALL = frozenset({"armature", "coulomb", "viscous", "torque_rate", "jerk", "rated"})
 """Keys of `motors` where one number stands for all joints."""
+
+NOTHING_THERE = "the file says nothing of {}, and there is no default. Write it there first."
+
+NEED_NOT_BE_GIVEN = frozenset({"linear", "angular", "torque_rate", "jerk", "rated"})
+"""Keys where null stands for a number that is not limited or not known; so it does in lists of limits."""
+
+BY_KEY = {
+    "xyz": "m",
+    "rpy": "rad",
+    "duration": "s",
+    "gravity": "m/s²",
+    "inertia": "kg m²",
+    "linear": "m/s",
+    "angular": "rad/s",
+    "mass": "kg",
+    "half_width": "m",
+    "radius": "m",
+    "force": "N",
+    "holding_force": "N",
+}
+"""Unit of every number at or inside of a key."""
+
+OF_VARIATION = {"m": "kg m", "c": "m"}
+"""Unit of a range of the object's variation by the first letter of its key (mx, com_x); factors have none."""
+
+OF_JOINT = {
+    "posture": ("rad", "m"),
+    "torque": ("N m", "N"),
+    "armature": ("kg m²", "kg"),
+    "coulomb": ("N m", "N"),
+    "viscous": ("N m s/rad", "N s/m"),
+    "torque_rate": ("N m/s", "N/s"),
+    "jerk": ("rad/s³", "m/s³"),
+    "rated": ("N m", "N"),
+}
+"""Units of what a joint has: of a revolute one, and of a prismatic one."""
 
 
 class PathError(Exception):
@@ -39,6 +77,8 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
     else:
         keys = ("motion" if top in files["motion"] and top not in files["cell"] else "cell",)
         rest = f".{path}"
+    if keys == ("motion",) and not files["motion"]:
+        raise PathError("the motion is a table, of which no number varies. Give it by poses to vary it.")
     here = value_at(files, keys)
     while rest:
         if rest.startswith("[") and _is_number(here) and keys[-1] in ONE_FOR_ALL:
@@ -47,6 +87,8 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
             _holder(files, keys)[keys[-1]] = here
         key, rest = _step(here, keys, rest, files)
         keys, here = (*keys, key), here[key]
+    if here is None and not isinstance(keys[-1], int) and keys[-1] not in NEED_NOT_BE_GIVEN:
+        raise PathError(NOTHING_THERE.format(path_text(files, keys)))
     return keys
 
 
@@ -83,6 +125,49 @@ def numbers_below(files: Mapping[str, Any], keys: Keys) -> Iterator[Keys]:
             yield from numbers_below(files, (*keys, index))
 
 
+def number_unit(keys: Keys, robots: Sequence[Robot], wrench_units: Sequence[str]) -> str:
+    """Unit of the number at a place; empty if it has none, or its file does not say.
+
+    Args:
+        keys: The place.
+        robots: Of the cell.
+        wrench_units: Of the cell's contact wrenches.
+    """
+    words = [key for key in keys if isinstance(key, str)]
+    if "variation" in words:
+        key = words[words.index("variation") + 1]
+        return "" if key == "mass" else OF_VARIATION.get(key[0], "")
+    if words[:2] == ["cell", "robots"] and isinstance(keys[2], int):
+        unit = _robot_unit(keys, words[2:], robots[keys[2]], wrench_units)
+        if unit is not None:
+            return unit
+    return next((BY_KEY[word] for word in words if word in BY_KEY), "")
+
+
+def _robot_unit(keys: Keys, inside: list[str], robot: Robot, wrench_units: Sequence[str]) -> str | None:
+    """Unit of a number of a robot; None where the key alone says it.
+
+    Args:
+        keys: The place.
+        inside: Those of its keys that are words, from the robot inward.
+        robot: The robot.
+        wrench_units: Of its contact wrench.
+    """
+    index = keys[-1] if isinstance(keys[-1], int) else 0
+    if inside[0] == "fixed":
+        return ""
+    if inside[0] == "wrench" or "box" in inside:
+        return wrench_units[index]
+    if inside[0] == "contact_rate":
+        return ("N/s", "N m/s")[index]
+    if "torque_speed" in inside:
+        curve = keys[-3] if isinstance(keys[-3], int) else 0
+        units = ("rad/s", "N m") if robot.joint_types[curve] == "revolute" else ("m/s", "N")
+        return units[index]
+    of_joint = next((OF_JOINT[word] for word in inside if word in OF_JOINT), None)
+    return None if of_joint is None else of_joint[robot.joint_types[index] == "prismatic"]
+
+
 def with_place(file: dict[str, Any], filled: Mapping[str, Any], keys: Keys) -> None:
     """Write into a file what it leaves out on the way to a place, so that the place is there.
 
@@ -117,7 +202,7 @@ def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[s
     if isinstance(here, list):
         return _step_into_list(here, where, rest)
     if here is None:
-        raise PathError(f"the file says nothing of {where}, and there is no default. Write it there first.")
+        raise PathError(NOTHING_THERE.format(where))
     if not isinstance(here, dict):
         raise PathError(f"{where} is {_shown(here)}; nothing stands inside of it.")
     if not rest.startswith("."):

@@ -16,6 +16,9 @@ SampleName = Literal["grid", "lhs", "sobol"]
 MOST_VARIANTS = 100_000_000
 """At a thousand a second and core a day of one core."""
 
+MOST_STEPS = 100_000
+"""Of one number in a grid."""
+
 MOST_HYPERCUBE_NUMBERS = 20_000_000
 """Of a Latin hypercube, which is drawn as a whole and kept: 160 MB."""
 
@@ -43,27 +46,36 @@ def sample_points(
     """
     first, last = block
     if sample == "grid":
-        values = [np.array(spread.values) for spread in spreads if isinstance(spread, Levels)]
-        places = np.unravel_index(np.arange(first, last), [len(levels) for levels in values])
-        return np.column_stack([levels[place] for levels, place in zip(values, places, strict=True)])
+        return _grid([np.array(spread.values) for spread in spreads if isinstance(spread, Levels)], first, last)
     if sample == "lhs":
-        drawn = [_hypercube_column(count, seed, number)[first:last] for number in range(len(spreads))]
+        drawn = _hypercube(len(spreads), count, seed)[:, first:last]
     else:
-        drawn = list(_sobol(len(spreads), seed, first, last).T)
+        drawn = _sobol(len(spreads), seed, first, last).T
     return np.column_stack([spread.at(column) for spread, column in zip(spreads, drawn, strict=True)])
 
 
-@lru_cache(maxsize=256)
-def _hypercube_column(count: int, seed: int, number: int) -> Array:
-    """One number's probabilities in a Latin hypercube, Shape (count,): one in each of `count` equal parts of [0, 1].
+def _grid(values: Sequence[Array], first: int, last: int) -> Array:
+    """Points of a grid, Shape (V, P); of numpy's index functions none takes more than 64 numbers."""
+    left = np.arange(first, last)
+    columns = []
+    for levels in reversed(values):
+        left, place = np.divmod(left, len(levels))
+        columns.append(levels[place])
+    return np.column_stack(columns[::-1])
 
-    Columns are independent of one another by definition, so each is drawn by itself and another number changes none.
+
+@lru_cache(maxsize=1)
+def _hypercube(numbers: int, count: int, seed: int) -> Array:
+    """Probabilities of a Latin hypercube, Shape (numbers, count): one in each of `count` equal parts of [0, 1].
+
+    Its columns are independent of one another by definition, so each is drawn by itself, and another one changes none.
     """
     from scipy.stats import qmc  # noqa: PLC0415 (slow to import)
 
-    column: Array = qmc.LatinHypercube(1, rng=np.random.default_rng([seed, number])).random(count)[:, 0]
-    column.setflags(write=False)
-    return column
+    cube = np.empty((numbers, count))
+    for number, column in enumerate(cube):
+        column[:] = qmc.LatinHypercube(1, rng=np.random.default_rng([seed, number])).random(count)[:, 0]
+    return cube
 
 
 def _sobol(numbers: int, seed: int, first: int, last: int) -> Array:

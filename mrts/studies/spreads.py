@@ -12,6 +12,17 @@ NEAREST_TO_CERTAIN = 1e-16
 """Least distance of a probability from 0 and 1: a distribution without ends has no number there."""
 
 
+VALUES_SHOWN = 6
+"""Of a list."""
+
+WORDS = {
+    "normal": "around {0}, standard deviation {1}{2}",
+    "lognormal": "around {0}{2}, standard deviation {1} of the logarithm",
+    "triangular": "from {0} to {2}, likeliest {1}{3}",
+}
+"""What shapes each kind of distribution, its unit last."""
+
+
 @dataclass(frozen=True)
 class Levels:
     """Some values, one as likely as another.
@@ -34,10 +45,13 @@ class Levels:
         places = (probability * len(self.values)).astype(np.intp)
         return np.array(self.values)[np.minimum(places, len(self.values) - 1)]
 
-    def __str__(self) -> str:
+    def text(self, unit: str) -> str:
+        """The values for people, with their unit, which may be empty."""
         if self.between:
-            return f"from {self.values[0]:g} to {self.values[-1]:g} in {len(self.values)} steps"
-        return ", ".join(f"{value:g}" for value in self.values)
+            return f"from {self.values[0]:g} to {self.values[-1]:g}{_spaced(unit)} in {len(self.values)} steps"
+        shown = ", ".join(f"{value:g}" for value in self.values[:VALUES_SHOWN])
+        more = f", … ({len(self.values)} values)" if len(self.values) > VALUES_SHOWN else ""
+        return f"{shown}{more}{_spaced(unit)}"
 
 
 @dataclass(frozen=True)
@@ -61,8 +75,9 @@ class Range:
         """The values that probabilities from 0 to 1 stand for, of the same Shape."""
         return self.low + probability * (self.high - self.low)
 
-    def __str__(self) -> str:
-        return f"from {self.low:g} to {self.high:g}"
+    def text(self, unit: str) -> str:
+        """The range for people, with its unit, which may be empty."""
+        return f"from {self.low:g} to {self.high:g}{_spaced(unit)}"
 
 
 @dataclass(frozen=True)
@@ -85,44 +100,46 @@ class Distribution:
 
     def at(self, probability: Array) -> Array:
         """The values that probabilities from 0 to 1 stand for, of the same Shape."""
-        from scipy.special import ndtri  # noqa: PLC0415 (slow to import, and most studies have no such number)
+        uncertain = np.clip(probability, NEAREST_TO_CERTAIN, 1 - NEAREST_TO_CERTAIN)
+        return QUANTILES[self.kind](self.numbers, uncertain)
 
-        certain = np.clip(probability, NEAREST_TO_CERTAIN, 1 - NEAREST_TO_CERTAIN)
-        return QUANTILES[self.kind](self.numbers, certain, ndtri)
-
-    def __str__(self) -> str:
-        first, *rest = self.numbers
-        words = {
-            "normal": "around {0:g}, standard deviation {1:g}",
-            "lognormal": "around {0:g}, standard deviation {1:g} of the logarithm",
-            "triangular": "from {0:g} to {2:g}, likeliest {1:g}",
-        }
-        return f"{self.kind}, {words[self.kind].format(first, *rest)}"
+    def text(self, unit: str) -> str:
+        """The distribution for people, with the unit of its values, which may be empty."""
+        return f"{self.kind}, {WORDS[self.kind].format(*(f'{number:g}' for number in self.numbers), _spaced(unit))}"
 
 
 Spread = Levels | Range | Distribution
 
 
-def _normal(numbers: tuple[float, ...], p: Array, ndtri: Callable[[Array], Array]) -> Array:
+def _spaced(unit: str) -> str:
+    return unit and f" {unit}"
+
+
+def _standard_normal(p: Array) -> Array:
+    from scipy.special import ndtri  # noqa: PLC0415 (slow to import, and most studies have no such number)
+
+    return np.asarray(ndtri(p), dtype=np.float64)
+
+
+def _normal(numbers: tuple[float, ...], p: Array) -> Array:
     mean, deviation = numbers
-    return mean + deviation * ndtri(p)
+    return mean + deviation * _standard_normal(p)
 
 
-def _lognormal(numbers: tuple[float, ...], p: Array, ndtri: Callable[[Array], Array]) -> Array:
+def _lognormal(numbers: tuple[float, ...], p: Array) -> Array:
     median, deviation = numbers
-    return median * np.exp(deviation * ndtri(p))
+    return median * np.exp(deviation * _standard_normal(p))
 
 
-def _triangular(numbers: tuple[float, ...], p: Array, _ndtri: Callable[[Array], Array]) -> Array:
+def _triangular(numbers: tuple[float, ...], p: Array) -> Array:
     low, peak, high = numbers
     width = high - low
-    rising = p * width < peak - low
-    up = low + np.sqrt(np.maximum(p * width * (peak - low), 0))
-    down = high - np.sqrt(np.maximum((1 - p) * width * (high - peak), 0))
-    return np.where(rising, up, down)
+    up = low + np.sqrt(p * width * (peak - low))
+    down = high - np.sqrt((1 - p) * width * (high - peak))
+    return np.where(p * width < peak - low, up, down)
 
 
-QUANTILES: dict[str, Callable[[tuple[float, ...], Array, Callable[[Array], Array]], Array]] = {
+QUANTILES: dict[str, Callable[[tuple[float, ...], Array], Array]] = {
     "normal": _normal,
     "lognormal": _lognormal,
     "triangular": _triangular,

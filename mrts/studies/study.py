@@ -15,6 +15,7 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_atomically, write_together
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import MAX_URDF_BYTES
+from mrts.base.printable import printable
 from mrts.base.regular_file import read_regular
 from mrts.base.yaml_parser import yaml_text
 from mrts.kernel.cache_folder import cache_folder
@@ -71,8 +72,7 @@ class Parameter:
     targets: tuple[Target, ...]
 
     def __str__(self) -> str:
-        unit = f" {self.unit}" if self.unit else ""
-        return f"{self.path}{self._moved()}: {self.spread}{unit}"
+        return f"{self.path}{self._moved()}: {self.spread.text(self.unit)}"
 
     def _moved(self) -> str:
         """The numbers that a knob moves, for people."""
@@ -237,17 +237,27 @@ class Study:
         folder = as_path("folder", folder)
         index = int(index)
         cell, motion = self.descriptions(self.points(index, index + 1)[0])
-        for robot, urdf in zip(cell["robots"], self.urdfs, strict=True):
-            if not urdf.reference.startswith("package://"):
-                robot["urdf"] = _reference(Path(urdf.path), folder)
         for key in ("file", "joints"):
             if key in motion:
                 motion[key] = _reference(Path(motion[key]), folder)
         paths = folder / "cell.yaml", folder / "motion.yaml"
-        heading = f"# Variant {index} of {self.path.name}\n"
-        texts = [heading + yaml_text(keys) for keys in (cell, motion)]
+        heading = f"# Variant {index} of {printable(self.path.name)}\n"
+        texts = [heading + self.cell_text(cell, folder), heading + yaml_text(motion)]
         write_together({path: text_writer(text) for path, text in zip(paths, texts, strict=True)})
         return paths
+
+    def cell_text(self, keys: dict[str, Any], folder: Path) -> str:
+        """The text of a cell file.
+
+        Args:
+            keys: Its keys and values, as from `descriptions`.
+            folder: Where it is to stand: paths of URDFs are relative to it.
+        """
+        robots = [dict(robot) for robot in keys["robots"]]
+        for robot, urdf in zip(robots, self.urdfs, strict=True):
+            if not urdf.reference.startswith("package://"):
+                robot["urdf"] = _reference(Path(urdf.path), folder)
+        return yaml_text(keys | {"robots": robots})
 
 
 def _write_bytes(path: Path, content: bytes) -> None:

@@ -3,6 +3,7 @@
 
 import hashlib
 import json
+from copy import deepcopy
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -10,23 +11,30 @@ from pydantic import Field
 
 from mrts.base.argument_types import as_path
 from mrts.base.errors import InputError
-from mrts.base.input_file import MAX_URDF_BYTES, Positive, StrictModel, read_model
-from mrts.base.regular_file import read_regular
+from mrts.base.input_file import MAX_URDF_BYTES, Finite, StrictModel, read_model, read_text
+from mrts.base.regular_file import open_regular, read_regular
 from mrts.base.version import __version__
+from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
 from mrts.cell.cell import Cell
-from mrts.cell.generation import urdf_files
+from mrts.cell.generation import all_cell_keys, urdf_files
 from mrts.cell.loading import load_cell
+from mrts.cell.robot import Robot
 from mrts.motion.joint_table import JointTable
-from mrts.motion.motion_file import load_motion
+from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.ros_messages import is_bag
-from mrts.studies.addressable import filled_cell, filled_motion, given_keys, is_path_of_poses
+from mrts.refinement.excess import checked_tolerance
+from mrts.scaling.uncertain_load import mass_grid
 from mrts.studies.knobs import read_parameters
 from mrts.studies.sampling import MOST_HYPERCUBE_NUMBERS, MOST_VARIANTS, SampleName, grid_size
 from mrts.studies.study import Parameter, Study, StudyQuestion, UrdfText
 
 MAX_BAG_FILE_BYTES = 10**10
 """Of one file of a ROS 2 bag; as large as its reader can bear."""
+
+
+HASHED_AT_A_TIME = 1 << 20
+"""Bytes of a file."""
 
 
 class StudyDescription(StrictModel):
@@ -52,7 +60,7 @@ class StudyDescription(StrictModel):
     load: Annotated[str, Field(pattern=r"^(auto|nominal|guaranteed|possible|grid(:[0-9]{1,9})?)$")] = "auto"
     torques: bool = False
     reserve: Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)] | None = None
-    between: Positive | None = None
+    between: Finite | None = None
     vary: dict[str, Any]
     sample: SampleName = "grid"
     count: Annotated[int, Field(ge=1, le=MOST_VARIANTS)] | None = None
@@ -70,18 +78,18 @@ def read_study(path: Path | str) -> Study:
         CompilerError: If the compiler fails.
     """
     path = as_path("path", path)
-    described = read_model(path, StudyDescription, "study file")
+    described = _described(path)
     cell_path, motion_path = (path.parent / name for name in (described.cell, described.motion))
     if cell_path.is_dir():
         raise InputError(path, "must be a cell file: a study varies its numbers.", key="cell", value=described.cell)
     cell = load_cell(cell_path)
     motion = load_motion(motion_path)
     _check_question(path, described, cell)
-    given = {"cell": given_keys(cell_path, "cell file"), "motion": _given_motion(motion_path, motion)}
-    poses = is_path_of_poses(given["motion"])
+    given = {"cell": _given_keys(cell_path, "cell file"), "motion": _given_motion(motion_path, motion)}
+    poses = _is_path_of_poses(given["motion"])
     filled = {
-        "cell": filled_cell(cell_path, given["cell"], cell),
-        "motion": filled_motion(given["motion"]) if poses else {},
+        "cell": _filled_cell(cell_path, given["cell"], cell),
+        "motion": _filled_motion(given["motion"]) if poses else {},
     }
     parameters = read_parameters(path, described.vary, described.sample, given, filled, cell)
     urdfs = tuple(
@@ -91,8 +99,9 @@ def read_study(path: Path | str) -> Study:
     question = StudyQuestion(described.profile, described.load, described.torques, described.reserve, described.between)
     variants, seed = _variants(path, described, parameters), described.seed or 0
     asked = [__version__, repr((parameters, described.sample, variants, seed, question)), json.dumps(given["cell"])]
-    tables = [] if poses else _table_files(given["motion"])
-    asked += [json.dumps(given["motion"])] if poses else [json.dumps(given["motion"].get("samples"))]
+    asked += [json.dumps(given["motion"] if poses else given["motion"].get("samples"))]
+    parts = [_hash(text.encode()) for text in asked] + [_hash(urdf.content) for urdf in urdfs]
+    parts += [] if poses else _table_hashes(given["motion"])
     return Study(
         path=path.absolute(),
         folder=cell_path.resolve().parent,
@@ -106,37 +115,114 @@ def read_study(path: Path | str) -> Study:
         table=None if poses else motion,
         urdfs=urdfs,
         joints={robot.name: robot.joints for robot in cell.robots},
-        digest=_digest(asked, [*(urdf.content for urdf in urdfs), *tables]),
+        digest=_hash(b"".join(parts)).hex(),
     )
+
+
+def _described(path: Path) -> StudyDescription:
+    try:
+        return read_model(path, StudyDescription, "study file")
+    except InputError as error:
+        if not error.rule.endswith("but got '['."):
+            raise
+        rule = error.rule + ' In braces, YAML wants a path with an index in quotes: {"robots.left.base.xyz[0]": 1}.'
+        raise InputError(path, rule) from None
 
 
 def _given_motion(path: Path, motion: ObjectMotion | JointTable) -> dict[str, Any]:
     """Keys and values of a motion file; of a table or a bag by itself those of a motion file that names it."""
     if is_bag(path) or path.suffix.lower() == ".csv":
         return {"joints" if isinstance(motion, JointTable) else "file": str(path.absolute())}
-    given = given_keys(path, "motion file")
+    given = {key: value for key, value in _given_keys(path, "motion file").items() if value is not None}
     tables = {key: str((path.parent / given[key]).absolute()) for key in ("file", "joints") if key in given}
     return given | tables
 
 
-def _table_files(motion: dict[str, Any]) -> list[bytes]:
-    """Content of the table or of all files of the bag that a motion is given by."""
+def _given_keys(path: Path, what: str) -> dict[str, Any]:
+    """Keys and values of a YAML file as they stand there; what an alias repeats stands there twice.
+
+    Args:
+        path: A file that has been validated.
+        what: What it is, for messages.
+
+    Raises:
+        InputError: If it has changed since.
+    """
+    keys = parse_yaml(read_text(path, what, MAX_YAML_BYTES))
+    if not isinstance(keys, dict):
+        raise InputError(path, f"this {what} changed while it was read. Read the study again.")
+    unshared: dict[str, Any] = json.loads(json.dumps(keys))
+    return unshared
+
+
+def _filled_cell(path: Path, given: dict[str, Any], cell: Cell) -> dict[str, Any]:
+    """A cell file's keys with all that it leaves out, and limits that it does not give as empty places.
+
+    Args:
+        path: The cell file.
+        given: Its keys as they stand there.
+        cell: The cell that it describes.
+
+    Raises:
+        InputError: If the file breaks a rule.
+    """
+    filled = all_cell_keys(path)
+    for robot, arm, as_given in zip(filled["robots"], cell.robots, given["robots"], strict=True):
+        _fill_robot(robot, arm, len(cell.wrench_components))
+        robot["contact"] = deepcopy(as_given.get("contact") or [])
+    return filled
+
+
+def _fill_robot(robot: dict[str, Any], arm: Robot, components: int) -> None:
+    """Fill in what a robot takes from its URDF, and places for what is not limited."""
+    if robot["torque"] is None:
+        robot["torque"] = arm.torque_upper.tolist()  # the URDF's effort is symmetric
+    for side in ("lower", "upper"):
+        robot["wrench"][side] = robot["wrench"][side] or [None] * components
+    robot["contact_rate"] = robot["contact_rate"] or [None, None]
+    if not isinstance(robot["motors"]["friction"], dict):
+        friction = {"coulomb": arm.motors.coulomb.tolist(), "viscous": arm.motors.viscous.tolist()}
+        robot["motors"]["friction"] = friction
+
+
+def _filled_motion(given: dict[str, Any]) -> dict[str, Any]:
+    """A motion file's keys with the parts of poses and the number of samples that it leaves out.
+
+    Args:
+        given: Its keys as they stand there; a path of poses.
+    """
+    filled = MotionDescription(**given).model_dump()
+    filled["samples"] = filled["samples"] or DEFAULT_SAMPLES
+    return {key: value for key, value in filled.items() if value is not None}
+
+
+def _is_path_of_poses(given: dict[str, Any]) -> bool:
+    """Whether a motion file gives poses, not a table."""
+    return not (set(KINDS) - {"start", "waypoints"}) & set(given)
+
+
+def _table_hashes(motion: dict[str, Any]) -> list[bytes]:
+    """Hashes of the table, or of all files of the bag, that a motion is given by."""
     named = Path(motion.get("file") or motion["joints"])
     files = sorted(each for each in named.rglob("*") if each.is_file()) if named.is_dir() else [named]
-    return [read_regular(file, "table of motion", MAX_BAG_FILE_BYTES) for file in files]
+    hashes = []
+    for path in files:
+        digest = hashlib.sha256()
+        with open_regular(path, "table of motion", MAX_BAG_FILE_BYTES) as file:
+            while part := file.read(HASHED_AT_A_TIME):
+                digest.update(part)
+        hashes.append(digest.digest())
+    return hashes
 
 
-def _digest(texts: list[str], contents: list[bytes]) -> str:
-    digest = hashlib.sha256()
-    for part in [*(text.encode() for text in texts), *contents]:
-        digest.update(hashlib.sha256(part).digest())
-    return digest.hexdigest()
+def _hash(content: bytes) -> bytes:
+    return hashlib.sha256(content).digest()
 
 
 def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None:
     """What is asked fits together, and fits the cell."""
-    load = described.load
-    if load not in {"auto", "nominal"} and cell.load_box is None:
+    load, box = described.load, cell.load_box
+    if load not in {"auto", "nominal"} and box is None:
         rule = "the object's load is known: the cell file gives no 'variation'. Ask for nominal, or leave this key out."
         raise InputError(path, rule, key="load", value=load)
     if load == "possible" and described.torques:
@@ -145,6 +231,12 @@ def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None
     if described.profile == "optimal" and load not in {"auto", "nominal", "guaranteed"}:
         rule = "must be guaranteed or nominal where the speed varies (profile: optimal)."
         raise InputError(path, rule, key="load", value=load)
+    try:
+        checked_tolerance(described.between)
+        if box is not None and load.startswith("grid"):
+            mass_grid(box, load)
+    except InputError as error:
+        raise InputError(path, error.rule, key=error.where, value=error.value) from None
 
 
 def _variants(path: Path, described: StudyDescription, parameters: tuple[Parameter, ...]) -> int:

@@ -22,9 +22,9 @@ from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.scaling.widened_limits import widened_torques
 from mrts.solvers import DEFAULT_SOLVER
 from mrts.studies.configurations import ConfigurationStudy, rank_configurations
+from mrts.viewer.widened_limits import widened_torques
 
 BEYOND = 1.2
 """Speeds are offered up to this factor beyond an end of the range, so that one sees what forbids them."""

@@ -19,6 +19,8 @@ from mutations import mutated
 import mrts
 from mrts.base.manifest import read_generated
 from mrts.cli import main
+from mrts.studies.dry_run import study_lines
+from mrts.studies.variant_rows import solve_variants
 
 CASES = int(os.environ.get("FUZZ_CASES", "2000"))
 SEED = int(os.environ.get("FUZZ_SEED", "0"))
@@ -28,6 +30,22 @@ PATIENCE = 5.0
 
 SCALED_SAMPLES = 500
 """A motion of more samples is read, but not scaled: that work is what was asked for."""
+
+STUDY = """cell: cell.yaml
+motion: lift.yaml
+vary:
+  robots.left.base.xyz[1]: {from: -0.2, to: 0.2}
+  object.mass: {normal: {mean: 0.5, std: 0.1}}
+  gravity[1]: [-9.8, -9.81]
+  distance:
+    sets:
+      robots.left.base.xyz[0]: -1
+      robots.right.base.xyz[0]: {factor: 1, offset: 2.5}
+    uniform: {from: -0.1, to: 0.1}
+  strength: {scales: [robots.left.torque, robots.right.torque], values: [1, 1.1]}
+sample: sobol
+count: 16
+"""
 
 GENERATED = ROOT / "generated" / "planar_dual_arm"
 
@@ -56,6 +74,14 @@ def read_motion(path):
     return None
 
 
+def read_study(path):
+    """The first variants of a study that can be read are solved, and the last one."""
+    study = mrts.read_study(path)
+    "".join(study_lines(study)).encode()
+    solve_variants(study, 0, min(study.variants, 2))
+    solve_variants(study, study.variants - 1, study.variants)
+
+
 def read_bag_description(path):
     mrts.load_motion(path.parent)
 
@@ -73,6 +99,7 @@ READERS = {
     "cell": ("cell.yaml", read_cell),
     "urdf": ("planar_arm.urdf", read_urdf),
     "motion": ("lift.yaml", read_motion),
+    "study": ("study.yaml", read_study),
     "waypoints": ("waypoints.yaml", read_motion),
     "object": ("object.csv", read_motion),
     "joints": ("joints.csv", read_motion),
@@ -97,6 +124,7 @@ def originals(planar_cell, tmp_path_factory):
         "  - {xyz: [1.25, 1.0, 0]}\n  - {xyz: [1.2, 1.1, 0], rpy: [0, 0, 0.1]}\n  - {xyz: [1.25, 1.2, 0]}\n",
         encoding="utf-8",
     )
+    (folder / "study.yaml").write_text(STUDY, encoding="utf-8")
     motion = mrts.load_motion(folder / "lift.yaml")
     result = mrts.scale(planar_cell, motion)
     mrts.save_result(result, folder / "result.npz")

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from conftest import DATA
 from motor_recordings import exact_recording, random_motors, write_recording
 
@@ -44,7 +45,10 @@ ZOO = [
 """Values of all kinds, most of them wrong wherever they are given."""
 
 METHODS = {
-    "Cell": ("with_mass", "with_load", "with_variation", "with_postures"),
+    "Cell": (
+        *("from_description", "with_mass", "with_load", "with_variation", "with_postures", "with_base", "with_grasp"),
+        *("with_torque_limits", "with_wrench_limits", "with_gravity", "to_yaml"),
+    ),
     "LoadBox": ("load_at", "draw", "corners"),
     "RetimingResult": ("write_json",),
     "ScalingResult": ("write_json",),
@@ -119,6 +123,17 @@ def good(planar_cell):
         "Cell.with_load": {"self": planar_cell, "load": planar_cell.load},
         "Cell.with_variation": {"self": planar_cell, "outer_hull": False, "mass": (0.5, 2.0)},
         "Cell.with_postures": {"self": planar_cell, "postures": {"left": [0.0, 0.0, 0.0]}},
+        "Cell.from_description": {
+            "description": yaml.safe_load((DATA / "cell.yaml").read_text()),
+            "folder": DATA,
+            "backend": "auto",
+        },
+        "Cell.with_base": {"self": planar_cell, "name": "left", "xyz": [0.1, 0.0, 0.0], "rpy": [0.0, 0.0, 0.1]},
+        "Cell.with_grasp": {"self": planar_cell, "name": "left", "xyz": [-1.0, 0.0, 0.0], "rpy": [0.0, 0.0, 0.1]},
+        "Cell.with_torque_limits": {"self": planar_cell, "name": "left", "upper": [9.0] * 3, "lower": [-9.0] * 3},
+        "Cell.with_wrench_limits": {"self": planar_cell, "name": "left", "lower": [-9.0] * 3, "upper": [9.0] * 3},
+        "Cell.with_gravity": {"self": planar_cell, "gravity": [0.0, -1.6, 0.0]},
+        "Cell.to_yaml": {"self": planar_cell, "path": "cell.yaml"},
         "LoadBox.load_at": {"self": box, "parameters": {"mass": 1.5}},
         "LoadBox.draw": {"self": box, "rng": np.random.default_rng(1), "count": 2},
         "LoadBox.corners": {"self": box, "varying": None},

@@ -1,6 +1,6 @@
 """Arms of one machine: a joint that both would move is refused; held still, it is where Pinocchio puts it."""
 
-import re
+from dataclasses import replace
 from pathlib import Path
 
 import casadi as ca
@@ -9,6 +9,7 @@ import pinocchio as pin
 import pytest
 import yaml
 from conftest import DATA
+from machines import TURN, machine, machine_cell
 from mrts_codegen.cell_file import read_cell_description
 from mrts_codegen.cell_model import build_cell_model
 from mrts_codegen.equations.inverse_dynamics import inverse_dynamics
@@ -18,6 +19,7 @@ from mrts_codegen.urdf.robot_model import build_robot_model
 from mrts_codegen.urdf.urdf_file import read_urdf
 from published_robots import ROBOTS
 from random_cells import configuration
+from same_cells import same_cell
 
 import mrts
 from mrts.cli import main
@@ -29,52 +31,7 @@ TIAGO = ROBOTS / "tiago_description/robots/tiago_dual.urdf"
 TOLERANCE = 1e-10  # relative; both sides are exact recursions
 
 GRAVITY = [0.3, -0.2, -9.81]
-TURN = 0.3
-"""Position of the turntable in the cells below [rad]."""
-
-ARM = (DATA / "planar_arm.urdf").read_text(encoding="utf-8")
-
-
-def machine():
-    """The shipped cell's two arms on one torso that slides up on a turning column; a flap hangs on the left forearm."""
-    parts = ['<robot name="machine"><link name="root"/><link name="column"/><link name="torso"/>']
-    for side, x in (("left", 0.0), ("right", 2.5)):
-        body = ARM[ARM.index("<link") : ARM.index("</robot>")]
-        parts.append(re.sub(r'(name|link)="(\w+)"', rf'\1="{side}_\2"', body))
-        parts.append(
-            f'<joint name="{side}_mount" type="fixed"><parent link="torso"/><child link="{side}_base_link"/>'
-            f'<origin xyz="{x} 0 0"/></joint>'
-        )
-    for name, kind, parent, child, axis in (
-        ("turn", "continuous", "root", "column", "0 0 1"),
-        ("lift", "prismatic", "column", "torso", "0 1 0"),
-    ):
-        parts.append(
-            f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/><axis xyz="{axis}"/>'
-            '<limit lower="0" upper="0.5" effort="1000" velocity="1"/></joint>'
-        )
-    return "\n".join([*parts, "</robot>"])
-
-
-def machine_cell(folder, change=None):
-    """Both arms from the root, the torso neither held nor passed; `change` is done to the robots of the cell file."""
-    (folder / "machine.urdf").write_text(machine(), encoding="utf-8")
-    description = yaml.safe_load((DATA / "cell.yaml").read_text())
-    for robot in description["robots"]:
-        # so that the torso, turned by 0.3 rad and 0.4 m up, carries the arms where the shipped ones stand
-        up = 0.4 * np.array([-np.sin(TURN), np.cos(TURN)])
-        back = np.array([[np.cos(TURN), np.sin(TURN)], [-np.sin(TURN), np.cos(TURN)]])
-        robot |= {"urdf": "machine.urdf", "base_link": "root", "tip_link": f"{robot['name']}_contact"}
-        robot["base"] = {"xyz": [*(-back @ up).tolist(), 0], "rpy": [0, 0, -TURN]}
-    if change is not None:
-        change(description["robots"])
-    for robot in description["robots"]:
-        extra = ("turn", "lift")[: 0 if robot["base_link"] == "torso" else 2]
-        moving = [name for name in extra if name not in robot.get("fixed", {})]
-        robot["posture"] = [0.0] * len(moving) + robot["posture"]
-        robot["torque"] = [1000.0] * len(moving) + robot["torque"]
-    (folder / "cell.yaml").write_text(yaml.safe_dump(description), encoding="utf-8")
-    return folder / "cell.yaml"
+STEP = np.array([0.1, 0.0, 0.0])
 
 
 def hold(**positions):
@@ -253,3 +210,60 @@ def test_held_joints_equal_pinocchios_locked_ones(path, tip, fixed):
         place = data.oMf[frame]
         for value, expected in ((torque[:, 0], theirs), (p[:, 0], place.translation), (R, place.rotation)):
             np.testing.assert_allclose(value, expected, rtol=0, atol=TOLERANCE * (1 + np.max(np.abs(expected))))
+
+
+def one_machine(folder):
+    """The cell whose arms stand on one held torso."""
+    return mrts.load_cell(machine_cell(folder, hold(turn=TURN, lift=0.4)), backend="vm")
+
+
+def test_one_base_of_a_machine_does_not_move_alone(tmp_path):
+    cell = one_machine(tmp_path)
+    assert cell.functions.manifest.machines == [("left", "right")]
+    left, right = cell.robots
+    for change in (
+        lambda: cell.with_base("left", xyz=left.T_world_base.p + STEP),
+        lambda: cell.with_base("right", rpy=[0, 0, 0.2]),
+        lambda: replace(cell, robots=(replace(left, T_world_base=right.T_world_base @ left.T_world_base), right)),
+    ):
+        with pytest.raises(mrts.InputError, match=r"are arms of one machine .* move together\. Give both"):
+            change()
+    step = mrts.RigidTransform.from_xyz_rpy([0.1, -0.2, 0], [0, 0, 0.4])
+    moved = tuple(replace(robot, T_world_base=step @ robot.T_world_base) for robot in cell.robots)
+    together = replace(cell, robots=moved)
+    assert same_cell(mrts.Cell.from_description(yaml.safe_load(together.to_yaml()), backend="vm"), together)
+    assert cell.with_grasp("left", xyz=left.T_object_tip.p).with_mass(1.0).robots[1] is right
+
+
+def test_two_machines_do_not_come_to_stand_in_one_place(tmp_path):
+    """Not where their bases meet, but where their roots do."""
+
+    def apart(robots):
+        hold(turn=TURN, lift=0.4)(robots)
+        robots[1]["base"]["xyz"][0] += 5.0
+
+    cell = mrts.load_cell(machine_cell(tmp_path, apart), backend="vm")
+    left, right = cell.robots
+    assert cell.functions.manifest.machines == []
+    assert cell.with_base("right", xyz=right.T_world_base.p + STEP)
+    with pytest.raises(mrts.InputError, match="would stand in one place, which makes them arms of one machine"):
+        cell.with_base("right", xyz=left.T_world_base.p)
+
+
+def test_held_joints_are_written_without_their_followers(tmp_path):
+    """TALOS: a gripper that is held, and what mimics it, beside a joint of the torso."""
+    held = {"torso_1_joint": 0.4, "gripper_left_joint": -0.5}
+    description = {
+        "name": "talos",
+        "gravity": GRAVITY,
+        "object": {"mass": 1.0, "inertia": [0.1, 0.1, 0.1]},
+        "robots": [
+            {"name": "left", "urdf": str(TALOS), "tip_link": "gripper_left_base_link", "fixed": held,
+             "posture": [0.1] * 8, "torque": [100.0] * 8}
+        ],
+    }  # fmt: skip
+    cell = mrts.Cell.from_description(description, backend="vm")
+    assert len(cell.robots[0].held) > len(held)
+    text = cell.to_yaml(tmp_path / "cell.yaml")
+    assert yaml.safe_load(text)["robots"][0]["fixed"] == held
+    assert same_cell(cell, mrts.load_cell(tmp_path / "cell.yaml", backend="vm"))

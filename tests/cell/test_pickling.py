@@ -7,9 +7,11 @@ import pickle
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
+import cloudpickle
 import numpy as np
 import pytest
 from conftest import DATA
+from joblib import Parallel, delayed
 
 import mrts
 
@@ -84,6 +86,8 @@ def things(planar_cell, lift, lifted, folder):
     return {
         "cell": planar_cell,
         "weak cell": planar_cell.with_variation(mass=(0.5, 2)).without_wrench_limits().without_velocity_limits(),
+        "moved cell": planar_cell.with_base("left", xyz=[0.01, 0.02, 0]).with_grasp("right", rpy=[0, 0, 3.1])
+        .with_gravity([0, -1.6, 0]).with_torque_limits("left", [80.0, 70.0, 40.0]),
         "object motion": lift,
         "joint table": mrts.load_motion(table),
         "coordinated motion": lifted.motion,
@@ -93,7 +97,7 @@ def things(planar_cell, lift, lifted, folder):
         "loaded": mrts.load_result(folder / "result.npz"),
         "retimed": mrts.retime(planar_cell, lift),
         "configurations": mrts.rank_configurations(planar_cell, lift),
-    }
+    }  # fmt: skip
 
 
 def same(ours, theirs, where):
@@ -117,7 +121,11 @@ def same(ours, theirs, where):
         assert ours == theirs, where
 
 
-@pytest.mark.parametrize("again", [copy.deepcopy, through_pickle])
+def through_cloudpickle(thing):
+    return pickle.loads(cloudpickle.dumps(thing))  # noqa: S301 (our own bytes)
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, through_pickle, through_cloudpickle])
 def test_everything_comes_back_as_it_was(planar_cell, lift, lifted, tmp_path, again):
     for name, thing in things(planar_cell, lift, lifted, tmp_path).items():
         other = again(thing)
@@ -130,6 +138,16 @@ def test_everything_comes_back_as_it_was(planar_cell, lift, lifted, tmp_path, ag
             assert mrts.scale(other, lift).json_text() == mrts.scale(thing, lift).json_text(), name
             assert not other.robots[0].torque_upper.flags.writeable
     assert again(lifted).residuals() == lifted.residuals()
+
+
+def test_workers_of_joblib_find_the_same(planar_cell, lift):
+    cells = [planar_cell.with_base("left", xyz=[x, 0.0, 0.0]) for x in (0.0, 0.01, 0.02)]
+    found = Parallel(n_jobs=2, backend="loky")(delayed(mrts.scale)(cell, lift, between=None) for cell in cells)
+    assert [result.json_text() for result in found] == [
+        mrts.scale(cell, lift, between=None).json_text() for cell in cells
+    ]
+    assert len({result.range.upper.c2 for result in found}) == len(cells)
+    assert [result.cell.geometry.tolist() for result in found] == [cell.geometry.tolist() for cell in cells]
 
 
 def test_a_copy_does_not_share_what_can_change(planar_cell, lifted):

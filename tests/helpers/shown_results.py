@@ -12,7 +12,7 @@ from mrts.cell.loading import cell_from_manifest
 
 KINDS = (
     "planar", "spatial", "infeasible", "empty", "least speed", "unbounded", "guaranteed", "infeasible load",
-    "possible", "fixed rule", "one arm", "four arms", "sliding joints", "awkward names", "smooth", "rates",
+    "possible", "fixed rule", "one arm", "four arms", "sliding joints", "awkward names", "smooth", "rates", "what if",
 )  # fmt: skip
 
 AWKWARD = "</script><script>window.broken=1</script>"
@@ -73,6 +73,11 @@ def with_all_rates(cell, wrench=20.0, jerk=2000.0):
     return replace(cell, robots=tuple(robots))
 
 
+def with_changes(result, **steps):
+    """The result with what changes to its cell would do."""
+    return replace(result, changes=result.what_if(**steps))
+
+
 def result_of(kind, planar, spatial, lift, folder):
     """One of `KINDS`."""
     uncertain = planar.with_variation(mass=(0.2, 6.0), izz=(0.5, 2.0), mx=(-0.02, 0.02))
@@ -90,9 +95,10 @@ def result_of(kind, planar, spatial, lift, folder):
         "one arm": lambda: random_result(random_planar_cell, 4, folder, 1),
         "four arms": lambda: random_result(random_planar_cell, 3, folder, 4),
         "sliding joints": lambda: random_result(random_spatial_cell, 2, folder, 2),
-        "awkward names": lambda: mrts.scale(with_awkward_names(planar), lift),
+        "awkward names": lambda: with_changes(mrts.scale(with_awkward_names(planar), lift)),
         "smooth": lambda: mrts.retime(with_all_rates(planar), lift, rates=11.0).retimed,
         "rates": lambda: mrts.scale(with_all_rates(planar), lift),  # told, not kept
+        "what if": lambda: with_changes(mrts.scale(planar.with_mass(7.0), lift), share=0.8, shift=0.9),
     }
     assert tuple(makers) == KINDS
     return makers[kind]()

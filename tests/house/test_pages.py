@@ -19,14 +19,16 @@ DOCS = ROOT / "docs"
     ("name", "blocks"),
     [
         ("tutorial", 13),
-        ("own_cell", 4),
+        ("own_cell", 8),
         ("own_robot", 4),
         ("command_line", 4),
         ("ros2", 3),
         ("optimal_profile", 2),
         ("smooth", 3),
         ("real_cell", 9),
-        ("study_file", 4),
+        ("studies", 11),
+        ("what_if", 2),
+        ("study_file", 5),
     ],
 )
 def test_a_page_does_what_it_shows_and_prints_what_it_says(name, blocks, tmp_path):

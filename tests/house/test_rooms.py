@@ -30,6 +30,8 @@ ROOMS = (
     "retiming",
     "identification",
     "studies",
+    "sweeps",
+    "layout",
     "drawing",
     "output",
     "figures",

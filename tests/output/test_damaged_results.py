@@ -29,8 +29,17 @@ def spoil_word(change):
     return lambda description, _arrays: change(description)
 
 
+def with_change(change, **steps):
+    """What changes would do, of which one is spoilt."""
+    answer = {"status": "feasible", "c2": 1.0, "duration": 1.0, "limits": [], "reason": ""}
+    entry = {"kind": "mass", "robot": "", "element": "", "step": 0.1, "after": answer}
+    change(entry)
+    whole = {"share": 0.1, "shift": 0.01, "turn": 0.01, "before": answer, "changes": [entry], "left_out": ""} | steps
+    return spoil_word(lambda description: description.update(what_if=whole))
+
+
 MISTAKES = {
-    "newer": (spoil_word(lambda d: d.update(version=5)), "version = 5: this mrts reads version 4; .* Update mrts"),
+    "newer": (spoil_word(lambda d: d.update(version=6)), "version = 6: this mrts reads version 5; .* Update mrts"),
     "older": (spoil_word(lambda d: d.update(version=1)), "version = 1: .* Save the result again"),
     "no version": (spoil_word(lambda d: d.pop("version")), "version: this mrts reads"),
     "foreign": (spoil_word(lambda d: d.update(format="other")), "is no saved result of mrts"),
@@ -68,6 +77,12 @@ MISTAKES = {
     "counts of nothing": (
         spoil_array("binding_count", lambda c: c * np.nan),
         "binding_count = .*must be whole numbers",
+    ),
+    "no such change": (with_change(lambda entry: entry.update(kind="colour")), r"what_if\.changes\.0\.kind: Input"),
+    "no step": (with_change(lambda entry: entry.pop("step")), r"what_if\.changes\.0\.step: Field required"),
+    "wrong steps": (
+        with_change(lambda _entry: None, share=7.0),
+        r"share: must be a number from .* save the result again",
     ),
     "lost rows": (spoil_array("binding_row", lambda r: r[:-1]), r"binding_row: must have Shape \(\d+,\), the sum"),
     "unknown parameter": (

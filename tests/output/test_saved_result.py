@@ -69,7 +69,17 @@ CASES = {
     "no load of the box": lambda cell, lift: mrts.scale(cell.with_variation(mass=(0.2, 200.0)), lift),
     "empty": lambda cell, lift: mrts.scale(forks(cell).with_variation(mass=(0.45, 2.0)), until_braking(lowering(lift))),
     "unbounded": lambda cell, lift: mrts.scale(cell, still(lift)),
+    "what if": lambda cell, lift: asked(mrts.scale(cell.with_mass(7.0), lift), share=0.8, shift=0.9),
+    "what if nothing limits": lambda cell, lift: asked(mrts.scale(cell, still(lift))),
+    "what if of a timing": lambda cell, lift: replace(
+        (found := mrts.retime(cell, lift)).retimed, changes=found.what_if(share=0.2)
+    ),
 }
+
+
+def asked(result, **steps):
+    """The result with what changes to its cell would do."""
+    return replace(result, changes=result.what_if(**steps))
 
 
 def until_braking(motion):
@@ -84,7 +94,7 @@ def result(request, planar_cell, lift):
 
 
 def differences(one, other, path="result"):
-    """Where values of dataclasses, sequences, mappings and arrays differ; functions and courses do not count."""
+    """Where values of dataclasses, sequences, mappings and arrays differ; functions, courses, folders do not count."""
     if isinstance(one, np.ndarray):
         same = isinstance(other, np.ndarray) and one.shape == other.shape and np.array_equal(one, other)
         return [] if same else [path]
@@ -94,7 +104,7 @@ def differences(one, other, path="result"):
     elif isinstance(one, Sequence) and not isinstance(one, str):
         parts = [("size", len(one), len(other)), *zip(range(len(one)), one, other, strict=False)]
     elif is_dataclass(one):
-        names = [field.name for field in fields(one) if field.name not in {"functions", "course"}]
+        names = [field.name for field in fields(one) if field.name not in {"functions", "course", "folder"}]
         parts = [(name, getattr(one, name), getattr(other, name)) for name in names]
     else:
         return [] if one == other else [path]
@@ -187,7 +197,8 @@ def test_the_functions_come_from_the_cell_that_is_given(planar_cell, lift, tmp_p
         with pytest.raises(mrts.InputError, match=r"result\.npz: function '.*': .*load_result\(path, cell=mrts\.load"):
             asked()
     whole = mrts.load_result(tmp_path / "result.npz", cell=planar_cell)
-    assert whole.cell.functions is planar_cell.functions
+    assert whole.cell.functions.compiled is planar_cell.functions.compiled
+    assert (whole.cell.folder, alone.cell.folder) == (planar_cell.folder, None)
     assert differences(result.cell, whole.cell) == []
     assert whole.residuals() == result.residuals()
     assert (
@@ -206,9 +217,16 @@ def test_another_cell_is_refused(lifted, dual_ur5, planar_cell, tmp_path):
     whole = mrts.load_result(tmp_path / "result.npz", cell=mrts.load_cell(tmp_path / "weak.yaml", backend="vm"))
     np.testing.assert_array_equal(whole.cell.robots[0].torque_upper, planar_cell.robots[0].torque_upper)
     assert max(whole.residuals().arms, whole.residuals().object) < 1e-9
-    description["robots"][1]["base"]["xyz"][0] += 0.001
+    description["robots"][1]["base"]["xyz"][0] += 0.001  # an input of the functions
     (tmp_path / "moved.yaml").write_text(yaml.safe_dump(description))
-    for cell, what in ((dual_ur5, "plane"), (mrts.load_cell(tmp_path / "moved.yaml", backend="vm"), "robots.1.")):
+    whole = mrts.load_result(tmp_path / "result.npz", cell=mrts.load_cell(tmp_path / "moved.yaml", backend="vm"))
+    np.testing.assert_array_equal(whole.cell.geometry, planar_cell.geometry)
+    assert max(whole.residuals().arms, whole.residuals().object) < 1e-9
+    text = (DATA / "planar_arm.urdf").read_text().replace('mass value="', 'mass value="1')
+    (tmp_path / "heavier.urdf").write_text(text)
+    description["robots"][1]["urdf"] = "heavier.urdf"
+    (tmp_path / "heavier.yaml").write_text(yaml.safe_dump(description))
+    for cell, what in ((dual_ur5, "plane"), (mrts.load_cell(tmp_path / "heavier.yaml", backend="vm"), "robots.1.")):
         with pytest.raises(mrts.InputError, match=rf"cell: .*they differ in {what}.* Read the cell file"):
             mrts.load_result(tmp_path / "result.npz", cell=cell)
     with pytest.raises(mrts.InputError, match=r"cell.*from mrts\.load_cell"):

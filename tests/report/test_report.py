@@ -72,9 +72,11 @@ def test_every_kind_of_result_opens_offline_with_all_its_plots(kind, planar_cell
             expected |= {f"plot-{what.format(n)}" for what in whats for n in range(robots)}
     if found.load is not None and found.load.points:
         expected.add("plot-loads")
+    if found.changes is not None:
+        expected.add("plot-what-if")
     assert plots == expected
     for name in plots:
-        drawn = page.locator(f"#{name} .scatterlayer .js-line, #{name} .shapelayer path").count()
+        drawn = page.locator(f"#{name} :is(.js-line, .shapelayer path, .barlayer path)").count()
         assert drawn > 0, name
         assert page.locator(f"#{name}").bounding_box()["height"] < 1200
     page.set_viewport_size(NARROW)

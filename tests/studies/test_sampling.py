@@ -96,3 +96,20 @@ def test_the_last_block_of_a_million_takes_no_longer_than_the_first():
         start = process_time()
         sample_points(spreads, sample, million, 1, (million - 1000, million))
         assert process_time() - start < 0.5
+
+
+def test_spreads_are_told_with_their_unit():
+    told = [
+        Levels((0.4, 0.5)).text("kg"),
+        Levels(tuple(range(20))).text(""),
+        Levels((0.0, 0.5, 1.0), between=True).text("m"),
+        Range(0.0, 2.0).text("rad"),
+        Distribution("normal", (1.0, 0.1)).text("kg"),
+        Distribution("lognormal", (1.0, 0.1)).text("s"),
+        Distribution("triangular", (1.0, 1.5, 3.0)).text("m"),
+    ]
+    assert told == [
+        "0.4, 0.5 kg", "0, 1, 2, 3, 4, 5, … (20 values)", "from 0 to 1 m in 3 steps", "from 0 to 2 rad",
+        "normal, around 1, standard deviation 0.1 kg", "lognormal, around 1 s, standard deviation 0.1 of the logarithm",
+        "triangular, from 1 to 3, likeliest 1.5 m",
+    ]  # fmt: skip

@@ -10,7 +10,9 @@ from conftest import DATA, ROOT
 from study_files import planar_study
 
 import mrts
+from mrts.studies.number_paths import numbers_below, path_text, value_at
 from mrts.studies.spreads import Distribution, Levels, Range
+from mrts.studies.variant_rows import solve_variants
 
 UR5 = DATA.parent / "dual_ur5"
 
@@ -185,3 +187,60 @@ def test_a_study_goes_where_its_files_are_not(tmp_path, private_cache):
     assert moved.folder.is_relative_to(private_cache)
     for robot in moved.cell["robots"]:
         assert (moved.folder / robot["urdf"]).read_bytes() == (DATA / "planar_arm.urdf").read_bytes()
+
+
+def test_what_an_alias_repeats_varies_by_itself(tmp_path):
+    cell = tmp_path / "cell.yaml"
+    text = (DATA / "cell.yaml").read_text(encoding="utf-8").replace("urdf: ", f"urdf: {DATA}/")
+    first, second = "torque: [100, 80, 50]              # N m", "torque: [100, 80, 50]\n"
+    assert first in text
+    assert second in text
+    cell.write_text(text.replace(first, "torque: &strong [100, 80, 50]").replace(second, "torque: *strong\n"), "utf-8")
+    study = planar_study(tmp_path, "vary:\n  robots.left.torque[1]: [70]", cell=cell)
+    left, right = study.descriptions(study.points(0, 1)[0])[0]["robots"]
+    assert (left["torque"], right["torque"]) == ([100, 70, 50], [100, 80, 50])
+
+
+def test_a_motion_file_that_names_a_table_is_found_from_anywhere(tmp_path, lift):
+    rows = np.column_stack([lift.time, lift.position, np.zeros((len(lift.time), 3)), np.ones(len(lift.time))])
+    (tmp_path / "tables").mkdir()
+    np.savetxt(tmp_path / "tables" / "lift.csv", rows, delimiter=",", header="t,px,py,pz,qx,qy,qz,qw", comments="")
+    motion = tmp_path / "lift.yaml"
+    motion.write_text("file: tables/lift.csv\nsamples: 41\n", encoding="utf-8")
+    study = planar_study(tmp_path, BASE, motion=motion)
+    written = mrts.load_motion(study.write_variant(1, tmp_path / "a" / "b")[1])
+    np.testing.assert_array_equal(written.position, study.table.position)
+    assert len(written.time) == 41
+    with pytest.raises(
+        mrts.InputError, match=r"vary.motion.samples = .*: the motion is a table, of which no number varies"
+    ):
+        planar_study(tmp_path, "vary: {motion.samples: [21, 41]}", motion=motion)
+
+
+def test_a_variant_that_is_not_there_is_not_written(tmp_path):
+    study = planar_study(tmp_path, BASE)
+    with pytest.raises(mrts.InputError, match="must be a variant, from 0 to 1"):
+        study.write_variant(2, tmp_path / "none")
+    assert not (tmp_path / "none").exists()
+    assert study.write_variant(np.int64(1), tmp_path / "one")[0].exists()
+
+
+@pytest.mark.parametrize("folder", ["dual_ur5", "planar_dual_arm", "squeeze"])
+def test_every_number_of_the_files_may_vary_and_at_its_own_value_changes_nothing(folder, tmp_path):
+    files = {"cell": DATA.parent / folder / "cell.yaml"}
+    files["motion"] = files["cell"].with_name("lift.yaml" if folder == "planar_dual_arm" else "lift_and_turn.yaml")
+    keys = {name: yaml.safe_load(path.read_text(encoding="utf-8")) for name, path in files.items()}
+    own = [place for name in keys for place in numbers_below(keys, (name,))]
+    vary = {path_text(keys, place): [value_at(keys, place)] for place in own}
+    assert len(vary) >= 50
+    text = yaml.safe_dump({"vary": vary})
+    study = planar_study(tmp_path, text, cell=files["cell"], motion=files["motion"])
+    assert study.variants == 1
+    assert study.descriptions(study.points(0, 1)[0]) == (keys["cell"], keys["motion"])
+    described = mrts.Cell.from_description(study.cell, folder=study.folder)
+    expected = mrts.scale(described, mrts.load_motion(files["motion"]), between=None)
+    assert solve_variants(study, 0, 1)["c2_upper"] == [pytest.approx(expected.range.upper.c2, rel=1e-9)]
+    for move, neutral in (("scales", 1), ("shifts", 0)):
+        knob = {"all": {move: [path for path, (value,) in vary.items() if value != 0], "values": [neutral]}}
+        moved = planar_study(tmp_path, yaml.safe_dump({"vary": knob}), cell=files["cell"], motion=files["motion"])
+        assert moved.descriptions(moved.points(0, 1)[0]) == (keys["cell"], keys["motion"])

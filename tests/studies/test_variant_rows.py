@@ -1,6 +1,9 @@
 """Rows of a study: what `mrts.scale` says of the files of each variant, and a reason where there is no answer."""
 
 import json
+import pickle
+import re
+import shutil
 
 import numpy as np
 import pytest
@@ -65,15 +68,42 @@ def test_each_row_is_what_scale_says_of_the_files_of_its_variant(wide, tmp_path)
         result = scaled(wide, row["variant"], folder, between=None)
         assert row["status"] == result.status.value
         if not result.status.admits_motion:
-            assert row["reason"] == result.range.explain()
+            variant = row["variant"]
+            alone = solve_one_by_one(wide, wide.points(variant, variant + 1), variant)
+            assert alone["reason"] == [result.range.explain()]
+            assert "at t = " in row["reason"]  # of many at once it may be shorter
             assert row["c2_upper"] is None
             continue
         assert row["reason"] is None
         assert row["c2_upper"] == pytest.approx(result.range.upper.c2, rel=SAME)
         assert row["c2_lower"] == pytest.approx(result.range.lower.c2, rel=SAME)
+        assert row["lower_limit"] is None
         assert row["duration"] == pytest.approx(result.trajectory.duration, rel=SAME)
         assert row["upper_limit"].startswith(str(result.range.upper.rows[0]))
         assert row["upper_limit"].endswith(f" at t = {result.range.upper.time:.4g} s")
+
+
+def test_shipped_studies_and_hands_are_answered_as_scale_does(tmp_path):
+    squeeze = tmp_path / "study.yaml"
+    squeeze.write_text(
+        f"cell: {UR5.parent / 'squeeze' / 'cell.yaml'}\nmotion: {UR5.parent / 'squeeze' / 'lift_and_turn.yaml'}\n"
+        """vary:
+  robots.left.contact[0].pad.friction: {from: 0.3, to: 0.7}
+  grip: {sets: ["robots.left.contact[0].pad.force[1]", "robots.right.contact[0].pad.force[1]"], from: 60, to: 200}
+  turned: {shifts: ["robots.right.grasp.rpy[0]"], normal: {mean: 0, std: 0.05}}
+sample: lhs
+count: 5
+""",
+        encoding="utf-8",
+    )
+    for path in (UR5 / "study.yaml", squeeze):
+        study = mrts.read_study(path)
+        for row in rows_of(solve_variants(study, 0, 5)):
+            folder = tmp_path / f"{path.parent.name}_{row['variant']}"
+            result = scaled(study, row["variant"], folder, between=None)
+            assert row["status"] == result.status.value
+            if result.status.admits_motion:
+                assert row["c2_upper"] == pytest.approx(result.range.upper.c2, rel=SAME)
 
 
 def test_rows_do_not_depend_on_their_block(wide):
@@ -127,6 +157,37 @@ def test_nothing_that_limits_the_speed_is_a_status_of_its_own(tmp_path):
     assert "as fast as you like" in row["reason"]
 
 
+def test_a_least_speed_is_told_with_what_sets_it(tmp_path):
+    """Hands that push up with less than the weight can only let the bar fall fast enough: c² >= (g - F/m) / a."""
+    time, fall, mass, push = np.linspace(0, 0.5, 21), 2.0, 0.5, 2.0
+    zero, one = np.zeros_like(time), np.ones_like(time)
+    columns = {"t": time, "px": 1.25 * one, "py": 1.5 - fall * time**2 / 2, "pz": zero}
+    columns |= {"qx": zero, "qy": zero, "qz": zero, "qw": one, "vx": zero, "vy": -fall * time, "vz": zero}
+    columns |= dict.fromkeys(("wx", "wy", "wz", "ax", "az", "alphax", "alphay", "alphaz"), zero) | {"ay": -fall * one}
+    table = tmp_path / "fall.csv"
+    np.savetxt(table, np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="")
+    vary = "vary:\n" + "".join(f"  robots.{robot}.wrench.upper[1]: [{push}]\n" for robot in ("left", "right"))
+    study = planar_study(tmp_path, vary, motion=table)
+    row = rows_of(solve_variants(study, 0, 1))[0]
+    assert row["status"] == "feasible"
+    assert row["c2_lower"] == pytest.approx((9.8 - 2 * push / mass) / fall, rel=SAME)
+    assert re.search(r"(left|right)/fy contact wrench \(upper, 2 N\).* at t = ", row["lower_limit"])
+
+
+@pytest.mark.parametrize("given", ["null", "-9"])
+def test_a_limit_that_the_file_does_not_give_counts(given, tmp_path):
+    """On a component that is free in the file, on one side or on both."""
+    cell = tmp_path / "cell.yaml"
+    text = (DATA / "cell.yaml").read_text(encoding="utf-8").replace("urdf: ", f"urdf: {DATA}/")
+    cell.write_text(text.replace("lower: [-2, null, -1]", f"lower: [-2, {given}, -1]"), encoding="utf-8")
+    study = planar_study(tmp_path, "vary:\n  robots.left.wrench.upper[1]: [2.5, 3, 1000]", cell=cell)
+    found = solve_variants(study, 0, 3)
+    free = mrts.scale(mrts.load_cell(cell), mrts.load_motion(DATA / "lift.yaml"), between=None).range.upper.c2
+    assert found["c2_upper"] == pytest.approx(solve_one_by_one(study, study.points(0, 3), 0)["c2_upper"], rel=SAME)
+    assert found["c2_upper"][0] < found["c2_upper"][1] < free
+    assert found["c2_upper"][2] == pytest.approx(free, rel=SAME)
+
+
 def test_a_table_of_joints_is_played_by_every_variant(tmp_path, planar_cell, lift):
     table = tmp_path / "joints.csv"
     mrts.write_trajectory_csv(mrts.scale(planar_cell, lift, "nominal"), table)
@@ -145,6 +206,22 @@ def test_an_uncertain_load_is_asked_about(tmp_path, planar_cell, lift):
     found = solve_variants(study, 0, 2)
     assert found["c2_upper"] == pytest.approx([result.range.upper.c2 for result in expected], rel=SAME)
     assert all(" with " in limit for limit in found["upper_limit"])
+
+
+def test_a_study_is_solved_where_its_files_are_not(tmp_path):
+    folder = tmp_path / "there"
+    folder.mkdir()
+    for name in ("cell.yaml", "lift.yaml", "planar_arm.urdf"):
+        shutil.copy(DATA / name, folder)
+    text = "vary: {object.mass: [0.4, 0.8]}"
+    study = planar_study(folder, text, cell=folder / "cell.yaml", motion=folder / "lift.yaml")
+    expected, carried = solve_variants(study, 0, 2), pickle.dumps(study)
+    shutil.rmtree(folder)
+    found = solve_variants(pickle.loads(carried), 0, 2)  # noqa: S301 (our own)
+    assert found["status"] == ["feasible", "feasible"]
+    assert {name: list(column) for name, column in found.items()} == {
+        name: list(column) for name, column in expected.items()
+    }
 
 
 def test_a_written_variant_is_read_by_the_command_line(wide, tmp_path, capsys):
@@ -202,6 +279,6 @@ def test_a_grid_says_its_steps(tmp_path):
     )
     numbers = ", ".join(f"motion.end.xyz[{axis}]" for axis in range(3))
     assert list(study_lines(study))[1:] == [
-        f"  apart ({numbers}): from 0 to 1 in 5 steps m",
+        f"  apart ({numbers}): from 0 to 1 m in 5 steps",
         "asked of each: range of c², reserve 0.2, at the samples alone",
     ]

@@ -13,9 +13,9 @@ from mrts.limits import limit_rows
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.trajectory_programs import motion_torques
 from mrts.scaling.range import intersect
-from mrts.scaling.widened_limits import widened_torques
 from mrts.viewer.panel import bars_html, moment_html, outcome_html, speed_html
 from mrts.viewer.player_state import Bar, PlayerState, offered_speeds
+from mrts.viewer.widened_limits import widened_torques
 
 UR5 = DATA.parent / "dual_ur5"
 NEAR_END = 1e-6

@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: MIT
+"""Small changes to the numbers of a cell, one at a time: each limit, the mass, where arms stand, where they grasp."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import degrees, pi
+from typing import Literal
+
+import numpy as np
+
+from mrts.base.argument_types import is_number
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.rigid_transform import RigidTransform, multiply, rotation_from_rpy
+from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
+
+AXES = "xyz"
+
+POSES: tuple[Literal["base", "grasp"], ...] = ("base", "grasp")
+"""Kinds of changes that move arms."""
+
+ChangeKind = Literal["torque", "wrench", "contact", "velocity", "motor speed", "reserve", "mass", "base", "grasp"]
+"""What a change is of: a limit, the reserve that is kept of all of them, the mass, or a pose."""
+
+SMALLEST_STEP = 1e-9
+"""Of a step, whatever its unit: the programs are right to as much."""
+
+LARGEST_STEP = 0.9
+"""Of a step: a larger one is another cell."""
+
+
+_Named = tuple[ChangeKind, str, str]
+"""Kind, robot and element of what is changed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChangeSteps:
+    """How far numbers are changed, each up and down.
+
+    Attributes:
+        share: Of limits, mass and reserve, as a share of them.
+        shift: Of bases and grasps along an axis [m].
+        turn: Of bases and grasps about an axis [rad].
+
+    Raises:
+        InputError: If one is not a number from 1e-9 to 0.9.
+    """
+
+    share: float = 0.1
+    shift: float = 0.01
+    turn: float = pi / 180
+
+    def __post_init__(self) -> None:
+        for name, unit in (("share", "1"), ("shift", "m"), ("turn", "rad")):
+            value = getattr(self, name)
+            if not is_number(value, SMALLEST_STEP, LARGEST_STEP):
+                rule = f"must be a number from {SMALLEST_STEP:g} to {LARGEST_STEP:g} [{unit}]."
+                raise InputError(name, rule, value=value)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CellChange:
+    """One number of a cell changed.
+
+    Attributes:
+        kind: What is changed.
+        robot: Name of the arm; "object" of its own velocities, empty of mass and reserve.
+        element: Joint, wrench component, contact, "linear" or "angular"; of a pose "x" along that axis, "about x"
+            around it, world axes of a base and object axes of a grasp; else empty.
+        step: By how much: a share of the limit, of the mass or of the reserve, or [m] and [rad] of a pose.
+    """
+
+    kind: ChangeKind
+    robot: str = ""
+    element: str = ""
+    step: float
+
+    def __str__(self) -> str:
+        return f"{self.what} {self.size}"
+
+    @property
+    def what(self) -> str:
+        """What is changed: `right/elbow` for its torque limits, `left/fx`, `mass`, `left base about z`."""
+        if self.kind in POSES:
+            return f"{self.robot} {self.kind} {self.element}"
+        if not self.robot:
+            return self.kind
+        spoken = "" if self.kind in {"torque", "wrench", "contact"} else f" {self.kind}"
+        return f"{self.robot}/{self.element}{spoken}"
+
+    @property
+    def size(self) -> str:
+        """By how much, in words: `+10 %`, `-10 mm`, `+1°`."""
+        if self.unit == "m":
+            return f"{1000 * self.step:+.4g} mm"
+        return f"{degrees(self.step):+.4g}°" if self.unit == "rad" else f"{100 * self.step:+.4g} %"
+
+    @property
+    def unit(self) -> str:
+        """Of the step: "m" or "rad" of a pose, "1" of a share."""
+        if self.kind not in POSES:
+            return "1"
+        return "rad" if self.element.startswith("about") else "m"
+
+    @property
+    def moves_arms(self) -> bool:
+        """Whether the arms must follow the object anew."""
+        return self.kind in POSES
+
+    def applied(self, cell: Cell) -> Cell:
+        """The cell with this change; both sides of a limit move outward by a positive step, a side of 0 stays.
+
+        Args:
+            cell: The cell.
+
+        Raises:
+            InputError: If the changed number breaks a rule of the cell.
+        """
+        return _APPLIED[self.kind](cell, self)
+
+
+def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
+    """All changes of a cell, each up and down: its limits, in the order of its rows, mass and reserve, and its poses.
+
+    Sides of a limit move together. A joint with a torque-speed curve has its torques changed with the limit, as by
+    another motor, and the curve's speeds by themselves. A component that is held at one number is no limit.
+
+    Args:
+        cell: The cell.
+        steps: How far.
+    """
+    named: list[_Named] = [*_limits(cell), ("mass", "", "")]
+    if cell.reserve:
+        named.append(("reserve", "", ""))
+    shares = [(entry, steps.share) for entry in named]
+    along, around = _axes(cell)
+    for kind in POSES:
+        for robot in cell.robots:
+            shares += [((kind, robot.name, axis), steps.shift) for axis in along]
+            shares += [((kind, robot.name, f"about {axis}"), steps.turn) for axis in around]
+    return tuple(
+        CellChange(kind=kind, robot=robot, element=element, step=sign * step)
+        for (kind, robot, element), step in shares
+        for sign in (1, -1)
+    )
+
+
+def _limits(cell: Cell) -> Iterator[_Named]:
+    """Kind, robot and element of every limit that bounds something."""
+    for robot in cell.robots:
+        yield from _bounded("torque", robot.name, robot.joints, robot.torque_lower, robot.torque_upper)
+    for robot in cell.robots:
+        yield from _bounded("wrench", robot.name, cell.wrench_components, robot.wrench_lower, robot.wrench_upper)
+    yield from (("contact", robot.name, contact.name) for robot in cell.robots for contact in robot.contacts)
+    if cell.enforces_velocity_limits:
+        for robot in cell.robots:
+            yield from _bounded("velocity", robot.name, robot.joints, -robot.velocity_limit, robot.velocity_limit)
+        speed = cell.object_velocity_limit
+        yield from _bounded("velocity", "object", _OF_OBJECT, -speed, speed)
+    for robot in cell.robots:
+        curves = zip(robot.joints, robot.motors.torque_speed, strict=True)
+        yield from (("motor speed", robot.name, joint) for joint, curve in curves if curve is not None)
+
+
+def _bounded(kind: ChangeKind, robot: str, elements: Sequence[str], lower: Array, upper: Array) -> Iterator[_Named]:
+    """Elements with a limit on some side, unless they are held at one number."""
+    is_limit = (lower < upper) & (np.isfinite(lower) | np.isfinite(upper))
+    yield from ((kind, robot, element) for element, limited in zip(elements, is_limit.tolist(), strict=True) if limited)
+
+
+_OF_OBJECT = ("linear", "angular")
+
+
+def _axes(cell: Cell) -> tuple[list[str], list[str]]:
+    """Axes along and around which a pose of this cell moves: in a plane two and one."""
+    forces, moments = ([name[1] for name in cell.wrench_components if name[0] == first] for first in "fn")
+    return forces, moments
+
+
+def _outward(lower: Array, upper: Array, step: Array) -> tuple[Array, Array]:
+    """Both sides moved outward by a share of their own size, each Shape (r,); one that bounds nothing stays."""
+    down, up = (step * np.where(np.isfinite(side), np.abs(side), 0.0) for side in (lower, upper))
+    return lower - down, upper + up
+
+
+def _of_robot(cell: Cell, change: CellChange, changed: Callable[[Robot], Robot]) -> Cell:
+    robots = tuple(changed(robot) if robot.name == change.robot else robot for robot in cell.robots)
+    return replace(cell, robots=robots)
+
+
+def _steps(names: tuple[str, ...], change: CellChange) -> Array:
+    """The step at the place of its element, 0 elsewhere."""
+    return np.array([change.step if name == change.element else 0.0 for name in names])
+
+
+def _torque(cell: Cell, change: CellChange) -> Cell:
+    return _of_robot(cell, change, lambda robot: _with_motor(robot, change, speeds=False))
+
+
+def _motor_speed(cell: Cell, change: CellChange) -> Cell:
+    return _of_robot(cell, change, lambda robot: _with_motor(robot, change, speeds=True))
+
+
+def _with_motor(robot: Robot, change: CellChange, *, speeds: bool) -> Robot:
+    """The robot with other torques of a joint's motor, its curve's included, or with other speeds of the curve."""
+    factor = np.array([1 + change.step, 1.0]) if speeds else np.array([1.0, 1 + change.step])
+    curves = tuple(
+        curve * factor if curve is not None and joint == change.element else curve
+        for joint, curve in zip(robot.joints, robot.motors.torque_speed, strict=True)
+    )
+    motors = replace(robot.motors, torque_speed=curves)
+    if speeds:
+        return replace(robot, motors=motors)
+    lower, upper = _outward(robot.torque_lower, robot.torque_upper, _steps(robot.joints, change))
+    return replace(robot, torque_lower=lower, torque_upper=upper, motors=motors)
+
+
+def _wrench(cell: Cell, change: CellChange) -> Cell:
+    step = _steps(cell.wrench_components, change)
+
+    def changed(robot: Robot) -> Robot:
+        lower, upper = _outward(robot.wrench_lower, robot.wrench_upper, step)
+        return replace(robot, wrench_lower=lower, wrench_upper=upper)
+
+    return _of_robot(cell, change, changed)
+
+
+def _contact(cell: Cell, change: CellChange) -> Cell:
+    def changed(robot: Robot) -> Robot:
+        contacts = []
+        for contact in robot.contacts:
+            if contact.name != change.element:
+                contacts.append(contact)
+                continue
+            step = np.where(contact.lower < contact.upper, change.step, 0.0)
+            lower, upper = _outward(contact.lower, contact.upper, step)
+            contacts.append(replace(contact, lower=lower, upper=upper))
+        return replace(robot, contacts=tuple(contacts))
+
+    return _of_robot(cell, change, changed)
+
+
+def _velocity(cell: Cell, change: CellChange) -> Cell:
+    if change.robot == "object":
+        return replace(cell, object_velocity_limit=cell.object_velocity_limit * (1 + _steps(_OF_OBJECT, change)))
+
+    def changed(robot: Robot) -> Robot:
+        return replace(robot, velocity_limit=robot.velocity_limit * (1 + _steps(robot.joints, change)))
+
+    return _of_robot(cell, change, changed)
+
+
+def _pose(cell: Cell, change: CellChange) -> Cell:
+    name = "T_world_base" if change.kind == "base" else "T_object_tip"
+    step = np.array([change.step if change.element[-1] == axis else 0.0 for axis in AXES])
+
+    def changed(robot: Robot) -> Robot:
+        pose: RigidTransform = getattr(robot, name)
+        if change.unit == "rad":
+            moved = RigidTransform(multiply(rotation_from_rpy(*step), pose.R), pose.p)
+        else:
+            moved = RigidTransform(pose.R, pose.p + step)
+        return replace(robot, T_world_base=moved) if name == "T_world_base" else replace(robot, T_object_tip=moved)
+
+    return _of_robot(cell, change, changed)
+
+
+_APPLIED: dict[ChangeKind, Callable[[Cell, CellChange], Cell]] = {
+    "torque": _torque,
+    "wrench": _wrench,
+    "contact": _contact,
+    "velocity": _velocity,
+    "motor speed": _motor_speed,
+    "reserve": lambda cell, change: cell.with_reserve(cell.reserve * (1 + change.step)),
+    "mass": lambda cell, change: cell.with_mass(cell.mass * (1 + change.step)),
+    "base": _pose,
+    "grasp": _pose,
+}
+"""What each kind does to a cell."""

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: MIT
+"""The numbers of a study that are a layout: where bases stand, how hands hold, near which postures arms start."""
+
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
+from mrts.cell.cell import Cell
+from mrts.studies.number_paths import Keys, value_at
+from mrts.studies.spreads import Levels, Range
+from mrts.studies.study import Parameter, Study
+
+POSE = 6
+"""Numbers of a pose in a cell file: x, y, z, roll, pitch, yaw."""
+
+DIGITS = 5
+"""Decimals of the numbers of an answer: 10 µm and 10 µrad, less than anyone can set up."""
+
+SAME_PLACE = 1e-9
+"""Largest difference of numbers that are the same after rounding [m, rad]."""
+
+NOT_A_LAYOUT = (
+    "is no number of a layout. What mrts place moves are base, grasp and posture of robots; leave it out, or compare "
+    "its values by mrts sweep."
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LayoutNumbers:
+    """P numbers that move arms, hands and postures, all of which are affine in them.
+
+    Attributes:
+        parameters: Of the study.
+        lower: Least values, Shape (P,).
+        upper: Largest values, Shape (P,).
+        given: What the files of the study have, and what of it each number sets: base, grasp (x, y, z, roll, pitch, yaw
+            each) of every arm in turn, then all postures, Shape (12 n + m,).
+        offset: The same with all parameters at zero.
+        slope: By the parameters, Shape (12 n + m, P).
+    """
+
+    parameters: tuple[Parameter, ...]
+    lower: Array
+    upper: Array
+    given: Array
+    offset: Array
+    slope: Array
+
+    @classmethod
+    def of(cls, study: Study, cell: Cell) -> Self:
+        """The numbers of a study.
+
+        Args:
+            study: The study.
+            cell: Its cell.
+
+        Raises:
+            InputError: If it varies what is no layout, or not between two values.
+        """
+        bounds, joints = [], sum(len(robot.joints) for robot in cell.robots)
+        given = np.zeros(2 * POSE * len(cell.robots) + joints)
+        files = {"cell": study.cell}
+        for index, part in enumerate(cell.joint_slices.values()):
+            for place, name in enumerate(("base", "grasp")):
+                pose = value_at(files, ("cell", "robots", index)).get(name) or {}
+                start = 2 * POSE * index + POSE * place
+                given[start : start + 3] = pose.get("xyz") or np.zeros(3)
+                given[start + 3 : start + 6] = pose.get("rpy") or np.zeros(3)
+            given[2 * POSE * len(cell.robots) :][part] = value_at(files, ("cell", "robots", index, "posture"))
+        offset, slope = given.copy(), np.zeros((len(given), len(study.parameters)))
+        for column, parameter in enumerate(study.parameters):
+            bounds.append(_bounds(study, parameter))
+            for target in parameter.targets:
+                row = _row(cell, target.keys)
+                if row is None:
+                    raise InputError(study.path, NOT_A_LAYOUT, key=f"vary: {target.path}")
+                offset[row], slope[row, column] = target.offset, target.factor
+        lower, upper = np.array(bounds).T
+        return cls(parameters=study.parameters, lower=lower, upper=upper, given=given, offset=offset, slope=slope)
+
+    def nearest_given(self) -> tuple[Array, bool]:
+        """The values nearest to what the files have, within bounds, Shape (P,), and whether they give just that."""
+        values = np.linalg.lstsq(self.slope, self.given - self.offset, rcond=None)[0]
+        inside = np.clip(values, self.lower, self.upper)
+        off = np.max(np.abs(self.offset + self.slope @ inside - self.given))
+        return inside, bool(off <= SAME_PLACE)
+
+    def rounded(self, values: Array) -> Array:
+        """Values as they are written, within their bounds, Shape (P,)."""
+        return np.clip(np.round(values, DIGITS), self.lower, self.upper)
+
+    def geometry(self, cell: Cell, values: Any) -> Any:
+        """The geometry of the cell at symbols of the values, Shape (g,); poses that do not move are numbers.
+
+        Args:
+            cell: The cell.
+            values: CasADi symbols, Shape (P,).
+        """
+        import casadi as ca  # noqa: PLC0415 (here it is symbols; reading a study does without)
+
+        numbers = ca.DM(self.offset) + ca.sparsify(ca.DM(self.slope)) @ values
+        entries = ca.SX(cell.geometry)
+        for pose in range(2 * len(cell.robots)):
+            part = slice(POSE * pose, POSE * pose + POSE)
+            if np.any(self.slope[part]):
+                x, rpy = numbers[part][:3], numbers[part][3:]
+                start = GRAVITY_SIZE + pose * ROBOT_SIZE // 2
+                entries[start : start + 9] = ca.vec(_rotation(rpy).T)
+                entries[start + 9 : start + 12] = x
+        return entries
+
+    def postures(self, cell: Cell, values: Any) -> Any:
+        """All postures at symbols of the values, Shape (m,) [rad or m]."""
+        import casadi as ca  # noqa: PLC0415 (likewise)
+
+        rows = slice(2 * POSE * len(cell.robots), None)
+        return ca.DM(self.offset[rows]) + ca.sparsify(ca.DM(self.slope[rows])) @ values
+
+
+def _rotation(rpy: Any) -> Any:
+    """Rz(yaw) Ry(pitch) Rx(roll) of symbols, as `mrts.base.rigid_transform.rotation_from_rpy` of numbers."""
+    import casadi as ca  # noqa: PLC0415 (likewise)
+
+    cr, cp, cy = (ca.cos(rpy[axis]) for axis in range(3))
+    sr, sp, sy = (ca.sin(rpy[axis]) for axis in range(3))
+    return ca.vertcat(
+        ca.horzcat(cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+        ca.horzcat(sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+        ca.horzcat(-sp, cp * sr, cp * cr),
+    )
+
+
+def _bounds(study: Study, parameter: Parameter) -> tuple[float, float]:
+    spread = parameter.spread
+    if isinstance(spread, Range) or (isinstance(spread, Levels) and spread.between):
+        return spread.bounds
+    raise InputError(
+        study.path,
+        "must be given by 'from' and 'to', between which the best layout is searched.",
+        key=f"vary: {parameter.path}",
+        value=spread.text(parameter.unit),
+    )
+
+
+def _row(cell: Cell, keys: Keys) -> int | None:
+    """Where a number stands in `LayoutNumbers.given`; None if it is no number of a layout."""
+    match keys:
+        case ("cell", "robots", int(robot), ("base" | "grasp") as pose, ("xyz" | "rpy") as part, int(axis)):
+            return 2 * POSE * robot + (POSE if pose == "grasp" else 0) + (3 if part == "rpy" else 0) + axis
+        case ("cell", "robots", int(robot), "posture", int(joint)):
+            before = sum(len(arm.joints) for arm in cell.robots[:robot])
+            return 2 * POSE * len(cell.robots) + before + joint
+    return None

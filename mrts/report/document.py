@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: MIT
+"""An HTML document with plots: everything in one file that fetches nothing."""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from importlib.resources import files
+from typing import Any
+
+from mrts.base.errors import InputError
+from mrts.report.markup import Html, element, html, joined, plot_place
+from mrts.report.plots import Plot
+
+Place = Callable[..., Html]
+"""Puts plots into a document, and tells where they stand."""
+
+
+def plot_library() -> str:
+    """The text of plotly.js.
+
+    Raises:
+        InputError: If plotly is not installed.
+    """
+    try:
+        from plotly.offline import get_plotlyjs  # noqa: PLC0415 (the extra 'report')
+    except ModuleNotFoundError:
+        raise InputError("report", "needs plotly: pip install 'mrts[report]'.") from None
+    return str(get_plotlyjs())
+
+
+def placing(plots: list[Plot]) -> Place:
+    """What puts plots beside each other and adds them to those of the document.
+
+    Args:
+        plots: Of the document.
+    """
+
+    def place(*drawn: Plot) -> Html:
+        plots.extend(drawn)
+        return element("div", joined(plot_place(plot.place, plot.title, plot.height) for plot in drawn), class_="plots")
+
+    return place
+
+
+def document(title: str, body: str, plots: Sequence[Plot], *, compiles: bool = False, **data: Mapping[str, Any]) -> str:
+    """A document that opens offline; the same parts give the same text.
+
+    Args:
+        title: Of the window.
+        body: HTML.
+        plots: What is drawn into their places of the body.
+        compiles: Whether a plot needs a browser that compiles: plotly's parallel coordinates do.
+        **data: What its script needs beside the plots.
+
+    Raises:
+        InputError: If plotly is not installed.
+    """
+    library = plot_library()
+    drawn = {plot.place: {"data": plot.data, "layout": plot.layout} for plot in plots}
+    # "<" could end the element; JSON may write it in another way
+    text = json.dumps({"plots": drawn, **data}, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    return f"""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy(compiles=compiles)}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="generator" content="mrts">
+<title>{html(title)}</title>
+<style>
+{_file("report.css")}</style>
+</head>
+<body>
+{body}
+<script>{library}</script>
+<script type="application/json" id="report-data">{text}</script>
+<script>
+{_file("report.js")}</script>
+</body>
+</html>
+"""
+
+
+def policy(*, compiles: bool) -> str:
+    """What the browser lets the page do: nothing from outside.
+
+    Args:
+        compiles: Whether the page may compile scripts.
+    """
+    scripts = "'unsafe-inline' 'unsafe-eval'" if compiles else "'unsafe-inline'"
+    return f"default-src 'none'; script-src {scripts}; style-src 'unsafe-inline'; img-src data: blob:"
+
+
+def _file(name: str) -> str:
+    return (files("mrts") / "report" / name).read_text(encoding="utf-8")

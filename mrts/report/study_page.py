@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: MIT
+"""The page of a study: what was varied, what became of the variants, the best, and what to do next."""
+
+from pathlib import Path
+
+import numpy as np
+
+from mrts.base.argument_types import as_path
+from mrts.base.atomic_file import write_text_atomically
+from mrts.drawing.study_map import map_remark, weights
+from mrts.drawing.study_table import OUTCOMES, StudyTable, read_study_table
+from mrts.drawing.study_words import (
+    best_part,
+    best_rows,
+    best_text,
+    managed_texts,
+    next_steps,
+    outcome_text,
+    percent,
+    span_texts,
+)
+from mrts.report.document import Place, document, placing
+from mrts.report.markup import Html, element, html, joined, section, table
+from mrts.report.plots import Plot
+from mrts.report.study_plots import durations_plot, lines_plot, map_plots
+
+MOST_BEST = 10
+"""Columns of the table of the best variants."""
+
+MOST_REASONS = 12
+MOST_LIMITS = 15
+"""Rows of the tables of reasons and limits; the rest is counted."""
+
+
+def write_study_report(study: StudyTable | Path | str, path: Path | str) -> None:
+    """Write the report of what a sweep has found so far: one HTML file that opens offline.
+
+    Args:
+        study: The table, or the folder of the study, as `mrts sweep -o` wrote it.
+        path: The file.
+
+    Raises:
+        InputError: If there is no study, none of its variants is solved, plotly is not installed, or the file cannot
+            be written.
+    """
+    found = study if isinstance(study, StudyTable) else read_study_table(as_path("study", study))
+    write_text_atomically(as_path("path", path), study_html(found))
+
+
+def study_html(found: StudyTable) -> str:
+    """The report of a study as text; the same study gives the same text.
+
+    Args:
+        found: The study, with at least one variant.
+
+    Raises:
+        InputError: If plotly is not installed.
+    """
+    plots: list[Plot] = []
+    body = joined(_sections(found, placing(plots)))
+    compiles = any(trace.get("type") == "parcoords" for plot in plots for trace in plot.data)
+    return document(f"{found.name}: {found.variants} variants", body, plots, compiles=compiles)
+
+
+def _sections(found: StudyTable, place: Place) -> list[Html]:
+    status = "feasible" if len(found.ranked) else "infeasible"
+    pieces = [
+        element("header", joined([
+            element("h1", found.name),
+            element("p", f"{_sentence(outcome_text(found))} {_sentence(best_text(found))}", class_=f"outcome {status}"),
+        ])),
+        section("next", "What to do next", element("ul", joined(element("li", step) for step in next_steps(found)))),
+    ]  # fmt: skip
+    if len(found.ranked):
+        head, (*rows, limits) = best_rows(found, MOST_BEST)
+        rows.append([limits[0], *(Html(html(limit).replace(", ", "<br>")) for limit in limits[1:])])
+        note = "(end): at an end of what was tried; further may be better."
+        pieces.append(section("best", "The best variants", table(head, rows), element("p", note, class_="note")))
+    if found.knobs:
+        drawn, maps = map_plots(found)
+        note = f"{_sentence(map_remark(found, drawn))} Hover to read a cell.".strip()
+        pieces.append(section("map", "Over the numbers", element("p", note, class_="note"), place(*maps)))
+    if len(found.knobs) > 2:  # noqa: PLR2004 (up to two, the map shows all)
+        lines, plot = lines_plot(found)
+        note = f"{_sentence(lines.remark(found))} Drag along an axis to filter, drag its name to move it.".strip()
+        shown = element("div", place(plot), class_="wide", style=f"--axes:{len(lines.knobs) + 1}")
+        pieces.append(section("lines", "All numbers at once", element("p", note, class_="note"), shown))
+    pieces += [*_weights(found), *_limits(found), _outcomes(found), *_durations(found, place), _varied(found)]
+    return pieces
+
+
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}." if text else ""
+
+
+def _bar(share: float) -> Html:
+    filled = element("div", "", class_="fill", style=f"width:{100 * min(share, 1):.1f}%")
+    return joined([element("div", filled, class_="bar"), html(f"{100 * share:.0f} %")])
+
+
+def _weights(found: StudyTable) -> list[Html]:
+    """How much each number matters; nothing where there is only one."""
+    if len(found.knobs) < 2:  # noqa: PLR2004 (nothing to compare)
+        return []
+    rows = [(found.knobs[each.knob].path, _bar(each.duration), _bar(each.playable)) for each in weights(found)]
+    note = "What each number explains by itself; what numbers do only together is not in it."
+    head = ("number", "of how the durations spread", "of whether it can be played")
+    return [section("weights", "What matters", table(head, rows), element("p", note, class_="note"))]
+
+
+def _limits(found: StudyTable) -> list[Html]:
+    """Which limit binds how often; nothing where none does."""
+    best = np.isin(np.arange(found.variants), best_part(found))
+    counts, of_best = found.limit_counts(found.admitted), dict(found.limit_counts(best))
+    total, total_best = int(np.sum(found.admitted)), max(1, int(np.sum(best)))
+    rows = [
+        (name, _bar(count / total), _bar(of_best.get(name, 0) / total_best)) for name, count in counts[:MOST_LIMITS]
+    ]
+    note = "↑ at its upper limit, ↓ at its lower one. Several may bind at once: raising one alone then brings little."
+    whole = table(("limit at c²⁺", "of all that can be played", "of the best 5 %"), rows)
+    rest = _rest(len(counts) - MOST_LIMITS, "limits")
+    return [section("limits", "What limits them", whole, *rest, element("p", note, class_="note"))] if rows else []
+
+
+def _outcomes(found: StudyTable) -> Html:
+    everything = np.ones(found.variants, dtype=bool)
+    counts = [
+        (found.outcome.names[code], OUTCOMES[found.outcome.names[code]], str(count), percent(count, found.variants))
+        for code, count in found.outcome.counts(everything)
+    ]
+    parts = [table(("outcome", "what it means", "variants", "share"), counts)]
+    reasons = found.reasons()
+    if reasons:
+        rows = [
+            (outcome, element("div", reason, class_="prose"), str(count))
+            for outcome, reason, count in reasons[:MOST_REASONS]
+        ]
+        parts += [
+            element("h3", "Why not"),
+            table(("outcome", "reason of the first", "variants alike"), rows),
+            *_rest(len(reasons) - MOST_REASONS, "reasons"),
+        ]
+    return section("outcomes", "What became of the variants", *parts)
+
+
+def _durations(found: StudyTable, place: Place) -> list[Html]:
+    plot = durations_plot(found)
+    if plot is None:
+        return []
+    words = _sentence("; ".join(managed_texts(found)))
+    return [section("durations", "How the durations spread", element("p", words), place(plot))]
+
+
+def _varied(found: StudyTable) -> Html:
+    rows = []
+    for number, knob in enumerate(found.knobs):
+        column = found.values[:, number]
+        low, high = span_texts(float(np.min(column)), float(np.max(column)))
+        rows.append((knob.path, low, high, knob.unit, str(len(np.unique(column)))))
+    asked = element(
+        "dl", joined(joined([element("dt", name), element("dd", text)]) for name, text in found.asked.items())
+    )
+    whole = table(("number", "from", "to", "unit", "different values"), rows)
+    return section("varied", "What was asked", *([asked] if found.asked else []), whole)
+
+
+def _rest(count: int, what: str) -> list[Html]:
+    return [element("p", f"… and {count} more {what}.")] if count > 0 else []

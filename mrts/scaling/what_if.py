@@ -1,0 +1,395 @@
+# SPDX-License-Identifier: MIT
+"""What small changes to a cell would do to the speed of a motion, each found by solving again."""
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import degrees, inf
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mrts.base.argument_types import Progress
+from mrts.base.errors import InputError, MotionError, SolverError
+from mrts.cell.cell import Cell
+from mrts.cell.cell_change import CellChange, ChangeKind, ChangeSteps, cell_changes
+from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
+from mrts.coordination.following_again import following_again
+from mrts.limits.rows import ActiveRow
+from mrts.samples.sample_ranges import SampleRanges
+from mrts.samples.trajectory_programs import motion_ranges
+from mrts.scaling.range import ScalingRange, intersect
+from mrts.scaling.scale import AdmissibleRange, within_rate_limits
+from mrts.scaling.uncertain_load import range_at_samples
+
+if TYPE_CHECKING:
+    from mrts.scaling.result import ScalingResult
+
+NO_CHANGE = 1e-6
+"""Share of the duration below which a change does nothing: programs are right to 1e-9, ends that tie to 1e-7."""
+
+MOST_GAINS, MOST_LOSSES = 12, 8
+"""Changes that a table shows of those that gain, and of those that lose."""
+
+_BAKED = "they stand as numbers in the generated C (--bake)"
+_GIVEN = "the joints of this motion are given, and are not those that the arms take by themselves"
+"""Why poses are left out."""
+
+MOST_NAMED = 3
+"""Limits that bind which a line names; the rest is counted."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeedAnswer:
+    """How fast a motion may be played with a cell.
+
+    Attributes:
+        status: The outcome of the range or of the timing; "unreachable" where the arms cannot follow, "invalid" where
+            the change breaks a rule, "failed" where no solver answers.
+        c2: c²⁺; infinity where nothing limits it, None where no c² is admissible or the speed varies along the path.
+        duration: Of the motion at its fastest [s]; infinity where it can only stand, None where it cannot be played.
+        limits: What binds then.
+        reason: Why it cannot be played; empty if it can.
+    """
+
+    status: str
+    c2: float | None = None
+    duration: float | None = None
+    limits: tuple[str, ...] = ()
+    reason: str = ""
+
+    def to_json(self) -> dict[str, Any]:
+        """The answer as JSON values; null stands for what is not, or has no end."""
+        return {
+            "status": self.status,
+            "c2_upper": None if self.c2 is None or np.isinf(self.c2) else self.c2,
+            "duration": None if self.duration is None or np.isinf(self.duration) else self.duration,
+            "limits": list(self.limits),
+            "reason": self.reason or None,
+        }
+
+
+@dataclass(frozen=True)
+class ChangedAnswer:
+    """A change, and what the answer is with it.
+
+    Attributes:
+        change: What was changed.
+        after: With it.
+        before: Without it.
+    """
+
+    change: CellChange
+    after: SpeedAnswer
+    before: SpeedAnswer
+
+    def __str__(self) -> str:
+        after, before = self.after, self.before
+        if after.duration is None:
+            return f"{self.change}: {after.status}: {after.reason}"
+        if before.duration is None:
+            return f"{self.change}: {after.status}, {self.amount}{self._then()}"
+        seconds = f"{_seconds(after.duration)} instead of {_seconds(before.duration)}"
+        return f"{self.change}: {self.amount}, {seconds}{self._then()}"
+
+    @property
+    def faster(self) -> float | None:
+        """The duration before by that after; None where one of them is not."""
+        if self.after.duration is None or self.before.duration is None:
+            return None
+        if self.after.duration == self.before.duration:
+            return 1.0
+        return self.before.duration / self.after.duration if self.after.duration > 0 else inf
+
+    @property
+    def c2_change(self) -> float | None:
+        """By what share c²⁺ changes; None where that is no number."""
+        after, before = self.after.c2, self.before.c2
+        if after is None or not before or not np.isfinite([after, before]).all():
+            return None
+        return after / before - 1
+
+    @property
+    def matters(self) -> bool:
+        """Whether the change does anything to the speed, or to whether there is one."""
+        faster = self.faster
+        if faster is None:
+            return (self.after.duration is None) != (self.before.duration is None)
+        return not abs(faster - 1) <= NO_CHANGE
+
+    @property
+    def amount(self) -> str:
+        """By how much it is faster or slower: `c² +10.1 %`, `time -4.3 %`; what is instead of none."""
+        change = self.c2_change
+        if change is not None:
+            return f"c² {_percent(change)}"
+        if self.after.c2 is not None:
+            return _seconds(0.0) if np.isinf(self.after.c2) else f"c² {self.after.c2:.4g}"
+        faster = self.faster
+        if faster is None or not 0 < faster < inf:
+            return _seconds(self.after.duration)
+        return f"time {_percent(1 / faster - 1)}"
+
+    def _then(self) -> str:
+        limits = _limits_text(self.after.limits)
+        return f", then {limits} {'binds' if len(self.after.limits) == 1 else 'bind'}" if limits else ""
+
+    def to_json(self) -> dict[str, Any]:
+        """The entry of a change in the JSON result."""
+        change = self.change
+        named = {"kind": change.kind, "robot": change.robot, "element": change.element}
+        said = {"change": str(change), **named, "step": change.step, "unit": change.unit}
+        return said | self.after.to_json() | {"c2_change": self.c2_change, "matters": self.matters}
+
+
+@dataclass(frozen=True, repr=False)
+class WhatIf:
+    """What `ScalingResult.what_if` or `RetimingResult.what_if` found.
+
+    Attributes:
+        steps: How far each number was changed.
+        before: The answer as it is, at the samples of the result.
+        changes: All changes, what gains most first, what cannot be played last.
+        left_out: What could not be asked, a sentence; empty if nothing.
+    """
+
+    steps: ChangeSteps
+    before: SpeedAnswer
+    changes: tuple[ChangedAnswer, ...]
+    left_out: str = ""
+
+    def __repr__(self) -> str:
+        return f"<WhatIf: {len(self.changes)} changes, {sum(one.matters for one in self.changes)} matter>"
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+    @property
+    def without_effect(self) -> tuple[str, ...]:
+        """What may be changed up and down and the speed stays as it is."""
+        matter = {one.change.what for one in self.changes if one.matters}
+        return tuple(dict.fromkeys(one.change.what for one in self.changes if one.change.what not in matter))
+
+    def lines(self, gains: int = MOST_GAINS, losses: int = MOST_LOSSES) -> Iterator[str]:
+        """The table as text: what gains most, what loses most, what cannot be played, what does nothing.
+
+        Args:
+            gains: Most changes to show that gain.
+            losses: Most changes to show that lose, and of those that cannot be played.
+        """
+        steps, before = self.steps, self.before
+        poses = f", {1000 * steps.shift:.4g} mm and {degrees(steps.turn):.4g}° of bases and grasps"
+        moved = any(one.change.moves_arms for one in self.changes)
+        now = before.status if before.duration is None else _seconds(before.duration)
+        now += f" at c² = {before.c2:.4g}" if before.c2 is not None and before.duration else ""
+        yield f"what if: ±{100 * steps.share:.4g} % of limits and mass{poses if moved else ''}; now {now}"
+        what = ("gain less", "lose less", "cannot be played")
+        groups = zip(self.sorted(), (gains, losses, losses), what, strict=True)
+        shown = [(group[:most], len(group) - most, others) for group, most, others in groups]
+        widths = _widths([one for group, _, _ in shown for one in group])
+        for group, hidden, others in shown:
+            yield from (_row(one, *widths) for one in group)
+            if hidden > 0:
+                yield f"  … and {hidden} more that {others} (--json has all)"
+        yield from filter(None, [self.nothing_else(), self.left_out])
+
+    def sorted(self) -> tuple[list[ChangedAnswer], list[ChangedAnswer], list[ChangedAnswer]]:
+        """Those that matter: what gains, what loses, what cannot be played, each the largest effect first."""
+        matter = [one for one in self.changes if one.matters]
+        played = [one for one in matter if one.after.duration is not None]
+        more = [one for one in played if one.faster is None or one.faster > 1]
+        less = [one for one in reversed(played) if one.faster is not None and one.faster < 1]
+        return more, less, [one for one in matter if one.after.duration is None]
+
+    def nothing_else(self) -> str:
+        """One sentence on what does nothing, counted by kind; empty if everything does something."""
+        kinds = {one.change.what: one.change.kind for one in self.changes}
+        counts = Counter(_SPOKEN[kinds[what]] for what in self.without_effect)
+        if not counts:
+            return ""
+        parts = [one if count == 1 else f"{count} {many}" for (one, many), count in counts.items()]
+        listed = parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
+        stays = "the speed stays" if self.before.duration is not None else "it still cannot be played"
+        nothing = "nothing else matters" if any(one.matters for one in self.changes) else "nothing matters"
+        return f"{nothing}: {listed} may be changed as much, and {stays}"
+
+    def to_json(self) -> dict[str, Any]:
+        """The entry "what_if" of the JSON result."""
+        steps = self.steps
+        return {
+            "steps": {"share": steps.share, "shift": steps.shift, "turn": steps.turn},
+            "before": self.before.to_json(),
+            "changes": [one.to_json() for one in self.changes],
+            "without_effect": list(self.without_effect),
+            "left_out": self.left_out or None,
+        }
+
+
+_SPOKEN: dict[ChangeKind, tuple[str, str]] = {
+    "torque": ("a torque limit", "torque limits"),
+    "wrench": ("a contact wrench limit", "contact wrench limits"),
+    "contact": ("a hand", "hands"),
+    "velocity": ("a velocity limit", "velocity limits"),
+    "motor speed": ("the speed of a motor", "speeds of motors"),
+    "reserve": ("the reserve", "reserves"),
+    "mass": ("the mass", "masses"),
+    "base": ("a coordinate of a base", "coordinates of bases"),
+    "grasp": ("a coordinate of a grasp", "coordinates of grasps"),
+}
+"""What one and what several changes of a kind are called."""
+
+
+def _seconds(duration: float | None) -> str:
+    if duration is None:
+        return "cannot be played"
+    if duration == 0:
+        return "as fast as you like"
+    return f"{duration:.4g} s" if np.isfinite(duration) else "stands still"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:+.3g} %"
+
+
+def _limits_text(limits: Sequence[str]) -> str:
+    """The first few limits by name, the others counted."""
+    more = f" and {len(limits) - MOST_NAMED} more" if len(limits) > MOST_NAMED else ""
+    return f"{', '.join(limits[:MOST_NAMED])}{more}"
+
+
+def _widths(shown: Sequence[ChangedAnswer]) -> tuple[int, int]:
+    """Of the columns of changes and of amounts."""
+    names = max((len(str(one.change)) for one in shown), default=0)
+    return names, max((len(one.amount) for one in shown if one.after.duration is not None), default=0)
+
+
+def _row(one: ChangedAnswer, names: int, amounts: int) -> str:
+    """A line of the table."""
+    after, start = one.after, f"  {one.change!s:<{names}}  "
+    if after.duration is None:
+        return f"{start}{after.status}: {after.reason}"
+    limits = f"  then {_limits_text(after.limits)}" if after.limits else ""
+    return f"{start}{one.amount:>{amounts}}  {_seconds(after.duration):>9}{limits}"
+
+
+def ask_changes(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    before: SpeedAnswer,
+    steps: ChangeSteps,
+    answer: Callable[[Cell, CoordinatedMotion], SpeedAnswer],
+    progress: Progress,
+) -> WhatIf:
+    """Change every number of a cell, one at a time up and down, and ask again.
+
+    Arms whose base or grasp is moved follow the same motion of the object again, from the same postures.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+        before: The answer as it is.
+        steps: How far numbers are changed.
+        answer: The answer of a changed cell and its motion; may raise what solvers raise.
+        progress: Told how many of how many changes are done.
+    """
+    changes, left_out = cell_changes(cell, steps), ""
+    follows = None if cell.functions.manifest.is_baked else following_again(cell, motion)
+    if follows is None:
+        changes = tuple(change for change in changes if not change.moves_arms)
+        left_out = f"bases and grasps were not moved: {_BAKED if cell.functions.manifest.is_baked else _GIVEN}"
+    found = []
+    for number, change in enumerate(changes):
+        progress(number, len(changes))
+        start = cell if follows is None or not change.moves_arms else follows
+        found.append(ChangedAnswer(change, _answered(change, start, motion, answer), before))
+    progress(len(changes), len(changes))
+    found.sort(key=lambda one: inf if one.after.duration is None else one.after.duration)
+    return WhatIf(steps, before, tuple(found), left_out)
+
+
+def _answered(
+    change: CellChange, cell: Cell, motion: CoordinatedMotion, answer: Callable[[Cell, CoordinatedMotion], SpeedAnswer]
+) -> SpeedAnswer:
+    """The answer with a change, or why there is none."""
+    try:
+        changed = change.applied(cell)
+        return answer(changed, follow_object(changed, motion.object) if change.moves_arms else motion)
+    except InputError as error:
+        return SpeedAnswer(status="invalid", reason=str(error))
+    except MotionError as error:
+        return SpeedAnswer(status="unreachable", reason=str(error).partition(". ")[0])  # without advice
+    except SolverError as error:
+        return SpeedAnswer(status="failed", reason=str(error))
+
+
+def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: Progress) -> WhatIf:
+    """What changes would do to the range of c² of a result, at its samples.
+
+    Args:
+        result: Any result of the motion at a constant factor, feasible or not.
+        steps: How far numbers are changed.
+        solver: Name in the registry.
+        progress: Told how many of how many changes are done.
+
+    Raises:
+        InputError: If the result is that of another speed, or of what is possible with some load.
+        SolverError: If no solver answers for the cell as it is.
+    """
+    if result.origin:
+        why = "is of a motion that was retimed: ask what mrts.retime found, or scale the motion as it was given."
+        raise InputError("result", why)
+    cell, study = result.cell, result.load
+    question = "nominal" if study is None else study.question
+    if study is not None and question == "possible":
+        why = "is of what is possible with some load, which no change is asked of: ask for the guaranteed range."
+        raise InputError("result", why, value=question)
+    if study is not None:
+        cell = replace(cell, load=study.box.nominal_point().load, load_box=study.box)
+
+    rule = result.rule
+
+    def answer(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
+        whole = range_at_samples(changed, motion, question, rule.formulation, rule.sharing, solver)
+        within, _ = within_rate_limits(changed, AdmissibleRange(motion, *whole), rule)
+        return _of_range(within.range, float(motion.object.time[-1]))
+
+    before = answer(cell, result.motion)
+
+    def sooner(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
+        """The same; to find which rows bind takes longer than to see that the range stays."""
+        samples = motion_ranges(changed, motion, rule.formulation, rule.sharing, solver)
+        return before if _leaves(samples, before.c2) else _of_range(intersect(samples), float(motion.object.time[-1]))
+
+    known = question == "nominal" and rule.rates is None
+    return ask_changes(cell, result.motion, before, steps, sooner if known else answer, progress)
+
+
+def _leaves(samples: SampleRanges, c2: float | None) -> bool:
+    """Whether c²⁺ is what it was."""
+    if c2 is None or samples.conflicts or samples.gaps:
+        return False
+    low, high = float(np.max(samples.lower)), float(np.min(samples.upper))
+    return low <= high and (high == c2 or abs(high - c2) <= NO_CHANGE * c2)
+
+
+def _of_range(found: ScalingRange, given: float) -> SpeedAnswer:
+    """The answer of a range of c² of a motion that takes so many seconds as given."""
+    status, upper = found.status, found.upper
+    if not status.admits_motion or upper is None:
+        return SpeedAnswer(status=status.value, reason=_why_not(found))
+    duration = given / np.sqrt(upper.c2) if upper.c2 > 0 else inf
+    return SpeedAnswer(status=status.value, c2=upper.c2, duration=float(duration), limits=_names(upper.rows))
+
+
+def _names(rows: Sequence[ActiveRow]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(row.name.short for row in rows))
+
+
+def _why_not(found: ScalingRange) -> str:
+    """Why no c² is admissible, as short as a line of a table."""
+    samples = found.samples
+    if not samples.conflicts:
+        return found.explain().removesuffix(found.status.advice).rstrip(". ")
+    worst = max(samples.conflicts, key=lambda conflict: conflict.widening)
+    names = _limits_text(_names(worst.rows))
+    return f"at {len(samples.conflicts)} of {len(samples.time)} samples; at t = {worst.time:.4g} s {names} conflict"

@@ -1,0 +1,372 @@
+# SPDX-License-Identifier: MIT
+"""A study on disk: `study.json` and one Parquet file a chunk of variants; needs the extra 'study' (pyarrow).
+
+A part is there whole or not at all, and `study.json` fixes which variants it holds, so that a study that was ended at
+any moment goes on where it stood: no row is lost or double.
+"""
+
+import fcntl
+import hashlib
+import json
+import logging
+import os
+import re
+import socket
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mrts.base.argument_types import as_path
+from mrts.base.arrays import Array
+from mrts.base.atomic_file import write_atomically, write_text_atomically
+from mrts.base.errors import InputError
+from mrts.base.printable import message_text
+from mrts.base.version import __version__
+from mrts.studies.study import Study
+from mrts.studies.variant_rows import column_types
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+STUDY_FILE = "study.json"
+LOCK_FILE = ".lock"
+PART_FILE = re.compile(r"part-(\d{8})\.parquet")
+TEMPORARY_FILE = re.compile(r"\.(?:study|part-\d{8})\..*\.(?:json|parquet)")
+"""What a writer that was killed leaves."""
+
+FORMAT = 1
+"""Of study.json."""
+
+UNITS = {"duration": "s", "energy": "J"}
+"""Of columns that are not parameters; c² has none, and torques have that of their joint."""
+
+DIGEST_KEY = b"study"
+"""In the metadata of a part: the digest of its study."""
+
+logger = logging.getLogger("mrts")
+
+
+def require_pyarrow() -> None:
+    """Say how to get pyarrow where it lacks.
+
+    Raises:
+        InputError: If it does.
+    """
+    from importlib.util import find_spec  # noqa: PLC0415 (nobody else needs it)
+
+    if find_spec("pyarrow") is None:
+        raise InputError("study", "the table of a study needs pyarrow: pip install 'mrts[study]'.")
+
+
+@dataclass(frozen=True)
+class StudyFolder:
+    """A study and the part of its rows that is solved.
+
+    Attributes:
+        path: The folder.
+        record: What `study.json` holds.
+    """
+
+    path: Path
+    record: Mapping[str, Any]
+
+    @property
+    def digest(self) -> str:
+        """Of the whole study."""
+        return str(self.record["digest"])
+
+    @property
+    def variants(self) -> int:
+        """How many the study has, solved or not."""
+        return int(self.record["variants"])
+
+    @property
+    def chunk(self) -> int:
+        """Variants in a part; the last may have fewer."""
+        return int(self.record["chunk"])
+
+    @property
+    def chunks(self) -> int:
+        """How many parts a complete study has."""
+        return -(-self.variants // self.chunk)
+
+    @cached_property
+    def schema(self) -> "pa.Schema":
+        """Names and types of the columns, with their units."""
+        import pyarrow as pa  # noqa: PLC0415 (an extra)
+
+        types = {"int64": pa.int64(), "float64": pa.float64(), "string": pa.string()}
+        fields = [
+            pa.field(name, types[column["type"]], metadata={"unit": column["unit"]} if column["unit"] else None)
+            for name, column in self.record["columns"].items()
+        ]
+        return pa.schema(fields, metadata={DIGEST_KEY: self.digest})
+
+    def bounds(self, number: int) -> tuple[int, int]:
+        """First variant of a chunk, and the one after its last."""
+        return number * self.chunk, min(self.variants, (number + 1) * self.chunk)
+
+    def part(self, number: int) -> Path:
+        """The file of a chunk."""
+        return self.path / f"part-{number:08d}.parquet"
+
+    def parts(self) -> dict[int, Path]:
+        """Files of the chunks that are solved, by number, in order."""
+        found = ((PART_FILE.fullmatch(path.name), path) for path in self.path.iterdir())
+        numbered = {int(match[1]): path for match, path in found if match}
+        return {number: numbered[number] for number in sorted(numbered) if number < self.chunks}
+
+    def rows(self, pieces: Sequence[Mapping[str, list[Any] | Array]]) -> "pa.Table":
+        """Rows as a table; a column that lacks has no value in any of them, a NaN is no value.
+
+        Args:
+            pieces: One after the other, each its columns by name, with `variant` at least.
+        """
+        import pyarrow as pa  # noqa: PLC0415 (an extra)
+
+        tables = []
+        for columns in pieces:
+            length = len(columns["variant"])
+            arrays = [
+                pa.array(columns[field.name], field.type, from_pandas=True)
+                if field.name in columns
+                else pa.nulls(length, field.type)
+                for field in self.schema
+            ]
+            tables.append(pa.Table.from_arrays(arrays, schema=self.schema))
+        return pa.concat_tables(tables)
+
+    def write(self, number: int, rows: "pa.Table") -> None:
+        """Write the rows of a chunk, whole or not at all.
+
+        Raises:
+            InputError: If the file cannot be written.
+        """
+        import pyarrow.parquet as pq  # noqa: PLC0415 (an extra)
+
+        def write(temporary: Path) -> None:
+            with temporary.open("wb") as file:
+                pq.write_table(rows, file, compression="zstd")
+                file.flush()
+                os.fsync(file.fileno())  # or a machine that loses power may keep the name without the content
+
+        write_atomically(self.part(number), write)
+
+    def table(self, columns: Sequence[str] | None = None) -> "pa.Table":
+        """The rows that are solved, in the order of the variants.
+
+        Args:
+            columns: Names of those wanted; None takes all.
+        """
+        return self.dataset().to_table(columns=columns)
+
+    def dataset(self) -> Any:
+        """The rows that are solved as a `pyarrow.dataset.Dataset`, which reads what is asked for."""
+        import pyarrow.dataset as ds  # noqa: PLC0415 (an extra)
+
+        files = [str(path) for path in self.parts().values()]
+        return ds.dataset(files, schema=self.schema, format="parquet")
+
+    def drop_damaged(self) -> None:
+        """Remove parts that are not what the study says; they will be solved again."""
+        for number, path in self.parts().items():
+            first, last = self.bounds(number)
+            if not self._is_sound(path, last - first):
+                logger.warning("%s is damaged, or of another study: solved again", path)
+                path.unlink()
+
+    def _is_sound(self, path: Path, length: int) -> bool:
+        import pyarrow as pa  # noqa: PLC0415 (an extra)
+        import pyarrow.parquet as pq  # noqa: PLC0415
+
+        try:
+            with pq.ParquetFile(path) as file:
+                schema = file.schema_arrow
+                return bool(file.metadata.num_rows == length and schema.equals(self.schema, check_metadata=True))
+        except (pa.ArrowException, OSError):
+            return False
+
+
+def read_study_folder(path: Path | str) -> StudyFolder:
+    """What a sweep has written so far; it may still be at work.
+
+    Args:
+        path: The folder that `mrts sweep -o` names.
+
+    Raises:
+        InputError: If it holds no study.
+    """
+    require_pyarrow()
+    folder = as_path("path", path)
+    try:
+        text = (folder / STUDY_FILE).read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(folder, f"holds no study: {STUDY_FILE}: {reason}. Name what `mrts sweep -o` wrote.") from None
+    return StudyFolder(folder, _checked_record(folder / STUDY_FILE, text))
+
+
+def _checked_record(path: Path, text: str) -> dict[str, Any]:
+    """What a `study.json` holds.
+
+    Raises:
+        InputError: If it is damaged, or of another format.
+    """
+    kinds = {"format": int, "digest": str, "variants": int, "chunk": int, "columns": dict, "study": dict}
+    try:
+        record = json.loads(text)
+    except ValueError as error:
+        raise InputError(path, f"is damaged: {error}. Remove the folder, or name another.") from None
+    if not isinstance(record, dict) or record.get("format") != FORMAT:
+        raise InputError(path, f"is not a study of format {FORMAT}, which this mrts reads; name another folder.")
+    for key, kind in kinds.items():
+        if not isinstance(record.get(key), kind):
+            raise InputError(path, "is damaged. Remove the folder, or name another.", key=key, value=record.get(key))
+    if record["chunk"] < 1 or record["variants"] < 1:
+        raise InputError(path, "is damaged: a study has variants. Remove the folder, or name another.")
+    return record
+
+
+def study_content(study: Study) -> dict[str, Any]:
+    """What `study.json` says of a study, as JSON values: all of it but the content of URDFs and tables.
+
+    Args:
+        study: The study.
+    """
+    units = {each.path: each.unit for each in study.parameters} | UNITS
+    content = {
+        "mrts": __version__,
+        "digest": study.digest,
+        "variants": study.variants,
+        "columns": {name: {"type": kind, "unit": units.get(name, "")} for name, kind in column_types(study).items()},
+        "study": {
+            "file": study.path.name,
+            "cell": study.cell,
+            "motion": study.motion,
+            "question": asdict(study.question),
+            "vary": [asdict(each) | {"bounds": each.spread.bounds, "text": str(each)} for each in study.parameters],
+            "sample": study.sample,
+            "count": study.variants,
+            "seed": study.seed,
+            "urdfs": {each.reference: f"SHA-256 {hashlib.sha256(each.content).hexdigest()}" for each in study.urdfs},
+        },
+    }
+    same: dict[str, Any] = json.loads(json.dumps(content))
+    return same
+
+
+@contextmanager
+def opened_study_folder(path: Path, study: Study, chunk_size: Callable[[], int]) -> Iterator[StudyFolder]:
+    """The folder of a study, begun or gone on with; nobody else writes into it meanwhile.
+
+    Args:
+        path: Of the folder: missing, empty, or begun by the same study.
+        study: The study.
+        chunk_size: Asked for the number of variants in a part where the study begins.
+
+    Raises:
+        InputError: If the folder holds something else, another sweep is at work in it, or it cannot be written.
+    """
+    require_pyarrow()
+    content = study_content(study)
+    with _locked(path):
+        for file in path.iterdir():
+            if TEMPORARY_FILE.fullmatch(file.name):
+                file.unlink()
+        if (path / STUDY_FILE).exists():
+            folder = read_study_folder(path)
+            _check_same(folder, content)
+            folder.drop_damaged()
+        else:
+            if others := sorted(file.name for file in path.iterdir() if file.name != LOCK_FILE):
+                raise InputError(path, f"holds no study, but {others[0]}: name a new or empty folder.")
+            record = {"format": FORMAT, "chunk": chunk_size(), **content}
+            write_text_atomically(path / STUDY_FILE, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+            folder = StudyFolder(path, record)
+        yield folder
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    """Make a folder, and let no other sweep into it; the system forgets the lock of a process that is gone."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        file = (path / LOCK_FILE).open("a+", encoding="utf-8")
+    except (OSError, ValueError) as error:
+        raise InputError(path, f"cannot be written: {getattr(error, 'strerror', None) or error}.") from None
+    with file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            file.seek(0)
+            raise InputError(path, f"another sweep writes into it ({file.read().strip()}): let it end first.") from None
+        except OSError as error:
+            logger.warning("%s cannot be locked (%s): let no other sweep write into it", path, error.strerror)
+        with suppress(OSError):  # a full disk will be told where rows are lost
+            file.truncate(0)
+            file.write(f"process {os.getpid()} on {socket.gethostname()}")
+            file.flush()
+        with _gone_if_unused(path):
+            yield
+
+
+@contextmanager
+def _gone_if_unused(path: Path) -> Iterator[None]:
+    """Take back the lock, and a folder that was made for nothing, where no study has begun."""
+    try:
+        yield
+    finally:
+        if not (path / STUDY_FILE).exists():
+            with suppress(OSError):
+                (path / LOCK_FILE).unlink()
+                path.rmdir()
+
+
+def _check_same(folder: StudyFolder, content: Mapping[str, Any]) -> None:
+    """Check that a folder is of the study that is to be solved.
+
+    Raises:
+        InputError: If not; it says where the two differ.
+    """
+    if folder.digest == content["digest"]:
+        return
+    before, now = folder.record, {**folder.record, **content}
+    if before.get("mrts") != now.get("mrts"):
+        raise InputError(
+            folder.path,
+            f"was begun by mrts {before.get('mrts')}, this is {now.get('mrts')}: end it with that one, or name another "
+            "folder.",
+        )
+    advice = "Name another folder, or take back what was changed."
+    difference = first_difference(before["study"], now["study"])
+    if difference is None:
+        raise InputError(folder.path, f"holds another study: the table of its motion was another one. {advice}")
+    where, old, new = difference
+    was = message_text(json.dumps(old, ensure_ascii=False))
+    raise InputError(folder.path, f"holds another study, in which this is {was}. {advice}", key=where, value=new)
+
+
+def first_difference(before: Any, now: Any, where: str = "") -> tuple[str, Any, Any] | None:
+    """Where two JSON values first differ: path, value before, value now; None where they do not.
+
+    Args:
+        before: A value.
+        now: Another.
+        where: Path of both.
+    """
+    if isinstance(before, dict) and isinstance(now, dict):
+        for key in [*now, *(key for key in before if key not in now)]:
+            found = first_difference(before.get(key), now.get(key), f"{where}.{key}" if where else key)
+            if found is not None:
+                return found
+        return None
+    if isinstance(before, list) and isinstance(now, list) and len(before) == len(now):
+        for index, (old, new) in enumerate(zip(before, now, strict=True)):
+            found = first_difference(old, new, f"{where}[{index}]")
+            if found is not None:
+                return found
+        return None
+    return None if before == now else (where, before, now)

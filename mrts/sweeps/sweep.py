@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: MIT
+"""All variants of a study, solved chunk by chunk into a folder; needs the extra 'study' (joblib, pyarrow)."""
+
+import math
+import tempfile
+from collections.abc import Callable
+from contextlib import closing
+from os import PathLike
+from pathlib import Path
+from types import NoneType
+from typing import TYPE_CHECKING
+
+from mrts.base.argument_types import as_path, check_callable, check_type
+from mrts.base.errors import InputError
+from mrts.studies.dry_run import estimate
+from mrts.studies.study import Study
+from mrts.studies.study_file import read_study
+from mrts.studies.study_folder import StudyFolder, opened_study_folder, require_pyarrow
+from mrts.sweeps.best_variants import write_best
+from mrts.sweeps.chunks import Chunk, ChunkSolver
+from mrts.sweeps.sweep_progress import TALLIED, SweepProgress, Tally
+from mrts.sweeps.worker_pools import check_workers, worker_pool
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+CHUNK_TIME = 1.0
+"""That a worker takes for a chunk, about [s]: little is lost with a worker, and little time goes into passing them."""
+
+MOST_VARIANTS = 20_000
+"""Of a chunk, however fast they are solved: few megabytes."""
+
+ROUND = (1, 2, 5)
+"""Sizes of chunks, times a power of ten."""
+
+
+def sweep(
+    study: Study | Path | str,
+    folder: Path | str | None = None,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    top: int = 0,
+    progress: Callable[[SweepProgress], None] = lambda _progress: None,
+) -> "pa.Table":
+    """Solve all variants of a study, or those that a folder does not hold yet.
+
+    The table is the same whoever solves it: whatever the number of workers, on one machine or many, in one go or in
+    several that were ended at any moment.
+
+    Args:
+        study: A study, or its file.
+        folder: For `study.json` and the rows, a file a chunk; one that this study has begun is gone on with. None keeps
+            them only until they are returned.
+        workers: Number of processes on this machine; None for one a core.
+        scheduler: Address of a Dask scheduler whose workers solve the study, such as tcp://HOST:8786; "local" for a
+            Dask cluster on this machine; None for processes without Dask.
+        top: How many of the best variants are solved again as `mrts.scale` does, with the limits kept between the
+            samples, and written as files into folders best-1, best-2, … of the folder.
+        progress: Told how far it is, after each chunk.
+
+    Returns:
+        One row a variant, in order, as a `pyarrow.Table`; its `to_pandas()` is a data frame.
+
+    Raises:
+        InputError: If the study breaks a rule, the folder is of another study or at work, a package lacks, no
+            scheduler answers, or a file cannot be written.
+    """
+    check_type("folder", folder, str, PathLike, NoneType)
+    check_type("top", top, int)
+    if top < 0 or (top > 0 and folder is None):
+        raise InputError("top", "must be at least 0, and takes a folder where it is more.", value=top)
+    wanted = study if isinstance(study, Study) else read_study(as_path("study", study))
+    if folder is None:
+        with tempfile.TemporaryDirectory(prefix="mrts-study-") as temporary:
+            solved, _ = solve_study(wanted, Path(temporary), workers, scheduler, progress)
+            return solved.table()
+    solved, _ = solve_study(wanted, as_path("folder", folder), workers, scheduler, progress)
+    if top:
+        write_best(wanted, solved, top)
+    return solved.table()
+
+
+def solve_study(
+    study: Study,
+    path: Path,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: Callable[[SweepProgress], None] = lambda _progress: None,
+) -> tuple[StudyFolder, Tally]:
+    """Solve what a folder does not hold yet of a study; the arguments are those of `sweep`.
+
+    Returns:
+        The folder, complete, and what became of the variants.
+
+    Raises:
+        InputError: As `sweep` does.
+    """
+    require_pyarrow()
+    check_workers(workers, scheduler)
+    check_callable("progress", progress)
+    with opened_study_folder(path, study, lambda: chunk_size(study)) as folder:
+        tally = Tally(folder.variants)
+        for batch in folder.dataset().to_batches(columns=[*TALLIED]):
+            tally.add(batch)
+        solved = folder.parts()
+        missing = [Chunk(number, *folder.bounds(number)) for number in range(folder.chunks) if number not in solved]
+        tally.begin()
+        progress(tally.progress())
+        if missing:
+            with (
+                worker_pool(workers, scheduler) as pool,
+                closing(ChunkSolver(study, pool).solved(missing)) as coming,
+            ):
+                for chunk, pieces in coming:
+                    rows = folder.rows(pieces)
+                    folder.write(chunk.number, rows)
+                    tally.add(rows)
+                    progress(tally.progress())
+        return folder, tally
+
+
+def chunk_size(study: Study) -> int:
+    """Variants that one worker solves in about `CHUNK_TIME`: a round number, at least one.
+
+    Args:
+        study: The study, of which a few are solved.
+    """
+    fitting = min(CHUNK_TIME / estimate(study).seconds_each, study.variants, MOST_VARIANTS)
+    power = int(10 ** max(0, math.floor(math.log10(fitting))))
+    return max([1, *(step * power for step in ROUND if step * power <= fitting)])

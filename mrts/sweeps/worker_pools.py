@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: MIT
+"""Who solves the chunks of a study: processes of this machine (joblib's loky), or workers of a Dask cluster.
+
+Both are executors of `concurrent.futures`; what differs is how they start, how many chunks they may hold, and what is
+lost when a worker dies. Needs the extra 'study' (joblib), for a cluster 'cluster' (dask, distributed).
+"""
+
+import logging
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Collection, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import ExitStack, contextmanager
+from importlib import import_module
+from importlib.util import find_spec
+from types import NoneType
+from typing import Any, Protocol, TypeVar
+
+from mrts.base.argument_types import check_type
+from mrts.base.errors import InputError
+from mrts.solvers.held_interrupt import held_interrupt
+
+CHUNKS_A_WORKER = 2
+"""In flight: one at work, one that waits."""
+
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+"""For processes that share the cores among them."""
+
+WATCH = 1.0
+"""Between two looks of a worker whether its driver still lives [s]."""
+
+GONE = "is gone, or has dropped this study's work: the same command goes on with what is not solved yet."
+
+CONNECT = 10.0
+"""For a scheduler to answer [s]."""
+
+NO_WORKERS = 60.0
+"""Between two reminders that a cluster has none [s]."""
+
+LOCAL = "local"
+"""Name of a Dask cluster of this machine's processes, made for one study."""
+
+ANY_PORT = "127.0.0.1:0"
+
+TALKATIVE = ("distributed", "distributed.client")
+"""Loggers of what is dealt with here: workers that come and go."""
+
+Result = TypeVar("Result")
+logger = logging.getLogger("mrts")
+
+
+class WorkerDiedError(Exception):
+    """The process that solved a chunk is gone: killed, out of memory, or crashed."""
+
+
+class WorkerPool(Protocol):
+    """Workers that solve chunks."""
+
+    def slots(self) -> int:
+        """How many chunks may be in flight."""
+
+    def submit(self, function: Callable[..., Result], *arguments: Any) -> "Future[Result]":
+        """Give a call to a worker."""
+
+    def ended(self, running: "Collection[Future[Result]]") -> "set[Future[Result]]":
+        """Wait until calls have ended, and make good for workers that are gone."""
+
+    def died(self, error: BaseException) -> bool:
+        """Whether an error says that a worker is gone."""
+
+
+class LocalProcesses:
+    """Processes of this machine. All calls in flight are lost where one dies, and new ones start with the next call.
+
+    Args:
+        workers: How many processes.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self._workers = workers
+        self._executor: Any = None
+
+    def slots(self) -> int:
+        """How many chunks may be in flight."""
+        return CHUNKS_A_WORKER * self._workers
+
+    def submit(self, function: Callable[..., Result], *arguments: Any) -> "Future[Result]":
+        """Give a call to a worker; where it cannot take it any more, the call has ended."""
+        from joblib.externals.loky import ProcessPoolExecutor  # noqa: PLC0415 (an extra)
+
+        if self._executor is None:
+            self._executor = ProcessPoolExecutor(
+                self._workers, env=ONE_THREAD, initializer=_leave_with, initargs=(os.getpid(),)
+            )
+        try:
+            with _without_interrupts():
+                future: Future[Result] = self._executor.submit(function, *arguments)
+        except (BrokenProcessPool, OSError) as error:  # killed before it took the call, or while it was started
+            future = Future()
+            future.set_exception(WorkerDiedError(str(error)))
+        return future
+
+    def ended(self, running: "Collection[Future[Result]]") -> "set[Future[Result]]":
+        """Wait until calls have ended: all of them where a worker died."""
+        done, _ = wait(running, return_when=FIRST_COMPLETED)
+        if any(self.died(error) for future in done if (error := future.exception()) is not None):
+            self.close()
+            done, _ = wait(running)
+        return done
+
+    def died(self, error: BaseException) -> bool:
+        """Whether an error says that a worker is gone."""
+        return isinstance(error, BrokenProcessPool | WorkerDiedError) or type(error).__name__ == "ShutdownExecutorError"
+
+    def close(self) -> None:
+        """End the processes, whatever they do."""
+        executor, self._executor = self._executor, None
+        if executor is not None:
+            executor.shutdown(kill_workers=True)
+
+
+class DaskCluster:
+    """Workers of a Dask cluster, which starts a lost call elsewhere by itself, some times.
+
+    Args:
+        client: Of the scheduler.
+        address: For messages.
+    """
+
+    def __init__(self, client: Any, address: str) -> None:
+        self._client = client
+        self._address = address
+        self._executor: Executor = client.get_executor(pure=False)
+        self._seen = self._reminded = 0.0
+        self._threads = 0
+
+    def slots(self) -> int:
+        """How many chunks may be in flight; workers may come and go."""
+        if time.monotonic() > self._seen + WATCH:
+            self._threads = sum(self._client.nthreads().values())
+            self._seen = time.monotonic()
+        return CHUNKS_A_WORKER * max(1, self._threads)
+
+    def submit(self, function: Callable[..., Result], *arguments: Any) -> "Future[Result]":
+        """Give a call to a worker."""
+        return self._executor.submit(function, *arguments)
+
+    def ended(self, running: "Collection[Future[Result]]") -> "set[Future[Result]]":
+        """Wait until calls have ended; now and then say that there are no workers."""
+        while not (done := wait(running, WATCH, FIRST_COMPLETED)[0]):
+            self.slots()
+            if not self._threads and time.monotonic() > self._reminded + NO_WORKERS:
+                logger.warning("the cluster at %s has no workers: waiting for them", self._address)
+                self._reminded = time.monotonic()
+        if any(future.cancelled() for future in done):  # not by us
+            raise InputError("scheduler", GONE, value=self._address)
+        return done
+
+    def died(self, error: BaseException) -> bool:
+        """Whether an error says that workers are gone, as many as the scheduler's `allowed-failures`."""
+        from distributed.scheduler import KilledWorker  # noqa: PLC0415 (an extra)
+
+        return isinstance(error, KilledWorker)
+
+
+def check_workers(workers: int | None, scheduler: str | None) -> None:
+    """Check what `worker_pool` is to be asked, before any work.
+
+    Raises:
+        InputError: If a package lacks, or the two make no sense.
+    """
+    check_type("workers", workers, int, NoneType)
+    check_type("scheduler", scheduler, str, NoneType)
+    if workers is not None and workers < 1:
+        raise InputError("workers", "must be at least 1.", value=workers)
+    if scheduler not in {None, LOCAL} and workers is not None:
+        raise InputError("workers", "goes with processes of this machine: a cluster has its own.", value=workers)
+    package, extra = ("joblib", "study") if scheduler is None else ("distributed", "cluster")
+    if find_spec(package) is None:
+        where = "workers" if scheduler is None else "scheduler"
+        raise InputError(where, f"needs {package}: pip install 'mrts[{extra}]'.", value=scheduler)
+
+
+@contextmanager
+def worker_pool(workers: int | None, scheduler: str | None) -> Iterator[WorkerPool]:
+    """The workers of a study, gone when the block ends.
+
+    Args:
+        workers: How many processes; None for one a core. Not for a cluster that is there already.
+        scheduler: Address of a Dask scheduler; `LOCAL` starts one with workers on this machine; None takes loky.
+
+    Raises:
+        InputError: If no scheduler answers.
+    """
+    with ExitStack() as stack:
+        if scheduler is None:
+            from joblib import cpu_count  # noqa: PLC0415 (an extra)
+
+            pool = LocalProcesses(workers or cpu_count())
+            stack.callback(_uninterrupted, pool.close)
+            yield pool
+        else:
+            yield _dask_cluster(stack, workers, scheduler)
+
+
+def _dask_cluster(stack: ExitStack, workers: int | None, scheduler: str) -> DaskCluster:
+    """The workers of a cluster, made first for `LOCAL`.
+
+    Raises:
+        InputError: If no scheduler answers.
+    """
+    dask, distributed = import_module("dask"), import_module("distributed")
+    stack.enter_context(_silent())
+
+    address: Any = scheduler
+    if scheduler == LOCAL:
+        # a worker that dies again and again would else be given up
+        stack.enter_context(dask.config.set({"distributed.deploy.lost-worker-timeout": "1 day"}))
+        with _without_interrupts():
+            address = distributed.LocalCluster(
+                n_workers=workers, threads_per_worker=1, dashboard_address=ANY_PORT, silence_logs=logging.CRITICAL
+            )
+        stack.callback(_uninterrupted, address.close)
+    try:
+        client = distributed.Client(address, timeout=CONNECT, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            "scheduler", f"no Dask scheduler answers there: {error}. Start one, or name it as tcp://HOST:PORT.",
+            value=scheduler,
+        ) from None  # fmt: skip
+    stack.callback(_uninterrupted, client.close)
+    return DaskCluster(client, scheduler)
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    loggers = [logging.getLogger(name) for name in TALKATIVE]
+    levels = [each.level for each in loggers]
+    for each in loggers:
+        each.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for each, level in zip(loggers, levels, strict=True):
+            each.setLevel(level)
+
+
+def _uninterrupted(close: Callable[[], None]) -> None:
+    with held_interrupt():
+        close()
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Start processes that Ctrl-C does not reach: it is typed to all of a terminal, and the driver ends its workers."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _leave_with(driver: int) -> None:
+    """Let a worker end when its driver is gone, even if that was killed."""
+
+    def watch() -> None:
+        while os.getppid() == driver:
+            time.sleep(WATCH)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()

@@ -1,0 +1,77 @@
+"""Studies of layouts: files, and what `mrts.scale` says of a layout by itself."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+import mrts
+from mrts.base.arrays import Array
+from mrts.layout.layout_numbers import LayoutNumbers
+from mrts.layout.layout_program import LayoutAnswer, LayoutProgram, LayoutStart
+
+DATA = Path(mrts.__file__).parent / "data"
+
+
+def write_study(folder: Path, cell: Path | dict[str, Any], motion: Path, vary: dict[str, Any], **keys: Any) -> Path:
+    """A study file, and the cell file where its keys are given."""
+    if isinstance(cell, dict):
+        (folder / "cell.yaml").write_text(yaml.safe_dump(cell), encoding="utf-8")
+        cell = folder / "cell.yaml"
+    keys = {"cell": str(cell), "motion": str(motion), "vary": vary, "sample": "sobol", "count": 16} | keys
+    (folder / "study.yaml").write_text(yaml.safe_dump(keys), encoding="utf-8")
+    return folder / "study.yaml"
+
+
+def shipped(name: str, **robots: dict[str, Any]) -> dict[str, Any]:
+    """Keys of a shipped cell file, some of all its robots changed."""
+    folder = DATA / name
+    keys = yaml.safe_load((folder / "cell.yaml").read_text(encoding="utf-8"))
+    changed = [robot | robots | {"urdf": str((folder / robot["urdf"]).resolve())} for robot in keys["robots"]]
+    return keys | {"robots": changed}
+
+
+@dataclass(frozen=True)
+class Layouts:
+    """A study of layouts and its motion."""
+
+    study: mrts.Study
+    motion: mrts.ObjectMotion
+
+    @classmethod
+    def of(cls, path: Path) -> "Layouts":
+        """Those of a study file."""
+        study = mrts.read_study(path)
+        return cls(study, mrts.sample_motion(mrts.MotionDescription(**study.motion)))
+
+    def result(self, values: Array) -> mrts.ScalingResult:
+        """What `mrts.scale` finds of a layout, at the samples alone."""
+        cell = mrts.Cell.from_description(self.study.descriptions(values)[0], folder=self.study.folder)
+        question = self.study.question
+        return mrts.scale(cell, self.motion, load=question.load, reserve=question.reserve, between=None)
+
+    def c2(self, values: Array) -> float:
+        """c²⁺ of a layout; minus infinity where it cannot be played."""
+        try:
+            found = self.result(values).range
+        except mrts.MrtsError:
+            return -np.inf
+        return found.upper.c2 if found.status.admits_motion else -np.inf
+
+    def program_at(self, values: Array) -> LayoutAnswer:
+        """The program with its layout held fixed: c²⁺ there, and how it changes."""
+        machine = mrts.Cell.from_description(self.study.cell, folder=self.study.folder, backend="vm")
+        result = self.result(values)
+        start = LayoutStart(
+            cell=result.cell,
+            layout=values,
+            motion=result.motion,
+            wrench=result.trajectory.wrench,
+            c2=result.range.upper.c2,
+            loads=(result.cell.load,) if result.load is None else tuple(point.load for point in result.load.points),
+        )
+        numbers = LayoutNumbers.of(self.study, machine)
+        program = LayoutProgram(machine.functions.symbolic, numbers, start, np.arange(result.motion.samples))
+        return program.solve((values, values))

@@ -1,0 +1,236 @@
+"""A cell as a cell file: what is read back is the same cell to the last bit, or it is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from cell_bank import random_planar_cell, random_spatial_cell
+from conftest import DATA
+from same_cells import same_cell
+
+import mrts
+
+SHIPPED = {path.parent.name: path for path in sorted(DATA.parent.glob("*/cell.yaml"))}
+
+
+def equipped(cell, rng):
+    """The cell with everything that a cell file can say besides."""
+    robots = []
+    for robot in cell.robots:
+        n, w = len(robot.joints), len(robot.wrench_lower)
+        motors = mrts.JointMotors(
+            armature=rng.uniform(0, 1, n),
+            coulomb=rng.uniform(0, 0.1, n),
+            viscous=rng.uniform(0, 1, n),
+            torque_speed=tuple(
+                np.array([[0, 400.0 + joint], [3.0, 380.0], [7.0, 1.0]]) if joint % 2 else None for joint in range(n)
+            ),
+            torque_rate=rng.uniform(100, 1000, n),
+            jerk=np.full(n, np.inf),
+            rated=rng.uniform(1, 10, n),
+        )
+        rate = np.where(["f" in unit for unit in cell.wrench_components], 500.0, 40.0)
+        in_base = {"frame": "base", "components": cell.wrench_components}
+        lower = [-5.0, None, *([0.0] * (w - 2))]
+        contact = mrts.box_contact(lower=lower, upper=np.full(w, 30.0), **in_base)
+        robots.append(
+            replace(
+                robot,
+                motors=motors,
+                contacts=(contact, replace(contact, name="box2")),
+                contact_rate=rate,
+                torque_lower=-robot.torque_upper * 1.5,
+                T_world_base=mrts.RigidTransform.from_xyz_rpy(*turned(cell, robot.T_world_base, rng)),
+            )
+        )
+    cell = replace(cell, robots=tuple(robots), object_velocity_limit=np.array([0.5, np.inf]))
+    return cell.with_variation(mass=(0.5, 2.0), ixx=(0.9, 1.1)).with_gravity(rng.uniform(-10, 10, 3))
+
+
+def turned(cell, T, rng):
+    """Another base, in the plane of a planar cell."""
+    angle = rng.uniform(-3, 3)
+    rpy = rng.uniform(-3, 3, 3) * [1, 0.5, 1] if cell.plane is None else [0, 0, angle]
+    return (T.p + rng.uniform(-0.1, 0.1, 3)).tolist(), list(rpy)
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_shipped_cell_comes_back(name, tmp_path):
+    cell = mrts.load_cell(SHIPPED[name])
+    (tmp_path / "cell.yaml").write_text(cell.to_yaml())
+    again = mrts.load_cell(tmp_path / "cell.yaml")
+    assert same_cell(cell, again)
+    assert again.to_yaml() == cell.to_yaml()
+
+
+@pytest.mark.parametrize("name", ["dual_ur5", "planar_dual_arm"])
+@pytest.mark.parametrize("seed", range(3))
+def test_everything_that_a_file_can_say_comes_back(name, seed, tmp_path):
+    cell = equipped(mrts.load_cell(SHIPPED[name]), np.random.default_rng([21, seed]))
+    path = tmp_path / "changed.yaml"
+    text = cell.to_yaml(path)
+    assert path.read_text(encoding="utf-8") == text
+    again = mrts.load_cell(path)
+    assert same_cell(cell, again)
+    assert same_cell(cell, mrts.Cell.from_description(yaml.safe_load(text)))
+
+
+@pytest.mark.parametrize("draw", [random_planar_cell, random_spatial_cell])
+@pytest.mark.parametrize("seed", range(4))
+def test_random_cells_come_back(draw, seed, tmp_path):
+    case = draw(np.random.default_rng([22, seed]), tmp_path / "drawn", 1 + seed % 3)
+    cell = mrts.load_cell(case.cell_file, backend="vm")
+    text = cell.to_yaml(tmp_path / "cell.yaml")
+    again = mrts.load_cell(tmp_path / "cell.yaml", backend="vm")
+    assert same_cell(cell, again)
+    assert "drawn/" in text  # below the file: relative
+    assert str(tmp_path) not in text
+
+
+@pytest.mark.quick
+def test_urdfs_are_relative_where_they_lie_below_the_file_and_else_absolute(planar_cell, tmp_path):
+    urdf = (DATA / "planar_arm.urdf").resolve()
+    assert planar_cell.to_yaml().count(f"urdf: {urdf}\n") == 2
+    assert planar_cell.to_yaml(tmp_path / "cell.yaml").count(f"urdf: {urdf}\n") == 2
+    (tmp_path / "arms").mkdir()
+    (tmp_path / "arms" / "arm.urdf").write_bytes(urdf.read_bytes())
+    description = yaml.safe_load((DATA / "cell.yaml").read_text())
+    for robot in description["robots"]:
+        robot["urdf"] = "arm.urdf"
+    cell = mrts.Cell.from_description(description, folder=tmp_path / "arms")
+    assert cell.to_yaml(tmp_path / "cell.yaml").count("urdf: arms/arm.urdf\n") == 2
+    assert same_cell(cell, mrts.load_cell(tmp_path / "cell.yaml"))
+
+
+@pytest.mark.quick
+def test_hands_made_in_python_are_written_as_they_were_made(tmp_path):
+    cell = mrts.load_cell(SHIPPED["squeeze"])
+    hands = (
+        mrts.pad_contact(friction=0.4, normal=np.array([0, 0, 2.0]), half_width=(0.03, 0.02), force=[5, 100]),
+        mrts.suction_contact(holding_force=80, friction=0.5, radius=0.03, normal=[0, 0, 1]),
+        mrts.gripper_contact(force=60, friction=0.5, half_width=[0.02, 0.03], axis=[0, 1, 0]),
+        mrts.rows_contact(A=np.vstack([np.eye(6), -np.eye(6)]), upper=np.full(12, 50.0)),
+        mrts.box_contact(lower=[-np.inf, -5, -5, -5, -5, -5], upper=None, frame="object"),
+    )
+    cell = replace(cell, robots=tuple(replace(robot, contacts=hands) for robot in cell.robots))
+    text = cell.to_yaml(tmp_path / "cell.yaml")
+    assert "&" not in text  # written out, not referred to
+    kinds = [next(iter(entry)) for entry in yaml.safe_load(text)["robots"][0]["contact"]]
+    assert kinds == ["pad", "suction", "gripper", "rows", "box"]
+    assert same_cell(cell, mrts.load_cell(tmp_path / "cell.yaml"))
+
+
+def widened(cell):
+    left, right = cell.robots
+    pad = left.contacts[0]
+    return replace(cell, robots=(replace(left, contacts=(replace(pad, upper=pad.upper + 1.0),)), right))
+
+
+def renamed(cell):
+    left, right = cell.robots
+    return replace(cell, robots=(replace(left, contacts=(replace(left.contacts[0], name="palm"),)), right))
+
+
+def by_hand(cell):
+    left, right = cell.robots
+    return replace(cell, robots=(replace(left, contacts=(replace(left.contacts[0], given=None),)), right))
+
+
+def of_left(**changes):
+    return lambda cell: replace(cell, robots=(replace(cell.robots[0], **changes), *cell.robots[1:]))
+
+
+REFUSED = {
+    "reserve": (lambda cell: cell.with_reserve(0.1), r"reserve = 0.1: a cell file holds no reserve"),
+    "velocities": (lambda cell: cell.without_velocity_limits(), r"enforces_velocity_limits = False: .* cannot leave"),
+    "first moments": (
+        lambda cell: cell.with_load(cell.load + 0.1 * np.eye(10)[2]),
+        r"load = \[0.0, 0.1, 0.0\]: .*holds no first moments",
+    ),
+    "a box of another load": (
+        lambda cell: replace(cell.with_variation(mass=(0.5, 2)), load=cell.load * 2),
+        "load_box = .*another load than the cell carries",
+    ),
+    "no folder": (lambda cell: replace(cell, folder=None), "folder: it is not known where its URDFs are"),
+    "a velocity limit": (
+        of_left(velocity_limit=np.full(6, 0.5)),
+        r"joints\[0\].velocity = 0.5: a cell file",
+    ),
+    "a position limit": (of_left(position_upper=np.full(6, 6.5)), r"robots\[0\].joints\[0\].upper = 6.5: a cell file"),
+    "rates by component": (
+        of_left(contact_rate=np.array([1.0, 2, 3, 4, 5, 6])),
+        r"robots\[0\].contact_rate\[1\] = 2.0: a cell file cannot hold this value, it would be read as 1.0",
+    ),
+    "a contact by hand": (by_hand, r"robot 'left': contact 'pad': a cell file cannot hold a contact that was made row"),
+    "a contact widened": (widened, r"robots\[0\].contacts\[0\].upper\[0\] = .*: a cell file cannot hold this value"),
+    "a contact renamed": (renamed, r"robots\[0\].contacts\[0\].name = 'palm': a cell file cannot hold this value"),
+}
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("what", REFUSED)
+def test_what_a_file_cannot_hold_is_refused(what, tmp_path):
+    change, message = REFUSED[what]
+    cell = change(mrts.load_cell(SHIPPED["squeeze"]))
+    with pytest.raises(mrts.InputError, match=rf"^cell 'squeeze': .*{message}"):
+        cell.to_yaml(tmp_path / "cell.yaml")
+    assert not (tmp_path / "cell.yaml").exists()
+
+
+@pytest.mark.quick
+def test_a_urdf_that_changed_or_went_is_refused(tmp_path):
+    description = yaml.safe_load((DATA / "cell.yaml").read_text())
+    urdf = tmp_path / "planar_arm.urdf"
+    urdf.write_bytes((DATA / "planar_arm.urdf").read_bytes())
+    cell = mrts.Cell.from_description(description, folder=tmp_path)
+    urdf.write_text(urdf.read_text() + "\n")
+    with pytest.raises(mrts.InputError, match=r"robots\[0\].urdf: the URDF is another one than the cell was made from"):
+        cell.to_yaml()
+    urdf.unlink()
+    with pytest.raises(mrts.InputError, match=r"planar_arm\.urdf: there is no such URDF"):
+        cell.to_yaml()
+
+
+@pytest.mark.quick
+def test_a_file_that_cannot_be_written_is_told(planar_cell, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(mrts.InputError, match=r"cannot be written"):
+        planar_cell.to_yaml(tmp_path / "file" / "cell.yaml")
+    with pytest.raises(mrts.InputError, match=r"path = 3: must be text or a Path"):
+        planar_cell.to_yaml(3)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("given", "written"),
+    [(None, None), ("none", "none"), ({"coulomb": 4.0}, {"coulomb": [4.0] * 3, "viscous": [0.0] * 3})],
+)
+def test_friction_of_the_urdf_is_left_to_it(given, written, tmp_path):
+    """Also where it contradicts the torque limits: it does not count."""
+    text = (DATA / "planar_arm.urdf").read_text()
+    (tmp_path / "arm.urdf").write_text(text.replace("</joint>", '<dynamics friction="20" damping="1"/></joint>'))
+    description = yaml.safe_load((DATA / "cell.yaml").read_text())
+    for robot in description["robots"]:
+        robot.update(urdf="arm.urdf")
+        if given is not None:
+            robot.update(motors={"friction": given}, torque=[10.0] * 3)
+    cell = mrts.Cell.from_description(description, folder=tmp_path)
+    text = cell.to_yaml(tmp_path / "cell.yaml")
+    assert [robot.get("motors", {}).get("friction") for robot in yaml.safe_load(text)["robots"]] == [written] * 2
+    again = mrts.load_cell(tmp_path / "cell.yaml")
+    assert same_cell(cell, again)
+    assert again.remarks == cell.remarks
+
+
+@pytest.mark.quick
+def test_names_that_look_like_numbers_stay_names(tmp_path):
+    """`on` and `1e5` are text in the one YAML, a truth value or a number in the other."""
+    text = (DATA / "planar_arm.urdf").read_text().replace('"contact"', '"1e5"').replace('"base_link"', '"on"')
+    (tmp_path / "arm.urdf").write_text(text)
+    description = yaml.safe_load((DATA / "cell.yaml").read_text())
+    for robot in description["robots"]:
+        robot |= {"urdf": "arm.urdf", "tip_link": "1e5", "base_link": "on"}
+    cell = mrts.Cell.from_description(description, folder=tmp_path, backend="vm")
+    cell.to_yaml(tmp_path / "cell.yaml")
+    assert same_cell(cell, mrts.load_cell(tmp_path / "cell.yaml", backend="vm"))

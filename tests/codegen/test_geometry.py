@@ -1,0 +1,119 @@
+"""Geometry as an input: the same functions as with it folded in, and the same C for all cells with the same chains."""
+
+import casadi as ca
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+from machines import machine_cell
+from mrts_codegen.cell_manifest import read_cell_model
+from mrts_codegen.content_key import chains_key
+from mrts_codegen.function_registry import build_functions
+from mrts_codegen.generate import generate_chains
+from published_robots import ROBOTS
+
+import mrts
+from mrts.cell.generation import CACHED_STEM, generate_to
+
+ROUNDING = 1e-12
+"""Of sums in another order, relative to the largest entry."""
+
+TIAGO = str(ROBOTS / "tiago_description/robots/tiago_dual.urdf")
+
+
+def tiago_cell(folder, rng):
+    """Two arms of one TIAGo, its torso and more held anywhere."""
+    robots = [
+        {
+            "name": side,
+            "urdf": TIAGO,
+            "tip_link": f"arm_{side}_tool_link",
+            "posture": rng.uniform(-0.5, 0.5, 7).tolist(),
+            "base": {"xyz": rng.uniform(-1, 1, 3).tolist(), "rpy": rng.uniform(-3, 3, 3).tolist()},
+            "grasp": {"xyz": rng.uniform(-1, 1, 3).tolist(), "rpy": rng.uniform(-3, 3, 3).tolist()},
+            "torque": [50.0] * 7,
+            "fixed": {"torso_lift_joint": float(rng.uniform(0, 0.3)), "head_1_joint": float(rng.uniform(-1, 1))},
+        }
+        for side in ("left", "right")
+    ]
+    carried = {"mass": 2.0, "inertia": [0.1, 0.1, 0.1]}
+    description = {"name": "torso", "gravity": rng.uniform(-9, 9, 3).tolist(), "object": carried, "robots": robots}
+    (folder / "cell.yaml").write_text(yaml.safe_dump(description), encoding="utf-8")
+    return folder / "cell.yaml"
+
+
+def turned_machine(folder, rng):
+    """The shipped planar arms on a torso that is held, in one plane with it."""
+
+    def change(robots):
+        for robot in robots:
+            robot["fixed"] = {"turn": 0.3 + turn, "lift": lift}
+            robot["base"]["rpy"][2] += turn
+
+    turn, lift = float(rng.uniform(-1, 1)), float(rng.uniform(0, 0.5))
+    return machine_cell(folder, change)
+
+
+@pytest.mark.parametrize("make", [tiago_cell, turned_machine])
+def test_functions_of_geometry_are_those_with_it_folded_in(make, tmp_path):
+    rng = np.random.default_rng(17)
+    keys, sources = set(), set()
+    for _ in range(3):
+        model = read_cell_model(make(tmp_path, rng))
+        made = generate_chains(model, CACHED_STEM)
+        keys.add(made.record.chains)
+        sources.add(made.c_source)
+        geometry = mrts.load_cell(tmp_path / "cell.yaml", backend="vm").geometry
+        folded = build_functions(model, "folded", bake=True)
+        assert made.functions.keys() == folded.keys()
+        for name, function in made.functions.items():
+            given = [rng.uniform(-1, 1, function.size_in(place)) for place in range(function.n_in() - 1)]
+            ours, theirs = function.call([*map(ca.DM, given), ca.DM(geometry)]), folded[name].call(given)
+            for found, wanted in zip(map(ca.DM.full, ours), map(ca.DM.full, theirs), strict=True):
+                np.testing.assert_allclose(found, wanted, rtol=0, atol=ROUNDING * (1 + np.max(np.abs(wanted))))
+    assert len(keys) == len(sources) == 1
+
+
+def test_another_number_of_a_cell_file_needs_no_generation(tmp_path, monkeypatch):
+    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))
+    description = yaml.safe_load((DATA / "cell.yaml").read_text())
+    for robot in description["robots"]:
+        robot["urdf"] = str(DATA / robot["urdf"])
+
+    def read():
+        (tmp_path / "cell.yaml").write_text(yaml.safe_dump(description), encoding="utf-8")
+        return mrts.load_cell(tmp_path / "cell.yaml")
+
+    first = read()
+    monkeypatch.setattr("mrts_codegen.generate.generate_chains", None)
+    monkeypatch.setattr("mrts.kernel.compiled_cache.compile_library", None)
+    description["name"] = "another"
+    description["gravity"] = [0.0, -1.6, 0.0]
+    description["robots"][0]["base"] = {"xyz": [0.05, 0.1, 0.0], "rpy": [0.0, 0.0, 0.2]}
+    description["robots"][1]["grasp"]["xyz"] = [1.15, 0.0, 0.0]
+    description["robots"][1]["torque"][0] = 77.0
+    description["object"]["mass"] = 1.0
+    second = read()
+    assert second.functions.manifest.source_sha256 == first.functions.manifest.source_sha256
+    assert not np.array_equal(second.geometry, first.geometry)
+    monkeypatch.undo()
+    generate_to(tmp_path / "cell.yaml", tmp_path / "baked", bake=True)
+    baked = mrts.load_cell(tmp_path / "baked")
+    motion = mrts.load_motion(DATA / "lift.yaml")
+    ours, theirs = (mrts.scale(cell, motion).range.upper.c2 for cell in (second, baked))
+    assert ours == pytest.approx(theirs, rel=ROUNDING)
+
+
+def test_chains_that_differ_do_not_share(tmp_path):
+    keys = set()
+    for plane, mass in (("xy", 5), (None, 5), ("xy", 5.05)):
+        text = (DATA / "planar_arm.urdf").read_text().replace('mass value="5"', f'mass value="{mass}"')
+        (tmp_path / "planar_arm.urdf").write_text(text)
+        description = yaml.safe_load((DATA / "cell.yaml").read_text()) | {"plane": plane}
+        if plane is None:
+            for robot in description["robots"]:
+                robot["wrench"] = {}
+        (tmp_path / "cell.yaml").write_text(yaml.safe_dump(description), encoding="utf-8")
+        for bake in (False, True):
+            keys.add(chains_key(read_cell_model(tmp_path / "cell.yaml"), CACHED_STEM, bake=bake))
+    assert len(keys) == 6

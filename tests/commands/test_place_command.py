@@ -1,0 +1,84 @@
+"""`mrts place` as it is typed: the answer, its file, exit codes, and what it refuses."""
+
+import signal
+from contextlib import contextmanager
+
+import pytest
+import yaml
+from command_line import mrts_command
+from layouts import DATA, shipped, write_study
+
+import mrts
+import mrts.commands.place
+from mrts.cli import main
+
+LIFT = DATA / "planar_dual_arm" / "lift.yaml"
+VARY = {
+    "robots.left.base.xyz[0]": {"from": -0.3, "to": 0.3},
+    "robots.right.base.xyz[1]": {"from": -0.3, "to": 0.3},
+    "robots.right.grasp.xyz[1]": {"from": -0.1, "to": 0.1},
+}
+OUT_OF_REACH = {"robots.left.base.xyz[0]": {"from": -9, "to": -8}}
+
+
+def test_the_best_layout_is_a_cell_file(tmp_path):
+    study, target = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, VARY), tmp_path / "new" / "best.yaml"
+    target.parent.mkdir()
+    done = mrts_command("place", study, "-o", target, "--starts", "1", "--look", "8")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("planar_dual_arm: c² up to 3.")
+    assert "searched from the best 1 of 8 layouts" in done.stdout
+    given, best = (yaml.safe_load(path.read_text()) for path in (tmp_path / "cell.yaml", target))
+    assert best["robots"][0].pop("base")["xyz"][1:] == given["robots"][0].pop("base")["xyz"][1:]
+    assert best["object"] == given["object"]
+    c2 = mrts.scale(mrts.load_cell(target), mrts.load_motion(LIFT)).range.upper.c2
+    assert f"c² up to {c2:.4g} instead of" in done.stdout
+
+
+def test_no_layout_is_exit_code_1_and_leaves_what_was_there(tmp_path, capsys):
+    study, target = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, OUT_OF_REACH), tmp_path / "best.yaml"
+    target.write_text("kept")
+    assert main(["place", str(study), "-o", str(target), "--look", "2"]) == 1
+    out, err = capsys.readouterr()
+    assert "none of 2 layouts within the bounds can be played. robot 'left'" in out
+    assert f"{target} not written" in out + err
+    assert target.read_text() == "kept"
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--starts", "0"], "--starts = 0: must be at least 1"),
+        (["--look", "-3"], "--look = -3: must be at least 1"),
+        (["--seconds", "-1"], "--seconds = -1.0: must be a number of seconds"),
+        (["--between", "far"], "--between = 'far': must be a number"),
+    ],
+)
+def test_wrong_options_are_refused_by_name(options, words, tmp_path, capsys):
+    study, target = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, VARY), tmp_path / "best.yaml"
+    assert main(["place", str(study), "-o", str(target), *options]) == 2
+    assert words in capsys.readouterr().err
+    assert not target.exists()
+
+
+def test_wrong_files_are_refused_before_any_work(tmp_path, capsys):
+    study = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, VARY)
+    assert main(["place", str(study), "-o", str(tmp_path)]) == 2
+    assert main(["place", str(tmp_path / "none.yaml"), "-o", str(tmp_path / "best.yaml")]) == 2
+    assert "none.yaml" in capsys.readouterr().err
+
+
+def test_ctrl_c_writes_the_best_so_far(tmp_path, capsys, monkeypatch):
+    study, target = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, VARY), tmp_path / "best.yaml"
+
+    @contextmanager
+    def pressed_at_five(_what):
+        yield lambda done, _total: signal.raise_signal(signal.SIGINT) if done == 5 else None
+
+    monkeypatch.setattr(mrts.commands.place, "working", pressed_at_five)
+    assert main(["place", str(study), "-o", str(target), "--look", "20000"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert "searched from the best 0 of 6 layouts" in out
+    assert "ended by Ctrl-C" in out
+    mrts.load_cell(target)

@@ -1,0 +1,86 @@
+"""`mrts scale --what-if`: the table, what it goes with, files."""
+
+import json
+
+import pytest
+from conftest import DATA
+
+import mrts
+from mrts.cli import main
+
+CELL, LIFT = str(DATA / "cell.yaml"), str(DATA / "lift.yaml")
+SCALE = ("scale", CELL, LIFT, "--what-if")
+
+
+def answered(capsys, *words):
+    assert main([*SCALE, *words, "--json", "-"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.mark.quick
+def test_it_says_and_writes_what_the_library_finds(planar_cell, lift, tmp_path, capsys):
+    found = mrts.scale(planar_cell, lift).what_if()
+    assert main([*SCALE, "--save", str(tmp_path / "a.npz"), "--report", str(tmp_path / "a.html")]) == 0
+    said = capsys.readouterr().out
+    assert said.endswith(f"\n\n{found}\n")
+    assert answered(capsys)["what_if"] == found.to_json()
+    assert mrts.load_result(tmp_path / "a.npz").changes == found
+    assert "What changes would do" in (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert main(["report", str(tmp_path / "a.npz"), "-o", str(tmp_path / "b.html")]) == 0
+    assert (tmp_path / "b.html").read_bytes() == (tmp_path / "a.html").read_bytes()
+
+
+def test_it_goes_with_other_questions(planar_cell, lift, tmp_path, capsys):
+    assert answered(capsys, "--share", "0.6,0.4", "--reserve", "0.1")["what_if"] == (
+        mrts.scale(planar_cell, lift, sharing=mrts.LoadSharing([0.6, 0.4]), reserve=0.1).what_if().to_json()
+    )
+    own = mrts.scale(planar_cell, lift).what_if(solver="qpsol:qpoases").to_json()
+    assert answered(capsys, "--solver", "qpsol:qpoases")["what_if"] == own
+    timing = answered(capsys, "--profile", "optimal", "--save", str(tmp_path / "a.npz"))["what_if"]
+    found = mrts.retime(planar_cell, lift).what_if()
+    assert timing == found.to_json()
+    assert timing["before"]["c2_upper"] is None
+    assert mrts.load_result(tmp_path / "a.npz").changes == found
+    assert main([*SCALE, "--profile", "optimal"]) == 0
+    assert str(found) in capsys.readouterr().out
+
+
+def test_every_load_of_a_box(tmp_path, capsys):
+    description = (DATA / "cell.yaml").read_text().replace("mass: 0.5", "mass: 0.5\n  variation: {mass: [0.5, 2]}")
+    (tmp_path / "cell.yaml").write_text(description.replace("planar_arm.urdf", str(DATA / "planar_arm.urdf")))
+    words = ["scale", str(tmp_path / "cell.yaml"), LIFT, "--what-if", "--carry", "mass=1.5", "--json", "-"]
+    assert main(words) == 0
+    asked = json.loads(capsys.readouterr().out)
+    cell = mrts.load_cell(tmp_path / "cell.yaml")
+    result = mrts.scale(cell, mrts.load_motion(LIFT))
+    assert asked["what_if"] == result.what_if().to_json()
+    carried = mrts.torques_for_load(result, cell.load_box.load_at({"mass": 1.5}))
+    assert carried.what_if() == result.what_if()  # it is asked of the box, whatever is carried
+
+
+@pytest.mark.quick
+def test_an_infeasible_motion_says_what_would_help(tmp_path, capsys):
+    description = (DATA / "cell.yaml").read_text().replace("mass: 0.5", "mass: 12.8")
+    (tmp_path / "cell.yaml").write_text(description.replace("planar_arm.urdf", str(DATA / "planar_arm.urdf")))
+    assert main(["scale", str(tmp_path / "cell.yaml"), LIFT, "--what-if"]) == 1
+    said = capsys.readouterr().out
+    assert "\n\nwhat if: ±10 % of limits and mass" in said
+    assert "now infeasible" in said
+    assert "\n  mass -10 % " in said
+    assert "may be changed as much, and it still cannot be played" in said
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (
+            ("--profile", "smooth", "--rates", "11"),
+            "--what-if: goes with --profile constant or optimal, not with smooth",
+        ),
+        (("--load", "possible"), "--what-if: goes with --load guaranteed, not with what is possible"),
+    ],
+)
+def test_what_it_does_not_go_with(words, message, capsys):
+    assert main([*SCALE, *words]) == 2
+    assert message in capsys.readouterr().err

@@ -1,0 +1,101 @@
+"""`mrts sweep` as a user runs it."""
+
+import re
+import sys
+
+import pytest
+from command_line import mrts_command
+from conftest import DATA
+from sweep_processes import DRIVER, processes, started
+from terminal_session import at_terminal
+
+import mrts
+
+VARY = 'vary: {object.mass: [1, 24, 2], "robots.left.base.xyz[0]": [0, -2]}'
+
+
+def study_file(folder, text=VARY):
+    path = folder / "study.yaml"
+    path.write_text(f"cell: {DATA / 'cell.yaml'}\nmotion: {DATA / 'lift.yaml'}\n{text}\n")
+    return path
+
+
+@pytest.mark.quick
+def test_a_study_is_solved_said_and_written(tmp_path):
+    done = mrts_command("sweep", study_file(tmp_path), "-o", tmp_path / "out", "--workers", 1, "--top", 9)
+    assert (done.returncode, done.stderr) == (0, "")
+    outcome, best, title, head, *lines = done.stdout.splitlines()
+    assert outcome == "study.yaml: 6 variants: 3 unreachable, 2 feasible, 1 infeasible"
+    rows = mrts.read_study_folder(tmp_path / "out").table().to_pylist()
+    fastest = min((row for row in rows if row["duration"]), key=lambda row: row["duration"])
+    assert best == f"best: variant {fastest['variant']}, {fastest['duration']:.4g} s"
+    assert title == "the best, solved again with limits kept between the samples:"
+    assert head.split() == ["rank", "variant", "duration", "c²⁺", "limited", "by"]
+    folder = tmp_path / "out" / "best-1"
+    first = mrts.scale(mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "motion.yaml"))
+    numbers = [f"{first.trajectory.duration:#.4g}", "s", f"{first.range.upper.c2:#.4g}"]
+    assert lines[0].split()[:5] == ["1", str(fastest["variant"]), *numbers]
+    assert lines[1].strip() == "best-1/cell.yaml: object.mass = 1 kg, robots.left.base.xyz[0] = 0 m"
+    assert lines[2].split()[:2] == ["2", "4"]
+    assert len(lines) == 4
+    again = mrts_command("sweep", study_file(tmp_path), "-o", tmp_path / "out", "--top", 9)
+    assert (again.returncode, again.stdout) == (0, done.stdout)
+
+
+def test_a_study_without_a_feasible_variant_says_so_by_its_exit_code(tmp_path):
+    path = study_file(tmp_path, "vary: {object.mass: [24, 25]}")
+    done = mrts_command("sweep", path, "-o", tmp_path / "out", "--workers", 1, "--top", 1)
+    assert (done.returncode, done.stdout) == (1, "study.yaml: 2 variants: 2 infeasible\n")
+    quiet = mrts_command("sweep", path, "-o", tmp_path / "out", "-q")
+    assert (quiet.returncode, quiet.stdout, quiet.stderr) == (1, "", "")
+
+
+def test_a_dry_run_writes_nothing(tmp_path):
+    done = mrts_command("sweep", study_file(tmp_path), "-o", tmp_path / "out", "--dry-run", "--workers", 3)
+    assert done.returncode == 0, done.stderr
+    first, *_, last = done.stdout.splitlines()
+    assert first == "study.yaml: 6 variants (grid) of cell 'planar_dual_arm'"
+    assert re.fullmatch(r"tried \d+ \(.*\): .*, so about .* on 3 cores", last)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((), "--output: is missing: name a folder for the table, or ask for --dry-run."),
+        (("-o", "out", "--workers", 0), "--workers = 0: must be at least 1."),
+        (("-o", "out", "--workers", 2, "--scheduler", "tcp://h:1"), "--workers = 2: goes with processes of this"),
+        (("-o", "out", "--top", -1), "--top = -1: must be at least 0."),
+        (("-o", "study.yaml"), "--output = 'study.yaml': names a file, but writes a folder."),
+        (("-o", "."), "holds no study, but study.yaml: name a new or empty folder."),
+    ],
+)
+def test_wrong_options_are_named(arguments, said, tmp_path):
+    study_file(tmp_path)
+    done = mrts_command("sweep", "study.yaml", *arguments, cwd=tmp_path)
+    assert done.returncode == 2, done.stdout
+    assert said in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["study.yaml"]
+
+
+def test_a_terminal_sees_rate_time_left_and_best_and_ctrl_c_says_how_to_go_on(tmp_path):
+    path = study_file(tmp_path, "vary: {object.mass: {from: 1, to: 4, steps: 500}}\ntorques: true")
+    command = [sys.executable, "-c", DRIVER.format(chunk=2), "sweep", path, "-o", tmp_path / "out", "--workers", 1]
+    done = at_terminal(command, keys=[("left; best", "\x03\x03")], COLUMNS="200")
+    assert done.code == 130, done.shown
+    assert re.search(r"\d+ of 500; \S+ a second, \S+ (s|min) left; best 0\.\d+ s", done.shown)
+    ending = done.shown[done.shown.index("out holds") :]
+    assert re.match(r"out holds \d+ of 500 variants: the same command goes on from there", ending)
+    assert ending.rstrip().endswith("mrts: interrupted\x1b[0m")
+    assert mrts.read_study_folder(tmp_path / "out").table().num_rows > 0
+
+
+def test_two_sweeps_at_once_are_refused(tmp_path):
+    path = study_file(tmp_path, "vary: {object.mass: {from: 1, to: 4, steps: 500}}\ntorques: true")
+    command = [sys.executable, "-m", "mrts", "sweep", str(path), "-o", str(tmp_path / "out"), "--workers", "1"]
+    with started(command) as first:
+        while not (tmp_path / "out" / "study.json").exists():
+            assert processes(first.pid)
+        second = mrts_command("sweep", path, "-o", tmp_path / "out")
+        assert second.returncode == 2
+        assert f"another sweep writes into it (process {first.pid} on " in second.stderr

@@ -1,0 +1,36 @@
+"""A study in which chosen variants kill the process that solves them, or stumble."""
+
+import os
+import signal
+from dataclasses import dataclass, fields
+
+from mrts.studies.study import Study
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class FaultyStudy(Study):
+    """The same points, but not for the processes that work for this one.
+
+    Attributes:
+        driver: Number of this process.
+        deadly: Variants that kill a worker.
+        stumbling: Variants over which it raises.
+    """
+
+    driver: int
+    deadly: tuple[int, ...] = ()
+    stumbling: tuple[int, ...] = ()
+
+    def points(self, first, last):
+        if os.getpid() != self.driver:
+            if any(first <= variant < last for variant in self.deadly):
+                os.kill(os.getpid(), signal.SIGKILL)
+            if any(first <= variant < last for variant in self.stumbling):
+                raise ZeroDivisionError("1 / 0")
+        return super().points(first, last)
+
+
+def faulty(study, **faults):
+    """The same study with faults."""
+    same = {field.name: getattr(study, field.name) for field in fields(Study)}
+    return FaultyStudy(**same, driver=os.getpid(), **faults)

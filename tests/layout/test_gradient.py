@@ -1,0 +1,121 @@
+"""The program of a layout says of c²⁺ and its change what `mrts.scale` and its central differences say."""
+
+import numpy as np
+import pytest
+import yaml
+from layouts import DATA, Layouts, shipped, write_study
+from published_robots import ROBOTS
+
+STEP = 1e-5
+"""Of central differences [m, rad]: their error is its square, 1e-10, times third derivatives, and rounding of c²⁺,
+1e-12, over it."""
+
+SAME_SLOPE = 1e-5
+"""Of ∂ ln c²⁺/∂θ [1/m, 1/rad]: what differences leave, and IPOPT's tolerance of 1e-8."""
+
+SAME_C2 = 1e-7
+"""Share of c²⁺: ten times IPOPT's tolerance."""
+
+UR5_MOTION = DATA / "dual_ur5" / "lift_and_turn.yaml"
+UR5_VARY = {
+    "distance": {"sets": {"robots.left.base.xyz[0]": -1, "robots.right.base.xyz[0]": 1}, "from": 0.65, "to": 0.85},
+    "robots.right.base.xyz[1]": {"from": -0.1, "to": 0.1},
+    "robots.right.base.rpy[2]": {"from": 2.9, "to": 3.3},
+    "robots.right.grasp.xyz[2]": {"from": -0.04, "to": 0.04},
+    "robots.right.grasp.rpy[2]": {"from": -0.2, "to": 0.2},
+}
+PLANAR_VARY = {
+    "robots.left.base.xyz[0]": {"from": -0.2, "to": 0.2},
+    "robots.left.base.rpy[2]": {"from": -0.2, "to": 0.2},
+    "robots.right.base.xyz[1]": {"from": -0.2, "to": 0.2},
+    "robots.right.grasp.xyz[1]": {"from": -0.1, "to": 0.1},
+}
+MOTORS = {
+    "armature": 0.5,
+    "friction": {"coulomb": 2.0, "viscous": 3.0},
+    "torque_speed": [[0, 160], [1, 160], [5, 30]],
+}
+
+
+def dual_ur5(folder):
+    return write_study(folder, shipped("dual_ur5"), UR5_MOTION, UR5_VARY)
+
+
+def planar(folder):
+    return write_study(
+        folder, shipped("planar_dual_arm"), DATA / "planar_dual_arm" / "lift.yaml", PLANAR_VARY, reserve=0.1
+    )
+
+
+def squeeze(folder):
+    """Pads in tip axes, whose rows turn with the grasps."""
+    return write_study(folder, shipped("squeeze"), DATA / "squeeze" / "lift_and_turn.yaml", UR5_VARY)
+
+
+def with_motors(folder):
+    torque = [150, 150, 150, 60, 60, 60]
+    return write_study(folder, shipped("dual_ur5", motors=MOTORS, torque=torque), UR5_MOTION, UR5_VARY)
+
+
+def uncertain_load(folder):
+    cell = shipped("dual_ur5")
+    cell["object"]["variation"] = {"mass": [0.5, 1.5], "mz": [-0.5, 0.5]}
+    return write_study(folder, cell, UR5_MOTION, UR5_VARY)
+
+
+def redundant(folder):
+    """Two arms of seven joints, whose positions follow from their postures; one posture varies too."""
+    robots = [
+        {
+            "name": name,
+            "urdf": str(ROBOTS / "panda_description" / "urdf" / "panda.urdf"),
+            "tip_link": "panda_hand_tcp",
+            "base": {"xyz": [0.65 * side, 0, 0], "rpy": [0, 0, turn]},
+            "grasp": {"xyz": [0.15 * side, 0, 0], "rpy": [3.14159, 0, turn]},
+            "posture": [0.1, 0.0, 0.1, -2.0, 0.0, 2.0, 0.8],
+            "torque": [60, 60, 60, 60, 12, 12, 12],
+        }
+        for name, side, turn in (("left", -1, 0.0), ("right", 1, 3.14159))
+    ]
+    load = {"mass": 3.0, "inertia": [0.01, 0.02, 0.02]}
+    cell = {"name": "pandas", "gravity": [0, 0, -9.81], "object": load, "robots": robots}
+    motion = {
+        "duration": 0.8,
+        "samples": 31,
+        "profile": "quintic",
+        "start": {"xyz": [0, 0, 0.4]},
+        "end": {"xyz": [0.05, 0.1, 0.5], "rpy": [0.1, 0, 0.2]},
+    }
+    (folder / "motion.yaml").write_text(yaml.safe_dump(motion), encoding="utf-8")
+    vary = {
+        "robots.left.base.xyz[0]": {"from": -0.7, "to": -0.6},
+        "robots.left.posture[2]": {"from": -0.2, "to": 0.2},
+        "robots.left.grasp.xyz[2]": {"from": -0.03, "to": 0.03},
+    }
+    return write_study(folder, cell, folder / "motion.yaml", vary)
+
+
+CASES = (dual_ur5, planar, squeeze, with_motors, uncertain_load, redundant)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.__name__)
+def test_the_slope_is_that_of_scale(case, tmp_path):
+    layouts = Layouts.of(case(tmp_path))
+    bounds = np.array([parameter.spread.bounds for parameter in layouts.study.parameters])
+    rng = np.random.default_rng(5)
+    slopes = []
+    while len(slopes) < 2:
+        values = bounds[:, 0] + rng.uniform(0.2, 0.8, len(bounds)) * (bounds[:, 1] - bounds[:, 0])
+        c2 = layouts.c2(values)
+        around = np.array(
+            [[layouts.c2(values + side * step) for side in (1, -1)] for step in STEP * np.eye(len(bounds))]
+        )
+        one_sided = np.log(around / c2) * [1, -1] / STEP
+        if np.max(np.abs(one_sided[:, 0] - one_sided[:, 1])) > 1e-2:
+            continue  # a kink: another row binds on the other side
+        answer = layouts.program_at(values)
+        assert answer.solved
+        assert answer.c2 == pytest.approx(c2, rel=SAME_C2)
+        np.testing.assert_allclose(answer.slope, np.mean(one_sided, axis=1), atol=SAME_SLOPE, rtol=SAME_SLOPE)
+        slopes.append(answer.slope)
+    assert np.max(np.abs(slopes)) > 0.1

@@ -1,0 +1,240 @@
+"""The best layout of a study: what it gains, that nothing near is better, and what becomes of studies without one."""
+
+import signal
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from cell_bank import random_planar_cell
+from layouts import DATA, Layouts, shipped, write_study
+from machines import TURN, machine_cell
+from scipy.optimize import minimize
+
+import mrts
+from mrts.layout.layout_numbers import LayoutNumbers
+from mrts.layout.layout_search import LayoutSearch
+from mrts.layout.place import SEED
+from mrts.limits import LIMITS
+from mrts.limits.velocity_limits import velocity_limits
+from mrts.studies.sampling import sample_points
+from mrts.studies.spreads import Range
+
+BETTER = 1e-3
+"""Share of c²⁺ by which no other search may be better."""
+
+SAME = 1e-9
+"""Share of c²⁺ by which two solutions of the same programs differ: rounding."""
+
+LIFT = DATA / "planar_dual_arm" / "lift.yaml"
+UR5_VARY = {
+    "distance": {"sets": {"robots.left.base.xyz[0]": -1, "robots.right.base.xyz[0]": 1}, "from": 0.7, "to": 0.8},
+    "robots.right.base.xyz[1]": {"from": -0.05, "to": 0.05},
+}
+PLANAR_VARY = {
+    "robots.left.base.xyz[0]": {"from": -0.3, "to": 0.3},
+    "robots.left.base.xyz[1]": {"from": -0.3, "to": 0.3},
+    "robots.right.base.xyz[0]": {"from": 2.2, "to": 2.8},
+    "robots.right.grasp.xyz[1]": {"from": -0.1, "to": 0.1},
+}
+
+
+def looked_at(study, count):
+    """The layouts that `place` looks at first."""
+    bounds = [parameter.spread.bounds for parameter in study.parameters]
+    return np.round(sample_points([Range(*pair) for pair in bounds], "sobol", count, SEED, (0, count)), 5)
+
+
+@pytest.mark.quick
+def test_the_shipped_study_gains_and_its_answer_is_what_scale_says(tmp_path):
+    found = mrts.place(DATA / "dual_ur5" / "place.yaml", starts=1, looked_at=8)
+    assert found.gain >= 0.2
+    found.write(tmp_path / "best.yaml")
+    motion = mrts.load_motion(DATA / "dual_ur5" / "lift_and_turn.yaml")
+    again = mrts.scale(mrts.load_cell(tmp_path / "best.yaml"), motion)
+    before = mrts.scale(mrts.load_cell(DATA / "dual_ur5" / "poor_cell.yaml"), motion)
+    assert again.range.upper.c2 == pytest.approx(found.after.c2, rel=SAME)
+    assert before.range.upper.c2 == pytest.approx(found.before.c2, rel=SAME)
+    assert not again.excess.passes
+    moved = {path: after - was for path, _, was, after in found.moved()}
+    assert moved["robots.right.base.xyz[0]"] == -moved["robots.left.base.xyz[0]"]
+    assert moved["robots.left.base.xyz[1]"] == 0  # it gains nothing: the right arm is what binds
+
+
+def test_no_other_search_finds_better_on_the_planar_cell(tmp_path):
+    path = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, PLANAR_VARY)
+    layouts = Layouts.of(path)
+    found = mrts.place(path, between=None)
+    bounds = np.array([parameter.spread.bounds for parameter in layouts.study.parameters])
+    rng = np.random.default_rng(7)
+    starts = [found.after.values, *(rng.uniform(*bounds.T) for _ in range(3))]
+    for start in starts:
+        other = minimize(
+            lambda values: -max(layouts.c2(values), 0.0),
+            start,
+            method="Nelder-Mead",
+            bounds=bounds,
+            options={"maxfev": 300, "xatol": 1e-5, "fatol": 1e-7},
+        )
+        assert -other.fun <= found.after.c2 * (1 + BETTER)
+    assert found.after.c2 > layouts.c2(layouts.study.points(0, 1)[0])
+
+
+@pytest.mark.parametrize(("seed", "arms"), [(0, 2), (1, 3), (2, 1), (3, 2)])
+def test_it_is_never_worse_than_its_best_start(seed, arms, tmp_path):
+    rng = np.random.default_rng(seed)
+    best = np.inf
+    while not 0 < best < np.inf:
+        case = random_planar_cell(rng, tmp_path, arms)
+        cell = yaml.safe_load(case.cell_file.read_text(encoding="utf-8"))
+        first, second = ("xyz".index(axis) for axis in cell["plane"])
+        left, right = cell["robots"][0], cell["robots"][-1]
+        base = left.get("base", {}).get("xyz", [0, 0, 0])[first]
+        grasp = right.get("grasp", {}).get("xyz", [0, 0, 0])[second]
+        vary = {
+            f"robots.{left['name']}.base.xyz[{first}]": {"from": base - 0.05, "to": base + 0.05},
+            f"robots.{right['name']}.grasp.xyz[{second}]": {"from": grasp - 0.03, "to": grasp + 0.03},
+        }
+        layouts = Layouts.of(write_study(tmp_path, case.cell_file, case.motion_file, vary))
+        best = max(map(layouts.c2, looked_at(layouts.study, 16)))
+    found = mrts.place(layouts.study, looked_at=16, between=None)
+    assert found.after.c2 >= best * (1 - SAME)
+    assert found.after.c2 >= found.before.c2 * (1 - SAME) if found.before else True
+    assert layouts.c2(found.after.values) <= found.after.c2 * (1 + SAME)
+    low, high = np.array([parameter.spread.bounds for parameter in layouts.study.parameters]).T
+    assert np.all((low <= found.after.values) & (found.after.values <= high))
+
+
+def test_a_layout_out_of_reach_is_an_outcome(tmp_path):
+    vary = {"robots.left.base.xyz[0]": {"from": -9, "to": -8}}
+    found = mrts.place(write_study(tmp_path, shipped("planar_dual_arm"), LIFT, vary), looked_at=4)
+    assert found.after is None
+    assert "none of 4 layouts within the bounds can be played" in found.sentence()
+    assert "robot 'left'" in found.sentence()
+    with pytest.raises(mrts.InputError, match="no layout to write"):
+        found.write(tmp_path / "best.yaml")
+    assert not (tmp_path / "best.yaml").exists()
+
+
+def test_a_cell_that_cannot_be_played_as_it_is_gets_a_layout(tmp_path):
+    cell = shipped("planar_dual_arm")
+    cell["robots"][0]["base"]["xyz"] = [-3, 0, 0]
+    found = mrts.place(write_study(tmp_path, cell, LIFT, PLANAR_VARY), starts=1, looked_at=8)
+    assert found.before is None
+    assert found.after.c2 > 2
+    assert "the layout of the cell file cannot be played" in found.sentence()
+
+
+def test_postures_follow_where_the_studys_own_lead_elsewhere(tmp_path):
+    """A search in a branch that no posture of the study leads to ends in a cell file that leads there."""
+    path = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, PLANAR_VARY)
+    layouts = Layouts.of(path)
+    study, values = layouts.study, np.array([0.0, 0.0, 2.5, 0.0])
+    machine = mrts.Cell.from_description(study.cell, folder=study.folder, backend="vm")
+    numbers = LayoutNumbers.of(study, machine)
+    search = LayoutSearch(study, numbers, layouts.motion, machine, lambda: False)
+    ranked = mrts.rank_configurations(machine, layouts.motion, between=None).ranked
+    other = next(one for one in ranked if one.c2_upper < 0.95 * ranked[0].c2_upper)
+    start = search.tried(values, other.postures())
+    assert start.c2 == pytest.approx(other.c2_upper, rel=SAME)
+    found = []
+    search.improve(start, found)
+    best = max(found, key=lambda one: one.c2)
+    assert best.c2 > start.c2
+    assert search.tried(best.values).c2 < 0.9 * best.c2  # where the study's own postures lead
+    cell = mrts.Cell.from_description(best.keys, folder=study.folder)
+    assert mrts.scale(cell, layouts.motion, between=None).range.upper.c2 == best.c2
+    turned = [robot.posture for robot in cell.robots]
+    assert max(map(np.max, np.abs(np.subtract(turned, list(other.postures().values()))))) < 1
+
+
+def test_a_limit_of_ones_own_is_searched_or_refused(tmp_path, monkeypatch):
+    """Of rows that nothing but the speed moves: 3 q' is linear in the velocities, 3 q'² is not."""
+
+    def rows(column):
+        def limit(cell, motion):
+            given = velocity_limits(cell, motion)
+            return replace(
+                given, speed=column(given.speed), names=tuple(replace(one, kind="own") for one in given.names)
+            )
+
+        return limit
+
+    path = write_study(tmp_path, shipped("dual_ur5"), DATA / "dual_ur5" / "lift_and_turn.yaml", UR5_VARY)
+    plain = mrts.place(path, starts=1, looked_at=4, between=None)
+    monkeypatch.setitem(LIMITS, "own", rows(lambda speed: 3 * speed))
+    limited = mrts.place(path, starts=1, looked_at=4, between=None)
+    assert limited.after.c2 == pytest.approx(plain.after.c2 / 9, rel=BETTER)
+    assert limited.after.result.range.upper.rows[0].name.kind == "own"
+    monkeypatch.setitem(LIMITS, "own", rows(lambda speed: 3 * speed**2))
+    with pytest.raises(mrts.InputError, match="not linear in the joints' velocities"):
+        mrts.place(path, starts=1, looked_at=4, between=None)
+
+
+def test_arms_of_one_machine_move_together(tmp_path):
+    def hold(robots):
+        for robot in robots:
+            robot["fixed"] = {"turn": TURN, "lift": 0.4}
+            del robot["wrench"]  # what it leaves of c² depends on no base
+
+    cell = machine_cell(tmp_path, hold)
+    alone = {"robots.left.base.xyz[1]": {"from": -0.3, "to": -0.1}}
+    found = mrts.place(write_study(tmp_path, cell, LIFT, alone), looked_at=4)
+    assert found.after is None
+    assert "'left' and 'right' are arms of one machine: their bases move together" in found.sentence()
+    together = {"height": {"shifts": ["robots.left.base.xyz[1]", "robots.right.base.xyz[1]"], "from": 0.1, "to": 0.5}}
+    path = write_study(tmp_path, cell, LIFT, together)
+    found = mrts.place(path, looked_at=4, between=None)
+    layouts = Layouts.of(path)
+    line = [layouts.c2(np.array([height])) for height in np.linspace(0.1, 0.5, 121)]
+    assert max(line) > 1.01 * min(line)
+    assert max(line) <= found.after.c2 * (1 + SAME) <= max(line) * 1.01
+
+
+def test_time_that_is_up_and_ctrl_c_keep_the_best_so_far(tmp_path):
+    path = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, PLANAR_VARY)
+    found = mrts.place(path, seconds=0)
+    assert (found.stopped, found.looked_at, found.searches) == ("the time limit", 0, 0)
+    assert found.after.c2 == found.before.c2
+    assert "no layout was found that is better" in found.sentence()
+
+    def press(done, _total):
+        if done == 65 and not pressed:
+            pressed.append(done)
+            threading.Timer(0.01, signal.raise_signal, [signal.SIGINT]).start()
+
+    pressed: list[int] = []
+    before = signal.getsignal(signal.SIGINT)
+    found = mrts.place(path, starts=1000, looked_at=64, progress=press)
+    assert pressed
+    assert found.stopped == "Ctrl-C"
+    assert found.searches < 1000
+    assert found.after.c2 > found.before.c2
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+@pytest.mark.parametrize(
+    ("vary", "words"),
+    [
+        ({"object.mass": {"from": 1, "to": 2}}, ["object.mass", "no number of a layout", "mrts sweep"]),
+        ({"motion.duration": {"from": 1, "to": 2}}, ["motion.duration", "no number of a layout"]),
+        ({"robots.left.base.xyz[0]": [0, 0.1]}, ["robots.left.base.xyz[0]", "'from' and 'to'"]),
+        ({"robots.left.base.xyz[0]": {"normal": {"mean": 0, "std": 0.1}}}, ["normal", "'from' and 'to'"]),
+    ],
+    ids=["mass", "duration", "list", "normal"],
+)  # fmt: skip
+def test_what_is_no_layout_is_refused(vary, words, tmp_path):
+    path = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, vary)
+    with pytest.raises(mrts.InputError) as error:
+        mrts.place(path)
+    assert all(word in str(error.value) for word in [str(path), *words])
+
+
+@pytest.mark.parametrize(
+    ("argument", "value"), [("starts", 0), ("looked_at", 0), ("seconds", -1), ("starts", 1.5), ("progress", 3)]
+)
+def test_wrong_arguments_are_refused_by_name(argument, value, tmp_path):
+    path = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, PLANAR_VARY)
+    with pytest.raises(mrts.InputError, match=argument):
+        mrts.place(path, **{argument: value})

@@ -1,0 +1,315 @@
+"""What changes to a cell would do: order, words, and every outcome that a change can have."""
+
+import json
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import DATA
+from gantries import along_x, gantries
+from published_robots import CASES, single_arm_cell
+from scipy.spatial.transform import Rotation
+from shown_results import still_motion, with_all_rates
+
+import mrts
+from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
+from mrts.cell.cell_change import ChangeSteps, cell_changes
+from mrts.cell.generation import generate_to
+from mrts.refinement.excess import BETWEEN
+
+MOTORS = np.array([[0.0, 100.0], [0.2, 100.0], [3.0, 10.0]])
+"""A torque-speed curve [rad/s, N m]."""
+
+RATED = 1e-6  # a conic program is right to as much
+
+
+def by_text(found):
+    return {str(one.change): one for one in found.changes}
+
+
+@pytest.fixture(scope="module")
+def planar_changes(planar_cell, lift):
+    return mrts.scale(planar_cell, lift).what_if()
+
+
+@pytest.mark.quick
+def test_a_limit_that_binds_alone_in_closed_form(tmp_path):
+    """Two gantries push 11 kg along 2 m with 20 N each: c² is force by mass, and at most (velocity / 3 m/s)²."""
+    cell = gantries(tmp_path, object_velocity={"linear": 4.0})
+    result = mrts.scale(cell, along_x(), between=None)
+    total, heaviest = 40.0, 3 + 2 * 4.0
+    c2 = total / (heaviest * 12.0)
+    assert result.range.upper.c2 == pytest.approx(c2)
+    found = by_text(result.what_if())
+    assert found["near/slide_x +10 %"].c2_change == pytest.approx(2.0 / total)
+    assert found["far/slide_x -10 %"].c2_change == pytest.approx(-2.0 / total)
+    assert found["mass -10 %"].c2_change == pytest.approx(heaviest / (heaviest - 0.3) - 1)
+    assert found["mass -10 %"].after.duration == pytest.approx(1 / np.sqrt(c2 * heaviest / (heaviest - 0.3)))
+    assert str(found["far/slide_x +10 %"]).startswith("far/slide_x +10 %: c² +5 %, 1.77")
+    assert not found["object/linear velocity +10 %"].matters
+
+
+@pytest.mark.quick
+def test_what_gains_comes_first_and_what_does_nothing_is_said_in_one_sentence(planar_changes):
+    durations = [one.after.duration for one in planar_changes.changes]
+    assert durations == sorted(durations)
+    more, less, lost = planar_changes.sorted()
+    assert [one.after.duration for one in more] == sorted(one.after.duration for one in more)
+    assert [one.after.duration for one in less] == sorted((one.after.duration for one in less), reverse=True)
+    assert all(one.c2_change > 0 for one in more)
+    assert all(one.c2_change < 0 for one in less)
+    assert lost == []
+    matter = {one.change.what for one in (*more, *less)}
+    assert matter.isdisjoint(planar_changes.without_effect)
+    assert planar_changes.without_effect == ("left/wrist", "right/wrist")
+    *table, last = str(planar_changes).splitlines()
+    assert last == "nothing else matters: 2 torque limits may be changed as much, and the speed stays"
+    assert table[0].endswith("now 0.2992 s at c² = 3.062")
+    assert (
+        " ".join(table[1].split()) == "mass -10 % c² +1.63 % 0.2968 s then left/elbow, right/elbow, left/fx and 3 more"
+    )
+    assert "… and 13 more that lose less (--json has all)" in str(planar_changes)
+
+
+@pytest.mark.quick
+def test_wider_limits_never_slow_and_narrower_ones_never_speed(planar_changes):
+    for one in planar_changes.changes:
+        if one.change.unit == "1" and one.change.kind != "mass":
+            assert (one.faster - 1) * one.change.step >= -1e-9, one
+
+
+@pytest.mark.quick
+def test_mirrored_arms_have_mirrored_effects(planar_changes):
+    """The lift is symmetric: what is done to one arm does the same as its mirror image to the other."""
+    found = by_text(planar_changes)
+    mirrored = [("base x", "mm", -1), ("base y", "mm", 1), ("base about z", "°", -1)]
+    mirrored += [("grasp x", "mm", -1), ("grasp y", "mm", 1), ("grasp about z", "°", -1)]
+    for joint in ("shoulder", "elbow", "wrist"):
+        for size in ("+10 %", "-10 %"):
+            left, right = found[f"left/{joint} {size}"], found[f"right/{joint} {size}"]
+            assert left.after.c2 == pytest.approx(right.after.c2, rel=1e-8)
+    for element, unit, sign in mirrored:
+        step = {"mm": 10, "°": 1}[unit]
+        left, right = (found[f"{arm} {element} {way * step:+d}{' mm' if unit == 'mm' else unit}"]
+                       for arm, way in (("left", 1), ("right", sign)))  # fmt: skip
+        assert left.after.c2 == pytest.approx(right.after.c2, rel=1e-7), element
+
+
+def test_what_makes_an_infeasible_motion_possible(planar_cell, lift):
+    result = mrts.scale(planar_cell.with_mass(13.0), lift)
+    assert result.status.value == "infeasible"
+    found = result.what_if(share=0.3)
+    able = [one for one in found.changes if one.after.duration is not None]
+    assert {str(one.change) for one in able} >= {"mass -30 %"}
+    assert all(one.matters and one.faster is None and one.c2_change is None for one in able)
+    assert found.changes[0] in able
+    assert str(found).splitlines()[0].endswith("now infeasible")
+    assert str(by_text(found)["mass -30 %"]).startswith("mass -30 %: feasible, c² ")
+    again = mrts.scale(planar_cell.with_mass(0.7 * 13.0), lift, between=None)
+    assert by_text(found)["mass -30 %"].after.c2 == pytest.approx(again.range.upper.c2)
+
+
+def test_what_cannot_be_played_says_why_and_comes_last(planar_cell, lift):
+    found = by_text(mrts.scale(planar_cell.with_mass(7.0), lift).what_if(share=0.8, shift=0.9))
+    lost = found["mass +80 %"]
+    assert lost.after.status == "infeasible"
+    assert str(lost) == (
+        "mass +80 %: infeasible: at 20 of 101 samples; at t = 0 s left/elbow, right/elbow, left/fx and 1 more conflict"
+    )
+    far = found["left base y -900 mm"]
+    assert far.after.status == "unreachable"
+    assert "robot 'left'" in far.after.reason
+    kept = list(found.values())
+    played = [one.after.duration is not None for one in kept]
+    assert played == sorted(played, reverse=True)
+    assert not all(played)
+
+
+def test_a_change_that_breaks_a_rule_of_the_cell_is_a_row(planar_cell, lift):
+    motors = replace(planar_cell.robots[0].motors, coulomb=np.array([0.0, 0.0, 48.0]))
+    first = replace(planar_cell.robots[0], motors=motors)
+    cell = replace(planar_cell, robots=(first, *planar_cell.robots[1:]))
+    found = by_text(mrts.scale(cell, lift).what_if())
+    assert found["left/wrist -10 %"].after.status == "invalid"
+    assert "Coulomb friction of joint 'wrist' is 48" in str(found["left/wrist -10 %"])
+
+
+def with_curves(cell):
+    """The left shoulder's torque falls with its speed."""
+    motors = replace(cell.robots[0].motors, torque_speed=(MOTORS, None, None))
+    return replace(cell, robots=(replace(cell.robots[0], motors=motors), *cell.robots[1:]))
+
+
+def test_a_motor_with_a_curve_changes_as_a_whole(planar_cell, lift):
+    cell = with_curves(planar_cell)
+    named = {(change.kind, change.element) for change in cell_changes(cell, ChangeSteps())}
+    assert ("motor speed", "shoulder") in named
+    assert ("motor speed", "elbow") not in named
+    found = by_text(mrts.scale(cell, lift, between=None).what_if())
+    for text, factor in (("left/shoulder -10 %", [1, 0.9]), ("left/shoulder motor speed -10 %", [0.9, 1])):
+        robot = cell.robots[0]
+        limit = robot.torque_upper * [factor[1], 1, 1]
+        motors = replace(robot.motors, torque_speed=(MOTORS * factor, None, None))
+        arm = replace(robot, torque_lower=-limit, torque_upper=limit, motors=motors)
+        again = mrts.scale(replace(cell, robots=(arm, *cell.robots[1:])), lift, between=None)
+        assert found[text].after.c2 == pytest.approx(again.range.upper.c2, rel=1e-8)
+        assert found[text].matters
+
+
+def test_hands_and_reserve_are_asked_too():
+    squeeze = DATA.parent / "squeeze"
+    cell = mrts.load_cell(squeeze / "cell.yaml").with_reserve(0.05)
+    motion = mrts.load_motion(squeeze / "lift_and_turn.yaml")
+    found = by_text(mrts.scale(cell, motion, between=None).what_if())
+    for robot in cell.robots:
+        (pad,) = robot.contacts
+        other = replace(pad, lower=pad.lower * 1.1, upper=pad.upper * np.where(pad.upper > 0, 0.9, 1))
+        arm = replace(robot, contacts=(other,))
+        robots = tuple(arm if one is robot else one for one in cell.robots)
+        again = mrts.scale(replace(cell, robots=robots), motion, between=None)
+        assert found[f"{robot.name}/pad -10 %"].after.c2 == pytest.approx(again.range.upper.c2, rel=1e-8)
+    less = mrts.scale(cell.with_reserve(0.045), motion, between=None)
+    assert found["reserve -10 %"].after.c2 == pytest.approx(less.range.upper.c2, rel=1e-8)
+
+
+def test_limits_of_rates_are_kept_as_they_are(tmp_path):
+    """Rates that follow from a torque limit do not follow it when it changes."""
+    cell, motion = with_all_rates(gantries(tmp_path)), along_x(samples=21)
+    result = mrts.scale(cell, motion, rates=1.0, between=None)
+    found = by_text(result.what_if())
+    again = mrts.scale(cell.with_mass(0.9 * cell.mass), motion, rates=1.0, between=None)
+    assert found["mass -10 %"].before.c2 == pytest.approx(result.range.upper.c2, rel=RATED)
+    assert found["mass -10 %"].after.c2 == pytest.approx(again.range.upper.c2, rel=RATED)
+    assert found["mass -10 %"].matters
+    assert "rate" in " ".join(found["mass -10 %"].after.limits)
+    assert not found["far/slide_x +10 %"].matters
+
+
+def test_what_nothing_limits_and_what_stands_still(planar_cell, lift):
+    found = mrts.scale(planar_cell, still_motion(lift)).what_if()
+    assert found.before.status == "unbounded"
+    assert found.before.duration == 0
+    assert not any(one.matters for one in found.changes if one.after.duration is not None)
+    assert str(found).splitlines()[0].endswith("now as fast as you like")
+    assert json.dumps(found.to_json(), allow_nan=False)
+
+
+def test_joints_that_arms_do_not_take_by_themselves_are_left_where_they_are(planar_cell, lift):
+    """Joints given from elsewhere than the posture are followed again; others are not, and it says so."""
+    motion = mrts.follow_object(planar_cell, lift)
+    far = {robot.name: (robot.posture + 0.4).tolist() for robot in planar_cell.robots}
+    found = mrts.scale(planar_cell.with_postures(far), motion, between=None).what_if()
+    assert found.left_out == ""
+    plain = by_text(mrts.scale(planar_cell, lift, between=None).what_if())
+    assert all(one.after.c2 == pytest.approx(plain[text].after.c2, rel=1e-6) for text, one in by_text(found).items())
+    slower = replace(motion, ddq=motion.ddq * (1 + 1e-4))
+    given = mrts.scale(planar_cell, slower, between=None, closure=mrts.ClosureBound(0.01, 0.02)).what_if()
+    assert not any(one.change.moves_arms for one in given.changes)
+    assert given.left_out.startswith("bases and grasps were not moved")
+
+
+@pytest.mark.quick
+def test_what_is_refused(planar_cell, lift):
+    result = mrts.scale(planar_cell, lift)
+    for name, value in (
+        ("share", 0),
+        ("share", 1.5),
+        ("shift", -0.1),
+        ("turn", np.nan),
+        ("turn", "1°"),
+        ("shift", True),
+    ):
+        with pytest.raises(mrts.InputError, match=f"{name}.* must be a number from"):
+            result.what_if(**{name: value})
+    with pytest.raises(mrts.InputError, match="solver"):
+        result.what_if(solver="nonsense")
+    with pytest.raises(mrts.InputError, match="progress"):
+        result.what_if(progress=3)
+    possible = mrts.scale(planar_cell.with_variation(mass=(0.9, 1.1)), lift, load="possible", between=None)
+    with pytest.raises(mrts.InputError, match="what is possible with some load"):
+        possible.what_if()
+    with pytest.raises(mrts.InputError, match="retimed"):
+        mrts.retime(planar_cell, lift).retimed.what_if()
+
+
+def test_what_takes_the_functions_of_the_cell(planar_cell, lift, tmp_path):
+    result = mrts.scale(planar_cell, lift)
+    mrts.save_result(result, tmp_path / "a.npz")
+    with pytest.raises(mrts.InputError, match=r"load_result\(path, cell=mrts\.load"):
+        mrts.load_result(tmp_path / "a.npz").what_if()
+    again = mrts.load_result(tmp_path / "a.npz", planar_cell).what_if()
+    ours = by_text(result.what_if())
+    assert all(one.after.c2 == pytest.approx(ours[text].after.c2, rel=1e-9) for text, one in by_text(again).items())
+    generate_to(DATA / "cell.yaml", tmp_path / "baked", bake=True)
+    baked = mrts.scale(mrts.load_cell(tmp_path / "baked"), lift).what_if()
+    assert baked.left_out == "bases and grasps were not moved: they stand as numbers in the generated C (--bake)"
+    assert by_text(baked)["mass -10 %"].after.c2 == pytest.approx(ours["mass -10 %"].after.c2, rel=1e-8)
+    assert str(baked).endswith(baked.left_out)
+
+
+@pytest.mark.quick
+def test_it_is_told_how_far_it_is_and_travels(planar_cell, lift, planar_changes):
+    told = []
+    result = mrts.scale(planar_cell, lift)
+    found = result.what_if(progress=lambda done, total: told.append((done, total)))
+    assert told[0] == (0, len(found.changes))
+    assert told[-1] == (len(found.changes),) * 2
+    assert pickle.loads(pickle.dumps(found)) == found == planar_changes  # noqa: S301 (our own)
+    asked = replace(result, changes=found).to_json()["what_if"]
+    assert asked["before"]["c2_upper"] == result.range.upper.c2
+    assert len(asked["changes"]) == len(found.changes)
+    assert "what_if" not in result.to_json()
+    assert repr(found) == f"<WhatIf: {len(found.changes)} changes, 34 matter>"
+
+
+def test_joints_of_a_table_are_followed_again(planar_cell, lift, tmp_path):
+    """The fastest plan as a table: played 1.75 times as fast as given, changes do the same to it."""
+    plan = mrts.scale(planar_cell, lift, between=None)
+    mrts.write_trajectory_csv(plan, tmp_path / "plan.csv")
+    (tmp_path / "plan.yaml").write_text("joints: plan.csv\n")
+    again = mrts.scale(planar_cell, mrts.load_motion(tmp_path / "plan.yaml"), between=None).what_if()
+    assert again.left_out == ""
+    ours = by_text(plan.what_if())
+    for text, one in by_text(again).items():
+        assert one.c2_change == pytest.approx(ours[text].c2_change, abs=1e-6), text
+
+
+def test_samples_that_were_added_stay(planar_cell):
+    """Around a corner of three waypoints c²⁺ is set by a sample that was added."""
+    corner = [{"xyz": [x, y, 0]} for x, y in ((1.25, 1), (1.25, 1.15), (1.25, 1.3), (1.4, 1.3), (1.55, 1.3))]
+    path = mrts.MotionDescription(duration=0.8, samples=22, profile="quintic", waypoints=corner)
+    motion = mrts.sample_motion(path)
+    result = mrts.scale(planar_cell, motion)
+    assert result.motion.samples > 22
+    found = by_text(result.what_if())
+    assert found["mass +10 %"].before.c2 == result.range.upper.c2
+    for text, cell in (
+        ("mass +10 %", planar_cell.with_mass(1.1 * planar_cell.mass)),
+        ("left base about z -1°", planar_cell.with_base("left", rpy=[0, 0, np.radians(-1)])),
+    ):
+        assert found[text].after.c2 == pytest.approx(mrts.scale(cell, motion).range.upper.c2, rel=BETWEEN), text
+        assert found[text].matters
+
+
+def test_a_redundant_arm_stays_near_its_posture_whatever_has_moved(tmp_path):
+    """Its joints are not those of where it starts, but those that scaling the moved cell finds."""
+    cell = mrts.load_cell(single_arm_cell(tmp_path, *CASES["panda"], 7), backend="vm")
+    posture = [0.1, 0.3, -0.2, -1.9, 0.1, 2.1, 0.7]
+    cell = cell.with_postures({"arm": [0.05 + angle for angle in posture]}).without_wrench_limits()
+    tip = cell.functions("kinematics", 1, {"q": np.array([posture])})
+    here = {"xyz": tip["position"][0].ravel().tolist(), "rpy": rpy_from(tip["rotation"][0])}
+    there = here | {"xyz": [value + 0.05 for value in here["xyz"]]}
+    motion = mrts.sample_motion(
+        mrts.MotionDescription(duration=0.3, samples=21, profile="cubic", start=here, end=there)
+    )
+    found = by_text(mrts.scale(cell, motion, between=None).what_if())
+    arm = cell.robots[0]
+    turned = RigidTransform(rotation_from_rpy(0, 0, np.radians(1)) @ arm.T_world_base.R, arm.T_world_base.p)
+    again = mrts.scale(replace(cell, robots=(replace(arm, T_world_base=turned),)), motion, between=None)
+    assert found["arm base about z +1°"].after.c2 == pytest.approx(again.range.upper.c2, rel=1e-8)
+    assert found["arm base about z +1°"].matters
+
+
+def rpy_from(rotation):
+    return Rotation.from_matrix(rotation).as_euler("xyz").tolist()

@@ -1,0 +1,178 @@
+"""A study on disk: what a folder may hold, what is said of a wrong one, and what becomes of damage."""
+
+import json
+import shutil
+import subprocess
+import sys
+
+import pyarrow.parquet as pq
+import pytest
+from study_files import planar_study
+
+import mrts
+from mrts.studies.study_folder import first_difference, opened_study_folder
+from mrts.studies.variant_rows import solve_variants
+
+VARY = "vary: {object.mass: [1, 2, 3, 4, 24], 'robots.left.base.xyz[0]': [0, 0.1]}"
+CHUNK = 4
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    return planar_study(tmp_path_factory.mktemp("study"), VARY)
+
+
+@pytest.fixture(scope="module")
+def columns(study):
+    return [solve_variants(study, first, min(first + CHUNK, 10)) for first in (0, 4, 8)]
+
+
+@pytest.fixture
+def complete(study, columns, tmp_path):
+    with opened_study_folder(tmp_path / "out", study, lambda: CHUNK) as folder:
+        for number, piece in enumerate(columns):
+            folder.write(number, folder.rows([piece]))
+    return folder
+
+
+def opened(path, study):
+    """Open a folder to go on with it; a new one would have chunks of 7."""
+    with opened_study_folder(path, study, lambda: 7) as folder:
+        return folder
+
+
+def test_rows_come_back_in_order_with_their_types_and_units(complete, study):
+    found = mrts.read_study_folder(complete.path)
+    assert (found.variants, found.chunk, found.chunks, found.digest) == (10, CHUNK, 3, study.digest)
+    table = found.table()
+    assert table["variant"].to_pylist() == list(range(10))
+    assert table.schema.field("object.mass").metadata == {b"unit": b"kg"}
+    assert table.schema.field("duration").metadata == {b"unit": b"s"}
+    assert {str(field.type) for field in table.schema} == {"int64", "double", "string"}
+    heavy = table.to_pylist()[8]
+    assert (heavy["object.mass"], heavy["status"], heavy["c2_upper"], heavy["upper_limit"]) == (
+        24,
+        "infeasible",
+        None,
+        None,
+    )
+    assert "these limits conflict" in heavy["reason"]
+    assert table["reason"].to_pylist()[:8] == [None] * 8
+    assert found.table(["status"]).column_names == ["status"]
+    vary = found.record["study"]["vary"]
+    assert [each["path"] for each in vary] == ["object.mass", "robots.left.base.xyz[0]"]
+    assert vary[0]["bounds"] == [1, 24]
+
+
+def test_what_a_killed_writer_left_is_not_seen_and_goes(complete, study):
+    left = complete.path / ".part-00000001.abc123.parquet"
+    left.write_bytes(b"PAR1 half a file")
+    (complete.path / ".study.xyz.json").write_text("{")
+    assert mrts.read_study_folder(complete.path).table().num_rows == 10
+    opened(complete.path, study)
+    assert not list(complete.path.glob(".part*")) + list(complete.path.glob(".study*"))
+
+
+@pytest.mark.parametrize("damage", ["cut", "empty", "other rows", "other study"])
+def test_a_damaged_part_is_dropped_and_said(damage, complete, study, caplog):
+    path = complete.part(1)
+    if damage == "cut":
+        path.write_bytes(path.read_bytes()[:-50])
+    elif damage == "empty":
+        path.write_bytes(b"")
+    elif damage == "other rows":
+        shutil.copy(complete.part(2), path)
+    else:
+        table = pq.read_table(path)
+        pq.write_table(table.replace_schema_metadata({"study": "another"}), path)
+    folder = opened(complete.path, study)
+    assert list(folder.parts()) == [0, 2]
+    assert "part-00000001.parquet is damaged, or of another study: solved again" in caplog.text
+    assert folder.chunk == CHUNK
+
+
+@pytest.mark.parametrize(
+    ("changed", "key", "said"),
+    [
+        (VARY.replace("24", "25"), r"vary\[0\].spread.values\[4\] = 25.0", "in which this is 24.0"),
+        (f"{VARY}\ntorques: true", "question.torques = True", "in which this is false"),
+        (f"{VARY}\nsample: sobol\ncount: 16", "sample = 'sobol'", 'in which this is "grid"'),
+    ],
+)
+def test_a_changed_study_is_refused_with_what_differs(changed, key, said, complete, tmp_path):
+    with pytest.raises(mrts.InputError, match=rf"out: {key}.*holds another study.*{said}"):
+        opened(complete.path, planar_study(tmp_path, changed))
+    assert len(complete.parts()) == 3
+
+
+def test_changed_files_of_a_study_are_seen(complete, study, tmp_path):
+    cell = tmp_path / "cell.yaml"
+    keys = study.cell | {"gravity": [0, -9.7, 0]}
+    for robot in keys["robots"]:
+        robot["urdf"] = str(study.folder / robot["urdf"])
+    cell.write_text(json.dumps(keys))
+    with pytest.raises(mrts.InputError, match=r"cell\.gravity\[1\] = -9.7: holds another study, in which this is -9.8"):
+        opened(complete.path, planar_study(tmp_path, VARY, cell=cell))
+
+
+def test_another_version_of_mrts_is_named(complete, study):
+    record = json.loads((complete.path / "study.json").read_text())
+    (complete.path / "study.json").write_text(json.dumps(record | {"mrts": "0.0.9", "digest": "other"}))
+    with pytest.raises(mrts.InputError, match=r"was begun by mrts 0\.0\.9, this is "):
+        opened(complete.path, study)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("{", "is damaged: Expecting"),
+        ("[]", "is not a study of format 1"),
+        ('{"format": 2}', "is not a study of format 1"),
+        ('{"format": 1, "digest": 3}', "digest = 3: is damaged"),
+        (None, r"holds no study: study.json: No such file"),
+    ],
+)
+def test_what_is_no_study_is_said(text, said, tmp_path):
+    if text is not None:
+        (tmp_path / "study.json").write_text(text)
+    with pytest.raises(mrts.InputError, match=said):
+        mrts.read_study_folder(tmp_path)
+
+
+def test_a_folder_of_something_else_is_left_alone(study, tmp_path):
+    (tmp_path / "thesis.tex").write_text("years of work")
+    with pytest.raises(mrts.InputError, match=r"holds no study, but thesis.tex: name a new or empty folder"):
+        opened(tmp_path, study)
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+    with pytest.raises(mrts.InputError, match=r"thesis.tex: cannot be written"):
+        opened(tmp_path / "thesis.tex", study)
+
+
+def test_a_study_that_never_began_leaves_nothing(study, tmp_path):
+    def stumble():
+        raise mrts.SolverError("nothing works")
+
+    with pytest.raises(mrts.SolverError), opened_study_folder(tmp_path / "new", study, stumble):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_two_sweeps_in_one_folder_are_refused_and_the_lock_of_a_dead_one_is_not(complete, study):
+    lock = "import fcntl, sys; f = open(sys.argv[1], 'a'); fcntl.flock(f, fcntl.LOCK_EX); print('held', flush=True)"
+    command = [sys.executable, "-c", f"{lock}; input()", str(complete.path / ".lock")]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdout.readline() == "held\n"
+        with pytest.raises(
+            mrts.InputError, match=r"another sweep writes into it \(process \d+ on .*\): let it end first"
+        ):
+            opened(complete.path, study)
+        other.kill()
+    assert opened(complete.path, study).chunk == CHUNK
+
+
+def test_the_first_difference_has_its_path():
+    before = {"a": [{"b": 1}, 2], "c": 3}
+    assert first_difference(before, before) is None
+    assert first_difference(before, {"a": [{"b": 4}, 2], "c": 3}) == ("a[0].b", 1, 4)
+    assert first_difference(before, {"a": [2], "c": 3}) == ("a", [{"b": 1}, 2], [2])
+    assert first_difference(before, {"a": [{"b": 1}, 2]}) == ("c", 3, None)

@@ -1,0 +1,124 @@
+"""A study solved by a Dask cluster: real schedulers and workers in processes of their own."""
+
+import os
+import shutil
+import sys
+from contextlib import ExitStack
+
+import pytest
+import yaml
+from conftest import DATA
+from study_files import planar_study
+from sweep_processes import assert_same_table, driver_command, kill, parts, processes, started, until, workers
+
+import mrts
+import mrts.sweeps.sweep as engine
+from mrts.studies.variant_rows import solve_variants
+
+STUDY = """
+vary: {object.mass: {from: 1, to: 30}, "robots.left.base.xyz[0]": {from: -1.5, to: 0.5}}
+torques: true
+sample: sobol
+count: 24
+"""
+"""Solved one by one, which takes a while."""
+
+LOCALLY = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show")
+SCHEDULER = [sys.executable, "-m", "distributed.cli.dask_scheduler", *LOCALLY]
+WORKER = [sys.executable, "-m", "distributed.cli.dask_worker", "--no-dashboard"]
+
+
+def address_of(scheduler):
+    """Where a scheduler that has been started says that it is."""
+    return until(lambda: next((word for word in scheduler.stderr.readline().split() if "tcp://" in word), None))
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    """Its cell file and URDF are gone once it is read, as on another machine."""
+    folder = tmp_path_factory.mktemp("study")
+    keys = yaml.safe_load((DATA / "cell.yaml").read_text(encoding="utf-8"))
+    (folder / "cell.yaml").write_text(yaml.safe_dump(keys))
+    shutil.copy(DATA / "planar_arm.urdf", folder)
+    study = planar_study(folder, STUDY, cell=folder / "cell.yaml")
+    shutil.rmtree(folder)
+    return study
+
+
+@pytest.fixture(scope="module")
+def alone(study):
+    return solve_variants(study, 0, study.variants)
+
+
+@pytest.fixture(autouse=True)
+def many_chunks(monkeypatch):
+    monkeypatch.setattr(engine, "chunk_size", lambda _study: 3)
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    """Address of a scheduler with a worker of two threads, whose cache is its own; and the worker's session."""
+    folder = tmp_path_factory.mktemp("cluster")
+    with ExitStack() as stack:
+        address = address_of(stack.enter_context(started(SCHEDULER)))
+        environment = os.environ | {"MRTS_CACHE_DIR": str(folder)}
+        command = [*WORKER, address, "--nthreads", "2", "--local-directory", str(folder)]
+        session = stack.enter_context(started(command, env=environment)).pid
+        until(lambda: workers(session))
+        yield address, session
+
+
+@pytest.mark.quick
+def test_a_cluster_gives_the_same_bits_though_a_worker_is_killed(cluster, study, alone, tmp_path):
+    address, session = cluster
+    out, done = tmp_path / "out", []
+
+    def kill_one(progress):
+        done.append(progress.done)
+        if len(done) == 3:
+            kill(workers(session)[0])
+
+    table = mrts.sweep(study, out, scheduler=address, progress=kill_one)
+    assert_same_table(table, alone)
+    assert len(parts(out)) == 8
+    assert done[-1] == study.variants
+
+
+def test_a_cluster_goes_on_with_what_processes_of_this_machine_began(cluster, study, alone, tmp_path):
+    mrts.sweep(study, tmp_path / "out", workers=1)
+    for path in sorted((tmp_path / "out").glob("part*"))[::2]:
+        path.unlink()
+    assert_same_table(mrts.sweep(study, tmp_path / "out", scheduler=cluster[0]), alone)
+
+
+def test_a_local_cluster_is_made_and_gone_after(alone, study, tmp_path):
+    path = tmp_path / "study.yaml"
+    path.write_text(f"cell: {DATA / 'cell.yaml'}\nmotion: {DATA / 'lift.yaml'}\n{STUDY}\n")
+    out = tmp_path / "out"
+    with started(driver_command(path, "-o", out, "--scheduler", "local", "--workers", 2)) as driver:
+        _, said = driver.communicate()
+        assert (driver.returncode, said) == (0, "")
+        until(lambda: not processes(driver.pid))
+    assert_same_table(mrts.read_study_folder(out).table(), alone)
+    assert mrts.read_study_folder(out).variants == study.variants
+
+
+def test_a_scheduler_that_goes_away_is_said_and_the_study_gone_on_with(study, alone, tmp_path):
+    with started(SCHEDULER) as scheduler:
+        address = address_of(scheduler)
+        with started([*WORKER, address, "--nthreads", "1", "--local-directory", str(tmp_path)]):
+
+            def kill_scheduler(progress):
+                if progress.done:
+                    kill(scheduler.pid)
+
+            with pytest.raises(mrts.InputError, match=r"scheduler = 'tcp://.*': is gone"):
+                mrts.sweep(study, tmp_path / "out", scheduler=address, progress=kill_scheduler)
+    assert 0 < len(parts(tmp_path / "out")) < mrts.read_study_folder(tmp_path / "out").chunks
+    assert_same_table(mrts.sweep(study, tmp_path / "out", workers=1), alone)
+
+
+def test_a_worker_of_another_version_is_refused(cluster, study, monkeypatch):
+    monkeypatch.setattr("mrts.sweeps.chunks.__version__", "0.0.9")
+    with pytest.raises(mrts.InputError, match=r"worker: runs mrts .*, the sweep 0\.0\.9: install the same"):
+        mrts.sweep(study, scheduler=cluster[0])

@@ -1,0 +1,201 @@
+"""A study solved by processes of this machine: the same table whoever solves it, and after whatever end."""
+
+import os
+import re
+import resource
+import shutil
+import signal
+import time
+
+import numpy as np
+import pytest
+from faulty_study import faulty
+from study_files import planar_study
+from sweep_processes import assert_same_table, driver_command, kill, parts, processes, started, until, workers
+
+import mrts
+import mrts.sweeps.sweep as engine
+from mrts.studies.variant_rows import solve_variants
+from mrts.sweeps import chunks
+
+STUDY = """
+vary: {object.mass: {from: 1, to: 30}, "robots.left.base.xyz[0]": {from: -1.5, to: 0.5}}
+torques: true
+sample: sobol
+count: 24
+"""
+CHUNK = 2
+
+SEED = 17
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    """Some variants are infeasible, some out of reach."""
+    return planar_study(tmp_path_factory.mktemp("study"), STUDY)
+
+
+@pytest.fixture(scope="module")
+def alone(study):
+    """The table without chunks, workers and files."""
+    return solve_variants(study, 0, study.variants)
+
+
+@pytest.fixture(autouse=True)
+def many_chunks(monkeypatch):
+    monkeypatch.setattr(engine, "chunk_size", lambda _study: CHUNK)
+
+
+@pytest.fixture(scope="module")
+def solved(study, tmp_path_factory):
+    """The folder of the study, solved by two workers, and what was told meanwhile."""
+    out, told = tmp_path_factory.mktemp("solved") / "out", []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(engine, "chunk_size", lambda _study: CHUNK)
+        mrts.sweep(study, out, workers=2, progress=told.append)
+    return out, told
+
+
+@pytest.fixture
+def out(solved, tmp_path):
+    """A copy of it."""
+    return shutil.copytree(solved[0], tmp_path / "out")
+
+
+@pytest.mark.quick
+def test_two_workers_give_the_table_that_none_gives(solved, alone):
+    out, told = solved
+    table = mrts.read_study_folder(out).table()
+    assert_same_table(table, alone)
+    assert len(parts(out)) == 12
+    assert set(table["status"].to_pylist()) == {"feasible", "infeasible", "unreachable"}
+    assert [each.done for each in told] == sorted({each.done for each in told})
+    assert (told[0].done, told[0].rate, told[0].remaining) == (0, 0, None)
+    durations = [row["duration"] or float("inf") for row in table.to_pylist()]
+    last = told[-1]
+    assert (last.done, last.remaining, last.best) == (24, 0, min(durations))
+    assert durations[last.best_variant] == last.best
+    assert re.fullmatch(r"\S+ a second, 0 s left; best 0\.\d+ s", str(last))
+
+
+def test_a_chunk_is_a_round_number_of_variants_and_not_more_than_there_are(study, monkeypatch):
+    monkeypatch.undo()
+    assert engine.chunk_size(study) in {1, 2, 5, 10, 20}
+    monkeypatch.setattr(engine, "CHUNK_TIME", 1e6)
+    assert engine.chunk_size(study) == 20
+    monkeypatch.setattr(engine, "CHUNK_TIME", 1e-6)
+    assert engine.chunk_size(study) == 1
+
+
+def test_one_worker_without_a_folder_gives_the_same(study, alone):
+    assert_same_table(mrts.sweep(study, workers=1), alone)
+
+
+def test_a_complete_study_is_read_not_solved(out, study, alone):
+    before = {path: path.stat().st_mtime_ns for path in out.glob("part*")}
+    assert_same_table(mrts.sweep(str(study.path), str(out), workers=1), alone)
+    assert {path: path.stat().st_mtime_ns for path in out.glob("part*")} == before
+
+
+def test_parts_that_are_lost_or_damaged_are_solved_again(out, study, alone):
+    first, second, *_ = sorted(out.glob("part*"))
+    first.unlink()
+    second.write_bytes(second.read_bytes()[:100])
+    assert_same_table(mrts.sweep(study, out, workers=1), alone)
+
+
+def test_a_driver_that_is_ended_at_any_moment_loses_nothing(study, alone, tmp_path):
+    """By kill -9, by Ctrl-C, by a queue's SIGTERM; its workers end with it."""
+    out, delay = tmp_path / "out", np.random.default_rng(SEED)
+    for number in (signal.SIGKILL, signal.SIGINT, signal.SIGTERM):
+        with started(driver_command(study.path, "-o", out, "--workers", 2)) as driver:
+            before = len(parts(out)) if out.exists() else 0
+            until(lambda before=before: out.exists() and len(parts(out)) > before)
+            time.sleep(delay.uniform(0, 0.1))
+            os.kill(driver.pid, number)
+            _, said = driver.communicate()
+            if number is not signal.SIGKILL:
+                assert driver.returncode == 128 + number
+                assert "of 24 variants: the same command goes on from there" in said
+            until(lambda driver=driver: not processes(driver.pid))
+    assert len(parts(out)) < mrts.read_study_folder(out).chunks
+    (out / ".part-00000000.half.parquet").write_bytes(b"PAR1")
+    assert_same_table(mrts.sweep(study, out, workers=2), alone)
+    assert not list(out.glob(".part*"))
+
+
+def test_workers_that_are_killed_now_and_then_lose_nothing(study, alone, tmp_path):
+    out = tmp_path / "out"
+    with started(driver_command(study.path, "-o", out, "--workers", 2)) as driver:
+        for victim in (0, -1):
+            before = len(parts(out)) if out.exists() else 0
+            until(lambda before=before: out.exists() and len(parts(out)) > before)
+            for number in workers(driver.pid)[victim:][:1]:
+                kill(number)
+        assert until(lambda: driver.poll() is not None)
+        assert driver.returncode == 0
+    assert_same_table(mrts.read_study_folder(out).table(), alone)
+
+
+def test_a_variant_that_no_worker_survives_is_a_row_and_costs_no_other(alone, tmp_path, monkeypatch):
+    """Killed, as where memory runs out, or stumbling over a defect."""
+    monkeypatch.setattr(chunks, "LIVES", 2)
+    monkeypatch.setattr(chunks, "TRIES", 2)
+    small = faulty(planar_study(tmp_path, STUDY), deadly=(5,), stumbling=(20, 21))
+    table = mrts.sweep(small, workers=2)
+    failed = {5: "the process that solved it ended each time", 20: "ZeroDivisionError: 1 / 0", 21: "ZeroDivisionError"}
+    for variant, reason in failed.items():
+        row = table.slice(variant, 1).to_pylist()[0]
+        assert (row["variant"], row["status"], row["c2_upper"], row["duration"]) == (variant, "failed", None, None)
+        assert row["object.mass"] == alone["object.mass"][variant]
+        assert reason in row["reason"]
+    others = [variant for variant in range(24) if variant not in failed]
+    columns = {name: [values[k] for k in others] for name, values in alone.items()}
+    assert_same_table(table.take(others), columns)
+
+
+def test_the_best_are_solved_again_and_written(out, study):
+    rows = mrts.sweep(study, out, workers=2, top=2).to_pylist()
+    ranked = sorted((row for row in rows if row["duration"]), key=lambda row: (row["duration"], row["variant"]))
+    for rank, row in enumerate(ranked[:2], start=1):
+        files = [out / f"best-{rank}" / name for name in ("cell.yaml", "motion.yaml")]
+        cell, motion = mrts.load_cell(files[0]), mrts.load_motion(files[1])
+        assert cell.mass == row["object.mass"]
+        alone = mrts.scale(cell, motion, between=None)
+        assert alone.range.upper.c2 == row["c2_upper"]
+        assert f"Variant {row['variant']} of study.yaml" in files[0].read_text()
+    assert not (out / "best-3").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"workers": 0}, "workers = 0: must be at least 1"),
+        ({"workers": 2.5}, "workers = 2.5: must be a whole number or None"),
+        ({"workers": 2, "scheduler": "tcp://localhost:1"}, "goes with processes of this machine"),
+        ({"top": 1}, "top = 1: must be at least 0, and takes a folder"),
+        ({"top": -1, "folder": "x"}, "top = -1: must be at least 0"),
+        ({"folder": 3}, "folder = 3: must be text, a Path or None"),
+        ({"study": 3}, "study = 3: must be text or a Path"),
+        ({"progress": 3}, "progress = 3: must be a function"),
+        ({"scheduler": "tcp://"}, "no Dask scheduler answers there"),
+    ],
+)
+def test_wrong_arguments_are_named(arguments, said, study):
+    with pytest.raises(mrts.InputError, match=said):
+        mrts.sweep(**{"study": study, **arguments})
+
+
+def test_a_disk_that_is_full_is_said_and_gone_on_with_elsewhere(study, alone, tmp_path):
+    """A limit of the size of files stands for the disk."""
+    out = tmp_path / "out"
+
+    def limited():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (6000, 6000))
+
+    with started(driver_command(study.path, "-o", out, "--workers", 2), preexec_fn=limited) as driver:
+        _, said = driver.communicate()
+    assert driver.returncode == 2, said
+    assert "cannot be written: File too large" in said
+    assert_same_table(mrts.sweep(study, out, workers=2), alone)
