@@ -18,7 +18,7 @@ from wide_studies import wide_study
 
 DATA = Path(str(files("mrts") / "data"))
 CELLS = {"dual_ur5": "lift_and_turn.yaml", "planar_dual_arm": "lift.yaml", "squeeze": "lift_and_turn.yaml"}
-VARIANTS, ALONE, REPEATS = 2000, 20, 5
+VARIANTS, ALONE, REPEATS = 2000, 5, 3
 NEAR, FAR = 0.02, 0.3
 """How far poses and postures go [m, rad]: every variant can be followed, or few."""
 
