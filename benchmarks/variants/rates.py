@@ -12,8 +12,8 @@ import mrts
 from mrts.studies.study import Study
 from mrts.studies.variant_rows import solve_one_by_one, solve_variants
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "benchmarks"), str(ROOT / "tests" / "helpers")]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "helpers"))
 from interleaved import median_times, on_one_processor
 from wide_studies import wide_study
 
