@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Grasps that no joint positions can reach, told from the lengths of an arm's links alone.
 
-The shoulder, where the second axis is nearest to the first, goes around the first axis; the wrist, where the last axis but
-one is nearest to the last, goes around the last one, which the grasp holds. Between them lie links of fixed length. Past
-axes that are parallel, a point keeps its place along them, and across them comes no further than the links reach.
+The shoulder, where the second axis is nearest to the first, goes around the first axis; the wrist, where the last axis
+but one is nearest to the last, goes around the last one, which the grasp holds. Between them lie links of fixed length.
+Past axes that are parallel, a point keeps its place along them, and across them comes no further than the links reach.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ PARALLEL = 1e-9
 """Sine of the angle between axes below which they are parallel."""
 
 CLEARLY = 1e-6
-"""Distance that no rounding makes [m]: a grasp that is nearer than this to what an arm reaches is left to the search."""
+"""Distance that no rounding makes [m]: a grasp nearer than this to what an arm reaches is left to the search."""
 
 
 @dataclass(frozen=True)

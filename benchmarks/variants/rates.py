@@ -7,13 +7,14 @@ from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
-from interleaved import median_times, on_one_processor
 
 import mrts
 from mrts.studies.study import Study
 from mrts.studies.variant_rows import solve_one_by_one, solve_variants
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpers"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "helpers"))
+from interleaved import median_times, on_one_processor
 from wide_studies import wide_study
 
 DATA = Path(str(files("mrts") / "data"))
