@@ -113,7 +113,9 @@ class LocalProcesses:
 
     def died(self, error: BaseException) -> bool:
         """Whether an error says that a worker is gone."""
-        return isinstance(error, BrokenProcessPool | WorkerDiedError) or type(error).__name__ == "ShutdownExecutorError"
+        from joblib.externals.loky.process_executor import ShutdownExecutorError  # noqa: PLC0415 (an extra)
+
+        return isinstance(error, BrokenProcessPool | WorkerDiedError | ShutdownExecutorError)
 
     def close(self) -> None:
         """End the processes, whatever they do."""
@@ -140,13 +142,15 @@ class DaskCluster:
     def slots(self) -> int:
         """How many chunks may be in flight; workers may come and go."""
         if time.monotonic() > self._seen + WATCH:
-            self._threads = sum(self._client.nthreads().values())
+            with self._told_if_gone():
+                self._threads = sum(self._client.nthreads().values())
             self._seen = time.monotonic()
         return CHUNKS_A_WORKER * max(1, self._threads)
 
     def submit(self, function: Callable[..., Result], *arguments: Any) -> "Future[Result]":
         """Give a call to a worker."""
-        return self._executor.submit(function, *arguments)
+        with self._told_if_gone():
+            return self._executor.submit(function, *arguments)
 
     def ended(self, running: "Collection[Future[Result]]") -> "set[Future[Result]]":
         """Wait until calls have ended; now and then say that there are no workers."""
@@ -164,6 +168,18 @@ class DaskCluster:
         from distributed.scheduler import KilledWorker  # noqa: PLC0415 (an extra)
 
         return isinstance(error, KilledWorker)
+
+    @contextmanager
+    def _told_if_gone(self) -> Iterator[None]:
+        """Say that the scheduler is gone, in place of what Dask raises where it is asked for something.
+
+        Raises:
+            InputError: Instead.
+        """
+        try:
+            yield
+        except (OSError, RuntimeError):
+            raise InputError("scheduler", GONE, value=self._address) from None
 
 
 def check_workers(workers: int | None, scheduler: str | None) -> None:
