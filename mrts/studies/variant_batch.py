@@ -82,7 +82,11 @@ def _covers(cell: Cell, entries: Sequence[Entry]) -> bool:
     motors = [robot.motors for robot in cell.robots]
     ideal = all(not each.has_effect and set(each.torque_speed) <= {None} for each in motors)
     in_tip = any(contact.frame == "tip" for robot in cell.robots for contact in robot.contacts)
-    return ideal and not (cell.plane is not None and in_tip and "grasp_rpy" in names)
+    bounds = [(robot.wrench_lower, robot.wrench_upper) for robot in cell.robots]
+    free = np.concatenate([np.isinf(lower) & np.isinf(upper) for lower, upper in bounds])
+    limited = {entry.index[0] for entry in entries if entry.name.startswith("wrench")}
+    has_rows = not np.any(free[list(limited)])  # a limit on what the cell leaves free is a row more than it has
+    return ideal and has_rows and not (cell.plane is not None and in_tip and "grasp_rpy" in names)
 
 
 class VariantBatch:

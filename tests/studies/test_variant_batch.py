@@ -6,7 +6,8 @@ import cell_bank
 import numpy as np
 import pytest
 from conftest import DATA
-from study_files import planar_study, wide_study
+from study_files import planar_study
+from wide_studies import wide_study
 
 import mrts
 from mrts.studies.variant_batch import batch_for
