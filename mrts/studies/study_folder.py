@@ -25,6 +25,7 @@ from mrts.base.atomic_file import write_atomically, write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.printable import message_text
 from mrts.base.version import __version__
+from mrts.limits import LIMITS
 from mrts.studies.study import Study
 from mrts.studies.variant_rows import column_types
 
@@ -246,6 +247,7 @@ def study_content(study: Study) -> dict[str, Any]:
             "file": study.path.name,
             "cell": study.cell,
             "motion": study.motion,
+            "limits": list(LIMITS),
             "question": asdict(study.question),
             "vary": [asdict(each) | {"bounds": each.spread.bounds, "text": str(each)} for each in study.parameters],
             "sample": study.sample,

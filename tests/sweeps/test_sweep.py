@@ -15,6 +15,7 @@ from sweep_processes import assert_same_table, driver_command, kill, parts, proc
 
 import mrts
 import mrts.sweeps.sweep as engine
+from mrts.limits import LIMITS
 from mrts.studies.variant_rows import solve_variants
 from mrts.sweeps import chunks
 
@@ -184,6 +185,13 @@ def test_the_best_are_solved_again_and_written(out, study):
 def test_wrong_arguments_are_named(arguments, said, study):
     with pytest.raises(mrts.InputError, match=said):
         mrts.sweep(**{"study": study, **arguments})
+
+
+def test_a_limit_that_a_script_registers_is_not_left_out_by_its_workers(tmp_path, monkeypatch):
+    monkeypatch.setitem(LIMITS, "mine", LIMITS["torque_limits"])
+    own = planar_study(tmp_path, "vary: {object.mass: [1, 2]}")
+    with pytest.raises(mrts.InputError, match=r"worker: knows the limits .*, the sweep .*, mine: a limit of your own"):
+        mrts.sweep(own, workers=1)
 
 
 def test_a_disk_that_is_full_is_said_and_gone_on_with_elsewhere(study, alone, tmp_path):
