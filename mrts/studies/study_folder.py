@@ -27,6 +27,7 @@ from mrts.base.printable import message_text
 from mrts.base.version import __version__
 from mrts.limits import LIMITS
 from mrts.studies.study import Study
+from mrts.studies.study_record import FORMAT, study_record
 from mrts.studies.variant_rows import column_types
 
 if TYPE_CHECKING:
@@ -37,9 +38,6 @@ LOCK_FILE = ".lock"
 PART_FILE = re.compile(r"part-(\d{8})\.parquet")
 TEMPORARY_FILE = re.compile(r"\.(?:study|part-\d{8})\..*\.(?:json|parquet)")
 """What a writer that was killed leaves."""
-
-FORMAT = 1
-"""Of study.json."""
 
 UNITS = {"duration": "s", "energy": "J"}
 """Of columns that are not parameters; c² has none, and torques have that of their joint."""
@@ -161,8 +159,17 @@ class StudyFolder:
 
         Args:
             columns: Names of those wanted; None takes all.
+
+        Raises:
+            InputError: If a part is damaged.
         """
-        return self.dataset().to_table(columns=columns)
+        import pyarrow as pa  # noqa: PLC0415 (an extra)
+
+        try:
+            return self.dataset().to_table(columns=columns)
+        except (pa.ArrowException, OSError) as error:
+            rule = f"a part is damaged ({error}). The same mrts sweep into this folder solves it again."
+            raise InputError(self.path, rule) from None
 
     def dataset(self) -> Any:
         """The rows that are solved as a `pyarrow.dataset.Dataset`, which reads what is asked for."""
@@ -207,28 +214,7 @@ def read_study_folder(path: Path | str) -> StudyFolder:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise InputError(folder, f"holds no study: {STUDY_FILE}: {reason}. Name what `mrts sweep -o` wrote.") from None
-    return StudyFolder(folder, _checked_record(folder / STUDY_FILE, text))
-
-
-def _checked_record(path: Path, text: str) -> dict[str, Any]:
-    """What a `study.json` holds.
-
-    Raises:
-        InputError: If it is damaged, or of another format.
-    """
-    kinds = {"format": int, "digest": str, "variants": int, "chunk": int, "columns": dict, "study": dict}
-    try:
-        record = json.loads(text)
-    except ValueError as error:
-        raise InputError(path, f"is damaged: {error}. Remove the folder, or name another.") from None
-    if not isinstance(record, dict) or record.get("format") != FORMAT:
-        raise InputError(path, f"is not a study of format {FORMAT}, which this mrts reads; name another folder.")
-    for key, kind in kinds.items():
-        if not isinstance(record.get(key), kind):
-            raise InputError(path, "is damaged. Remove the folder, or name another.", key=key, value=record.get(key))
-    if record["chunk"] < 1 or record["variants"] < 1:
-        raise InputError(path, "is damaged: a study has variants. Remove the folder, or name another.")
-    return record
+    return StudyFolder(folder, study_record(folder / STUDY_FILE, text))
 
 
 def study_content(study: Study) -> dict[str, Any]:

@@ -139,7 +139,8 @@ class VariantBatch:
         rows: list[Row] = []
         for start in range(0, len(points), self.block):
             part = points[start : start + self.block]
-            answers = self._answers(VariantNumbers(self._base, self._entries, part))
+            with np.errstate(all="ignore"):  # of numbers that break a rule, which are left to `solved_row`
+                answers = self._answers(VariantNumbers(self._base, self._entries, part))
             found = (answers.row(variant) for variant in range(len(part)))
             rows += [
                 solved_row(self._study, point) if row is None else row for point, row in zip(part, found, strict=True)

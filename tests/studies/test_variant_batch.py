@@ -130,6 +130,10 @@ def test_a_limit_of_ones_own_is_kept_whenever_it_is_registered(tmp_path, monkeyp
     assert planar_study(tmp_path, text) != study
 
 
+def test_numbers_that_break_a_rule_warn_of_nothing(tmp_path):
+    assert compare(planar_study(tmp_path, "vary: {motion.duration: [0, 0.5]}"), 2) == {"invalid": 1, "feasible": 1}
+
+
 def test_a_share_that_is_kept_free_is(tmp_path):
     text = "reserve: 0.2\nvary: {object.mass: [1, 2, 3], 'robots.left.torque[1]': [60, 90]}"
     assert compare(planar_study(tmp_path, text), 6) == {"feasible": 6}
