@@ -109,8 +109,8 @@ def rpy_from_rotation(R: Array) -> list[float]:
     """Roll, pitch, yaw [rad] of a rotation, Shape (3,): those of `rotation_from_rpy` that give its very numbers.
 
     Of the two triples that any rotation has, the one with more zeros comes first; near each angle a short decimal is
-    tried first. Where pitch is ±π/2 roll and yaw turn about one axis, and yaw is 0: there the rotation comes back to
-    rounding.
+    tried first. Where pitch is ±π/2 roll and yaw turn about one axis, and yaw is 0: there, and where it was given
+    with a pitch beyond ±π/2 or another angle beyond ±π, the rotation comes back to rounding.
 
     Args:
         R: Shape (3, 3).

@@ -111,6 +111,8 @@ class Cell:
     def to_yaml(self, path: Path | str | None = None) -> str:
         """The text of a cell file that reads back to an equal cell: it was read again before it is handed out.
 
+        Some rotations come back to rounding (2e-16), all other numbers as they are.
+
         Args:
             path: File to write it to, whole or not at all; a URDF in its folder or below is then given relative to it.
 

@@ -124,7 +124,8 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
     """All changes of a cell, each up and down: its limits, in the order of its rows, mass and reserve, and its poses.
 
     Sides of a limit move together. A joint with a torque-speed curve has its torques changed with the limit, as by
-    another motor, and the curve's speeds by themselves. A component that is held at one number is no limit.
+    another motor, and the curve's speeds by themselves. A component that is held at one number is no limit. Bases of
+    arms of one machine stay.
 
     Args:
         cell: The cell.
@@ -135,8 +136,11 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
         named.append(("reserve", "", ""))
     shares = [(entry, steps.share) for entry in named]
     along, around = _axes(cell)
+    together = moved_together(cell)
     for kind in POSES:
         for robot in cell.robots:
+            if kind == "base" and robot.name in together:
+                continue
             shares += [((kind, robot.name, axis), steps.shift) for axis in along]
             shares += [((kind, robot.name, f"about {axis}"), steps.turn) for axis in around]
     return tuple(
@@ -144,6 +148,16 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
         for (kind, robot, element), step in shares
         for sign in (1, -1)
     )
+
+
+def moved_together(cell: Cell) -> tuple[str, ...]:
+    """Names of the arms whose bases cannot move by themselves: they are arms of one machine with another.
+
+    Args:
+        cell: The cell.
+    """
+    tied = {name for machine in cell.functions.manifest.machines for name in machine}
+    return tuple(robot.name for robot in cell.robots if robot.name in tied)
 
 
 def _limits(cell: Cell) -> Iterator[_Named]:

@@ -12,7 +12,7 @@ import numpy as np
 from mrts.base.argument_types import Progress
 from mrts.base.errors import InputError, MotionError, SolverError
 from mrts.cell.cell import Cell
-from mrts.cell.cell_change import CellChange, ChangeKind, ChangeSteps, cell_changes
+from mrts.cell.cell_change import CellChange, ChangeKind, ChangeSteps, cell_changes, moved_together
 from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.coordination.following_again import following_again
 from mrts.limits.rows import ActiveRow
@@ -32,6 +32,7 @@ MOST_GAINS, MOST_LOSSES = 12, 8
 """Changes that a table shows of those that gain, and of those that lose."""
 
 _BAKED = "they stand as numbers in the generated C (--bake)"
+_ONE_MACHINE = "they are arms of one machine, which moves as a whole"
 _GIVEN = "the joints of this motion are given, and are not those that the arms take by themselves"
 """Why poses are left out."""
 
@@ -211,7 +212,7 @@ class WhatIf:
         listed = parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
         stays = "the speed stays" if self.before.duration is not None else "it still cannot be played"
         nothing = "nothing else matters" if any(one.matters for one in self.changes) else "nothing matters"
-        return f"{nothing}: {listed} may be changed as much, and {stays}"
+        return f"{nothing}: {listed} may be changed as much, one at a time, and {stays}"
 
     def to_json(self) -> dict[str, Any]:
         """The entry "what_if" of the JSON result."""
@@ -293,6 +294,8 @@ def ask_changes(
         progress: Told how many of how many changes are done.
     """
     changes, left_out = cell_changes(cell, steps), ""
+    if together := moved_together(cell):
+        left_out = f"bases of {' and '.join(together)} were not moved: {_ONE_MACHINE}"
     follows = None if cell.functions.manifest.is_baked else following_again(cell, motion)
     if follows is None:
         changes = tuple(change for change in changes if not change.moves_arms)

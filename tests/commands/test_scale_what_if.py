@@ -67,7 +67,7 @@ def test_an_infeasible_motion_says_what_would_help(tmp_path, capsys):
     assert "\n\nwhat if: ±10 % of limits and mass" in said
     assert "now infeasible" in said
     assert "\n  mass -10 % " in said
-    assert "may be changed as much, and it still cannot be played" in said
+    assert "may be changed as much, one at a time, and it still cannot be played" in said
 
 
 @pytest.mark.quick

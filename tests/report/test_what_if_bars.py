@@ -29,7 +29,7 @@ def test_bars_are_the_numbers_of_the_changes(planar_cell, lift):
     assert set(names) == {one.change.what for one in found.changes if one.matters}
     text = report_html(replace(result, changes=found))
     assert "What a change does to c²⁺" in text
-    assert "Nothing else matters: 2 torque limits may be changed as much, and the speed stays." in text
+    assert "Nothing else matters: 2 torque limits may be changed as much, one at a time, and the speed stays." in text
     assert "What a change does" not in report_html(result)
 
 

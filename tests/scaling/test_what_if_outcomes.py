@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from conftest import DATA
 from gantries import along_x, gantries
+from machines import machine_cell
 from published_robots import CASES, single_arm_cell
 from scipy.spatial.transform import Rotation
 from shown_results import still_motion, with_all_rates
@@ -64,7 +65,7 @@ def test_what_gains_comes_first_and_what_does_nothing_is_said_in_one_sentence(pl
     assert matter.isdisjoint(planar_changes.without_effect)
     assert planar_changes.without_effect == ("left/wrist", "right/wrist")
     *table, last = str(planar_changes).splitlines()
-    assert last == "nothing else matters: 2 torque limits may be changed as much, and the speed stays"
+    assert last == "nothing else matters: 2 torque limits may be changed as much, one at a time, and the speed stays"
     assert table[0].endswith("now 0.2992 s at c² = 3.062")
     assert (
         " ".join(table[1].split()) == "mass -10 % c² +1.63 % 0.2968 s then left/elbow, right/elbow, left/fx and 3 more"
@@ -313,3 +314,17 @@ def test_a_redundant_arm_stays_near_its_posture_whatever_has_moved(tmp_path):
 
 def rpy_from(rotation):
     return Rotation.from_matrix(rotation).as_euler("xyz").tolist()
+
+
+def test_bases_of_one_machine_are_not_moved_apart(tmp_path):
+    def hold(robots):
+        for robot in robots:
+            robot["fixed"] = {"turn": 0.3, "lift": 0.2}
+
+    cell = mrts.load_cell(machine_cell(tmp_path, hold))
+    found = mrts.scale(cell, mrts.load_motion(DATA / "lift.yaml"), between=None).what_if()
+    assert {one.after.status for one in found.changes} == {"feasible"}
+    assert {one.change.robot for one in found.changes if one.change.kind == "grasp"} == {"left", "right"}
+    assert not [one for one in found.changes if one.change.kind == "base"]
+    said = "bases of left and right were not moved: they are arms of one machine, which moves as a whole"
+    assert str(found).splitlines()[-1] == said
