@@ -160,8 +160,18 @@ class StudyFolder:
 
         Args:
             columns: Names of those wanted; None takes all.
+
+        Raises:
+            InputError: If a part is damaged.
         """
-        return self.dataset().to_table(columns=columns)
+        import pyarrow as pa  # noqa: PLC0415 (an extra)
+
+        try:
+            return self.dataset().to_table(columns=columns)
+        except (pa.ArrowException, OSError) as error:
+            damaged = [path for number, path in self.parts().items() if not self._is_sound(path, self._length(number))]
+            rule = "is damaged. The same mrts sweep as before solves it again."
+            raise InputError((damaged or [self.path])[0], rule) from error
 
     def dataset(self) -> Any:
         """The rows that are solved as a `pyarrow.dataset.Dataset`, which reads what is asked for."""
@@ -173,10 +183,14 @@ class StudyFolder:
     def drop_damaged(self) -> None:
         """Remove parts that are not what the study says; they will be solved again."""
         for number, path in self.parts().items():
-            first, last = self.bounds(number)
-            if not self._is_sound(path, last - first):
+            if not self._is_sound(path, self._length(number)):
                 logger.warning("%s is damaged, or of another study: solved again", path)
                 path.unlink()
+
+    def _length(self, number: int) -> int:
+        """Number of variants of a chunk."""
+        first, last = self.bounds(number)
+        return last - first
 
     def _is_sound(self, path: Path, length: int) -> bool:
         import pyarrow as pa  # noqa: PLC0415 (an extra)

@@ -73,6 +73,12 @@ def test_what_a_killed_writer_left_is_not_seen_and_goes(complete, study):
     assert not list(complete.path.glob(".part*")) + list(complete.path.glob(".study*"))
 
 
+def test_who_reads_a_damaged_part_is_told_which_and_what_to_do(complete):
+    complete.part(1).write_bytes(b"")
+    with pytest.raises(mrts.InputError, match=r"part-00000001.parquet: is damaged. The same mrts sweep .* solves it"):
+        mrts.read_study_folder(complete.path).table()
+
+
 @pytest.mark.parametrize("damage", ["cut", "empty", "other rows", "other study"])
 def test_a_damaged_part_is_dropped_and_said(damage, complete, study, caplog):
     path = complete.part(1)
