@@ -160,8 +160,8 @@ def _numbers_that_matter(table: StudyTable, found: list[Weight]) -> list[str]:
         )
     idle = [table.knobs[weight.knob].path for weight in found if weight.larger < HARDLY]
     if idle and len(idle) < len(found):
-        does = "does" if len(idle) == 1 else "do"
-        steps.append(f"{', '.join(idle)} by itself hardly {does} anything: choose by other reasons, or vary less.")
+        does = "by itself hardly does" if len(idle) == 1 else "by themselves hardly do"
+        steps.append(f"{', '.join(idle)} {does} anything: choose by other reasons, or vary less.")
     return steps
 
 

@@ -171,7 +171,7 @@ def test_the_next_step_is_the_one_that_the_numbers_ask_for():
     inside = np.random.default_rng(1).uniform(0, 1, (500, 3))
     calm = "\n".join(next_steps(found_study(inside, 0.5 + (inside[:, 0] - 0.5) ** 2)))
     assert "try further" not in calm
-    assert "knob 1, knob 2 by itself hardly do anything" in calm
+    assert "knob 1, knob 2 by themselves hardly do anything" in calm
     assert "cannot be played" not in calm
     hopeless = next_steps(KINDS["nothing can be played"])
     assert hopeless == [
