@@ -87,10 +87,12 @@ bench: install $(VENV)/bench  ## measure speed against what a user would otherwi
 	$(BIN)/python benchmarks/fast_path.py
 	$(BIN)/python benchmarks/one_arm_timing.py
 	$(BIN)/python benchmarks/uncertain_load.py
+	$(BIN)/python benchmarks/variants/rates.py
 	$(BIN)/python benchmarks/retiming.py
 	$(BIN)/python benchmarks/smooth_timing.py
 	$(BIN)/python benchmarks/closed_loop.py
 	$(BIN)/python benchmarks/generation_cost.py
+	$(BIN)/python benchmarks/sweep_speed.py
 
 instructions: install  ## count instructions of a sample (needs gcc and valgrind)
 	$(BIN)/python benchmarks/instructions.py

@@ -10,15 +10,20 @@ from mrts_codegen.cell_file import CellDescription, resolve_urdf
 from mrts_codegen.cell_manifest import cell_manifest
 from mrts_codegen.cell_model import build_cell_model
 from mrts_codegen.urdf.urdf_file import read_urdf
+from mrts_codegen.urdf.urdf_joint import friction
 
 from mrts.base.errors import InputError
 from mrts.base.input_file import validated
-from mrts.base.manifest import ChainsRecord, Manifest, MotorsRecord, PoseRecord, RobotRecord
-from mrts.base.rigid_transform import ROUNDED_ANGLE, rpy_from_rotation
+from mrts.base.manifest import ChainsRecord, Manifest, PoseRecord, RobotRecord
+from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.yaml_parser import parse_yaml, yaml_text
 
 COMPARED = ("name", "plane", "gravity", "object", "robots")
 """What a cell file says of a manifest."""
+
+
+SAME_ROTATION = 1e-12
+"""Largest difference of an entry of a rotation that comes back from its angles: rounding, or a matrix of other make."""
 
 
 def cell_file_text(manifest: Manifest, folder: Path, beside: Path | None) -> str:
@@ -35,24 +40,14 @@ def cell_file_text(manifest: Manifest, folder: Path, beside: Path | None) -> str
     where = Path(f"cell '{manifest.name}'")
     urdfs = [resolve_urdf(where, folder, robot.urdf) for robot in manifest.robots]
     references = [_reference(robot.urdf, urdf, beside) for robot, urdf in zip(manifest.robots, urdfs, strict=True)]
-    home = beside or folder
-
-    def read(robots: list[dict[str, Any]]) -> tuple[str, Manifest]:
-        text = yaml_text(_described(manifest, robots))
-        description = validated(where, parse_yaml(text), CellDescription, "cell file")
-        chains = ChainsRecord(**{name: getattr(manifest, name) for name in ChainsRecord.model_fields})
-        return text, cell_manifest(build_cell_model(where, description, home), chains)
-
     robots = [
         _described_robot(where, robot, reference, urdf)
         for robot, reference, urdf in zip(manifest.robots, references, urdfs, strict=True)
     ]
-    text, again = read(robots)
-    for described, robot, found in zip(robots, manifest.robots, again.robots, strict=True):
-        if found.motors != robot.motors:  # the friction of the URDF is another
-            described.setdefault("motors", {})["friction"] = _friction(robot.motors)
-    text, again = read(robots)
-    _check_same(where, manifest, again)
+    text = yaml_text(_described(manifest, robots))
+    description = validated(where, parse_yaml(text), CellDescription, "cell file")
+    chains = ChainsRecord(**{name: getattr(manifest, name) for name in ChainsRecord.model_fields})
+    _check_same(where, manifest, cell_manifest(build_cell_model(where, description, beside or folder), chains))
     return text
 
 
@@ -113,7 +108,7 @@ def _described_robot(where: Path, robot: RobotRecord, reference: str, urdf: Path
             "contact_rate": None if rates == [None, None] else rates,
             "contact": [contact.given for contact in robot.contacts] or None,
             "fixed": _fixed(robot, urdf) or None,
-            "motors": _motors(robot.motors) or None,
+            "motors": _motors(robot, urdf) or None,
         }
     )
 
@@ -128,20 +123,20 @@ def _fixed(robot: RobotRecord, urdf: Path) -> dict[str, float]:
     return {name: position for name, position in robot.held.items() if name not in followers}
 
 
-def _motors(motors: MotorsRecord) -> dict[str, Any]:
-    """All but the friction."""
+def _motors(robot: RobotRecord, urdf: Path) -> dict[str, Any]:
+    """What is known of them; friction is left out where it is that of the URDF."""
+    motors = robot.motors
     described: dict[str, Any] = {"armature": motors.armature} if any(motors.armature) else {}
+    joints = {joint.name: joint for joint in read_urdf(urdf).joints}
+    of_urdf = [friction(urdf, joints[joint.name]) for joint in robot.joints]
+    if of_urdf != list(zip(motors.coulomb, motors.viscous, strict=True)):
+        some = any(motors.coulomb) or any(motors.viscous)
+        described["friction"] = {"coulomb": motors.coulomb, "viscous": motors.viscous} if some else "none"
     for name in ("torque_speed", "torque_rate", "jerk", "rated"):
         values = getattr(motors, name)
         if any(value is not None for value in values):
             described[name] = values
     return described
-
-
-def _friction(motors: MotorsRecord) -> str | dict[str, list[float]]:
-    if not any(motors.coulomb) and not any(motors.viscous):
-        return "none"
-    return {"coulomb": motors.coulomb, "viscous": motors.viscous}
 
 
 def _known(values: dict[str, Any]) -> dict[str, Any]:
@@ -173,7 +168,7 @@ def _difference(ours: Any, theirs: Any, key: str = "") -> tuple[str, Any, Any] |
     elif isinstance(ours, list) and isinstance(theirs, list) and len(ours) == len(theirs):
         pairs = [(f"{key}[{place}]", *both) for place, both in enumerate(zip(ours, theirs, strict=True))]
     else:
-        close = isinstance(ours, float) and isinstance(theirs, float) and abs(ours - theirs) <= ROUNDED_ANGLE
-        return None if ours == theirs or close else (key, ours, theirs)
+        same = ours == theirs or (".rotation[" in key and abs(ours - theirs) <= SAME_ROTATION)
+        return None if same else (key, ours, theirs)
     found = (_difference(one, other, inside) for inside, one, other in pairs)
     return next((different for different in found if different is not None), None)

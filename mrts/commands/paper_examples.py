@@ -29,7 +29,8 @@ the one of 3 kg, is furthest off.
 Exact in any reading, and exact here: 6.2 / 6.1 (b) = (6/20)², lower ends 0, limits reached at t = 0,
 free > limited > even.
 The column "identified" is not a prediction: its cell has the half-width, contact height and direction of the last link
-that fit these seven values best (three numbers fitted to six independent ones, benchmarks/paper_identification.py)."""
+that fit these seven values best (three numbers fitted to six independent ones; found by
+benchmarks/paper/paper_identification.py)."""
 
 
 class PaperCase(StrictModel):

@@ -53,7 +53,6 @@ def _report_study(folder: Path, output: Path) -> int:
     from mrts.drawing.study_words import outcome_text
     from mrts.report import write_study_report
 
-    require("pyarrow", "mrts report of a study", "study", wanted=True)
     found = read_study_table(folder)
     write_study_report(found, output)
     say(f"{found.name}: {outcome_text(found)}; the report is {output}")

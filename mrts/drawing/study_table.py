@@ -206,9 +206,16 @@ def study_table(
         knobs: What was varied, each the name of a column.
         planned: Number of variants of the whole study.
         asked: What was asked of each variant, in words.
+
+    Raises:
+        InputError: If a variant has no status that mrts gives.
     """
     columns = [_numbers(found, knob.path) for knob in knobs]
     outcome = _labels(found, "status")
+    strange = set(outcome.names) - set(OUTCOMES)
+    if strange or np.any(outcome.codes < 0):
+        rule = f"is damaged: every variant has one of {', '.join(OUTCOMES)}."
+        raise InputError(name, rule, key="status", value=min(strange, default=None))
     places = np.array([list(OUTCOMES).index(name) for name in outcome.names], dtype=int)
     variant = np.asarray(found["variant"].to_numpy(), dtype=int)
     return StudyTable(

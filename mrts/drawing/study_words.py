@@ -35,8 +35,14 @@ def best_text(table: StudyTable) -> str:
     if not len(table.ranked):
         return "no variant has a shortest duration"
     row = int(table.ranked[0])
-    text = f"the best is variant {table.variant[row]}: {table.duration[row]:.4g} s, c² = {table.c2[row]:.4g}"
+    text = f"the best is {variant_text(table, row)}"
     return f"{text}, limited by {limits_text(table, row)}" if table.limits(row) else text
+
+
+def variant_text(table: StudyTable, row: int) -> str:
+    """Number, duration and c²⁺ of a variant; a speed that varies may be possible where no constant c² is."""
+    text = f"variant {table.variant[row]}: {table.duration[row]:.4g} s"
+    return f"{text}, c² = {table.c2[row]:.4g}" if np.isfinite(table.c2[row]) else text
 
 
 def limits_text(table: StudyTable, row: int) -> str:
@@ -85,9 +91,10 @@ def best_rows(table: StudyTable, most: int) -> tuple[list[str], list[list[str]]]
         Titles of the columns, and the rows, each with its own title first.
     """
     best = table.ranked[:most]
+    c2 = table.c2[best].tolist()
     rows = [
         ["duration [s]", _span(table.duration[table.ranked]), *(f"{value:.4g}" for value in table.duration[best])],
-        ["c²⁺ [1]", _span(table.c2[table.ranked]), *(f"{value:.4g}" for value in table.c2[best])],
+        ["c²⁺ [1]", _span(table.c2[table.ranked]), *(f"{value:.4g}" if np.isfinite(value) else "" for value in c2)],
     ]
     reached = [dict(ends_reached(table, int(row))) for row in best]
     for number, knob in enumerate(table.knobs):
@@ -112,6 +119,7 @@ def span_texts(low: float, high: float) -> tuple[str, str]:
 
 
 def _span(values: Array) -> str:
+    values = values[np.isfinite(values)]
     return " … ".join(span_texts(float(np.min(values)), float(np.max(values)))) if len(values) else ""
 
 
@@ -160,14 +168,12 @@ def _numbers_that_matter(table: StudyTable, found: list[Weight]) -> list[str]:
         )
     idle = [table.knobs[weight.knob].path for weight in found if weight.larger < HARDLY]
     if idle and len(idle) < len(found):
-        does = "by itself hardly does" if len(idle) == 1 else "by themselves hardly do"
-        steps.append(f"{', '.join(idle)} {does} anything: choose by other reasons, or vary less.")
+        alone = "by itself hardly does" if len(idle) == 1 else "by themselves hardly do"
+        steps.append(f"{', '.join(idle)} {alone} anything: choose by other reasons, or vary less.")
     return steps
 
 
 def percent(count: int, of: int) -> str:
-    """A share in per cent, never rounded to none or all."""
+    """A share in per cent, rounded down so that what falls short of all, or of a share, is seen to do so."""
     share = 100 * count / of if of else 0.0
-    if 0 < share < 1 or 99 < share < 100:  # noqa: PLR2004 (per cent)
-        return f"{share:.2g} %" if share < 1 else f"{np.floor(10 * share) / 10:.1f} %"
-    return f"{share:.0f} %"
+    return f"{share:.2g} %" if 0 < share < 1 else f"{1000 * count // of / 10 if of else 0:g} %"

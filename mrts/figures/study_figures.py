@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """All figures of a study's folder, as files; how its durations spread, and its best variants as a table."""
 
-import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +17,7 @@ from mrts.drawing.study_table import StudyTable, read_study_table
 from mrts.drawing.study_words import SHARES, best_rows, managed, managed_texts
 from mrts.figures.study_lines import parallel_coordinates_figure
 from mrts.figures.study_maps import study_map_figure, study_title
-from mrts.figures.style import figure_writer, finish, plain_text
+from mrts.figures.style import figure_writer, finish, in_lines, plain_text
 
 FEWEST_BINS, MOST_BINS = 4, 60
 """Of a histogram: about the square root of the number of values."""
@@ -104,7 +103,8 @@ def best_variants_figure(table: StudyTable) -> Figure:
         table: The study, with a variant that has a duration.
     """
     head, rows = best_rows(table, MOST_COLUMNS)
-    cells = [[_cell(text, first=not column) for column, text in enumerate(row)] for row in rows]
+    longest = [2 * CELL_LETTERS] + [CELL_LETTERS] * (len(head) - 1)
+    cells = [[plain_text(in_lines(text, most)) for text, most in zip(row, longest, strict=True)] for row in rows]
     lines = [max(text.count("\n") + 1 for text in row) for row in cells]
     figure = Figure(figsize=(2.6 + 1.35 * (len(head) - 1), 0.9 + 0.22 * (sum(lines) + len(lines))))
     figure.suptitle(study_title(table), fontsize="small", x=0.01, ha="left", y=0.99, va="top")
@@ -120,10 +120,6 @@ def best_variants_figure(table: StudyTable) -> Figure:
         if not row or not column:
             cell.set_text_props(color="#555b63")
     return figure
-
-
-def _cell(text: str, *, first: bool) -> str:
-    return plain_text(textwrap.fill(text, 2 * CELL_LETTERS if first else CELL_LETTERS) if text else "")
 
 
 def study_figures(table: StudyTable) -> dict[str, Figure]:

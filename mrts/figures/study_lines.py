@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The variants of a study as lines through parallel axes."""
 
-import textwrap
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from mrts.drawing.study_lines import NO_DURATION, ParallelAxes, parallel_axes
 from mrts.drawing.study_table import StudyTable
 from mrts.drawing.study_words import span_texts
 from mrts.figures.study_maps import study_title
-from mrts.figures.style import plain
+from mrts.figures.style import in_lines, plain
 
 AXIS_INCHES = 1.25
 LINE_LETTERS, MOST_LETTERS = 15, 44
@@ -61,7 +60,7 @@ def draw_parallel_coordinates(axes: Axes, table: StudyTable, drawn: ParallelAxes
     if len(drawn.without):
         axes.text(count - 1 + BESIDE, NO_DURATION, "none", fontsize="small", va="center")
     axes.xaxis.tick_top()
-    titles = [_lines(plain(table.knobs[knob].title, MOST_LETTERS)) for knob in drawn.knobs]
+    titles = [in_lines(plain(table.knobs[knob].title, MOST_LETTERS), LINE_LETTERS) for knob in drawn.knobs]
     axes.set_xticks(place, [*titles, "duration\n[s]"], fontsize="small")
     axes.tick_params(length=0)
     axes.set_yticks([])
@@ -71,11 +70,6 @@ def draw_parallel_coordinates(axes: Axes, table: StudyTable, drawn: ParallelAxes
     legend = axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=4, fontsize="small", frameon=False)
     for line in legend.get_lines():
         line.set_alpha(1.0)
-
-
-def _lines(title: str) -> str:
-    """A path and its unit in lines that stand over an axis."""
-    return textwrap.fill(title.replace(".", ". "), LINE_LETTERS).replace(". ", ".")
 
 
 def parallel_coordinates_figure(table: StudyTable) -> Figure:

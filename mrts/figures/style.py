@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What all figures share: colours, dashes, labels, legends outside the curves, writing."""
 
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -51,6 +52,21 @@ def plain(name: str, longest: int = LONGEST_LABEL) -> str:
     """A name as a label: short enough, and not hidden from the legend by a first _."""
     name = shortened(name, longest)
     return plain_text(f" {name}" if name.startswith("_") else name)
+
+
+def in_lines(text: str, longest: int) -> str:
+    """Text in lines; a path or a name breaks after its dots and slashes too.
+
+    Args:
+        text: Any.
+        longest: Letters of a line, which a longer word exceeds.
+    """
+    lines = [""]
+    for piece in re.split(r"(?<=[./])(?=[^\W\d])|(?<= )", text):
+        if lines[-1] and len(lines[-1]) + len(piece.rstrip()) > longest:
+            lines.append("")
+        lines[-1] += piece
+    return "\n".join(line.rstrip() for line in lines)
 
 
 def legend_below(axes: Axes, columns: int | None = None) -> None:

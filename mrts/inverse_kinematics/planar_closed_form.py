@@ -10,6 +10,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
+from mrts.inverse_kinematics.reach import ArmPlaces
 from mrts.motion.object_motion import ObjectMotion
 
 REACH_TOLERANCE = 1e-12
@@ -28,23 +29,6 @@ def has_closed_form(cell: Cell, robot: Robot) -> bool:
         return False
     # with a shorter one the arm is singular everywhere, and found to be so
     return bool(np.min(np.linalg.norm(np.diff(robot.points, axis=0), axis=1)) > SHORTEST_LINK)
-
-
-@dataclass(frozen=True)
-class ArmPlaces:
-    """Where one arm stands and holds, in one cell or, with the same first axes throughout, in many.
-
-    Attributes:
-        base_rotation: Of the base in the world, Shape (…, 3, 3).
-        base_position: Shape (…, 3) [m].
-        tip_rotation: Of the tip in the object frame, Shape (…, 3, 3).
-        tip_position: Shape (…, 3) [m].
-    """
-
-    base_rotation: Array
-    base_position: Array
-    tip_rotation: Array
-    tip_position: Array
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from mrts.inverse_kinematics.grasp_tracking import (
 )
 from mrts.inverse_kinematics.joint_limits import joint_limit_failure, nearest_turns, within_limits
 from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_branches
+from mrts.inverse_kinematics.reach import ArmPlaces, arm_reach
 from mrts.inverse_kinematics.tracking_messages import unreachable
 from mrts.kernel.tracking import track_path
 from mrts.motion.object_motion import ObjectMotion
@@ -60,6 +61,15 @@ def starting_positions(cell: Cell, motion: ObjectMotion) -> tuple[Array, tuple[R
         held = solve_grasps(cell, motion, 0, start[None], STARTING_STEPS, reference[None])
     found: Array = held.q[0].copy()
     lost = [index for index in range(len(cell.robots)) if not _holds(cell, motion, held, index)[0]]
+    for index in lost:
+        robot = cell.robots[index]
+        reach, base, grasp = arm_reach(robot), robot.T_world_base, robot.T_object_tip
+        if reach is None:
+            continue
+        places = ArmPlaces(base.R, base.p, grasp.R, grasp.p)
+        distance = reach.distance(places, motion.position[0], motion.rotation[0])
+        if reach.beyond(distance):
+            raise MotionError(reach.failure(robot, motion.time, float(distance)))
     if lost:
         starts = np.concatenate([further_starts(robot, robot.posture) for robot in cell.robots], axis=1)
         further = solve_grasps(cell, motion, 0, starts, FURTHER_STEPS, np.tile(reference, (len(starts), 1)))

@@ -20,7 +20,8 @@ from mrts.inverse_kinematics.grasp_tracking import (
 )
 from mrts.inverse_kinematics.joint_limits import POSITION_TOLERANCE, is_turning, nearest_turns, past_a_limit
 from mrts.inverse_kinematics.null_space import FOLD
-from mrts.inverse_kinematics.planar_closed_form import ArmPlaces, branches_of_places, has_closed_form
+from mrts.inverse_kinematics.planar_closed_form import branches_of_places, has_closed_form
+from mrts.inverse_kinematics.reach import ArmPlaces, arm_reach
 from mrts.inverse_kinematics.starting_positions import FURTHER_STEPS, STARTS_TRIED, further_starts
 from mrts.inverse_kinematics.tracking_messages import branch_lost, unreachable
 from mrts.kernel.cell_library import CellLibrary
@@ -41,7 +42,7 @@ class TrackedVariants:
 
     Attributes:
         joints: Their joints along the motion, and how following ended.
-        reasons: By variant, why it cannot follow, where that was known before.
+        reasons: By variant, why it cannot follow, where that is known without a search.
     """
 
     joints: FollowedVariants
@@ -118,27 +119,26 @@ class VariantTracking:
     def _seeds(
         self, path: Mapping[str, Array], geometry: Array, posture: Array, refused: NDArray[np.bool_]
     ) -> tuple[Array, dict[int, str]]:
-        """Where the search for each start begins, Shape (V or 1, m), and variants out of reach of a closed form."""
+        """Where the search for each start begins, Shape (V or 1, m), and variants that are surely out of reach."""
         reasons: dict[int, str] = {}
         seed = posture
         for index, (robot, joints) in enumerate(zip(self._cell.robots, self._cell.joint_slices.values(), strict=True)):
-            if not has_closed_form(self._cell, robot):
-                continue
-            first = GRAVITY_SIZE + ROBOT_SIZE * index
-            parts = np.split(geometry[:, first : first + ROBOT_SIZE], (9, 12, 21), axis=1)
-            rotations = [part.reshape(-1, 3, 3) for part in parts[::2]]
-            places = ArmPlaces(rotations[0], parts[1], rotations[1], parts[3])
-            found = branches_of_places(self._cell, robot, places, path["position"], path["rotation"])
-            near = np.stack([nearest_turns(robot, branch[:, 0], posture[:, joints]) for branch in found.branches])
-            chosen = np.argmin(np.max(np.abs(near - posture[:, joints]), axis=2), axis=0)
-            at = near[chosen, np.arange(near.shape[1])]
-            lead = max(len(seed), len(at))
-            seed = np.repeat(seed, lead, axis=0) if len(seed) < lead else seed.copy()
-            seed[:, joints] = at
-            for variant in np.flatnonzero(found.out_of_reach() & ~refused).tolist():
-                time = path["time"][variant if len(path["time"]) > 1 else 0]
-                which = variant if len(found.wrist) > 1 else 0
-                reasons.setdefault(variant, found.failure(robot, time, (which,)))
+            places, reach = _places_of(index, geometry), arm_reach(robot)
+            if has_closed_form(self._cell, robot):
+                found = branches_of_places(self._cell, robot, places, path["position"], path["rotation"])
+                near = np.stack([nearest_turns(robot, branch[:, 0], posture[:, joints]) for branch in found.branches])
+                chosen = np.argmin(np.max(np.abs(near - posture[:, joints]), axis=2), axis=0)
+                at = near[chosen, np.arange(near.shape[1])]
+                seed = np.repeat(seed, len(at) // len(seed), axis=0) if len(seed) < len(at) else seed.copy()
+                seed[:, joints] = at
+                for variant in np.flatnonzero(found.out_of_reach() & ~refused).tolist():
+                    which = (variant if len(found.wrist) > 1 else 0,)
+                    reasons.setdefault(variant, found.failure(robot, _of(path["time"], variant), which))
+            elif reach is not None:
+                distance = reach.distance(places, path["position"][:, 0], path["rotation"][:, 0])
+                for variant in np.flatnonzero(reach.beyond(distance) & ~refused).tolist():
+                    failure = reach.failure(robot, _of(path["time"], variant), float(_of(distance, variant)))
+                    reasons.setdefault(variant, failure)
         return seed, reasons
 
     def _further(self, posture: Array) -> Array:
@@ -146,3 +146,16 @@ class VariantTracking:
         slices = self._cell.joint_slices.values()
         parts = zip(self._cell.robots, slices, strict=True)
         return np.concatenate([further_starts(robot, posture[:, joints]) for robot, joints in parts], axis=2)
+
+
+def _places_of(index: int, geometry: Array) -> ArmPlaces:
+    """Where an arm stands and holds, of geometries with V or 1 first."""
+    first = GRAVITY_SIZE + ROBOT_SIZE * index
+    base, at, tip, held = np.split(geometry[:, first : first + ROBOT_SIZE], (9, 12, 21), axis=1)
+    return ArmPlaces(base.reshape(-1, 3, 3), at, tip.reshape(-1, 3, 3), held)
+
+
+def _of(values: Array, variant: int) -> Array:
+    """What a variant has of values with V or 1 first."""
+    one: Array = values[variant if len(values) > 1 else 0]
+    return one

@@ -142,7 +142,7 @@ def _bounds(study: Study, parameter: Parameter) -> tuple[float, float]:
         study.path,
         "must be given by 'from' and 'to', between which the best layout is searched.",
         key=f"vary: {parameter.path}",
-        value=str(spread),
+        value=spread.text(parameter.unit),
     )
 
 

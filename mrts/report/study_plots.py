@@ -11,7 +11,7 @@ from mrts.drawing.labels import shortened
 from mrts.drawing.study_lines import NO_DURATION, ParallelAxes, parallel_axes
 from mrts.drawing.study_map import LIMIT_COLOURS, StudyMap, duration_ends, map_binding, spreads_widely, study_map
 from mrts.drawing.study_table import OUTCOMES, Index, StudyTable
-from mrts.drawing.study_words import SHARES, limits_text, managed, span_texts
+from mrts.drawing.study_words import SHARES, limits_text, managed, span_texts, variant_text
 from mrts.report.markup import plot_text
 from mrts.report.plots import Plot, layout, line, numbers, shown_samples
 
@@ -113,7 +113,7 @@ def _texts(table: StudyTable, drawn: StudyMap) -> list[Any]:
     for place, best in np.ndenumerate(drawn.best):
         row = int(best)
         if row >= 0:
-            said = [f"variant {table.variant[row]}: {table.duration[row]:.4g} s, c² = {table.c2[row]:.4g}"]
+            said = [variant_text(table, row)]
             said += [f"limited by {limits_text(table, row)}"] if table.limits(row) else []
             for number in (cells.knob for cells in drawn.axes):
                 knob = table.knobs[number]
@@ -217,7 +217,7 @@ def durations_plot(table: StudyTable) -> Plot | None:
         "y": [share for share, _ in marks],
         "text": [f"{share} %: {value:.4g} s" for share, value in marks],
         "mode": "markers+text",
-        "textposition": "bottom right",
+        "textposition": ["bottom right" if share == marks[0][0] else "bottom left" for share, _ in marks],
         "marker": {"size": 9, "color": COLOURS[0]},
         "hoverinfo": "skip",
         "showlegend": False,

@@ -107,4 +107,5 @@ def estimate(study: Study) -> StudyEstimate:
 def time_text(seconds: float) -> str:
     """A time in the unit that suits it: `3.2 s`, `14 min`, `2.5 days`."""
     unit, size = next((each for each in reversed(UNITS_OF_TIME) if seconds >= 2 * each[1]), UNITS_OF_TIME[0])
-    return f"{seconds / size:.2g} {unit}"
+    two_digits = float(f"{seconds / size:.2g}")
+    return f"{two_digits:g} {unit}"

@@ -19,6 +19,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.generation import all_cell_keys, urdf_files
 from mrts.cell.loading import load_cell
 from mrts.cell.robot import Robot
+from mrts.limits import LIMITS
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion
 from mrts.motion.object_motion import ObjectMotion
@@ -104,7 +105,8 @@ def read_study(path: Path | str) -> Study:
     )
     question = StudyQuestion(described.profile, described.load, described.torques, described.reserve, described.between)
     variants, seed = _variants(path, described, parameters), described.seed or 0
-    asked = [__version__, repr((parameters, described.sample, variants, seed, question)), json.dumps(given["cell"])]
+    asked = [__version__, repr((parameters, described.sample, variants, seed, question, tuple(LIMITS)))]
+    asked += [json.dumps(given["cell"])]
     asked += [json.dumps(given["motion"] if poses else given["motion"].get("samples"))]
     parts = [_hash(text.encode()) for text in asked] + [_hash(urdf.content) for urdf in urdfs]
     parts += [] if poses else _table_hashes(given["motion"])

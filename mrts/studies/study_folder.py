@@ -25,7 +25,9 @@ from mrts.base.atomic_file import write_atomically, write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.printable import message_text
 from mrts.base.version import __version__
+from mrts.limits import LIMITS
 from mrts.studies.study import Study
+from mrts.studies.study_record import FORMAT, study_record
 from mrts.studies.variant_rows import column_types
 
 if TYPE_CHECKING:
@@ -36,9 +38,6 @@ LOCK_FILE = ".lock"
 PART_FILE = re.compile(r"part-(\d{8})\.parquet")
 TEMPORARY_FILE = re.compile(r"\.(?:study|part-\d{8})\..*\.(?:json|parquet)")
 """What a writer that was killed leaves."""
-
-FORMAT = 1
-"""Of study.json."""
 
 UNITS = {"duration": "s", "energy": "J"}
 """Of columns that are not parameters; c² has none, and torques have that of their joint."""
@@ -169,9 +168,8 @@ class StudyFolder:
         try:
             return self.dataset().to_table(columns=columns)
         except (pa.ArrowException, OSError) as error:
-            damaged = [path for number, path in self.parts().items() if not self._is_sound(path, self._length(number))]
-            rule = "is damaged. The same mrts sweep as before solves it again."
-            raise InputError((damaged or [self.path])[0], rule) from error
+            rule = f"a part is damaged ({error}). The same mrts sweep into this folder solves it again."
+            raise InputError(self.path, rule) from None
 
     def dataset(self) -> Any:
         """The rows that are solved as a `pyarrow.dataset.Dataset`, which reads what is asked for."""
@@ -183,14 +181,10 @@ class StudyFolder:
     def drop_damaged(self) -> None:
         """Remove parts that are not what the study says; they will be solved again."""
         for number, path in self.parts().items():
-            if not self._is_sound(path, self._length(number)):
+            first, last = self.bounds(number)
+            if not self._is_sound(path, last - first):
                 logger.warning("%s is damaged, or of another study: solved again", path)
                 path.unlink()
-
-    def _length(self, number: int) -> int:
-        """Number of variants of a chunk."""
-        first, last = self.bounds(number)
-        return last - first
 
     def _is_sound(self, path: Path, length: int) -> bool:
         import pyarrow as pa  # noqa: PLC0415 (an extra)
@@ -220,28 +214,7 @@ def read_study_folder(path: Path | str) -> StudyFolder:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise InputError(folder, f"holds no study: {STUDY_FILE}: {reason}. Name what `mrts sweep -o` wrote.") from None
-    return StudyFolder(folder, _checked_record(folder / STUDY_FILE, text))
-
-
-def _checked_record(path: Path, text: str) -> dict[str, Any]:
-    """What a `study.json` holds.
-
-    Raises:
-        InputError: If it is damaged, or of another format.
-    """
-    kinds = {"format": int, "digest": str, "variants": int, "chunk": int, "columns": dict, "study": dict}
-    try:
-        record = json.loads(text)
-    except ValueError as error:
-        raise InputError(path, f"is damaged: {error}. Remove the folder, or name another.") from None
-    if not isinstance(record, dict) or record.get("format") != FORMAT:
-        raise InputError(path, f"is not a study of format {FORMAT}, which this mrts reads; name another folder.")
-    for key, kind in kinds.items():
-        if not isinstance(record.get(key), kind):
-            raise InputError(path, "is damaged. Remove the folder, or name another.", key=key, value=record.get(key))
-    if record["chunk"] < 1 or record["variants"] < 1:
-        raise InputError(path, "is damaged: a study has variants. Remove the folder, or name another.")
-    return record
+    return StudyFolder(folder, study_record(folder / STUDY_FILE, text))
 
 
 def study_content(study: Study) -> dict[str, Any]:
@@ -260,6 +233,7 @@ def study_content(study: Study) -> dict[str, Any]:
             "file": study.path.name,
             "cell": study.cell,
             "motion": study.motion,
+            "limits": list(LIMITS),
             "question": asdict(study.question),
             "vary": [asdict(each) | {"bounds": each.spread.bounds, "text": str(each)} for each in study.parameters],
             "sample": study.sample,

@@ -18,7 +18,12 @@ from mrts.inverse_kinematics.variant_tracking import VariantTracking
 from mrts.kernel.cell_library import CellLibrary
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.kernel.variants import PATH, variant_ranges
-from mrts.limits import LIMITS, OWN_LIMITS
+from mrts.limits import LIMITS
+from mrts.limits.contact_limits import contact_limits
+from mrts.limits.motor_limits import motor_limits
+from mrts.limits.torque_limits import torque_limits
+from mrts.limits.velocity_limits import velocity_limits
+from mrts.limits.wrench_limits import wrench_limits
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_courses import geodesic_rates
 from mrts.motion.object_motion import ObjectMotion
@@ -45,8 +50,10 @@ STRIDE = 8
 KEPT = 4
 """Studies whose cells are kept ready."""
 
+COVERED = (torque_limits, wrench_limits, contact_limits, velocity_limits, motor_limits)
+"""Limits that the native calls keep; with others registered, variants are solved one by one."""
 
-@lru_cache(maxsize=KEPT)
+
 def batch_for(study: Study) -> "VariantBatch | None":
     """What solves the variants of a study at once; None where they take more than that.
 
@@ -56,11 +63,16 @@ def batch_for(study: Study) -> "VariantBatch | None":
 
     Args:
         study: The study.
-
     """
+    return _batch(study) if tuple(LIMITS.values()) == COVERED else None
+
+
+@lru_cache(maxsize=KEPT)
+def _batch(study: Study) -> "VariantBatch | None":
+    """The same, as far as the study decides it."""
     question = study.question
     asked = (question.profile, question.torques, question.between) == ("constant", False, None)
-    if not asked or tuple(LIMITS) != OWN_LIMITS:
+    if not asked:
         return None
     here = study.at_hand()
     try:
@@ -82,7 +94,11 @@ def _covers(cell: Cell, entries: Sequence[Entry]) -> bool:
     motors = [robot.motors for robot in cell.robots]
     ideal = all(not each.has_effect and set(each.torque_speed) <= {None} for each in motors)
     in_tip = any(contact.frame == "tip" for robot in cell.robots for contact in robot.contacts)
-    return ideal and not (cell.plane is not None and in_tip and "grasp_rpy" in names)
+    bounds = [(robot.wrench_lower, robot.wrench_upper) for robot in cell.robots]
+    free = np.concatenate([np.isinf(lower) & np.isinf(upper) for lower, upper in bounds])
+    limited = {entry.index[0] for entry in entries if entry.name.startswith("wrench")}
+    has_rows = not np.any(free[list(limited)])  # a limit on what the cell leaves free is a row more than it has
+    return ideal and has_rows and not (cell.plane is not None and in_tip and "grasp_rpy" in names)
 
 
 class VariantBatch:
@@ -123,7 +139,8 @@ class VariantBatch:
         rows: list[Row] = []
         for start in range(0, len(points), self.block):
             part = points[start : start + self.block]
-            answers = self._answers(VariantNumbers(self._base, self._entries, part))
+            with np.errstate(all="ignore"):  # of numbers that break a rule, which are left to `solved_row`
+                answers = self._answers(VariantNumbers(self._base, self._entries, part))
             found = (answers.row(variant) for variant in range(len(part)))
             rows += [
                 solved_row(self._study, point) if row is None else row for point, row in zip(part, found, strict=True)
@@ -131,8 +148,8 @@ class VariantBatch:
         return columns_of(self._study, points, first, rows)
 
     def _answers(self, numbers: VariantNumbers) -> VariantAnswers:
-        geometry, path = numbers.geometry(self._cell), self._path(numbers)
         refused = numbers.doubtful()
+        geometry, path = numbers.geometry(self._cell), self._path(numbers, refused)
         if self._cell.plane is not None:
             refused |= leaves_plane(self._cell, path["twist"]) | _tilted(self._cell, geometry)
         tracked = self._tracking.follow(path, geometry, numbers["posture"], refused)
@@ -140,8 +157,8 @@ class VariantBatch:
         found = variant_ranges(self._library, tracked.joints, self._limits.sparse, SampleTerms(), self._order, given)
         return VariantAnswers(self._tracking, self._limits, given, tracked, found)
 
-    def _path(self, numbers: VariantNumbers) -> dict[str, Array]:
-        """The motion of the object, as `mrts.kernel.variants.PATH` with V or 1 first."""
+    def _path(self, numbers: VariantNumbers, refused: NDArray[np.bool_]) -> dict[str, Array]:
+        """The motion of the object, as `mrts.kernel.variants.PATH` with V or 1 first; refused ones last a second."""
         if not numbers.any_of(PATH_ENDS):
             return {name: getattr(self._motion, name)[None] for name in PATH}
         u = np.linspace(0.0, 1.0, len(self._motion.time))
@@ -149,6 +166,7 @@ class VariantBatch:
             np.broadcast_to(numbers[name], (numbers.count, *numbers[name].shape[1:]))
             for name in ("start_xyz", "end_xyz", "start_rpy", "end_rpy", "duration")
         )
+        duration = np.where(refused, 1.0, duration)
         positions, rotations = np.stack([start, end], axis=1), rotations_from_rpy(np.stack([turned, turning], axis=1))
         profile = PROFILES[self._study.motion["profile"]]
         rates = geodesic_rates(positions, rotations, duration, profile(u))

@@ -24,6 +24,7 @@ from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.scale import SelectionError, admissible_range, load_question, scale
 from mrts.solvers import DEFAULT_SOLVER
 from mrts.studies.study import Study
+from mrts.studies.study_record import ANSWERS
 
 UNREACHABLE, INVALID, FAILED = "unreachable", "invalid", "failed"
 """Statuses of a variant beside those of a range: the arms cannot follow, its numbers break a rule, a solver stopped."""
@@ -40,9 +41,7 @@ def column_types(study: Study) -> dict[str, str]:
         study: The study.
     """
     types = {"variant": "int64"} | {parameter.path: "float64" for parameter in study.parameters}
-    types |= {"status": "string", "reason": "string", "c2_lower": "float64", "c2_upper": "float64"}
-    types |= {"lower_limit": "string", "upper_limit": "string", "duration": "float64"}
-    return types | dict.fromkeys(_torque_columns(study), "float64")
+    return types | ANSWERS | dict.fromkeys(_torque_columns(study), "float64")
 
 
 def solve_variants(study: Study, first: int, last: int) -> Columns:

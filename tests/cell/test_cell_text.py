@@ -202,6 +202,28 @@ def test_a_file_that_cannot_be_written_is_told(planar_cell, tmp_path):
 
 
 @pytest.mark.quick
+@pytest.mark.parametrize(
+    ("given", "written"),
+    [(None, None), ("none", "none"), ({"coulomb": 4.0}, {"coulomb": [4.0] * 3, "viscous": [0.0] * 3})],
+)
+def test_friction_of_the_urdf_is_left_to_it(given, written, tmp_path):
+    """Also where it contradicts the torque limits: it does not count."""
+    text = (DATA / "planar_arm.urdf").read_text()
+    (tmp_path / "arm.urdf").write_text(text.replace("</joint>", '<dynamics friction="20" damping="1"/></joint>'))
+    description = yaml.safe_load((DATA / "cell.yaml").read_text())
+    for robot in description["robots"]:
+        robot.update(urdf="arm.urdf")
+        if given is not None:
+            robot.update(motors={"friction": given}, torque=[10.0] * 3)
+    cell = mrts.Cell.from_description(description, folder=tmp_path)
+    text = cell.to_yaml(tmp_path / "cell.yaml")
+    assert [robot.get("motors", {}).get("friction") for robot in yaml.safe_load(text)["robots"]] == [written] * 2
+    again = mrts.load_cell(tmp_path / "cell.yaml")
+    assert same_cell(cell, again)
+    assert again.remarks == cell.remarks
+
+
+@pytest.mark.quick
 def test_names_that_look_like_numbers_stay_names(tmp_path):
     """`on` and `1e5` are text in the one YAML, a truth value or a number in the other."""
     text = (DATA / "planar_arm.urdf").read_text().replace('"contact"', '"1e5"').replace('"base_link"', '"on"')

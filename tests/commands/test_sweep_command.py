@@ -80,7 +80,7 @@ def test_wrong_options_are_named(arguments, said, tmp_path):
 
 def test_a_terminal_sees_rate_time_left_and_best_and_ctrl_c_says_how_to_go_on(tmp_path):
     path = study_file(tmp_path, "vary: {object.mass: {from: 1, to: 4, steps: 500}}\ntorques: true")
-    command = [sys.executable, "-c", DRIVER.format(chunk=0.1), "sweep", path, "-o", tmp_path / "out", "--workers", 1]
+    command = [sys.executable, "-c", DRIVER.format(chunk=2), "sweep", path, "-o", tmp_path / "out", "--workers", 1]
     done = at_terminal(command, keys=[("left; best", "\x03\x03")], COLUMNS="200")
     assert done.code == 130, done.shown
     assert re.search(r"\d+ of 500; \S+ a second, \S+ (s|min) left; best 0\.\d+ s", done.shown)

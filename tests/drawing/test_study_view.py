@@ -146,7 +146,7 @@ def test_words_say_how_many_and_how_fast():
         f"{share} % of the variants manage 0.4 s" for share in (50, 90, 95, 99)
     ]
     assert [percent(*pair) for pair in ((0, 5), (1, 10**6), (999_999, 10**6), (5, 5), (1, 3))] == [
-        "0 %", "0.0001 %", "99.9 %", "100 %", "33 %"
+        "0 %", "0.0001 %", "99.9 %", "100 %", "33.3 %"
     ]  # fmt: skip
 
 

@@ -22,6 +22,7 @@ from mrts.figures import (
     write_study_figures,
 )
 from mrts.figures.study_figures import study_figures
+from mrts.figures.style import in_lines
 
 KINDS = kinds()
 
@@ -149,3 +150,11 @@ def test_a_long_study_says_that_it_is_shown_in_part():
     figures = study_figures(table)
     assert "an even choice of 600 of 100000 variants" in figures["parallel_coordinates.png"].get_suptitle()
     assert "each of 60 × 60 cells shows the best of its variants" in figures["map.png"].get_suptitle()
+
+
+def test_names_break_after_dots_and_slashes_and_numbers_do_not():
+    assert in_lines("robots.left.base.xyz[1] [m]", 15) == "robots.left.\nbase.xyz[1] [m]"
+    assert in_lines("right/wrist_2_turn velocity ↑, left/fx ↓ and 3 more", 16) == (
+        "right/\nwrist_2_turn\nvelocity ↑,\nleft/fx ↓ and 3\nmore"
+    )
+    assert in_lines("0.3468 … 0.5974", 7) == "0.3468\n…\n0.5974"

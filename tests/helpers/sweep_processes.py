@@ -18,14 +18,14 @@ PATIENCE = 90.0
 DRIVER = """
 import sys
 import mrts.sweeps.sweep
-mrts.sweeps.sweep.CHUNK_TIME = {chunk}
+mrts.sweeps.sweep.chunk_size = lambda study: {chunk}
 from mrts.cli import main
 sys.exit(main(sys.argv[1:]))
 """
 
 
-def driver_command(*arguments, chunk=0.1):
-    """Words of `mrts sweep` with chunks of other than a second, so that a short study has many."""
+def driver_command(*arguments, chunk=2):
+    """Words of `mrts sweep` with chunks of a few variants, so that a short study has many."""
     return [sys.executable, "-c", DRIVER.format(chunk=chunk), "sweep", *map(str, arguments)]
 
 

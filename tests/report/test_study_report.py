@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from headless_browser import NARROW, browser, page  # noqa: F401 (fixtures)
 import mrts
 from mrts.cli import main
 from mrts.drawing.study_lines import NO_DURATION
+from mrts.drawing.study_words import best_rows
 from mrts.report import report_html, study_html, write_study_report
 
 KINDS = kinds()
@@ -146,9 +148,23 @@ def test_a_folder_of_a_study_is_reported(tmp_path, capsys):
     found = mrts.sweep(study, tmp_path / "found", workers=1).to_pandas()
     target = tmp_path / "report.html"
     assert main(["report", str(tmp_path / "found"), "-o", str(target)]) == 0
-    assert "planar_dual_arm: 2 of 3 variants may be played (67 %); 1 infeasible" in capsys.readouterr().out
+    assert "planar_dual_arm: 2 of 3 variants may be played (66.6 %); 1 infeasible" in capsys.readouterr().out
     text = target.read_text(encoding="utf-8")
     assert f"{found.duration.min():.4g} s" in text
     assert "<td>object.mass</td>\n<td>0.5</td>\n<td>300</td>\n<td>kg</td>" in text
     assert main(["report", str(tmp_path)]) == 2
     assert "holds no study" in capsys.readouterr().err
+    for part in (tmp_path / "found").glob("*.parquet"):
+        part.unlink()
+    assert main(["report", str(tmp_path / "found")]) == 2
+    assert "no variant of this study is solved yet" in capsys.readouterr().err
+
+
+def test_a_speed_that_varies_where_no_constant_one_is_possible_has_no_c2():
+    """As of a least and a largest speed at two moments that exclude each other."""
+    values = np.linspace(0, 1, 60).reshape(-1, 3)
+    table = replace(found_study(values, np.linspace(0.3, 0.6, 20)), c2=np.full(20, np.nan))
+    text = own_text(study_html(table))
+    assert "nan" not in re.findall(r"\w+", text.lower())
+    assert "variant 0: 0.3 s, limited by right/elbow ↑" in text
+    assert best_rows(table, 3)[1][1] == ["c²⁺ [1]", "", "", "", ""]

@@ -10,6 +10,7 @@ import pytest
 from study_files import planar_study
 
 import mrts
+from mrts.drawing.study_table import read_study_table
 from mrts.studies.study_folder import first_difference, opened_study_folder
 from mrts.studies.variant_rows import solve_variants
 
@@ -71,12 +72,6 @@ def test_what_a_killed_writer_left_is_not_seen_and_goes(complete, study):
     assert mrts.read_study_folder(complete.path).table().num_rows == 10
     opened(complete.path, study)
     assert not list(complete.path.glob(".part*")) + list(complete.path.glob(".study*"))
-
-
-def test_who_reads_a_damaged_part_is_told_which_and_what_to_do(complete):
-    complete.part(1).write_bytes(b"")
-    with pytest.raises(mrts.InputError, match=r"part-00000001.parquet: is damaged. The same mrts sweep .* solves it"):
-        mrts.read_study_folder(complete.path).table()
 
 
 @pytest.mark.parametrize("damage", ["cut", "empty", "other rows", "other study"])
@@ -143,6 +138,44 @@ def test_what_is_no_study_is_said(text, said, tmp_path):
         (tmp_path / "study.json").write_text(text)
     with pytest.raises(mrts.InputError, match=said):
         mrts.read_study_folder(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "said"),
+    [
+        (("chunk",), 0, "chunk = 0: is damaged: must be"),
+        (("columns",), {}, "is damaged: there must be a column 'variant' of type int64"),
+        (("columns", "duration", "type"), "string", "a column 'duration' of type float64"),
+        (("columns", "status", "type"), "<b>", "columns.status.type = '<b>': is damaged"),
+        (("study",), {}, "study.file: is damaged"),
+        (("study", "cell", "name"), 3, "study.cell.name = 3: is damaged"),
+        (("study", "question", "load"), [], "study.question.load.* is damaged"),
+        (("study", "vary", 0), "x", r"study.vary\[0\] = 'x': is damaged"),
+        (("study", "vary", 0, "path"), "mass", "there must be a column 'mass'"),
+    ],
+)
+def test_a_damaged_record_is_said_where_it_is(place, value, said, complete):
+    record = json.loads((complete.path / "study.json").read_text())
+    inside = record
+    for key in place[:-1]:
+        inside = inside[key]
+    inside[place[-1]] = value
+    (complete.path / "study.json").write_text(json.dumps(record))
+    with pytest.raises(mrts.InputError, match=said):
+        read_study_table(complete.path)
+
+
+def test_a_damaged_part_is_said_where_nothing_solves_it_again(complete):
+    whole = complete.part(1).read_bytes()
+    complete.part(1).write_bytes(whole[:-50])
+    with pytest.raises(mrts.InputError, match=r"a part is damaged .* mrts sweep into this folder solves it again"):
+        read_study_table(complete.path)
+    complete.part(1).write_bytes(whole)
+    table = pq.read_table(complete.part(0))
+    at = table.schema.get_field_index("status")
+    pq.write_table(table.set_column(at, table.schema.field(at), [["<b>"] * CHUNK]), complete.part(0))
+    with pytest.raises(mrts.InputError, match="status = '<b>': is damaged: every variant has one of feasible"):
+        read_study_table(complete.path)
 
 
 def test_a_folder_of_something_else_is_left_alone(study, tmp_path):

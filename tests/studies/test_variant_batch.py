@@ -1,14 +1,18 @@
 """Variants solved at once are those that `mrts.scale` solves one by one."""
 
 from collections import Counter
+from dataclasses import replace
 
 import cell_bank
 import numpy as np
 import pytest
 from conftest import DATA
-from study_files import planar_study, wide_study
+from study_files import planar_study
+from wide_studies import wide_study
 
 import mrts
+from mrts.limits import LIMITS
+from mrts.limits.torque_limits import torque_limits
 from mrts.studies.variant_batch import batch_for
 from mrts.studies.variant_rows import column_types, solve_one_by_one, solve_variants
 
@@ -110,6 +114,32 @@ def test_what_it_does_not_cover_is_solved_one_by_one(asked, tmp_path):
     assert solve_variants(study, 0, 2)["status"] == ["feasible", "feasible"]
 
 
+def test_a_limit_of_ones_own_is_kept_whenever_it_is_registered(tmp_path, monkeypatch):
+    def tenth(cell, motion):
+        rows = torque_limits(cell, motion)
+        names = tuple(replace(name, kind="own") for name in rows.names)
+        return replace(rows, names=names, lower=rows.lower / 10, upper=rows.upper / 10)
+
+    text = "vary: {object.mass: [0.4, 0.5]}"
+    before, study = solve_variants(planar_study(tmp_path, text), 0, 2), planar_study(tmp_path, text)
+    monkeypatch.setitem(LIMITS, "own", tenth)
+    monkeypatch.setattr("mrts.limits.OWN_LIMITS", tuple(LIMITS))  # as where the line stands in mrts/limits
+    after = solve_variants(study, 0, 2)
+    assert before["status"] == ["feasible", "feasible"]
+    assert after["status"] == ["infeasible", "infeasible"]
+    assert planar_study(tmp_path, text) != study
+
+
+def test_numbers_that_break_a_rule_warn_of_nothing(tmp_path):
+    assert compare(planar_study(tmp_path, "vary: {motion.duration: [0, 0.5]}"), 2) == {"invalid": 1, "feasible": 1}
+
+
 def test_a_share_that_is_kept_free_is(tmp_path):
     text = "reserve: 0.2\nvary: {object.mass: [1, 2, 3], 'robots.left.torque[1]': [60, 90]}"
     assert compare(planar_study(tmp_path, text), 6) == {"feasible": 6}
+
+
+def test_a_duration_of_zero_is_invalid_without_a_word_of_numpy(tmp_path):
+    study = planar_study(tmp_path, "vary: {motion.duration: [-1, 0, 1.0e-200, 0.5]}")
+    with np.errstate(all="raise"):
+        assert compare(study, 4) == {"invalid": 3, "feasible": 1}

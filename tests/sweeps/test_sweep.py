@@ -15,6 +15,7 @@ from sweep_processes import assert_same_table, driver_command, kill, parts, proc
 
 import mrts
 import mrts.sweeps.sweep as engine
+from mrts.limits import LIMITS
 from mrts.studies.variant_rows import solve_variants
 from mrts.sweeps import chunks
 
@@ -24,8 +25,7 @@ torques: true
 sample: sobol
 count: 24
 """
-CHUNK_TIME = 0.1
-"""So that a short study has many chunks [s]."""
+CHUNK = 2
 
 SEED = 17
 
@@ -44,7 +44,7 @@ def alone(study):
 
 @pytest.fixture(autouse=True)
 def many_chunks(monkeypatch):
-    monkeypatch.setattr(engine, "CHUNK_TIME", CHUNK_TIME)
+    monkeypatch.setattr(engine, "chunk_size", lambda _study: CHUNK)
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,7 @@ def solved(study, tmp_path_factory):
     """The folder of the study, solved by two workers, and what was told meanwhile."""
     out, told = tmp_path_factory.mktemp("solved") / "out", []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(engine, "CHUNK_TIME", CHUNK_TIME)
+        patch.setattr(engine, "chunk_size", lambda _study: CHUNK)
         mrts.sweep(study, out, workers=2, progress=told.append)
     return out, told
 
@@ -68,7 +68,7 @@ def test_two_workers_give_the_table_that_none_gives(solved, alone):
     out, told = solved
     table = mrts.read_study_folder(out).table()
     assert_same_table(table, alone)
-    assert len(parts(out)) > 4
+    assert len(parts(out)) == 12
     assert set(table["status"].to_pylist()) == {"feasible", "infeasible", "unreachable"}
     assert [each.done for each in told] == sorted({each.done for each in told})
     assert (told[0].done, told[0].rate, told[0].remaining) == (0, 0, None)
@@ -77,6 +77,15 @@ def test_two_workers_give_the_table_that_none_gives(solved, alone):
     assert (last.done, last.remaining, last.best) == (24, 0, min(durations))
     assert durations[last.best_variant] == last.best
     assert re.fullmatch(r"\S+ a second, 0 s left; best 0\.\d+ s", str(last))
+
+
+def test_a_chunk_is_a_round_number_of_variants_and_not_more_than_there_are(study, monkeypatch):
+    monkeypatch.undo()
+    assert engine.chunk_size(study) in {1, 2, 5, 10, 20}
+    monkeypatch.setattr(engine, "CHUNK_TIME", 1e6)
+    assert engine.chunk_size(study) == 20
+    monkeypatch.setattr(engine, "CHUNK_TIME", 1e-6)
+    assert engine.chunk_size(study) == 1
 
 
 def test_one_worker_without_a_folder_gives_the_same(study, alone):
@@ -177,6 +186,13 @@ def test_the_best_are_solved_again_and_written(out, study):
 def test_wrong_arguments_are_named(arguments, said, study):
     with pytest.raises(mrts.InputError, match=said):
         mrts.sweep(**{"study": study, **arguments})
+
+
+def test_a_limit_that_a_script_registers_is_not_left_out_by_its_workers(tmp_path, monkeypatch):
+    monkeypatch.setitem(LIMITS, "mine", LIMITS["torque_limits"])
+    own = planar_study(tmp_path, "vary: {object.mass: [1, 2]}")
+    with pytest.raises(mrts.InputError, match=r"worker: knows the limits .*, the sweep .*, mine: a limit of your own"):
+        mrts.sweep(own, workers=1)
 
 
 def test_a_disk_that_is_full_is_said_and_gone_on_with_elsewhere(study, alone, tmp_path):

@@ -1,0 +1,57 @@
+"""Studies that vary every number that native calls take."""
+
+import yaml
+
+import mrts
+
+
+def wide_study(folder, cell, motion, *, spread, count, seed=1, limits=0.2, mass=(0.7, 1.3), inertia=1e-3):
+    """Read a study that varies every number that native calls take: poses, gravity, object, postures, limits, motion.
+
+    Args:
+        folder: For the study file.
+        cell: The cell file.
+        motion: The motion file, from pose to pose.
+        spread: How far poses and postures go, each way [m, rad].
+        count: Number of variants.
+        seed: Of what is drawn.
+        limits: Share by which limits go, each way.
+        mass: Range of the factor of the mass.
+        inertia: Share by which moments go, each way: those of a thin body soon break a rule.
+    """
+    given, path = yaml.safe_load(cell.read_text()), yaml.safe_load(motion.read_text())
+    axes = ["xyz".index(axis) for axis in given.get("plane") or "xyz"]
+    around = axes if len(axes) > 2 else sorted({0, 1, 2} - set(axes))
+    parts = [("xyz", axis) for axis in axes] + [("rpy", axis) for axis in around]
+
+    def pose(name, of):
+        return [(f"{name}.{part}[{axis}]", (of or {}).get(part, [0, 0, 0])[axis], spread) for part, axis in parts]
+
+    numbers = [number for robot in given["robots"] for number in _of_robot(robot, pose, spread, limits)]
+    numbers += [(f"gravity[{axis}]", given["gravity"][axis], 0.3) for axis in axes]
+    numbers += [number for end in ("start", "end") for number in pose(f"motion.{end}", path[end])]
+    numbers.append(("motion.duration", path["duration"], 0.1 * path["duration"]))
+    moments = given["object"]["inertia"]
+    if not isinstance(moments[0], list):
+        numbers += [(f"object.inertia[{axis}]", value, inertia * value) for axis, value in enumerate(moments)]
+    vary = {name: {"from": value - width, "to": value + width} for name, value, width in numbers}
+    vary["object.mass"] = {"from": mass[0] * given["object"]["mass"], "to": mass[1] * given["object"]["mass"]}
+    file = folder / "study.yaml"
+    named = {"cell": str(cell), "motion": str(motion), "vary": vary, "sample": "lhs", "count": count, "seed": seed}
+    file.write_text(yaml.safe_dump(named, sort_keys=False), encoding="utf-8")
+    return mrts.read_study(file)
+
+
+def _of_robot(robot, pose, spread, limits):
+    """Path, value and width of what varies of one arm."""
+    arm = f"robots.{robot['name']}"
+    numbers = pose(f"{arm}.base", robot.get("base")) + pose(f"{arm}.grasp", robot.get("grasp"))
+    numbers += [(f"{arm}.posture[{joint}]", value, spread) for joint, value in enumerate(robot["posture"])]
+    sides = {"torque": robot.get("torque", [])}
+    sides |= {f"wrench.{side}": values for side, values in robot.get("wrench", {}).items()}
+    return numbers + [
+        (f"{arm}.{side}[{place}]", value, limits * abs(value))
+        for side, values in sides.items()
+        for place, value in enumerate(values)
+        if value
+    ]
