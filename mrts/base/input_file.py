@@ -168,12 +168,15 @@ def broken_rule(rule: str) -> PydanticCustomError:
 
 
 _RULES = {
+    "bool_parsing": "must be true or false",
+    "bool_type": "must be true or false",
     "dict_type": "must be a mapping of keys to values",
     "finite_number": "must be a finite number",
     "float_type": "must be a number",
     "greater_than": "must be > {gt:g}",
     "greater_than_equal": "must be >= {ge:g}",
     "int_type": "must be a whole number",
+    "less_than": "must be < {lt:g}",
     "less_than_equal": "must be <= {le:g}",
     "list_type": "must be a list",
     "literal_error": "must be {expected}",

@@ -124,8 +124,8 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
     """All changes of a cell, each up and down: its limits, in the order of its rows, mass and reserve, and its poses.
 
     Sides of a limit move together. A joint with a torque-speed curve has its torques changed with the limit, as by
-    another motor, and the curve's speeds by themselves. A component that is held at one number is no limit. Bases of
-    arms of one machine stay.
+    another motor, and the curve's speeds by themselves. A component that is held at one number is no limit. Arms of one
+    machine move with the base of the first of them.
 
     Args:
         cell: The cell.
@@ -136,10 +136,9 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
         named.append(("reserve", "", ""))
     shares = [(entry, steps.share) for entry in named]
     along, around = _axes(cell)
-    together = moved_together(cell)
     for kind in POSES:
         for robot in cell.robots:
-            if kind == "base" and robot.name in together:
+            if kind == "base" and _machine(cell, robot.name)[0] != robot.name:
                 continue
             shares += [((kind, robot.name, axis), steps.shift) for axis in along]
             shares += [((kind, robot.name, f"about {axis}"), steps.turn) for axis in around]
@@ -148,16 +147,6 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
         for (kind, robot, element), step in shares
         for sign in (1, -1)
     )
-
-
-def moved_together(cell: Cell) -> tuple[str, ...]:
-    """Names of the arms whose bases cannot move by themselves: they are arms of one machine with another.
-
-    Args:
-        cell: The cell.
-    """
-    tied = {name for machine in cell.functions.manifest.machines for name in machine}
-    return tuple(robot.name for robot in cell.robots if robot.name in tied)
 
 
 def _limits(cell: Cell) -> Iterator[_Named]:
@@ -265,17 +254,34 @@ def _velocity(cell: Cell, change: CellChange) -> Cell:
     return _of_robot(cell, change, changed)
 
 
-def _pose(cell: Cell, change: CellChange) -> Cell:
-    name = "T_world_base" if change.kind == "base" else "T_object_tip"
-    step = np.array([change.step if change.element[-1] == axis else 0.0 for axis in AXES])
+def _machine(cell: Cell, name: str) -> list[str]:
+    """Arms of the machine that a robot is an arm of, in the order of the cell; of most robots itself alone."""
+    fellows = {one for pair in cell.functions.manifest.machines if name in pair for one in pair} | {name}
+    return [robot.name for robot in cell.robots if robot.name in fellows]
 
+
+def _moved(change: CellChange, pose: RigidTransform, about: Array) -> RigidTransform:
+    """A pose shifted along, or turned about an axis through a point, Shape (3,) [m]."""
+    step = np.array([change.step if change.element[-1] == axis else 0.0 for axis in AXES])
+    if change.unit == "m":
+        return RigidTransform(pose.R, pose.p + step)
+    turn = rotation_from_rpy(*step)
+    return RigidTransform(multiply(turn, pose.R), about + turn @ (pose.p - about))
+
+
+def _base(cell: Cell, change: CellChange) -> Cell:
+    machine = _machine(cell, change.robot)
+    about = next(robot.T_world_base.p for robot in cell.robots if robot.name == change.robot)
+    robots = (
+        replace(robot, T_world_base=_moved(change, robot.T_world_base, about)) if robot.name in machine else robot
+        for robot in cell.robots
+    )
+    return replace(cell, robots=tuple(robots))
+
+
+def _grasp(cell: Cell, change: CellChange) -> Cell:
     def changed(robot: Robot) -> Robot:
-        pose: RigidTransform = getattr(robot, name)
-        if change.unit == "rad":
-            moved = RigidTransform(multiply(rotation_from_rpy(*step), pose.R), pose.p)
-        else:
-            moved = RigidTransform(pose.R, pose.p + step)
-        return replace(robot, T_world_base=moved) if name == "T_world_base" else replace(robot, T_object_tip=moved)
+        return replace(robot, T_object_tip=_moved(change, robot.T_object_tip, robot.T_object_tip.p))
 
     return _of_robot(cell, change, changed)
 
@@ -288,7 +294,7 @@ _APPLIED: dict[ChangeKind, Callable[[Cell, CellChange], Cell]] = {
     "motor speed": _motor_speed,
     "reserve": lambda cell, change: cell.with_reserve(cell.reserve * (1 + change.step)),
     "mass": lambda cell, change: cell.with_mass(cell.mass * (1 + change.step)),
-    "base": _pose,
-    "grasp": _pose,
+    "base": _base,
+    "grasp": _grasp,
 }
 """What each kind does to a cell."""

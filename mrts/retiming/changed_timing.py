@@ -10,6 +10,7 @@ from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.coordination.following_again import following_again
 from mrts.retiming.fastest_timing import fastest_timing
 from mrts.retiming.result import RetimingResult
 from mrts.scaling.what_if import SpeedAnswer, WhatIf, ask_changes
@@ -38,8 +39,9 @@ def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress
         asked = replace(constant, cell=changed, motion=motion)
         return _of_timing(fastest_timing(asked, question, found.end_speeds, lambda _done, _total: None))
 
-    before = answer(found.cell, found.motion)
-    return ask_changes(found.cell, found.motion, before, steps, answer, progress)
+    followed = following_again(found.cell, found.motion)
+    before = answer(found.cell, followed.motion)
+    return ask_changes(found.cell, followed, before, steps, answer, progress)
 
 
 def _of_timing(timed: RetimingResult) -> SpeedAnswer:

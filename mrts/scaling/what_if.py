@@ -12,9 +12,9 @@ import numpy as np
 from mrts.base.argument_types import Progress
 from mrts.base.errors import InputError, MotionError, SolverError
 from mrts.cell.cell import Cell
-from mrts.cell.cell_change import CellChange, ChangeKind, ChangeSteps, cell_changes, moved_together
+from mrts.cell.cell_change import CellChange, ChangeKind, ChangeSteps, cell_changes
 from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
-from mrts.coordination.following_again import following_again
+from mrts.coordination.following_again import FollowedAgain, following_again
 from mrts.limits.rows import ActiveRow
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.trajectory_programs import motion_ranges
@@ -32,7 +32,6 @@ MOST_GAINS, MOST_LOSSES = 12, 8
 """Changes that a table shows of those that gain, and of those that lose."""
 
 _BAKED = "they stand as numbers in the generated C (--bake)"
-_ONE_MACHINE = "they are arms of one machine, which moves as a whole"
 _GIVEN = "the joints of this motion are given, and are not those that the arms take by themselves"
 """Why poses are left out."""
 
@@ -275,7 +274,7 @@ def _row(one: ChangedAnswer, names: int, amounts: int) -> str:
 
 def ask_changes(
     cell: Cell,
-    motion: CoordinatedMotion,
+    followed: FollowedAgain,
     before: SpeedAnswer,
     steps: ChangeSteps,
     answer: Callable[[Cell, CoordinatedMotion], SpeedAnswer],
@@ -287,16 +286,14 @@ def ask_changes(
 
     Args:
         cell: The cell.
-        motion: Its motion.
+        followed: Its motion.
         before: The answer as it is.
         steps: How far numbers are changed.
         answer: The answer of a changed cell and its motion; may raise what solvers raise.
         progress: Told how many of how many changes are done.
     """
     changes, left_out = cell_changes(cell, steps), ""
-    if together := moved_together(cell):
-        left_out = f"bases of {' and '.join(together)} were not moved: {_ONE_MACHINE}"
-    follows = None if cell.functions.manifest.is_baked else following_again(cell, motion)
+    follows = None if cell.functions.manifest.is_baked else followed.cell
     if follows is None:
         changes = tuple(change for change in changes if not change.moves_arms)
         left_out = f"bases and grasps were not moved: {_BAKED if cell.functions.manifest.is_baked else _GIVEN}"
@@ -304,7 +301,7 @@ def ask_changes(
     for number, change in enumerate(changes):
         progress(number, len(changes))
         start = cell if follows is None or not change.moves_arms else follows
-        found.append(ChangedAnswer(change, _answered(change, start, motion, answer), before))
+        found.append(ChangedAnswer(change, _answered(change, start, followed.motion, answer), before))
     progress(len(changes), len(changes))
     found.sort(key=lambda one: inf if one.after.duration is None else one.after.duration)
     return WhatIf(steps, before, tuple(found), left_out)
@@ -356,7 +353,8 @@ def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: 
         within, _ = within_rate_limits(changed, AdmissibleRange(motion, *whole), rule)
         return _of_range(within.range, float(motion.object.time[-1]))
 
-    before = answer(cell, result.motion)
+    followed = following_again(cell, result.motion)
+    before = answer(cell, followed.motion)
 
     def sooner(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
         """The same; to find which rows bind takes longer than to see that the range stays."""
@@ -364,7 +362,7 @@ def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: 
         return before if _leaves(samples, before.c2) else _of_range(intersect(samples), float(motion.object.time[-1]))
 
     known = question == "nominal" and rule.rates is None
-    return ask_changes(cell, result.motion, before, steps, sooner if known else answer, progress)
+    return ask_changes(cell, followed, before, steps, sooner if known else answer, progress)
 
 
 def _leaves(samples: SampleRanges, c2: float | None) -> bool:

@@ -31,12 +31,14 @@ class StudyEstimate:
         tried: Number of variants that were solved for it.
         statuses: How many of them have each status.
         seconds_each: Time that one takes on one core [s].
+        reason: Why one of them is not feasible; empty if all are.
     """
 
     study: Study
     tried: int
     statuses: dict[str, int]
     seconds_each: float
+    reason: str = ""
 
     def seconds(self, workers: int = 1) -> float:
         """Time that the whole study takes with so many workers, each with a core of its own [s]."""
@@ -54,6 +56,8 @@ class StudyEstimate:
         rate = f"{1 / each:.0f} a second" if each < 1 else f"{each:.3g} s each"
         cores = "one core" if workers == 1 else f"{workers} cores"
         yield f"tried {self.tried} ({found}): {rate}, so about {time_text(self.seconds(workers))} on {cores}"
+        if self.reason:
+            yield f"  such as {self.reason}"
 
 
 def study_lines(study: Study) -> Iterator[str]:
@@ -89,11 +93,13 @@ def estimate(study: Study) -> StudyEstimate:
     while True:
         first = int((study.variants - size) * place)
         start = time.perf_counter()
-        statuses = solve_variants(study, first, first + size)["status"]
+        rows = solve_variants(study, first, first + size)
         taken = time.perf_counter() - start
         warm = size > 1 or study.variants == 1  # the first one reads, and perhaps compiles
         if warm and (taken >= ENOUGH or size == study.variants):
-            return StudyEstimate(study, size, dict(Counter(statuses)), taken / size)
+            lost = zip(rows["variant"], rows["status"], rows["reason"], strict=True)
+            reasons = (f"variant {number}, {status}: {reason}" for number, status, reason in lost if reason)
+            return StudyEstimate(study, size, dict(Counter(rows["status"])), taken / size, next(reasons, ""))
         size = min(size * GROWTH, study.variants)
         place = (place + GOLDEN) % 1
 

@@ -213,6 +213,8 @@ def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[s
         key = max(fitting, key=len)
         return key, inside[len(key) :]
     wrong = inside.split(".")[0].split("[")[0]
+    if not here:
+        raise PathError(f"there is no '{wrong}' in {where}, which is empty: it must stand in the file first.")
     raise PathError(f"there is no '{wrong}' in {where}{_close(wrong, here)} There are {_known(here)}.")
 
 

@@ -7,7 +7,7 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from mrts.base.argument_types import as_path
 from mrts.base.errors import InputError
@@ -66,6 +66,12 @@ class StudyDescription(StrictModel):
     sample: SampleName = "grid"
     count: Annotated[int, Field(ge=1, le=MOST_VARIANTS)] | None = None
     seed: Annotated[int, Field(ge=0, le=2**32 - 1)] | None = None
+
+    @field_validator("between", mode="before")
+    @classmethod
+    def _off(cls, between: object) -> object:
+        """`off`, as on the command line, is False in YAML."""
+        return None if between is False or between == "off" else between
 
 
 def read_study(path: Path | str) -> Study:

@@ -7,6 +7,7 @@ lost when a worker dies. Needs the extra 'study' (joblib), for a cluster 'cluste
 
 import logging
 import os
+import re
 import signal
 import threading
 import time
@@ -40,6 +41,9 @@ CONNECT = 10.0
 
 NO_WORKERS = 60.0
 """Between two reminders that a cluster has none [s]."""
+
+ADDRESS = re.compile(r"(\w+://)?\S+:\d{1,5}|inproc://\S+")
+"""What may be a scheduler's: Dask leaves a traceback about anything else."""
 
 LOCAL = "local"
 """Name of a Dask cluster of this machine's processes, made for one study."""
@@ -237,8 +241,11 @@ def _dask_cluster(stack: ExitStack, workers: int | None, scheduler: str) -> Dask
     """The workers of a cluster, made first for `LOCAL`.
 
     Raises:
-        InputError: If no scheduler answers.
+        InputError: If that is no address, or no scheduler answers.
     """
+    if scheduler != LOCAL and not ADDRESS.fullmatch(scheduler):
+        rule = "no Dask scheduler answers there: it is no address. Name one as tcp://HOST:PORT, or local."
+        raise InputError("scheduler", rule, value=scheduler)
     dask, distributed = import_module("dask"), import_module("distributed")
     stack.enter_context(_silent())
 

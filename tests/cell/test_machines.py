@@ -22,6 +22,7 @@ from random_cells import configuration
 from same_cells import same_cell
 
 import mrts
+from mrts.cell.cell_change import ChangeSteps, cell_changes
 from mrts.cli import main
 
 pytestmark = pytest.mark.quick
@@ -267,3 +268,16 @@ def test_held_joints_are_written_without_their_followers(tmp_path):
     text = cell.to_yaml(tmp_path / "cell.yaml")
     assert yaml.safe_load(text)["robots"][0]["fixed"] == held
     assert same_cell(cell, mrts.load_cell(tmp_path / "cell.yaml", backend="vm"))
+
+
+def test_what_if_moves_the_bases_of_a_machine_together(tmp_path):
+    cell = one_machine(tmp_path)
+    changes = [change for change in cell_changes(cell, ChangeSteps()) if change.kind == "base"]
+    assert {change.robot for change in changes} == {"left"}
+    left, right = cell.robots
+    for change in changes:
+        moved_left, moved_right = change.applied(cell).robots
+        step = moved_left.T_world_base @ left.T_world_base.inverse()
+        np.testing.assert_allclose((step @ right.T_world_base).p, moved_right.T_world_base.p, atol=TOLERANCE)
+        np.testing.assert_allclose((step @ right.T_world_base).R, moved_right.T_world_base.R, atol=TOLERANCE)
+        assert change.unit == "m" or np.array_equal(moved_left.T_world_base.p, left.T_world_base.p)

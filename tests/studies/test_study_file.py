@@ -244,3 +244,8 @@ def test_every_number_of_the_files_may_vary_and_at_its_own_value_changes_nothing
         knob = {"all": {move: [path for path, (value,) in vary.items() if value != 0], "values": [neutral]}}
         moved = planar_study(tmp_path, yaml.safe_dump({"vary": knob}), cell=files["cell"], motion=files["motion"])
         assert moved.descriptions(moved.points(0, 1)[0]) == (keys["cell"], keys["motion"])
+
+
+@pytest.mark.parametrize("said", ["off", "'off'", "null"])
+def test_the_samples_alone_may_be_asked_for_as_on_the_command_line(said, tmp_path):
+    assert planar_study(tmp_path, f"{BASE}\nbetween: {said}").question.between is None

@@ -268,7 +268,9 @@ def test_a_dry_run_says_what_varies_and_how_long_it_takes(wide):
     assert sum(found.statuses.values()) == found.tried <= wide.variants
     assert found.seconds() == pytest.approx(found.seconds_each * wide.variants)
     assert found.seconds(4) == pytest.approx(found.seconds() / 4)
-    assert list(found.lines())[-1].startswith(f"tried {found.tried} (")
+    *_, tried, reason = found.lines()
+    assert tried.startswith(f"tried {found.tried} (")
+    assert re.match(r"  such as variant \d+, (unreachable|invalid): \w", reason)
     assert [time_text(seconds) for seconds in (0.032, 119, 200, 9000, 4e5)] == ["0.032 s", "120 s", "3.3 min",
                                                                               "2.5 h", "4.6 days"]  # fmt: skip
 

@@ -180,6 +180,7 @@ def test_the_best_are_solved_again_and_written(out, study):
         ({"study": 3}, "study = 3: must be text or a Path"),
         ({"progress": 3}, "progress = 3: must be a function"),
         ({"scheduler": "tcp://"}, "no Dask scheduler answers there"),
+        ({"scheduler": "nonsense"}, "scheduler = 'nonsense': .* it is no address"),
     ],
 )
 def test_wrong_arguments_are_named(arguments, said, study):
