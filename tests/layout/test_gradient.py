@@ -16,7 +16,9 @@ SAME_SLOPE = 1e-5
 SAME_C2 = 1e-7
 """Share of c²⁺: ten times IPOPT's tolerance."""
 
-UR5_MOTION = DATA / "dual_ur5" / "lift_and_turn.yaml"
+SAMPLES = 41
+"""Of a motion here: the program has the rows of all of them."""
+
 UR5_VARY = {
     "distance": {"sets": {"robots.left.base.xyz[0]": -1, "robots.right.base.xyz[0]": 1}, "from": 0.65, "to": 0.85},
     "robots.right.base.xyz[1]": {"from": -0.1, "to": 0.1},
@@ -37,8 +39,15 @@ MOTORS = {
 }
 
 
+def motion_of(folder, cell):
+    """The shipped motion of a cell with fewer samples."""
+    keys = yaml.safe_load((DATA / cell / "lift_and_turn.yaml").read_text(encoding="utf-8")) | {"samples": SAMPLES}
+    (folder / "motion.yaml").write_text(yaml.safe_dump(keys), encoding="utf-8")
+    return folder / "motion.yaml"
+
+
 def dual_ur5(folder):
-    return write_study(folder, shipped("dual_ur5"), UR5_MOTION, UR5_VARY)
+    return write_study(folder, shipped("dual_ur5"), motion_of(folder, "dual_ur5"), UR5_VARY)
 
 
 def planar(folder):
@@ -49,18 +58,20 @@ def planar(folder):
 
 def squeeze(folder):
     """Pads in tip axes, whose rows turn with the grasps."""
-    return write_study(folder, shipped("squeeze"), DATA / "squeeze" / "lift_and_turn.yaml", UR5_VARY)
+    return write_study(folder, shipped("squeeze"), motion_of(folder, "squeeze"), UR5_VARY)
 
 
 def with_motors(folder):
     torque = [150, 150, 150, 60, 60, 60]
-    return write_study(folder, shipped("dual_ur5", motors=MOTORS, torque=torque), UR5_MOTION, UR5_VARY)
+    return write_study(
+        folder, shipped("dual_ur5", motors=MOTORS, torque=torque), motion_of(folder, "dual_ur5"), UR5_VARY
+    )
 
 
 def uncertain_load(folder):
     cell = shipped("dual_ur5")
     cell["object"]["variation"] = {"mass": [0.5, 1.5], "mz": [-0.5, 0.5]}
-    return write_study(folder, cell, UR5_MOTION, UR5_VARY)
+    return write_study(folder, cell, motion_of(folder, "dual_ur5"), UR5_VARY)
 
 
 def redundant(folder):
