@@ -90,8 +90,11 @@ class LayoutNumbers:
         return inside, bool(off <= SAME_PLACE)
 
     def rounded(self, values: Array) -> Array:
-        """Values as they are written, within their bounds, Shape (P,)."""
-        return np.clip(np.round(values, DIGITS), self.lower, self.upper)
+        """Values as they are written, within their bounds and at a bound that they round to, Shape (P,)."""
+        rounded = np.clip(np.round(values, DIGITS), self.lower, self.upper)
+        for bound in (self.lower, self.upper):
+            rounded = np.where(np.abs(values - bound) < 10.0**-DIGITS / 2, bound, rounded)
+        return rounded
 
     def geometry(self, cell: Cell, values: Any) -> Any:
         """The geometry of the cell at symbols of the values, Shape (g,); poses that do not move are numbers.

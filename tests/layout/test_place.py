@@ -238,3 +238,14 @@ def test_wrong_arguments_are_refused_by_name(argument, value, tmp_path):
     path = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, PLANAR_VARY)
     with pytest.raises(mrts.InputError, match=argument):
         mrts.place(path, **{argument: value})
+
+
+def test_a_number_that_rounds_to_its_bound_is_at_it(tmp_path):
+    low, high = -0.1234532, 0.1234532
+    vary = {"robots.left.base.xyz[0]": {"from": low, "to": high}}
+    path = write_study(tmp_path, shipped("planar_dual_arm"), DATA / "planar_dual_arm" / "lift.yaml", vary)
+    study = mrts.read_study(path)
+    machine = mrts.Cell.from_description(study.cell, folder=study.folder, backend="vm")
+    numbers = LayoutNumbers.of(study, machine)
+    for value, written in ((high - 1e-8, high), (low + 1e-8, low), (0.07654321, 0.07654)):
+        assert numbers.rounded(np.array([value])).tolist() == [written]
