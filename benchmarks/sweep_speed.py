@@ -65,14 +65,15 @@ def swept(study: Path, out: Path, count: int, *, kills: bool) -> tuple[float, in
     """Wall time [s], most memory of driver and workers together [bytes], and how many were killed."""
     command = [sys.executable, "-m", "mrts", "sweep", str(study), "-o", str(out), "--workers", str(count), "-q"]
     begun, peak, killed, chosen = time.monotonic(), 0, 0, np.random.default_rng(0)
+    last = begun
     with subprocess.Popen(command) as driver:  # noqa: S603 (this command)
         while driver.poll() is None:
             time.sleep(0.2)
             now = workers(driver.pid)
             peak = max(peak, sum(memory(each) for each in (driver.pid, *now)))
-            if kills and now and time.monotonic() - begun > (killed + 1) * KILL_EVERY:
+            if kills and now and time.monotonic() > last + KILL_EVERY:
                 os.kill(int(chosen.choice(now)), signal.SIGKILL)
-                killed += 1
+                killed, last = killed + 1, time.monotonic()
     if driver.returncode:
         raise SystemExit(driver.returncode)
     return time.monotonic() - begun, peak, killed

@@ -148,8 +148,8 @@ class VariantBatch:
         return columns_of(self._study, points, first, rows)
 
     def _answers(self, numbers: VariantNumbers) -> VariantAnswers:
-        geometry, path = numbers.geometry(self._cell), self._path(numbers)
         refused = numbers.doubtful()
+        geometry, path = numbers.geometry(self._cell), self._path(numbers, refused)
         if self._cell.plane is not None:
             refused |= leaves_plane(self._cell, path["twist"]) | _tilted(self._cell, geometry)
         tracked = self._tracking.follow(path, geometry, numbers["posture"], refused)
@@ -157,8 +157,8 @@ class VariantBatch:
         found = variant_ranges(self._library, tracked.joints, self._limits.sparse, SampleTerms(), self._order, given)
         return VariantAnswers(self._tracking, self._limits, given, tracked, found)
 
-    def _path(self, numbers: VariantNumbers) -> dict[str, Array]:
-        """The motion of the object, as `mrts.kernel.variants.PATH` with V or 1 first."""
+    def _path(self, numbers: VariantNumbers, refused: NDArray[np.bool_]) -> dict[str, Array]:
+        """The motion of the object, as `mrts.kernel.variants.PATH` with V or 1 first; refused ones last a second."""
         if not numbers.any_of(PATH_ENDS):
             return {name: getattr(self._motion, name)[None] for name in PATH}
         u = np.linspace(0.0, 1.0, len(self._motion.time))
@@ -166,6 +166,7 @@ class VariantBatch:
             np.broadcast_to(numbers[name], (numbers.count, *numbers[name].shape[1:]))
             for name in ("start_xyz", "end_xyz", "start_rpy", "end_rpy", "duration")
         )
+        duration = np.where(refused, 1.0, duration)
         positions, rotations = np.stack([start, end], axis=1), rotations_from_rpy(np.stack([turned, turning], axis=1))
         profile = PROFILES[self._study.motion["profile"]]
         rates = geodesic_rates(positions, rotations, duration, profile(u))

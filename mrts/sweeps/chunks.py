@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, MrtsError
+from mrts.base.errors import InputError, MrtsError, SolverError
 from mrts.base.version import __version__
 from mrts.limits import LIMITS
 from mrts.studies.study import Study
@@ -21,11 +21,14 @@ from mrts.sweeps.worker_pools import WorkerPool
 Columns = dict[str, list[Any] | Array]
 """Rows of variants, by name of the column."""
 
-LIVES = 3
+LIVES = 5
 """Times that a chunk may be in flight when a worker dies, before it is solved with no other beside it."""
 
 TRIES = 4
 """Times that a variant is tried by itself before it is said to end its worker; more than one are halved instead."""
+
+STARTS = 100
+"""Times that a worker is started before it is said that none gets ready, whatever it is to solve."""
 
 
 class Chunk(NamedTuple):
@@ -64,6 +67,15 @@ def solve_chunk(pickled: bytes, version: str, limits: tuple[str, ...], first: in
         )
         raise InputError("worker", rule)
     return solve_variants(_study(pickled), first, last)
+
+
+def get_ready(pickled: bytes) -> None:
+    """Read the study: a worker that is ended before that was not ended by a variant.
+
+    Args:
+        pickled: The study.
+    """
+    _study(pickled)
 
 
 @lru_cache(maxsize=1)
@@ -129,6 +141,7 @@ class ChunkSolver:
         """Rows that end their worker, or stumble over a defect: halved until those that do it are found."""
         reason = ""
         for _ in range(TRIES if last - first == 1 else 1):
+            self._wait_for_a_worker()
             future = self._submit(first, last)
             self._pool.ended([future])
             error = future.exception()
@@ -143,6 +156,22 @@ class ChunkSolver:
             return [self._failed(first, reason)]
         middle = (first + last) // 2
         return [*self._apart(first, middle), *self._apart(middle, last)]
+
+    def _wait_for_a_worker(self) -> None:
+        """Have a worker that is ready, so that its death tells something of what it solves.
+
+        Raises:
+            SolverError: If none gets ready.
+        """
+        for _ in range(STARTS):
+            future = self._pool.submit(get_ready, self._pickled)
+            self._pool.ended([future])
+            error = future.exception()
+            if error is None:
+                return
+            if not self._pool.died(error):
+                raise error
+        raise SolverError(f"{STARTS} workers were started, and all ended before they were ready: see what ends them.")
 
     def _failed(self, variant: int, reason: str) -> Columns:
         """The row of a variant that no worker survives."""

@@ -10,8 +10,9 @@ import os
 import signal
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Collection, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
@@ -73,43 +74,49 @@ class WorkerPool(Protocol):
 
 
 class LocalProcesses:
-    """Processes of this machine. All calls in flight are lost where one dies, and new ones start with the next call.
+    """Processes of this machine, each an executor of its own: where one dies, the others go on.
 
     Args:
         workers: How many processes.
     """
 
     def __init__(self, workers: int) -> None:
-        self._workers = workers
-        self._executor: Any = None
+        self._executors: list[Any] = [None] * workers
+        self._places: dict[Future[Any], int] = {}
 
     def slots(self) -> int:
         """How many chunks may be in flight."""
-        return CHUNKS_A_WORKER * self._workers
+        return CHUNKS_A_WORKER * len(self._executors)
 
     def submit(self, function: Callable[..., Result], *arguments: Any) -> "Future[Result]":
-        """Give a call to a worker; where it cannot take it any more, the call has ended."""
+        """Give a call to the worker with the least to do; where it cannot take it any more, the call has ended."""
         from joblib.externals.loky import ProcessPoolExecutor  # noqa: PLC0415 (an extra)
 
-        if self._executor is None:
-            self._executor = ProcessPoolExecutor(
-                self._workers, env=ONE_THREAD, initializer=_leave_with, initargs=(os.getpid(),)
+        at_work = Counter(self._places.values())
+        place = min(range(len(self._executors)), key=lambda each: at_work[each])
+        if self._executors[place] is None:
+            self._executors[place] = ProcessPoolExecutor(
+                1, env=ONE_THREAD, initializer=_leave_with, initargs=(os.getpid(),)
             )
         try:
             with _without_interrupts():
-                future: Future[Result] = self._executor.submit(function, *arguments)
+                future: Future[Result] = self._executors[place].submit(function, *arguments)
         except (BrokenProcessPool, OSError) as error:  # killed before it took the call, or while it was started
             future = Future()
             future.set_exception(WorkerDiedError(str(error)))
+        self._places[future] = place
         return future
 
     def ended(self, running: "Collection[Future[Result]]") -> "set[Future[Result]]":
-        """Wait until calls have ended: all of them where a worker died."""
+        """Wait until calls have ended: with a worker that dies all that it had."""
         done, _ = wait(running, return_when=FIRST_COMPLETED)
-        if any(self.died(error) for future in done if (error := future.exception()) is not None):
-            self.close()
-            done, _ = wait(running)
-        return done
+        dead = {self._places[each] for each in done if (error := each.exception()) is not None and self.died(error)}
+        for place in dead:
+            self._end(place)
+        lost, _ = wait([each for each in running if self._places[each] in dead])
+        for each in done | lost:
+            del self._places[each]
+        return done | lost
 
     def died(self, error: BaseException) -> bool:
         """Whether an error says that a worker is gone."""
@@ -119,7 +126,11 @@ class LocalProcesses:
 
     def close(self) -> None:
         """End the processes, whatever they do."""
-        executor, self._executor = self._executor, None
+        with ThreadPoolExecutor() as together:
+            list(together.map(self._end, range(len(self._executors))))
+
+    def _end(self, place: int) -> None:
+        executor, self._executors[place] = self._executors[place], None
         if executor is not None:
             executor.shutdown(kill_workers=True)
 
