@@ -73,12 +73,12 @@ class LayoutNumbers:
             given[2 * POSE * len(cell.robots) :][part] = value_at(files, ("cell", "robots", index, "posture"))
         offset, slope = given.copy(), np.zeros((len(given), len(study.parameters)))
         for column, parameter in enumerate(study.parameters):
-            bounds.append(_bounds(study, parameter))
             for target in parameter.targets:
                 row = _row(cell, target.keys)
                 if row is None:
                     raise InputError(study.path, NOT_A_LAYOUT, key=f"vary: {target.path}")
                 offset[row], slope[row, column] = target.offset, target.factor
+            bounds.append(_bounds(study, parameter))
         lower, upper = np.array(bounds).T
         return cls(parameters=study.parameters, lower=lower, upper=upper, given=given, offset=offset, slope=slope)
 

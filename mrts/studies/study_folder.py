@@ -23,6 +23,7 @@ from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_atomically, write_text_atomically
 from mrts.base.errors import InputError
+from mrts.base.input_file import read_text
 from mrts.base.printable import message_text
 from mrts.base.version import __version__
 from mrts.limits import LIMITS
@@ -38,6 +39,9 @@ LOCK_FILE = ".lock"
 PART_FILE = re.compile(r"part-(\d{8})\.parquet")
 TEMPORARY_FILE = re.compile(r"\.(?:study|part-\d{8})\..*\.(?:json|parquet)")
 """What a writer that was killed leaves."""
+
+MOST_BYTES = 10**8
+"""Of study.json: many more than lists of values take."""
 
 UNITS = {"duration": "s", "energy": "J"}
 """Of columns that are not parameters; c² has none, and torques have that of their joint."""
@@ -210,10 +214,10 @@ def read_study_folder(path: Path | str) -> StudyFolder:
     require_pyarrow()
     folder = as_path("path", path)
     try:
-        text = (folder / STUDY_FILE).read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(folder, f"holds no study: {STUDY_FILE}: {reason}. Name what `mrts sweep -o` wrote.") from None
+        text = read_text(folder / STUDY_FILE, "file", MOST_BYTES)
+    except InputError as error:
+        rule = f"holds no study: {STUDY_FILE}: {error.rule} Name what `mrts sweep -o` wrote."
+        raise InputError(folder, rule) from None
     return StudyFolder(folder, study_record(folder / STUDY_FILE, text))
 
 

@@ -15,7 +15,7 @@ from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
 from mrts.studies.study import Study
 from mrts.studies.study_folder import StudyFolder
-from mrts.studies.variant_rows import limit_text
+from mrts.studies.variant_rows import limit_text, range_row
 from mrts.sweeps.sweep_progress import numbers
 
 
@@ -42,9 +42,11 @@ class BestVariant:
 
     @property
     def duration(self) -> float | None:
-        """Of the fastest motion [s]; None where limits between the samples leave none."""
+        """Of the fastest motion [s], with some load where it is asked what is possible; None where there is none."""
         if isinstance(self.result, RetimingResult):
             return self.result.duration
+        if self.result.load is not None and self.result.load.question == "possible":
+            return range_row(self.result.range, float(self.result.motion.object.time[-1])).get("duration")
         return None if self.result.trajectory is None else self.result.trajectory.duration
 
     @property

@@ -71,8 +71,11 @@ class Tally:
         self.statuses.update(rows["status"].to_pylist())
         duration = numbers(rows["duration"])
         k = int(np.argmin(duration)) if len(duration) else 0
-        if len(duration) and duration[k] < (np.inf if self._best is None else self._best):
-            self._best, self._best_variant = float(duration[k]), int(rows["variant"][k].as_py())
+        if not len(duration) or not np.isfinite(duration[k]):
+            return
+        found = float(duration[k]), int(rows["variant"][k].as_py())
+        if self._best is None or found < (self._best, self._best_variant):  # of equals the lower number
+            self._best, self._best_variant = found
 
     def begin(self) -> None:
         """From here on rows count for the rate."""

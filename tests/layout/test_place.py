@@ -219,10 +219,11 @@ def test_time_that_is_up_and_ctrl_c_keep_the_best_so_far(tmp_path):
     [
         ({"object.mass": {"from": 1, "to": 2}}, ["object.mass", "no number of a layout", "mrts sweep"]),
         ({"motion.duration": {"from": 1, "to": 2}}, ["motion.duration", "no number of a layout"]),
+        ({"object.mass": [1, 2]}, ["object.mass", "no number of a layout"]),
         ({"robots.left.base.xyz[0]": [0, 0.1]}, ["robots.left.base.xyz[0]", "'from' and 'to'"]),
         ({"robots.left.base.xyz[0]": {"normal": {"mean": 0, "std": 0.1}}}, ["normal", "'from' and 'to'"]),
     ],
-    ids=["mass", "duration", "list", "normal"],
+    ids=["mass", "duration", "list of masses", "list", "normal"],
 )  # fmt: skip
 def test_what_is_no_layout_is_refused(vary, words, tmp_path):
     path = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, vary)

@@ -1,6 +1,7 @@
 """A study on disk: what a folder may hold, what is said of a wrong one, and what becomes of damage."""
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -130,7 +131,7 @@ def test_another_version_of_mrts_is_named(complete, study):
         ("[]", "is not a study of format 1"),
         ('{"format": 2}', "is not a study of format 1"),
         ('{"format": 1, "digest": 3}', "digest = 3: is damaged"),
-        (None, r"holds no study: study.json: No such file"),
+        (None, r"holds no study: study.json: there is no such file"),
     ],
 )
 def test_what_is_no_study_is_said(text, said, tmp_path):
@@ -176,6 +177,12 @@ def test_a_damaged_part_is_said_where_nothing_solves_it_again(complete):
     pq.write_table(table.set_column(at, table.schema.field(at), [["<b>"] * CHUNK]), complete.part(0))
     with pytest.raises(mrts.InputError, match="status = '<b>': is damaged: every variant has one of feasible"):
         read_study_table(complete.path)
+
+
+def test_a_pipe_in_the_place_of_a_record_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "study.json")
+    with pytest.raises(mrts.InputError, match=r"holds no study: study.json: is a pipe"):
+        mrts.read_study_folder(tmp_path)
 
 
 def test_a_folder_of_something_else_is_left_alone(study, tmp_path):

@@ -9,6 +9,8 @@ import time
 
 import numpy as np
 import pytest
+import yaml
+from conftest import DATA
 from faulty_study import faulty
 from study_files import planar_study
 from sweep_processes import assert_same_table, driver_command, kill, parts, processes, started, until, workers
@@ -16,8 +18,10 @@ from sweep_processes import assert_same_table, driver_command, kill, parts, proc
 import mrts
 import mrts.sweeps.sweep as engine
 from mrts.limits import LIMITS
+from mrts.studies.study_folder import opened_study_folder
 from mrts.studies.variant_rows import solve_variants
 from mrts.sweeps import chunks
+from mrts.sweeps.best_variants import write_best
 
 STUDY = """
 vary: {object.mass: {from: 1, to: 30}, "robots.left.base.xyz[0]": {from: -1.5, to: 0.5}}
@@ -166,6 +170,21 @@ def test_the_best_are_solved_again_and_written(out, study):
         assert alone.range.upper.c2 == row["c2_upper"]
         assert f"Variant {row['variant']} of study.yaml" in files[0].read_text()
     assert not (out / "best-3").exists()
+
+
+def test_the_best_of_what_is_possible_has_its_duration(tmp_path):
+    keys = yaml.safe_load((DATA / "cell.yaml").read_text())
+    keys["object"]["variation"] = {"mass": [0.9, 1.1]}
+    cell, motion = tmp_path / "cell.yaml", tmp_path / "motion.yaml"
+    for robot in keys["robots"]:
+        robot["urdf"] = str(DATA / robot["urdf"])
+    cell.write_text(yaml.safe_dump(keys))
+    motion.write_text(yaml.safe_dump(yaml.safe_load((DATA / "lift.yaml").read_text()) | {"samples": 11}))
+    possible = planar_study(tmp_path, "load: possible\nvary: {object.mass: [0.5]}", cell=cell, motion=motion)
+    with opened_study_folder(tmp_path / "out", possible, lambda: 1) as folder:
+        folder.write(0, folder.rows([solve_variants(possible, 0, 1)]))
+    (best,) = write_best(possible, folder, 1)
+    assert best.duration == pytest.approx(folder.table()["duration"][0].as_py(), rel=1e-6)
 
 
 @pytest.mark.parametrize(
