@@ -154,9 +154,10 @@ class Placement:
     def _moved(self) -> Iterator[str]:
         rows = self.moved()
         width = max(len(path) for path, *_ in rows)
-        yield f"{'what moved':<{width}} {'before':>12} {'after':>12}"
+        yield f"{'what may move':<{width}} {'before':>12} {'after':>12}"
         for path, unit, before, after in rows:
-            yield f"{path:<{width}} {before:>12.6g} {after:>12.6g} {unit}".rstrip()
+            now = "stays" if after == before else f"{after:.6g}"
+            yield f"{path:<{width}} {before:>12.6g} {now:>12} {unit}".rstrip()
         yield ""
 
     def _bounds(self) -> Iterator[str]:

@@ -35,6 +35,9 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 STUDY_FILE = "study.json"
+ROWS = "rows"
+"""Folder of the parts, and of nothing else, as whatever reads Parquet wants it."""
+
 LOCK_FILE = ".lock"
 PART_FILE = re.compile(r"part-(\d{8})\.parquet")
 TEMPORARY_FILE = re.compile(r"\.(?:study|part-\d{8})\..*\.(?:json|parquet)")
@@ -114,11 +117,11 @@ class StudyFolder:
 
     def part(self, number: int) -> Path:
         """The file of a chunk."""
-        return self.path / f"part-{number:08d}.parquet"
+        return self.path / ROWS / f"part-{number:08d}.parquet"
 
     def parts(self) -> dict[int, Path]:
         """Files of the chunks that are solved, by number, in order."""
-        found = ((PART_FILE.fullmatch(path.name), path) for path in self.path.iterdir())
+        found = ((PART_FILE.fullmatch(path.name), path) for path in (self.path / ROWS).glob("*"))
         numbered = {int(match[1]): path for match, path in found if match}
         return {number: numbered[number] for number in sorted(numbered) if number < self.chunks}
 
@@ -265,7 +268,7 @@ def opened_study_folder(path: Path, study: Study, chunk_size: Callable[[], int])
     require_pyarrow()
     content = study_content(study)
     with _locked(path):
-        for file in path.iterdir():
+        for file in [*path.iterdir(), *(path / ROWS).glob("*")]:
             if TEMPORARY_FILE.fullmatch(file.name):
                 file.unlink()
         if (path / STUDY_FILE).exists():

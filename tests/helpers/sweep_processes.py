@@ -77,7 +77,7 @@ def kill(number):
 
 def parts(folder):
     """Names of the parts that are there."""
-    return sorted(path.name for path in folder.glob("part-*.parquet"))
+    return sorted(path.name for path in folder.glob("rows/part-*.parquet"))
 
 
 def assert_same_table(found, alone):

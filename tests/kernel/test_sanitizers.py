@@ -86,6 +86,21 @@ for kind in kinds:
 """
 
 
+SANITIZED_VARIANTS = """
+import sys
+sys.path.insert(0, sys.argv[1])
+import tempfile
+from pathlib import Path
+from wide_studies import wide_study
+from mrts.studies.variant_batch import batch_for
+for cell, motion in zip(sys.argv[2::2], sys.argv[3::2]):
+    for spread in (0.02, 0.3):
+        with tempfile.TemporaryDirectory() as folder:
+            study = wide_study(Path(folder), Path(cell), Path(motion), spread=spread, count=10)
+            batch_for(study).solve(study.points(0, 10), 0)
+"""
+
+
 SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scale', *sys.argv[1:], '--json', '-']))"
 
 
@@ -94,10 +109,18 @@ SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scal
     [
         [SANITIZED, ROOT / "tests" / "cases"],
         [SANITIZED_SMOOTH, ROOT / "tests" / "cases"],
+        [
+            SANITIZED_VARIANTS,
+            ROOT / "tests" / "helpers",
+            DATA / "cell.yaml",
+            DATA / "lift.yaml",
+            UR5 / "cell.yaml",
+            UR5 / "lift_and_turn.yaml",
+        ],
         [SANITIZED_SCALING, DATA / "cell.yaml", DATA / "lift.yaml"],
         [SANITIZED_SCALING, UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml"],
     ],
-    ids=["programs", "smooth", "planar", "spatial"],
+    ids=["programs", "smooth", "variants", "planar", "spatial"],
 )
 def test_the_library_is_clean_under_sanitizers(command, private_cache):
     """The same library, compiled with AddressSanitizer and UndefinedBehaviorSanitizer, under the whole Python path."""

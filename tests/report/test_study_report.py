@@ -154,7 +154,7 @@ def test_a_folder_of_a_study_is_reported(tmp_path, capsys):
     assert "<td>object.mass</td>\n<td>0.5</td>\n<td>300</td>\n<td>kg</td>" in text
     assert main(["report", str(tmp_path)]) == 2
     assert "holds no study" in capsys.readouterr().err
-    for part in (tmp_path / "found").glob("*.parquet"):
+    for part in (tmp_path / "found").glob("rows/*.parquet"):
         part.unlink()
     assert main(["report", str(tmp_path / "found")]) == 2
     assert "no variant of this study is solved yet" in capsys.readouterr().err

@@ -67,12 +67,12 @@ def test_rows_come_back_in_order_with_their_types_and_units(complete, study):
 
 
 def test_what_a_killed_writer_left_is_not_seen_and_goes(complete, study):
-    left = complete.path / ".part-00000001.abc123.parquet"
+    left = complete.path / "rows" / ".part-00000001.abc123.parquet"
     left.write_bytes(b"PAR1 half a file")
     (complete.path / ".study.xyz.json").write_text("{")
     assert mrts.read_study_folder(complete.path).table().num_rows == 10
     opened(complete.path, study)
-    assert not list(complete.path.glob(".part*")) + list(complete.path.glob(".study*"))
+    assert not list(complete.path.rglob(".part*")) + list(complete.path.glob(".study*"))
 
 
 @pytest.mark.parametrize("damage", ["cut", "empty", "other rows", "other study"])
