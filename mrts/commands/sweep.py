@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 EXAMPLES = """\
 examples:
   mrts sweep study.yaml --dry-run
-  mrts sweep study.yaml -o variants --top 3 --plot plots
-  mrts sweep study.yaml -o variants --scheduler tcp://10.0.0.1:8786"""
+  mrts sweep study.yaml -o found --top 3 --plot plots
+  mrts sweep study.yaml -o found --scheduler tcp://10.0.0.1:8786"""
 
 
 def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

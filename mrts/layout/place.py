@@ -28,6 +28,9 @@ STARTS = 3
 LOOKED_AT = 64
 """Layouts that are looked at for starts."""
 
+MOST = 100_000
+"""That may be: an hour of looking."""
+
 SEED = 17
 
 
@@ -67,8 +70,8 @@ def place(
         study = read_study(study)
     for name, value in (("starts", starts), ("looked_at", looked_at)):
         check_type(name, value, int)
-        if value < 1:
-            raise InputError(name, "must be at least 1.", value=value)
+        if not 1 <= value <= MOST:
+            raise InputError(name, f"must be at least 1, and at most {MOST}.", value=value)
     if seconds is not None and not is_number(seconds, 0):
         raise InputError("seconds", "must be a number of seconds, 0 or more, or None for no limit.", value=seconds)
     check_callable("progress", progress)

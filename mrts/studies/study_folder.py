@@ -267,6 +267,8 @@ def opened_study_folder(path: Path, study: Study, chunk_size: Callable[[], int])
     """
     require_pyarrow()
     content = study_content(study)
+    if not str(path).isprintable():  # pyarrow takes names in UTF-8 only
+        raise InputError("folder", "must be the name of a folder in printable characters.", value=str(path))
     with _locked(path):
         for file in [*path.iterdir(), *(path / ROWS).glob("*")]:
             if TEMPORARY_FILE.fullmatch(file.name):

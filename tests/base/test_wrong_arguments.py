@@ -67,6 +67,15 @@ BUILT = ("ClosureBound", "CoordinatedMotion", "LoadBox", "MotionDescription", "O
 """Classes that a user builds; the others come out of functions."""
 
 
+STUDY = f"""
+cell: {DATA / "cell.yaml"}
+motion: {DATA / "lift.yaml"}
+vary: {{"robots.left.base.xyz[0]": {{from: -0.1, to: 0.1}}}}
+sample: sobol
+count: 2
+"""
+
+
 @pytest.fixture(scope="module")
 def good(planar_cell):
     """Arguments of everything public with which it works."""
@@ -86,7 +95,9 @@ def good(planar_cell):
     with_solver = {"solver": DEFAULT_SOLVER}
     objects = {name: getattr(motion, name) for name in ("time", "position", "rotation", "twist", "acceleration")}
     joints = {"object": motion, "q": whole.q, "dq": whole.dq, "ddq": whole.ddq}
-    study = mrts.read_study(DATA.parent / "dual_ur5" / "study.yaml")
+    Path("study.yaml").write_text(STUDY, encoding="utf-8")
+    study = mrts.read_study("study.yaml")
+    mrts.sweep(study, "swept", workers=1)
     plan = {"weights": None, "load": "auto", "distribute": "reserve", "reserve": None, "closure": None}
     smooth = {"start_speed": 0.0, "end_speed": 0.0, "rates": 11.5, "weigh": None, "least_energy_in": None}
     smooth |= {"start_torque": None, "end_torque": None, "solver": "conic", "distribute": "least-torque"}
@@ -103,11 +114,16 @@ def good(planar_cell):
         "load_motion": {"path": DATA / "lift.yaml"},
         "load_result": {"path": "good.npz", "cell": planar_cell},
         "rank_configurations": search | with_solver | {"cap": 1},
+        "place": {"study": study, "starts": 1, "looked_at": 2, "seconds": None}
+        | {"between": None, "progress": lambda _done, _total: None},
         "read_study": {"path": DATA.parent / "dual_ur5" / "study.yaml"},
+        "read_study_folder": {"path": "swept"},
         "retime": search | plan | smooth,
         "sample_motion": {"description": description},
         "save_result": {"result": result, "path": "saved.npz"},
         "scale": search | with_solver | plan | {"select": "auto", "formulation": "wrench", "rates": False},
+        "sweep": {"study": study, "folder": "swept", "workers": 1, "scheduler": None, "top": 0}
+        | {"progress": lambda _progress: None},
         "torques_for_load": {"result": result, "load": planar_cell.load} | with_solver,
         "write_report": {"result": result, "path": "report.html"},
         "write_figure": {"figure": range_figure(result), "path": "figure.png"},

@@ -244,7 +244,11 @@ def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch
         assert result.fallbacks == 0
         fast = _compiled(cell.without_velocity_limits(), motion, "wrench", None, "kernel")
         ends = cell.functions.compiled.ranges(
-            motion.samples, motion.inputs(cell.load), fast.sparse(), fast.terms(), np.full(motion.samples, np.inf)
+            motion.samples,
+            motion.inputs(cell.load) | {"geometry": cell.geometry},
+            fast.sparse(),
+            fast.terms(),
+            np.full(motion.samples, np.inf),
         )
         results.append(
             (ends.lower, ends.upper, ends.basis, ends.dual, result.trajectory.torque, result.trajectory.wrench)
