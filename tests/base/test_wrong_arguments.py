@@ -153,9 +153,9 @@ def good(planar_cell):
         "LoadBox.load_at": {"self": box, "parameters": {"mass": 1.5}},
         "LoadBox.draw": {"self": box, "rng": np.random.default_rng(1), "count": 2},
         "LoadBox.corners": {"self": box, "varying": None},
-        "Study.points": {"self": study, "first": 0, "last": 3},
+        "Study.points": {"self": study, "first": 0, "last": 1},
         "Study.descriptions": {"self": study, "point": study.points(0, 1)[0]},
-        "Study.write_variant": {"self": study, "index": 3, "folder": "variant"},
+        "Study.write_variant": {"self": study, "index": 1, "folder": "variant"},
         "ScalingResult.write_json": {"self": result, "path": "result.json"},
         "RetimingResult.write_json": {"self": mrts.retime(planar_cell, motion), "path": "retimed.json"},
     }

@@ -97,13 +97,14 @@ def test_one_worker_without_a_folder_gives_the_same(study, alone):
 
 
 def test_a_complete_study_is_read_not_solved(out, study, alone):
-    before = {path: path.stat().st_mtime_ns for path in out.glob("part*")}
+    before = {path: path.stat().st_mtime_ns for path in out.glob("rows/*")}
+    assert len(before) == 12
     assert_same_table(mrts.sweep(str(study.path), str(out), workers=1), alone)
-    assert {path: path.stat().st_mtime_ns for path in out.glob("part*")} == before
+    assert {path: path.stat().st_mtime_ns for path in out.glob("rows/*")} == before
 
 
 def test_parts_that_are_lost_or_damaged_are_solved_again(out, study, alone):
-    first, second, *_ = sorted(out.glob("part*"))
+    first, second, *_ = sorted(out.glob("rows/part*"))
     first.unlink()
     second.write_bytes(second.read_bytes()[:100])
     assert_same_table(mrts.sweep(study, out, workers=1), alone)
