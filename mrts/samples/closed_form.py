@@ -58,9 +58,25 @@ def ends_in_closed_form(problem: SampleProblem, sensitivity: LoadSensitivity | N
     least_by_lower, most_by_lower = _worst_below_zero(-slope, problem.lower, -c2, -offset)
     least, most = np.maximum(least_by_upper, least_by_lower), np.minimum(most_by_upper, most_by_lower)
     lower, upper = np.max(least, axis=1, initial=0.0), np.min(most, axis=1, initial=np.inf)
-    at_low = TiedRows.of(problem, "lower", lower, _tied(least, lower, least_by_upper >= least_by_lower))
-    at_high = TiedRows.of(problem, "upper", upper, _tied(most, upper, most_by_upper <= most_by_lower))
-    return RangeEnds(lower, upper, at_low, at_high, lower > upper, 0)
+    names, limits = problem.names, (problem.limit_lower, problem.limit_upper)
+    at_low = tied_sides(least, lower, least_by_upper >= least_by_lower)
+    at_high = tied_sides(most, upper, most_by_upper <= most_by_lower)
+    lower_rows = TiedRows(end="lower", c2=lower, sides=at_low, names=names, limits=limits)
+    upper_rows = TiedRows(end="upper", c2=upper, sides=at_high, names=names, limits=limits)
+    return RangeEnds(lower, upper, lower_rows, upper_rows, lower > upper, 0)
+
+
+def tied_sides(ends: Array, c2: Array, by_upper: NDArray[np.bool_]) -> NDArray[np.int8]:
+    """Rows whose own end ties with that of their sample, as in `TiedRows.sides`.
+
+    Args:
+        ends: Of each row, Shape (N, r).
+        c2: Of each sample, Shape (N,).
+        by_upper: Whether a row's end is set by its upper limit, Shape (N, r).
+    """
+    given = np.where(np.isfinite(c2), c2, np.nan)[:, None]
+    near = np.abs(ends - given) <= BINDING_TOLERANCE * np.abs(given)
+    return np.where(near, np.where(by_upper, 1, -1), 0).astype(np.int8)
 
 
 def worst_parameters(problem: SampleProblem, sensitivity: LoadSensitivity, sample: int, c2: float) -> NDArray[np.bool_]:
@@ -111,16 +127,3 @@ def _worst_below_zero(a: Array, b: Array, d: Array, e: Array) -> tuple[Array, Ar
             lower = np.minimum(lower, np.where(inside, start, np.where(ends_inside, root, np.inf)))
             upper = np.maximum(upper, np.where(ends_inside, stop, np.where(inside, root, -np.inf)))
     return lower, upper
-
-
-def _tied(ends: Array, c2: Array, by_upper: NDArray[np.bool_]) -> NDArray[np.int8]:
-    """Rows whose own end ties with that of their sample, as in `TiedRows.sides`.
-
-    Args:
-        ends: Of each row, Shape (N, r).
-        c2: Of each sample, Shape (N,).
-        by_upper: Whether a row's end is set by its upper limit, Shape (N, r).
-    """
-    given = np.where(np.isfinite(c2), c2, np.nan)[:, None]
-    near = np.abs(ends - given) <= BINDING_TOLERANCE * np.abs(given)
-    return np.where(near, np.where(by_upper, 1, -1), 0).astype(np.int8)

@@ -112,8 +112,7 @@ class TiedRows(Sequence[tuple[ActiveRow, ...]]):
         c2: The end at every sample, Shape (N,); there are no rows where it is not finite.
         sides: 1 where a row's upper limit sets the end, -1 where its lower one does, 0 where neither, Shape (N, r).
         names: One a row.
-        lower: The limits as given, Shape (r,).
-        upper: Likewise.
+        limits: Lower and upper limits as given, each Shape (r,).
         settled: By sample, what was found in another way.
     """
 
@@ -121,15 +120,8 @@ class TiedRows(Sequence[tuple[ActiveRow, ...]]):
     c2: Array
     sides: NDArray[np.int8]
     names: tuple[RowName, ...]
-    lower: Array
-    upper: Array
+    limits: tuple[Array, Array]
     settled: dict[int, tuple[ActiveRow, ...]] = field(default_factory=dict)
-
-    @classmethod
-    def of(cls, problem: SampleProblem, end: Side, c2: Array, sides: NDArray[np.int8]) -> "TiedRows":
-        """Those of a problem's rows."""
-        lower, upper = problem.limit_lower, problem.limit_upper
-        return cls(end=end, c2=c2, sides=sides, names=problem.names, lower=lower, upper=upper)
 
     def __len__(self) -> int:
         return len(self.c2)
@@ -147,11 +139,11 @@ class TiedRows(Sequence[tuple[ActiveRow, ...]]):
             return (ActiveRow(STANDSTILL, "lower", 0.0),)
         if not np.isfinite(self.c2[index]):
             return ()
-        sides = self.sides[index]
+        (lower, upper), sides = self.limits, self.sides[index]
         return tuple(
-            ActiveRow(self.names[row], "upper", float(self.upper[row]))
+            ActiveRow(self.names[row], "upper", float(upper[row]))
             if sides[row] > 0
-            else ActiveRow(self.names[row], "lower", float(self.lower[row]))
+            else ActiveRow(self.names[row], "lower", float(lower[row]))
             for row in np.flatnonzero(sides).tolist()
         )
 
