@@ -13,7 +13,15 @@ PROGRAM_FILES = ("linear_programs.c", "quadratic_programs.c", "batch.c")
 """The programs, which need no cell."""
 
 CELL_FILES = (
-    *(*PROGRAM_FILES, "rows.c", "speed_intervals.c", "trajectory.c", "tracking/null_space.c", "tracking/tracking.c"),
+    *(
+        *PROGRAM_FILES,
+        "rows.c",
+        "speed_intervals.c",
+        "trajectory.c",
+        "one_unknown/one_unknown.c",
+        "tracking/null_space.c",
+        "tracking/tracking.c",
+    ),
     *(f"variants/{name}.c" for name in ("quick_sample", "follow", "end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""

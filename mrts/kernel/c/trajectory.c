@@ -7,9 +7,6 @@
 #include "speed_intervals.h"
 #include "trajectory.h"
 
-/* Inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load, geometry unless it is folded in. */
-enum { MRTS_ROTATION = 3 };
-
 /* Evaluates the wrench form of a sample and builds its rows: 1 if they are finite, 0 if not, -1 if the form failed. */
 static int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
                                double *turned, const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows,
