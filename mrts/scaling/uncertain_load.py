@@ -15,7 +15,6 @@ from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.guaranteed_range import effective_parameters, for_every_load, guaranteed_range
 from mrts.scaling.load_study import LoadQuestion, LoadStudy
-from mrts.scaling.possible_load import possible_range
 from mrts.scaling.range import ScalingRange, intersect
 
 GRID_POINTS = 51
@@ -89,6 +88,8 @@ def study_load(
     if question == "guaranteed":
         return guaranteed_range(asked, box, effective_parameters(cell, motion, box))
     if question == "possible":
+        from mrts.scaling.possible_load import possible_range  # noqa: PLC0415 (its nonlinear program is rarely asked for)
+
         return possible_range(asked, box, effective_parameters(cell, motion, box))
     return for_every_load(asked, question, box, mass_grid(box, question))
 

@@ -34,7 +34,7 @@ def test_a_rotation_vector_gives_the_rotation_of_scipy_and_comes_back(angle):
     np.testing.assert_allclose(R, Rotation.from_rotvec(vectors).as_matrix(), rtol=0, atol=ROUNDING)
     back = vectors_from_rotations(R)
     np.testing.assert_allclose(np.linalg.norm(back, axis=1), min(angle, np.pi), rtol=0, atol=ROUNDING)
-    if angle <= 3.0:  # noqa: PLR2004 (at half a turn both axes are right)
+    if angle <= 3.0:  # at half a turn both axes are right
         np.testing.assert_allclose(back, vectors, rtol=0, atol=ROUNDING)
         np.testing.assert_allclose(back, Rotation.from_matrix(R).as_rotvec(), rtol=0, atol=ROUNDING)
     np.testing.assert_allclose(rotations_from_vectors(back), R, rtol=0, atol=2 * ROUNDING)
