@@ -3,7 +3,10 @@
 """The command line `mrts`; its verbs are in mrts/commands, its exit codes in mrts/console/exit_codes.py."""
 
 import argparse
+import atexit
+import gc
 import logging
+import os
 import signal
 import sys
 from collections.abc import Container, Sequence
@@ -60,6 +63,9 @@ examples:
 exit code: 0 feasible, 1 a named infeasible outcome, 2 bad input or an output that cannot be written,
   70 a defect of mrts, 130 Ctrl-C, 141 the reader of the output went away, 129 and 143 other signals"""
 
+THREADS_OF_BLAS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "GOTO_NUM_THREADS")
+"""Where none is set, numpy's BLAS starts a thread a core, which waits in a loop for matrices larger than any here."""
+
 DEBUG_HELP = "print the traceback of a defect of mrts, for a report of it"
 
 
@@ -72,6 +78,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         Exit code.
     """
+    if not any(name in os.environ for name in THREADS_OF_BLAS):
+        os.environ[THREADS_OF_BLAS[0]] = "1"
+    atexit.register(gc.freeze)  # what is there at the end goes with the process: nothing is to be searched for garbage
     open_closed_streams()
     encode_anything()
     options: argparse.Namespace | None = None

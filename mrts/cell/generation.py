@@ -7,10 +7,9 @@ This is the only place where the run time calls the build time (`mrts_codegen`).
 from collections.abc import Callable
 from functools import cache, lru_cache, partial
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
 from mrts.base.errors import InputError
 from mrts.base.manifest import (
     CHAINS_NAME,
@@ -23,6 +22,9 @@ from mrts.base.manifest import (
 )
 from mrts.kernel.c_text import one_file
 from mrts.kernel.cache_folder import cache_folder, only_ours
+
+if TYPE_CHECKING:
+    from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
 
 CACHED_STEM = "cell"
 """Names of generated functions in the cache begin so: cells of other names share them."""
@@ -175,8 +177,8 @@ def export_to(
     path: Path,
     folder: Path,
     *,
-    limits: EmbeddedLimits,
-    vectors: list[EmbeddedVector],
+    limits: "EmbeddedLimits",
+    vectors: list["EmbeddedVector"],
     path_samples: int,
     precision: Literal["double", "float"],
     parts: tuple[str, ...],
