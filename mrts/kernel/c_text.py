@@ -3,8 +3,8 @@
 
 import re
 from functools import cache
-from importlib.resources import files
 from itertools import accumulate
+from pathlib import Path
 from posixpath import dirname, join, normpath
 
 from mrts.base.manifest import Manifest
@@ -34,7 +34,7 @@ INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.h)"\n', re.MULTILINE
 
 def one_file(name: str) -> str:
     """The text of a file in mrts/kernel/c, such as "linear_programs.c"."""
-    return (files("mrts") / "kernel" / "c" / name).read_text(encoding="utf-8")
+    return (Path(__file__).parent / "c" / name).read_text(encoding="utf-8")
 
 
 @cache
