@@ -116,7 +116,7 @@ def _manifest(cell: Any, generate: Callable[[], Any]) -> Manifest:
     chains = _if_sound(folder / CHAINS_NAME, ChainsRecord.model_validate_json)
     if chains is None or not _is_source(folder / chains.source, chains):
         made = generate()
-        made.write(folder)
+        made.write(folder, private=True)
         chains = made.record
     return cell_manifest(cell, chains)
 
@@ -208,7 +208,7 @@ def export_to(
 
     cell = generate_cell(path, bake=True)
     texts = export_library(
-        cell.manifest if name is None else cell.manifest.model_copy(update={"name": name}),
+        cell.record if name is None else cell.record.model_copy(update={"name": name}),
         cell.functions,
         limits=limits,
         vectors=vectors,
