@@ -13,6 +13,7 @@ import numpy as np
 import yaml
 
 import mrts
+from mrts.base.manifest import GEOMETRY
 from mrts.cell.generation import generated_in_cache
 from mrts.kernel.c_text import cell_source
 from mrts.kernel.compiler import FLAGS
@@ -30,14 +31,14 @@ def samples_file(path: Path, cell: mrts.Cell, motion: mrts.CoordinatedMotion) ->
     matrix = np.hstack([limits.torque_matrix, limits.wrench_matrix])
     row, column = np.nonzero(matrix)
     start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(matrix)))])
-    inputs = motion.inputs(cell.load)
+    inputs = motion.inputs(cell.load) | {GEOMETRY: cell.geometry}
     inputs["object_rotation"] = inputs["object_rotation"].transpose(0, 2, 1)
     ends = [
         np.maximum(limits.lower, -1e300),
         np.minimum(limits.upper, 1e300),
         np.unique([name.unit for name in limits.names], return_inverse=True)[1],
     ]
-    parts = [np.array([motion.samples, len(matrix)]), *inputs.values(), start, column, matrix[row, column], *ends]
+    parts = [np.array([motion.samples, len(matrix), cell.geometry.size]), *inputs.values(), start, column, matrix[row, column], *ends]
     path.write_bytes(b"".join(np.ascontiguousarray(part, dtype=np.float64).tobytes() for part in parts))
 
 

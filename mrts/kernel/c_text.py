@@ -13,7 +13,7 @@ PROGRAM_FILES = ("linear_programs.c", "quadratic_programs.c", "batch.c")
 """The programs, which need no cell."""
 
 CELL_FILES = (
-    *(*PROGRAM_FILES, "rows.c", "speed_intervals.c", "trajectory.c", "tracking/null_space.c", "tracking/tracking.c"),
+    *(*PROGRAM_FILES, "basis/kept_basis.c", "rows.c", "speed_intervals.c", "trajectory.c", "tracking/null_space.c", "tracking/tracking.c"),
     *(f"variants/{name}.c" for name in ("quick_sample", "follow", "end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""
@@ -21,7 +21,7 @@ CELL_FILES = (
 SMOOTH_FILES = tuple(f"smooth/{name}.c" for name in ("smooth_rows", "smooth_second", "fronts", "interior_point"))
 """The programs of smooth timing, which need no cell either."""
 
-INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.h)"\n', re.MULTILINE)
+INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.(?:h|inc))"\n', re.MULTILINE)
 
 
 def one_file(name: str) -> str:
@@ -33,13 +33,15 @@ def one_file(name: str) -> str:
 def one_text(names: tuple[str, ...]) -> str:
     """Some C files of the kernel, in order, as one text: each header of ours stands where it is first included.
 
+    What is to be read more than once ends in .inc, and stands wherever it is included.
+
     Args:
         names: Of files in mrts/kernel/c, such as "linear_programs.c", or "smooth/fronts.c".
     """
     taken: set[str] = set()
 
     def text(name: str) -> str:
-        if name in taken:
+        if name in taken and name.endswith(".h"):
             return ""
         taken.add(name)
         return INCLUDED.sub(lambda found: text(normpath(join(dirname(name), found.group(1)))), one_file(name))

@@ -3,6 +3,7 @@
  * The range of c^2 and the torques along a whole trajectory: the generated wrench form evaluated at each sample, its
  * rows put together, and the programs solved, each started from the answer at the sample before.
  */
+#include "basis/kept_basis.h"
 #include "quadratic_programs.h"
 #include "speed_intervals.h"
 #include "trajectory.h"
@@ -68,10 +69,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
             continue;
         }
         mrts_scale_columns(K, &rows, column);
-        effect[n] = 0;
-        for (int i = 0; i < rows.count; ++i) {
-            if (rows.A[i * K + K - 1] != 0) effect[n] = 1 / column[K - 1];
-        }
+        effect[n] = rows.size[K - 1] > MRTS_NO_EFFECT ? 1 / column[K - 1] : 0;
         mrts_free_unknowns(K, &rows);
         mrts_bound_speed(K, most[n], column, &rows);
         for (int end = 0; end < 2; ++end) {
@@ -84,12 +82,8 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
                 high[n] = 0;
             } else {
                 g[K - 1] = end ? -1 : 1;
-                for (int attempt = 0; attempt < 2; ++attempt) {
-                    *status = (unsigned char)mrts_lp(K, rows.count, rows.A, rows.lower, rows.upper, g, basis, x, y,
-                                                     &entering, lp_work, lp_iwork);
-                    if (*status == MRTS_OPTIMAL || basis[0] == 0) break;
-                    basis[0] = 0;
-                }
+                *status = (unsigned char)mrts_lp_again(K, rows.count, rows.A, rows.lower, rows.upper, g, basis, x, y,
+                                                       &entering, lp_work, lp_iwork);
                 (end ? high : low)[n] = x[K - 1] * column[K - 1];
                 if (end && x[K - 1] >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED)) high[n] = INFINITY;
             }
