@@ -24,6 +24,7 @@ static void mrts_lp_exchange(int k, int q, const mrts_real *alpha, mrts_real *C)
     for (int i = 0; i < k; ++i) cq[i] *= factor;
     for (int j = 0; j < k; ++j) {
         if (j == q || alpha[j] == 0) continue;
+        MRTS_UNROLL
         for (int i = 0; i < k; ++i) C[j * k + i] -= alpha[j] * cq[i];
     }
 }
@@ -66,6 +67,7 @@ static mrts_real mrts_limit(const mrts_real *lower, const mrts_real *upper, int 
 
 /* Moves x so that basis row j gains `more` and the others nothing. */
 static void mrts_lp_move(int k, int j, mrts_real more, const mrts_real *C, mrts_real *x) {
+    MRTS_UNROLL
     for (int i = 0; i < k; ++i) x[i] += more * C[j * k + i];
 }
 

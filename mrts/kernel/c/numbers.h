@@ -66,8 +66,17 @@ typedef MRTS_REAL mrts_real;
                                * that makes its effect 1 would not be finite */
 #endif
 
+/* Before a loop over unknowns: of as many as one arm's wrench has the count is mostly known, and counting them costs more
+ * than the rest. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define MRTS_UNROLL _Pragma("GCC unroll 8")
+#else
+#define MRTS_UNROLL
+#endif
+
 static inline mrts_real mrts_dot(int k, const mrts_real *a, const mrts_real *b) {
     mrts_real sum = 0;
+    MRTS_UNROLL
     for (int i = 0; i < k; ++i) sum += a[i] * b[i];
     return sum;
 }

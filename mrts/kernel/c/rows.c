@@ -63,6 +63,7 @@ MRTS_LOCAL void mrts_turn_wrenches(int k, int arms, int size, const mrts_limits 
 /* Takes the coefficients of a row into the sizes of the unknowns; what is returned is a number where they all are. */
 static mrts_real mrts_take_sizes(int k, const mrts_real *a, mrts_real *size) {
     mrts_real sum = 0;
+    MRTS_UNROLL
     for (int j = 0; j < k; ++j) {
         const mrts_real its = MRTS_ABS(a[j]);
         size[j] = its > size[j] ? its : size[j];
@@ -88,6 +89,7 @@ MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form 
             const mrts_real *map = (is_torque ? form->torque_map : turned ? form->object_map : form->wrench_map) + place;
             const mrts_real value = limits->value[entry] * per_unit;
             if (entry == first) {
+                MRTS_UNROLL
                 for (int j = 0; j < k; ++j, map += size) a[j] = value * *map;
             } else {
                 for (int j = 0; j < k; ++j, map += size) a[j] += value * *map;
@@ -120,6 +122,7 @@ MRTS_LOCAL void mrts_scale_columns(int k, mrts_rows *rows, mrts_real *column) {
     mrts_real *a = rows->A;
     for (int j = 0; j < k; ++j) column[j] = rows->size[j] > MRTS_NO_EFFECT ? 1 / rows->size[j] : 0;
     for (int i = 0; i < rows->count; ++i, a += k) {
+        MRTS_UNROLL
         for (int j = 0; j < k; ++j) a[j] *= column[j];
     }
     for (int j = 0; j < k; ++j) column[j] = column[j] > 0 ? column[j] : 1;
