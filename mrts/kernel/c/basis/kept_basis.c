@@ -29,6 +29,7 @@ static void mrts_take_pivot(int k, int c, int *row, int *side, mrts_real *B) {
     }
 }
 
+#define MRTS_STATIC static inline
 #define MRTS_V mrts_real
 #define MRTS_V_OF(value) ((mrts_real)(value))
 #define MRTS_MASK int
@@ -38,6 +39,7 @@ static void mrts_take_pivot(int k, int c, int *row, int *side, mrts_real *B) {
 #define MRTS_TAKE_PIVOT(k, c, row, side, B) mrts_take_pivot(k, c, row, side, B)
 #define MRTS_IS_NONE(value) ((value) == 0)
 #include "kept_basis.inc"
+#undef MRTS_STATIC
 #undef MRTS_V
 #undef MRTS_V_OF
 #undef MRTS_MASK
@@ -46,6 +48,11 @@ static void mrts_take_pivot(int k, int c, int *row, int *side, mrts_real *B) {
 #undef MRTS_OF
 #undef MRTS_TAKE_PIVOT
 #undef MRTS_IS_NONE
+
+MRTS_LOCAL void mrts_order_basis(int k, int rows, const mrts_real *A, int *basis, mrts_real *work, int *iwork) {
+    for (int j = 0; j < k; ++j) iwork[j] = MRTS_ABS(basis[j]) - 1;
+    mrts_kept_factor(k, rows, A, iwork, basis, work);
+}
 
 MRTS_LOCAL int mrts_lp_again(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
                              const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering,

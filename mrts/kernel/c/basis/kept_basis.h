@@ -13,4 +13,8 @@ MRTS_LOCAL int mrts_lp_again(int k, int rows, const mrts_real *A, const mrts_rea
                              const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering,
                              mrts_real *work, int *iwork);
 
+/* Puts the rows of a basis in the order of their pivots, for programs that are answered by it in lanes. Work as of mrts_lp.
+ */
+MRTS_LOCAL void mrts_order_basis(int k, int rows, const mrts_real *A, int *basis, mrts_real *work, int *iwork);
+
 #endif
