@@ -9,7 +9,10 @@ from posixpath import dirname, join, normpath
 
 from mrts.base.manifest import Manifest
 
-PROGRAM_FILES = ("linear_programs.c", "quadratic_programs.c", "batch.c")
+PROGRAM_FILES = (
+    *("linear_programs.c", "quadratic_programs.c", "batch.c"),
+    *(f"reachability/{name}.c" for name in ("corners", "projection", "regions")),
+)
 """The programs, which need no cell."""
 
 CELL_FILES = (
