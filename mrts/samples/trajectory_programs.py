@@ -64,7 +64,7 @@ def motion_ranges(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    fast = _compiled(cell, motion, formulation, sharing, solver)
+    fast = _with_choice(cell, motion, formulation, sharing, solver)
     if fast is not None:
         found = _compiled_ranges(cell, motion, fast, solver, load)
     else:
@@ -78,7 +78,7 @@ def motion_ranges(
 
 
 def _compiled_ranges(
-    cell: Cell, motion: CoordinatedMotion, fast: "_Compiled", solver: str, load: Array | None
+    cell: Cell, motion: CoordinatedMotion, fast: "CompiledTrajectory", solver: str, load: Array | None
 ) -> SampleRanges:
     """The ranges by the kernel; what it does not settle is left to the solvers."""
     inputs = motion.inputs(cell.load if load is None else load) | {GEOMETRY: cell.geometry}
@@ -152,7 +152,7 @@ def motion_torques(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    fast = _compiled(cell, motion, formulation, sharing, solver)
+    fast = _with_choice(cell, motion, formulation, sharing, solver)
     if fast is None:
         problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing)
         x, fallbacks = distribute_torques(problem, c2, weights, solver)
@@ -177,7 +177,7 @@ def motion_torques(
 
 
 @dataclass(frozen=True)
-class _Compiled:
+class CompiledTrajectory:
     """The cell's library, all rows, those that it takes, those that only bound c², and what motors add."""
 
     compiled: CellLibrary
@@ -196,6 +196,20 @@ class _Compiled:
         """The rows that it takes."""
         return self.form.rows.only(~self.form.is_cap)
 
+    def passed_caps(self, c2: Array, samples: NDArray[np.intp]) -> Array:
+        """By how much rows that only bound c² are passed at some samples, in shares of each, Shape (k,).
+
+        Args:
+            c2: Shape (k,).
+            samples: Shape (k,).
+        """
+        form = self.form
+        if form.rows.square is None or not np.any(form.is_cap):
+            return np.zeros(len(samples))
+        lower, upper, size = form.rows.lower[form.is_cap], form.rows.upper[form.is_cap], form.size[form.is_cap]
+        value = form.rows.square[np.ix_(samples, form.is_cap)] * c2[:, None]
+        return np.asarray(np.max(np.maximum(value - upper, lower - value) / size, axis=1, initial=0.0))
+
     def sparse(self) -> SparseLimits:
         """The rows that it takes, as C reads them."""
         rows = self.rows
@@ -209,8 +223,12 @@ class _Compiled:
             axes=(0, 1, 2) if turned is None else turned.axes,
         )
 
-    def terms(self, speed: float | None = None) -> SampleTerms:
-        """What is added at every sample, those in ṙ at a speed, or by themselves where it is to be found."""
+    def terms(self, speed: float | Array | None = None) -> SampleTerms:
+        """What is added at every sample, those in ṙ at a speed, or by themselves where it is to be found.
+
+        Args:
+            speed: ṙ, one for all samples, or Shape (N, 1).
+        """
         rows, motors = self.rows, self.motors
         if rows.speed is None or speed is None:
             of_rows = SampleTerms(square=rows.square, speed=rows.speed)
@@ -221,26 +239,44 @@ class _Compiled:
         return replace(
             of_rows,
             torque_square=motors.square,
-            torque_offset=motors.friction(speed or 0.0),
+            torque_offset=motors.friction(0.0 if speed is None else speed),
             torque_speed=motors.speed if speed is None else None,
             margin=None if motors.turning is None else motors.turning @ np.abs(rows.torque_matrix).T,
         )
 
 
-def _compiled(
+def compiled_trajectory(
     cell: Cell, motion: CoordinatedMotion, formulation: FormulationName, sharing: LoadSharing | None, solver: str
-) -> _Compiled | None:
-    """The compiled path where it answers: free distribution, wrench form, more than one arm, no sides that cross."""
+) -> CompiledTrajectory | None:
+    """The compiled path where it answers: free distribution, wrench form, no sides that cross.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+        formulation: As in `motion_ranges`.
+        sharing: Likewise.
+        solver: Likewise.
+
+    Raises:
+        InputError: If there is no such solver.
+    """
     check_solver(solver)
     compiled = cell.functions.compiled
-    applies = solver == "kernel" and formulation == "wrench" and sharing is None and len(cell.robots) > 1
+    applies = solver == "kernel" and formulation == "wrench" and sharing is None
     if compiled is None or not applies:
         return None
     form = squared_limits(cell, motion)
     kept = np.flatnonzero(~form.is_cap)
     if len(kept) + compiled.unknowns > MOST_ROWS or np.any(form.rows.lower > form.rows.upper):  # by a reserve
         return None
-    return _Compiled(compiled, form, kept, form.caps(motion.samples), motor_terms(cell, motion))
+    return CompiledTrajectory(compiled, form, kept, form.caps(motion.samples), motor_terms(cell, motion))
+
+
+def _with_choice(
+    cell: Cell, motion: CoordinatedMotion, formulation: FormulationName, sharing: LoadSharing | None, solver: str
+) -> CompiledTrajectory | None:
+    """The same where wrenches can be chosen; one arm leaves nothing to choose, which the closed form answers."""
+    return compiled_trajectory(cell, motion, formulation, sharing, solver) if len(cell.robots) > 1 else None
 
 
 def _settle(

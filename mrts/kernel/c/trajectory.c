@@ -10,10 +10,9 @@
 /* Inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load, geometry unless it is folded in. */
 enum { MRTS_ROTATION = 3 };
 
-/* Evaluates the wrench form of a sample and builds its rows: 1 if they are finite, 0 if not, -1 if the form failed. */
-static int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
-                               double *turned, const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows,
-                               const double **arg, double **res, long long *iw, double *w) {
+MRTS_LOCAL int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
+                                   double *turned, const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows,
+                                   const double **arg, double **res, long long *iw, double *w) {
     const mrts_terms terms = mrts_terms_of_sample(all, sample, limits->rows);
     for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + sample * stride[i];
     res[0] = form->torque_map;
