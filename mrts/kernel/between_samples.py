@@ -68,6 +68,8 @@ def path_places(
         assert failed == 0  # noqa: S101 (generated functions of smooth expressions cannot fail)
 
     over_chunks(library.opened, count, run)
+    for array in found:
+        array.setflags(write=False)  # so that motions share them
     return found
 
 

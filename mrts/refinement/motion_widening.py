@@ -47,6 +47,8 @@ def motion_widening(
         SolverError: If no solver answers.
     """
     places = np.arange(motion.samples) if samples is None else samples
+    if not len(places):
+        return np.zeros(0)
     fast = compiled_trajectory(cell, motion, formulation, sharing, DEFAULT_SOLVER)
     share, missing = np.zeros(len(places)), np.ones(len(places), dtype=bool)
     if fast is not None:

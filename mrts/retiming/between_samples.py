@@ -10,11 +10,11 @@ from mrts.base.arrays import Array
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.denser_motion import between_samples, denser, moved_remarks
 from mrts.refinement.excess import Excess
+from mrts.refinement.motion_widening import motion_widening
 from mrts.retiming.path_pieces import PLACES
 from mrts.retiming.result import RetimingResult
 from mrts.retiming.retimed_motion import between_path_samples
 from mrts.samples.trajectory_programs import motion_ranges
-from mrts.refinement.motion_widening import motion_widening
 from mrts.solvers import DEFAULT_SOLVER
 
 MOST_ROUNDS = 12

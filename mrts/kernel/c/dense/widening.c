@@ -195,10 +195,10 @@ MRTS_EXPORT int mrts_widenings(long long count, const double *const *in, const l
     for (int i = 0; i < rows.count; ++i) rows.unit[i] = unit[rows.which[i]];
     for (long long n = 0; n < count; ++n) {
         if (n % MRTS_CHUNK == 0) { /* so that chunks do not depend on each other */
-            for (int j = 0; j < F; ++j) known.wrench[j] = 0;
             known.count = -1;
             basis[0] = 0;
         }
+        for (int j = 0; j < F && known.count < 0; ++j) known.wrench[j] = 0;
         at.terms = mrts_terms_of_sample(terms, n, limits->rows);
         if (!mrts_form_of_sample(in, stride, n, &at.terms, &at.form, arg, res, iw, w)) return 1;
         at.rotation = arg[MRTS_ROTATION];
