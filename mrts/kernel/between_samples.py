@@ -3,6 +3,7 @@
 
 import ctypes
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +50,7 @@ def path_places(
     """
     given = [np.ascontiguousarray(array, dtype=np.float64) for array in (*path, weights[1], weights[0], weights[2])]
     along = _Path(*(pointer(array) for array in given), len(weights[0]))
-    asked = [np.ascontiguousarray(array, dtype=np.float64) for array in (*speeds, geometry)]
+    asked: list[NDArray[Any]] = [np.ascontiguousarray(array, dtype=np.float64) for array in (*speeds, geometry)]
     taken = np.array(components, dtype=np.int32)
     count = len(speeds[0])
     shapes = [*[(library.joints,)] * 3, (3,), (3, 3), (6,), (6,)]
@@ -62,7 +63,7 @@ def path_places(
             ctypes.c_longlong(first),
             ctypes.c_longlong(samples),
             ctypes.byref(along),
-            *(pointer(array) for array in (*asked, taken, *found)),
+            *(pointer(array) for array in [*asked, taken, *found]),
             *scratch.pointers(),
         )
         assert failed == 0  # noqa: S101 (generated functions of smooth expressions cannot fail)

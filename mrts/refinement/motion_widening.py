@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""By how much limits must move outward along a motion before it keeps them: by the kernel in one call, or by a solver."""
+"""By how much limits must move outward along a motion before it keeps them: by the kernel, or by a solver."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -194,7 +194,9 @@ def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> Coordin
         cell.geometry,
         cell.wrench_rows,
     )
-    return CoordinatedMotion(ObjectMotion(s - s[0], *carried, smooth=False), q, dq, ddq)
+    position, rotation, twist, acceleration = carried
+    there = ObjectMotion(s - s[0], position, rotation, twist, acceleration, smooth=False)
+    return CoordinatedMotion(there, q, dq, ddq)
 
 
 def _retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> CoordinatedMotion:
