@@ -26,8 +26,6 @@ SHIPPED = {
 }
 AGREES = 1e-8  # both solve the same programs, each to 1e-9 of a limit
 SAME_MOTION = 1e-10  # of the largest entry: a place in its segment is a difference of parameters in one of them
-    1e-10  # of the largest entry: where a place is in its segment is a difference of parameters in one of them
-)
 SAMPLES = 300  # more than a chunk of the kernel, so that two threads have something to share
 
 
