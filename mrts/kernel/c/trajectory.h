@@ -28,9 +28,6 @@ static inline mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long s
     return here;
 }
 
-/* Inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load, geometry unless it is folded in. */
-enum { MRTS_ROTATION = 3 };
-
 /* Evaluates the wrench form of a sample, with the terms of that sample; 0 if it failed. */
 MRTS_LOCAL int mrts_form_of_sample(const double *const *in, const long long *stride, long long sample,
                                    const mrts_terms *terms, mrts_form *form, const double **arg, double **res,
