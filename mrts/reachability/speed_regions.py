@@ -80,7 +80,7 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
         unit = 1 / effect
     unit[:, -1] = np.where(effect[:, -1] > 0, np.minimum(unit[:, -1], reached), np.inf)
     scale = np.where(np.isfinite(unit), unit, 0.0)
-    return _by_projection(A * scale[:, None, :], lower, upper, unit, most, FARTHEST * likely)
+    return _by_projection((A, lower, upper, scale), unit, most, FARTHEST * likely)
 
 
 def regions_of_planes(
@@ -156,13 +156,10 @@ def _at_probes(A: Array, lower: Array, upper: Array, effect: Array) -> Array:
         effect: Of u on the rows, Shape (N,).
     """
     probes = _probes(effect)
-    A = A[probes]
-    A[:, :, -2] /= effect[probes, None]
-    bounds = np.full((len(probes), A.shape[2]), np.inf)
-    bounds[:, -2:] = BOX, 0.0
-    number, corners, _ = speed_kernel().projections(
-        A, np.concatenate([lower[probes], -bounds], axis=1), np.concatenate([upper[probes], bounds], axis=1)
-    )
+    scale = np.ones((len(probes), A.shape[2]))
+    scale[:, -2] /= effect[probes]
+    bound = np.tile([BOX, 0.0], (len(probes), 1))
+    number, corners, _ = speed_kernel().projections(A[probes], lower[probes], upper[probes], scale, (-bound, bound))
     real = np.arange(corners.shape[1]) < number[:, None]
     largest: Array = np.max(np.where(real, np.abs(corners[:, :, 0]), 0.0), axis=1, initial=1.0)
     return largest / effect[probes]
@@ -192,39 +189,43 @@ def _both_sides(A: Array, lower: Array, upper: Array) -> Array:
     return np.concatenate([sides[:, limited], limit[:, limited, None]], axis=2)
 
 
-def _projections(A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+Programs = tuple[Array, Array, Array, Array]
+"""A, lower, upper and scale of projections; see `mrts.kernel.programs.Programs.projections`."""
+
+
+def _projections(given: Programs, bounds: tuple[Array, Array]) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
     """The projections of all samples; what the kernel did not decide, once more over other free unknowns.
 
     Along principal directions of the rows unknowns do not replace each other but for a small rest, whose multiplier is
     too small to be told from rounding.
     """
     kernel = speed_kernel()
-    number, corners, status = kernel.projections(A, lower, upper)
+    number, corners, status = kernel.projections(*given, bounds)
     again = np.flatnonzero((status != OPTIMAL) & (status != INFEASIBLE))
     if again.size:
-        turned, free = A[again], A.shape[2] - 2
+        A, lower, upper, scale = (part[again] for part in given)
+        turned, free = A * scale[:, None, :], A.shape[2] - 2
         directions, sizes, _ = np.linalg.svd(turned[:, :, :free], full_matrices=False)
         used = sizes > NO_DIRECTION * sizes[:, :1]
         turned[:, :, :free] = 0.0
         turned[:, :, : used.shape[1]] = directions * used[:, None, :]
-        number[again], corners[again], status[again] = kernel.projections(turned, lower[again], upper[again])
+        its_bounds = bounds[0][again], bounds[1][again]
+        number[again], corners[again], status[again] = kernel.projections(
+            turned, lower, upper, np.ones_like(scale), its_bounds
+        )
     return number, corners, status
 
 
-def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Array, bound: float) -> SpeedRegions:
-    count, _, unknowns = A.shape
+def _by_projection(given: Programs, unit: Array, most: Array, bound: float) -> SpeedRegions:
+    _, lower, upper, _ = given
+    count = len(unit)
     scale = np.where(np.isfinite(unit[:, -1]), unit[:, -1], 0.0)
     box = np.minimum(bound / np.where(scale > 0, scale, 1.0), BOX)
     cap = np.minimum(most / np.where(scale > 0, scale, 1.0), box)
-    least, largest = np.full((count, unknowns), -np.inf), np.full((count, unknowns), np.inf)
-    least[:, -2], largest[:, -2] = -BOX, BOX
-    least[:, -1], largest[:, -1] = 0.0, cap
-    for column in (-2, -1):
-        still = np.isinf(unit[:, column])
-        least[still, column] = largest[still, column] = 0.0
-    number, corners, status = _projections(
-        A, np.concatenate([lower, least], axis=1), np.concatenate([upper, largest], axis=1)
-    )
+    moves = np.isfinite(unit[:, -2:])
+    least = np.where(moves, [-BOX, 0.0], 0.0)
+    largest = np.where(moves, np.column_stack([np.full(count, BOX), cap]), 0.0)
+    number, corners, status = _projections(given, (least, largest))
     corners = corners[:, : max(int(np.max(number)), 1)]
     place = np.arange(corners.shape[1])
     real = place < number[:, None]

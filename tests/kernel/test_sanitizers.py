@@ -111,7 +111,7 @@ SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scal
         [SANITIZED_SMOOTH, ROOT / "tests" / "cases"],
         [
             SANITIZED_VARIANTS,
-            ROOT / "tests" / "helpers",
+            ROOT / "tests" / "study_cases",
             DATA / "cell.yaml",
             DATA / "lift.yaml",
             UR5 / "cell.yaml",
