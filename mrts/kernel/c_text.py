@@ -14,7 +14,7 @@ PROGRAM_FILES = ("linear_programs.c", "quadratic_programs.c", "batch.c")
 
 CELL_FILES = (
     *(*PROGRAM_FILES, "rows.c", "speed_intervals.c", "trajectory.c", "tracking/null_space.c", "tracking/tracking.c"),
-    *(f"dense/{name}.c" for name in ("path_places", "widening")),
+    *(f"dense/{name}.c" for name in ("path_places", "path_rows", "widening")),
     *(f"variants/{name}.c" for name in ("quick_sample", "follow", "end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""

@@ -212,16 +212,7 @@ class CompiledTrajectory:
 
     def sparse(self) -> SparseLimits:
         """The rows that it takes, as C reads them."""
-        rows = self.rows
-        turned = rows.object_axes
-        return SparseLimits(
-            matrix=rows.matrix,
-            lower=rows.lower,
-            upper=rows.upper,
-            group=[name.group for name in rows.names],
-            base=None if turned is None else turned.base,
-            axes=(0, 1, 2) if turned is None else turned.axes,
-        )
+        return self.rows.sparse()
 
     def terms(self, speed: float | Array | None = None) -> SampleTerms:
         """What is added at every sample, those in ṙ at a speed, or by themselves where it is to be found.

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The rows along a path whose speed varies: over the free wrenches, the rate r'' and the square r'^2.
+ */
+#include "../trajectory.h"
+
+/* What the unknowns of a path are: the free wrenches, then the rate, then the square. */
+#define MRTS_PATH_UNKNOWNS (MRTS_UNKNOWNS + 1)
+
+/* Inputs of a moving sample, see MRTS_ROTATION. */
+enum { MRTS_VELOCITIES = 1, MRTS_ACCELERATIONS = 2, MRTS_TWIST = 4, MRTS_OBJECT_ACCELERATION = 5 };
+
+/* Puts the column of the rate into maps by columns, those of the square before it: the column of the square of a motion
+ * whose accelerations are these velocities and which has none, as no term is quadratic in velocities then. */
+static void mrts_with_rate(int size, const double *by_rate, double *map) {
+    enum { F = MRTS_UNKNOWNS - 1 };
+    for (int i = 0; i < size; ++i) {
+        map[(F + 1) * size + i] = map[F * size + i];
+        map[F * size + i] = by_rate[F * size + i];
+    }
+}
+
+/* A map by columns to one by rows. */
+static void mrts_by_rows(int rows, const double *map, double *out) {
+    for (int i = 0; i < rows; ++i) {
+        for (int j = 0; j < MRTS_PATH_UNKNOWNS; ++j) out[i * MRTS_PATH_UNKNOWNS + j] = map[j * rows + i];
+    }
+}
+
+/* Evaluates the wrench form of a sample with the column of the rate; 0 if it failed. */
+static int mrts_path_form(const double *const *in, const long long *stride, long long n, mrts_form *form,
+                          mrts_form *by_rate, const double **arg, double **res, long long *iw, double *w) {
+    static const double still[MRTS_JOINTS > 6 ? MRTS_JOINTS : 6] = {0};
+    static const mrts_terms nothing = {0};
+    if (!mrts_form_of_sample(in, stride, n, &nothing, form, arg, res, iw, w)) return 0;
+    for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + n * stride[i];
+    arg[MRTS_ACCELERATIONS] = arg[MRTS_VELOCITIES];
+    arg[MRTS_OBJECT_ACCELERATION] = arg[MRTS_TWIST];
+    arg[MRTS_VELOCITIES] = arg[MRTS_TWIST] = still;
+    res[0] = by_rate->torque_map;
+    res[1] = by_rate->torque_offset;
+    res[2] = by_rate->wrench_map;
+    res[3] = by_rate->wrench_offset;
+    if (MRTS_WRENCH_FORM(arg, res, iw, w, 0)) return 0;
+    mrts_with_rate(MRTS_JOINTS, by_rate->torque_map, form->torque_map);
+    mrts_with_rate(MRTS_WRENCHES, by_rate->wrench_map, form->wrench_map);
+    return 1;
+}
+
+MRTS_EXPORT void mrts_path_rows_work(int rows, long long *reals, long long *ints) {
+    *reals = MRTS_ROWS_WORK(MRTS_PATH_UNKNOWNS, rows);
+    *ints = MRTS_ROWS_IWORK(rows);
+}
+
+/* Of samples 0 .. count - 1 the maps of torques and wrenches, by rows, their offsets, and the rows of the limits, each of
+ * which has one and of which 100 % are a `unit`; torque_rate is what motors add to the column of the rate. What is returned
+ * as in mrts_ranges. */
+MRTS_EXPORT int mrts_path_rows(long long count, const double *const *in, const long long *stride,
+                               const mrts_limits *limits, const mrts_terms *terms, const double *torque_rate,
+                               const double *unit, double *torque_map, double *torque_offset, double *wrench_map,
+                               double *wrench_offset, double *A, double *lower, double *upper, const double **arg,
+                               double **res, long long *iw, double *w, double *work, int *iwork) {
+    enum { V = MRTS_PATH_UNKNOWNS, F = MRTS_UNKNOWNS - 1, M = MRTS_JOINTS, N = MRTS_WRENCHES };
+    double memory[MRTS_FORM_WORK(MRTS_PATH_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
+    double rates[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
+    double turned[MRTS_TURNED_WORK(MRTS_PATH_UNKNOWNS, MRTS_WRENCHES)];
+    mrts_form form = mrts_form_in(V, M, N, memory), by_rate = mrts_form_in(MRTS_UNKNOWNS, M, N, rates);
+    mrts_rows rows;
+    if (!mrts_rows_over(V, limits, work, iwork, &rows) || rows.count < limits->rows) return 1;
+    for (int i = 0; i < rows.count; ++i) rows.unit[i] = unit[i];
+    for (long long n = 0; n < count; ++n) {
+        const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
+        if (!mrts_path_form(in, stride, n, &form, &by_rate, arg, res, iw, w)) return 1;
+        mrts_add_motors(V, M, &here, &form);
+        for (int i = 0; i < M; ++i) form.torque_map[F * M + i] += torque_rate[n * M + i];
+        mrts_turn_wrenches(V, MRTS_ROBOTS, MRTS_SIZE, limits, arg[MRTS_ROTATION], 1, 3, turned, &form);
+        mrts_build_rows(V, M, N, &form, limits, &here, &rows);
+        mrts_by_rows(M, form.torque_map, torque_map + n * M * V);
+        mrts_by_rows(N, form.wrench_map, wrench_map + n * N * V);
+        for (int i = 0; i < M; ++i) torque_offset[n * M + i] = form.torque_offset[i];
+        for (int i = 0; i < N; ++i) wrench_offset[n * N + i] = form.wrench_offset[i];
+        for (int i = 0; i < rows.count * V; ++i) A[n * rows.count * V + i] = rows.A[i];
+        for (int i = 0; i < rows.count; ++i) {
+            lower[n * rows.count + i] = rows.lower[i] > -MRTS_INFINITY ? rows.lower[i] : -INFINITY;
+            upper[n * rows.count + i] = rows.upper[i] < MRTS_INFINITY ? rows.upper[i] : INFINITY;
+        }
+    }
+    return 0;
+}
