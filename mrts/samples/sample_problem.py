@@ -300,8 +300,8 @@ def _problem(
         A[:, :, -1] += rows.square
     if rows.rate is not None and varying:
         A[:, :, -2] += rows.rate
-    margin = _margin(motors, rows)
-    margin = 0.0 if margin is None else margin
+    inward = _margin(motors, rows)
+    margin = np.zeros(1) if inward is None else inward
     lower, upper = (rows.lower + margin - offset) / size, (rows.upper - margin - offset) / size
     return _with_rows(form, motors, rows, maps, A=A / size[:, None], lower=lower, upper=upper)
 
