@@ -49,7 +49,7 @@ def motion_widening(
     places = np.arange(motion.samples) if samples is None else samples
     if not len(places):
         return np.zeros(0)
-    fast = compiled_trajectory(cell, motion, formulation, sharing, DEFAULT_SOLVER)
+    fast = compiled_trajectory(cell, motion, formulation, None, DEFAULT_SOLVER) if sharing is None else None
     share, missing = np.zeros(len(places)), np.ones(len(places), dtype=bool)
     if fast is not None:
         share, missing = _compiled_widening(cell, motion, fast, c2, load, places)

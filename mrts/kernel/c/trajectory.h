@@ -11,6 +11,9 @@
 /* Rounding of an answer at the bound of c^2, as a share. */
 #define MRTS_AT_UNBOUNDED 1e-9
 
+/* Places of inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load, and what a function takes besides. */
+enum { MRTS_DQ = 1, MRTS_DDQ, MRTS_ROTATION, MRTS_TWIST, MRTS_ACCELERATION };
+
 /* The terms of a sample, of those of all samples one after the other. */
 static inline mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long sample, int rows) {
     const long long torques = sample * MRTS_JOINTS, limits = sample * rows;
@@ -24,9 +27,6 @@ static inline mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long s
     here.speed = all->speed ? all->speed + limits : 0;
     return here;
 }
-
-/* Inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load, geometry unless it is folded in. */
-enum { MRTS_ROTATION = 3 };
 
 /* Evaluates the wrench form of a sample, with the terms of that sample; 0 if it failed. */
 MRTS_LOCAL int mrts_form_of_sample(const double *const *in, const long long *stride, long long sample,

@@ -7,9 +7,6 @@
 /* What the unknowns of a path are: the free wrenches, then the rate, then the square. */
 #define MRTS_PATH_UNKNOWNS (MRTS_UNKNOWNS + 1)
 
-/* Inputs of a moving sample, see MRTS_ROTATION. */
-enum { MRTS_VELOCITIES = 1, MRTS_ACCELERATIONS = 2, MRTS_TWIST = 4, MRTS_OBJECT_ACCELERATION = 5 };
-
 /* Puts the column of the rate into maps by columns, those of the square before it: the column of the square of a motion
  * whose accelerations are these velocities and which has none, as no term is quadratic in velocities then. */
 static void mrts_with_rate(int size, const double *by_rate, double *map) {
@@ -34,9 +31,9 @@ static int mrts_path_form(const double *const *in, const long long *stride, long
     static const mrts_terms nothing = {0};
     if (!mrts_form_of_sample(in, stride, n, &nothing, form, arg, res, iw, w)) return 0;
     for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + n * stride[i];
-    arg[MRTS_ACCELERATIONS] = arg[MRTS_VELOCITIES];
-    arg[MRTS_OBJECT_ACCELERATION] = arg[MRTS_TWIST];
-    arg[MRTS_VELOCITIES] = arg[MRTS_TWIST] = still;
+    arg[MRTS_DDQ] = arg[MRTS_DQ];
+    arg[MRTS_ACCELERATION] = arg[MRTS_TWIST];
+    arg[MRTS_DQ] = arg[MRTS_TWIST] = still;
     res[0] = by_rate->torque_map;
     res[1] = by_rate->torque_offset;
     res[2] = by_rate->wrench_map;
