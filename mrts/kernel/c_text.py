@@ -20,6 +20,7 @@ CELL_FILES = (
         *PROGRAM_FILES,
         "basis/kept_basis.c",
         "lanes/lanes.c",
+        "lanes/forms.c",
         "rows.c",
         "speed_intervals.c",
         "trajectory.c",

@@ -2,6 +2,7 @@
  *
  * The rows along a path whose speed varies: over the free wrenches, the rate r'' and the square r'^2.
  */
+#include "../lanes/forms.h"
 #include "../trajectory.h"
 
 /* What the unknowns of a path are: the free wrenches, then the rate, then the square. */
@@ -24,26 +25,6 @@ static void mrts_by_rows(int rows, const double *map, double *out) {
     }
 }
 
-/* Evaluates the wrench form of a sample with the column of the rate; 0 if it failed. */
-static int mrts_path_form(const double *const *in, const long long *stride, long long n, mrts_form *form,
-                          mrts_form *by_rate, const double **arg, double **res, long long *iw, double *w) {
-    static const double still[MRTS_JOINTS > 6 ? MRTS_JOINTS : 6] = {0};
-    static const mrts_terms nothing = {0};
-    if (!mrts_form_of_sample(in, stride, n, &nothing, form, arg, res, iw, w)) return 0;
-    for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + n * stride[i];
-    arg[MRTS_DDQ] = arg[MRTS_DQ];
-    arg[MRTS_ACCELERATION] = arg[MRTS_TWIST];
-    arg[MRTS_DQ] = arg[MRTS_TWIST] = still;
-    res[0] = by_rate->torque_map;
-    res[1] = by_rate->torque_offset;
-    res[2] = by_rate->wrench_map;
-    res[3] = by_rate->wrench_offset;
-    if (MRTS_WRENCH_FORM(arg, res, iw, w, 0)) return 0;
-    mrts_with_rate(MRTS_JOINTS, by_rate->torque_map, form->torque_map);
-    mrts_with_rate(MRTS_WRENCHES, by_rate->wrench_map, form->wrench_map);
-    return 1;
-}
-
 MRTS_EXPORT void mrts_path_rows_work(int rows, long long *reals, long long *ints) {
     *reals = MRTS_ROWS_WORK(MRTS_PATH_UNKNOWNS, rows);
     *ints = MRTS_ROWS_IWORK(rows);
@@ -62,12 +43,26 @@ MRTS_EXPORT int mrts_path_rows(long long count, const double *const *in, const l
     double rates[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
     double turned[MRTS_TURNED_WORK(MRTS_PATH_UNKNOWNS, MRTS_WRENCHES)];
     mrts_form form = mrts_form_in(V, M, N, memory), by_rate = mrts_form_in(MRTS_UNKNOWNS, M, N, rates);
+    static const double still[MRTS_JOINTS > 6 ? MRTS_JOINTS : 6] = {0};
+    const double *rate_in[MRTS_INPUTS];
+    long long rate_stride[MRTS_INPUTS];
+    mrts_forms forms, rate_forms;
     mrts_rows rows;
     if (!mrts_rows_over(V, limits, work, iwork, &rows) || rows.count < limits->rows) return 1;
     for (int i = 0; i < rows.count; ++i) rows.unit[i] = unit[i];
+    for (int i = 0; i < MRTS_INPUTS; ++i) {
+        const int of = i == MRTS_DDQ ? MRTS_DQ : i == MRTS_ACCELERATION ? MRTS_TWIST : i, stands = i == MRTS_DQ || i == MRTS_TWIST;
+        rate_in[i] = stands ? still : in[of];
+        rate_stride[i] = stands ? 0 : stride[of];
+    }
+    mrts_begin_forms(in, stride, count, &forms);
+    mrts_begin_forms(rate_in, rate_stride, count, &rate_forms);
     for (long long n = 0; n < count; ++n) {
         const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
-        if (!mrts_path_form(in, stride, n, &form, &by_rate, arg, res, iw, w)) return 1;
+        if (!mrts_next_form(&rate_forms, n, &by_rate, arg, res, iw, w)) return 1;
+        if (!mrts_next_form(&forms, n, &form, arg, res, iw, w)) return 1;
+        mrts_with_rate(M, by_rate.torque_map, form.torque_map);
+        mrts_with_rate(N, by_rate.wrench_map, form.wrench_map);
         mrts_add_motors(V, M, &here, &form);
         for (int i = 0; i < M; ++i) form.torque_map[F * M + i] += torque_rate[n * M + i];
         mrts_turn_wrenches(V, MRTS_ROBOTS, MRTS_SIZE, limits, arg[MRTS_ROTATION], 1, 3, turned, &form);
