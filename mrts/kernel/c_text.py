@@ -20,6 +20,7 @@ CELL_FILES = (
         *PROGRAM_FILES,
         "basis/kept_basis.c",
         "lanes/lanes.c",
+        "lanes/forms.c",
         "rows.c",
         "speed_intervals.c",
         "trajectory.c",
@@ -27,7 +28,7 @@ CELL_FILES = (
         "tracking/null_space.c",
         "tracking/tracking.c",
     ),
-    *(f"dense/{name}.c" for name in ("path_places", "widening")),
+    *(f"dense/{name}.c" for name in ("path_places", "path_rows", "widening")),
     *(f"variants/{name}.c" for name in ("quick_sample", "follow", "end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.kernel.cell_library import SparseLimits
 from mrts.limits.object_axes import ObjectAxes
 
 Side = Literal["lower", "upper"]
@@ -252,6 +253,18 @@ class LimitRows:
         rate, speed, square = (None if c is None else c[samples] for c in (self.rate, self.speed, self.square))
         object_axes = None if self.object_axes is None else self.object_axes.at(samples)
         return replace(self, object_axes=object_axes, rate=rate, speed=speed, square=square)
+
+    def sparse(self) -> SparseLimits:
+        """The rows as C reads them."""
+        turned = self.object_axes
+        return SparseLimits(
+            matrix=self.matrix,
+            lower=self.lower,
+            upper=self.upper,
+            group=[name.group for name in self.names],
+            base=None if turned is None else turned.base,
+            axes=(0, 1, 2) if turned is None else turned.axes,
+        )
 
     def only(self, kept: NDArray[np.bool_]) -> "LimitRows":
         """Some of the rows; a column of the speed in which they have nothing is None.

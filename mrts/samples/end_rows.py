@@ -63,6 +63,39 @@ class RowsAtEnd(Sequence[ActiveRow]):
         return rows_at_end(self.problem(), self.c2, self.end) if np.isfinite(self.c2) else ()
 
 
+@dataclass(frozen=True, eq=False)
+class RowsWhenAsked(Sequence[ActiveRow]):
+    """The rows at one end of one of N samples, looked up when they are asked for; equal to the same rows of any kind.
+
+    Attributes:
+        of: The rows of that end of every sample.
+        sample: Which sample.
+    """
+
+    of: Sequence[tuple[ActiveRow, ...]]
+    sample: int
+
+    def __len__(self) -> int:
+        return len(self.found)
+
+    def __getitem__(self, place: Any) -> Any:
+        return self.found[place]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and self.found == tuple(other)
+
+    def __hash__(self) -> int:
+        return hash(self.found)
+
+    def __repr__(self) -> str:
+        return repr(self.found)
+
+    @cached_property
+    def found(self) -> tuple[ActiveRow, ...]:
+        """The rows, found once."""
+        return tuple(self.of[self.sample])
+
+
 @dataclass(frozen=True)
 class RowsWithEnd(Sequence[tuple[ActiveRow, ...]]):
     """Rows of one end of each of N samples; all of them where it sets the range over the motion.

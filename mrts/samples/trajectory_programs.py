@@ -262,16 +262,7 @@ class CompiledTrajectory:
 
     def sparse(self) -> SparseLimits:
         """The rows that it takes, as C reads them."""
-        rows = self.rows
-        turned = rows.object_axes
-        return SparseLimits(
-            matrix=rows.matrix,
-            lower=rows.lower,
-            upper=rows.upper,
-            group=[name.group for name in rows.names],
-            base=None if turned is None else turned.base,
-            axes=(0, 1, 2) if turned is None else turned.axes,
-        )
+        return self.rows.sparse()
 
     def known(self, cell: Cell, motion: CoordinatedMotion, load: Array | None) -> KnownWrenches:
         """The samples of a motion where c² is the only unknown."""
