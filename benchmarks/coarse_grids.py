@@ -3,9 +3,9 @@
 
 One UR5-class arm with the shipped box, torque limits. Random paths, given to mrts as tables of joint positions and as
 motion files with waypoints, 100 samples each: by the path's own parameter, or from rest to rest by a time law. toppra
-(Seidel, interpolation scheme) gets the path by its own parameter, with dynamics by Pinocchio, and the same 100 samples as
-its grid points. Both are looked at 50 times denser on the exact path, each with its own speed between the samples; the
-durations are compared with that of toppra on a fine grid.
+(Seidel, interpolation scheme) gets the path by its own parameter, with dynamics by Pinocchio, and the same 100 samples
+as its grid points. Both are looked at 50 times denser on the exact path, each with its own speed between the samples;
+the durations are compared with that of toppra on a fine grid.
 """
 
 import tempfile
@@ -29,6 +29,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.motion.joint_table import JointTable, joint_motion
 from mrts.motion.velocity_profile import PROFILES
+from mrts.retiming.path_pieces import NoPath, path_pieces
 from mrts.retiming.retimed_motion import FastestPiece
 
 LIFT = Path(str(files("mrts") / "data")) / "dual_ur5" / "lift_and_turn.yaml"
@@ -186,7 +187,7 @@ def table(path: ArmPath, grid: Array) -> JointTable:
 def through_waypoints(cell: mrts.Cell, model: Any, seed: int) -> tuple[ArmPath, mrts.CoordinatedMotion, Array] | None:
     """A motion file through random poses about the shipped lift's start, its exact path and its samples' places on it.
 
-    None where the arm cannot follow.
+    None where the arm cannot follow, or a joint turns back so sharply that the motion stops between two samples.
     """
     rng = np.random.default_rng([19, seed])
     start = np.array(yaml.safe_load(LIFT.read_text(encoding="utf-8"))["start"]["xyz"])
@@ -205,6 +206,8 @@ def through_waypoints(cell: mrts.Cell, model: Any, seed: int) -> tuple[ArmPath, 
     try:
         fine, motion = followed(len(FINE)), followed(POINTS)
     except MotionError:
+        return None
+    if isinstance(path_pieces(motion), NoPath):
         return None
     share = PROFILES["quintic"](FINE)[0]
     kept = np.unique(np.searchsorted(share, np.linspace(0, 1, KNOTS)).clip(max=len(share) - 1))

@@ -13,8 +13,8 @@ from mrts.reachability.speed_regions import SpeedRegions
 END_SPEED_TOLERANCE = 1e-9
 """Share by which a given end speed may miss its controllable set: rounding."""
 
-MOST_RISE = 0.5
-"""Share of the rise of s̈ at which a segment would be at rest inside, that one may have."""
+MOST_RISE = 0.25
+"""Largest rise of s̈ along a segment, as a share of the median |s̈|: where it changes more, limits do between samples."""
 
 WORTH = 1e-3
 """Share of the duration that a further pass with rising s̈ must gain, or be likely to."""
@@ -95,7 +95,7 @@ def rising_profile(found: SpeedProfile, step: Array, regions: SpeedRegions, ends
     A constant s̈ that keeps the limits of both ends of a segment is the lesser of theirs: where the largest s̈ changes
     along the path that costs speed in proportion to the step, and most of it is gained here. Limits hold at both ends
     of every segment as before. The rise is the lesser of the two slopes beside a segment, none where s̈ turns there or
-    jumps (the minmod limiter). Where little is likely to be gained the profile is returned as it is.
+    jumps (the minmod limiter), and no large one. Where little is likely to be gained the profile is returned as it is.
 
     Args:
         found: The fastest profile with a constant s̈ on each segment.
@@ -153,9 +153,8 @@ def _rises(step: Array, x: Array) -> Array:
     slope = 2 * np.diff(u) / (step[1:] + step[:-1])
     before, after = slope[:-1], slope[1:]
     lesser = np.where(np.abs(before) < np.abs(after), before, after)
-    inner = np.where(before * after > 0, lesser, 0.0) * step[1:-1]
-    most = MOST_RISE * np.square(np.sqrt(x[1:-2]) + np.sqrt(x[2:-1])) / step[1:-1]
-    rise[1:-1] = np.clip(inner, -most, most)
+    most = MOST_RISE * float(np.median(np.abs(u)))
+    rise[1:-1] = np.clip(np.where(before * after > 0, lesser, 0.0) * step[1:-1], -most, most)
     return rise
 
 

@@ -224,7 +224,8 @@ def _steady(values: Array, most: Array) -> Array:
     def below(given: Array) -> Array:
         behind = np.minimum.accumulate(given - way) + way
         ahead = np.minimum.accumulate((given + way)[::-1])[::-1] - way
-        return np.minimum(behind, ahead)
+        both: Array = np.minimum(behind, ahead)
+        return both
 
     steady: Array = (below(values) - below(-values)) / 2
     return steady
