@@ -13,7 +13,7 @@ from mrts.studies.study import Study
 from mrts.studies.variant_rows import solve_one_by_one, solve_variants
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "helpers"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "study_cases"))
 from interleaved import median_times, on_one_processor
 from wide_studies import wide_study
 
