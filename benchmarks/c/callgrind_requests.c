@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * Counting instructions from here to there, for a process under callgrind: called by ctypes. */
+ * Counting instructions from here to there, once in a process under callgrind: called by ctypes. */
 #include <valgrind/callgrind.h>
 
 void begin_counting(void) {

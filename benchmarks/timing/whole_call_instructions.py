@@ -22,15 +22,14 @@ SAMPLES = 1000
 COUNT = "--count"
 
 
-def counted(samples: int, requests: str) -> None:
-    """Make each call, then count it once more."""
+def counted(name: str, samples: int, requests: str) -> None:
+    """Make one call, then count it once more."""
     on_one_processor()
-    calls, library = questions(samples), ctypes.CDLL(requests)
-    for name in NAMES:
-        calls[name]()
-        library.begin_counting()
-        calls[name]()
-        library.end_counting()
+    call, library = questions(samples)[name], ctypes.CDLL(requests)
+    call()
+    library.begin_counting()
+    call()
+    library.end_counting()
 
 
 def main(samples: int = SAMPLES) -> None:
@@ -38,23 +37,24 @@ def main(samples: int = SAMPLES) -> None:
     compiler, valgrind = shutil.which("gcc"), shutil.which("valgrind")
     if compiler is None or valgrind is None:
         sys.exit("this benchmark needs gcc and valgrind: apt-get install gcc valgrind")
+    print(f"instructions of whole calls, {samples} samples")
     with tempfile.TemporaryDirectory() as folder:
-        requests, record = Path(folder) / "requests.so", Path(folder) / "callgrind"
+        requests = Path(folder) / "requests.so"
         subprocess.run([compiler, "-O2", "-shared", "-fPIC", str(SOURCE), "-o", str(requests)], check=True)  # noqa: S603 (fixed words)
-        command = [valgrind, "--tool=callgrind", "--instr-atstart=no", f"--callgrind-out-file={record}"]
-        command += [sys.executable, __file__, COUNT, str(samples), str(requests)]
-        subprocess.run(command, check=True, capture_output=True)  # noqa: S603 (this script)
-        print(f"instructions of whole calls, {samples} samples")
-        for number, name in enumerate(NAMES, 1):
-            text = Path(f"{record}.{number}").read_text(encoding="utf-8")
+        for number, name in enumerate(NAMES):
+            record = Path(folder) / f"callgrind{number}"
+            command = [valgrind, "--tool=callgrind", "--instr-atstart=no", f"--callgrind-out-file={record}"]
+            command += [sys.executable, __file__, COUNT, name, str(samples), str(requests)]
+            subprocess.run(command, check=True, capture_output=True)  # noqa: S603 (this script)
+            text = Path(f"{record}.1").read_text(encoding="utf-8")
             found = re.search(r"^(?:summary|totals): (\d+)", text, re.MULTILINE)
             if found is None:
                 sys.exit(f"callgrind counted nothing of '{name}'")
-            print(f"  {name:<40}{int(found.group(1)) / samples:>12.0f} a sample")
+            print(f"  {name:<40}{int(found.group(1)) / samples:>12.0f} a sample", flush=True)
 
 
 if __name__ == "__main__":
     if sys.argv[1:2] == [COUNT]:
-        counted(int(sys.argv[2]), sys.argv[3])
+        counted(sys.argv[2], int(sys.argv[3]), sys.argv[4])
     else:
         main()
