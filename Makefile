@@ -100,8 +100,9 @@ bench: install $(VENV)/bench  ## measure speed against what a user would otherwi
 	$(BIN)/python benchmarks/variants/rates.py
 	$(BIN)/python benchmarks/variants/sweep_speed.py $(VARIANTS)
 
-instructions: install  ## count instructions of a sample (needs gcc and valgrind)
+instructions: install  ## count instructions of a sample and of whole calls (needs gcc and valgrind)
 	$(BIN)/python benchmarks/range/instructions.py
+	$(BIN)/python benchmarks/timing/whole_call_instructions.py
 
 embedded-counts: install  ## count instructions on a Cortex-M7 (needs qemu-system-arm and an ARM compiler)
 	$(BIN)/python benchmarks/embedded/embedded_counts.py
