@@ -11,7 +11,6 @@ from mrts.base.arrays import Array
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.cell.cell import Cell
 from mrts.inverse_kinematics.grasp_tracking import (
-    CONDITION_LIMIT,
     JUMP_LIMIT,
     SETTLED_PREFERENCE,
     STARTING_STEPS,
@@ -20,7 +19,7 @@ from mrts.inverse_kinematics.grasp_tracking import (
 )
 from mrts.inverse_kinematics.joint_limits import POSITION_TOLERANCE, is_turning, nearest_turns, past_a_limit
 from mrts.inverse_kinematics.null_space import FOLD
-from mrts.inverse_kinematics.planar_closed_form import branches_of_places, has_closed_form
+from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_triangles
 from mrts.inverse_kinematics.reach import ArmPlaces, arm_reach
 from mrts.inverse_kinematics.starting_positions import FURTHER_STEPS, STARTS_TRIED, further_starts
 from mrts.inverse_kinematics.tracking_messages import branch_lost, unreachable
@@ -64,7 +63,6 @@ class VariantTracking:
             start_steps=STARTING_STEPS,
             further_steps=FURTHER_STEPS,
             jump=JUMP_LIMIT,
-            condition=CONDITION_LIMIT,
             drift=SETTLED_PREFERENCE,
             fold=FOLD,
             past=POSITION_TOLERANCE,
@@ -125,8 +123,10 @@ class VariantTracking:
         for index, (robot, joints) in enumerate(zip(self._cell.robots, self._cell.joint_slices.values(), strict=True)):
             places, reach = _places_of(index, geometry), arm_reach(robot)
             if has_closed_form(self._cell, robot):
-                found = branches_of_places(self._cell, robot, places, path["position"], path["rotation"])
-                near = np.stack([nearest_turns(robot, branch[:, 0], posture[:, joints]) for branch in found.branches])
+                found = planar_triangles(self._cell, robot, places, path["position"], path["rotation"])
+                near = np.stack(
+                    [nearest_turns(robot, branch[:, 0], posture[:, joints]) for branch in found.branches(1)]
+                )
                 chosen = np.argmin(np.max(np.abs(near - posture[:, joints]), axis=2), axis=0)
                 at = near[chosen, np.arange(near.shape[1])]
                 seed = np.repeat(seed, len(at) // len(seed), axis=0) if len(seed) < len(at) else seed.copy()

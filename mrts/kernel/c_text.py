@@ -13,8 +13,9 @@ PROGRAM_FILES = ("linear_programs.c", "quadratic_programs.c", "batch.c")
 """The programs, which need no cell."""
 
 CELL_FILES = (
-    *(*PROGRAM_FILES, "rows.c", "speed_intervals.c", "trajectory.c", "tracking/null_space.c", "tracking/tracking.c"),
-    *(f"variants/{name}.c" for name in ("quick_sample", "follow", "end_rows", "ranges")),
+    *(*PROGRAM_FILES, "rows.c", "speed_intervals.c", "trajectory.c"),
+    *(f"tracking/{name}.c" for name in ("null_space", "tracking", "quick_sample", "path")),
+    *(f"variants/{name}.c" for name in ("follow", "end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""
 
