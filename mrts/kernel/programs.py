@@ -15,7 +15,7 @@ from mrts.kernel.compiler import needed_compiler
 from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
 
 CORNERS = 64
-"""Most corners of a projection, `MRTS_CORNERS` of batch.c."""
+"""Most corners of a projection, `MRTS_CORNERS` of reachability/projection.h."""
 
 OPTIMAL, INFEASIBLE, MARGINAL, STOPPED = range(4)
 """The kernel's statuses, see linear_programs.h."""
@@ -58,28 +58,41 @@ class Programs:
         """
         return self._batch("mrts_qp_batch", [H, g, A, lower, upper])
 
-    def projections(self, A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+    def projections(
+        self,
+        A: Array,
+        lower: Array,
+        upper: Array,
+        scale: Array,
+        bounds: tuple[Array, Array],
+        rows: NDArray[np.int32] | None = None,
+    ) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
         """Project every polytope of a batch onto its last two unknowns, from inside.
 
         Args:
             A: Shape (N, r, k).
-            lower: Of the rows and then the unknowns, Shape (N, r + k); the last two unknowns need limits.
+            lower: Of the rows, Shape (N, r).
             upper: Likewise.
+            scale: By which the columns of A are multiplied first, Shape (N, k).
+            bounds: Least and largest values of the last two unknowns, finite, Shape (N, 2) each.
+            rows: Those that count, Shape (s,); None takes all.
 
         Returns:
             Numbers of corners, Shape (N,), the corners counter-clockwise, Shape (N, 64, 2), and statuses, Shape (N,).
         """
-        count, rows, k = A.shape
-        arrays = [np.ascontiguousarray(np.clip(array, -INFINITY, INFINITY)) for array in (A, lower, upper)]
+        count, all_rows, k = A.shape
+        taken = np.arange(all_rows, dtype=np.int32) if rows is None else rows
+        arrays = [np.ascontiguousarray(array) for array in (A, lower, upper, scale, *bounds)]
         number, corners = np.zeros(count, dtype=np.int32), np.zeros((count, CORNERS, 2))
         status = np.full(count, STOPPED, dtype=np.uint8)
 
         def project(first: int, samples: int) -> None:
             outputs: list[NDArray[Any]] = [number, corners, status]
             pointers = [pointer(array[first:]) for array in [*arrays, *outputs]]
-            work = work_arrays(self._library, "mrts_project_batch", k, rows)
+            work = work_arrays(self._library, "mrts_project_batch", k, len(taken))
             self._library.mrts_project_batch(
-                ctypes.c_longlong(samples), k, rows, *pointers, *(pointer(array) for array in work)
+                *(ctypes.c_longlong(samples), k, all_rows, len(taken), pointer(taken), *pointers),
+                *(pointer(array) for array in work),
             )
 
         over_chunks(self._library, count, project)

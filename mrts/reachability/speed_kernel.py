@@ -16,7 +16,7 @@ SOLVER = "qpsol:qpoases"
 """Of the linear programs where there is no kernel."""
 
 OUTSIDE = 1e-9
-"""An edge is final if nothing lies further out than this; `MRTS_OUTSIDE` of batch.c."""
+"""An edge is final if nothing lies further out than this; `MRTS_OUTSIDE` of reachability/corners.h."""
 
 ON_LIMIT = 2e-10
 """Rounding of a speed on a limit; `MRTS_ON_LIMIT` of batch.c."""
@@ -28,7 +28,15 @@ AXES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 class SpeedKernel(Protocol):
     """Projections and reachability, in C or here; see `mrts.kernel.programs.Programs` for the shapes."""
 
-    def projections(self, A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+    def projections(
+        self,
+        A: Array,
+        lower: Array,
+        upper: Array,
+        scale: Array,
+        bounds: tuple[Array, Array],
+        rows: NDArray[np.int32] | None = None,
+    ) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
         """Project every polytope of a batch onto its last two unknowns."""
 
     def backward(self, step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array) -> int:
@@ -49,13 +57,22 @@ def speed_kernel() -> SpeedKernel:
 
 
 class KernelWithoutCompiler:
-    """The projections and passes of mrts/kernel/c/batch.c, with a solver that needs no compiler."""
+    """The projections and passes of mrts/kernel/c, with a solver that needs no compiler."""
 
     @staticmethod
-    def projections(A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+    def projections(
+        A: Array,
+        lower: Array,
+        upper: Array,
+        scale: Array,
+        bounds: tuple[Array, Array],
+        rows: NDArray[np.int32] | None = None,
+    ) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
         """Corners by linear programs: outward of every edge, until nothing lies outside."""
-        rows = A.shape[1]
-        parts = (A, lower[:, :rows], upper[:, :rows], lower[:, rows:], upper[:, rows:])
+        taken = slice(None) if rows is None else rows
+        free = np.full((len(A), A.shape[2] - 2), np.inf)
+        ends = np.concatenate([-free, bounds[0]], axis=1), np.concatenate([free, bounds[1]], axis=1)
+        parts = (A[:, taken] * scale[:, None, :], lower[:, taken], upper[:, taken], *ends)
         everyone = np.arange(len(A))
         polygons: list[list[Array]] = [[] for _ in A]
         status = np.full(len(A), OPTIMAL, dtype=np.uint8)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.kernel.one_unknown import KnownPlanes
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL
 from mrts.reachability.speed_kernel import speed_kernel
 from mrts.samples.sample_problem import SampleProblem
@@ -69,19 +70,41 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
     caps, most = problem.is_cap, problem.cap()
     A, lower, upper = problem.A[:, ~caps], problem.lower[:, ~caps], problem.upper[:, ~caps]
     effect = np.max(np.abs(A), axis=1, initial=0.0)
-    effect[effect[:, -2] <= REST_TOLERANCE * np.max(effect[:, -2]), -2] = 0.0
-    likely = _likely_speed(A, lower, upper, effect[:, -2], length)
-    likely = max(*ends, likely if np.isfinite(likely) else float(np.max(most[np.isfinite(most)], initial=1.0)))
+    if problem.unknowns == 2:  # noqa: PLR2004 (u and x: the rows are the half-planes)
+        return regions_of_planes(KnownPlanes(_both_sides(A, lower, upper), effect), most, length, ends)
+    effect[_at_rest(effect), -2] = 0.0
+    likely = _likely_speed(_at_probes(A, lower, upper, effect[:, -2]), most, length, ends)
     reached = np.minimum(likely, most)
     effect[effect[:, -1] * reached <= NEGLIGIBLE, -1] = 0.0
     with np.errstate(divide="ignore"):
         unit = 1 / effect
     unit[:, -1] = np.where(effect[:, -1] > 0, np.minimum(unit[:, -1], reached), np.inf)
     scale = np.where(np.isfinite(unit), unit, 0.0)
-    A = A * scale[:, None, :]
-    if problem.unknowns == 2:  # noqa: PLR2004 (u and x: the rows are the half-planes)
-        return _by_rows(A, lower, upper, unit, most, FARTHEST * likely)
-    return _by_projection(A, lower, upper, unit, most, FARTHEST * likely)
+    return _by_projection((A, lower, upper, scale), unit, most, FARTHEST * likely)
+
+
+def regions_of_planes(
+    known: KnownPlanes, most: Array, length: float, ends: tuple[float, float] = (0.0, 0.0)
+) -> SpeedRegions:
+    """The regions where u and x are the only unknowns: every side of a row is a half-plane.
+
+    Args:
+        known: The half-planes; those of samples at rest lose what rounding left of u or x.
+        most: Largest x that velocities allow, Shape (N,).
+        length: Of the path.
+        ends: x at the first and the last sample.
+    """
+    planes, effect = known.planes, known.effect
+    at_rest = _at_rest(effect)
+    if np.any(at_rest):
+        planes[at_rest, :, 0] = effect[at_rest, 0] = 0.0
+    likely = _likely_speed(_rates_at_probes(planes, effect[:, 0]), most, length, ends)
+    straight = effect[:, 1] * np.minimum(likely, most) <= NEGLIGIBLE
+    if np.any(straight):
+        planes[straight, :, 1] = 0.0
+    count, sides, _ = planes.shape
+    start = np.arange(count + 1, dtype=np.int64) * sides
+    return SpeedRegions(start, planes.reshape(-1, 3), np.zeros(count), most, FARTHEST * likely, ())
 
 
 def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
@@ -98,81 +121,111 @@ def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
     )
 
 
-def _likely_speed(A: Array, lower: Array, upper: Array, effect: Array, length: float) -> float:
-    """The x that the accelerations of some samples at rest reach along the whole path; infinity where u has no effect.
+def _at_rest(effect: Array) -> NDArray[np.bool_]:
+    """Samples at which u moves nothing but by rounding, Shape (N,)."""
+    return np.asarray(effect[:, -2] <= REST_TOLERANCE * np.max(effect[:, -2]))
+
+
+def _likely_speed(rates: Array, most: Array, length: float, ends: tuple[float, float]) -> float:
+    """The x that the accelerations of some samples at rest reach along the whole path, at least those of its ends.
+
+    Args:
+        rates: The largest u of samples at rest; none where u has no effect.
+        most: Largest x that velocities allow, Shape (N,).
+        length: Of the path.
+        ends: x at the first and the last sample.
+    """
+    if rates.size:
+        return max(*ends, 2 * length * float(np.median(rates)))
+    return max(*ends, float(np.max(most[np.isfinite(most)], initial=1.0)))
+
+
+def _probes(effect: Array) -> NDArray[np.int_]:
+    """Some samples at which u has an effect, Shape (N,)."""
+    moving = np.flatnonzero(effect)
+    return moving[np.unique(np.linspace(0, len(moving) - 1, PROBES).astype(int))] if moving.size else moving
+
+
+def _at_probes(A: Array, lower: Array, upper: Array, effect: Array) -> Array:
+    """The largest u of some samples at rest, at least that of a whole limit: some samples leave none.
 
     Args:
         A: Rows of [F, u, x], Shape (N, r, k).
         lower: Shape (N, r).
         upper: Shape (N, r).
         effect: Of u on the rows, Shape (N,).
-        length: Of the path.
     """
-    moving = np.flatnonzero(effect)
-    if not moving.size:
-        return np.inf
-    probes = moving[np.unique(np.linspace(0, len(moving) - 1, PROBES).astype(int))]
-    A = A[probes]
-    A[:, :, -2] /= effect[probes, None]
-    bounds = np.full((len(probes), A.shape[2]), np.inf)
-    bounds[:, -2:] = BOX, 0.0
-    number, corners, _ = speed_kernel().projections(
-        A, np.concatenate([lower[probes], -bounds], axis=1), np.concatenate([upper[probes], bounds], axis=1)
-    )
+    probes = _probes(effect)
+    scale = np.ones((len(probes), A.shape[2]))
+    scale[:, -2] /= effect[probes]
+    bound = np.tile([BOX, 0.0], (len(probes), 1))
+    number, corners, _ = speed_kernel().projections(A[probes], lower[probes], upper[probes], scale, (-bound, bound))
     real = np.arange(corners.shape[1]) < number[:, None]
-    # at least the u of a whole limit: some samples leave none at rest
-    fastest = np.max(np.where(real, np.abs(corners[:, :, 0]), 0.0), axis=1, initial=1.0)
-    return 2 * length * float(np.median(fastest / effect[probes]))
+    largest: Array = np.max(np.where(real, np.abs(corners[:, :, 0]), 0.0), axis=1, initial=1.0)
+    return largest / effect[probes]
+
+
+def _rates_at_probes(planes: Array, effect: Array) -> Array:
+    """`_at_probes` of half-planes, Shape (N, e, 3)."""
+    probes = _probes(effect)
+    per_u, limit = planes[probes, :, 0] / effect[probes, None], planes[probes, :, 2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ends = limit / per_u
+    most = np.min(np.where(per_u > 0, ends, BOX), axis=1, initial=BOX)
+    least = np.max(np.where(per_u < 0, ends, -BOX), axis=1, initial=-BOX)
+    empty = (least > most) | np.any((per_u == 0) & (limit < 0), axis=1)
+    return np.maximum(np.where(empty, 1.0, np.maximum(np.abs(least), np.abs(most))), 1.0) / effect[probes]
 
 
 def _starts(counts: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
 
 
-def _by_rows(A: Array, lower: Array, upper: Array, unit: Array, most: Array, bound: float) -> SpeedRegions:
-    """Every row is two half-planes."""
-    count = len(A)
+def _both_sides(A: Array, lower: Array, upper: Array) -> Array:
+    """Every side of rows over u and x that has a limit, as half-planes, Shape (N, e, 3)."""
     sides = np.concatenate([A, -A], axis=1)
     limit = np.concatenate([upper, -lower], axis=1)
-    sample, row = np.nonzero(np.isfinite(limit))
-    planes = np.column_stack([sides[sample, row] / unit[sample], limit[sample, row]])
-    start = _starts(np.bincount(sample, minlength=count))
-    return SpeedRegions(start, planes, np.zeros(count), most, bound, ())
+    limited = np.any(np.isfinite(limit), axis=0)
+    return np.concatenate([sides[:, limited], limit[:, limited, None]], axis=2)
 
 
-def _projections(A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+Programs = tuple[Array, Array, Array, Array]
+"""A, lower, upper and scale of projections; see `mrts.kernel.programs.Programs.projections`."""
+
+
+def _projections(given: Programs, bounds: tuple[Array, Array]) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
     """The projections of all samples; what the kernel did not decide, once more over other free unknowns.
 
     Along principal directions of the rows unknowns do not replace each other but for a small rest, whose multiplier is
     too small to be told from rounding.
     """
     kernel = speed_kernel()
-    number, corners, status = kernel.projections(A, lower, upper)
+    number, corners, status = kernel.projections(*given, bounds)
     again = np.flatnonzero((status != OPTIMAL) & (status != INFEASIBLE))
     if again.size:
-        turned, free = A[again], A.shape[2] - 2
+        A, lower, upper, scale = (part[again] for part in given)
+        turned, free = A * scale[:, None, :], A.shape[2] - 2
         directions, sizes, _ = np.linalg.svd(turned[:, :, :free], full_matrices=False)
         used = sizes > NO_DIRECTION * sizes[:, :1]
         turned[:, :, :free] = 0.0
         turned[:, :, : used.shape[1]] = directions * used[:, None, :]
-        number[again], corners[again], status[again] = kernel.projections(turned, lower[again], upper[again])
+        its_bounds = bounds[0][again], bounds[1][again]
+        number[again], corners[again], status[again] = kernel.projections(
+            turned, lower, upper, np.ones_like(scale), its_bounds
+        )
     return number, corners, status
 
 
-def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Array, bound: float) -> SpeedRegions:
-    count, _, unknowns = A.shape
+def _by_projection(given: Programs, unit: Array, most: Array, bound: float) -> SpeedRegions:
+    _, lower, upper, _ = given
+    count = len(unit)
     scale = np.where(np.isfinite(unit[:, -1]), unit[:, -1], 0.0)
     box = np.minimum(bound / np.where(scale > 0, scale, 1.0), BOX)
     cap = np.minimum(most / np.where(scale > 0, scale, 1.0), box)
-    least, largest = np.full((count, unknowns), -np.inf), np.full((count, unknowns), np.inf)
-    least[:, -2], largest[:, -2] = -BOX, BOX
-    least[:, -1], largest[:, -1] = 0.0, cap
-    for column in (-2, -1):
-        still = np.isinf(unit[:, column])
-        least[still, column] = largest[still, column] = 0.0
-    number, corners, status = _projections(
-        A, np.concatenate([lower, least], axis=1), np.concatenate([upper, largest], axis=1)
-    )
+    moves = np.isfinite(unit[:, -2:])
+    least = np.where(moves, [-BOX, 0.0], 0.0)
+    largest = np.where(moves, np.column_stack([np.full(count, BOX), cap]), 0.0)
+    number, corners, status = _projections(given, (least, largest))
     corners = corners[:, : max(int(np.max(number)), 1)]
     place = np.arange(corners.shape[1])
     real = place < number[:, None]

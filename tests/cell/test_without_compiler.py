@@ -60,12 +60,15 @@ def test_projections_are_those_of_the_kernel():
     rng = np.random.default_rng(8)
     count, rows, unknowns = 40, 12, 5
     A = rng.normal(size=(count, rows, unknowns))
-    box = np.full((count, unknowns), 3.0)
     lower, upper = -rng.uniform(0.1, 1, (count, rows)), rng.uniform(0.1, 1, (count, rows))
-    lower[:4, 0], upper[:4, 0] = 100, 101  # further out than the box reaches
-    limits = np.concatenate([lower, -box], axis=1), np.concatenate([upper, box], axis=1)
-    number, corners, status = KernelWithoutCompiler.projections(A, *limits)
-    other_number, other_corners, other_status = default_programs().projections(A, *limits)
+    lower[:4, 0], upper[:4, 0] = 100, 101  # further out than the other rows reach
+    A[:, 1:4, :3] = np.eye(3)
+    lower[:, 1:4], upper[:, 1:4] = -3.0, 3.0
+    A[:, 4:6, :3] = 0.0  # so that u and x are bounded
+    scale, bound = rng.uniform(0.5, 2, (count, unknowns)), np.full((count, 2), 3.0)
+    given = A, lower, upper, scale, (-bound, bound), np.arange(rows - 1, dtype=np.int32)
+    number, corners, status = KernelWithoutCompiler.projections(*given)
+    other_number, other_corners, other_status = default_programs().projections(*given)
     assert np.all(status == np.where(np.arange(count) < 4, INFEASIBLE, OPTIMAL))
     assert np.all((other_status == OPTIMAL) == (status == OPTIMAL))
     angles = np.linspace(0, 2 * np.pi, 64)
