@@ -1,6 +1,5 @@
 """Variants solved at once are those that `mrts.scale` solves one by one."""
 
-import os
 from collections import Counter
 from dataclasses import replace
 
@@ -8,6 +7,7 @@ import cell_bank
 import numpy as np
 import pytest
 from conftest import DATA
+from draws import draws
 from study_files import planar_study
 from wide_studies import wide_study
 
@@ -27,9 +27,6 @@ SHIPPED = {
     "planar": (DATA / "cell.yaml", DATA / "lift.yaml"),
     "squeeze": (SQUEEZE / "cell.yaml", SQUEEZE / "lift_and_turn.yaml"),
 }
-
-MORE = int(os.environ.get("MORE_VARIANTS", "1"))
-"""Times as many of each study; `make fuzz` solves more of them."""
 
 STUDIES = {
     "dual near": ("dual", {"spread": 0.05, "count": 30}),
@@ -73,7 +70,7 @@ def compare(study, count):
 @pytest.mark.parametrize("name", STUDIES)
 def test_variants_of_shipped_cells(name, tmp_path):
     cell, how = STUDIES[name]
-    count = MORE * how["count"]
+    count = draws(how["count"])
     met = compare(wide_study(tmp_path, *SHIPPED[cell], **how | {"count": count}), count)
     assert met.keys() >= SEEN.get(name, {"feasible"}), met
 
@@ -86,7 +83,7 @@ def test_variants_of_shipped_cells(name, tmp_path):
 ])  # fmt: skip
 def test_variants_of_random_cells(draw, arms, seed, tmp_path):
     drawn = draw(np.random.default_rng(seed), tmp_path, arms)
-    count = 15 * MORE
+    count = draws(15)
     compare(wide_study(tmp_path, drawn.cell_file, drawn.motion_file, spread=0.02, count=count, seed=seed), count)
 
 
