@@ -57,22 +57,17 @@ class PlanarTriangles:
         """By how much the cosine is beyond ±1, Shape (…, N)."""
         return np.abs(self.cosine) - 1
 
-    def branches(self, samples: int | None = None) -> tuple[Array, Array]:
-        """Both elbow branches, each Shape (…, N, 3) [rad], continuous in time; out of reach as near as it comes.
-
-        Args:
-            samples: How many of the first are wanted; None takes all.
-        """
-        wrist, tip_angle = self.wrist[..., :samples, :], self.tip_angle[..., :samples]
-        bend = np.arccos(np.clip(self.cosine[..., :samples], -1, 1))
-        toward = np.arctan2(wrist[..., 1], wrist[..., 0])
+    def branches(self) -> tuple[Array, Array]:
+        """Both elbow branches, each Shape (…, N, 3) [rad], continuous in time; out of reach as near as it comes."""
+        bend = np.arccos(np.clip(self.cosine, -1, 1))
+        toward = np.arctan2(self.wrist[..., 1], self.wrist[..., 0])
 
         def branch(sign: float) -> Array:
             turn = sign * bend  # from link 1 to link 2
             inner = np.arctan2(self.lengths[1] * np.sin(turn), self.lengths[0] + self.lengths[1] * np.cos(turn))
             first = toward - inner - self.link_angles[0]
             second = first + self.link_angles[0] + turn - self.link_angles[1]
-            absolute = np.stack([first, second, tip_angle], axis=-1)
+            absolute = np.stack([first, second, self.tip_angle], axis=-1)
             return np.unwrap(np.diff(absolute, axis=-1, prepend=0.0) * self.signs, axis=-2)
 
         return branch(-1.0), branch(1.0)
