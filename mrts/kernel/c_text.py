@@ -16,20 +16,11 @@ PROGRAM_FILES = (
 """The programs, which need no cell."""
 
 CELL_FILES = (
-    *(
-        *PROGRAM_FILES,
-        "basis/kept_basis.c",
-        "lanes/lanes.c",
-        "lanes/forms.c",
-        "rows.c",
-        "speed_intervals.c",
-        "trajectory.c",
-        "one_unknown/one_unknown.c",
-        "tracking/null_space.c",
-        "tracking/tracking.c",
-    ),
+    *(*PROGRAM_FILES, "basis/kept_basis.c", "lanes/lanes.c", "lanes/forms.c", "rows.c", "speed_intervals.c"),
+    *("trajectory.c", "one_unknown/one_unknown.c"),
+    *(f"tracking/{name}.c" for name in ("null_space", "tracking", "quick_sample", "path")),
     *(f"dense/{name}.c" for name in ("path_places", "path_rows", "widening")),
-    *(f"variants/{name}.c" for name in ("quick_sample", "follow", "end_rows", "ranges")),
+    *(f"variants/{name}.c" for name in ("follow", "end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""
 
