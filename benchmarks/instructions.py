@@ -38,7 +38,14 @@ def samples_file(path: Path, cell: mrts.Cell, motion: mrts.CoordinatedMotion) ->
         np.minimum(limits.upper, 1e300),
         np.unique([name.unit for name in limits.names], return_inverse=True)[1],
     ]
-    parts = [np.array([motion.samples, len(matrix), cell.geometry.size]), *inputs.values(), start, column, matrix[row, column], *ends]
+    parts = [
+        np.array([motion.samples, len(matrix), cell.geometry.size]),
+        *inputs.values(),
+        start,
+        column,
+        matrix[row, column],
+        *ends,
+    ]
     path.write_bytes(b"".join(np.ascontiguousarray(part, dtype=np.float64).tobytes() for part in parts))
 
 
