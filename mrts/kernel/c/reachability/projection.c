@@ -173,7 +173,7 @@ MRTS_LOCAL int mrts_project(mrts_polytope *in, mrts_outline *outline, int *count
     const int k = in->k;
     mrts_polygon found;
     found.count = 0;
-    found.places = work + MRTS_LP_WORK(k) + MRTS_FURTHEST_WORK(k);
+    found.places = work + MRTS_FURTHEST_WORK(k, in->rows);
     found.bases = iwork + MRTS_LP_IWORK(k, in->rows);
     const int known = outline->count > 2, all = known && mrts_known_corners(in, outline, &found);
     if (!all || !mrts_is_closed(in, &found)) {
