@@ -6,6 +6,8 @@ override PIP := $(BIN)/python -I -m pip
 WORKERS ?= auto
 CASES ?= 100000
 SEED ?= 0
+BEFORE ?=
+VARIANTS ?= 20000
 
 .DEFAULT_GOAL := help
 .PHONY: help install demo quick test fuzz docs check bench instructions embedded-counts generate clean
@@ -82,23 +84,27 @@ check: install  ## lint, format and types
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy -p mrts -p mrts_codegen
 
-bench: install $(VENV)/bench  ## measure speed against what a user would otherwise run
-	$(BIN)/python benchmarks/range_speed.py
-	$(BIN)/python benchmarks/fast_path.py
-	$(BIN)/python benchmarks/one_arm_timing.py
-	$(BIN)/python benchmarks/uncertain_load.py
-	$(BIN)/python benchmarks/variants/rates.py
-	$(BIN)/python benchmarks/retiming.py
+bench: install $(VENV)/bench  ## measure speed against what a user would otherwise run, and against the revision BEFORE
+	$(BIN)/python benchmarks/table.py $(BEFORE)
+	$(BIN)/python benchmarks/range/ranges.py
+	$(BIN)/python benchmarks/range/against_daqp.py
+	$(BIN)/python benchmarks/range/growth.py
+	$(BIN)/python benchmarks/range/uncertain_load.py
+	$(BIN)/python benchmarks/timing/parts_of_retime.py
+	$(BIN)/python benchmarks/timing/one_arm_timing.py
+	$(BIN)/python benchmarks/timing/two_arm_timing.py
 	$(BIN)/python benchmarks/smooth_timing.py
 	$(BIN)/python benchmarks/closed_loop.py
-	$(BIN)/python benchmarks/generation_cost.py
-	$(BIN)/python benchmarks/sweep_speed.py
+	$(BIN)/python benchmarks/startup/end_to_end.py
+	$(BIN)/python benchmarks/startup/generation_cost.py
+	$(BIN)/python benchmarks/variants/rates.py
+	$(BIN)/python benchmarks/variants/sweep_speed.py $(VARIANTS)
 
 instructions: install  ## count instructions of a sample (needs gcc and valgrind)
-	$(BIN)/python benchmarks/instructions.py
+	$(BIN)/python benchmarks/range/instructions.py
 
 embedded-counts: install  ## count instructions on a Cortex-M7 (needs qemu-system-arm and an ARM compiler)
-	$(BIN)/python benchmarks/embedded_counts.py
+	$(BIN)/python benchmarks/embedded/embedded_counts.py
 
 generate: install  ## regenerate the committed C of the shipped cells
 	$(BIN)/mrts generate mrts/data/planar_dual_arm/cell.yaml -o generated/planar_dual_arm

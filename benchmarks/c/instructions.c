@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Ranges and torques of samples read from a file, for counting instructions. The cell's library text comes first.
- * The file: samples and rows as doubles, then the seven inputs, then start, column, value, lower, upper, group. */
+ * The file: samples, rows and numbers of the geometry as doubles, then the eight inputs, then start, column, value, lower, upper, group. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -18,14 +18,14 @@ static int *take_ints(FILE *file, size_t count) {
 }
 
 int main(int arguments, char **argument) {
-    static const int size[MRTS_INPUTS] = {MRTS_JOINTS, MRTS_JOINTS, MRTS_JOINTS, 9, 6, 6, 10};
     enum { K = MRTS_UNKNOWNS };
     FILE *file = fopen(argument[arguments - 1], "rb");
-    const double *head = take(file, 2), *in[MRTS_INPUTS];
+    const double *head = take(file, 3), *in[MRTS_INPUTS];
     const long long n = (long long)head[0], rows = (long long)head[1];
+    const int size[MRTS_INPUTS] = {MRTS_JOINTS, MRTS_JOINTS, MRTS_JOINTS, 9, 6, 6, 10, (int)head[2]};
     long long stride[MRTS_INPUTS];
     for (int i = 0; i < MRTS_INPUTS; ++i) {
-        const int repeated = i == MRTS_INPUTS - 1;
+        const int repeated = i >= MRTS_INPUTS - 2;
         in[i] = take(file, (size_t)(repeated ? size[i] : n * size[i]));
         stride[i] = repeated ? 0 : size[i];
     }

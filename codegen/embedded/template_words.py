@@ -59,7 +59,7 @@ def memory_words(manifest: Manifest, limits: EmbeddedLimits, precision: Precisio
     rows, velocities = len(limits.lower), len(limits.velocity)
     k = size * (robots - 1) + 1
     motor_settings, motor_reals, motor_integers = motor_memory(limits, joints, k)
-    reals = (k + 1) * (joints + size * robots) + rows * (k + 3) + 2 * k + 3 * k * k + 7 * k + motor_reals
+    reals = (k + 1) * (joints + size * robots) + rows * (k + 3) + 3 * k + 3 * k * k + 7 * k + motor_reals
     reals += 0 if limits.base is None else (k + 1) * size * robots
     integers = 2 * k + 2 * rows + 6 * k + motor_integers
     settings = len(LOAD_ENTRIES) + 2 * rows + velocities + joints + motor_settings

@@ -189,7 +189,8 @@ def _closed(cell: Cell, motion: CoordinatedMotion) -> bool:
     """Whether the samples hold their grasps exactly; those that were given with small gaps have them between too."""
     if motion.course is not None:
         return motion.course.closed
-    some = motion.at(np.unique(np.linspace(0, motion.samples - 1, CHECKED).astype(np.intp)))
+    places = dict.fromkeys(np.linspace(0, motion.samples - 1, CHECKED).astype(np.intp).tolist())
+    some = motion.at(np.array(list(places)))
     return _held(cell, some.object, tip_motions(cell, some.q, some.dq, some.ddq))
 
 

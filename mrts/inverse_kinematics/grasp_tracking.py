@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from mrts.base.arrays import Array, apply
 from mrts.base.errors import MotionError
+from mrts.base.rigid_transform import vectors_from_rotations
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.inverse_kinematics.joint_limits import joint_limit_failure
@@ -370,7 +370,7 @@ def _pose_error(
     positions = poses["position"].reshape(-1, 3, len(cell.robots))
     off = p_world_tip - positions[:, :, index]
     rotations = poses["rotation"][:, :, 3 * index : 3 * index + 3]
-    turned = Rotation.from_matrix(R_world_tip @ rotations.transpose(0, 2, 1)).as_rotvec()
+    turned = vectors_from_rotations(R_world_tip @ rotations.transpose(0, 2, 1))
     sizes = np.column_stack([np.linalg.norm(off, axis=1), np.linalg.norm(turned, axis=1)])
     R = robot.T_world_base.R
     return np.concatenate([off @ R, turned @ R], axis=1)[:, cell.wrench_rows], sizes

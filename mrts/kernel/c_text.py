@@ -3,8 +3,8 @@
 
 import re
 from functools import cache
-from importlib.resources import files
 from itertools import accumulate
+from pathlib import Path
 from posixpath import dirname, join, normpath
 
 from mrts.base.manifest import Manifest
@@ -16,7 +16,17 @@ PROGRAM_FILES = (
 """The programs, which need no cell."""
 
 CELL_FILES = (
-    *(*PROGRAM_FILES, "rows.c", "speed_intervals.c", "trajectory.c", "tracking/null_space.c", "tracking/tracking.c"),
+    *(
+        *PROGRAM_FILES,
+        "basis/kept_basis.c",
+        "lanes/lanes.c",
+        "rows.c",
+        "speed_intervals.c",
+        "trajectory.c",
+        "one_unknown/one_unknown.c",
+        "tracking/null_space.c",
+        "tracking/tracking.c",
+    ),
     *(f"variants/{name}.c" for name in ("quick_sample", "follow", "end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""
@@ -24,17 +34,19 @@ CELL_FILES = (
 SMOOTH_FILES = tuple(f"smooth/{name}.c" for name in ("smooth_rows", "smooth_second", "fronts", "interior_point"))
 """The programs of smooth timing, which need no cell either."""
 
-INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.h)"\n', re.MULTILINE)
+INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.(?:h|inc))"\n', re.MULTILINE)
 
 
 def one_file(name: str) -> str:
     """The text of a file in mrts/kernel/c, such as "linear_programs.c"."""
-    return (files("mrts") / "kernel" / "c" / name).read_text(encoding="utf-8")
+    return (Path(__file__).parent / "c" / name).read_text(encoding="utf-8")
 
 
 @cache
 def one_text(names: tuple[str, ...]) -> str:
     """Some C files of the kernel, in order, as one text: each header of ours stands where it is first included.
+
+    What is to be read more than once ends in .inc, and stands wherever it is included.
 
     Args:
         names: Of files in mrts/kernel/c, such as "linear_programs.c", or "smooth/fronts.c".
@@ -42,7 +54,7 @@ def one_text(names: tuple[str, ...]) -> str:
     taken: set[str] = set()
 
     def text(name: str) -> str:
-        if name in taken:
+        if name in taken and name.endswith(".h"):
             return ""
         taken.add(name)
         return INCLUDED.sub(lambda found: text(normpath(join(dirname(name), found.group(1)))), one_file(name))
@@ -65,6 +77,7 @@ def cell_source(manifest: Manifest, generated: str) -> str:
     symbol = {name: record.symbol for name, record in manifest.functions.items()}
     components, joints = len(manifest.wrench_components), [len(robot.joints) for robot in manifest.robots]
     first = list(accumulate(joints, initial=0))
+    sizes = [one.shape[0] * one.shape[1] for one in manifest.functions["wrench_form"].inputs]
     macros = {
         "MRTS_LOCAL": "static",
         "MRTS_JOINTS": first[-1],
@@ -74,6 +87,8 @@ def cell_source(manifest: Manifest, generated: str) -> str:
         "MRTS_SIZE": components,
         "MRTS_WRENCHES": components * len(manifest.robots),
         "MRTS_INPUTS": len(manifest.functions["wrench_form"].inputs),
+        "MRTS_INPUT_SIZES": f"{{{', '.join(map(str, sizes))}}}",
+        "MRTS_INPUT_NUMBERS": sum(sizes),
         "MRTS_UNKNOWNS": components * (len(manifest.robots) - 1) + 1,
         "MRTS_WRENCH_FORM": symbol["wrench_form"],
         "MRTS_KINEMATICS": symbol["kinematics"],
@@ -84,4 +99,46 @@ def cell_source(manifest: Manifest, generated: str) -> str:
         macros["MRTS_GEOMETRIC_STIFFNESS"] = symbol["geometric_stiffness"]
         macros["MRTS_GEOMETRIC_STIFFNESS_RATE"] = symbol["geometric_stiffness_rate"]
     defined = "".join(f"#define {name} {value}\n" for name, value in macros.items())
-    return f"{generated}\n{defined}{one_text(CELL_FILES)}"
+    form = form_of_lanes(generated, symbol["wrench_form"])
+    defined += "" if form else "#define MRTS_NO_LANES\n"
+    return f"{generated}\n{defined}{one_text(CELL_FILES)}\n{form}"
+
+
+STATEMENTS = (
+    (r"(a\d+)=arg\[(\d+)\]\? arg\[\2\]\[(\d+)\] : 0;", r"\1=arg[\2][\3];"),
+    (r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=(a\d+);", r"res[\1][\2]=\3;"),
+    (r"(a\d+)=(-?\d[\d.e+-]*);", r"\1=MRTS_V_OF(\2);"),
+    (r"(a\d+)=(sin|cos|sqrt|fabs)\((a\d+)\);", r"for (int lane = 0; lane < MRTS_LANES; ++lane) \1[lane]=\2(\3[lane]);"),
+    (r"(a\d+)=casadi_sq\((a\d+)\);", r"\1=(\2*\2);"),
+    (r"(a\d+)=\((?:-|a\d+[-+*/])a\d+\);", r"\g<0>"),
+    (r"casadi_real ((?:a\d+, )*a\d+);", r"mrts_lanes \1;"),
+    (r"return 0;", ""),
+)
+"""Statements of a generated function, and the same of lanes."""
+
+
+def form_of_lanes(generated: str, symbol: str) -> str:
+    """The generated wrench form for samples side by side, see lanes/lanes.h; nothing where it has statements of another kind.
+
+    Args:
+        generated: A cell's generated C.
+        symbol: Of its wrench form.
+    """
+    called = re.search(rf"int {symbol}\(const casadi_real.*\n  return (\w+)\(", generated)
+    body = called and re.search(rf"static int {called[1]}\([^\n]*\{{\n(.*?)\n\}}\n", generated, re.DOTALL)
+    lines = []
+    for line in body[1].splitlines() if body else ():
+        found = ((re.fullmatch(old, line.strip()), new) for old, new in STATEMENTS)
+        matched = next((match.expand(new) for match, new in found if match), None)
+        if matched is None:
+            return ""
+        lines.append(matched)
+    if not lines:
+        return ""
+    kinds = ("", "mrts_form_of_lanes"), ("MRTS_WIDE ", "mrts_form_of_wide_lanes")
+    plain, wide = (
+        f"{kind}void {name}(const mrts_lanes *const *arg, mrts_lanes *const *res) {{\n" + "\n".join(lines) + "\n}\n"
+        for kind, name in kinds
+    )
+    of = "#define MRTS_V_OF(value) ((mrts_lanes){0} + (value))\n"
+    return f"#if MRTS_LANES > 1\n{of}{plain}#ifdef MRTS_WIDE\n{wide}#endif\n#endif\n"

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, freeze
 from mrts.base.errors import InputError, as_array
 from mrts.base.remark import Remark
+from mrts.base.rigid_transform import vectors_from_rotations
 
 ORTHOGONAL = 1e-6
 """Largest entry of R Rᵀ - I: matrices from tables carry few digits."""
@@ -86,7 +86,7 @@ class ObjectMotion:
         freeze(self)
         if not smooth:
             return
-        steps = Rotation.from_matrix(self.rotation[1:] @ self.rotation[:-1].transpose(0, 2, 1)).as_rotvec()
+        steps = vectors_from_rotations(self.rotation[1:] @ self.rotation[:-1].transpose(0, 2, 1))
         turned = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
         noise = noise_allowed(np.column_stack([self.position, turned]), self.twist)
         check_derivatives("position", time, self.position, self.twist[:, :3], self.acceleration[:, :3], noise)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Where between the samples a range of c² would be narrower, and which samples must be added for that."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -276,7 +276,7 @@ def _doubtful(known: Ends, allowed: tuple[float, float] | None, *, everywhere: b
     if allowed is None:
         return np.zeros(0, dtype=np.intp)
     both = (doubtful_gaps(known.time, of, most) for of, most in zip(known.rising(), allowed, strict=True))
-    return np.union1d(*both)
+    return _distinct(gap for gaps in both for gap in gaps.tolist())
 
 
 def _left(known: Ends, allowed: tuple[float, float] | None, worst: Excess) -> Excess:
@@ -306,4 +306,9 @@ def _needed(looked: Looked, asked: Asked, whole: tuple[float, float], left: Exce
                 added.append(places[np.argmax(share)])
         else:
             left = _worse(left, looked.ends, places, share, side)
-    return np.unique(np.array(added, dtype=np.intp)), left
+    return _distinct(map(int, added)), left
+
+
+def _distinct(places: Iterable[int]) -> NDArray[np.intp]:
+    """In order, each once; `np.unique` imports numpy.ma for that."""
+    return np.array(sorted(set(places)), dtype=np.intp)

@@ -11,13 +11,14 @@ from mrts.base.errors import InputError, SolverError
 from mrts.base.load_box import LoadPoint
 from mrts.reachability.fastest_profile import Obstacle, SpeedProfile, fastest_profile
 from mrts.reachability.speed_conflict import sample_conflict, segment_conflict
-from mrts.reachability.speed_regions import SpeedRegions, intersect_regions, speed_regions
+from mrts.reachability.speed_regions import SpeedRegions, intersect_regions, regions_of_planes, speed_regions
 from mrts.reachability.successive_profiles import successive_profiles
 from mrts.retiming.path_pieces import NoPath, PathPiece, closed_piece, path_pieces
 from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import FastestPiece, fastest_piece
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
+from mrts.samples.trajectory_programs import motion_planes
 from mrts.scaling.guaranteed_range import effective_parameters
 from mrts.scaling.result import ScalingResult
 
@@ -113,9 +114,15 @@ class _Search:
         parts, with_root = [], []
         for number, point in enumerate(self.points):
             progress(number, len(self.points))
+            length = float(np.sum(self.piece.step))
+            load, sharing = None if point is None else point.load, self.constant.rule.sharing
+            known = motion_planes(self.constant.cell, self.piece.path, sharing, load)
+            if known is not None:
+                parts.append(regions_of_planes(*known, length, self.ends))
+                continue
             problem = self._problem(point)
             if problem.speed is None:
-                parts.append(speed_regions(problem, float(np.sum(self.piece.step)), self.ends))
+                parts.append(speed_regions(problem, length, self.ends))
             else:
                 with_root.append(problem)
         if with_root:

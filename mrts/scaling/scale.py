@@ -132,7 +132,7 @@ def scale(
     found = admissible_range(cell, given, question, rule, solver, tolerance, progress)
     found, factors = within_rate_limits(cell, found, rule)
     remarks = motion_remarks(cell, given, found.range)
-    added = np.setdiff1d(found.motion.object.time, given.object.time)
+    added = np.setdiff1d(found.motion.object.time, given.object.time, assume_unique=True)
     untouched = ScalingResult(
         cell=cell,
         motion=found.motion,

@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -181,13 +182,11 @@ def test_quiet_also_silences_what_the_library_remarks(tmp_path):
 
 @pytest.mark.quick
 def test_help_has_examples_and_imports_nothing_heavy():
-    names = [name for verb in VERBS for name in re.findall(r"`mrts (\w+)`", verb.__doc__)]
-    assert len(names) == len(VERBS)
     script = (
         "import sys\nfrom mrts.cli import main\ntry:\n    main(sys.argv[1:])\nexcept SystemExit: pass\n"
         f"print([name for name in {HEAVY!r} if name in sys.modules])"
     )
-    for words in (["--help"], *([name, "--help"] for name in names)):
+    for words in (["--help"], *([name, "--help"] for name in VERBS)):
         done = subprocess.run([sys.executable, "-c", script, *words], capture_output=True, text=True, check=True)
         text, heavy = done.stdout.rstrip().rsplit("\n", 1)
         assert heavy == "[]"
@@ -205,7 +204,7 @@ def test_every_example_of_the_help_is_understood(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     ran = 0
     for verb in VERBS:
-        for line in verb.EXAMPLES.splitlines()[1:]:
+        for line in import_module(f"mrts.commands.{verb}").EXAMPLES.splitlines()[1:]:
             command = re.split(r"\s{2,}|\s\|", line.strip())[0].split()
             if command[0] == "mrts" and command[1] != "view" and "tcp://" not in line:
                 # view serves until Ctrl-C, see test_viewer.py; a cluster is in test_dask.py

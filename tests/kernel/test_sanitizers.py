@@ -111,7 +111,7 @@ SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scal
         [SANITIZED_SMOOTH, ROOT / "tests" / "cases"],
         [
             SANITIZED_VARIANTS,
-            ROOT / "tests" / "helpers",
+            ROOT / "tests" / "study_cases",
             DATA / "cell.yaml",
             DATA / "lift.yaml",
             UR5 / "cell.yaml",
@@ -119,8 +119,9 @@ SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scal
         ],
         [SANITIZED_SCALING, DATA / "cell.yaml", DATA / "lift.yaml"],
         [SANITIZED_SCALING, UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml"],
+        [SANITIZED_SCALING, DATA / "cell.yaml", DATA / "lift.yaml", "--share", "equal", "--profile", "optimal"],
     ],
-    ids=["programs", "smooth", "variants", "planar", "spatial"],
+    ids=["programs", "smooth", "variants", "planar", "spatial", "shared"],
 )
 def test_the_library_is_clean_under_sanitizers(command, private_cache):
     """The same library, compiled with AddressSanitizer and UndefinedBehaviorSanitizer, under the whole Python path."""

@@ -6,6 +6,7 @@
  * edge, until each chord lies below the parabola or is an edge. So all ends are on chords of feasible points.
  */
 #include "speed_intervals.h"
+#include "basis/kept_basis.h"
 
 /* How far a point may be off the parabola, relative to it. */
 #ifdef MRTS_SINGLE
@@ -104,17 +105,12 @@ static int mrts_outermost(mrts_curve *curve, mrts_real gx, mrts_real gy, int *ba
                           mrts_real *of_cut) {
     const int n = curve->n;
     mrts_real *g = curve->work, *z = g + n, *dual = z + n;
-    int entering, status = MRTS_STOPPED;
+    int entering;
     for (int j = 0; j < n; ++j) g[j] = 0;
     g[n - 2] = gx;
     g[n - 1] = gy;
-    for (int attempt = 0; attempt < 2; ++attempt) {
-        const int cold = basis[0] == 0;
-        status = mrts_lp(n, curve->rows, curve->A, curve->lower, curve->upper, g, basis, z, dual, &entering, dual + n,
-                         curve->iwork);
-        if (status == MRTS_OPTIMAL || cold) break;
-        basis[0] = 0;
-    }
+    const int status = mrts_lp_again(n, curve->rows, curve->A, curve->lower, curve->upper, g, basis, z, dual, &entering,
+                                     dual + n, curve->iwork);
     *of_cut = 0;
     if (status != MRTS_OPTIMAL) {
         basis[0] = 0;

@@ -3,12 +3,11 @@
  * The range of c^2 and the torques along a whole trajectory: the generated wrench form evaluated at each sample, its
  * rows put together, and the programs solved, each started from the answer at the sample before.
  */
+#include "lanes/lanes.h"
+#include "basis/kept_basis.h"
 #include "quadratic_programs.h"
 #include "speed_intervals.h"
 #include "trajectory.h"
-
-/* Inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load, geometry unless it is folded in. */
-enum { MRTS_ROTATION = 3 };
 
 /* Evaluates the wrench form of a sample and builds its rows: 1 if they are finite, 0 if not, -1 if the form failed. */
 static int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
@@ -28,7 +27,7 @@ static int mrts_rows_of_sample(const double *const *in, const long long *stride,
 
 /* Reals and ints of work of mrts_ranges and mrts_torques for so many rows of limits. */
 MRTS_EXPORT void mrts_ranges_work(int rows, long long *reals, long long *ints) {
-    *reals = MRTS_ROWS_WORK(MRTS_UNKNOWNS, rows) + MRTS_LP_WORK(MRTS_UNKNOWNS);
+    *reals = MRTS_ROWS_WORK(MRTS_UNKNOWNS, rows) + MRTS_LP_WORK(MRTS_UNKNOWNS) + MRTS_LANE_WORK(MRTS_UNKNOWNS, rows);
     *ints = MRTS_ROWS_IWORK(rows) + MRTS_LP_IWORK(MRTS_UNKNOWNS, rows);
 }
 
@@ -36,6 +35,102 @@ MRTS_EXPORT void mrts_torques_work(int rows, long long *reals, long long *ints) 
     *reals = MRTS_ROWS_WORK(MRTS_UNKNOWNS, rows) + MRTS_QP_WORK(MRTS_UNKNOWNS - 1);
     *ints = MRTS_ROWS_IWORK(rows) + MRTS_QP_IWORK(MRTS_UNKNOWNS - 1, rows);
 }
+
+/* What mrts_ranges returns of each sample. */
+typedef struct {
+    double *end[2]; /* least and largest c^2 */
+    unsigned char *status[2];
+    double *effect;
+    short *basis[2];
+    float *dual[2];
+} mrts_found_ranges;
+
+/* Keeps an end of the range of a sample, of the answer's unknown c^2 in units of `column`, and what determines it. */
+static void mrts_keep_range(const mrts_limits *limits, const mrts_rows *rows, const mrts_found_ranges *found, long long n,
+                            int end, int status, double c2, double column, const int *basis, const double *y) {
+    enum { K = MRTS_UNKNOWNS };
+    found->status[end][n] = (unsigned char)status;
+    found->end[end][n] = end && c2 >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED) ? INFINITY : c2 * column;
+    for (int j = 0; j < K; ++j) {
+        found->basis[end][n * K + j] = basis[0] == 0 ? 0 : mrts_row_of_limits(limits, rows, basis[j]);
+        found->dual[end][n * K + j] = (float)y[j];
+    }
+}
+
+/* Solves both programs of one sample, whose rows are built, from the bases of the one before. */
+static void mrts_range_of_sample(const mrts_limits *limits, mrts_rows *rows, double most, long long n, int (*basis)[MRTS_UNKNOWNS],
+                                 const mrts_found_ranges *found, double *work, int *iwork) {
+    enum { K = MRTS_UNKNOWNS };
+    double g[K] = {0}, x[K], y[K] = {0}, column[K];
+    int entering, status = MRTS_OPTIMAL;
+    mrts_scale_columns(K, rows, column);
+    found->effect[n] = rows->size[K - 1] > MRTS_NO_EFFECT ? 1 / column[K - 1] : 0;
+    mrts_free_unknowns(K, rows);
+    mrts_bound_speed(K, most, column, rows);
+    for (int end = 0; end < 2; ++end) {
+        g[K - 1] = end ? -1 : 1;
+        x[K - 1] = 0;
+        if (status == MRTS_OPTIMAL) {
+            status = mrts_lp_again(K, rows->count, rows->A, rows->lower, rows->upper, g, basis[end], x, y, &entering, work,
+                                   iwork);
+        }
+        mrts_keep_range(limits, rows, found, n, end, status, x[K - 1], column[K - 1], basis[end], y);
+        if (status != MRTS_OPTIMAL) basis[end][0] = 0;
+        if (MRTS_LANES > 1 && basis[end][0]) mrts_order_basis(K, rows->count, rows->A, basis[end], work, iwork);
+    }
+}
+
+#if MRTS_LANES > 1
+/* The samples of a call in lanes: inputs that are the same for all stand there once. */
+typedef struct {
+    mrts_lane_functions functions;
+    mrts_lane_rows rows;
+    mrts_lanes numbers[MRTS_INPUT_NUMBERS], x[2][MRTS_UNKNOWNS], y[2][MRTS_UNKNOWNS];
+    mrts_lane_mask kept[2];
+    const mrts_lanes *arg[MRTS_INPUTS];
+    long long at[MRTS_LANES];
+} mrts_samples_in_lanes;
+
+static const int mrts_input_sizes[MRTS_INPUTS] = MRTS_INPUT_SIZES;
+
+/* Takes the inputs of samples from `first` on; beyond the last the last is repeated. */
+static void mrts_take_inputs(const double *const *in, const long long *stride, long long first, long long count, int all,
+                             mrts_samples_in_lanes *lanes) {
+    mrts_lanes *next = lanes->numbers;
+    for (int lane = 0; lane < MRTS_LANES; ++lane) lanes->at[lane] = first + lane < count ? first + lane : count - 1;
+    for (int i = 0; i < MRTS_INPUTS; next += mrts_input_sizes[i++]) {
+        lanes->arg[i] = next;
+        for (int lane = 0; lane < MRTS_LANES && (all || stride[i]); ++lane) {
+            const double *own = in[i] + lanes->at[lane] * stride[i];
+            for (int number = 0; number < mrts_input_sizes[i]; ++number) next[number][lane] = own[number];
+        }
+    }
+}
+
+/* Which samples the bases of the one before answer. */
+static void mrts_try_bases(int (*basis)[MRTS_UNKNOWNS], mrts_samples_in_lanes *lanes) {
+    for (int end = 0; end < 2; ++end) {
+        lanes->kept[end] = (mrts_lane_mask){0};
+        if (basis[end][0] == 0) continue;
+        lanes->functions.end(&lanes->rows, end ? -1 : 1, basis[end], lanes->x[end], lanes->y[end], lanes->kept + end);
+    }
+}
+
+/* Keeps the range of a sample whose ends the bases have answered. */
+static void mrts_keep_lane(const mrts_limits *limits, const mrts_samples_in_lanes *lanes, int lane,
+                           int (*basis)[MRTS_UNKNOWNS], const mrts_found_ranges *found) {
+    enum { K = MRTS_UNKNOWNS };
+    const long long n = lanes->at[lane];
+    const double column = lanes->rows.column[K - 1][lane];
+    found->effect[n] = lanes->rows.size[K - 1][lane] > MRTS_NO_EFFECT ? 1 / column : 0;
+    for (int end = 0; end < 2; ++end) {
+        double y[K];
+        for (int j = 0; j < K; ++j) y[j] = lanes->y[end][j][lane];
+        mrts_keep_range(limits, lanes->rows.of, found, n, end, MRTS_OPTIMAL, lanes->x[end][K - 1][lane], column, basis[end],
+                        y);
+    }
+}
+#endif
 
 /* Least and largest c^2 <= most of samples 0 .. count - 1. For each sample the status of both programs, the largest effect
  * of c^2 = 1 on a row, the rows that determine each end and their multipliers (see mrts_lp); the bounds of c^2 are row
@@ -47,58 +142,49 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
                             short *low_basis, short *high_basis, float *low_dual, float *high_dual, const double **arg,
                             double **res, long long *iw, double *w, double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS };
+    const mrts_found_ranges found = {{low, high},           {low_status, high_status}, effect,
+                                     {low_basis, high_basis}, {low_dual, high_dual}};
     double *lp_work = work + MRTS_ROWS_WORK(K, limits->rows);
-    int *lp_iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
-    double g[K], x[K], y[K], column[K];
-    int low_rows[K], high_rows[K], entering;
+    int *lp_iwork = iwork + MRTS_ROWS_IWORK(limits->rows), basis[2][K] = {{0}};
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
     double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
     mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
-    low_rows[0] = high_rows[0] = 0;
-    for (int j = 0; j < K; ++j) g[j] = 0;
+#if MRTS_LANES > 1
+    mrts_samples_in_lanes lanes;
+    lanes.functions = mrts_lane_functions_here();
+    lanes.rows.of = &rows;
+    lanes.rows.A = (mrts_lanes *)(void *)(lp_work + MRTS_LP_WORK(K));
+    lanes.rows.lower = lanes.rows.A + rows.count * K;
+    lanes.rows.upper = lanes.rows.lower + rows.count + K;
+    mrts_take_inputs(in, stride, 0, count, 1, &lanes);
+#endif
     for (long long n = 0; n < count; ++n) {
-        if (n % MRTS_CHUNK == 0) low_rows[0] = high_rows[0] = 0; /* so that chunks do not depend on each other */
-        const int built = mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows, arg, res, iw, w);
-        if (built < 0) return 1;
-        if (!built) {
-            low_status[n] = high_status[n] = MRTS_STOPPED;
-            low_rows[0] = high_rows[0] = 0;
+        if (n % MRTS_CHUNK == 0) basis[0][0] = basis[1][0] = 0; /* so that chunks do not depend on each other */
+#if MRTS_LANES > 1
+        const int lane = (int)(n % MRTS_LANES), in_lanes = !limits->base;
+        if (lane == 0 && in_lanes) {
+            mrts_take_inputs(in, stride, n, count, 0, &lanes);
+            lanes.functions.rows(lanes.arg, limits, terms, lanes.at, most, &lanes.rows);
+            mrts_try_bases(basis, &lanes);
+        }
+        if (in_lanes && lanes.kept[0][lane] && lanes.kept[1][lane]) {
+            mrts_keep_lane(limits, &lanes, lane, basis, &found);
             continue;
         }
-        mrts_scale_columns(K, &rows, column);
-        effect[n] = 0;
-        for (int i = 0; i < rows.count; ++i) {
-            if (rows.A[i * K + K - 1] != 0) effect[n] = 1 / column[K - 1];
+#endif
+        const int built = mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows, arg, res, iw, w);
+        if (built < 0) return 1;
+        if (built) {
+            mrts_range_of_sample(limits, &rows, most[n], n, basis, &found, lp_work, lp_iwork);
+        } else {
+            low_status[n] = high_status[n] = MRTS_STOPPED;
+            basis[0][0] = basis[1][0] = 0;
         }
-        mrts_free_unknowns(K, &rows);
-        mrts_bound_speed(K, most[n], column, &rows);
-        for (int end = 0; end < 2; ++end) {
-            int *basis = end ? high_rows : low_rows;
-            short *kept = (end ? high_basis : low_basis) + n * K;
-            float *dual = (end ? high_dual : low_dual) + n * K;
-            unsigned char *status = (end ? high_status : low_status) + n;
-            if (end && low_status[n] != MRTS_OPTIMAL) {
-                high_status[n] = low_status[n];
-                high[n] = 0;
-            } else {
-                g[K - 1] = end ? -1 : 1;
-                for (int attempt = 0; attempt < 2; ++attempt) {
-                    *status = (unsigned char)mrts_lp(K, rows.count, rows.A, rows.lower, rows.upper, g, basis, x, y,
-                                                     &entering, lp_work, lp_iwork);
-                    if (*status == MRTS_OPTIMAL || basis[0] == 0) break;
-                    basis[0] = 0;
-                }
-                (end ? high : low)[n] = x[K - 1] * column[K - 1];
-                if (end && x[K - 1] >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED)) high[n] = INFINITY;
-            }
-            for (int j = 0; j < K; ++j) {
-                kept[j] = basis[0] == 0 ? 0 : mrts_row_of_limits(limits, &rows, basis[j]);
-                dual[j] = (float)y[j];
-            }
-            if (*status != MRTS_OPTIMAL) basis[0] = 0;
-        }
+#if MRTS_LANES > 1
+        if (in_lanes) mrts_try_bases(basis, &lanes);
+#endif
     }
     return 0;
 }

@@ -74,7 +74,7 @@ typedef struct {
     int lower_basis[@MACRO@_UNKNOWNS], upper_basis[@MACRO@_UNKNOWNS];
     int which[@MACRO@_ROWS], integers[@MACRO@_ROWS + 6 * @MACRO@_UNKNOWNS];@MOTOR_INTEGERS@
     @NAME@_real form[(@MACRO@_UNKNOWNS + 1) * (@MACRO@_JOINTS + @MACRO@_WRENCHES)];
-@TURNED_FIELD@    @NAME@_real rows[@MACRO@_ROWS * (@MACRO@_UNKNOWNS + 3) + 2 * @MACRO@_UNKNOWNS];
+@TURNED_FIELD@    @NAME@_real rows[@MACRO@_ROWS * (@MACRO@_UNKNOWNS + 3) + 3 * @MACRO@_UNKNOWNS];
     @NAME@_real work[3 * @MACRO@_UNKNOWNS * @MACRO@_UNKNOWNS + 7 * @MACRO@_UNKNOWNS];@MOTOR_WORKSPACE@
 } @NAME@_workspace;
 

@@ -4,7 +4,7 @@
  * range of few of them. A sample at which some wrenches hold the object at an end of what the others leave does not cut it
  * there; those of a sample nearby, in the middle of all limits, usually do.
  */
-#include "../linear_programs.h"
+#include "../basis/kept_basis.h"
 #include "ranges.h"
 #include "variants.h"
 
@@ -102,18 +102,13 @@ static int mrts_exact_end(const mrts_limits *limits, mrts_rows *rows, const mrts
                           double *c2, double *x, double *y, int *entering, double *work, int *iwork) {
     enum { K = MRTS_VK };
     double g[K], column[K];
-    int status = MRTS_STOPPED;
     if (!mrts_build_rows(K, MRTS_JOINTS, MRTS_WRENCHES, &sample->form, limits, &sample->terms, rows)) return MRTS_STOPPED;
     mrts_scale_columns(K, rows, column);
     mrts_free_unknowns(K, rows);
     mrts_bound_speed(K, sample->most, column, rows);
     for (int j = 0; j < K; ++j) g[j] = j < K - 1 ? 0 : end ? -1 : 1;
-    for (int attempt = 0; attempt < 2; ++attempt) {
-        const int warm = basis[0] != 0;
-        status = mrts_lp(K, rows->count, rows->A, rows->lower, rows->upper, g, basis, x, y, entering, work, iwork);
-        if (status == MRTS_OPTIMAL || !warm) break;
-        basis[0] = 0;
-    }
+    const int status = mrts_lp_again(K, rows->count, rows->A, rows->lower, rows->upper, g, basis, x, y, entering, work,
+                                     iwork);
     *c2 = x[K - 1] * column[K - 1];
     for (int j = 0; j < K - 1; ++j) x[j] *= column[j];
     if (end && x[K - 1] >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED)) *c2 = MRTS_INFINITY;

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Samples side by side in the lanes of vector registers: the same operations in the same order in each lane, whatever
+ * registers the machine has, so that all machines give the same bits.
+ */
+#ifndef MRTS_LANES_H
+#define MRTS_LANES_H
+
+#include "../cell_sizes.h"
+#include "../rows.h"
+
+/* Samples at a time; without the vectors of GNU C one after the other. */
+#if defined(__GNUC__) && !defined(MRTS_NO_LANES)
+#define MRTS_LANES 4
+typedef double mrts_lanes __attribute__((vector_size(8 * MRTS_LANES), aligned(8)));
+typedef long long mrts_lane_mask __attribute__((vector_size(8 * MRTS_LANES), aligned(8)));
+#pragma GCC diagnostic ignored "-Wpsabi" /* between functions of ours only, of the same target */
+
+/* Wider registers than every x86-64 has, for machines that have them. */
+#ifdef __x86_64__
+#define MRTS_WIDE __attribute__((target("avx2")))
+#endif
+
+/* The generated wrench form for lanes: every input and output is there. */
+void mrts_form_of_lanes(const mrts_lanes *const *arg, mrts_lanes *const *res);
+#ifdef MRTS_WIDE
+void mrts_form_of_wide_lanes(const mrts_lanes *const *arg, mrts_lanes *const *res);
+#endif
+
+/* Scaled rows of several samples, as of mrts_rows. */
+typedef struct {
+    const mrts_rows *of; /* which rows, and their units */
+    mrts_lanes *A;
+    mrts_lanes *lower;
+    mrts_lanes *upper;
+    mrts_lanes size[MRTS_UNKNOWNS];
+    mrts_lanes column[MRTS_UNKNOWNS];
+} mrts_lane_rows;
+
+/* Reals of work in which they stand. */
+#define MRTS_LANE_WORK(k, rows) (MRTS_LANES * ((rows) * (k) + 2 * ((rows) + (k))))
+
+/* What works on lanes. */
+typedef struct {
+    /* Evaluates the wrench form and builds scaled rows of the samples at the places `at`; `terms` are those of all. */
+    void (*rows)(const mrts_lanes *const *arg, const mrts_limits *limits, const mrts_terms *terms, const long long *at,
+                 const double *most, mrts_lane_rows *rows);
+    /* Whether the basis of a program with cost `sign` of c^2 answers it, of each lane: see mrts_kept_basis. */
+    void (*end)(const mrts_lane_rows *rows, double sign, const int *basis, mrts_lanes *x, mrts_lanes *y,
+                mrts_lane_mask *kept);
+} mrts_lane_functions;
+
+/* Those for this machine. */
+MRTS_LOCAL mrts_lane_functions mrts_lane_functions_here(void);
+
+#else
+#define MRTS_LANES 1
+#define MRTS_LANE_WORK(k, rows) 0
+#endif
+
+#endif
