@@ -77,10 +77,9 @@ static inline int mrts_coded_row(int code) { return (code < 0 ? -code : code) - 
 /* How a row is made up of the basis: its coefficients times the inverse */
 static void mrts_make_up(mrts_polytope *in, int row) {
     const int k = in->k, width = in->width;
-    const double *of_unknown = in->inverse + (row - in->rows) * width;
-    for (int j = 0; j < width; ++j) in->alpha[j] = row < in->rows ? 0 : of_unknown[j];
-    if (row >= in->rows) return;
-    for (int i = 0; i < k; ++i) {
+    for (int j = 0; j < width; ++j) in->alpha[j] = 0;
+    if (row >= in->rows) mrts_add(width, 1, in->inverse + (row - in->rows) * width, in->alpha);
+    for (int i = 0; i < k && row < in->rows; ++i) {
         const double share = in->A[row * width + i];
         if (share != 0) mrts_add(width, share, in->inverse + i * width, in->alpha);
     }
@@ -148,8 +147,7 @@ static int mrts_turn_to(mrts_polytope *in, int *basis) {
 /* Whether a point keeps all limits, but for rounding. */
 static int mrts_keeps_limits(const mrts_polytope *in, const double *z) {
     const int k = in->k, rows = in->rows;
-    int broken = 0;
-    for (int row = 0; row < rows; row += 4) { /* rows beyond the last are zeros, and the limits of unknowns */
+    for (int row = 0; row < rows; row += 4) {
         const double *four = in->fours + row * k, *least = in->least + row, *most = in->most + row;
         double value[4] = {0, 0, 0, 0};
         for (int j = 0; j < k; ++j, four += 4) {
@@ -159,10 +157,15 @@ static int mrts_keeps_limits(const mrts_polytope *in, const double *z) {
             value[2] += share * four[2];
             value[3] += share * four[3];
         }
-        for (int i = 0; i < 4 && row + i < rows; ++i) broken |= !(value[i] >= least[i]) | !(value[i] <= most[i]);
+        const int count = rows - row < 4 ? rows - row : 4;
+        for (int i = 0; i < count; ++i) {
+            if (!(value[i] >= least[i]) || !(value[i] <= most[i])) return 0;
+        }
     }
-    for (int j = 0; j < k; ++j) broken |= !(z[j] >= in->least[rows + j]) | !(z[j] <= in->most[rows + j]);
-    return !broken;
+    for (int j = 0; j < k; ++j) {
+        if (!(z[j] >= in->least[rows + j]) || !(z[j] <= in->most[rows + j])) return 0;
+    }
+    return 1;
 }
 
 /* The multipliers of a direction; whether they have the signs of limits that there are. */
@@ -249,8 +252,8 @@ MRTS_LOCAL int mrts_is_corner(mrts_polytope *in, mrts_corner corner) {
         corner.rate[width + j] = -of_x[j];
     }
     for (int j = 0; j < k; ++j) {
-        const int row = mrts_coded_row(corner.basis[j]);
-        limit[j] = corner.basis[j] < 0 ? in->lower[row] : in->upper[row];
+        const int code = corner.basis[j];
+        limit[j] = code < 0 ? in->lower[-code - 1] : in->upper[code - 1];
         if (MRTS_ABS(limit[j]) >= MRTS_INFINITY) limit[j] = 0; /* a free one */
     }
     for (int i = 0; i < k; ++i) {
