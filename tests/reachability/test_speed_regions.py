@@ -1,4 +1,4 @@
-"""Regions of speeds along a path, each started from the one before: against HiGHS, cold starts, and chunks by themselves."""
+"""Regions of speeds along a path, each started from the one before, against HiGHS, cold starts and single chunks."""
 
 import numpy as np
 import pytest
