@@ -27,6 +27,7 @@ CELL_FILES = (
         "tracking/null_space.c",
         "tracking/tracking.c",
     ),
+    *(f"dense/{name}.c" for name in ("path_places", "widening")),
     *(f"variants/{name}.c" for name in ("quick_sample", "follow", "end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""
@@ -118,7 +119,7 @@ STATEMENTS = (
 
 
 def form_of_lanes(generated: str, symbol: str) -> str:
-    """The generated wrench form for samples side by side, see lanes/lanes.h; nothing where it has statements of another kind.
+    """The generated wrench form for samples side by side, see lanes/lanes.h; empty where it has other statements.
 
     Args:
         generated: A cell's generated C.

@@ -227,7 +227,7 @@ class CellLibrary:
             np.zeros((2, N, k), dtype=np.float32),
         )
         outputs = [found.lower, found.upper, *found.status, found.effect, *found.basis, *found.dual]
-        self._over_samples("mrts_ranges", samples, inputs, limits, terms, np.minimum(most, INFINITY), outputs)
+        self.over_samples("mrts_ranges", samples, inputs, limits, terms, np.minimum(most, INFINITY), outputs)
         return found
 
     def speed_ranges(
@@ -252,7 +252,7 @@ class CellLibrary:
         )
         outputs = [found.number, found.ends, *found.status, found.effect, *found.basis, *found.dual]
         bound = np.minimum(np.sqrt(most), INFINITY)
-        self._over_samples("mrts_speed_ranges", samples, inputs, limits, terms, bound, outputs)
+        self.over_samples("mrts_speed_ranges", samples, inputs, limits, terms, bound, outputs)
         return found
 
     def torques(
@@ -281,10 +281,10 @@ class CellLibrary:
         W = np.ascontiguousarray(weights)
         for_all = (ctypes.c_int(1), pointer(W), ctypes.c_double(widening))
         outputs: list[NDArray[Any]] = [torque, wrench, status]
-        self._over_samples("mrts_torques", samples, inputs, limits, terms, c2, outputs, for_all)
+        self.over_samples("mrts_torques", samples, inputs, limits, terms, c2, outputs, for_all)
         return torque, wrench, status
 
-    def _over_samples(
+    def over_samples(
         self,
         name: str,
         samples: int,

@@ -80,8 +80,7 @@ class ObjectMotion:
             object.__setattr__(self, name, value)
             if value.shape != (len(time), *shape) or not np.all(np.isfinite(value)):
                 raise InputError(name, f"must have Shape {(len(time), *shape)} and be finite.")
-        off = np.abs(self.rotation @ self.rotation.transpose(0, 2, 1) - np.eye(3))
-        if np.max(off) > ORTHOGONAL or np.min(np.linalg.det(self.rotation)) < 0:
+        if not _turns(self.rotation):
             raise InputError("rotation", "must hold rotation matrices: R Rᵀ = I, det R = 1.")
         freeze(self)
         if not smooth:
@@ -95,6 +94,14 @@ class ObjectMotion:
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
         freeze(self)
+
+
+def _turns(rotation: Array) -> bool:
+    """Whether all matrices, Shape (N, 3, 3), are rotations: R Rᵀ = I, and of positive sense."""
+    rows = x, y, z = np.ascontiguousarray(rotation.transpose(1, 2, 0))
+    off = np.einsum("ikn,jkn->ijn", rows, rows) - np.eye(3)[:, :, None]
+    across = np.stack([x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]])
+    return bool(max(np.max(off), -np.min(off)) <= ORTHOGONAL and np.min(np.einsum("kn,kn->n", across, z)) >= 0)
 
 
 def noise_allowed(values: Array, rates: Array) -> tuple[float, float]:

@@ -9,7 +9,8 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion, carried_by_first
-from mrts.coordination.denser_motion import velocity_polynomials
+from mrts.coordination.denser_motion import WHOLE_WAY, polynomial_weights, velocity_polynomials
+from mrts.kernel.between_samples import path_places
 from mrts.motion.object_motion import ObjectMotion
 from mrts.reachability.fastest_profile import SpeedProfile
 from mrts.reachability.speed_regions import SpeedRegions
@@ -180,9 +181,22 @@ def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> Coordin
     """
     path, step = part.piece.path, part.piece.step
     s = (path.object.time[:-1, None] + step[:, None] * places).ravel()
-    q, dq, ddq = velocity_polynomials(path.object.time, (path.q, path.dq, path.ddq), s)
     x, rate = part.inside(places)
-    return _retimed(carried_by_first(cell, s - s[0], q, dq, ddq, smooth=False), np.sqrt(x), x, rate)
+    library = cell.functions.compiled
+    if library is None:
+        q, dq, ddq = velocity_polynomials(path.object.time, (path.q, path.dq, path.ddq), s)
+        return _retimed(carried_by_first(cell, s - s[0], q, dq, ddq, smooth=False), np.sqrt(x), x, rate)
+    q, dq, ddq, *carried = path_places(
+        library,
+        (path.object.time, path.q, path.dq, path.ddq),
+        (places, polynomial_weights(places), WHOLE_WAY),
+        (x, rate),
+        cell.geometry,
+        cell.wrench_rows,
+    )
+    position, rotation, twist, acceleration = carried
+    there = ObjectMotion(s - s[0], position, rotation, twist, acceleration, smooth=False)
+    return CoordinatedMotion(there, q, dq, ddq)
 
 
 def _retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> CoordinatedMotion:

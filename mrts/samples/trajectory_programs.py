@@ -66,8 +66,8 @@ def motion_ranges(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    fast = _compiled(cell, motion, formulation, sharing, solver)
-    if fast is not None:
+    fast = compiled_trajectory(cell, motion, formulation, sharing, solver)
+    if fast is not None and not fast.quadratic:
         found = _compiled_ranges(cell, motion, fast, solver, load)
     else:
         problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, load=load)
@@ -80,7 +80,7 @@ def motion_ranges(
 
 
 def _compiled_ranges(
-    cell: Cell, motion: CoordinatedMotion, fast: "_Compiled", solver: str, load: Array | None
+    cell: Cell, motion: CoordinatedMotion, fast: "CompiledTrajectory", solver: str, load: Array | None
 ) -> SampleRanges:
     """The ranges by the kernel; what it does not settle is left to the solvers."""
     most = fast.caps.largest()
@@ -159,7 +159,7 @@ def motion_torques(
     if sharing is not None or (len(cell.robots) == 1 and formulation == "wrench"):
         check_solver(solver)
         return *known_torques(cell, motion, sharing, c2), 0
-    fast = _compiled(cell, motion, formulation, sharing, solver)
+    fast = compiled_trajectory(cell, motion, formulation, sharing, solver)
     if fast is None:
         problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing)
         x, fallbacks = distribute_torques(problem, c2, weights, solver)
@@ -197,8 +197,8 @@ def motion_planes(
     Returns:
         Half-planes, and Shape (N,); None where the compiled path does not answer.
     """
-    fast = _compiled(cell, motion, "wrench", sharing, DEFAULT_SOLVER)
-    if fast is None or not fast.one_unknown:
+    fast = compiled_trajectory(cell, motion, "wrench", sharing, DEFAULT_SOLVER)
+    if fast is None or not fast.one_unknown or fast.quadratic:
         return None
     motors = fast.motors
     by_rate = SampleTerms(torque_square=None if motors is None else motors.rate, square=fast.rows.rate)
@@ -207,7 +207,7 @@ def motion_planes(
 
 
 @dataclass(frozen=True)
-class _Compiled:
+class CompiledTrajectory:
     """What the compiled path takes.
 
     Attributes:
@@ -236,10 +236,29 @@ class _Compiled:
         """Whether a row has a term in ṙ beside others."""
         return self.form.rows.speed is not None or (self.motors is not None and self.motors.speed is not None)
 
+    @property
+    def quadratic(self) -> bool:
+        """Whether rows are quadratic in c, the only unknown: their intervals are found in numpy."""
+        return self.one_unknown and self.has_speed_terms
+
     @cached_property
     def rows(self) -> LimitRows:
         """The rows that it takes."""
         return self.form.rows.only(~self.form.is_cap)
+
+    def passed_caps(self, c2: Array, samples: NDArray[np.intp]) -> Array:
+        """By how much rows that only bound c² are passed at some samples, in shares of each, Shape (k,).
+
+        Args:
+            c2: Shape (k,).
+            samples: Shape (k,).
+        """
+        form = self.form
+        if form.rows.square is None or not np.any(form.is_cap):
+            return np.zeros(len(samples))
+        lower, upper, size = form.rows.lower[form.is_cap], form.rows.upper[form.is_cap], form.size[form.is_cap]
+        value = form.rows.square[np.ix_(samples, form.is_cap)] * c2[:, None]
+        return np.asarray(np.max(np.maximum(value - upper, lower - value) / size, axis=1, initial=0.0))
 
     def sparse(self) -> SparseLimits:
         """The rows that it takes, as C reads them."""
@@ -289,8 +308,12 @@ class _Compiled:
             high.settled[sample] = caps.binding(sample)
         return low, high
 
-    def terms(self, speed: float | None = None) -> SampleTerms:
-        """What is added at every sample, those in ṙ at a speed, or by themselves where it is to be found."""
+    def terms(self, speed: float | Array | None = None) -> SampleTerms:
+        """What is added at every sample, those in ṙ at a speed, or by themselves where it is to be found.
+
+        Args:
+            speed: ṙ, one for all samples, or Shape (N, 1).
+        """
         rows, motors = self.rows, self.motors
         if rows.speed is None or speed is None:
             of_rows = SampleTerms(square=rows.square, speed=rows.speed)
@@ -301,16 +324,27 @@ class _Compiled:
         return replace(
             of_rows,
             torque_square=motors.square,
-            torque_offset=motors.friction(speed or 0.0),
+            torque_offset=motors.friction(0.0 if speed is None else speed),
             torque_speed=motors.speed if speed is None else None,
             margin=None if motors.turning is None else motors.turning @ np.abs(rows.torque_matrix).T,
         )
 
 
-def _compiled(
+def compiled_trajectory(
     cell: Cell, motion: CoordinatedMotion, formulation: FormulationName, sharing: LoadSharing | None, solver: str
-) -> _Compiled | None:
-    """The compiled path where it answers: wrench form, no sides that cross, with c² alone no rows with a term in c."""
+) -> CompiledTrajectory | None:
+    """The compiled path where it answers: wrench form, no sides that cross.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+        formulation: As in `motion_ranges`.
+        sharing: Likewise.
+        solver: Likewise.
+
+    Raises:
+        InputError: If there is no such solver.
+    """
     check_solver(solver)
     compiled = cell.functions.compiled
     if compiled is None or solver != "kernel" or formulation != "wrench":
@@ -319,8 +353,7 @@ def _compiled(
     kept = np.flatnonzero(~form.is_cap)
     if len(kept) + compiled.unknowns > MOST_ROWS or np.any(form.rows.lower > form.rows.upper):  # by a reserve
         return None
-    fast = _Compiled(compiled, form, kept, form.caps(motion.samples), motor_terms(cell, motion), sharing)
-    return None if fast.one_unknown and fast.has_speed_terms else fast
+    return CompiledTrajectory(compiled, form, kept, form.caps(motion.samples), motor_terms(cell, motion), sharing)
 
 
 def _inputs(cell: Cell, motion: CoordinatedMotion, load: Array | None) -> dict[str, Array]:

@@ -9,18 +9,24 @@
 #include "speed_intervals.h"
 #include "trajectory.h"
 
-/* Evaluates the wrench form of a sample and builds its rows: 1 if they are finite, 0 if not, -1 if the form failed. */
-static int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
-                               double *turned, const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows,
-                               const double **arg, double **res, long long *iw, double *w) {
-    const mrts_terms terms = mrts_terms_of_sample(all, sample, limits->rows);
+MRTS_LOCAL int mrts_form_of_sample(const double *const *in, const long long *stride, long long sample,
+                                   const mrts_terms *terms, mrts_form *form, const double **arg, double **res,
+                                   long long *iw, double *w) {
     for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + sample * stride[i];
     res[0] = form->torque_map;
     res[1] = form->torque_offset;
     res[2] = form->wrench_map;
     res[3] = form->wrench_offset;
-    if (MRTS_WRENCH_FORM(arg, res, iw, w, 0)) return -1;
-    mrts_add_motors(MRTS_UNKNOWNS, MRTS_JOINTS, &terms, form);
+    if (MRTS_WRENCH_FORM(arg, res, iw, w, 0)) return 0;
+    mrts_add_motors(MRTS_UNKNOWNS, MRTS_JOINTS, terms, form);
+    return 1;
+}
+
+MRTS_LOCAL int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
+                                   double *turned, const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows,
+                                   const double **arg, double **res, long long *iw, double *w) {
+    const mrts_terms terms = mrts_terms_of_sample(all, sample, limits->rows);
+    if (!mrts_form_of_sample(in, stride, sample, &terms, form, arg, res, iw, w)) return -1;
     mrts_turn_wrenches(MRTS_UNKNOWNS, MRTS_ROBOTS, MRTS_SIZE, limits, arg[MRTS_ROTATION], 1, 3, turned, form);
     return mrts_build_rows(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, form, limits, &terms, rows);
 }
