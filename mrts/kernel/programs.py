@@ -33,8 +33,8 @@ class Programs:
 
     def __init__(self, library: ctypes.CDLL) -> None:
         self._library = library
-        for name in ("mrts_lp_batch", "mrts_qp_batch", "mrts_project_batch", "mrts_backward", "mrts_forward"):
-            getattr(library, name)
+        for name in ("lp_batch", "qp_batch", "effects", "project_batch", "backward", "forward"):
+            getattr(library, f"mrts_{name}")
 
     def linear_programs(self, g: Array, A: Array, lower: Array, upper: Array) -> tuple[Array, Array, NDArray[np.uint8]]:
         """Minimise gᵀx in every program of a batch; shapes as in `quadratic_programs`."""
@@ -78,7 +78,8 @@ class Programs:
             rows: Those that count, Shape (s,); None takes all.
 
         Returns:
-            Numbers of corners, Shape (N,), the corners counter-clockwise, Shape (N, 64, 2), and statuses, Shape (N,).
+            Numbers of corners, Shape (N,), 0 where there is no projection; the corners of all, those of each counter-
+            clockwise, Shape (E, 2); and statuses, Shape (N,).
         """
         count, all_rows, k = A.shape
         taken = np.arange(all_rows, dtype=np.int32) if rows is None else rows
@@ -96,7 +97,22 @@ class Programs:
             )
 
         over_chunks(self._library, count, project)
-        return number, corners, status
+        return number, corners[np.arange(CORNERS) < number[:, None]], status
+
+    def effects(self, A: Array, rows: NDArray[np.int32]) -> Array:
+        """The largest coefficient of each unknown in some rows, without its sign, Shape (N, k).
+
+        Args:
+            A: Shape (N, r, k).
+            rows: Those that count, Shape (s,).
+        """
+        count, all_rows, k = A.shape
+        given, effect = np.ascontiguousarray(A), np.zeros((count, k))
+        arrays = (np.ascontiguousarray(rows), given, effect)
+        self._library.mrts_effects(
+            ctypes.c_longlong(count), k, all_rows, len(rows), *(pointer(array) for array in arrays)
+        )
+        return effect
 
     def backward(
         self, step: Array, rise: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array

@@ -39,6 +39,9 @@ class SpeedKernel(Protocol):
     ) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
         """Project every polytope of a batch onto its last two unknowns."""
 
+    def effects(self, A: Array, rows: NDArray[np.int32]) -> Array:
+        """The largest coefficient of each unknown in some rows, without its sign."""
+
     def backward(
         self, step: Array, rise: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array
     ) -> int:
@@ -109,11 +112,14 @@ class KernelWithoutCompiler:
                     polygons[samples[place]].insert(int(starts[place]) + 1, corner)
                 else:
                     final[samples[place]].add((*p, *q))
-        number = np.array([min(len(polygon), CORNERS) for polygon in polygons], dtype=np.int32)
-        padded = np.zeros((len(A), CORNERS, 2))
-        for sample, polygon in enumerate(polygons):
-            padded[sample, : number[sample]] = polygon[: number[sample]]
-        return number, padded, status
+        polygons = [polygon[:CORNERS] if how == OPTIMAL else [] for polygon, how in zip(polygons, status, strict=True)]
+        corners = np.array([corner for polygon in polygons for corner in polygon]).reshape(-1, 2)
+        return np.array([len(polygon) for polygon in polygons], dtype=np.int32), corners, status
+
+    @staticmethod
+    def effects(A: Array, rows: NDArray[np.int32]) -> Array:
+        """Of all samples at once."""
+        return np.asarray(np.max(np.abs(A[:, rows]), axis=1, initial=0.0))
 
     @staticmethod
     def backward(step: Array, rise: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array) -> int:

@@ -73,8 +73,11 @@ def test_projections_are_those_of_the_kernel():
     assert np.all((other_status == OPTIMAL) == (status == OPTIMAL))
     angles = np.linspace(0, 2 * np.pi, 64)
     directions = np.stack([np.cos(angles), np.sin(angles)])
+    polygons = [
+        np.split(points, np.cumsum(counts)) for counts, points in ((number, corners), (other_number, other_corners))
+    ]
     for sample in range(4, count):
-        ours, theirs = corners[sample, : number[sample]], other_corners[sample, : other_number[sample]]
+        ours, theirs = (polygon[sample] for polygon in polygons)
         assert np.allclose(np.max(ours @ directions, axis=0), np.max(theirs @ directions, axis=0), atol=1e-8)
         following = np.roll(ours, -1, axis=0)
         assert np.sum(ours[:, 0] * following[:, 1] - ours[:, 1] * following[:, 0]) > 0  # counter-clockwise

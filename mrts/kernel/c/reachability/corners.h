@@ -11,29 +11,36 @@
 /* An edge is final if nothing lies further out than this, in units of the limits and of the corners' size. */
 #define MRTS_OUTSIDE 1e-9
 
+/* Lengths are multiples of four: loops then take four numbers at a time, two of them in one instruction. */
+#define MRTS_FOURS(count) (((count) + 3) / 4 * 4)
+
 /* { z : lower <= (A z, z) <= upper }, limits of the rows and then of the k unknowns, as a program of mrts_lp has them, and
  * the inverse of the last basis that was looked at. */
 typedef struct {
     int k;
     int rows;
-    double *A; /* (rows, k) */
+    int width;     /* k in fours: what follows it below are zeros */
+    double *A;     /* (rows, width) */
+    double *fours; /* the same, four rows at a time: (rows / 4, k, 4) */
     double *lower;
     double *upper;
     double *least; /* limits with their rounding */
     double *most;
-    double *inverse; /* of the rows of the basis, (k, k) */
-    double *alpha;   /* how a row is made up of them */
-    double *point;
-    int *place; /* of each row in the basis, -1 if it is none of it */
-    int *code;  /* of each place, as in mrts_lp */
-    int *kept;  /* whether a place is one of the next basis */
+    double *inverse; /* of the rows of the basis, (k, width) */
+    double *alpha;   /* how a row is made up of them, (width) */
+    double *y;       /* multipliers, (width) */
+    double *point;   /* (width) */
+    int *place;      /* of each row in the basis, -1 if it is none of it */
+    int *code;       /* of each place, as in mrts_lp */
+    int *kept;       /* whether a place is one of the next basis */
     int *missing;
-    int programs; /* how many were solved */
+    int *is_single; /* rows with one coefficient cost little */
 } mrts_polytope;
 
 /* Reals and ints of a polytope's memory, and the polytope laid out in them. */
-#define MRTS_POLYTOPE_WORK(k, rows) ((rows) * (k) + 4 * ((rows) + (k)) + (k) * (k) + 2 * (k))
-#define MRTS_POLYTOPE_IWORK(k, rows) ((rows) + 4 * (k))
+#define MRTS_POLYTOPE_WORK(k, rows) \
+    (((rows) + MRTS_FOURS(rows) + (k) + 3) * MRTS_FOURS(k) + 4 * (MRTS_FOURS(rows) + (k)))
+#define MRTS_POLYTOPE_IWORK(k, rows) (2 * (rows) + 4 * (k))
 MRTS_LOCAL mrts_polytope mrts_polytope_in(int k, int rows, double *work, int *iwork);
 
 /* To be called once A, lower and upper are there. */
@@ -42,12 +49,12 @@ MRTS_LOCAL void mrts_begin_polytope(mrts_polytope *polytope);
 /* A corner, with the rows that determine it and how their multipliers depend on the direction (du, dx). */
 typedef struct {
     double *at;   /* u, x */
-    double *rate; /* k of du, k of dx */
+    double *rate; /* of du and of dx, (2, width) */
     int *basis;
 } mrts_corner;
 
-/* Reals and ints of a corner, and corner n in the memory of all. */
-#define MRTS_CORNER_WORK(k) (2 + 2 * (k))
+/* Reals of a corner, and corner n in the memory of all. */
+#define MRTS_CORNER_WORK(k) (2 + 2 * MRTS_FOURS(k))
 static inline mrts_corner mrts_corner_at(int n, int k, double *places, int *bases) {
     const mrts_corner corner = {places + n * MRTS_CORNER_WORK(k), places + n * MRTS_CORNER_WORK(k) + 2, bases + n * k};
     return corner;
@@ -65,8 +72,8 @@ static inline int mrts_same_corner(const double *p, const double *q) {
 MRTS_LOCAL int mrts_is_corner(mrts_polytope *polytope, mrts_corner corner);
 
 /* The corner that lies furthest in a direction, by a linear program from the basis that it holds (basis[0] == 0: cold);
- * a status of mrts_lp. Reals of work beside those of mrts_lp, whose ints it takes. */
-#define MRTS_FURTHEST_WORK(k) (3 * (k))
+ * a status of mrts_lp. Reals of work, and ints, those of mrts_lp. */
+#define MRTS_FURTHEST_WORK(k, rows) (MRTS_LP_WORK(k) + 3 * (k) + (rows) * (k))
 MRTS_LOCAL int mrts_furthest(mrts_polytope *polytope, const double *direction, mrts_corner corner, double *work,
                              int *iwork);
 

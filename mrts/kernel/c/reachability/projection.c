@@ -160,10 +160,34 @@ static int mrts_close(mrts_polytope *in, mrts_polygon *of, double *work, int *iw
     return MRTS_OPTIMAL;
 }
 
-/* What the next projection is started from. */
-static void mrts_remember(int k, const mrts_polygon *of, mrts_outline *outline) {
+/* How many rows of a basis are not of another, or if there is none, have several coefficients: what it costs to turn to it. */
+static int mrts_cost(const mrts_polytope *in, const int *basis, const int *from) {
+    const int k = in->k;
+    int cost = 0;
+    for (int j = 0; j < k; ++j) {
+        const int row = (basis[j] < 0 ? -basis[j] : basis[j]) - 1;
+        int known = !from && (row >= in->rows || in->is_single[row]);
+        for (int i = 0; from && i < k; ++i) known |= (from[i] < 0 ? -from[i] : from[i]) - 1 == row;
+        cost += !known;
+    }
+    return cost;
+}
+
+/* What the next projection is started from, and with which corner: the edge before it is not gone along. */
+static void mrts_remember(const mrts_polytope *in, const mrts_polygon *of, mrts_outline *outline) {
+    const int k = in->k;
+    int first = 0, least = 2 * k;
+    for (int at = 0; at < of->count; ++at) {
+        const int *here = of->bases + at * k, *ahead = of->bases + of->next[at] * k;
+        const int cost = mrts_cost(in, ahead, 0) - mrts_cost(in, ahead, here);
+        if (cost < least) {
+            least = cost;
+            first = of->next[at];
+        }
+    }
     outline->count = of->count > 2 ? of->count : 1;
-    for (int i = 0, at = 0; i < outline->count; ++i, at = of->next[at]) {
+    if (of->count < 3) first = 0;
+    for (int i = 0, at = first; i < outline->count; ++i, at = of->next[at]) {
         for (int j = 0; j < k; ++j) outline->basis[i * k + j] = of->bases[at * k + j];
     }
 }
@@ -173,7 +197,7 @@ MRTS_LOCAL int mrts_project(mrts_polytope *in, mrts_outline *outline, int *count
     const int k = in->k;
     mrts_polygon found;
     found.count = 0;
-    found.places = work + MRTS_LP_WORK(k) + MRTS_FURTHEST_WORK(k);
+    found.places = work + MRTS_FURTHEST_WORK(k, in->rows);
     found.bases = iwork + MRTS_LP_IWORK(k, in->rows);
     const int known = outline->count > 2, all = known && mrts_known_corners(in, outline, &found);
     if (!all || !mrts_is_closed(in, &found)) {
@@ -187,7 +211,7 @@ MRTS_LOCAL int mrts_project(mrts_polytope *in, mrts_outline *outline, int *count
             outline->count = 0;
             return status;
         }
-        mrts_remember(k, &found, outline);
+        mrts_remember(in, &found, outline);
     }
     for (int i = 0, at = 0; i < found.count; ++i, at = found.next[at]) {
         const double *place = mrts_polygon_corner(&found, k, at).at;

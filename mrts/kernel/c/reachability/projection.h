@@ -20,7 +20,7 @@ typedef struct {
 #define MRTS_OUTLINE_IWORK(k) (MRTS_CORNERS * (k))
 
 /* The corners, started from an outline, which becomes that of this projection; a status of mrts_lp. */
-#define MRTS_PROJECT_WORK(k) (MRTS_LP_WORK(k) + MRTS_FURTHEST_WORK(k) + (MRTS_CORNERS + 1) * MRTS_CORNER_WORK(k))
+#define MRTS_PROJECT_WORK(k, rows) (MRTS_FURTHEST_WORK(k, rows) + (MRTS_CORNERS + 1) * MRTS_CORNER_WORK(k))
 #define MRTS_PROJECT_IWORK(k, rows) (MRTS_LP_IWORK(k, rows) + (MRTS_CORNERS + 1) * (k))
 MRTS_LOCAL int mrts_project(mrts_polytope *polytope, mrts_outline *outline, int *count, double *corners, double *work,
                             int *iwork);

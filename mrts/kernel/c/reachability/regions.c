@@ -5,9 +5,24 @@
  */
 #include "projection.h"
 
+/* The largest coefficient of each unknown in rows which[0 .. rows - 1] of `all` rows of A, without its sign: Shape (count, k).
+ * Zeros on entry. */
+MRTS_EXPORT void mrts_effects(long long count, int k, int all, int rows, const int *which, const double *A,
+                              double *effect) {
+    for (long long n = 0; n < count; ++n, A += all * k, effect += k) {
+        for (int i = 0; i < rows; ++i) {
+            const double *row = A + which[i] * k;
+            for (int j = 0; j < k; ++j) {
+                const double size = MRTS_ABS(row[j]);
+                if (!(size <= effect[j])) effect[j] = size;
+            }
+        }
+    }
+}
+
 /* Reals and ints of work of the projections below. */
 MRTS_EXPORT void mrts_project_batch_work(int k, int rows, long long *reals, long long *ints) {
-    *reals = MRTS_POLYTOPE_WORK(k, rows) + MRTS_PROJECT_WORK(k);
+    *reals = MRTS_POLYTOPE_WORK(k, rows) + MRTS_PROJECT_WORK(k, rows);
     *ints = MRTS_POLYTOPE_IWORK(k, rows) + MRTS_OUTLINE_IWORK(k) + MRTS_PROJECT_IWORK(k, rows);
 }
 
@@ -33,7 +48,7 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
     }
     for (long long n = 0; n < count; ++n, A += all * k, lower += all, upper += all, scale += k, least += 2, most += 2) {
         for (int i = 0; i < rows; ++i) {
-            for (int j = 0; j < k; ++j) in.A[i * k + j] = A[which[i] * k + j] * scale[j];
+            for (int j = 0; j < k; ++j) in.A[i * in.width + j] = A[which[i] * k + j] * scale[j];
             in.lower[i] = mrts_finite(lower[which[i]]);
             in.upper[i] = mrts_finite(upper[which[i]]);
         }
