@@ -1,4 +1,4 @@
-"""Samples in lanes: the same bits from registers of any width, the answers of one sample after the other, sines, cosines."""
+"""Samples in lanes: the same bits from registers of any width, the same answers as singly; sines, cosines."""
 
 import ctypes
 import shutil
@@ -119,7 +119,8 @@ def test_sines_and_cosines_are_those_of_extended_precision(tmp_path):
 
 def test_a_statement_of_another_kind_is_left_to_single_samples():
     text = (
-        "static int f0(const casadi_real** arg, casadi_real** res) {\n  casadi_real a0, a1;\n  a0=arg[0]? arg[0][0] : 0;\n"
+        "static int f0(const casadi_real** arg, casadi_real** res) {\n  casadi_real a0, a1;\n"
+        "  a0=arg[0]? arg[0][0] : 0;\n"
         "  a1=%s;\n  if (res[0]!=0) res[0][0]=a1;\n  return 0;\n}\n\n"
         "int form(const casadi_real** arg, casadi_real** res) {\n  return f0(arg, res);\n}\n"
     )
