@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import toppra
 import yaml
-from one_arm_timing import duration, model_with_box, one_arm
+from cases import duration, model_with_box, one_arm
 from pinocchio import rnea
 from scipy.interpolate import BPoly, CubicSpline
 from toppra.constraint import DiscretizationType, JointTorqueConstraint
