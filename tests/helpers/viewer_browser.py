@@ -61,6 +61,7 @@ def chromium():
 def open_page(browser, url):
     """The viewer's page once its panel is there; what went wrong in it is in `page.problems`."""
     page = browser.new_page(viewport=SIZE, device_scale_factor=COARSE)
+    page.set_default_timeout(1000 * SECONDS)
     page.problems = []
     page.on("console", lambda message: page.problems.append(message.text) if message.type == "error" else None)
     page.on("pageerror", lambda error: page.problems.append(str(error)))
