@@ -152,10 +152,18 @@ def noise_share(values: Array) -> Array:
     deviation, stride = np.zeros(values.shape[1]), 1
     while len(values) >= FEWEST_SAMPLES * stride:
         differences = np.abs(np.diff(values[::stride], 4, axis=0)) / np.sqrt(70)  # 1² + 4² + 6² + 4² + 1²
-        quartile = np.quantile(differences, 0.25, axis=0)
-        deviation, stride = np.maximum(deviation, quartile / NORMAL_QUARTILE), 2 * stride
+        deviation, stride = np.maximum(deviation, _lower_quartile(differences) / NORMAL_QUARTILE), 2 * stride
     largest = np.max(np.abs(values), axis=0)
     return np.asarray(deviation / np.where(largest > 0, largest, 1.0))
+
+
+def _lower_quartile(values: Array) -> Array:
+    """The quartile of every column of values, Shape (n, k), linear between two of them: Shape (k,)."""
+    at = (len(values) - 1) / 4
+    low = int(at)
+    high = min(low + 1, len(values) - 1)
+    ordered = np.partition(values, (low, high), axis=0)
+    return np.asarray(ordered[low] + (at - low) * (ordered[high] - ordered[low]))
 
 
 def _fast(end: RangeEnd) -> list[Remark]:
