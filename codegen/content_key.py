@@ -93,7 +93,7 @@ def emitter_key() -> str:
     """Hash of what reads cells and emits functions: this package and CasADi's version."""
     package = Path(mrts.__file__).parent
     shaping = [package / "base" / f"{name}.py" for name in SHAPING]
-    rooms = [source for room in ("hands", "motors") for source in (package / room).glob("*.py")]
+    rooms = [source for room in ("base/formats", "hands", "motors") for source in (package / room).glob("*.py")]
     ours = [source for source in Path(__file__).parent.rglob("*.py") if source.parent.name != "embedded"]
     digest = hashlib.sha256("\n".join([*_casadi_versions(), __version__]).encode())
     for source in sorted([*ours, *rooms, *shaping]):

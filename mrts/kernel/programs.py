@@ -98,11 +98,14 @@ class Programs:
         over_chunks(self._library, count, project)
         return number, corners, status
 
-    def backward(self, step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array) -> int:
+    def backward(
+        self, step: Array, rise: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array
+    ) -> int:
         """Shrink bounds of x to the controllable sets, from the last sample back to the first.
 
         Args:
             step: Length of each segment, Shape (n - 1,).
+            rise: By how much u rises along each segment, Shape (n - 1,).
             start: The half-planes of sample i are start[i] .. start[i + 1] - 1, Shape (n + 1,).
             planes: Shape (E, 3).
             lower: Least x; changed in place, Shape (n,).
@@ -113,16 +116,23 @@ class Programs:
         """
         run = self._library.mrts_backward
         run.restype = ctypes.c_longlong
-        arrays = (step, start, planes, lower, upper, self._segment_work(start))
+        arrays = (step, rise, start, planes, lower, upper, self._segment_work(start))
         return int(run(ctypes.c_longlong(len(step)), *(pointer(array) for array in arrays)))
 
     def forward(
-        self, step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, first: float
+        self,
+        step: Array,
+        rise: Array,
+        start: NDArray[np.int64],
+        planes: Array,
+        lower: Array,
+        upper: Array,
+        first: float,
     ) -> Array:
         """The largest controllable x at every sample, from `first` on, Shape (n,); arguments as in `backward`."""
         x = np.zeros(len(step) + 1)
         x[0] = first
-        arrays = (step, start, planes, lower, upper, x, self._segment_work(start))
+        arrays = (step, rise, start, planes, lower, upper, x, self._segment_work(start))
         self._library.mrts_forward(ctypes.c_longlong(len(step)), *(pointer(array) for array in arrays))
         return x
 

@@ -39,11 +39,20 @@ class SpeedKernel(Protocol):
     ) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
         """Project every polytope of a batch onto its last two unknowns."""
 
-    def backward(self, step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array) -> int:
+    def backward(
+        self, step: Array, rise: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array
+    ) -> int:
         """Shrink bounds of x to the controllable sets."""
 
     def forward(
-        self, step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, first: float
+        self,
+        step: Array,
+        rise: Array,
+        start: NDArray[np.int64],
+        planes: Array,
+        lower: Array,
+        upper: Array,
+        first: float,
     ) -> Array:
         """The largest controllable x at every sample."""
 
@@ -107,10 +116,10 @@ class KernelWithoutCompiler:
         return number, padded, status
 
     @staticmethod
-    def backward(step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array) -> int:
+    def backward(step: Array, rise: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array) -> int:
         """Controllable sets, one segment after the other."""
         for i in range(len(step) - 1, -1, -1):
-            A, limit = _segment(step, start, planes, lower, upper, i)
+            A, limit = _segment(step, rise, start, planes, lower, upper, i)
             flat = A[:, 0] == 0
             with np.errstate(divide="ignore", invalid="ignore"):
                 bound = limit / A[:, 1]
@@ -124,13 +133,13 @@ class KernelWithoutCompiler:
 
     @staticmethod
     def forward(
-        step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, first: float
+        step: Array, rise: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, first: float
     ) -> Array:
         """The greedy pass."""
         x = np.zeros(len(step) + 1)
         x[0] = first
         for i in range(len(step)):
-            u = _rates(*_segment(step, start, planes, lower, upper, i), x[i])
+            u = _rates(*_segment(step, rise, start, planes, lower, upper, i), x[i])
             rate = u.most if u.most >= u.least else (u.most + u.least) / 2
             x[i + 1] = min(max(x[i] + 2 * step[i] * rate, lower[i + 1]), upper[i + 1])
         return x
@@ -166,14 +175,15 @@ def _same(p: Array, q: Array) -> bool:
 
 
 def _segment(
-    step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, i: int
+    step: Array, rise: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, i: int
 ) -> tuple[Array, Array]:
     """Half-planes A (u, x_i) <= limit of a segment: of its start, of its end, and of what its end is to reach."""
     here, there = planes[start[i] : start[i + 1]], planes[start[i + 1] : start[i + 2]]
     ends = np.array([[-2 * step[i], -1.0], [2 * step[i], 1.0]])
     moved = np.column_stack([there[:, 0] + 2 * step[i] * there[:, 1], there[:, 1]])
     limits = np.concatenate([here[:, 2], there[:, 2]])
-    limit = np.concatenate([limits + ON_LIMIT * (1 + np.abs(limits)), [-lower[i + 1], upper[i + 1]]])
+    risen = rise[i] / 2 * np.concatenate([here[:, 0], -there[:, 0]])
+    limit = np.concatenate([limits + ON_LIMIT * (1 + np.abs(limits)) + risen, [-lower[i + 1], upper[i + 1]]])
     return np.concatenate([here[:, :2], moved, ends]), limit
 
 

@@ -156,7 +156,7 @@ def motion_torques(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    if sharing is not None or (len(cell.robots) == 1 and formulation == "wrench"):
+    if formulation == "wrench" and (sharing is not None or len(cell.robots) == 1):
         check_solver(solver)
         return *known_torques(cell, motion, sharing, c2), 0
     fast = compiled_trajectory(cell, motion, formulation, sharing, solver)

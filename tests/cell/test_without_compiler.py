@@ -90,12 +90,13 @@ def test_speeds_are_those_of_the_kernel(largest):
         start = np.concatenate([[0], np.cumsum(counts)])
         planes = np.column_stack([rng.normal(size=(start[-1], 2)), rng.uniform(-0.05, 1, start[-1])])
         step = rng.uniform(0.05, 0.2, n - 1)
+        rise = rng.uniform(-0.1, 0.1, n - 1)
         found = []
         for kernel in (default_programs(), KernelWithoutCompiler):
             low, high = np.zeros(n), np.full(n, largest)
             low[-1] = high[-1] = 0.0
-            failed = kernel.backward(step, start, planes, low, high)
-            x = kernel.forward(step, start, planes, low, high, high[0]) if failed < 0 else np.zeros(n)
+            failed = kernel.backward(step, rise, start, planes, low, high)
+            x = kernel.forward(step, rise, start, planes, low, high, high[0]) if failed < 0 else np.zeros(n)
             found.append((failed, low, high, x))
         (failed, *arrays), (other, *others) = found
         assert failed == other

@@ -80,15 +80,15 @@ MRTS_EXPORT void mrts_qp_batch(long long count, int k, int rows, const double *H
  * The fastest speed along a path by reachability analysis (Pham and Pham, A new approach to time-optimal path
  * parameterization based on reachability analysis, IEEE T-RO 2018): x is the squared speed, u half its slope, constant
  * on each segment: x_(i+1) = x_i + 2 step_i u. Each sample has half-planes n_u u + n_x x <= h, which hold at both ends of
- * every segment (the interpolation scheme).
+ * every segment (the interpolation scheme). Where u is to rise by a given amount along a segment, u is its mean.
  */
 /* Rounding of a speed on a limit, relative to 1 and the limit, so that a region of one point does not miss itself. */
 #define MRTS_ON_LIMIT 2e-10
 
 /* The half-planes of a segment over (u, x_i): those of its start, those of its end with x_(i+1) put in, and the interval
  * that x_(i+1) is to reach; returns their number. */
-static int mrts_segment(double step, const double *left, int left_count, const double *right, int right_count,
-                        double low, double high, double *A, double *upper) {
+static int mrts_segment(double step, double rise, const double *left, int left_count, const double *right,
+                        int right_count, double low, double high, double *A, double *upper) {
     int row = 0;
     for (int end = 0; end < 2; ++end) {
         const double *plane = end ? right : left;
@@ -96,7 +96,7 @@ static int mrts_segment(double step, const double *left, int left_count, const d
         for (int i = 0; i < count; ++i, ++row, plane += 3) {
             A[2 * row] = plane[0] + (end ? 2 * step * plane[1] : 0);
             A[2 * row + 1] = plane[1];
-            upper[row] = plane[2] + MRTS_ON_LIMIT * (1 + MRTS_ABS(plane[2]));
+            upper[row] = plane[2] + MRTS_ON_LIMIT * (1 + MRTS_ABS(plane[2])) + (end ? -0.5 : 0.5) * rise * plane[0];
         }
     }
     for (int side = 0; side < 2; ++side, ++row) {
@@ -167,13 +167,13 @@ static int mrts_controllable(int rows, const double *A, const double *upper, dou
 
 /* Backward: the controllable sets [low, high] of samples 0 .. last, given as bounds of x and that of the last sample.
  * Returns the sample that has none, -1 if all have one. start[i] .. start[i + 1] - 1 are the half-planes of sample i. */
-MRTS_EXPORT long long mrts_backward(long long last, const double *step, const long long *start, const double *planes,
-                                    double *low, double *high, double *work) {
+MRTS_EXPORT long long mrts_backward(long long last, const double *step, const double *rise, const long long *start,
+                                    const double *planes, double *low, double *high, double *work) {
     for (long long i = last - 1; i >= 0; --i) {
         const int left = (int)(start[i + 1] - start[i]), right = (int)(start[i + 2] - start[i + 1]);
         double *A = work, *upper = A + 2 * (left + right + 2);
-        const int rows = mrts_segment(step[i], planes + 3 * start[i], left, planes + 3 * start[i + 1], right, low[i + 1],
-                                      high[i + 1], A, upper);
+        const int rows = mrts_segment(step[i], rise[i], planes + 3 * start[i], left, planes + 3 * start[i + 1], right,
+                                      low[i + 1], high[i + 1], A, upper);
         if (!mrts_controllable(rows, A, upper, low + i, high + i)) return i;
     }
     return -1;
@@ -183,13 +183,13 @@ MRTS_EXPORT long long mrts_backward(long long last, const double *step, const lo
 MRTS_EXPORT long long mrts_segment_work(long long planes) { return 3 * (planes + 2); }
 
 /* Forward: from x[0] the largest controllable speed at each next sample. */
-MRTS_EXPORT void mrts_forward(long long last, const double *step, const long long *start, const double *planes,
-                              const double *low, const double *high, double *x, double *work) {
+MRTS_EXPORT void mrts_forward(long long last, const double *step, const double *rise, const long long *start,
+                              const double *planes, const double *low, const double *high, double *x, double *work) {
     for (long long i = 0; i < last; ++i) {
         const int left = (int)(start[i + 1] - start[i]), right = (int)(start[i + 2] - start[i + 1]);
         double *A = work, *upper = A + 2 * (left + right + 2);
-        const int rows = mrts_segment(step[i], planes + 3 * start[i], left, planes + 3 * start[i + 1], right, low[i + 1],
-                                      high[i + 1], A, upper);
+        const int rows = mrts_segment(step[i], rise[i], planes + 3 * start[i], left, planes + 3 * start[i + 1], right,
+                                      low[i + 1], high[i + 1], A, upper);
         const mrts_rates u = mrts_rates_at(rows, A, upper, x[i]);
         const double next = x[i] + 2 * step[i] * (u.most >= u.least ? u.most : (u.most + u.least) / 2);
         x[i + 1] = next < low[i + 1] ? low[i + 1] : next > high[i + 1] ? high[i + 1] : next;

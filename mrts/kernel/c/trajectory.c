@@ -82,7 +82,9 @@ static void mrts_range_of_sample(const mrts_limits *limits, mrts_rows *rows, dou
         }
         mrts_keep_range(limits, rows, found, n, end, status, x[K - 1], column[K - 1], basis[end], y);
         if (status != MRTS_OPTIMAL) basis[end][0] = 0;
-        if (MRTS_LANES > 1 && basis[end][0]) mrts_order_basis(K, rows->count, rows->A, basis[end], work, iwork);
+        if (MRTS_LANES > 1 && status == MRTS_OPTIMAL) { /* for the order of its rows, which lanes take as it is */
+            mrts_lp_again(K, rows->count, rows->A, rows->lower, rows->upper, g, basis[end], x, y, &entering, work, iwork);
+        }
     }
 }
 
