@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from cases import model_with_box
+from cases import one_arm as shipped_arm
 from coarse_grids import POINTS, compared, spline_path, table
 from one_arm import duration, one_arm
-from one_arm_timing import model_with_box
-from one_arm_timing import one_arm as shipped_arm
 from scipy.integrate import solve_ivp
 
 import mrts
