@@ -70,9 +70,11 @@ quick: install  ## run one test of each kind, in about a minute
 test: install  ## run all tests
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal
 
-fuzz: install  ## read CASES damaged input files, from SEED on; look between the samples of 50 motions
+fuzz: install  ## read CASES damaged input files, from SEED on; look between the samples of 50 motions; draw more cells, loads and variants
 	FUZZ_CASES=$(CASES) FUZZ_SEED=$(SEED) $(BIN)/python -m pytest -q -x tests/base/test_mutated_inputs.py
 	BETWEEN_MOTIONS=50 $(BIN)/python -m pytest -q -x tests/refinement/test_between_samples.py
+	MORE_DRAWS=5 $(BIN)/python -m pytest -q -x tests/samples/test_speed_intervals.py tests/scaling/test_uncertain_load.py \
+	  tests/studies/test_variant_batch.py
 
 docs: install  ## build the documentation as a site in build/site
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
@@ -101,8 +103,9 @@ bench: install $(VENV)/bench  ## measure speed against what a user would otherwi
 	$(BIN)/python benchmarks/variants/rates.py
 	$(BIN)/python benchmarks/variants/sweep_speed.py $(VARIANTS)
 
-instructions: install  ## count instructions of a sample (needs gcc and valgrind)
+instructions: install  ## count instructions of a sample and of whole calls (needs gcc and valgrind)
 	$(BIN)/python benchmarks/range/instructions.py
+	$(BIN)/python benchmarks/timing/whole_call_instructions.py
 
 embedded-counts: install  ## count instructions on a Cortex-M7 (needs qemu-system-arm and an ARM compiler)
 	$(BIN)/python benchmarks/embedded/embedded_counts.py

@@ -82,6 +82,12 @@ def along(cell: mrts.Cell, path: Any, points: int) -> mrts.CoordinatedMotion:
     return carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2), smooth=False)
 
 
+def duration(grid: Array, x: Array) -> float:
+    """Of a profile of speeds squared [s]."""
+    speed = np.sqrt(np.maximum(x, 0.0))
+    return float(np.sum(2 * np.diff(grid) / (speed[1:] + speed[:-1])))
+
+
 def timing_alone(constant: mrts.ScalingResult) -> float:
     """Duration of the fastest timing from rows to profile: the answer without torques, comparison and dense check [s].
 

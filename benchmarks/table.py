@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 SAMPLES, REPEATS, PROCESSES = 1000, 15, 11
 WORKER = "--worker"
+PROCESS = "mrts scale, whole process"
 
 
 class Row(NamedTuple):
@@ -41,7 +42,7 @@ ROWS = {
     "mrts.retime, two arms": Row(17, 5, "µs a point", REPEATS),
     "check between samples, two arms": Row(15, 5, "µs a point", REPEATS),
     "range of c², two arms": Row(1.8, 0.5, "µs a sample", REPEATS),
-    "mrts scale, whole process": Row(350, 200, "ms", PROCESSES),
+    PROCESS: Row(350, 200, "ms", PROCESSES),
 }
 """The bar of the range of two arms is one of instructions, 15 000 of 28 900: here that share of 3.4 µs."""
 
@@ -80,7 +81,7 @@ def work(samples: int) -> None:
         command = [sys.executable, "-m", "mrts", "scale", DUAL / "cell.yaml", motion_file(Path(folder), samples)]
         # from an empty folder: Python looks where it is started before it looks at PYTHONPATH
         processes = {
-            "mrts scale, whole process": lambda: subprocess.run(command, capture_output=True, check=True, cwd=folder)  # noqa: S603
+            PROCESS: lambda: subprocess.run(command, capture_output=True, check=True, cwd=folder)  # noqa: S603
         }
         for line in sys.stdin:
             name = line.strip()

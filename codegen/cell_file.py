@@ -10,19 +10,9 @@ from mrts_codegen.motors_block import MotorsDescription
 from pydantic import Field, model_validator
 
 from mrts.base.arrays import Array
-from mrts.base.input_file import (
-    Angle,
-    Finite,
-    Name,
-    Pose,
-    Positive,
-    StrictModel,
-    Vector3,
-    broken_rule,
-    plain,
-    read_model,
-    validated,
-)
+from mrts.base.formats.pose import Angle, Finite, Name, Pose, Positive, Vector3
+from mrts.base.formats.strict_model import StrictModel, broken_rule
+from mrts.base.input_file import plain, read_model, validated
 from mrts.base.load_box import PARAMETERS, range_problem
 
 INERTIA_TOLERANCE = 1e-9

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 
 from mrts_codegen.urdf_reference import resolve_urdf
 
-import mrts
+from mrts.base import version
 from mrts.base.input_file import MAX_URDF_BYTES
 from mrts.base.regular_file import read_regular
-from mrts.base.version import __version__
 from mrts.base.yaml_parser import MAX_YAML_BYTES
 
 if TYPE_CHECKING:
@@ -91,11 +90,11 @@ def chains_key(cell: "CellModel", stem: str, *, bake: bool) -> str:
 @cache
 def emitter_key() -> str:
     """Hash of what reads cells and emits functions: this package and CasADi's version."""
-    package = Path(mrts.__file__).parent
+    package = Path(version.__file__).parents[1]
     shaping = [package / "base" / f"{name}.py" for name in SHAPING]
-    rooms = [source for room in ("hands", "motors") for source in (package / room).glob("*.py")]
+    rooms = [source for room in ("base/formats", "hands", "motors") for source in (package / room).glob("*.py")]
     ours = [source for source in Path(__file__).parent.rglob("*.py") if source.parent.name != "embedded"]
-    digest = hashlib.sha256("\n".join([*_casadi_versions(), __version__]).encode())
+    digest = hashlib.sha256("\n".join([*_casadi_versions(), version.__version__]).encode())
     for source in sorted([*ours, *rooms, *shaping]):
         digest.update(source.read_bytes())
     return digest.hexdigest()

@@ -146,7 +146,7 @@ def _known(values: dict[str, Any]) -> dict[str, Any]:
 
 def _check_same(where: Path, ours: Manifest, read: Manifest) -> None:
     """Refuse what a cell file cannot hold: what it reads back to is another cell."""
-    written, again = (manifest.model_dump(mode="json", include=set(COMPARED)) for manifest in (ours, read))
+    written, again = (manifest.model_dump(include=set(COMPARED)) for manifest in (ours, read))
     different = _difference(written, again)
     if different is None:
         return

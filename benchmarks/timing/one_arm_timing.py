@@ -33,7 +33,7 @@ from mrts.retiming.path_pieces import path_pieces
 from mrts.samples.sample_problem import build_sample_problem
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from cases import along, model_with_box, one_arm, one_arm_path, timing_alone
+from cases import along, duration, model_with_box, one_arm, one_arm_path, timing_alone
 from interleaved import median_times, on_one_processor, show
 
 POINTS, REPEATS = 1000, 15
@@ -58,12 +58,6 @@ class GivenRows(LinearConstraint):  # type: ignore[misc]  # toppra ships no type
     def compute_constraint_params(self, _path: Any, gridpoints: Array) -> Any:
         """The rows at both ends of each segment."""
         return canlinear_colloc_to_interpolate(*self.rows, self.F, self.g, None, None, gridpoints, identical=True)
-
-
-def duration(grid: Array, x: Array) -> float:
-    """Of a profile of speeds squared [s]."""
-    speed = np.sqrt(np.maximum(x, 0.0))
-    return float(np.sum(2 * np.diff(grid) / (speed[1:] + speed[:-1])))
 
 
 def by_toppra(constraint: Any, path: Any, grid: Array) -> Callable[[], float]:

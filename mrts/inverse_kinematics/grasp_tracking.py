@@ -235,7 +235,7 @@ def grasp_task(cell: Cell, steps: int) -> GraspTask:
     """What the compiled tracking is told of a cell; steps: most at a sample."""
     robots = cell.robots
     return GraspTask(
-        newton=NewtonRule(steps, SETTLED, STEP_LIMIT, POSE_TOLERANCE),
+        newton=NewtonRule(steps, SETTLED, STEP_LIMIT, POSE_TOLERANCE, CONDITION_LIMIT),
         components=cell.wrench_rows,
         geometry=cell.geometry,
         lower=np.concatenate([robot.position_lower for robot in robots]),

@@ -16,19 +16,11 @@ PROGRAM_FILES = (
 """The programs, which need no cell."""
 
 CELL_FILES = (
-    *(
-        *PROGRAM_FILES,
-        "basis/kept_basis.c",
-        "lanes/lanes.c",
-        "rows.c",
-        "speed_intervals.c",
-        "trajectory.c",
-        "one_unknown/one_unknown.c",
-        "tracking/null_space.c",
-        "tracking/tracking.c",
-    ),
-    *(f"dense/{name}.c" for name in ("path_places", "widening")),
-    *(f"variants/{name}.c" for name in ("quick_sample", "follow", "end_rows", "ranges")),
+    *(*PROGRAM_FILES, "basis/kept_basis.c", "lanes/lanes.c", "lanes/forms.c", "rows.c", "speed_intervals.c"),
+    *("trajectory.c", "one_unknown/one_unknown.c"),
+    *(f"tracking/{name}.c" for name in ("null_space", "tracking", "quick_sample", "path")),
+    *(f"dense/{name}.c" for name in ("path_places", "path_rows", "widening")),
+    *(f"variants/{name}.c" for name in ("follow", "end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""
 
@@ -36,6 +28,19 @@ SMOOTH_FILES = tuple(f"smooth/{name}.c" for name in ("smooth_rows", "smooth_seco
 """The programs of smooth timing, which need no cell either."""
 
 INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.(?:h|inc))"\n', re.MULTILINE)
+
+STATEMENTS = (
+    (r"(a\d+)=arg\[(\d+)\]\? arg\[\2\]\[(\d+)\] : 0;", r"\1=arg[\2][\3];"),
+    (r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=(a\d+);", r"res[\1][\2]=\3;"),
+    (r"(a\d+)=(-?\d[\d.e+-]*);", r"\1=MRTS_V_OF(\2);"),
+    (r"(a\d+)=(sin|cos)\((a\d+)\);", r"\1=mrts_\2_OF(\3);"),
+    (r"(a\d+)=(sqrt|fabs)\((a\d+)\);", r"for (int lane = 0; lane < MRTS_LANES; ++lane) \1[lane]=\2(\3[lane]);"),
+    (r"(a\d+)=casadi_sq\((a\d+)\);", r"\1=(\2*\2);"),
+    (r"a\d+=\((?:-|(?:a\d+|\d[\d.e+-]*)[-+*/])a\d+\);", r"\g<0>"),
+    (r"casadi_real ((?:a\d+, )*a\d+);", r"mrts_lanes \1;"),
+    (r"return 0;", ""),
+)
+"""Statements of a generated function, and the same of lanes."""
 
 
 def one_file(name: str) -> str:
@@ -105,19 +110,6 @@ def cell_source(manifest: Manifest, generated: str) -> str:
     return f"{generated}\n{defined}{one_text(CELL_FILES)}\n{form}"
 
 
-STATEMENTS = (
-    (r"(a\d+)=arg\[(\d+)\]\? arg\[\2\]\[(\d+)\] : 0;", r"\1=arg[\2][\3];"),
-    (r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=(a\d+);", r"res[\1][\2]=\3;"),
-    (r"(a\d+)=(-?\d[\d.e+-]*);", r"\1=MRTS_V_OF(\2);"),
-    (r"(a\d+)=(sin|cos|sqrt|fabs)\((a\d+)\);", r"for (int lane = 0; lane < MRTS_LANES; ++lane) \1[lane]=\2(\3[lane]);"),
-    (r"(a\d+)=casadi_sq\((a\d+)\);", r"\1=(\2*\2);"),
-    (r"(a\d+)=\((?:-|a\d+[-+*/])a\d+\);", r"\g<0>"),
-    (r"casadi_real ((?:a\d+, )*a\d+);", r"mrts_lanes \1;"),
-    (r"return 0;", ""),
-)
-"""Statements of a generated function, and the same of lanes."""
-
-
 def form_of_lanes(generated: str, symbol: str) -> str:
     """The generated wrench form for samples side by side, see lanes/lanes.h; empty where it has other statements.
 
@@ -136,10 +128,8 @@ def form_of_lanes(generated: str, symbol: str) -> str:
         lines.append(matched)
     if not lines:
         return ""
-    kinds = ("", "mrts_form_of_lanes"), ("MRTS_WIDE ", "mrts_form_of_wide_lanes")
-    plain, wide = (
-        f"{kind}void {name}(const mrts_lanes *const *arg, mrts_lanes *const *res) {{\n" + "\n".join(lines) + "\n}\n"
-        for kind, name in kinds
-    )
+    text = "(const mrts_lanes *const *arg, mrts_lanes *const *res) {\n" + "\n".join(lines) + "\n}\n"
+    plain = "void mrts_form_of_lanes" + text.replace("_OF(a", "_lanes(a")
+    wide = "MRTS_WIDE void mrts_form_of_wide_lanes" + text.replace("_OF(a", "_wide(a")
     of = "#define MRTS_V_OF(value) ((mrts_lanes){0} + (value))\n"
     return f"#if MRTS_LANES > 1\n{of}{plain}#ifdef MRTS_WIDE\n{wide}#endif\n#endif\n"

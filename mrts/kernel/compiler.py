@@ -12,8 +12,9 @@ from pathlib import Path
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import CompilerError
 
-FLAGS = ("-std=c99", "-O2", "-fPIC", "-shared", "-ffp-contract=off")
-"""No contraction to fused multiply-add, so that compiled C equals CasADi's virtual machine."""
+FLAGS = ("-std=c99", "-O2", "-fPIC", "-shared", "-ffp-contract=off", "-Wno-psabi")
+"""No contraction to fused multiply-add, so that compiled C equals CasADi's virtual machine. Vectors are passed between
+functions of one library only, so how they are passed is no matter."""
 
 CANDIDATES = ("cc", "gcc", "clang")
 SHOWN_LINES = 6

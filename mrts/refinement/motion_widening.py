@@ -8,7 +8,7 @@ from mrts.base.arrays import Array
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.kernel.between_samples import widenings
+from mrts.kernel.motion_rows import widenings
 from mrts.kernel.programs import OPTIMAL
 from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing

@@ -10,7 +10,7 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion, carried_by_first
 from mrts.coordination.denser_motion import WHOLE_WAY, polynomial_weights, velocity_polynomials
-from mrts.kernel.between_samples import path_places
+from mrts.kernel.motion_rows import path_places
 from mrts.motion.object_motion import ObjectMotion
 from mrts.reachability.fastest_profile import SpeedProfile, segment_times
 from mrts.reachability.speed_regions import SpeedRegions

@@ -156,7 +156,7 @@ def motion_torques(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    if sharing is not None or (len(cell.robots) == 1 and formulation == "wrench"):
+    if formulation == "wrench" and (sharing is not None or len(cell.robots) == 1):
         check_solver(solver)
         return *known_torques(cell, motion, sharing, c2), 0
     fast = compiled_trajectory(cell, motion, formulation, sharing, solver)
@@ -262,16 +262,7 @@ class CompiledTrajectory:
 
     def sparse(self) -> SparseLimits:
         """The rows that it takes, as C reads them."""
-        rows = self.rows
-        turned = rows.object_axes
-        return SparseLimits(
-            matrix=rows.matrix,
-            lower=rows.lower,
-            upper=rows.upper,
-            group=[name.group for name in rows.names],
-            base=None if turned is None else turned.base,
-            axes=(0, 1, 2) if turned is None else turned.axes,
-        )
+        return self.rows.sparse()
 
     def known(self, cell: Cell, motion: CoordinatedMotion, load: Array | None) -> KnownWrenches:
         """The samples of a motion where c² is the only unknown."""

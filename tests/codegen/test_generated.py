@@ -178,7 +178,7 @@ def test_a_cell_with_a_redundant_arm_has_what_tracks_it(short, redundant, tmp_pa
     with pytest.raises(ValueError, match=f"must include '{short}'"):
         Manifest.model_validate(manifest.model_dump() | {"functions": without})
     redundant.write(tmp_path)
-    data = manifest.model_dump(mode="json")
+    data = manifest.model_dump()
     data["functions"][short]["outputs"][0]["shape"] = [5, 5]
     wrong = Manifest.model_validate(data).sealed()
     (tmp_path / "manifest.json").write_text(wrong.to_json())

@@ -14,6 +14,8 @@ PLANAR = {
     "MRTS_JOINTS": "6",
     "MRTS_WRENCHES": "6",
     "MRTS_INPUTS": "8",
+    "MRTS_INPUT_SIZES": "{6, 6, 6, 9, 6, 6, 10, 51}",
+    "MRTS_INPUT_NUMBERS": "100",
     "MRTS_UNKNOWNS": "4",
     "MRTS_MOST_JOINTS": "3",
     "MRTS_FIRST_JOINTS": "{0, 3, 6}",
@@ -21,7 +23,7 @@ PLANAR = {
     "MRTS_KINEMATICS": "kinematics",
     "MRTS_BIAS_ACCELERATION": "bias_acceleration",
 }
-EXPORTED = ("linear_programs.c", "quadratic_programs.c", "rows.c")
+EXPORTED = ("basis/kept_basis.c", "linear_programs.c", "quadratic_programs.c", "rows.c")
 FILES = sorted(str(path.relative_to(C)) for path in C.rglob("*.c"))
 
 

@@ -27,7 +27,7 @@ class Form(ctypes.Structure):
 class Rows(ctypes.Structure):
     _fields_ = [
         ("count", ctypes.c_int),
-        *((name, ctypes.c_void_p) for name in ("which", "unit", "A", "lower", "upper")),
+        *((name, ctypes.c_void_p) for name in ("which", "unit", "A", "lower", "upper", "size")),
     ]
 
 
@@ -62,7 +62,7 @@ def built(loaded, limits, form, square):
     matrix = np.hstack([limits.torque_matrix, limits.wrench_matrix])
     sparse = SparseLimits(matrix=matrix, lower=limits.lower, upper=limits.upper, group=UNITS)
     r = len(UNITS)
-    work, which, rows = np.zeros(r * K + 3 * r + 2 * K), np.zeros(r, dtype=np.int32), Rows()
+    work, which, rows = np.zeros(r * K + 3 * r + 3 * K), np.zeros(r, dtype=np.int32), Rows()
     loaded.mrts_rows_over(K, ctypes.byref(sparse.structure), address(work), address(which), ctypes.byref(rows))
     maps = Form(*(address(part) for part in form))
     given = ctypes.byref(SampleTerms(square=square).structure())

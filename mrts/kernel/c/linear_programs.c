@@ -366,7 +366,7 @@ restart:
         for (int j = 0; j < k; ++j) {
             if (!passed[j]) continue;
             side[j] = -side[j];
-            mrts_lp_move(k, j, side[j] * (upper[row[j]] - lower[row[j]]), C, x);
+            mrts_lp_move(k, j, (mrts_real)side[j] * (upper[row[j]] - lower[row[j]]), C, x);
         }
         mrts_lp_exchange(k, q, alpha, C);
         ++updates;

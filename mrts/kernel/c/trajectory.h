@@ -28,16 +28,6 @@ static inline mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long s
     return here;
 }
 
-/* Evaluates the wrench form of a sample, with the terms of that sample; 0 if it failed. */
-MRTS_LOCAL int mrts_form_of_sample(const double *const *in, const long long *stride, long long sample,
-                                   const mrts_terms *terms, mrts_form *form, const double **arg, double **res,
-                                   long long *iw, double *w);
-
-/* Evaluates the wrench form of a sample and builds its rows: 1 if they are finite, 0 if not, -1 if the form failed. */
-MRTS_LOCAL int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
-                                   double *turned, const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows,
-                                   const double **arg, double **res, long long *iw, double *w);
-
 /* A row of a basis, 1 + row or -1 - row, as a row of the limits; the unknowns come after those. */
 static inline short mrts_row_of_limits(const mrts_limits *limits, const mrts_rows *rows, int code) {
     const int row = (code < 0 ? -code : code) - 1;

@@ -74,7 +74,7 @@ typedef struct {
     int lower_basis[PLANAR_DUAL_ARM_UNKNOWNS], upper_basis[PLANAR_DUAL_ARM_UNKNOWNS];
     int which[PLANAR_DUAL_ARM_ROWS], integers[PLANAR_DUAL_ARM_ROWS + 6 * PLANAR_DUAL_ARM_UNKNOWNS];
     planar_dual_arm_real form[(PLANAR_DUAL_ARM_UNKNOWNS + 1) * (PLANAR_DUAL_ARM_JOINTS + PLANAR_DUAL_ARM_WRENCHES)];
-    planar_dual_arm_real rows[PLANAR_DUAL_ARM_ROWS * (PLANAR_DUAL_ARM_UNKNOWNS + 3) + 2 * PLANAR_DUAL_ARM_UNKNOWNS];
+    planar_dual_arm_real rows[PLANAR_DUAL_ARM_ROWS * (PLANAR_DUAL_ARM_UNKNOWNS + 3) + 3 * PLANAR_DUAL_ARM_UNKNOWNS];
     planar_dual_arm_real work[3 * PLANAR_DUAL_ARM_UNKNOWNS * PLANAR_DUAL_ARM_UNKNOWNS + 7 * PLANAR_DUAL_ARM_UNKNOWNS];
 } planar_dual_arm_workspace;
 

@@ -6,6 +6,7 @@
 #include "kernel/numbers.h"
 #include "kernel/rows.c"
 #include "kernel/linear_programs.c"
+#include "kernel/basis/kept_basis.c"
 #include "kernel/quadratic_programs.c"
 #include "parts/sample.c"
 #include "parts/settings.c"

@@ -49,11 +49,6 @@ static void mrts_take_pivot(int k, int c, int *row, int *side, mrts_real *B) {
 #undef MRTS_TAKE_PIVOT
 #undef MRTS_IS_NONE
 
-MRTS_LOCAL void mrts_order_basis(int k, int rows, const mrts_real *A, int *basis, mrts_real *work, int *iwork) {
-    for (int j = 0; j < k; ++j) iwork[j] = MRTS_ABS(basis[j]) - 1;
-    mrts_kept_factor(k, rows, A, iwork, basis, work);
-}
-
 MRTS_LOCAL int mrts_lp_again(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
                              const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering,
                              mrts_real *work, int *iwork) {

@@ -4,6 +4,7 @@
  * keep them all show it: those of the sample before, moved so that the rows that bound them there still do. Where these do
  * not, the nearest that do are looked for, and where there are none a linear program finds the least widening.
  */
+#include "../lanes/forms.h"
 #include "../quadratic_programs.h"
 #include "../trajectory.h"
 
@@ -190,9 +191,11 @@ MRTS_EXPORT int mrts_widenings(long long count, const double *const *in, const l
     mrts_dense_sample at = {.limits = limits, .turned = turned};
     mrts_wrenches_before known = {.count = -1};
     mrts_rows rows, some;
+    mrts_forms forms;
     at.form = mrts_form_in(K, MRTS_JOINTS, MRTS_WRENCHES, memory);
     if (!mrts_rows_over(K, limits, work, iwork, &rows) || !mrts_rows_over(K, limits, few_work, few_iwork, &some)) return 1;
     for (int i = 0; i < rows.count; ++i) rows.unit[i] = unit[rows.which[i]];
+    mrts_begin_forms(in, stride, count, &forms);
     for (long long n = 0; n < count; ++n) {
         if (n % MRTS_CHUNK == 0) { /* so that chunks do not depend on each other */
             known.count = -1;
@@ -200,7 +203,8 @@ MRTS_EXPORT int mrts_widenings(long long count, const double *const *in, const l
         }
         for (int j = 0; j < F && known.count < 0; ++j) known.wrench[j] = 0;
         at.terms = mrts_terms_of_sample(terms, n, limits->rows);
-        if (!mrts_form_of_sample(in, stride, n, &at.terms, &at.form, arg, res, iw, w)) return 1;
+        if (!mrts_next_form(&forms, n, &at.form, arg, res, iw, w)) return 1;
+        mrts_add_motors(K, MRTS_JOINTS, &at.terms, &at.form);
         at.rotation = arg[MRTS_ROTATION];
         at.c2 = c2[n];
         status[n] = MRTS_OPTIMAL;

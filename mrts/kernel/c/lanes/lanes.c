@@ -6,19 +6,26 @@
 #include "../basis/kept_basis.h"
 
 #if MRTS_LANES > 1
+#define MRTS_PER_QUARTER 6.36619772367581382433e-01  /* 2 / pi */
+#define MRTS_QUARTER 1.57079632673412561417e+00      /* the first 33 bits of pi / 2 */
+#define MRTS_QUARTER_REST 6.07710050650619224932e-11 /* and the rest */
+#define MRTS_ROUNDER 6755399441055744.0              /* 1.5 * 2^52: what is added to it is rounded to a whole number */
+#define MRTS_MOST_ANGLE 1e5                          /* a multiple of 33 bits is exact [rad] */
+
 #define MRTS_V mrts_lanes
 #define MRTS_V_OF(value) ((mrts_lanes){0} + (double)(value))
 #define MRTS_MASK mrts_lane_mask
 #define MRTS_ALL ((mrts_lane_mask){0} - 1)
 #define MRTS_CHOOSE(mask, a, b) \
     ((mrts_lanes)(((mask) & (mrts_lane_mask)(a)) | (~(mask) & (mrts_lane_mask)(b))))
-#define MRTS_TAKE_PIVOT(k, c, row, side, B) (void)0
+#define MRTS_TAKE_PIVOT(k, c, row, side, B) (void)(side)
 #define MRTS_IS_NONE(value) 0
 
 #define MRTS_STATIC static inline
 #define MRTS_OF(name) name##_lanes
 #define MRTS_LANE_FORM mrts_form_of_lanes
 #include "../basis/kept_basis.inc"
+#include "lane_angles.inc"
 #include "lane_samples.inc"
 
 #ifdef MRTS_WIDE
@@ -29,6 +36,7 @@
 #define MRTS_OF(name) name##_wide
 #define MRTS_LANE_FORM mrts_form_of_wide_lanes
 #include "../basis/kept_basis.inc"
+#include "lane_angles.inc"
 #include "lane_samples.inc"
 #endif
 

@@ -24,6 +24,7 @@ static void mrts_lp_exchange(int k, int q, const mrts_real *alpha, mrts_real *C)
     for (int i = 0; i < k; ++i) cq[i] *= factor;
     for (int j = 0; j < k; ++j) {
         if (j == q || alpha[j] == 0) continue;
+        MRTS_UNROLL
         for (int i = 0; i < k; ++i) C[j * k + i] -= alpha[j] * cq[i];
     }
 }
@@ -64,15 +65,19 @@ static mrts_real mrts_limit(const mrts_real *lower, const mrts_real *upper, int 
     return side == MRTS_AT_LOWER ? lower[row] : side == MRTS_AT_UPPER ? upper[row] : 0;
 }
 
+/* Moves x so that basis row j gains `more` and the others nothing. */
+static void mrts_lp_move(int k, int j, mrts_real more, const mrts_real *C, mrts_real *x) {
+    MRTS_UNROLL
+    for (int i = 0; i < k; ++i) x[i] += more * C[j * k + i];
+}
+
 /* x of a basis */
 static void mrts_lp_place(int k, const mrts_real *lower, const mrts_real *upper, const int *row, const int *side,
                           const mrts_real *C, mrts_real *x) {
     for (int i = 0; i < k; ++i) x[i] = 0;
     for (int j = 0; j < k; ++j) {
         const mrts_real limit = mrts_limit(lower, upper, row[j], side[j]);
-        if (limit != 0) {
-            for (int i = 0; i < k; ++i) x[i] += limit * C[j * k + i];
-        }
+        if (limit != 0) mrts_lp_move(k, j, limit, C, x);
     }
 }
 
@@ -88,9 +93,7 @@ static mrts_real mrts_lp_refine(int k, int rows, const mrts_real *A, const mrts_
             const mrts_real missing = limit - mrts_lp_value(rows, A, k, row[j], x);
             const mrts_real size = MRTS_ABS(missing) / (1 + MRTS_ABS(limit));
             if (!(size <= worst)) worst = size; /* so that a value that is no number is seen */
-            if (missing != 0 && pass == 0) {
-                for (int i = 0; i < k; ++i) x[i] += missing * C[j * k + i];
-            }
+            if (missing != 0 && pass == 0) mrts_lp_move(k, j, missing, C, x);
         }
         if (pass == 0) *before = worst;
         if (worst <= MRTS_FEASIBLE / 100) break; /* nothing to gain */
@@ -361,7 +364,9 @@ restart:
             goto done;
         }
         for (int j = 0; j < k; ++j) {
-            if (passed[j]) side[j] = -side[j];
+            if (!passed[j]) continue;
+            side[j] = -side[j];
+            mrts_lp_move(k, j, (mrts_real)side[j] * (upper[row[j]] - lower[row[j]]), C, x);
         }
         mrts_lp_exchange(k, q, alpha, C);
         ++updates;
@@ -369,8 +374,10 @@ restart:
         in_basis[p] = 1;
         row[q] = p;
         side[q] = found > 0 ? MRTS_AT_UPPER : MRTS_AT_LOWER;
-        for (int j = 0; j < k; ++j) y[j] = mrts_dot(k, g, C + j * k);
-        mrts_lp_place(k, lower, upper, row, side, C, x);
+        mrts_lp_move(k, q, mrts_limit(lower, upper, p, side[q]) - mrts_lp_value(rows, A, k, p, x), C, x);
+        const mrts_real its = y[q] / alpha[q];
+        for (int j = 0; j < k; ++j) y[j] -= alpha[j] * its;
+        y[q] = its;
     }
 done:
     for (int j = 0; j < k; ++j) basis[j] = side[j] == MRTS_AT_LOWER ? -row[j] - 1 : row[j] + 1;

@@ -38,6 +38,7 @@ typedef MRTS_REAL mrts_real;
 #define MRTS_C(value) value##f
 #define MRTS_SQRT(value) sqrtf(value)
 #define MRTS_FEASIBLE MRTS_C(4e-6)
+#define MRTS_AS_IT_IS MRTS_C(4e-6)
 #define MRTS_SEPARATED MRTS_C(2e-5)
 #define MRTS_PIVOT MRTS_C(1e-4)
 #define MRTS_ZERO MRTS_C(1e-6)
@@ -51,6 +52,7 @@ typedef MRTS_REAL mrts_real;
 #define MRTS_C(value) value
 #define MRTS_SQRT(value) sqrt(value)
 #define MRTS_FEASIBLE 1e-10 /* excess over a limit, relative to 1 and to it, that is rounding */
+#define MRTS_AS_IT_IS 1e-12 /* residual of an answer that is taken as it is, relative to 1; another is refined */
 #define MRTS_SEPARATED 1e-9 /* a certificate must separate the limits by this share, or proves nothing */
 #define MRTS_PIVOT 1e-8     /* smallest pivot, relative to its row */
 #define MRTS_ZERO 1e-13     /* a multiplier below this share of the largest is rounding */
@@ -64,8 +66,17 @@ typedef MRTS_REAL mrts_real;
                                * that makes its effect 1 would not be finite */
 #endif
 
+/* Before a loop over unknowns: of as many as one arm's wrench has the count is mostly known, and counting them costs more
+ * than the rest. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define MRTS_UNROLL _Pragma("GCC unroll 8")
+#else
+#define MRTS_UNROLL
+#endif
+
 static inline mrts_real mrts_dot(int k, const mrts_real *a, const mrts_real *b) {
     mrts_real sum = 0;
+    MRTS_UNROLL
     for (int i = 0; i < k; ++i) sum += a[i] * b[i];
     return sum;
 }

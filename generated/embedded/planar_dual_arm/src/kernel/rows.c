@@ -28,19 +28,13 @@ MRTS_LOCAL int mrts_rows_over(int k, const mrts_limits *limits, mrts_real *work,
     rows->A = rows->unit + limits->rows;
     rows->lower = rows->A + limits->rows * k;
     rows->upper = rows->lower + limits->rows + k;
+    rows->size = rows->upper + limits->rows + k;
     for (int row = 0; row < limits->rows; ++row) {
         const mrts_real lower = limits->lower[row], upper = limits->upper[row], size = mrts_limit_size(lower, upper);
         if (!(lower <= upper)) return 0;
         if (lower <= -MRTS_INFINITY && upper >= MRTS_INFINITY) continue;
         rows->unit[rows->count] = size > 0 ? size : mrts_group_size(limits, limits->group[row]);
         rows->which[rows->count++] = row;
-    }
-    return 1;
-}
-
-static int mrts_all_finite(int count, const mrts_real *values) {
-    for (int i = 0; i < count; ++i) {
-        if (!(MRTS_ABS(values[i]) < MRTS_INFINITY)) return 0;
     }
     return 1;
 }
@@ -66,8 +60,22 @@ MRTS_LOCAL void mrts_turn_wrenches(int k, int arms, int size, const mrts_limits 
     }
 }
 
+/* Takes the coefficients of a row into the sizes of the unknowns; what is returned is a number where they all are. */
+static mrts_real mrts_take_sizes(int k, const mrts_real *a, mrts_real *size) {
+    mrts_real sum = 0;
+    MRTS_UNROLL
+    for (int j = 0; j < k; ++j) {
+        const mrts_real its = MRTS_ABS(a[j]);
+        size[j] = its > size[j] ? its : size[j];
+        sum += its;
+    }
+    return sum;
+}
+
 MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form *form, const mrts_limits *limits,
                                const mrts_terms *terms, mrts_rows *rows) {
+    mrts_real sum = 0;
+    for (int j = 0; j < k; ++j) rows->size[j] = 0;
     for (int i = 0; i < rows->count; ++i) {
         const int row = rows->which[i];
         const mrts_real low = limits->lower[row], high = limits->upper[row], per_unit = 1 / rows->unit[i];
@@ -81,19 +89,21 @@ MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form 
             const mrts_real *map = (is_torque ? form->torque_map : turned ? form->object_map : form->wrench_map) + place;
             const mrts_real value = limits->value[entry] * per_unit;
             if (entry == first) {
-                for (int j = 0; j < k; ++j) a[j] = value * map[j * size];
+                MRTS_UNROLL
+                for (int j = 0; j < k; ++j, map += size) a[j] = value * *map;
             } else {
-                for (int j = 0; j < k; ++j) a[j] += value * map[j * size];
+                for (int j = 0; j < k; ++j, map += size) a[j] += value * *map;
             }
             offset += value * (is_torque ? form->torque_offset : turned ? form->object_offset : form->wrench_offset)[place];
         }
         if (terms->square) a[k - 1] += terms->square[row] * per_unit;
         if (terms->offset) offset += terms->offset[row] * per_unit;
+        sum += mrts_take_sizes(k, a, rows->size);
         const mrts_real margin = terms->margin ? terms->margin[row] * per_unit : 0;
         rows->lower[i] = low <= -MRTS_INFINITY ? -MRTS_INFINITY : low * per_unit - offset + margin;
         rows->upper[i] = high >= MRTS_INFINITY ? MRTS_INFINITY : high * per_unit - offset - margin;
     }
-    return mrts_all_finite(rows->count * k, rows->A);
+    return sum < MRTS_INFINITY;
 }
 
 MRTS_LOCAL void mrts_fix_speed(int k, const mrts_limits *limits, mrts_real c2, mrts_real widening, mrts_rows *rows) {
@@ -109,19 +119,13 @@ MRTS_LOCAL void mrts_fix_speed(int k, const mrts_limits *limits, mrts_real c2, m
 }
 
 MRTS_LOCAL void mrts_scale_columns(int k, mrts_rows *rows, mrts_real *column) {
-    for (int j = 0; j < k; ++j) {
-        mrts_real size = 0;
-        for (int i = 0; i < rows->count; ++i) {
-            const mrts_real value = MRTS_ABS(rows->A[i * k + j]);
-            if (value > size) size = value;
-        }
-        column[j] = size > MRTS_NO_EFFECT ? 1 / size : 1;
-        if (size > MRTS_NO_EFFECT) {
-            for (int i = 0; i < rows->count; ++i) rows->A[i * k + j] *= column[j];
-        } else {
-            for (int i = 0; i < rows->count; ++i) rows->A[i * k + j] = 0;
-        }
+    mrts_real *a = rows->A;
+    for (int j = 0; j < k; ++j) column[j] = rows->size[j] > MRTS_NO_EFFECT ? 1 / rows->size[j] : 0;
+    for (int i = 0; i < rows->count; ++i, a += k) {
+        MRTS_UNROLL
+        for (int j = 0; j < k; ++j) a[j] *= column[j];
     }
+    for (int j = 0; j < k; ++j) column[j] = column[j] > 0 ? column[j] : 1;
 }
 
 MRTS_LOCAL void mrts_free_unknowns(int k, mrts_rows *rows) {

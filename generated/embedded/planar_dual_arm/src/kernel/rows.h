@@ -69,10 +69,11 @@ typedef struct {
     mrts_real *A;    /* Shape (count, k) */
     mrts_real *lower;
     mrts_real *upper;
+    mrts_real *size; /* largest coefficient of each unknown, before they are scaled, (k) */
 } mrts_rows;
 
 /* Reals and ints of work that the rows stand in. */
-#define MRTS_ROWS_WORK(k, rows) ((rows) * (k) + 3 * (rows) + 2 * (k))
+#define MRTS_ROWS_WORK(k, rows) ((rows) * (k) + 3 * (rows) + 3 * (k))
 #define MRTS_ROWS_IWORK(rows) (rows)
 
 /* Lays rows out in work arrays, finds which limits there are and measures them; once for all samples. The unit of a limit

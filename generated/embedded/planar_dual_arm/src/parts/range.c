@@ -3,7 +3,7 @@ static planar_dual_arm_status range_with_load(const planar_dual_arm_sample *samp
                                      const mrts_real *load, planar_dual_arm_range *range, planar_dual_arm_workspace *workspace) {
     mrts_real column[K];
     mrts_rows rows;
-    int fastest, moves = 0;
+    int fastest;
     range->lower = range->upper = 0;
     range->lower_count = range->upper_count = 0;
     if (!is_sound(sample, load)) return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
@@ -12,12 +12,11 @@ static planar_dual_arm_status range_with_load(const planar_dual_arm_sample *samp
     if (most < 0 || !build_rows(sample, settings, 0, K, &form, workspace, &rows)) {
         return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
     }
-    for (int i = 0; i < rows.count; ++i) moves |= rows.A[i * K + F] != 0;
     mrts_scale_columns(K, &rows, column);
     mrts_free_unknowns(K, &rows);
     mrts_bound_speed(K, most, column, &rows);
     const int velocity = most / column[F] < MRTS_UNBOUNDED ? fastest : 0;
-    const int at_rest = 1 <= NO_EFFECT * column[F] || !moves;
+    const int at_rest = 1 <= NO_EFFECT * column[F] || rows.size[F] == 0;
     for (int i = 0; at_rest && i < rows.count; ++i) rows.A[i * K + F] = 0;
     range->status = solve_end(&rows, velocity, 1, workspace->lower_basis, column[F], workspace, &range->lower,
                               &range->lower_count, range->lower_rows);

@@ -51,16 +51,11 @@ static void check_basis(int k, int *basis, int rows) {
 static planar_dual_arm_status solve_end(const mrts_rows *rows, int velocity, mrts_real sign, int *basis, mrts_real column,
                                planar_dual_arm_workspace *workspace, mrts_real *end, int *count, int *named) {
     mrts_real g[K], x[K], y[K];
-    int entering = 0, status = MRTS_STOPPED;
+    int entering = 0;
     for (int j = 0; j < K; ++j) g[j] = j == F ? sign : 0;
     check_basis(K, basis, rows->count);
-    for (int attempt = 0; attempt < 2; ++attempt) {
-        const int cold = basis[0] == 0;
-        status = mrts_lp(K, rows->count, rows->A, rows->lower, rows->upper, g, basis, x, y, &entering, workspace->work,
-                         workspace->integers);
-        if (status == MRTS_OPTIMAL || cold) break;
-        basis[0] = 0;
-    }
+    const int status = mrts_lp_again(K, rows->count, rows->A, rows->lower, rows->upper, g, basis, x, y, &entering,
+                                     workspace->work, workspace->integers);
     if (status == MRTS_INFEASIBLE) {
         named[0] = name_of(entering, entering < 0, rows, velocity);
         *count = name_rows(basis, y, rows, velocity, 1, named + 1) + 1;

@@ -1,0 +1,128 @@
+"""Samples in lanes: the same bits from registers of any width, the same answers as singly; sines, cosines."""
+
+import ctypes
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA, ROOT
+
+import mrts
+from mrts.base.manifest import GEOMETRY
+from mrts.cell.generation import generated_in_cache
+from mrts.kernel.c_text import cell_source, form_of_lanes
+from mrts.kernel.cell_library import CellLibrary, SparseLimits
+from mrts.kernel.compiler import FLAGS
+from mrts.kernel.sample_terms import SampleTerms
+from mrts.limits import limit_rows
+
+C = ROOT / "mrts" / "kernel" / "c"
+GCC = shutil.which("gcc") or "gcc"
+CELLS = {"planar_dual_arm": "lift.yaml", "dual_ur5": "lift_and_turn.yaml"}
+SAMPLES = 301
+"""Two chunks, and a last group that is not full."""
+
+ROUNDING = 1e-12
+"""Of c², relative: two orders of the same operations."""
+
+ANGLES = """
+#include "lanes/lanes.c"
+void mrts_form_of_lanes(const mrts_lanes *const *arg, mrts_lanes *const *res) { (void)arg, (void)res; }
+#ifdef MRTS_WIDE
+void mrts_form_of_wide_lanes(const mrts_lanes *const *arg, mrts_lanes *const *res) { (void)arg, (void)res; }
+#endif
+void angles(long long count, const mrts_lanes *angle, mrts_lanes *sine, mrts_lanes *cosine) {
+    for (long long i = 0; i < count; ++i) {
+        sine[i] = mrts_sin_lanes(angle[i]);
+        cosine[i] = mrts_cos_lanes(angle[i]);
+    }
+}
+"""
+
+
+@pytest.fixture(scope="module", params=CELLS)
+def ranges(request, tmp_path_factory):
+    """The ranges of a shipped cell, with a margin and with more terms, by a library compiled with some flags."""
+    path = DATA.parent / request.param
+    folder = tmp_path_factory.mktemp(request.param)
+    manifest, generated = generated_in_cache(path / "cell.yaml")
+    (folder / "cell.c").write_text(cell_source(manifest, generated.read_text(encoding="utf-8")), encoding="utf-8")
+    cell = mrts.load_cell(path / "cell.yaml")
+    given = yaml.safe_load((path / CELLS[request.param]).read_text()) | {"samples": SAMPLES}
+    motion = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(given)))
+    rows = limit_rows(cell.without_velocity_limits(), motion)
+    matrix = np.hstack([rows.torque_matrix, rows.wrench_matrix])
+    limits = SparseLimits(matrix=matrix, lower=rows.lower, upper=rows.upper, group=[name.unit for name in rows.names])
+    rng = np.random.default_rng(0)
+    size = np.where(np.isfinite(rows.upper), np.abs(rows.upper), 0)
+    terms = SampleTerms(
+        square=rng.normal(size=(SAMPLES, len(matrix))) * size * 1e-3,
+        offset=rng.normal(size=(SAMPLES, len(matrix))) * size * 1e-3,
+        margin=rng.random((SAMPLES, len(matrix))) * size * 1e-3,
+        torque_square=rng.normal(size=(SAMPLES, motion.q.shape[1])),
+        torque_offset=rng.normal(size=(SAMPLES, motion.q.shape[1])),
+    )
+    inputs = motion.inputs(cell.load) | {GEOMETRY: cell.geometry}
+
+    def found(*flags):
+        library = folder / f"lib{len(list(folder.iterdir()))}.so"
+        subprocess.run([GCC, *FLAGS, *flags, folder / "cell.c", "-o", library, "-lm"], check=True)
+        opened = CellLibrary(manifest, library)
+        most = np.full(SAMPLES, np.inf)
+        return [opened.ranges(SAMPLES, inputs, limits, one, most) for one in (SampleTerms(), terms)]
+
+    return found
+
+
+def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_single_samples(ranges):
+    wide, narrow, single = ranges(), ranges("-U__x86_64__"), ranges("-DMRTS_NO_LANES")
+    for one, other, alone in zip(wide, narrow, single, strict=True):
+        for name in ("lower", "upper", "status", "effect", "basis", "dual"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+        np.testing.assert_array_equal(one.status, alone.status)
+        np.testing.assert_allclose(one.effect, alone.effect, rtol=ROUNDING)
+        np.testing.assert_allclose(one.lower, alone.lower, rtol=ROUNDING, atol=ROUNDING)
+        np.testing.assert_allclose(one.upper, alone.upper, rtol=ROUNDING)
+        assert np.any(one.upper != alone.upper), "the lanes have not been at work"
+
+
+def test_sines_and_cosines_are_those_of_extended_precision(tmp_path):
+    (tmp_path / "angles.c").write_text(ANGLES)
+    library = tmp_path / "angles.so"
+    subprocess.run([GCC, *FLAGS, f"-I{C}", tmp_path / "angles.c", C / "basis" / "kept_basis.c",
+                    C / "linear_programs.c", "-o", library, "-lm"], check=True)  # fmt: skip
+    rng = np.random.default_rng(1)
+    near = np.arange(-40, 41)[:, None] * (np.pi / 4) + rng.normal(size=500) * 1e-6
+    angle = np.concatenate(
+        [
+            rng.uniform(-7, 7, 200_000),
+            rng.uniform(-1e5, 1e5, 100_000),
+            near.ravel(),
+            [0.0, -0.0, 1e-300, 1e5, -1e5, 1e9],
+        ]
+    )
+    angle = angle[: len(angle) // 4 * 4]
+    sine, cosine = np.empty_like(angle), np.empty_like(angle)
+    pointers = (ctypes.c_void_p(array.ctypes.data) for array in (angle, sine, cosine))
+    ctypes.CDLL(str(library)).angles(ctypes.c_longlong(len(angle) // 4), *pointers)
+    for found, exact in ((sine, np.sin(angle.astype(np.longdouble))), (cosine, np.cos(angle.astype(np.longdouble)))):
+        assert np.max(np.abs(found - exact) / np.spacing(np.abs(exact).astype(float))) < 1
+    not_numbers = np.array([np.nan, np.inf, 1e9, 0.5])
+    ctypes.CDLL(str(library)).angles(
+        ctypes.c_longlong(1), *(ctypes.c_void_p(array.ctypes.data) for array in (not_numbers, sine, cosine))
+    )
+    np.testing.assert_array_equal(np.isnan(sine[:4]), [True, True, False, False])
+    assert sine[2] == np.sin(1e9)
+
+
+def test_a_statement_of_another_kind_is_left_to_single_samples():
+    text = (
+        "static int f0(const casadi_real** arg, casadi_real** res) {\n  casadi_real a0, a1;\n"
+        "  a0=arg[0]? arg[0][0] : 0;\n"
+        "  a1=%s;\n  if (res[0]!=0) res[0][0]=a1;\n  return 0;\n}\n\n"
+        "int form(const casadi_real** arg, casadi_real** res) {\n  return f0(arg, res);\n}\n"
+    )
+    assert "a1=mrts_sin_wide(a0);" in form_of_lanes(text % "sin(a0)", "form")
+    assert form_of_lanes(text % "tan(a0)", "form") == ""
