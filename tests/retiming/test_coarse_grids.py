@@ -49,7 +49,7 @@ def test_coarse_tables_are_timed_no_worse_than_by_toppra(arm, law):
     assert max(ratios) < LONGER
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_limits_hold_at_both_ends_of_every_segment(arm, seed):
     """With a rising acceleration, in a parameter by turns: c² = 1 is within the range at each end."""
     path = spline_path(*arm, seed)
@@ -71,7 +71,7 @@ def test_rising_accelerations_are_never_slower(seed, tmp_path):
         assert rising <= constant
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(4))
 def test_rising_accelerations_come_near_a_fine_grid(arm, seed):
     path = spline_path(*arm, seed)
     fine = np.linspace(0, 1, 2001)
