@@ -12,14 +12,13 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import toppra
 import yaml
-from cases import duration, model_with_box, one_arm
+from cases import DUAL, MOTIONS, duration, model_with_box, one_arm
 from pinocchio import rnea
 from scipy.interpolate import BPoly, CubicSpline
 from toppra.constraint import DiscretizationType, JointTorqueConstraint
@@ -32,7 +31,7 @@ from mrts.motion.velocity_profile import PROFILES
 from mrts.retiming.path_pieces import NoPath, path_pieces
 from mrts.retiming.retimed_motion import FastestPiece
 
-LIFT = Path(str(files("mrts") / "data")) / "dual_ur5" / "lift_and_turn.yaml"
+LIFT = DUAL / MOTIONS["dual_ur5"]
 POINTS = 100
 PATHS = 20
 WAYPOINTS = 6
@@ -215,10 +214,10 @@ def through_waypoints(cell: mrts.Cell, model: Any, seed: int) -> tuple[ArmPath, 
     return ArmPath(cell, model, spline), motion, PROFILES["quintic"](np.linspace(0, 1, POINTS))[0]
 
 
-def files_through_waypoints(cell: mrts.Cell, model: Any) -> Iterator[Comparison]:
+def files_through_waypoints(cell: mrts.Cell, model: Any, paths: int) -> Iterator[Comparison]:
     """The first paths through waypoints that the arm can follow."""
     found = seed = 0
-    while found < PATHS:
+    while found < paths:
         given = through_waypoints(cell, model, seed)
         seed += 1
         if given is not None:
@@ -245,8 +244,12 @@ def report(label: str, found: list[Comparison]) -> None:
     print(f"  duration, mrts / toppra  {np.median(ratio):.4f}, from {np.min(ratio):.4f} to {np.max(ratio):.4f}")
 
 
-def main() -> None:
-    """Print the table."""
+def main(paths: int = PATHS) -> None:
+    """Print the table.
+
+    Args:
+        paths: Of each kind.
+    """
     toppra.setup_logging("ERROR")
     with tempfile.TemporaryDirectory() as name:
         cell = one_arm(Path(name))
@@ -256,11 +259,11 @@ def main() -> None:
             ("joint tables, even in the spline's parameter", even),
             ("joint tables, a quintic from rest to rest", PROFILES["quintic"](even)[0]),
         ):
-            paths = [spline_path(cell, model, seed) for seed in range(PATHS)]
-            report(label, [compared(path, table(path, grid), grid) for path in paths])
+            splines = [spline_path(cell, model, seed) for seed in range(paths)]
+            report(label, [compared(path, table(path, grid), grid) for path in splines])
         arm = replace(cell.robots[0], position_lower=np.full(6, -7.0), position_upper=np.full(6, 7.0))
         cell = replace(cell, robots=(arm,))
-        report("motion files, a quintic from rest to rest", list(files_through_waypoints(cell, model)))
+        report("motion files, a quintic from rest to rest", list(files_through_waypoints(cell, model, paths)))
 
 
 if __name__ == "__main__":

@@ -23,11 +23,13 @@ PARTS = {
     "mrts.retiming.retime:_best_constant": "best constant factor, its torques",
     "mrts.retiming.fastest_timing:path_pieces": "path and its pieces",
     "mrts.retiming.fastest_timing:closed_piece": "path and its pieces",
+    "mrts.retiming.fastest_timing:by_turns": "path and its pieces",
     "mrts.retiming.fastest_timing:build_sample_problem": "rows of the regions",
     "mrts.retiming.fastest_timing:motion_planes": "rows of the regions",
     "mrts.retiming.fastest_timing:speed_regions": "regions",
     "mrts.retiming.fastest_timing:regions_of_planes": "regions",
     "mrts.retiming.fastest_timing:fastest_profile": "profile",
+    "mrts.retiming.fastest_timing:rising_profile": "profile",
     "mrts.retiming.retime:played_result": "plan: motion, its range, its torques",
     "mrts.retiming.retime:excess_by_segment": "check between the samples",
 }

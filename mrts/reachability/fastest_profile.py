@@ -19,8 +19,9 @@ MOST_RISE = 0.25
 WORTH = 1e-3
 """Share of the duration that a further pass with rising s̈ must gain, or be likely to."""
 
-SUMMED = 0.05
-"""What a constant s̈ costs, as a share of what the steps' own parts of it would if they all added up: 0.003 to 0.05."""
+SUMMED = 0.003
+"""What a constant s̈ costs, as a share of what the steps' own parts of it would if they all added up: 0.003 to 0.05. It
+falls with the step, so fine grids are timed as ever."""
 
 MOST_PASSES = 4
 """Passes with rising s̈; the first gains most."""

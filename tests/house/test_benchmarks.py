@@ -19,6 +19,7 @@ SMALLEST = {
     "timing/parts_of_retime.py": {"points": 30, "repeats": 1},
     "timing/one_arm_timing.py": {"points": 30, "repeats": 1},
     "timing/two_arm_timing.py": {"numbers": (20,), "transcribed_points": 20, "repeats": 1},
+    "coarse_grids.py": {"paths": 1},
     "variants/rates.py": {"variants": 4, "alone": 1, "repeats": 1},
 }
 
