@@ -19,7 +19,7 @@ SMALLEST = {
     "timing/parts_of_retime.py": {"points": 30, "repeats": 1},
     "timing/one_arm_timing.py": {"points": 30, "repeats": 1},
     "timing/two_arm_timing.py": {"numbers": (20,), "transcribed_points": 20, "repeats": 1},
-    "coarse_grids.py": {"paths": 1},
+    "timing/coarse_grids.py": {"paths": 1},
     "variants/rates.py": {"variants": 4, "alone": 1, "repeats": 1},
 }
 
@@ -29,7 +29,6 @@ ELSEWHERE = {
     "range/pinocchio_cell.py": "the rival of range/ranges.py",
     "range/instructions.py": "needs valgrind",
     "timing/whole_call_instructions.py": "needs valgrind; its calls are those of table.py",
-    "coarse_grids.py": "tests/retiming/test_coarse_grids.py",
     "closed_loop.py": "its trial is that of tests/smooth/test_closed_loop.py",
     "smooth_timing.py": "its paths and its rival are those of tests/smooth/test_against_copp.py",
     "startup/end_to_end.py": "takes 9 s: a dozen processes; table.py asks the same of one",

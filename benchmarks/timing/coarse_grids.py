@@ -8,6 +8,7 @@ as its grid points. Both are looked at 50 times denser on the exact path, each w
 the durations are compared with that of toppra on a fine grid.
 """
 
+import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -18,7 +19,6 @@ from typing import Any
 import numpy as np
 import toppra
 import yaml
-from cases import DUAL, MOTIONS, duration, model_with_box, one_arm
 from pinocchio import rnea
 from scipy.interpolate import BPoly, CubicSpline
 from toppra.constraint import DiscretizationType, JointTorqueConstraint
@@ -30,6 +30,9 @@ from mrts.motion.joint_table import JointTable, joint_motion
 from mrts.motion.velocity_profile import PROFILES
 from mrts.retiming.path_pieces import NoPath, path_pieces
 from mrts.retiming.retimed_motion import FastestPiece
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from cases import DUAL, MOTIONS, duration, model_with_box, one_arm
 
 LIFT = DUAL / MOTIONS["dual_ur5"]
 POINTS = 100
