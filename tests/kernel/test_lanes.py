@@ -1,4 +1,4 @@
-"""Samples in lanes: the same bits from registers of any width, the answers of one sample after the other, sines, cosines."""
+"""Samples in lanes: the same bits from registers of any width, the answers of single samples, sines, cosines."""
 
 import ctypes
 import shutil
@@ -77,7 +77,7 @@ def ranges(request, tmp_path_factory):
 
 
 def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_single_samples(ranges):
-    wide, narrow, single = ranges(), ranges("-U__x86_64__"), ranges("-DMRTS_NO_LANES")
+    wide, narrow, single = ranges(), ranges("-DMRTS_NARROW"), ranges("-DMRTS_NO_LANES")
     for one, other, alone in zip(wide, narrow, single, strict=True):
         for name in ("lower", "upper", "status", "effect", "basis", "dual"):
             np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
@@ -119,7 +119,8 @@ def test_sines_and_cosines_are_those_of_extended_precision(tmp_path):
 
 def test_a_statement_of_another_kind_is_left_to_single_samples():
     text = (
-        "static int f0(const casadi_real** arg, casadi_real** res) {\n  casadi_real a0, a1;\n  a0=arg[0]? arg[0][0] : 0;\n"
+        "static int f0(const casadi_real** arg, casadi_real** res) {\n  casadi_real a0, a1;\n"
+        "  a0=arg[0]? arg[0][0] : 0;\n"
         "  a1=%s;\n  if (res[0]!=0) res[0][0]=a1;\n  return 0;\n}\n\n"
         "int form(const casadi_real** arg, casadi_real** res) {\n  return f0(arg, res);\n}\n"
     )
