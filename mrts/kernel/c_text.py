@@ -29,18 +29,25 @@ SMOOTH_FILES = tuple(f"smooth/{name}.c" for name in ("smooth_rows", "smooth_seco
 
 INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.(?:h|inc))"\n', re.MULTILINE)
 
-STATEMENTS = (
-    (r"(a\d+)=arg\[(\d+)\]\? arg\[\2\]\[(\d+)\] : 0;", r"\1=arg[\2][\3];"),
-    (r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=(a\d+);", r"res[\1][\2]=\3;"),
-    (r"(a\d+)=(-?\d[\d.e+-]*);", r"\1=MRTS_V_OF(\2);"),
-    (r"(a\d+)=(sin|cos)\((a\d+)\);", r"\1=mrts_\2_OF(\3);"),
-    (r"(a\d+)=(sqrt|fabs)\((a\d+)\);", r"for (int lane = 0; lane < MRTS_LANES; ++lane) \1[lane]=\2(\3[lane]);"),
-    (r"(a\d+)=casadi_sq\((a\d+)\);", r"\1=(\2*\2);"),
-    (r"a\d+=\((?:-|(?:a\d+|\d[\d.e+-]*)[-+*/])a\d+\);", r"\g<0>"),
-    (r"casadi_real ((?:a\d+, )*a\d+);", r"mrts_lanes \1;"),
-    (r"return 0;", ""),
+ARITHMETIC = re.compile(r"^  a\d+=\((?:-|(?:a\d+|\d[\d.e+-]*)[-+*/])a\d+\);$", re.MULTILINE)
+"""Statements of a generated function that are those of lanes too."""
+
+OTHERS = re.compile(r"^  (?!a\d+=\()(.*)$", re.MULTILINE)
+
+STATEMENTS = tuple(
+    (re.compile(old), new)
+    for old, new in (
+        (r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=(a\d+);", r"res[\1][\2]=\3;"),
+        (r"(a\d+)=arg\[(\d+)\]\? arg\[\2\]\[(\d+)\] : 0;", r"\1=arg[\2][\3];"),
+        (r"(a\d+)=(-?\d[\d.e+-]*);", r"\1=MRTS_V_OF(\2);"),
+        (r"(a\d+)=(sin|cos)\((a\d+)\);", r"\1=mrts_\2_OF(\3);"),
+        (r"(a\d+)=(sqrt|fabs)\((a\d+)\);", r"for (int lane = 0; lane < MRTS_LANES; ++lane) \1[lane]=\2(\3[lane]);"),
+        (r"(a\d+)=casadi_sq\((a\d+)\);", r"\1=(\2*\2);"),
+        (r"casadi_real ((?:a\d+, )*a\d+);", r"mrts_lanes \1;"),
+        (r"return 0;", ""),
+    )
 )
-"""Statements of a generated function, and the same of lanes."""
+"""The others, and the same of lanes."""
 
 
 def one_file(name: str) -> str:
@@ -111,24 +118,30 @@ def cell_source(manifest: Manifest, generated: str) -> str:
 
 
 def form_of_lanes(generated: str, symbol: str) -> str:
-    """The generated wrench form for samples side by side, see lanes/lanes.h; empty where it has other statements.
+    """The generated wrench form for lanes, see lanes/lanes.h; nothing where it has statements of another kind.
 
     Args:
         generated: A cell's generated C.
         symbol: Of its wrench form.
     """
     called = re.search(rf"int {symbol}\(const casadi_real.*\n  return (\w+)\(", generated)
-    body = called and re.search(rf"static int {called[1]}\([^\n]*\{{\n(.*?)\n\}}\n", generated, re.DOTALL)
-    lines = []
-    for line in body[1].splitlines() if body else ():
-        found = ((re.fullmatch(old, line.strip()), new) for old, new in STATEMENTS)
-        matched = next((match.expand(new) for match, new in found if match), None)
-        if matched is None:
-            return ""
-        lines.append(matched)
-    if not lines:
+    start = generated.find(f"static int {called[1]}(") if called else -1
+    body = generated[generated.find("\n", start) + 1 : generated.find("\n}\n", start)] if start >= 0 else ""
+    known = len(ARITHMETIC.findall(body))
+
+    def of_lanes(statement: re.Match[str]) -> str:
+        nonlocal known
+        for old, new in STATEMENTS:
+            found = old.fullmatch(statement[1])
+            if found:
+                known += 1
+                return found.expand(new)
         return ""
-    text = "(const mrts_lanes *const *arg, mrts_lanes *const *res) {\n" + "\n".join(lines) + "\n}\n"
+
+    lines = OTHERS.sub(of_lanes, body)
+    if not body or known != body.count("\n") + 1:
+        return ""
+    text = "(const mrts_lanes *const *arg, mrts_lanes *const *res) {\n" + lines + "\n}\n"
     plain = "void mrts_form_of_lanes" + text.replace("_OF(a", "_lanes(a")
     wide = "MRTS_WIDE void mrts_form_of_wide_lanes" + text.replace("_OF(a", "_wide(a")
     of = "#define MRTS_V_OF(value) ((mrts_lanes){0} + (value))\n"

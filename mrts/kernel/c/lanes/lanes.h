@@ -17,7 +17,7 @@ typedef long long mrts_lane_mask __attribute__((vector_size(8 * MRTS_LANES), ali
 #pragma GCC diagnostic ignored "-Wpsabi" /* between functions of ours only, of the same target */
 
 /* Wider registers than every x86-64 has, for machines that have them. */
-#ifdef __x86_64__
+#if defined(__x86_64__) && !defined(MRTS_NARROW)
 #define MRTS_WIDE __attribute__((target("avx2")))
 #endif
 
