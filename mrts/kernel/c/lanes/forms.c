@@ -19,8 +19,7 @@ MRTS_LOCAL void mrts_take_inputs(const double *const *in, const long long *strid
     }
 }
 
-/* One lane of some numbers. */
-static void mrts_take_lane(int count, const mrts_lanes *from, int lane, double *to) {
+MRTS_LOCAL void mrts_take_lane(int count, const mrts_lanes *from, int lane, double *to) {
     const double *numbers = (const double *)(const void *)from + lane;
     for (int i = 0; i < count; ++i) to[i] = numbers[i * MRTS_LANES];
 }

@@ -4,6 +4,7 @@
  */
 #include "lanes.h"
 #include "../basis/kept_basis.h"
+#include "../trajectory.h"
 
 #if MRTS_LANES > 1
 #define MRTS_PER_QUARTER 6.36619772367581382433e-01  /* 2 / pi */
@@ -27,6 +28,7 @@
 #include "../basis/kept_basis.inc"
 #include "lane_angles.inc"
 #include "lane_samples.inc"
+#include "../dense/lane_widening.inc"
 
 #ifdef MRTS_WIDE
 #undef MRTS_STATIC
@@ -38,12 +40,15 @@
 #include "../basis/kept_basis.inc"
 #include "lane_angles.inc"
 #include "lane_samples.inc"
+#include "../dense/lane_widening.inc"
 #endif
 
 MRTS_LOCAL mrts_lane_functions mrts_lane_functions_here(void) {
-    const mrts_lane_functions anywhere = {mrts_lane_rows_of_lanes, mrts_lane_end_lanes};
+    const mrts_lane_functions anywhere = {mrts_lane_rows_of_lanes, mrts_lane_end_lanes, mrts_dense_form_lanes,
+                                          mrts_dense_bound_lanes, mrts_dense_passed_lanes};
 #ifdef MRTS_WIDE
-    const mrts_lane_functions wide = {mrts_lane_rows_of_wide, mrts_lane_end_wide};
+    const mrts_lane_functions wide = {mrts_lane_rows_of_wide, mrts_lane_end_wide, mrts_dense_form_wide, mrts_dense_bound_wide,
+                                      mrts_dense_passed_wide};
     if (__builtin_cpu_supports("avx2")) return wide;
 #endif
     return anywhere;

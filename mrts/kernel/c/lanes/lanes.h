@@ -7,6 +7,7 @@
 #define MRTS_LANES_H
 
 #include "../cell_sizes.h"
+#include "../dense/wrenches_before.h"
 #include "../rows.h"
 
 /* Samples at a time; without the vectors of GNU C one after the other. */
@@ -40,6 +41,17 @@ typedef struct {
 /* Reals of work in which they stand. */
 #define MRTS_LANE_WORK(k, rows) (MRTS_LANES * ((rows) * (k) + 2 * ((rows) + (k))))
 
+/* Some samples of a dense check: their forms with what motors give, by columns, offsets last, see rows.h. */
+typedef struct {
+    const mrts_limits *limits;
+    const mrts_terms *terms; /* of all samples of the call */
+    const mrts_rows *of;     /* which rows, and their units */
+    const long long *samples;
+    mrts_lanes c2;
+    mrts_lanes torque[(MRTS_UNKNOWNS + 1) * MRTS_JOINTS], wrench[(MRTS_UNKNOWNS + 1) * MRTS_WRENCHES];
+    mrts_lanes turn[9 * MRTS_ROBOTS]; /* from base axes to those of the object, where limits want them */
+} mrts_dense_lanes;
+
 /* What works on lanes. */
 typedef struct {
     /* Evaluates the wrench form and builds scaled rows of the samples at the places `at`; `terms` are those of all. */
@@ -48,6 +60,14 @@ typedef struct {
     /* Whether the basis of a program with cost `sign` of c^2 answers it, of each lane: see mrts_kept_basis. */
     void (*end)(const mrts_lane_rows *rows, double sign, const int *basis, mrts_lanes *x, mrts_lanes *y,
                 mrts_lane_mask *kept);
+    /* The forms of samples of a dense check. */
+    void (*dense_form)(const mrts_lanes *const *arg, mrts_dense_lanes *at);
+    /* Moves free wrenches to the nearest whose known rows bind again, in the unit of their scale. What they are worth is
+     * seen when they are put in. */
+    void (*dense_bound)(const mrts_dense_lanes *at, const mrts_wrenches_before *known, mrts_lanes *free);
+    /* By how much a row is passed with given free wrenches, in shares of its limit, at most, 0 if none is; and whether all rows are
+     * numbers. */
+    void (*dense_passed)(const mrts_dense_lanes *at, const mrts_lanes *free, mrts_lanes *most, mrts_lane_mask *finite);
 } mrts_lane_functions;
 
 /* Those for this machine. */
