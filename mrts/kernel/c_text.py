@@ -7,7 +7,7 @@ from itertools import accumulate
 from pathlib import Path
 from posixpath import dirname, join, normpath
 
-from mrts.base.manifest import Manifest
+from mrts.base.manifest import GEOMETRY, Manifest
 
 PROGRAM_FILES = (
     *("linear_programs.c", "quadratic_programs.c", "batch.c"),
@@ -34,10 +34,12 @@ ARITHMETIC = re.compile(r"^  a\d+=\((?:-|(?:a\d+|\d[\d.e+-]*)[-+*/])a\d+\);$", r
 
 OTHERS = re.compile(r"^  (?!a\d+=\()(.*)$", re.MULTILINE)
 
-STATEMENTS = tuple(
+OUTPUT = re.compile(r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=(a\d+);")
+"""What puts a number of an output."""
+
+STATEMENTS = ((OUTPUT, r"res[\1][\2]=\3;"),) + tuple(
     (re.compile(old), new)
     for old, new in (
-        (r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=(a\d+);", r"res[\1][\2]=\3;"),
         (r"(a\d+)=arg\[(\d+)\]\? arg\[\2\]\[(\d+)\] : 0;", r"\1=arg[\2][\3];"),
         (r"(a\d+)=(-?\d[\d.e+-]*);", r"\1=MRTS_V_OF(\2);"),
         (r"(a\d+)=(sin|cos)\((a\d+)\);", r"\1=mrts_\2_OF(\3);"),
@@ -90,6 +92,7 @@ def cell_source(manifest: Manifest, generated: str) -> str:
     symbol = {name: record.symbol for name, record in manifest.functions.items()}
     components, joints = len(manifest.wrench_components), [len(robot.joints) for robot in manifest.robots]
     first = list(accumulate(joints, initial=0))
+    read = manifest.functions["kinematics"].inputs
     sizes = [one.shape[0] * one.shape[1] for one in manifest.functions["wrench_form"].inputs]
     macros = {
         "MRTS_LOCAL": "static",
@@ -102,6 +105,7 @@ def cell_source(manifest: Manifest, generated: str) -> str:
         "MRTS_INPUTS": len(manifest.functions["wrench_form"].inputs),
         "MRTS_INPUT_SIZES": f"{{{', '.join(map(str, sizes))}}}",
         "MRTS_INPUT_NUMBERS": sum(sizes),
+        "MRTS_GEOMETRY_NUMBERS": next((one.shape[0] for one in read if one.name == GEOMETRY), 1),
         "MRTS_UNKNOWNS": components * (len(manifest.robots) - 1) + 1,
         "MRTS_WRENCH_FORM": symbol["wrench_form"],
         "MRTS_KINEMATICS": symbol["kinematics"],
@@ -112,17 +116,26 @@ def cell_source(manifest: Manifest, generated: str) -> str:
         macros["MRTS_GEOMETRIC_STIFFNESS"] = symbol["geometric_stiffness"]
         macros["MRTS_GEOMETRIC_STIFFNESS_RATE"] = symbol["geometric_stiffness_rate"]
     defined = "".join(f"#define {name} {value}\n" for name, value in macros.items())
-    form = form_of_lanes(generated, symbol["wrench_form"])
-    defined += "" if form else "#define MRTS_NO_LANES\n"
-    return f"{generated}\n{defined}{one_text(CELL_FILES)}\n{form}"
+    arm = components * joints[0]
+    in_lanes = [
+        function_of_lanes(generated, symbol["wrench_form"], "form"),
+        function_of_lanes(generated, symbol["kinematics"], "kinematics", (3, 9, arm)),
+        function_of_lanes(generated, symbol["bias_acceleration"], "bias", (components,)),
+    ]
+    defined += "" if all(in_lanes) else "#define MRTS_NO_LANES\n"
+    of = "#define MRTS_V_OF(value) ((mrts_lanes){0} + (value))\n"
+    lanes = f"#if MRTS_LANES > 1\n{of}{''.join(in_lanes)}#endif\n" if all(in_lanes) else ""
+    return f"{generated}\n{defined}{one_text(CELL_FILES)}\n{lanes}"
 
 
-def form_of_lanes(generated: str, symbol: str) -> str:
-    """The generated wrench form for lanes, see lanes/lanes.h; nothing where it has statements of another kind.
+def function_of_lanes(generated: str, symbol: str, name: str, first: tuple[int, ...] = ()) -> str:
+    """A generated function for lanes, see lanes/lanes.h; nothing where it has statements of another kind.
 
     Args:
         generated: A cell's generated C.
-        symbol: Of its wrench form.
+        symbol: Of the function.
+        name: That it gets there.
+        first: How many numbers of each output are wanted; nothing for all.
     """
     called = re.search(rf"int {symbol}\(const casadi_real.*\n  return (\w+)\(", generated)
     start = generated.find(f"static int {called[1]}(") if called else -1
@@ -135,14 +148,14 @@ def form_of_lanes(generated: str, symbol: str) -> str:
             found = old.fullmatch(statement[1])
             if found:
                 known += 1
-                return found.expand(new)
+                unwanted = old is OUTPUT and first and int(found[2]) >= first[int(found[1])]
+                return "" if unwanted else found.expand(new)
         return ""
 
     lines = OTHERS.sub(of_lanes, body)
     if not body or known != body.count("\n") + 1:
         return ""
     text = "(const mrts_lanes *const *arg, mrts_lanes *const *res) {\n" + lines + "\n}\n"
-    plain = "void mrts_form_of_lanes" + text.replace("_OF(a", "_lanes(a")
-    wide = "MRTS_WIDE void mrts_form_of_wide_lanes" + text.replace("_OF(a", "_wide(a")
-    of = "#define MRTS_V_OF(value) ((mrts_lanes){0} + (value))\n"
-    return f"#if MRTS_LANES > 1\n{of}{plain}#ifdef MRTS_WIDE\n{wide}#endif\n#endif\n"
+    plain = f"void mrts_{name}_of_lanes" + text.replace("_OF(a", "_lanes(a")
+    wide = f"MRTS_WIDE void mrts_{name}_of_wide_lanes" + text.replace("_OF(a", "_wide(a")
+    return f"{plain}#ifdef MRTS_WIDE\n{wide}#endif\n"

@@ -12,7 +12,7 @@ from conftest import DATA, ROOT
 import mrts
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.generation import generated_in_cache
-from mrts.kernel.c_text import cell_source, form_of_lanes
+from mrts.kernel.c_text import cell_source, function_of_lanes
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.compiler import FLAGS
 from mrts.kernel.sample_terms import SampleTerms
@@ -29,9 +29,13 @@ ROUNDING = 1e-12
 
 ANGLES = """
 #include "lanes/lanes.c"
-void mrts_form_of_lanes(const mrts_lanes *const *arg, mrts_lanes *const *res) { (void)arg, (void)res; }
+MRTS_LANE_FUNCTION(mrts_form_of_lanes) { (void)arg, (void)res; }
+MRTS_LANE_FUNCTION(mrts_kinematics_of_lanes) { (void)arg, (void)res; }
+MRTS_LANE_FUNCTION(mrts_bias_of_lanes) { (void)arg, (void)res; }
 #ifdef MRTS_WIDE
-void mrts_form_of_wide_lanes(const mrts_lanes *const *arg, mrts_lanes *const *res) { (void)arg, (void)res; }
+MRTS_LANE_FUNCTION(mrts_form_of_wide_lanes) { (void)arg, (void)res; }
+MRTS_LANE_FUNCTION(mrts_kinematics_of_wide_lanes) { (void)arg, (void)res; }
+MRTS_LANE_FUNCTION(mrts_bias_of_wide_lanes) { (void)arg, (void)res; }
 #endif
 void angles(long long count, const mrts_lanes *angle, mrts_lanes *sine, mrts_lanes *cosine) {
     for (long long i = 0; i < count; ++i) {
@@ -124,5 +128,6 @@ def test_a_statement_of_another_kind_is_left_to_single_samples():
         "  a1=%s;\n  if (res[0]!=0) res[0][0]=a1;\n  return 0;\n}\n\n"
         "int form(const casadi_real** arg, casadi_real** res) {\n  return f0(arg, res);\n}\n"
     )
-    assert "a1=mrts_sin_wide(a0);" in form_of_lanes(text % "sin(a0)", "form")
-    assert form_of_lanes(text % "tan(a0)", "form") == ""
+    assert "a1=mrts_sin_wide(a0);" in function_of_lanes(text % "sin(a0)", "form", "form")
+    assert "res[0][0]=a1;" not in function_of_lanes(text % "sin(a0)", "form", "form", (0,))
+    assert function_of_lanes(text % "tan(a0)", "form", "form") == ""

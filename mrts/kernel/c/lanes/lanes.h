@@ -7,6 +7,7 @@
 #define MRTS_LANES_H
 
 #include "../cell_sizes.h"
+#include "../dense/places.h"
 #include "../dense/wrenches_before.h"
 #include "../rows.h"
 
@@ -22,10 +23,16 @@ typedef long long mrts_lane_mask __attribute__((vector_size(8 * MRTS_LANES), ali
 #define MRTS_WIDE __attribute__((target("avx2")))
 #endif
 
-/* The generated wrench form for lanes: every input and output is there. */
-void mrts_form_of_lanes(const mrts_lanes *const *arg, mrts_lanes *const *res);
+/* Generated functions for lanes: every input is there, and every output, of kinematics and bias acceleration those of the
+ * first arm alone. */
+#define MRTS_LANE_FUNCTION(name) void name(const mrts_lanes *const *arg, mrts_lanes *const *res)
+MRTS_LANE_FUNCTION(mrts_form_of_lanes);
+MRTS_LANE_FUNCTION(mrts_kinematics_of_lanes);
+MRTS_LANE_FUNCTION(mrts_bias_of_lanes);
 #ifdef MRTS_WIDE
-void mrts_form_of_wide_lanes(const mrts_lanes *const *arg, mrts_lanes *const *res);
+MRTS_LANE_FUNCTION(mrts_form_of_wide_lanes);
+MRTS_LANE_FUNCTION(mrts_kinematics_of_wide_lanes);
+MRTS_LANE_FUNCTION(mrts_bias_of_wide_lanes);
 #endif
 
 /* Scaled rows of several samples, as of mrts_rows. */
@@ -68,6 +75,8 @@ typedef struct {
     /* By how much a row is passed with given free wrenches, in shares of its limit, at most, 0 if none is; and whether all rows are
      * numbers. */
     void (*dense_passed)(const mrts_dense_lanes *at, const mrts_lanes *free, mrts_lanes *most, mrts_lane_mask *finite);
+    /* Finds what is wanted at some places of a path. */
+    int (*places)(const mrts_places *to, const mrts_lanes *geometry, const long long *places);
 } mrts_lane_functions;
 
 /* Those for this machine. */
