@@ -37,12 +37,17 @@ OTHERS = re.compile(r"^  (?!a\d+=\()(.*)$", re.MULTILINE)
 OUTPUT = re.compile(r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=(a\d+);")
 """What puts a number of an output."""
 
+ANGLE = re.compile(r"(a\d+)=(sin|cos)\((a\d+)\);")
+"""What takes the sine or cosine of a joint."""
+
+JOINT = re.compile(r"arg\[0\]\? arg\[0\]\[(\d+)\] : 0;")
+"""What a joint is."""
+
 STATEMENTS = ((OUTPUT, r"res[\1][\2]=\3;"),) + tuple(
     (re.compile(old), new)
     for old, new in (
         (r"(a\d+)=arg\[(\d+)\]\? arg\[\2\]\[(\d+)\] : 0;", r"\1=arg[\2][\3];"),
         (r"(a\d+)=(-?\d[\d.e+-]*);", r"\1=MRTS_V_OF(\2);"),
-        (r"(a\d+)=(sin|cos)\((a\d+)\);", r"\1=mrts_\2_OF(\3);"),
         (r"(a\d+)=(sqrt|fabs)\((a\d+)\);", r"for (int lane = 0; lane < MRTS_LANES; ++lane) \1[lane]=\2(\3[lane]);"),
         (r"(a\d+)=casadi_sq\((a\d+)\);", r"\1=(\2*\2);"),
         (r"casadi_real ((?:a\d+, )*a\d+);", r"mrts_lanes \1;"),
@@ -144,6 +149,12 @@ def function_of_lanes(generated: str, symbol: str, name: str, first: tuple[int, 
 
     def of_lanes(statement: re.Match[str]) -> str:
         nonlocal known
+        angle = ANGLE.fullmatch(statement[1])
+        if angle:
+            given = f"\n  {angle[3]}="
+            joint = JOINT.match(body, body.rfind(given, 0, statement.start()) + len(given))
+            known += joint is not None
+            return f"  {angle[1]}=sines[{2 * int(joint[1]) + (angle[2] == 'cos')}];" if joint else ""
         for old, new in STATEMENTS:
             found = old.fullmatch(statement[1])
             if found:
@@ -155,7 +166,5 @@ def function_of_lanes(generated: str, symbol: str, name: str, first: tuple[int, 
     lines = OTHERS.sub(of_lanes, body)
     if not body or known != body.count("\n") + 1:
         return ""
-    text = "(const mrts_lanes *const *arg, mrts_lanes *const *res) {\n" + lines + "\n}\n"
-    plain = f"void mrts_{name}_of_lanes" + text.replace("_OF(a", "_lanes(a")
-    wide = f"MRTS_WIDE void mrts_{name}_of_wide_lanes" + text.replace("_OF(a", "_wide(a")
-    return f"{plain}#ifdef MRTS_WIDE\n{wide}#endif\n"
+    plain, wide = (f"MRTS_LANE_FUNCTION(mrts_{name}_of_{of}) {{\n{lines}\n}}\n" for of in ("lanes", "wide_lanes"))
+    return f"{plain}#ifdef MRTS_WIDE\nMRTS_WIDE {wide}#endif\n"

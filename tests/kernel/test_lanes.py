@@ -29,18 +29,20 @@ ROUNDING = 1e-12
 
 ANGLES = """
 #include "lanes/lanes.c"
-MRTS_LANE_FUNCTION(mrts_form_of_lanes) { (void)arg, (void)res; }
-MRTS_LANE_FUNCTION(mrts_kinematics_of_lanes) { (void)arg, (void)res; }
-MRTS_LANE_FUNCTION(mrts_bias_of_lanes) { (void)arg, (void)res; }
+MRTS_LANE_FUNCTION(mrts_form_of_lanes) { (void)arg, (void)sines, (void)res; }
+MRTS_LANE_FUNCTION(mrts_kinematics_of_lanes) { (void)arg, (void)sines, (void)res; }
+MRTS_LANE_FUNCTION(mrts_bias_of_lanes) { (void)arg, (void)sines, (void)res; }
 #ifdef MRTS_WIDE
-MRTS_LANE_FUNCTION(mrts_form_of_wide_lanes) { (void)arg, (void)res; }
-MRTS_LANE_FUNCTION(mrts_kinematics_of_wide_lanes) { (void)arg, (void)res; }
-MRTS_LANE_FUNCTION(mrts_bias_of_wide_lanes) { (void)arg, (void)res; }
+MRTS_LANE_FUNCTION(mrts_form_of_wide_lanes) { (void)arg, (void)sines, (void)res; }
+MRTS_LANE_FUNCTION(mrts_kinematics_of_wide_lanes) { (void)arg, (void)sines, (void)res; }
+MRTS_LANE_FUNCTION(mrts_bias_of_wide_lanes) { (void)arg, (void)sines, (void)res; }
 #endif
 void angles(long long count, const mrts_lanes *angle, mrts_lanes *sine, mrts_lanes *cosine) {
     for (long long i = 0; i < count; ++i) {
-        sine[i] = mrts_sin_lanes(angle[i]);
-        cosine[i] = mrts_cos_lanes(angle[i]);
+        mrts_lanes both[2];
+        mrts_sine_cosine_lanes(angle[i], both);
+        sine[i] = both[0];
+        cosine[i] = both[1];
     }
 }
 """
@@ -128,6 +130,7 @@ def test_a_statement_of_another_kind_is_left_to_single_samples():
         "  a1=%s;\n  if (res[0]!=0) res[0][0]=a1;\n  return 0;\n}\n\n"
         "int form(const casadi_real** arg, casadi_real** res) {\n  return f0(arg, res);\n}\n"
     )
-    assert "a1=mrts_sin_wide(a0);" in function_of_lanes(text % "sin(a0)", "form", "form")
+    assert "a1=sines[0];" in function_of_lanes(text % "sin(a0)", "form", "form")
     assert "res[0][0]=a1;" not in function_of_lanes(text % "sin(a0)", "form", "form", (0,))
-    assert function_of_lanes(text % "tan(a0)", "form", "form") == ""
+    for other in ("tan(a0)", "(a0+a0);\n  a1=sin(a1)"):
+        assert function_of_lanes(text % other, "form", "form") == ""

@@ -20,9 +20,10 @@ static int mrts_run_at(MRTS_GENERATED((*run)), const mrts_places *places, int in
 #define MRTS_AT_ONCE 1
 #define MRTS_SET(value, lane, number) ((value) = (number))
 #define MRTS_GET(value, lane) (value)
+#define MRTS_SINES(count, angle, both) (void)(both) /* generated functions take their own */
 #define MRTS_OF(name) name
-#define MRTS_RUN_KINEMATICS(places, arg, res) mrts_run_at(MRTS_KINEMATICS, places, 2, arg, 3, res)
-#define MRTS_RUN_BIAS(places, arg, res) mrts_run_at(MRTS_BIAS_ACCELERATION, places, 3, arg, 1, res)
+#define MRTS_RUN_KINEMATICS(places, arg, sines, res) mrts_run_at(MRTS_KINEMATICS, places, 2, arg, 3, res)
+#define MRTS_RUN_BIAS(places, arg, sines, res) mrts_run_at(MRTS_BIAS_ACCELERATION, places, 3, arg, 1, res)
 #include "places.inc"
 #undef MRTS_STATIC
 #undef MRTS_V
@@ -30,6 +31,7 @@ static int mrts_run_at(MRTS_GENERATED((*run)), const mrts_places *places, int in
 #undef MRTS_AT_ONCE
 #undef MRTS_SET
 #undef MRTS_GET
+#undef MRTS_SINES
 #undef MRTS_OF
 #undef MRTS_RUN_KINEMATICS
 #undef MRTS_RUN_BIAS

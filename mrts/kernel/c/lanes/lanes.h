@@ -23,9 +23,9 @@ typedef long long mrts_lane_mask __attribute__((vector_size(8 * MRTS_LANES), ali
 #define MRTS_WIDE __attribute__((target("avx2")))
 #endif
 
-/* Generated functions for lanes: every input is there, and every output, of kinematics and bias acceleration those of the
- * first arm alone. */
-#define MRTS_LANE_FUNCTION(name) void name(const mrts_lanes *const *arg, mrts_lanes *const *res)
+/* Generated functions for lanes: every input is there, with sine and cosine of each of the first input's numbers, and every
+ * output, of kinematics and bias acceleration those of the first arm alone. */
+#define MRTS_LANE_FUNCTION(name) void name(const mrts_lanes *const *arg, const mrts_lanes *sines, mrts_lanes *const *res)
 MRTS_LANE_FUNCTION(mrts_form_of_lanes);
 MRTS_LANE_FUNCTION(mrts_kinematics_of_lanes);
 MRTS_LANE_FUNCTION(mrts_bias_of_lanes);
@@ -61,6 +61,8 @@ typedef struct {
 
 /* What works on lanes. */
 typedef struct {
+    /* The generated wrench form. */
+    void (*form)(const mrts_lanes *const *arg, mrts_lanes *const *res);
     /* Evaluates the wrench form and builds scaled rows of the samples at the places `at`; `terms` are those of all. */
     void (*rows)(const mrts_lanes *const *arg, const mrts_limits *limits, const mrts_terms *terms, const long long *at,
                  const double *most, mrts_lane_rows *rows);
