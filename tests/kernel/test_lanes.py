@@ -1,4 +1,4 @@
-"""Samples in lanes: the same bits from registers of any width, the answers of single samples, sines, cosines."""
+"""Samples in lanes: the same bits from any registers, the answers of single samples, sines and cosines."""
 
 import ctypes
 import shutil
@@ -28,7 +28,7 @@ ROUNDING = 1e-12
 """Of c², relative: two orders of the same operations."""
 
 HALF_A_UNIT = 2.0**-53
-"""In the last place of 1: what rounding leaves of a sine, 1.1e-16. Entries of rotations are added to others of size 1."""
+"""In the last place of 1: what rounding leaves of a sine; entries of rotations are added to others of size 1."""
 
 ANGLES = """
 #include "lanes/lanes.c"
