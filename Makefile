@@ -6,6 +6,8 @@ override PIP := $(BIN)/python -I -m pip
 WORKERS ?= auto
 CASES ?= 100000
 SEED ?= 0
+BEFORE ?=
+VARIANTS ?= 20000
 
 .DEFAULT_GOAL := help
 .PHONY: help install demo quick test fuzz docs check bench instructions embedded-counts generate clean
@@ -68,9 +70,11 @@ quick: install  ## run one test of each kind, in about a minute
 test: install  ## run all tests
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal
 
-fuzz: install  ## read CASES damaged input files, from SEED on; look between the samples of 50 motions
+fuzz: install  ## read CASES damaged input files, from SEED on; look between the samples of 50 motions; draw more cells, loads and variants
 	FUZZ_CASES=$(CASES) FUZZ_SEED=$(SEED) $(BIN)/python -m pytest -q -x tests/base/test_mutated_inputs.py
 	BETWEEN_MOTIONS=50 $(BIN)/python -m pytest -q -x tests/refinement/test_between_samples.py
+	MORE_DRAWS=5 $(BIN)/python -m pytest -q -x tests/samples/test_speed_intervals.py tests/scaling/test_uncertain_load.py \
+	  tests/studies/test_variant_batch.py
 
 docs: install  ## build the documentation as a site in build/site
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
@@ -82,23 +86,29 @@ check: install  ## lint, format and types
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy -p mrts -p mrts_codegen
 
-bench: install $(VENV)/bench  ## measure speed against what a user would otherwise run
-	$(BIN)/python benchmarks/range_speed.py
-	$(BIN)/python benchmarks/fast_path.py
-	$(BIN)/python benchmarks/one_arm_timing.py
-	$(BIN)/python benchmarks/uncertain_load.py
-	$(BIN)/python benchmarks/variants/rates.py
-	$(BIN)/python benchmarks/retiming.py
+bench: install $(VENV)/bench  ## measure speed against what a user would otherwise run, and against the revision BEFORE
+	$(BIN)/python benchmarks/table.py $(BEFORE)
+	$(BIN)/python benchmarks/range/ranges.py
+	$(BIN)/python benchmarks/range/against_daqp.py
+	$(BIN)/python benchmarks/range/growth.py
+	$(BIN)/python benchmarks/range/uncertain_load.py
+	$(BIN)/python benchmarks/timing/parts_of_retime.py
+	$(BIN)/python benchmarks/timing/one_arm_timing.py
+	$(BIN)/python benchmarks/timing/two_arm_timing.py
+	$(BIN)/python benchmarks/timing/coarse_grids.py
 	$(BIN)/python benchmarks/smooth_timing.py
 	$(BIN)/python benchmarks/closed_loop.py
-	$(BIN)/python benchmarks/generation_cost.py
-	$(BIN)/python benchmarks/sweep_speed.py
+	$(BIN)/python benchmarks/startup/end_to_end.py
+	$(BIN)/python benchmarks/startup/generation_cost.py
+	$(BIN)/python benchmarks/variants/rates.py
+	$(BIN)/python benchmarks/variants/sweep_speed.py $(VARIANTS)
 
-instructions: install  ## count instructions of a sample (needs gcc and valgrind)
-	$(BIN)/python benchmarks/instructions.py
+instructions: install  ## count instructions of a sample and of whole calls (needs gcc and valgrind)
+	$(BIN)/python benchmarks/range/instructions.py
+	$(BIN)/python benchmarks/timing/whole_call_instructions.py
 
 embedded-counts: install  ## count instructions on a Cortex-M7 (needs qemu-system-arm and an ARM compiler)
-	$(BIN)/python benchmarks/embedded_counts.py
+	$(BIN)/python benchmarks/embedded/embedded_counts.py
 
 generate: install  ## regenerate the committed C of the shipped cells
 	$(BIN)/mrts generate mrts/data/planar_dual_arm/cell.yaml -o generated/planar_dual_arm

@@ -7,7 +7,7 @@ In MuJoCo, with delay, lag, friction and a load that plans do not know; docs/smo
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "simulations"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "simulations"))
 from closed_loop_trials import GRASPS, MOTIONS, Trial, measures, trial  # the trial that the tests pass
 
 PROFILES = {"constant": "constant", "optimal": "optimal", "smooth": "smooth", "constant, as long": "as_long"}

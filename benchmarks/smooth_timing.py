@@ -10,28 +10,29 @@ neighbour asks this. One process on one processor, CPU time, medians of runs in 
 
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
-from interleaved import median_times, on_one_processor
+from cases import shipped
+from interleaved import median_times, on_one_processor, show
 
 import mrts
 from mrts.smooth.program import Goal
 from mrts.smooth.smooth_solvers import SMOOTH_SOLVERS, CheckedSolver
 from mrts.smooth.successive_steps import StepsTaken, successive_steps
 
-TESTS = Path(__file__).resolve().parent.parent / "tests"
+TESTS = Path(__file__).resolve().parents[1] / "tests"
 sys.path[:0] = [str(TESTS / "oracles"), str(TESTS / "cases")]
 import copp_timing  # noqa: E402 (the checks of the tests, on the path from here on)
-from jerk_paths import jerk_path  # noqa: E402 (likewise)
+from jerk_paths import JerkPath, jerk_path  # noqa: E402 (likewise)
 
-CELL = Path(str(files("mrts") / "data")) / "dual_ur5"
-ROBOTS = {"ur5": 10, "panda": 10}
+ROBOTS = {"ur5": 0, "panda": 1}
+"""Published robots, and which of their paths is measured."""
+
+PATHS = 10
 POINTS = (200, 1000)
 INSIDE = 20
 DUAL_POINTS = 200
@@ -39,17 +40,15 @@ RATE = 11.0
 REPEATS = 3
 
 
-def longer_and_excess(folder: Path, points: int) -> None:
+def longer_and_excess(paths: Sequence[JerkPath], points: int) -> None:
     """Durations of all paths against copp's, and what both overstep between their points."""
     longer, ours_over, theirs_over = [], [], []
-    for robot, paths in ROBOTS.items():
-        for seed in range(paths):
-            path = jerk_path(robot, seed, folder)
-            ours = mrts.retime(path.cell, path.motion(points), rates=True)
-            profile, s, duration = copp_timing.by_copp(path, points)
-            longer.append(float(ours.duration or np.inf) / duration - 1)
-            ours_over.append(copp_timing.dense_of_ours(ours, path, INSIDE).excess(path))
-            theirs_over.append(copp_timing.dense(profile, s, duration, INSIDE).excess(path))
+    for path in paths:
+        ours = mrts.retime(path.cell, path.motion(points), rates=True)
+        profile, s, duration = copp_timing.by_copp(path, points)
+        longer.append(float(ours.duration or np.inf) / duration - 1)
+        ours_over.append(copp_timing.dense_of_ours(ours, path, INSIDE).excess(path))
+        theirs_over.append(copp_timing.dense(profile, s, duration, INSIDE).excess(path))
     low, middle, high = np.percentile(longer, [0, 50, 100])
     print(f"  {points:>4} points  duration against copp's: {low:+.2%} to {high:+.2%}, median {middle:+.2%}")
     for name, over in (("mrts", ours_over), ("copp", theirs_over)):
@@ -92,18 +91,15 @@ def rows_given(path: Any, points: int) -> Callable[[], float]:
     return run
 
 
-def report(candidates: dict[str, Callable[[], float]], points: int) -> None:
-    """Print the times of some candidates, the fastest first."""
+def report(candidates: dict[str, Callable[[], float]], points: int, repeats: int) -> None:
+    """Print the times of some candidates."""
     durations = {label: run() for label, run in candidates.items()}
-    times = median_times(candidates, REPEATS)
-    for label, seconds in sorted(times.items(), key=lambda item: item[1]):
-        each = 1e6 * seconds / points
-        print(f"  {label:<52}{1e3 * seconds:>9.1f} ms{each:>8.1f} µs a point   duration {durations[label]:.6f} s")
+    times = median_times(candidates, repeats)
+    show(times, points, "point", {label: f"duration {seconds:.6f} s" for label, seconds in durations.items()})
 
 
-def one_arm(folder: Path, robot: str, seed: int) -> None:
+def one_arm(robot: str, path: JerkPath, points: int, repeats: int) -> None:
     """One path, our ways and copp's."""
-    path, points = jerk_path(robot, seed, folder), POINTS[-1]
     motion = replace(path.motion(points), course=None)  # as a table has it: copp too has the points alone
 
     def whole(solver: str) -> Callable[[], float]:
@@ -114,16 +110,13 @@ def one_arm(folder: Path, robot: str, seed: int) -> None:
     candidates |= {f"mrts, all programs from given rows ({name})": steps(found, name, 1.0) for name in SMOOTH_SOLVERS}
     candidates["copp-py, two linearisations, rows given"] = rows_given(path, points)
     candidates["copp-py, the same, torques by a callback (Pinocchio)"] = lambda: copp_timing.by_copp(path, points)[2]
-    print(f"smooth timing, one {robot}, velocity, torque and jerk limits, {points} points, one processor, CPU time")
-    report(candidates, points)
+    print(f"smooth timing, one {robot}, velocity, torque and jerk limits, {points} points, CPU time")
+    report(candidates, points, repeats)
 
 
-def two_arms() -> None:
+def two_arms(points: int, repeats: int) -> None:
     """The shipped dual cell with wrench limits and torque rates."""
-    cell = mrts.load_cell(CELL / "cell.yaml")
-    text = (CELL / "lift_and_turn.yaml").read_text(encoding="utf-8")
-    given = mrts.MotionDescription.model_validate(yaml.safe_load(text) | {"samples": DUAL_POINTS})
-    motion = mrts.follow_object(cell, mrts.sample_motion(given))
+    cell, motion = shipped("dual_ur5", points, velocities=True)
 
     def whole(solver: str) -> Callable[[], float]:
         return lambda: float(mrts.retime(cell, motion, rates=RATE, between=None, solver=solver).duration or np.nan)
@@ -131,24 +124,24 @@ def two_arms() -> None:
     found, lasts = mrts.retime(cell, motion, rates=RATE, between=None), float(motion.object.time[-1])
     candidates = {f"mrts.retime: the whole call ({name})": whole(name) for name in SMOOTH_SOLVERS}
     candidates |= {f"mrts, all programs from given rows ({name})": steps(found, name, lasts) for name in SMOOTH_SOLVERS}
-    print(f"smooth timing, dual UR5-class cell, wrench limits and torque rates, {DUAL_POINTS} points")
-    report(candidates, DUAL_POINTS)
+    print(f"smooth timing, dual UR5-class cell, wrench limits and torque rates, {points} points")
+    report(candidates, points, repeats)
 
 
-def main() -> None:
+def main(
+    paths: int = PATHS, points: tuple[int, ...] = POINTS, dual_points: int = DUAL_POINTS, repeats: int = REPEATS
+) -> None:
     """Print the tables."""
-    on_one_processor()
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        print(
-            "one arm with limited jerk: random paths of " + ", ".join(f"{n} x {robot}" for robot, n in ROBOTS.items())
-        )
-        for points in POINTS:
-            longer_and_excess(folder, points)
-        one_arm(folder, "ur5", 0)
-        one_arm(folder, "panda", 1)
-    two_arms()
+        of_robot = {robot: [jerk_path(robot, seed, Path(name)) for seed in range(paths)] for robot in ROBOTS}
+    print(f"one arm with limited jerk: {paths} random paths of each of {', '.join(ROBOTS)}")
+    for number in points:
+        longer_and_excess([path for each in of_robot.values() for path in each], number)
+    for robot, chosen in ROBOTS.items():
+        one_arm(robot, of_robot[robot][min(chosen, paths - 1)], points[-1], repeats)
+    two_arms(dual_points, repeats)
 
 
 if __name__ == "__main__":
+    on_one_processor()
     main()

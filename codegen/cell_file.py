@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The cell file: n arms, their bases and grasps, the object, the limits."""
 
-import re
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -11,21 +10,9 @@ from mrts_codegen.motors_block import MotorsDescription
 from pydantic import Field, model_validator
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
-from mrts.base.input_file import (
-    IDENTIFIER,
-    Angle,
-    Finite,
-    Name,
-    Pose,
-    Positive,
-    StrictModel,
-    Vector3,
-    broken_rule,
-    plain,
-    read_model,
-    validated,
-)
+from mrts.base.formats.pose import Angle, Finite, Name, Pose, Positive, Vector3
+from mrts.base.formats.strict_model import StrictModel, broken_rule
+from mrts.base.input_file import plain, read_model, validated
 from mrts.base.load_box import PARAMETERS, range_problem
 
 INERTIA_TOLERANCE = 1e-9
@@ -221,31 +208,3 @@ def triangle_excess(inertia: Array) -> float:
     least, middle, largest = np.linalg.eigvalsh(inertia)
     total = float(least + middle)
     return float(largest) / total - 1 if total > 0 else np.inf
-
-
-def resolve_urdf(cell_path: Path, folder: Path, reference: str) -> Path:
-    """Path of a robot's URDF: relative to the cell file, absolute, or `package://NAME/…` of an installed package.
-
-    Args:
-        cell_path: The cell file, for messages.
-        folder: Where it stands, absolute.
-        reference: What it says.
-
-    Raises:
-        InputError: If a `package://` name is not an installed Python package.
-    """
-    match = re.fullmatch(r"package://([^/]+)/(.+)", reference)
-    if not match:
-        return folder / reference
-    from importlib.util import find_spec  # noqa: PLC0415 (only for package:// references)
-
-    package, inside = match.groups()
-    spec = find_spec(package) if re.fullmatch(IDENTIFIER, package) else None
-    if spec is None or not spec.submodule_search_locations:
-        raise InputError(
-            cell_path,
-            f"'{package}' is not an installed Python package. Install it, or give a file path.",
-            key="robots[].urdf",
-            value=reference,
-        )
-    return Path(next(iter(spec.submodule_search_locations))) / inside

@@ -60,7 +60,7 @@ def cell_manifest(cell: CellModel, chains: ChainsRecord) -> Manifest:
         mrts_version=__version__,
         name=description.name,
         plane=description.plane,
-        wrench_components=list(cell.wrench_components),
+        wrench_components=list(cell.wrench_components),  # type: ignore[arg-type]  # the manifest checks them
         gravity=list(description.gravity),
         object=_object_record(description.object),
         robots=[_robot_record(robot) for robot in cell.robots],

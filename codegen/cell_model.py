@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mrts_codegen.cell_file import CellDescription, RobotDescription, TorqueBounds, resolve_urdf
+from mrts_codegen.cell_file import CellDescription, RobotDescription, TorqueBounds
 from mrts_codegen.hand_file import build_contacts
 from mrts_codegen.motors_block import build_motors
 from mrts_codegen.urdf.held_joints import held_positions
@@ -17,6 +17,7 @@ from mrts_codegen.urdf.robot_model import RobotModel, build_robot_model
 from mrts_codegen.urdf.shared_joints import check_machines, root_in_base
 from mrts_codegen.urdf.urdf_file import read_urdf
 from mrts_codegen.urdf.urdf_joint import NO_LIMIT
+from mrts_codegen.urdf_reference import resolve_urdf
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError

@@ -3,36 +3,65 @@
 
 import hashlib
 import json
+from collections.abc import Iterable
 from functools import cache
-from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from mrts_codegen.cell_file import read_cell_description, resolve_urdf
-from mrts_codegen.cell_model import CellModel
+from mrts_codegen.urdf_reference import resolve_urdf
 
-from mrts.base import input_file, load_box, manifest, rigid_transform, yaml_parser
+from mrts.base import version
 from mrts.base.input_file import MAX_URDF_BYTES
 from mrts.base.regular_file import read_regular
-from mrts.base.version import __version__
-from mrts.hands import contact
-from mrts.motors import joint_motors
+from mrts.base.yaml_parser import MAX_YAML_BYTES
+
+if TYPE_CHECKING:
+    from mrts_codegen.cell_model import CellModel
+
+SHAPING = ("manifest", "rigid_transform", "input_file", "yaml_parser", "load_box")
+"""Modules of mrts.base that decide what a manifest says."""
 
 
-def content_key(path: Path) -> str:
-    """Hash of all that a generated cell depends on: cell file, URDFs, this package and CasADi's version.
+def text_key(path: Path) -> str:
+    """Hash of a cell file's text and of what reads it: its manifest is the same while the hashes of its URDFs are.
 
     Raises:
-        InputError: If the cell file breaks a rule or a URDF is missing.
+        InputError: If the cell file cannot be read.
     """
-    description = read_cell_description(path)
-    parts = [json.dumps(description.model_dump(), sort_keys=True), emitter_key()]
-    digest = hashlib.sha256("\n".join(parts).encode())
-    for robot in description.robots:
-        digest.update(read_regular(resolve_urdf(path, path.resolve().parent, robot.urdf), "URDF", MAX_URDF_BYTES))
-    return digest.hexdigest()
+    text = read_regular(path, "cell file", MAX_YAML_BYTES)
+    return hashlib.sha256(emitter_key().encode() + text).hexdigest()
 
 
-def chains_key(cell: CellModel, stem: str, *, bake: bool) -> str:
+def urdf_hash(path: Path, reference: str) -> str:
+    """Hash of a URDF's bytes.
+
+    Args:
+        path: The cell file.
+        reference: What it says of where the URDF is.
+
+    Raises:
+        InputError: If the URDF cannot be read.
+    """
+    urdf = resolve_urdf(path, path.resolve().parent, reference)
+    return hashlib.sha256(read_regular(urdf, "URDF", MAX_URDF_BYTES)).hexdigest()
+
+
+def content_key(path: Path, references: Iterable[str]) -> str:
+    """Hash of all that a generated cell depends on: cell file, URDFs, this package and CasADi's version.
+
+    Args:
+        path: The cell file.
+        references: What it says of where its URDFs are.
+
+    Raises:
+        InputError: If a file cannot be read.
+    """
+    parts = [text_key(path), *(urdf_hash(path, reference) for reference in references)]
+    return hashlib.sha256("".join(parts).encode()).hexdigest()
+
+
+def chains_key(cell: "CellModel", stem: str, *, bake: bool) -> str:
     """Hash of what functions are generated of: the chains, not the numbers of a cell file.
 
     Args:
@@ -61,10 +90,19 @@ def chains_key(cell: CellModel, stem: str, *, bake: bool) -> str:
 @cache
 def emitter_key() -> str:
     """Hash of what reads cells and emits functions: this package and CasADi's version."""
-    shaping = (manifest, rigid_transform, input_file, yaml_parser, load_box)
-    rooms = [source for of in (contact, joint_motors) for source in Path(of.__file__ or "").parent.glob("*.py")]
+    package = Path(version.__file__).parents[1]
+    shaping = [package / "base" / f"{name}.py" for name in SHAPING]
+    rooms = [source for room in ("base/formats", "hands", "motors") for source in (package / room).glob("*.py")]
     ours = [source for source in Path(__file__).parent.rglob("*.py") if source.parent.name != "embedded"]
-    digest = hashlib.sha256("\n".join([version("casadi"), __version__]).encode())
-    for source in sorted([*ours, *rooms, *(Path(module.__file__ or "") for module in shaping)]):
+    digest = hashlib.sha256("\n".join([*_casadi_versions(), version.__version__]).encode())
+    for source in sorted([*ours, *rooms, *shaping]):
         digest.update(source.read_bytes())
     return digest.hexdigest()
+
+
+def _casadi_versions() -> list[str]:
+    """Names of the metadata folders beside CasADi: `importlib.metadata`, which reads them, is slow to import."""
+    found = find_spec("casadi")
+    if found is None or found.origin is None:
+        return []
+    return sorted(path.name for path in Path(found.origin).parents[1].glob("casadi-*"))

@@ -4,6 +4,7 @@
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Generic, TypeVar
 
 import casadi as ca
 from mrts_codegen.cell_manifest import NOTICE, cell_manifest, read_cell_model
@@ -21,48 +22,36 @@ from mrts.base.manifest import (
     Manifest,
 )
 
-
-@dataclass(frozen=True)
-class GeneratedChains:
-    """The functions of a cell's chains.
-
-    Attributes:
-        record: What they are.
-        c_source: The content of the C file.
-        functions: The same functions for CasADi's virtual machine, by short name.
-    """
-
-    record: ChainsRecord
-    c_source: str
-    functions: dict[str, ca.Function]
-
-    def write(self, folder: Path) -> None:
-        """Write the C file and what it is into a folder of the cache, both or none, for this user alone."""
-        texts = {self.record.source: self.c_source, CHAINS_NAME: self.record.to_json()}
-        write_together({folder / name: text_writer(text) for name, text in texts.items()}, private=True)
+Record = TypeVar("Record", bound=ChainsRecord)
 
 
 @dataclass(frozen=True)
-class GeneratedCell:
+class Generated(Generic[Record]):
     """What generation yields.
 
     Attributes:
-        manifest: The content of manifest.json.
+        record: What the functions are: those of chains alone, or of a whole cell.
         c_source: The content of the C file.
         functions: The same functions for CasADi's virtual machine, by short name.
     """
 
-    manifest: Manifest
+    record: Record
     c_source: str
     functions: dict[str, ca.Function]
 
-    def write(self, folder: Path) -> None:
-        """Write the C file and, last, the manifest into `folder`, both or none."""
-        texts = {self.manifest.source: self.c_source, MANIFEST_NAME: self.manifest.to_json()}
-        write_together({folder / name: text_writer(text) for name, text in texts.items()})
+    def write(self, folder: Path, *, private: bool = False) -> None:
+        """Write the C file and, last, the record into `folder`, both or none.
+
+        Args:
+            folder: Where to.
+            private: Whether for this user alone.
+        """
+        name = MANIFEST_NAME if isinstance(self.record, Manifest) else CHAINS_NAME
+        texts = {self.record.source: self.c_source, name: self.record.to_json()}
+        write_together({folder / name: text_writer(text) for name, text in texts.items()}, private=private)
 
 
-def generate_cell(path: Path, *, bake: bool = False) -> GeneratedCell:
+def generate_cell(path: Path, *, bake: bool = False) -> Generated[Manifest]:
     """Generate a cell.
 
     Args:
@@ -75,10 +64,10 @@ def generate_cell(path: Path, *, bake: bool = False) -> GeneratedCell:
     """
     cell = read_cell_model(path)
     chains = generate_chains(cell, cell.description.name, bake=bake)
-    return GeneratedCell(cell_manifest(cell, chains.record), chains.c_source, chains.functions)
+    return Generated(cell_manifest(cell, chains.record), chains.c_source, chains.functions)
 
 
-def generate_chains(cell: CellModel, stem: str, *, bake: bool = False) -> GeneratedChains:
+def generate_chains(cell: CellModel, stem: str, *, bake: bool = False) -> Generated[ChainsRecord]:
     """Generate the functions of a cell.
 
     Args:
@@ -95,7 +84,7 @@ def generate_chains(cell: CellModel, stem: str, *, bake: bool = False) -> Genera
         source_sha256=hashlib.sha256(c_source.encode()).hexdigest(),
         functions={name: _function_record(function) for name, function in functions.items()},
     )
-    return GeneratedChains(record, c_source, functions)
+    return Generated(record, c_source, functions)
 
 
 def emit_c(name: str, functions: dict[str, ca.Function]) -> str:

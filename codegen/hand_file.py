@@ -9,7 +9,8 @@ from pydantic import Field, model_validator
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.input_file import Finite, StrictModel, Vector3, broken_rule
+from mrts.base.formats.pose import Finite, Vector3
+from mrts.base.formats.strict_model import StrictModel, broken_rule
 from mrts.hands.box import box_contact
 from mrts.hands.contact import Contact, numbered
 from mrts.hands.contact_axes import NOT_IN_PLANE, tip_components

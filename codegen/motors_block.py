@@ -10,7 +10,8 @@ from pydantic_core import PydanticCustomError
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.input_file import Finite, StrictModel
+from mrts.base.formats.pose import Finite
+from mrts.base.formats.strict_model import StrictModel
 from mrts.base.remark import Remark
 from mrts.motors.joint_motors import NONE_GIVEN, JointMotors
 

@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mrts_codegen.cell_file import CellDescription, resolve_urdf
+from mrts_codegen.cell_file import CellDescription
 from mrts_codegen.cell_manifest import cell_manifest
 from mrts_codegen.cell_model import build_cell_model
 from mrts_codegen.urdf.urdf_file import read_urdf
 from mrts_codegen.urdf.urdf_joint import friction
+from mrts_codegen.urdf_reference import resolve_urdf
 
 from mrts.base.errors import InputError
 from mrts.base.input_file import validated
@@ -145,7 +146,7 @@ def _known(values: dict[str, Any]) -> dict[str, Any]:
 
 def _check_same(where: Path, ours: Manifest, read: Manifest) -> None:
     """Refuse what a cell file cannot hold: what it reads back to is another cell."""
-    written, again = (manifest.model_dump(mode="json", include=set(COMPARED)) for manifest in (ours, read))
+    written, again = (manifest.model_dump(include=set(COMPARED)) for manifest in (ours, read))
     different = _difference(written, again)
     if different is None:
         return

@@ -3,19 +3,21 @@
 """The command line `mrts`; its verbs are in mrts/commands, its exit codes in mrts/console/exit_codes.py."""
 
 import argparse
-import difflib
+import atexit
+import gc
 import logging
+import os
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
 from mrts.base.errors import MrtsError
 from mrts.base.printable import message_text
 from mrts.base.version import __version__
-from mrts.commands import configurations, demo, export, generate, identify, place, report, scale, sweep, view
-from mrts.commands.completion import complete
+from mrts.commands.completion import complete, is_completing
 from mrts.console.defect import describe_defect, trace
 from mrts.console.exit_codes import BAD_INPUT, DEFECT, PIPE_CLOSED, SIGNALLED
 from mrts.console.signals import EndedBySignal, persistent_interrupt
@@ -29,8 +31,22 @@ from mrts.console.terminal import (
     open_closed_streams,
 )
 
-VERBS = (demo, generate, scale, configurations, sweep, place, identify, view, report, export)
-"""In the order of `--help`."""
+VERBS = {
+    "demo": "run the paper's examples",
+    "generate": "generate the C of a cell",
+    "scale": "find the range of c², choose c², distribute the torques",
+    "configurations": "compare all inverse-kinematics branches of the arms",
+    "sweep": "solve all variants of a study: numbers of cell and motion that vary",
+    "place": "where to put the arms and how to hold the object: the layout that may be played fastest",
+    "identify": "armature and friction of the motors from a recording of the arms' free motion",
+    "view": "play a motion in the browser at any speed, with torques and wrenches against their limits",
+    "report": "write a saved result or a study as an HTML page that opens offline",
+    "export": "write a self-contained C library of a cell for a controller",
+}
+"""In the order of `--help`, with what it says of each; its module in mrts/commands is imported if it is the one."""
+
+MAY_STAND_ALONE = {"--rates"}
+"""Options with or without a value."""
 
 ENDINGS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "the terminal is gone"}
 """What is said when a signal ends the work."""
@@ -47,6 +63,9 @@ examples:
 exit code: 0 feasible, 1 a named infeasible outcome, 2 bad input or an output that cannot be written,
   70 a defect of mrts, 130 Ctrl-C, 141 the reader of the output went away, 129 and 143 other signals"""
 
+THREADS_OF_BLAS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "GOTO_NUM_THREADS")
+"""Where none is set, numpy's BLAS starts a thread a core, which waits in a loop for matrices larger than any here."""
+
 DEBUG_HELP = "print the traceback of a defect of mrts, for a report of it"
 
 
@@ -59,6 +78,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         Exit code.
     """
+    if not any(name in os.environ for name in THREADS_OF_BLAS):
+        os.environ[THREADS_OF_BLAS[0]] = "1"
+    atexit.register(gc.freeze)  # what is there at the end goes with the process: nothing is to be searched for garbage
     open_closed_streams()
     encode_anything()
     options: argparse.Namespace | None = None
@@ -100,11 +122,12 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
         SystemExit: If argparse has answered by itself.
     """
     logging.basicConfig(handlers=[RemarkHandler()], level=logging.WARNING)
-    parser, verbs = _parser()
-    complete(parser)
     words = sys.argv[1:] if arguments is None else arguments
-    _check_verb(parser, verbs, words)
-    options = parser.parse_args(files_apart(words, scale.MAY_STAND_ALONE))
+    verb = next((word for word in words if not word.startswith("-")), None)
+    parser = _parser(VERBS if is_completing() else {verb})
+    complete(parser)
+    _check_verb(parser, verb)
+    options = parser.parse_args(files_apart(words, MAY_STAND_ALONE))
     QUIET.set(options.quiet)
     return options
 
@@ -143,8 +166,8 @@ def _is_file(word: str) -> bool:
     return False
 
 
-def _parser() -> tuple[argparse.ArgumentParser, list[str]]:
-    """The parser of the whole line, and the names of the verbs."""
+def _parser(wanted: Container[str | None]) -> argparse.ArgumentParser:
+    """The parser of the whole line, with the arguments of some verbs."""
     parser = _Parser(
         prog="mrts",
         description="How fast may several robot arms carry one object, and with which torques?",
@@ -155,19 +178,22 @@ def _parser() -> tuple[argparse.ArgumentParser, list[str]]:
     parser.add_argument("-q", "--quiet", action="store_true", help=QUIET_HELP)
     parser.add_argument("--debug", action="store_true", help=DEBUG_HELP)
     verbs = parser.add_subparsers(required=True, metavar="VERB")
-    for verb in VERBS:
-        verb.add(verbs)
-    for of_verb in verbs.choices.values():
-        of_verb.formatter_class = argparse.RawDescriptionHelpFormatter
-        of_verb.add_argument("-q", "--quiet", action="store_true", default=argparse.SUPPRESS, help=QUIET_HELP)
-        of_verb.add_argument("--debug", action="store_true", default=argparse.SUPPRESS, help=DEBUG_HELP)
-    return parser, list(verbs.choices)
+    for name, meaning in VERBS.items():
+        verb = verbs.add_parser(name, help=meaning, formatter_class=argparse.RawDescriptionHelpFormatter)
+        if name in wanted:
+            module = import_module(f"mrts.commands.{name}")
+            verb.epilog = module.EXAMPLES
+            module.add(verb)
+            verb.add_argument("-q", "--quiet", action="store_true", default=argparse.SUPPRESS, help=QUIET_HELP)
+            verb.add_argument("--debug", action="store_true", default=argparse.SUPPRESS, help=DEBUG_HELP)
+    return parser
 
 
-def _check_verb(parser: argparse.ArgumentParser, verbs: list[str], words: Sequence[str]) -> None:
+def _check_verb(parser: argparse.ArgumentParser, verb: str | None) -> None:
     """Guess what a misspelt verb was to be; argparse only lists what there is."""
-    verb = next((word for word in words if not word.startswith("-")), None)
-    if verb is not None and verb not in verbs:
-        close = difflib.get_close_matches(verb, verbs, n=1)
-        hint = f"did you mean '{close[0]}'?" if close else f"there are {', '.join(verbs)}."
+    if verb is not None and verb not in VERBS:
+        import difflib  # noqa: PLC0415 (for this message only)
+
+        close = difflib.get_close_matches(verb, VERBS, n=1)
+        hint = f"did you mean '{close[0]}'?" if close else f"there are {', '.join(VERBS)}."
         parser.error(f"there is no verb '{verb}': {hint}")

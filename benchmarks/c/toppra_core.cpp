@@ -1,13 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The fastest timing of given rows by toppra's C++ core (Seidel, interpolation scheme), for one_arm_timing.py, which
- * compiles this where toppra is installed. Standard input: N + 1, m, repeats, then grid points, lower and upper limits,
- * and a, b, c of every grid point, all as doubles. Prints the median CPU time of a whole call [s] and the duration [s].
- */
+ * compiles this where toppra is installed and calls it in its own process, in turn with the others. */
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <ctime>
 #include <memory>
 #include <vector>
 
@@ -48,40 +43,40 @@ class GivenRows : public toppra::LinearConstraint {
     }
 };
 
-static Vector read_vector(int size) {
-    Vector values(size);
-    if (std::fread(values.data(), sizeof(double), static_cast<std::size_t>(size), stdin) != static_cast<std::size_t>(size))
-        std::exit(2);
-    return values;
-}
+struct Question {
+    Vector grid;
+    std::shared_ptr<GivenRows> constraint;
+    std::shared_ptr<toppra::PiecewisePolyPath> path;
+};
 
-int main() {
-    const Vector head = read_vector(3);
-    const int points = static_cast<int>(head[0]), rows = static_cast<int>(head[1]), repeats = static_cast<int>(head[2]);
-    const Vector grid = read_vector(points);
-    auto constraint = std::make_shared<GivenRows>(rows);
-    constraint->lower = read_vector(rows);
-    constraint->upper = read_vector(rows);
-    for (Vectors *part : {&constraint->of_u, &constraint->of_x, &constraint->rest})
-        for (int i = 0; i < points; ++i) part->push_back(read_vector(rows));
+static Vector taken(const double *values, int size) { return Eigen::Map<const Vector>(values, size); }
+
+/* What lasts longer than one call; never freed, the process ends with its table. a, b, c: points times rows. */
+extern "C" void *toppra_question(int points, int rows, const double *grid, const double *lower, const double *upper,
+                                 const double *a, const double *b, const double *c) {
+    auto *question = new Question{taken(grid, points), std::make_shared<GivenRows>(rows), nullptr};
+    question->constraint->lower = taken(lower, rows);
+    question->constraint->upper = taken(upper, rows);
+    for (int i = 0; i < points; ++i) {
+        question->constraint->of_u.push_back(taken(a + i * rows, rows));
+        question->constraint->of_x.push_back(taken(b + i * rows, rows));
+        question->constraint->rest.push_back(taken(c + i * rows, rows));
+    }
     Matrix line(2, 1);
     line << 1.0, 0.0;
-    auto path = std::make_shared<toppra::PiecewisePolyPath>(Matrices{line}, std::vector<double>{grid[0], grid[points - 1]});
-    std::vector<double> times;
-    double duration = 0;
-    for (int repeat = 0; repeat <= repeats; ++repeat) {
-        const std::clock_t start = std::clock();
-        toppra::algorithm::TOPPRA algorithm({constraint}, path);
-        algorithm.setGridpoints(grid);
-        algorithm.solver(std::make_shared<toppra::solver::Seidel>());
-        if (algorithm.computePathParametrization(0, 0) != toppra::ReturnCode::OK) return 1;
-        const double taken = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-        if (repeat) times.push_back(taken);
-        const Vector x = algorithm.getParameterizationData().parametrization;
-        duration = 0;
-        for (int i = 0; i + 1 < points; ++i)
-            duration += 2 * (grid[i + 1] - grid[i]) / (std::sqrt(std::max(x[i], 0.0)) + std::sqrt(std::max(x[i + 1], 0.0)));
-    }
-    std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
-    std::printf("%.9e %.12e\n", times[times.size() / 2], duration);
+    const std::vector<double> ends = {grid[0], grid[points - 1]};
+    question->path = std::make_shared<toppra::PiecewisePolyPath>(Matrices{line}, ends);
+    return question;
+}
+
+/* The speeds squared at the points; 0 if it found them. */
+extern "C" int toppra_answer(const void *given, double *x) {
+    const Question &question = *static_cast<const Question *>(given);
+    toppra::algorithm::TOPPRA algorithm({question.constraint}, question.path);
+    algorithm.setGridpoints(question.grid);
+    algorithm.solver(std::make_shared<toppra::solver::Seidel>());
+    if (algorithm.computePathParametrization(0, 0) != toppra::ReturnCode::OK) return 1;
+    const Vector found = algorithm.getParameterizationData().parametrization;
+    std::copy(found.data(), found.data() + found.size(), x);
+    return 0;
 }

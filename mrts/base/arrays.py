@@ -38,7 +38,7 @@ def freeze_array(owner: object, name: str, where: str, shape: tuple[int, ...], *
     """
     given = getattr(owner, name)
     try:
-        value = given if _is_frozen(given) else as_array(name, given)
+        value = as_array(name, given)
     except InputError as error:
         raise InputError(where, error.rule, key=name, value=given) from None
     sound = np.isfinite(value) if finite else ~np.isnan(value)
@@ -47,13 +47,6 @@ def freeze_array(owner: object, name: str, where: str, shape: tuple[int, ...], *
         raise InputError(where, f"must be {numbers} with Shape {shape}.", key=name, value=value.tolist())
     value.setflags(write=False)
     object.__setattr__(owner, name, value)
-
-
-def _is_frozen(value: object) -> bool:
-    """Whether a value is an array of doubles of its own that nobody can write to: it may be shared."""
-    if not isinstance(value, np.ndarray):
-        return False
-    return value.dtype == np.float64 and value.base is None and not value.flags.writeable
 
 
 def without_infinity(values: Array) -> list[float | None]:

@@ -70,7 +70,7 @@ def _shown(value: object) -> str:
 
 
 def as_array(name: str, value: object) -> "NDArray[np.float64]":
-    """An argument of the Python API as an array of numbers.
+    """An argument of the Python API as an array of numbers, its own unless nobody can write to the one given.
 
     Args:
         name: Of the argument, for the message.
@@ -81,6 +81,8 @@ def as_array(name: str, value: object) -> "NDArray[np.float64]":
     """
     import numpy as np  # noqa: PLC0415 (so that `mrts --help` does without)
 
+    if type(value) is np.ndarray and value.dtype == np.float64 and value.base is None and not value.flags.writeable:
+        return value
     try:
         return np.array(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):

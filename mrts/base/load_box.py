@@ -191,7 +191,7 @@ class LoadBox:
             corners.append(LoadPoint(means, self._load(first, second)))
         return tuple(corners)
 
-    def draw(self, rng: np.random.Generator, count: int) -> tuple[LoadPoint, ...]:
+    def draw(self, rng: "np.random.Generator", count: int) -> tuple[LoadPoint, ...]:
         """Random loads of the box, every parameter uniform in its range.
 
         Args:

@@ -7,10 +7,10 @@ import re
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
-
 from mrts.base.errors import InputError
-from mrts.base.input_file import IDENTIFIER, Name, broken_rule, read_text
+from mrts.base.formats.pose import Name
+from mrts.base.formats.record import BrokenRecordError, Record, Rule, broken_record, read_json
+from mrts.base.input_file import IDENTIFIER, read_text
 
 MANIFEST_NAME, CHAINS_NAME = "manifest.json", "chains.json"
 GEOMETRY = "geometry"
@@ -46,10 +46,10 @@ LARGEST_SIZE = 100_000
 """Rows or columns of an argument, likewise."""
 
 Matrix = list[list[float]]
-Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
-Matrix3 = Annotated[list[Vector3], Field(min_length=3, max_length=3)]
-Identifier = Annotated[str, Field(pattern=IDENTIFIER, max_length=100)]
-Size = Annotated[int, Field(ge=1, le=LARGEST_SIZE)]
+Vector3 = Annotated[list[float], Rule(min_length=3, max_length=3)]
+Matrix3 = Annotated[list[Vector3], Rule(min_length=3, max_length=3)]
+Identifier = Annotated[str, Rule(pattern=IDENTIFIER, max_length=100)]
+Size = Annotated[int, Rule(ge=1, le=LARGEST_SIZE)]
 
 
 def geometry_size(robots: int, held: int) -> int:
@@ -62,11 +62,7 @@ def geometry_size(robots: int, held: int) -> int:
     return GRAVITY_SIZE + ROBOT_SIZE * robots + held
 
 
-class _Record(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class JointRecord(_Record):
+class JointRecord(Record):
     """One joint; axis and a point on it in base axes with every joint at zero; None is unbounded."""
 
     name: str
@@ -80,31 +76,31 @@ class JointRecord(_Record):
     torque_upper: float
 
 
-class MotorsRecord(_Record):
+class MotorsRecord(Record):
     """Motors of one arm, one value a joint (`mrts.motors.joint_motors.JointMotors`); None is unbounded, or no curve."""
 
     armature: list[float]
     coulomb: list[float]
     viscous: list[float]
-    torque_speed: list[list[Annotated[list[float], Field(min_length=2, max_length=2)]] | None]
+    torque_speed: list[list[Annotated[list[float], Rule(min_length=2, max_length=2)]] | None]
     torque_rate: list[float | None]
     jerk: list[float | None]
     rated: list[float | None]
 
 
-class PoseRecord(_Record):
+class PoseRecord(Record):
     """A rigid transform: rotation matrix and position [m]."""
 
     rotation: Matrix3
     position: Vector3
 
 
-class ContactRecord(_Record):
+class ContactRecord(Record):
     """Rows lower <= A F <= upper of one contact, as `mrts.hands.contact.Contact`; None is unbounded, or not given."""
 
     name: str
     frame: Literal["tip", "object", "base"]
-    rows: Annotated[list[str], Field(min_length=1, max_length=LARGEST_SIZE)]
+    rows: Annotated[list[str], Rule(min_length=1, max_length=LARGEST_SIZE)]
     units: list[str]
     A: Matrix
     lower: list[float | None]
@@ -112,7 +108,7 @@ class ContactRecord(_Record):
     given: dict[str, Any] | None
 
 
-class RobotRecord(_Record):
+class RobotRecord(Record):
     """One arm of the cell."""
 
     name: Name
@@ -120,9 +116,9 @@ class RobotRecord(_Record):
     urdf_sha256: str
     base_link: str
     tip_link: str
-    joints: Annotated[list[JointRecord], Field(min_length=1, max_length=MOST)]
+    joints: Annotated[list[JointRecord], Rule(min_length=1, max_length=MOST)]
     held: dict[str, float]
-    held_numbers: Annotated[list[float], Field(max_length=LARGEST_SIZE)]
+    held_numbers: Annotated[list[float], Rule(max_length=LARGEST_SIZE)]
     base_tip: PoseRecord
     world_base: PoseRecord
     base_root: PoseRecord
@@ -132,40 +128,40 @@ class RobotRecord(_Record):
     wrench_upper: list[float | None]
     contact_rate: list[float | None]
     motors: MotorsRecord
-    contacts: Annotated[list[ContactRecord], Field(max_length=MOST)]
+    contacts: Annotated[list[ContactRecord], Rule(max_length=MOST)]
 
-    @model_validator(mode="after")
-    def _one_of_each_a_joint(self) -> Self:
+    def problem(self) -> str:
+        """The rule that sizes break; empty if none."""
         if len(self.posture) != len(self.joints):
-            raise broken_rule("its posture must hold one position a joint")
+            return "its posture must hold one position a joint"
         if any(len(getattr(self.motors, name)) != len(self.joints) for name in MotorsRecord.model_fields):
-            raise broken_rule("its motors must hold one value a joint")
-        return self
+            return "its motors must hold one value a joint"
+        return ""
 
 
-class ArgumentRecord(_Record):
+class ArgumentRecord(Record):
     """Name and dense shape (rows, columns) of one input or output."""
 
     name: Identifier
     shape: tuple[Size, Size]
 
 
-class FunctionRecord(_Record):
+class FunctionRecord(Record):
     """One generated function."""
 
     symbol: Identifier
-    instructions: Annotated[int, Field(ge=0)]
-    inputs: Annotated[list[ArgumentRecord], Field(min_length=1, max_length=MOST)]
-    outputs: Annotated[list[ArgumentRecord], Field(min_length=1, max_length=MOST)]
+    instructions: Annotated[int, Rule(ge=0)]
+    inputs: Annotated[list[ArgumentRecord], Rule(min_length=1, max_length=MOST)]
+    outputs: Annotated[list[ArgumentRecord], Rule(min_length=1, max_length=MOST)]
 
 
-class ObjectRecord(_Record):
+class ObjectRecord(Record):
     """Nominal load: kg, and kg m² at the com in the object frame; ranges of what may vary (docs/uncertain_load.md).
 
     Velocity limits are in m/s and rad/s, None is unbounded.
     """
 
-    mass: Annotated[float, Field(gt=0)]
+    mass: Annotated[float, Rule(gt=0)]
     inertia: Matrix3
     variation: dict[str, tuple[float, float]]
     outer_hull: bool
@@ -173,20 +169,20 @@ class ObjectRecord(_Record):
     angular_velocity: float | None
 
 
-class RemarkRecord(_Record):
+class RemarkRecord(Record):
     """What to know of the files that the cell was made from, as `mrts.base.remark.Remark`."""
 
     code: str
     text: str
 
 
-class ChainsRecord(_Record):
+class ChainsRecord(Record):
     """The generated functions: what of them is the same for all cells with the same chains.
 
     Anyone may have written it: what of it reaches C text or a path is an identifier.
     """
 
-    chains: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+    chains: Annotated[str, Rule(pattern="^[0-9a-f]{64}$")]
     casadi_version: str
     source: str
     source_sha256: str
@@ -197,22 +193,22 @@ class ChainsRecord(_Record):
         """Whether the functions hold the geometry of one cell as numbers; else it is their last input."""
         return all(one.name != GEOMETRY for function in self.functions.values() for one in function.inputs)
 
-    @model_validator(mode="after")
-    def _functions_of_one_file(self) -> Self:
+    def problem(self) -> str:
+        """The rule that names break; empty if none."""
         stem = self.source.removesuffix(".c")
         if self.source == stem or not re.fullmatch(IDENTIFIER, stem):
-            raise broken_rule("its source must be the name of a C file: letters, digits, single underscores, and .c")
+            return "its source must be the name of a C file: letters, digits, single underscores, and .c"
         for short, function in self.functions.items():
             if function.symbol != f"{stem}_{short}":
-                raise broken_rule(f"the symbol of function '{short}' must be the name of the C file, _ and '{short}'")
+                return f"the symbol of function '{short}' must be the name of the C file, _ and '{short}'"
         for short in ALWAYS_GENERATED:
             if short not in self.functions:
-                raise broken_rule(f"its functions must include '{short}'")
-        return self
+                return f"its functions must include '{short}'"
+        return ""
 
     def to_json(self) -> str:
         """Deterministic text of the file."""
-        return json.dumps(self.model_dump(mode="json"), indent=1, allow_nan=False) + "\n"
+        return json.dumps(self.model_dump(), indent=1, allow_nan=False) + "\n"
 
 
 class Manifest(ChainsRecord):
@@ -227,32 +223,34 @@ class Manifest(ChainsRecord):
     wrench_components: list[Literal["fx", "fy", "fz", "nx", "ny", "nz"]]
     gravity: Vector3
     object: ObjectRecord
-    robots: Annotated[list[RobotRecord], Field(min_length=1, max_length=MOST)]
-    machines: Annotated[list[tuple[str, str]], Field(max_length=MOST)]
-    remarks: Annotated[list[RemarkRecord], Field(max_length=MOST)]
+    robots: Annotated[list[RobotRecord], Rule(min_length=1, max_length=MOST)]
+    machines: Annotated[list[tuple[str, str]], Rule(max_length=MOST)]
+    remarks: Annotated[list[RemarkRecord], Rule(max_length=MOST)]
 
-    @model_validator(mode="after")
-    def _names_differ(self) -> Self:
+    def problem(self) -> str:
+        """The rule that names or sizes break; empty if none."""
+        return super().problem() or self._problem_of_names() or self._problem_of_sizes()
+
+    def _problem_of_names(self) -> str:
         if len({robot.name for robot in self.robots}) < len(self.robots):
-            raise broken_rule("two robots have the same name")
-        return self
+            return "two robots have the same name"
+        return ""
 
-    @model_validator(mode="after")
-    def _sizes_agree(self) -> Self:
+    def _problem_of_sizes(self) -> str:
         size = len(self.wrench_components)
         if size != (len(WRENCH_COMPONENTS) if self.plane is None else 3) or len({*self.wrench_components}) < size:
-            raise broken_rule("its wrench components must be three for a plane, else all six")
+            return "its wrench components must be three for a plane, else all six"
         for robot in self.robots:
             if {len(robot.wrench_lower), len(robot.wrench_upper), len(robot.contact_rate)} != {size}:
-                raise broken_rule(f"the wrench limits of robot '{robot.name}' must be one a wrench component")
+                return f"the wrench limits of robot '{robot.name}' must be one a wrench component"
             missing = [short for short in FOR_REDUNDANT_ARMS if short not in self.functions]
             if len(robot.joints) > size and missing:
-                raise broken_rule(f"its functions must include '{missing[0]}'")
-        return self
+                return f"its functions must include '{missing[0]}'"
+        return ""
 
     def content_hash(self) -> str:
         """Hash of everything in the manifest but the hash itself."""
-        content = self.model_dump(mode="json", exclude={"content_sha256"})
+        content = self.model_dump(exclude={"content_sha256"})
         return hashlib.sha256(json.dumps(content, allow_nan=False).encode()).hexdigest()
 
     def sealed(self) -> Self:
@@ -290,14 +288,13 @@ def verified_manifest(where: Path | str, text: str) -> Manifest:
         InputError: If it is no manifest, of another format version, or was edited by hand.
     """
     try:
-        _check_format(where, text)
-        manifest = Manifest.model_validate_json(text)
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"])
-        raise InputError(
-            where, f"{first['msg']}. The file is generated: make it again with `mrts generate`.", key=key
-        ) from None
+        data = read_json(text)
+        _check_format(where, data)
+        manifest = Manifest.model_validate(data)
+    except BrokenRecordError as error:
+        broken = broken_record(where, error)
+        rule = f"{broken.rule} The file is generated: make it again with `mrts generate`."
+        raise InputError(where, rule, key=broken.key, value=broken.value) from None
     if manifest.content_sha256 != manifest.content_hash():
         raise InputError(
             where, "was edited after it was generated. Change the cell file and run `mrts generate` again."
@@ -305,15 +302,10 @@ def verified_manifest(where: Path | str, text: str) -> Manifest:
     return manifest
 
 
-class _Format(BaseModel):
+def _check_format(where: Path | str, data: object) -> None:
     """What of a manifest of any format is looked at first."""
-
-    format: int
-
-
-def _check_format(where: Path | str, text: str) -> None:
-    given = _Format.model_validate_json(text).format
-    if given != FORMAT:
+    given = data.get("format") if isinstance(data, dict) else None
+    if isinstance(given, int) and given != FORMAT:
         rule = f"this mrts reads format {FORMAT}. Make it again with `mrts generate`."
         raise InputError(where, rule, key="format", value=given)
 

@@ -155,6 +155,55 @@ def _ranked(angle: float) -> list[tuple[int, float]]:
     return list(enumerate(dict.fromkeys(value + 0.0 for value in (*short, angle, *decimals, *others))))
 
 
+def rotations_from_quaternions(quaternions: Array) -> Array:
+    """Rotations, Shape (…, 3, 3), of quaternions x, y, z, w of any length but 0, Shape (…, 4)."""
+    x, y, z, w = np.moveaxis(quaternions / np.linalg.norm(quaternions, axis=-1, keepdims=True), -1, 0)
+    R = np.empty((*quaternions.shape[:-1], 3, 3))
+    R[..., 0, 0], R[..., 0, 1], R[..., 0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
+    R[..., 1, 0], R[..., 1, 1], R[..., 1, 2] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
+    R[..., 2, 0], R[..., 2, 1], R[..., 2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+    return R
+
+
+def quaternions_from_rotations(R: Array) -> Array:
+    """Unit quaternions x, y, z, w with w >= 0, Shape (…, 4), of rotations, Shape (…, 3, 3).
+
+    By the largest entry of the quaternion, so that none loses digits (S. W. Shepperd, Quaternion from rotation
+    matrix, Journal of Guidance and Control 1, 1978).
+    """
+    xx, yy, zz = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
+    square = np.empty((*R.shape[:-2], 4, 4))  # 4 q qᵀ
+    square[..., 0, 0], square[..., 1, 1], square[..., 2, 2] = 1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz
+    square[..., 3, 3] = 1 + xx + yy + zz
+    square[..., 0, 1] = square[..., 1, 0] = R[..., 0, 1] + R[..., 1, 0]
+    square[..., 0, 2] = square[..., 2, 0] = R[..., 0, 2] + R[..., 2, 0]
+    square[..., 1, 2] = square[..., 2, 1] = R[..., 1, 2] + R[..., 2, 1]
+    square[..., 0, 3] = square[..., 3, 0] = R[..., 2, 1] - R[..., 1, 2]
+    square[..., 1, 3] = square[..., 3, 1] = R[..., 0, 2] - R[..., 2, 0]
+    square[..., 2, 3] = square[..., 3, 2] = R[..., 1, 0] - R[..., 0, 1]
+    largest = np.argmax(np.diagonal(square, axis1=-2, axis2=-1), axis=-1)
+    q = np.take_along_axis(square, largest[..., None, None], axis=-2)[..., 0, :]
+    q = np.where(q[..., 3:] < 0, -q, q)
+    unit: Array = q / np.linalg.norm(q, axis=-1, keepdims=True)
+    return unit
+
+
+def rotations_from_vectors(vectors: Array) -> Array:
+    """Rotations, Shape (…, 3, 3), by rotation vectors: axis times angle, Shape (…, 3) [rad]."""
+    half = np.linalg.norm(vectors, axis=-1, keepdims=True) / 2
+    share = np.divide(np.sin(half), half, out=np.ones_like(half), where=half > 0)
+    return rotations_from_quaternions(np.concatenate([vectors / 2 * share, np.cos(half)], axis=-1))
+
+
+def vectors_from_rotations(R: Array) -> Array:
+    """Rotation vectors of angles from 0 to π, Shape (…, 3) [rad], of rotations, Shape (…, 3, 3)."""
+    q = quaternions_from_rotations(R)
+    length = np.linalg.norm(q[..., :3], axis=-1, keepdims=True)
+    turn = 2 * np.arctan2(length, q[..., 3:])
+    vectors: Array = q[..., :3] * np.divide(turn, length, out=np.full_like(length, 2.0), where=length > 0)
+    return vectors
+
+
 def is_rotation(R: Array) -> bool:
     """Whether a matrix, Shape (3, 3), is a rotation."""
     x, y, z = R.tolist()  # numbers of Python: cells are made by the thousand

@@ -7,10 +7,9 @@ This is the only place where the run time calls the build time (`mrts_codegen`).
 from collections.abc import Callable
 from functools import cache, lru_cache, partial
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
 from mrts.base.errors import InputError
 from mrts.base.manifest import (
     CHAINS_NAME,
@@ -23,6 +22,9 @@ from mrts.base.manifest import (
 )
 from mrts.kernel.c_text import one_file
 from mrts.kernel.cache_folder import cache_folder, only_ours
+
+if TYPE_CHECKING:
+    from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
 
 CACHED_STEM = "cell"
 """Names of generated functions in the cache begin so: cells of other names share them."""
@@ -41,18 +43,40 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     Raises:
         InputError: If the cell file or a URDF breaks a rule.
     """
-    from mrts_codegen.content_key import content_key  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.content_key import text_key  # noqa: PLC0415 (build time, on demand)
 
-    key = content_key(path)
-    described = cache_folder("cells", key) / MANIFEST_NAME
+    described = cache_folder("cells", text_key(path)) / MANIFEST_NAME
     manifest = _if_sound(described, partial(verified_manifest, described))
-    if manifest is not None:
+    if manifest is not None and _has_urdfs(path, manifest):
         source = _source_in_cache(manifest)
         if _is_source(source, manifest):
             return manifest, source
+    key = _content_key(path)
     manifest = _manifest(_model(path, key), partial(_chains, path, key))
     write_text_atomically(described, manifest.to_json(), private=True)
     return manifest, _source_in_cache(manifest)
+
+
+def _has_urdfs(path: Path, manifest: Manifest) -> bool:
+    """Whether the URDFs of a cell file are those that a manifest was made from."""
+    from mrts_codegen.content_key import urdf_hash  # noqa: PLC0415 (build time, on demand)
+
+    try:
+        return all(urdf_hash(path, robot.urdf) == robot.urdf_sha256 for robot in manifest.robots)
+    except InputError:
+        return False
+
+
+def _content_key(path: Path) -> str:
+    """Hash of all that a generated cell depends on.
+
+    Raises:
+        InputError: If the cell file breaks a rule or a URDF is missing.
+    """
+    from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.content_key import content_key  # noqa: PLC0415
+
+    return content_key(path, [robot.urdf for robot in read_cell_description(path).robots])
 
 
 def described_in_cache(description: object, folder: Path) -> tuple[Manifest, Path, Callable[[], dict[str, Any]]]:
@@ -92,7 +116,7 @@ def _manifest(cell: Any, generate: Callable[[], Any]) -> Manifest:
     chains = _if_sound(folder / CHAINS_NAME, ChainsRecord.model_validate_json)
     if chains is None or not _is_source(folder / chains.source, chains):
         made = generate()
-        made.write(folder)
+        made.write(folder, private=True)
         chains = made.record
     return cell_manifest(cell, chains)
 
@@ -153,8 +177,8 @@ def export_to(
     path: Path,
     folder: Path,
     *,
-    limits: EmbeddedLimits,
-    vectors: list[EmbeddedVector],
+    limits: "EmbeddedLimits",
+    vectors: list["EmbeddedVector"],
     path_samples: int,
     precision: Literal["double", "float"],
     parts: tuple[str, ...],
@@ -184,7 +208,7 @@ def export_to(
 
     cell = generate_cell(path, bake=True)
     texts = export_library(
-        cell.manifest if name is None else cell.manifest.model_copy(update={"name": name}),
+        cell.record if name is None else cell.record.model_copy(update={"name": name}),
         cell.functions,
         limits=limits,
         vectors=vectors,
@@ -217,7 +241,8 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     Raises:
         InputError: If the cell file breaks a rule.
     """
-    from mrts_codegen.cell_file import read_cell_description, resolve_urdf  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf_reference import resolve_urdf  # noqa: PLC0415
 
     robots = read_cell_description(path).robots
     return {robot.name: (resolve_urdf(path, path.resolve().parent, robot.urdf), robot.base_link) for robot in robots}
@@ -260,9 +285,7 @@ def virtual_machine_functions(path: Path) -> dict[str, Any]:
     Raises:
         InputError: If the cell file or a URDF breaks a rule.
     """
-    from mrts_codegen.content_key import content_key  # noqa: PLC0415 (build time, on demand)
-
-    functions: dict[str, Any] = _chains(path, content_key(path)).functions
+    functions: dict[str, Any] = _chains(path, _content_key(path)).functions
     _chains.cache_clear()
     _model.cache_clear()
     return functions

@@ -6,20 +6,16 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from pydantic import TypeAdapter, ValidationError
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.input_file import Angles3, Finite, Vector3, broken_format, plain
+from mrts.base.formats.pose import Angles3, Finite, Vector3
+from mrts.base.formats.record import BrokenRecordError, broken_record, checked
+from mrts.base.input_file import plain
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
 from mrts.cell.robot import Robot
 from mrts.hands.wrench_limits import given_wrench_limits
 from mrts.motors.torque_limits import given_torque_limits
-
-_VECTOR: TypeAdapter[list[float]] = TypeAdapter(Vector3)
-_ANGLES: TypeAdapter[list[float]] = TypeAdapter(Angles3)
-_NUMBERS: TypeAdapter[list[float]] = TypeAdapter(list[Finite])
-_BOUNDS: TypeAdapter[list[float | None] | None] = TypeAdapter(list[Finite | None] | None)
 
 Numbers = Sequence[float] | Array
 Bounds = Sequence[float | None] | Array | None
@@ -36,7 +32,7 @@ def vector(where: str, key: str, value: object) -> Array:
     Raises:
         InputError: Unless it is three finite numbers.
     """
-    return np.array(_given(where, key, value, _VECTOR))
+    return np.array(_given(where, key, value, Vector3))
 
 
 def posed(robot: Robot, key: str, T: RigidTransform, xyz: Numbers | None, rpy: Numbers | None) -> RigidTransform:
@@ -53,7 +49,7 @@ def posed(robot: Robot, key: str, T: RigidTransform, xyz: Numbers | None, rpy: N
         InputError: If a value breaks a rule of the cell file.
     """
     where = _where(robot)
-    R = T.R if rpy is None else rotation_from_rpy(*_given(where, f"{key}.rpy", rpy, _ANGLES))
+    R = T.R if rpy is None else rotation_from_rpy(*_given(where, f"{key}.rpy", rpy, Angles3))
     return RigidTransform(R, T.p if xyz is None else vector(where, f"{key}.xyz", xyz))
 
 
@@ -64,8 +60,8 @@ def torque_limited(robot: Robot, upper: Numbers, lower: Numbers | None) -> Robot
         InputError: If a value breaks a rule of the cell file.
     """
     where = _where(robot)
-    most = _given(where, "torque.upper", upper, _NUMBERS)
-    least = None if lower is None else _given(where, "torque.lower", lower, _NUMBERS)
+    most = _given(where, "torque.upper", upper, list[Finite])
+    least = None if lower is None else _given(where, "torque.lower", lower, list[Finite])
     limits = given_torque_limits(where, "torque", least, most, robot.joints)
     return replace(robot, torque_lower=limits[0], torque_upper=limits[1])
 
@@ -77,8 +73,8 @@ def wrench_limited(robot: Robot, lower: Bounds, upper: Bounds) -> Robot:
         InputError: If a value breaks a rule of the cell file.
     """
     where = _where(robot)
-    least = _given(where, "wrench.lower", _without(lower, -np.inf), _BOUNDS)
-    most = _given(where, "wrench.upper", _without(upper, np.inf), _BOUNDS)
+    least = _given(where, "wrench.lower", _without(lower, -np.inf), list[Finite | None] | None)
+    most = _given(where, "wrench.upper", _without(upper, np.inf), list[Finite | None] | None)
     limits = given_wrench_limits(where, "wrench", least, most, len(robot.wrench_lower))
     return replace(robot, wrench_lower=limits[0], wrench_upper=limits[1])
 
@@ -95,10 +91,10 @@ def _without(values: object, unbounded: float) -> object:
     return [None if isinstance(value, float) and value == unbounded else value for value in listed]
 
 
-def _given(where: str, key: str, value: object, kind: TypeAdapter[Any]) -> Any:
+def _given(where: str, key: str, value: object, kind: Any) -> Any:
     """A value as a cell file would have it."""
     try:
-        return kind.validate_python(plain(where, value), strict=True)
-    except ValidationError as error:
-        broken = broken_format(where, error)
+        return checked(kind, plain(where, value))
+    except BrokenRecordError as error:
+        broken = broken_record(where, error)
     raise InputError(where, broken.rule, key=key + broken.key, value=broken.value)

@@ -15,13 +15,18 @@ SUFFIXES = {
 """Of the files that an argument takes; one that takes a folder has the metavar DIR."""
 
 
+def is_completing() -> bool:
+    """Whether it is the shell that asks."""
+    return "_ARGCOMPLETE" in os.environ
+
+
 def complete(parser: argparse.ArgumentParser) -> None:
     """Answer the shell and leave, if it is the shell that asks.
 
     Args:
         parser: Of the command line.
     """
-    if "_ARGCOMPLETE" not in os.environ:
+    if not is_completing():
         return
     from argcomplete import autocomplete
     from argcomplete.completers import DirectoriesCompleter, FilesCompleter

@@ -25,13 +25,8 @@ examples:
   mrts configurations cell.yaml motion.yaml --share equal --cap 100 --json ranking.json"""
 
 
-def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the verb to the command line."""
-    study = verbs.add_parser(
-        "configurations",
-        help="compare all inverse-kinematics branches of the arms",
-        epilog=EXAMPLES,
-    )
+def add(study: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
     add_cell_and_motion(study)
     study.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
     add_between(study)

@@ -17,9 +17,8 @@ examples:
   mrts demo -o somewhere"""
 
 
-def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the verb to the command line."""
-    demo = verbs.add_parser("demo", help="run the paper's examples", epilog=EXAMPLES)
+def add(demo: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
     demo.add_argument("-o", "--output", type=Path, default=Path("mrts-demo"), metavar="DIR",
                       help="folder for the figures and example files (default: %(default)s)")  # fmt: skip
     demo.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")

@@ -18,13 +18,8 @@ examples:
   make -C embedded/my_cell test example"""
 
 
-def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the verb to the command line."""
-    export = verbs.add_parser(
-        "export",
-        help="write a self-contained C library of a cell for a controller",
-        epilog=EXAMPLES,
-    )
+def add(export: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
     export.add_argument("cell", type=Path, metavar="CELL", help="cell file")
     export.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the library")
     export.add_argument("--precision", choices=["double", "float"], default="double", help="(default: %(default)s)")

@@ -17,9 +17,8 @@ examples:
   mrts generate cell.yaml -o generated/my_cell --bake       bases, grasps and gravity as numbers in the C"""
 
 
-def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the verb to the command line."""
-    generate = verbs.add_parser("generate", help="generate the C of a cell", epilog=EXAMPLES)
+def add(generate: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
     generate.add_argument("cell", type=Path, metavar="CELL", help="cell file")
     generate.add_argument("-o", "--output", type=Path, metavar="DIR",
                           help="folder for the C file and manifest.json (default: the user's cache)")  # fmt: skip

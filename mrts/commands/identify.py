@@ -17,13 +17,8 @@ examples:
   mrts identify cell.yaml recorded.csv -o motors.yaml --cutoff 30 --plot plots"""
 
 
-def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the verb to the command line."""
-    verb = verbs.add_parser(
-        "identify",
-        help="armature and friction of the motors from a recording of the arms' free motion",
-        epilog=EXAMPLES,
-    )
+def add(verb: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
     verb.add_argument("cell", type=Path, metavar="CELL", help="cell file, or a folder that `mrts generate` wrote")
     verb.add_argument("recording", type=Path, metavar="RECORDING",
                       help="joint positions and efforts of arms that hold nothing: ROS 2 bag with "

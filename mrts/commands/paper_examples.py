@@ -10,7 +10,9 @@ from pydantic import Field
 
 from mrts.base.argument_types import Progress
 from mrts.base.atomic_file import Write, text_writer, write_together
-from mrts.base.input_file import Finite, Positive, StrictModel, read_model
+from mrts.base.formats.pose import Finite, Positive
+from mrts.base.formats.strict_model import StrictModel
+from mrts.base.input_file import read_model
 from mrts.cell.cell import Cell
 from mrts.cell.loading import load_cell
 from mrts.drawing.labels import row_labels

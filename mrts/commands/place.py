@@ -17,13 +17,8 @@ examples:
   mrts place study.yaml -o best.yaml --starts 10 --seconds 60"""
 
 
-def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the verb to the command line."""
-    verb = verbs.add_parser(
-        "place",
-        help="where to put the arms and how to hold the object: the layout that may be played fastest",
-        epilog=EXAMPLES,
-    )
+def add(verb: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
     verb.add_argument("study", type=Path, metavar="STUDY",
                       help="study file; 'vary' names numbers of base, grasp or posture, each from and to")  # fmt: skip
     verb.add_argument("-o", "--output", type=Path, required=True, metavar="FILE",

@@ -17,13 +17,8 @@ examples:
   mrts scale cell.yaml motion.yaml --report report.html     without saving the result"""
 
 
-def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the verb to the command line."""
-    report = verbs.add_parser(
-        "report",
-        help="write a saved result or a study as an HTML page that opens offline",
-        epilog=EXAMPLES,
-    )
+def add(report: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
     report.add_argument("result", type=Path, metavar="RESULT", help="saved result (.npz), or the folder of a study")
     report.add_argument("-o", "--output", type=Path, default=Path("report.html"), metavar="FILE",
                         help="HTML file to write (default: %(default)s)")  # fmt: skip

@@ -40,9 +40,6 @@ if TYPE_CHECKING:
     from mrts.scaling.result import ScalingResult
     from mrts.scaling.scale import Selection
 
-MAY_STAND_ALONE = {"--rates"}
-"""Options with or without a value."""
-
 EXAMPLES = """\
 examples:
   mrts scale cell.yaml motion.yaml --save result.npz --report report.html --plot plots
@@ -54,13 +51,8 @@ examples:
   mrts scale cell.yaml motion.yaml -q --json - | jq .c2.upper"""
 
 
-def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the verb to the command line."""
-    scale = verbs.add_parser(
-        "scale",
-        help="find the range of c², choose c², distribute the torques",
-        epilog=EXAMPLES,
-    )
+def add(scale: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
     add_cell_and_motion(scale)
     add_profile(scale)
     scale.add_argument("--share", metavar="equal|A,B,…",

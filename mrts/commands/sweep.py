@@ -26,13 +26,8 @@ examples:
   mrts sweep study.yaml -o found --scheduler tcp://10.0.0.1:8786"""
 
 
-def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the verb to the command line."""
-    verb = verbs.add_parser(
-        "sweep",
-        help="solve all variants of a study: numbers of cell and motion that vary",
-        epilog=EXAMPLES,
-    )
+def add(verb: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
     verb.add_argument("study", type=Path, metavar="STUDY", help="study file")
     verb.add_argument("-o", "--output", type=Path, metavar="DIR",
                       help="folder for the table (Parquet): a new one, or one in which this study goes on")  # fmt: skip

@@ -30,13 +30,8 @@ LOCAL = ("127.0.0.1", "localhost", "::1")
 """Where nobody else can reach the viewer."""
 
 
-def add(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the verb to the command line."""
-    view = verbs.add_parser(
-        "view",
-        help="play a motion in the browser at any speed, with torques and wrenches against their limits",
-        epilog=EXAMPLES,
-    )
+def add(view: argparse.ArgumentParser) -> None:
+    """Add the arguments of the verb."""
     add_cell_and_motion(view)
     add_closure(view)
     add_reserve(view)

@@ -2,11 +2,11 @@
 """Given joints moved onto the grasps that they miss by a planner's tolerance, by rounding, or by a spline."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from mrts.base.arrays import Array, apply
 from mrts.base.errors import MotionError
 from mrts.base.remark import Remark
+from mrts.base.rigid_transform import rotations_from_vectors, vectors_from_rotations
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion, carried_object
 from mrts.coordination.grasp_closure import (
@@ -123,11 +123,11 @@ def mean_object(cell: Cell, time: Array, tips: list[TipMotion]) -> ObjectMotion:
     """What the tips carry on the mean, its rates likewise: they differ from its derivatives by squares of the gaps."""
     carried = [carried_object(cell, index, time, tip, smooth=False) for index, tip in enumerate(tips)]
     first = carried[0].rotation
-    off = [Rotation.from_matrix(each.rotation @ first.transpose(0, 2, 1)).as_rotvec() for each in carried]
+    off = [vectors_from_rotations(each.rotation @ first.transpose(0, 2, 1)) for each in carried]
     return ObjectMotion(
         time,
         np.mean([each.position for each in carried], axis=0),
-        Rotation.from_rotvec(np.mean(off, axis=0)).as_matrix() @ first,
+        rotations_from_vectors(np.mean(off, axis=0)) @ first,
         np.mean([each.twist for each in carried], axis=0),
         np.mean([each.acceleration for each in carried], axis=0),
         smooth=False,

@@ -11,6 +11,7 @@ from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, freeze
 from mrts.base.errors import InputError, MotionError, as_array
 from mrts.base.remark import Remark
+from mrts.base.rigid_transform import plane_normal
 from mrts.cell.cell import Cell
 from mrts.coordination.grasp_closure import TipMotion, in_world, tip_motions
 from mrts.inverse_kinematics.grasp_tracking import follow_grasps
@@ -224,6 +225,6 @@ def leaves_plane(cell: Cell, twist: Array) -> NDArray[np.bool_]:
         cell: The cell.
         twist: Of the object, Shape (…, N, 6).
     """
-    normal = ({0, 1, 2} - {"xyz".index(axis) for axis in cell.plane or "xy"}).pop()
-    tilting = [3 + axis for axis in range(3) if axis != normal]
-    return np.asarray(np.max(np.abs(twist[..., [normal, *tilting]]), axis=(-2, -1)) > OUT_OF_PLANE)
+    normal = np.abs(plane_normal(cell.plane or "xy"))
+    out = np.concatenate([normal, 1 - normal]) > 0
+    return np.asarray(np.max(np.abs(twist[..., out]), axis=(-2, -1)) > OUT_OF_PLANE)

@@ -145,18 +145,32 @@ def velocity_polynomials(known: Array, joints: tuple[Array, Array, Array], at: A
     """
     q, dq, ddq = joints
     start = np.clip(np.searchsorted(known, at, side="right") - 1, 0, len(known) - 2)
-    end, powers = start + 1, np.arange(4)
+    end = start + 1
     step = (known[end] - known[start])[:, None]
-    u = (at - known[start])[:, None] / step
+    u = (at - known[start]) / step[:, 0]
     ends = np.stack([dq[start], step * ddq[start], dq[end], step * ddq[end]])
+    way, rate, change = (np.einsum("kb,bkm->km", weight, ends) for weight in polynomial_weights(u).swapaxes(0, 1))
+    missed = q[end] - q[start] - step * np.einsum("b,bkm->km", WHOLE_WAY, ends)
+    return q[start] + step * way + u[:, None] * missed, rate, change / step
+
+
+def polynomial_weights(u: Array) -> Array:
+    """What [q'_0, h q''_0, q'_1, h q''_1] of a segment of length h weigh at places in it: in its way / h, q' and h q''.
+
+    Args:
+        u: Where in the segment, in [0, 1], Shape (k,).
+
+    Returns:
+        Shape (k, 3, 4).
+    """
+    powers, u = np.arange(4), u[:, None]
     raised = u**powers
     lowered = np.where(powers > 0, powers * u ** np.maximum(powers - 1, 0), 0.0)
-    whole, way, rate, change = (
-        np.einsum("kb,bkm->km", basis @ HERMITE.T, ends)
-        for basis in (np.ones_like(u) / (powers + 1), raised * u / (powers + 1), raised, lowered)
-    )
-    missed = q[end] - q[start] - step * whole
-    return q[start] + step * way + u * missed, rate, change / step
+    return np.stack([basis @ HERMITE.T for basis in (raised * u / (powers + 1), raised, lowered)], axis=1)
+
+
+WHOLE_WAY = polynomial_weights(np.ones(1))[0, 0]
+"""What they weigh in the way over a whole segment."""
 
 
 def _linear(known: Array, values: Array, at: Array) -> Array:
@@ -189,7 +203,8 @@ def _closed(cell: Cell, motion: CoordinatedMotion) -> bool:
     """Whether the samples hold their grasps exactly; those that were given with small gaps have them between too."""
     if motion.course is not None:
         return motion.course.closed
-    some = motion.at(np.unique(np.linspace(0, motion.samples - 1, CHECKED).astype(np.intp)))
+    places = dict.fromkeys(np.linspace(0, motion.samples - 1, CHECKED).astype(np.intp).tolist())
+    some = motion.at(np.array(list(places)))
     return _held(cell, some.object, tip_motions(cell, some.q, some.dq, some.ddq))
 
 

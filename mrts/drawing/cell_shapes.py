@@ -4,9 +4,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from mrts.base.arrays import Array
+from mrts.base.rigid_transform import rotations_from_vectors
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 
@@ -37,7 +37,7 @@ def body_poses(robot: Robot, q: Array) -> tuple[Array, Array]:
             p = p + R @ axis * q[:, index, None]
         else:
             center = p + R @ point
-            R = R @ Rotation.from_rotvec(q[:, index, None] * axis).as_matrix()
+            R = R @ rotations_from_vectors(q[:, index, None] * axis)
             p = center - R @ point
         rotations.append(R)
         positions.append(p)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.samples.range_status import RangeStatus
+from mrts.studies.ranking import fastest_first
 from mrts.studies.study_folder import read_study_folder
 from mrts.studies.variant_rows import FAILED, INVALID, UNREACHABLE
 
@@ -134,8 +135,7 @@ class StudyTable:
     @cached_property
     def ranked(self) -> Index:
         """Rows of the variants that have a duration, the shortest first; of equals, that with the lower number."""
-        rows = np.flatnonzero(self.admitted & np.isfinite(self.duration))
-        return rows[np.lexsort((self.variant[rows], self.duration[rows]))]
+        return fastest_first(self.variant, np.where(self.admitted, self.duration, np.nan))
 
     def limits(self, row: int) -> list[str]:
         """The limits that bind at c²⁺ of a variant; none where nothing does."""

@@ -88,15 +88,15 @@ def _draw_fastest(axes: Axes, pieces: Sequence[FastestPiece], label: str) -> flo
     curve = _in_view(pieces)
     for number, (s, part) in enumerate(zip(_along(pieces), pieces, strict=True)):
         first = number == 0
-        most = np.sqrt(np.where(np.isfinite(part.regions.upper), part.regions.upper, np.nan))
+        most = part.along_arc(np.where(np.isfinite(part.regions.upper), part.regions.upper, np.nan))
         shown = "maximum velocity curve" if first and curve else "_"
         axes.plot(s, most, color=COLOURS[6], linewidth=1, linestyle=":", label=shown)
-        sides = np.sqrt(part.profile.lower), np.sqrt(part.profile.upper)
+        sides = part.along_arc(part.profile.lower), part.along_arc(part.profile.upper)
         axes.fill_between(s, *sides, color=COLOURS[2], alpha=0.15, label="controllable" if first else "_")
     return _draw_speeds(axes, pieces, [part.arc_speed for part in pieces], label, COLOURS[1], "-")
 
 
 def _in_view(pieces: Sequence[FastestPiece]) -> bool:
     """Whether some of the maximum velocity curve is within the picture."""
-    top = max(float(np.max(part.profile.x)) for part in pieces)
-    return any(bool(np.any(part.regions.upper <= HEADROOM**2 * top)) for part in pieces)
+    top = max(float(np.max(part.arc_speed)) for part in pieces)
+    return any(bool(np.any(part.along_arc(part.regions.upper) <= HEADROOM * top)) for part in pieces)

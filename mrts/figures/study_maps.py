@@ -2,6 +2,7 @@
 """The durations of a study over one or two of its numbers, and which limit binds where."""
 
 import textwrap
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -83,9 +84,8 @@ def draw_limit_map(axes: Axes, table: StudyTable, drawn: StudyMap) -> None:
         table: The study.
         drawn: Its map over two numbers.
     """
-    binding = map_binding(table, drawn)
-    for code, (name, colour) in enumerate(zip(binding.names, LIMIT_COLOURS, strict=False)):
-        _fill(axes, drawn, binding.codes == code, plain(name), color=colour, linewidth=0.2)
+    for where, name, colour in _limits(table, drawn):
+        _fill(axes, drawn, where, name, color=colour, linewidth=0.2)
     _draw_without(axes, table, drawn)
     _finish_map(axes, table, drawn)
 
@@ -99,10 +99,9 @@ def draw_study_line(axes: Axes, table: StudyTable, drawn: StudyMap) -> None:
         drawn: Its map over one number.
     """
     cells, marked = drawn.axes[0], "o" if drawn.axes[0].count <= MOST_POINTS else ""
-    binding = map_binding(table, drawn)
     axes.plot(cells.middles, drawn.of_best(table.duration), color="black", marker=marked, markersize=3)
-    for code, (name, colour) in enumerate(zip(binding.names, LIMIT_COLOURS, strict=False)):
-        _bands(axes, cells, binding.codes == code, plain(name), color=colour, alpha=BAND, linewidth=0)
+    for where, name, colour in _limits(table, drawn):
+        _bands(axes, cells, where, name, color=colour, alpha=BAND, linewidth=0)
     for code, count in table.outcome.counts(np.ones(table.variants, dtype=bool)):
         name = table.outcome.names[code]
         if count and name in HATCHES:
@@ -150,6 +149,13 @@ def study_title(table: StudyTable, *remarks: str) -> str:
     """
     lines = [f"{table.name}: {outcome_text(table)}", best_text(table), *(remark for remark in remarks if remark)]
     return plain_text("\n".join(textwrap.fill(line, TITLE_LETTERS, subsequent_indent="    ") for line in lines))
+
+
+def _limits(table: StudyTable, drawn: StudyMap) -> Iterator[tuple[NDArray[np.bool_], str, str]]:
+    """Where each limit binds, its name and its colour."""
+    binding = map_binding(table, drawn)
+    for code, (name, colour) in enumerate(zip(binding.names, LIMIT_COLOURS, strict=False)):
+        yield binding.codes == code, plain(name), colour
 
 
 def _draw_without(axes: Axes, table: StudyTable, drawn: StudyMap) -> None:

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from mrts.base.arrays import Array, apply
 from mrts.base.errors import MotionError
+from mrts.base.rigid_transform import vectors_from_rotations
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.inverse_kinematics.joint_limits import joint_limit_failure
@@ -235,7 +235,7 @@ def grasp_task(cell: Cell, steps: int) -> GraspTask:
     """What the compiled tracking is told of a cell; steps: most at a sample."""
     robots = cell.robots
     return GraspTask(
-        newton=NewtonRule(steps, SETTLED, STEP_LIMIT, POSE_TOLERANCE),
+        newton=NewtonRule(steps, SETTLED, STEP_LIMIT, POSE_TOLERANCE, CONDITION_LIMIT),
         components=cell.wrench_rows,
         geometry=cell.geometry,
         lower=np.concatenate([robot.position_lower for robot in robots]),
@@ -370,7 +370,7 @@ def _pose_error(
     positions = poses["position"].reshape(-1, 3, len(cell.robots))
     off = p_world_tip - positions[:, :, index]
     rotations = poses["rotation"][:, :, 3 * index : 3 * index + 3]
-    turned = Rotation.from_matrix(R_world_tip @ rotations.transpose(0, 2, 1)).as_rotvec()
+    turned = vectors_from_rotations(R_world_tip @ rotations.transpose(0, 2, 1))
     sizes = np.column_stack([np.linalg.norm(off, axis=1), np.linalg.norm(turned, axis=1)])
     R = robot.T_world_base.R
     return np.concatenate([off @ R, turned @ R], axis=1)[:, cell.wrench_rows], sizes

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
+from mrts.base.rigid_transform import plane_normal
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.inverse_kinematics.reach import ArmPlaces
@@ -32,20 +33,44 @@ def has_closed_form(cell: Cell, robot: Robot) -> bool:
 
 
 @dataclass(frozen=True)
-class PlanarBranches:
-    """Both elbow branches of an arm along a motion, or along one of each of many cells.
+class PlanarTriangles:
+    """The triangle of an arm's two links along a motion, or along one of each of many cells.
 
     Attributes:
-        branches: Each Shape (…, N, 3) [rad], continuous in time; where the wrist is out of reach as near as it comes.
         wrist: From the first joint, Shape (…, N, 2) [m].
+        tip_angle: Of the last link, Shape (…, N) [rad].
+        cosine: Of the elbow's angle, Shape (…, N); beyond ±1 the wrist is out of reach.
         lengths: Of both links, Shape (2,) [m].
-        excess: By how much the cosine of the elbow's angle is beyond ±1, Shape (…, N): out of reach.
+        link_angles: At zero, Shape (2,) [rad].
+        signs: Whether each joint turns the plane's first axis to its second, 1, or back, -1, Shape (3,).
     """
 
-    branches: tuple[Array, Array]
     wrist: Array
+    tip_angle: Array
+    cosine: Array
     lengths: Array
-    excess: Array
+    link_angles: Array
+    signs: Array
+
+    @property
+    def excess(self) -> Array:
+        """By how much the cosine is beyond ±1, Shape (…, N)."""
+        return np.abs(self.cosine) - 1
+
+    def branches(self) -> tuple[Array, Array]:
+        """Both elbow branches, each Shape (…, N, 3) [rad], continuous in time; out of reach as near as it comes."""
+        bend = np.arccos(np.clip(self.cosine, -1, 1))
+        toward = np.arctan2(self.wrist[..., 1], self.wrist[..., 0])
+
+        def branch(sign: float) -> Array:
+            turn = sign * bend  # from link 1 to link 2
+            inner = np.arctan2(self.lengths[1] * np.sin(turn), self.lengths[0] + self.lengths[1] * np.cos(turn))
+            first = toward - inner - self.link_angles[0]
+            second = first + self.link_angles[0] + turn - self.link_angles[1]
+            absolute = np.stack([first, second, self.tip_angle], axis=-1)
+            return np.unwrap(np.diff(absolute, axis=-1, prepend=0.0) * self.signs, axis=-2)
+
+        return branch(-1.0), branch(1.0)
 
     def out_of_reach(self) -> NDArray[np.bool_]:
         """Whether some sample is, Shape (…)."""
@@ -86,16 +111,14 @@ def planar_branches(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Arr
         MotionError: If a sample is out of reach; names robot, sample and distance.
     """
     base, grasp = robot.T_world_base, robot.T_object_tip
-    found = branches_of_places(
-        cell, robot, ArmPlaces(base.R, base.p, grasp.R, grasp.p), motion.position, motion.rotation
-    )
+    found = planar_triangles(cell, robot, ArmPlaces(base.R, base.p, grasp.R, grasp.p), motion.position, motion.rotation)
     if found.out_of_reach():
         raise MotionError(found.failure(robot, motion.time))
-    return found.branches
+    return found.branches()
 
 
-def branches_of_places(cell: Cell, robot: Robot, places: ArmPlaces, position: Array, rotation: Array) -> PlanarBranches:
-    """Both elbow branches of an arm in its places.
+def planar_triangles(cell: Cell, robot: Robot, places: ArmPlaces, position: Array, rotation: Array) -> PlanarTriangles:
+    """The triangle of an arm's links in its places.
 
     The wrist's place in the base frame fixes the triangle of the two links; the law of cosines gives the elbow.
     In-plane vectors are the plane's two coordinates in the order of its name; angles are positive from the first to
@@ -108,33 +131,21 @@ def branches_of_places(cell: Cell, robot: Robot, places: ArmPlaces, position: Ar
         position: Of the object, Shape (…, N, 3) [m].
         rotation: Likewise, Shape (…, N, 3, 3).
     """
-    first_axis, second_axis = axes = ["xyz".index(axis) for axis in cell.plane or "xy"]
-    R_base, R_tip = places.base_rotation[..., None, :, :], places.tip_rotation[..., None, :, :]
-    held = (rotation @ places.tip_position[..., None, :, None])[..., 0]
-    p_tip = ((position + held - places.base_position[..., None, :])[..., None, :] @ R_base)[..., 0, :]
-    turned = np.swapaxes(R_base, -1, -2) @ rotation @ R_tip @ robot.T_base_tip.R.T
-    tip_angle = np.arctan2(turned[..., second_axis, first_axis], turned[..., first_axis, first_axis])
+    axes = ["xyz".index(axis) for axis in cell.plane or "xy"]
+    in_plane = places.base_rotation[..., axes]
+    first_axis = places.tip_rotation @ robot.T_base_tip.R[axes[0]]  # of the last link, in the object
+    held = rotation @ np.stack([places.tip_position, first_axis], axis=-1)[..., None, :, :]
+    p_tip = (position + held[..., 0] - places.base_position[..., None, :]) @ in_plane
+    turned = held[..., 1] @ in_plane
+    tip_angle = np.arctan2(turned[..., 1], turned[..., 0])
 
     corners = np.concatenate([robot.points, robot.T_base_tip.p[None]])[:, axes]
     links = np.diff(corners, axis=0)
-    wrist = p_tip[..., axes] - _rotate(tip_angle, links[2]) - corners[0]
+    wrist = p_tip - _rotate(tip_angle, links[2]) - corners[0]
     lengths = np.hypot(links[:2, 0], links[:2, 1])
     cosine = (np.sum(wrist**2, axis=-1) - lengths @ lengths) / (2 * lengths[0] * lengths[1])
-
-    bend = np.arccos(np.clip(cosine, -1, 1))
-    link_angles = np.arctan2(links[:2, 1], links[:2, 0])
-    signs = np.sign(robot.axes @ np.cross(*np.eye(3)[axes]))
-
-    def branch(sign: float) -> Array:
-        turn = sign * bend  # from link 1 to link 2
-        toward = np.arctan2(wrist[..., 1], wrist[..., 0])
-        inner = np.arctan2(lengths[1] * np.sin(turn), lengths[0] + lengths[1] * np.cos(turn))
-        first = toward - inner - link_angles[0]
-        second = first + link_angles[0] + turn - link_angles[1]
-        absolute = np.stack([first, second, tip_angle], axis=-1)
-        return np.unwrap(np.diff(absolute, axis=-1, prepend=0.0) * signs, axis=-2)
-
-    return PlanarBranches((branch(-1.0), branch(1.0)), wrist, lengths, np.abs(cosine) - 1)
+    signs = np.sign(robot.axes @ plane_normal(cell.plane or "xy"))
+    return PlanarTriangles(wrist, tip_angle, cosine, lengths, np.arctan2(links[:2, 1], links[:2, 0]), signs)
 
 
 def _rotate(angle: Array, vector: Array) -> Array:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Joints of many variants of one cell along their motions, and why some cannot follow: as `follow_object` has them."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
 from mrts.inverse_kinematics.grasp_tracking import (
-    CONDITION_LIMIT,
     JUMP_LIMIT,
     SETTLED_PREFERENCE,
     STARTING_STEPS,
@@ -20,12 +20,13 @@ from mrts.inverse_kinematics.grasp_tracking import (
 )
 from mrts.inverse_kinematics.joint_limits import POSITION_TOLERANCE, is_turning, nearest_turns, past_a_limit
 from mrts.inverse_kinematics.null_space import FOLD
-from mrts.inverse_kinematics.planar_closed_form import branches_of_places, has_closed_form
+from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_triangles
 from mrts.inverse_kinematics.reach import ArmPlaces, arm_reach
 from mrts.inverse_kinematics.starting_positions import FURTHER_STEPS, STARTS_TRIED, further_starts
 from mrts.inverse_kinematics.tracking_messages import branch_lost, unreachable
 from mrts.kernel.cell_library import CellLibrary
 from mrts.kernel.variants import (
+    FOLLOWED,
     LOST,
     NO_START,
     PAST_LIMIT,
@@ -64,7 +65,6 @@ class VariantTracking:
             start_steps=STARTING_STEPS,
             further_steps=FURTHER_STEPS,
             jump=JUMP_LIMIT,
-            condition=CONDITION_LIMIT,
             drift=SETTLED_PREFERENCE,
             fold=FOLD,
             past=POSITION_TOLERANCE,
@@ -82,15 +82,16 @@ class VariantTracking:
             posture: Of all joints, Shape (V or 1, m) [rad or m].
             refused: Variants that are passed over, Shape (V,); they end as `REFUSED`.
         """
-        seed, reasons = self._seeds(path, geometry, posture, refused)
-        passed_over = refused.copy()
-        passed_over[list(reasons)] = True
+        seed, beyond = self._seeds(path, geometry, posture)
         given = {**path, "geometry": geometry, "posture": posture, "seed": seed}
         nothing = np.zeros((1, 0, posture.shape[1]))
-        joints = follow_variants(self._library, self._rule, passed_over, {**given, "further": nothing})
-        again = np.flatnonzero(np.isin(joints.outcome["code"], (NO_START, START_PAST)))
+        joints = follow_variants(self._library, self._rule, refused | beyond, {**given, "further": nothing})
+        reasons = self._reasons(path, geometry, np.flatnonzero(~refused & (joints.outcome["code"] != FOLLOWED)))
+        may_start = np.isin(joints.outcome["code"], (NO_START, START_PAST))
+        may_start[list(reasons)] = False
+        again = np.flatnonzero(may_start)
         if again.size:
-            some = {name: value if len(value) == 1 else value[again] for name, value in given.items()}
+            some = {name: _some(value, again) for name, value in given.items()}
             some["further"] = self._further(some["posture"])
             none = np.zeros(len(again), dtype=bool)
             retried = follow_variants(self._library, self._rule, none, some)
@@ -116,30 +117,51 @@ class VariantTracking:
                 text = unreachable(arm, time, sample, *amount)
         return f"{text} {STARTS_TRIED}" if code in {NO_START, START_PAST} else text
 
-    def _seeds(
-        self, path: Mapping[str, Array], geometry: Array, posture: Array, refused: NDArray[np.bool_]
-    ) -> tuple[Array, dict[int, str]]:
-        """Where the search for each start begins, Shape (V or 1, m), and variants that are surely out of reach."""
-        reasons: dict[int, str] = {}
+    def _seeds(self, path: Mapping[str, Array], geometry: Array, posture: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Where the search for each start begins, Shape (V or 1, m), and whether that is surely out of reach."""
+        position, rotation = path["position"][:, :1], path["rotation"][:, :1]
+        beyond = np.zeros(1, dtype=bool)
         seed = posture
-        for index, (robot, joints) in enumerate(zip(self._cell.robots, self._cell.joint_slices.values(), strict=True)):
-            places, reach = _places_of(index, geometry), arm_reach(robot)
+        for robot, joints, places in self._arms(geometry):
+            reach = arm_reach(robot)
             if has_closed_form(self._cell, robot):
-                found = branches_of_places(self._cell, robot, places, path["position"], path["rotation"])
-                near = np.stack([nearest_turns(robot, branch[:, 0], posture[:, joints]) for branch in found.branches])
+                found = planar_triangles(self._cell, robot, places, position, rotation)
+                branches = (branch[:, 0] for branch in found.branches())
+                near = np.stack([nearest_turns(robot, branch, posture[:, joints]) for branch in branches])
                 chosen = np.argmin(np.max(np.abs(near - posture[:, joints]), axis=2), axis=0)
                 at = near[chosen, np.arange(near.shape[1])]
                 seed = np.repeat(seed, len(at) // len(seed), axis=0) if len(seed) < len(at) else seed.copy()
                 seed[:, joints] = at
-                for variant in np.flatnonzero(found.out_of_reach() & ~refused).tolist():
-                    which = (variant if len(found.wrist) > 1 else 0,)
+                beyond = beyond | found.out_of_reach()
+            elif reach is not None:
+                beyond = beyond | reach.beyond(reach.distance(places, position[:, 0], rotation[:, 0]))
+        return seed, beyond
+
+    def _reasons(self, path: Mapping[str, Array], geometry: Array, failed: NDArray[np.intp]) -> dict[int, str]:
+        """By variant of those that failed, why it is surely out of reach: of the first arm that is."""
+        reasons: dict[int, str] = {}
+        position, rotation = (_some(path[name], failed) for name in ("position", "rotation"))
+        for robot, _, places in self._arms(_some(geometry, failed)) if failed.size else ():
+            reach = arm_reach(robot)
+            if has_closed_form(self._cell, robot):
+                found = planar_triangles(self._cell, robot, places, position, rotation)
+                for place in np.flatnonzero(np.broadcast_to(found.out_of_reach(), len(failed))).tolist():
+                    variant, which = int(failed[place]), (place if len(found.wrist) > 1 else 0,)
                     reasons.setdefault(variant, found.failure(robot, _of(path["time"], variant), which))
             elif reach is not None:
-                distance = reach.distance(places, path["position"][:, 0], path["rotation"][:, 0])
-                for variant in np.flatnonzero(reach.beyond(distance) & ~refused).tolist():
-                    failure = reach.failure(robot, _of(path["time"], variant), float(_of(distance, variant)))
+                distance = np.broadcast_to(reach.distance(places, position[:, 0], rotation[:, 0]), len(failed))
+                for place in np.flatnonzero(reach.beyond(distance)).tolist():
+                    variant = int(failed[place])
+                    failure = reach.failure(robot, _of(path["time"], variant), float(distance[place]))
                     reasons.setdefault(variant, failure)
-        return seed, reasons
+        return reasons
+
+    def _arms(self, geometry: Array) -> Iterator[tuple[Robot, slice, ArmPlaces]]:
+        """Each arm, its joints and where it stands and holds, of geometries with V or 1 first."""
+        for index, (robot, joints) in enumerate(zip(self._cell.robots, self._cell.joint_slices.values(), strict=True)):
+            first = GRAVITY_SIZE + ROBOT_SIZE * index
+            base, at, tip, held = np.split(geometry[:, first : first + ROBOT_SIZE], (9, 12, 21), axis=1)
+            yield robot, joints, ArmPlaces(base.reshape(-1, 3, 3), at, tip.reshape(-1, 3, 3), held)
 
     def _further(self, posture: Array) -> Array:
         """The starts tried after the posture, Shape (V or 1, F, m)."""
@@ -148,11 +170,9 @@ class VariantTracking:
         return np.concatenate([further_starts(robot, posture[:, joints]) for robot, joints in parts], axis=2)
 
 
-def _places_of(index: int, geometry: Array) -> ArmPlaces:
-    """Where an arm stands and holds, of geometries with V or 1 first."""
-    first = GRAVITY_SIZE + ROBOT_SIZE * index
-    base, at, tip, held = np.split(geometry[:, first : first + ROBOT_SIZE], (9, 12, 21), axis=1)
-    return ArmPlaces(base.reshape(-1, 3, 3), at, tip.reshape(-1, 3, 3), held)
+def _some(values: Array, variants: NDArray[np.intp]) -> Array:
+    """What some variants have of values with V or 1 first."""
+    return values if len(values) == 1 else values[variants]
 
 
 def _of(values: Array, variant: int) -> Array:

@@ -3,27 +3,24 @@
 
 import re
 from functools import cache
-from importlib.resources import files
 from itertools import accumulate
+from pathlib import Path
 from posixpath import dirname, join, normpath
 
 from mrts.base.manifest import Manifest
 
-PROGRAM_FILES = ("linear_programs.c", "quadratic_programs.c", "batch.c")
+PROGRAM_FILES = (
+    *("linear_programs.c", "quadratic_programs.c", "batch.c"),
+    *(f"reachability/{name}.c" for name in ("corners", "projection", "regions")),
+)
 """The programs, which need no cell."""
 
 CELL_FILES = (
-    *(
-        *PROGRAM_FILES,
-        "basis/kept_basis.c",
-        "lanes/lanes.c",
-        "rows.c",
-        "speed_intervals.c",
-        "trajectory.c",
-        "tracking/null_space.c",
-        "tracking/tracking.c",
-    ),
-    *(f"variants/{name}.c" for name in ("quick_sample", "follow", "end_rows", "ranges")),
+    *(*PROGRAM_FILES, "basis/kept_basis.c", "lanes/lanes.c", "lanes/forms.c", "rows.c", "speed_intervals.c"),
+    *("trajectory.c", "one_unknown/one_unknown.c"),
+    *(f"tracking/{name}.c" for name in ("null_space", "tracking", "quick_sample", "path")),
+    *(f"dense/{name}.c" for name in ("path_places", "path_rows", "widening")),
+    *(f"variants/{name}.c" for name in ("follow", "end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""
 
@@ -55,7 +52,7 @@ STATEMENTS = tuple(
 
 def one_file(name: str) -> str:
     """The text of a file in mrts/kernel/c, such as "linear_programs.c"."""
-    return (files("mrts") / "kernel" / "c" / name).read_text(encoding="utf-8")
+    return (Path(__file__).parent / "c" / name).read_text(encoding="utf-8")
 
 
 @cache

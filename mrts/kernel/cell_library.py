@@ -53,6 +53,7 @@ class SparseLimits:
 
     Attributes:
         rows: r.
+        sides: Limits of all rows, lower and upper ones.
         entries: Row and column of each entry that is kept, each Shape (e,).
         values: Of the entries, Shape (e,).
 
@@ -74,6 +75,7 @@ class SparseLimits:
         if not np.all(lower <= upper):
             raise ValueError(f"rows {np.flatnonzero(~(lower <= upper)).tolist()}: a lower limit is above its upper one")
         self.rows = len(matrix)
+        self.sides = int(np.count_nonzero(lower > -INFINITY) + np.count_nonzero(upper < INFINITY))
         self.entries = row, column = np.nonzero(matrix if pattern is None else pattern)
         self.values = np.ascontiguousarray(matrix[row, column])
         start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=self.rows))])
@@ -186,17 +188,17 @@ class CellLibrary:
     def map(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
         """Evaluate a generated function at all samples; see `mrts.cell.functions.CellFunctions`."""
         record = self.records[name]
-        given, strides = _inputs(record, samples, inputs)
+        given, strides = sample_inputs(record, samples, inputs)
         outputs = {item.name: np.zeros((samples, item.shape[1], item.shape[0])) for item in record.outputs}
         scratch = Scratch(self.opened, record)
         failed = self.opened.mrts_map(
             ctypes.cast(getattr(self.opened, record.symbol), ctypes.c_void_p),
             ctypes.c_longlong(samples),
             len(given),
-            _pointers(given),
+            pointers(given),
             strides,
             len(outputs),
-            _pointers(list(outputs.values())),
+            pointers(list(outputs.values())),
             (ctypes.c_longlong * len(outputs))(*(item.shape[0] * item.shape[1] for item in record.outputs)),
             *scratch.pointers(),
         )
@@ -225,7 +227,7 @@ class CellLibrary:
             np.zeros((2, N, k), dtype=np.float32),
         )
         outputs = [found.lower, found.upper, *found.status, found.effect, *found.basis, *found.dual]
-        self._over_samples("mrts_ranges", samples, inputs, limits, terms, np.minimum(most, INFINITY), outputs)
+        self.over_samples("mrts_ranges", samples, inputs, limits, terms, np.minimum(most, INFINITY), outputs)
         return found
 
     def speed_ranges(
@@ -250,7 +252,7 @@ class CellLibrary:
         )
         outputs = [found.number, found.ends, *found.status, found.effect, *found.basis, *found.dual]
         bound = np.minimum(np.sqrt(most), INFINITY)
-        self._over_samples("mrts_speed_ranges", samples, inputs, limits, terms, bound, outputs)
+        self.over_samples("mrts_speed_ranges", samples, inputs, limits, terms, bound, outputs)
         return found
 
     def torques(
@@ -279,10 +281,10 @@ class CellLibrary:
         W = np.ascontiguousarray(weights)
         for_all = (ctypes.c_int(1), pointer(W), ctypes.c_double(widening))
         outputs: list[NDArray[Any]] = [torque, wrench, status]
-        self._over_samples("mrts_torques", samples, inputs, limits, terms, c2, outputs, for_all)
+        self.over_samples("mrts_torques", samples, inputs, limits, terms, c2, outputs, for_all)
         return torque, wrench, status
 
-    def _over_samples(
+    def over_samples(
         self,
         name: str,
         samples: int,
@@ -306,14 +308,14 @@ class CellLibrary:
             for_all: What it takes besides, one for all samples.
         """
         each = np.ascontiguousarray(asked)
-        given, strides = _inputs(self.records["wrench_form"], samples, inputs)
+        given, strides = sample_inputs(self.records["wrench_form"], samples, inputs)
 
         def run(first: int, count: int) -> None:
             scratch = Scratch(self.opened, self.records["wrench_form"])
             work = work_arrays(self.opened, name, limits.rows)
             failed = getattr(self.opened, name)(
                 ctypes.c_longlong(count),
-                _pointers(given, first, strides),
+                pointers(given, first, strides),
                 strides,
                 ctypes.byref(limits.structure),
                 ctypes.byref(terms.structure(first)),
@@ -356,7 +358,7 @@ class Scratch:
         return [pointer(array) for array in self._arrays]
 
 
-def _inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]) -> tuple[list[Array], Any]:
+def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]) -> tuple[list[Array], Any]:
     """Inputs as the generated C reads them (matrices by columns), and how far apart samples lie (0: one for all).
 
     Raises:
@@ -381,7 +383,7 @@ def _by_rows(value: Array) -> Array:
     return value[:, 0, :] if value.shape[1] == 1 else np.ascontiguousarray(value.transpose(0, 2, 1))
 
 
-def _pointers(arrays: list[Array], first: int = 0, strides: Any = None) -> Any:
+def pointers(arrays: list[Array], first: int = 0, strides: Any = None) -> Any:
     """An array of pointers, each moved on to sample `first`."""
     steps = [8 * first * stride for stride in strides] if strides is not None else [0] * len(arrays)
     addresses = [array.ctypes.data + step for array, step in zip(arrays, steps, strict=True)]

@@ -59,7 +59,7 @@ def work_sizes(library: ctypes.CDLL, record: FunctionRecord) -> tuple[int, ...]:
 
 
 def _kernel_shapes(manifest: Manifest) -> dict[str, tuple[Shapes, Shapes]]:
-    """Inputs and outputs of the functions that trajectory.c, tracking.c and null_space.c call, as these have them."""
+    """Inputs and outputs of the functions that the C of a cell calls, as it has them."""
     n, w = len(manifest.robots), len(manifest.wrench_components)
     m, f, k = sum(len(robot.joints) for robot in manifest.robots), n * w, (n - 1) * w + 1
     joints = (m, 1)

@@ -15,7 +15,7 @@ from mrts.kernel.compiler import needed_compiler
 from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
 
 CORNERS = 64
-"""Most corners of a projection, `MRTS_CORNERS` of batch.c."""
+"""Most corners of a projection, `MRTS_CORNERS` of reachability/projection.h."""
 
 OPTIMAL, INFEASIBLE, MARGINAL, STOPPED = range(4)
 """The kernel's statuses, see linear_programs.h."""
@@ -33,8 +33,8 @@ class Programs:
 
     def __init__(self, library: ctypes.CDLL) -> None:
         self._library = library
-        for name in ("mrts_lp_batch", "mrts_qp_batch", "mrts_project_batch", "mrts_backward", "mrts_forward"):
-            getattr(library, name)
+        for name in ("lp_batch", "qp_batch", "effects", "project_batch", "backward", "forward"):
+            getattr(library, f"mrts_{name}")
 
     def linear_programs(self, g: Array, A: Array, lower: Array, upper: Array) -> tuple[Array, Array, NDArray[np.uint8]]:
         """Minimise gᵀx in every program of a batch; shapes as in `quadratic_programs`."""
@@ -58,38 +58,70 @@ class Programs:
         """
         return self._batch("mrts_qp_batch", [H, g, A, lower, upper])
 
-    def projections(self, A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+    def projections(
+        self,
+        A: Array,
+        lower: Array,
+        upper: Array,
+        scale: Array,
+        bounds: tuple[Array, Array],
+        rows: NDArray[np.int32] | None = None,
+    ) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
         """Project every polytope of a batch onto its last two unknowns, from inside.
 
         Args:
             A: Shape (N, r, k).
-            lower: Of the rows and then the unknowns, Shape (N, r + k); the last two unknowns need limits.
+            lower: Of the rows, Shape (N, r).
             upper: Likewise.
+            scale: By which the columns of A are multiplied first, Shape (N, k).
+            bounds: Least and largest values of the last two unknowns, finite, Shape (N, 2) each.
+            rows: Those that count, Shape (s,); None takes all.
 
         Returns:
-            Numbers of corners, Shape (N,), the corners counter-clockwise, Shape (N, 64, 2), and statuses, Shape (N,).
+            Numbers of corners, Shape (N,), 0 where there is no projection; the corners of all, those of each counter-
+            clockwise, Shape (E, 2); and statuses, Shape (N,).
         """
-        count, rows, k = A.shape
-        arrays = [np.ascontiguousarray(np.clip(array, -INFINITY, INFINITY)) for array in (A, lower, upper)]
+        count, all_rows, k = A.shape
+        taken = np.arange(all_rows, dtype=np.int32) if rows is None else rows
+        arrays = [np.ascontiguousarray(array) for array in (A, lower, upper, scale, *bounds)]
         number, corners = np.zeros(count, dtype=np.int32), np.zeros((count, CORNERS, 2))
         status = np.full(count, STOPPED, dtype=np.uint8)
 
         def project(first: int, samples: int) -> None:
             outputs: list[NDArray[Any]] = [number, corners, status]
             pointers = [pointer(array[first:]) for array in [*arrays, *outputs]]
-            work = work_arrays(self._library, "mrts_project_batch", k, rows)
+            work = work_arrays(self._library, "mrts_project_batch", k, len(taken))
             self._library.mrts_project_batch(
-                ctypes.c_longlong(samples), k, rows, *pointers, *(pointer(array) for array in work)
+                *(ctypes.c_longlong(samples), k, all_rows, len(taken), pointer(taken), *pointers),
+                *(pointer(array) for array in work),
             )
 
         over_chunks(self._library, count, project)
-        return number, corners, status
+        return number, corners[np.arange(CORNERS) < number[:, None]], status
 
-    def backward(self, step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array) -> int:
+    def effects(self, A: Array, rows: NDArray[np.int32]) -> Array:
+        """The largest coefficient of each unknown in some rows, without its sign, Shape (N, k).
+
+        Args:
+            A: Shape (N, r, k).
+            rows: Those that count, Shape (s,).
+        """
+        count, all_rows, k = A.shape
+        given, effect = np.ascontiguousarray(A), np.zeros((count, k))
+        arrays = (np.ascontiguousarray(rows), given, effect)
+        self._library.mrts_effects(
+            ctypes.c_longlong(count), k, all_rows, len(rows), *(pointer(array) for array in arrays)
+        )
+        return effect
+
+    def backward(
+        self, step: Array, rise: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array
+    ) -> int:
         """Shrink bounds of x to the controllable sets, from the last sample back to the first.
 
         Args:
             step: Length of each segment, Shape (n - 1,).
+            rise: By how much u rises along each segment, Shape (n - 1,).
             start: The half-planes of sample i are start[i] .. start[i + 1] - 1, Shape (n + 1,).
             planes: Shape (E, 3).
             lower: Least x; changed in place, Shape (n,).
@@ -100,16 +132,23 @@ class Programs:
         """
         run = self._library.mrts_backward
         run.restype = ctypes.c_longlong
-        arrays = (step, start, planes, lower, upper, self._segment_work(start))
+        arrays = (step, rise, start, planes, lower, upper, self._segment_work(start))
         return int(run(ctypes.c_longlong(len(step)), *(pointer(array) for array in arrays)))
 
     def forward(
-        self, step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, first: float
+        self,
+        step: Array,
+        rise: Array,
+        start: NDArray[np.int64],
+        planes: Array,
+        lower: Array,
+        upper: Array,
+        first: float,
     ) -> Array:
         """The largest controllable x at every sample, from `first` on, Shape (n,); arguments as in `backward`."""
         x = np.zeros(len(step) + 1)
         x[0] = first
-        arrays = (step, start, planes, lower, upper, x, self._segment_work(start))
+        arrays = (step, rise, start, planes, lower, upper, x, self._segment_work(start))
         self._library.mrts_forward(ctypes.c_longlong(len(step)), *(pointer(array) for array in arrays))
         return x
 

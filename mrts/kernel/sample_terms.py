@@ -3,8 +3,10 @@
 
 import ctypes
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.kernel.foreign_arrays import pointer
@@ -44,6 +46,11 @@ class SampleTerms:
         for name in FIELDS:
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, np.ascontiguousarray(getattr(self, name), dtype=np.float64))
+
+    def at(self, samples: NDArray[np.intp]) -> Self:
+        """The same at some samples only."""
+        some = {name: getattr(self, name) for name in FIELDS}
+        return type(self)(**{name: None if terms is None else terms[samples] for name, terms in some.items()})
 
     def structure(self, sample: int = 0) -> TermsStructure:
         """What C takes; valid while these terms live.

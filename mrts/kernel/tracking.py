@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Inverse kinematics along a whole path in one foreign call (mrts/kernel/c/tracking/tracking.c)."""
+"""Inverse kinematics along a whole path in one foreign call (mrts/kernel/c/tracking/path.c)."""
 
 import ctypes
 from collections.abc import Sequence
@@ -10,6 +10,9 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.kernel.cell_library import CellLibrary, Scratch
 from mrts.kernel.foreign_arrays import pointer
+
+HELD = ("gap", "turn", "jump", "condition", "drift", "curvature")
+"""What is told of each robot at a sample: `mrts_held` of tracking.h."""
 
 
 class _Preference(ctypes.Structure):
@@ -32,12 +35,14 @@ class NewtonRule:
         settled: Joint step at which it ends [rad or m].
         longest: Largest joint step [rad or m].
         reached: Remaining error at which a grasp counts as held [m, rad].
+        condition: Of a Jacobian, at which an arm may be singular.
     """
 
     steps: int
     settled: float
     longest: float
     reached: float
+    condition: float
 
 
 class TrackingStructure(ctypes.Structure):
@@ -48,6 +53,7 @@ class TrackingStructure(ctypes.Structure):
         ("settled", ctypes.c_double),
         ("longest", ctypes.c_double),
         ("reached", ctypes.c_double),
+        ("condition", ctypes.c_double),
         ("components", ctypes.c_int * 6),
         ("wish", _Preference),
         ("geometry", ctypes.c_void_p),
@@ -87,6 +93,7 @@ class GraspTask:
             settled=newton.settled,
             longest=newton.longest,
             reached=newton.reached,
+            condition=newton.condition,
             components=used,
             wish=wish,
             geometry=place,
@@ -100,8 +107,8 @@ class TrackedJoints:
     Attributes:
         done: How many samples were followed; fewer than N where an arm is singular.
         q: Shape (N, m); likewise `dq` and `ddq`.
-        gap: Remaining error of position, Shape (N, n) [m].
-        turn: Remaining error of rotation, Shape (N, n) [rad].
+        gap: Remaining error of position, or more, Shape (N, n) [m].
+        turn: Remaining error of rotation, or more, Shape (N, n) [rad].
         jump: Largest correction of a predicted joint, Shape (N, n) [rad or m].
         condition: At least the condition number of the Jacobian, Shape (N, n).
         drift: Step still to go of a redundant arm, Shape (N, n) [rad or m]; zero for others.
@@ -133,7 +140,7 @@ def track_path(library: CellLibrary, task: GraspTask, path: Sequence[Array], sta
     given = [np.ascontiguousarray(part) for part in path]
     samples = len(given[0])
     q, dq, ddq = (np.zeros((samples, len(start))) for _ in range(3))
-    about = [np.zeros((samples, library.robots)) for _ in range(6)]
+    held = np.zeros((samples, len(HELD), library.robots))
     q[0] = start
     used = ("kinematics", "bias_acceleration", "geometric_stiffness", "geometric_stiffness_rate")
     scratch = [Scratch(library.opened, library.records[name]) for name in used if name in library.records]
@@ -142,7 +149,7 @@ def track_path(library: CellLibrary, task: GraspTask, path: Sequence[Array], sta
     done = run(
         ctypes.c_longlong(samples),
         ctypes.byref(task.structure),
-        *(pointer(array) for array in (*given, q, dq, ddq, *about)),
+        *(pointer(array) for array in (*given, q, dq, ddq, held)),
         *scratch[0].at_least(*scratch[1:]).pointers(),
     )
-    return TrackedJoints(int(done), q, dq, ddq, *about)
+    return TrackedJoints(int(done), q, dq, ddq, **dict(zip(HELD, held.swapaxes(0, 1), strict=True)))

@@ -39,7 +39,6 @@ class _Following(ctypes.Structure):
         ("further", ctypes.c_int),
         ("further_steps", ctypes.c_int),
         ("jump", ctypes.c_double),
-        ("condition", ctypes.c_double),
         ("drift", ctypes.c_double),
         ("fold", ctypes.c_double),
         ("past", ctypes.c_double),
@@ -56,7 +55,6 @@ class FollowingRule:
         start_steps: Most Newton steps from the posture to the grasp at the first sample.
         further_steps: Most steps from each further start.
         jump: Correction of a predicted joint at which an arm has lost its branch [rad or m].
-        condition: Of a Jacobian, at which an arm may be singular.
         drift: Step left to a redundant arm that is not settled [rad or m].
         fold: Curvature at which its positions end.
         past: How far a joint may pass its limit [rad or m].
@@ -67,7 +65,6 @@ class FollowingRule:
     start_steps: int
     further_steps: int
     jump: float
-    condition: float
     drift: float
     fold: float
     past: float
@@ -119,8 +116,8 @@ def follow_variants(
     turns = np.ascontiguousarray(rule.turns, dtype=np.uint8)
     further = shapes["further"][0]
     structure = _Following(
-        *(rule.task.structure, rule.start_steps, further, rule.further_steps, rule.jump, rule.condition, rule.drift),
-        *(rule.fold, rule.past, pointer(turns)),
+        *(rule.task.structure, rule.start_steps, further, rule.further_steps, rule.jump, rule.drift, rule.fold),
+        *(rule.past, pointer(turns)),
     )
     q, dq, ddq = (np.zeros((variants, samples, m)) for _ in range(3))
     outcome = np.zeros(variants, dtype=OUTCOME)

@@ -30,7 +30,12 @@ LIMITS: dict[str, Callable[[Cell, CoordinatedMotion], LimitRows]] = {
 OWN_LIMITS = tuple(LIMITS)
 """Names of the limits that mrts comes with."""
 
-_Registered = tuple[Callable[[Cell, CoordinatedMotion], LimitRows], ...]
+ALONG_ANY_MOTION = (torque_limits, wrench_limits)
+"""Limits whose rows are the same along every motion: they are put together once for a cell."""
+
+_Limit = Callable[[Cell, CoordinatedMotion], LimitRows]
+_OF_CELL: WeakKeyDictionary[Cell, dict[_Limit, LimitRows]] = WeakKeyDictionary()
+_Registered = tuple[_Limit, ...]
 _SQUARED: WeakKeyDictionary[CoordinatedMotion, WeakKeyDictionary[Cell, tuple[_Registered, SquaredRows]]] = (
     WeakKeyDictionary()
 )
@@ -73,7 +78,17 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
         cell: The cell; velocities are left out unless it enforces their limits. Its reserve is taken off all limits.
         motion: Its motion.
     """
-    rows = stack_rows([rows.bounded() for rows in rows_by_limit(cell, motion).values()])
+    of_cell = _OF_CELL.setdefault(cell, {})
+    pieces = []
+    for name, limit in LIMITS.items():
+        stays = any(limit is one for one in ALONG_ANY_MOTION)
+        rows = of_cell.get(limit) if stays else None
+        if rows is None:
+            rows = checked_rows(name, limit(cell, motion), cell, motion).bounded()
+        if stays:
+            of_cell[limit] = rows
+        pieces.append(rows)
+    rows = stack_rows(pieces)
     return rows.shrunk(cell.reserve) if cell.reserve else rows
 
 

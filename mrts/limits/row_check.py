@@ -68,6 +68,8 @@ def checked_rows(limit: str, rows: object, cell: Cell, motion: CoordinatedMotion
 
 def _check_numbers(where: str, field: str, values: Array, rows: LimitRows) -> None:
     """Refuse what is not a number, and in a matrix or a column what is not finite."""
+    if not values.size:
+        return
     bounds = field in {"lower", "upper"}
     right = ~np.isnan(values) if bounds else np.isfinite(values)
     if right.all():

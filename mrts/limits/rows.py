@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.kernel.cell_library import SparseLimits
 from mrts.limits.object_axes import ObjectAxes
 
 Side = Literal["lower", "upper"]
@@ -253,6 +254,18 @@ class LimitRows:
         object_axes = None if self.object_axes is None else self.object_axes.at(samples)
         return replace(self, object_axes=object_axes, rate=rate, speed=speed, square=square)
 
+    def sparse(self) -> SparseLimits:
+        """The rows as C reads them."""
+        turned = self.object_axes
+        return SparseLimits(
+            matrix=self.matrix,
+            lower=self.lower,
+            upper=self.upper,
+            group=[name.group for name in self.names],
+            base=None if turned is None else turned.base,
+            axes=(0, 1, 2) if turned is None else turned.axes,
+        )
+
     def only(self, kept: NDArray[np.bool_]) -> "LimitRows":
         """Some of the rows; a column of the speed in which they have nothing is None.
 
@@ -282,6 +295,8 @@ class LimitRows:
 
     def bounded(self) -> "LimitRows":
         """Only the rows that have a limit on some side."""
+        if not self.names:
+            return self
         return self.only(np.isfinite(self.lower) | np.isfinite(self.upper))
 
     @property
@@ -324,14 +339,15 @@ def moved(column: Array | None, rows: int) -> NDArray[np.bool_]:
     return np.zeros(rows, dtype=bool) if column is None else np.asarray(column.any(axis=0))
 
 
-def stack_rows(pieces: Sequence[LimitRows]) -> LimitRows:
+def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
     """All rows of several limits along one motion, in order."""
+    pieces = [piece for piece in given if piece.names] or given[:1]
 
     def column(parts: list[Array | None]) -> Array | None:
-        given = [part for part in parts if part is not None]
-        if not given:
+        there = [part for part in parts if part is not None]
+        if not there:
             return None
-        whole = np.zeros((sum(len(piece.names) for piece in pieces), len(given[0])))
+        whole = np.zeros((sum(len(piece.names) for piece in pieces), len(there[0])))
         start = 0
         for piece, part in zip(pieces, parts, strict=True):
             stop = start + len(piece.names)

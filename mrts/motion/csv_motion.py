@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER, read_text
+from mrts.base.rigid_transform import rotations_from_quaternions
 from mrts.motion.joint_table import JointTable, joint_motion
 from mrts.motion.object_courses import spline_motion
 from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion
@@ -101,7 +101,7 @@ def _object_table(path: Path, columns: dict[str, Array], samples: int | None) ->
             raise InputError(path, error.rule, key=error.where) from None
     if samples is not None:
         raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
-    rotation = np.asarray(Rotation.from_quat(pose[:, 3:]).as_matrix(), dtype=np.float64)
+    rotation = rotations_from_quaternions(pose[:, 3:])
     given = np.column_stack([columns[name] for name in rates])
     twist, acceleration = given[:, :6], given[:, 6:]
     if rates == VELOCITY_COLUMNS:

@@ -2,14 +2,15 @@
 """The motion file: a pose to a pose, waypoints, or a table of object or joint motion; tables and bags by themselves."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.errors import InputError
-from mrts.base.input_file import Pose, StrictModel, broken_format, broken_rule, read_model
+from mrts.base.formats.pose import Pose
+from mrts.base.formats.record import BrokenRecordError, Record, Rule, broken_record
+from mrts.base.input_file import read_model
 from mrts.base.rigid_transform import rotation_from_rpy
 from mrts.motion.csv_motion import MAX_SAMPLES, read_joint_table, read_object_table, read_table
 from mrts.motion.joint_table import JointTable
@@ -27,7 +28,7 @@ DEFAULT_SAMPLES = 101
 LONGEST_DURATION = 1e9
 """[s]; in thirty years no robot moves."""
 
-Duration = Annotated[float, Field(gt=SHORTEST_STEP, le=LONGEST_DURATION, allow_inf_nan=False)]
+Duration = Annotated[float, Rule(gt=SHORTEST_STEP, le=LONGEST_DURATION, allow_inf_nan=False)]
 """[s]."""
 
 KINDS = {
@@ -39,7 +40,7 @@ KINDS = {
 """The four kinds of motion, by the key that chooses one, and the keys that each needs."""
 
 
-class MotionDescription(StrictModel):
+class MotionDescription(Record):
     """A validated motion file; see docs/cell_file.md.
 
     Attributes:
@@ -57,35 +58,33 @@ class MotionDescription(StrictModel):
     """
 
     duration: Duration | None = None
-    samples: Annotated[int, Field(ge=MIN_SAMPLES, le=MAX_SAMPLES)] | None = None
+    samples: Annotated[int, Rule(ge=MIN_SAMPLES, le=MAX_SAMPLES)] | None = None
     profile: Literal["sinusoid", "trapezoid", "cubic", "quintic"] | None = None
     start: Pose | None = None
     end: Pose | None = None
-    waypoints: Annotated[list[Pose], Field(min_length=2)] | None = None
+    waypoints: Annotated[list[Pose], Rule(min_length=2)] | None = None
     file: str | None = None
     joints: str | None = None
 
     def __init__(self, **keys: Any) -> None:
         try:
             super().__init__(**keys)
-        except ValidationError as error:
-            raise broken_format("motion", error) from None
+        except BrokenRecordError as error:
+            raise broken_record("motion", error) from None
 
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
+    def problem(self) -> str:
+        """The rule that keys break with each other; empty if none."""
         given = {key for key, value in self if value is not None} - {"samples"}
         chosen = [kind for kind in KINDS if kind in given or (kind == "start" and "end" in given)]
         if len(chosen) != 1:
-            raise broken_rule(
-                "a motion is given by one of: start and end, waypoints, file, joints; "
-                + (f"here are {', '.join(chosen)}" if chosen else "here is none of them")
-            )
+            here = f"here are {', '.join(chosen)}" if chosen else "here is none of them"
+            return f"a motion is given by one of: start and end, waypoints, file, joints; {here}"
         needed = KINDS[chosen[0]]
         if missing := needed - given:
-            raise broken_rule(f"this key is required with '{chosen[0]}': {', '.join(sorted(missing))}")
+            return f"this key is required with '{chosen[0]}': {', '.join(sorted(missing))}"
         if extra := given - needed:
-            raise broken_rule(f"'{chosen[0]}' does not go with: {', '.join(sorted(extra))}")
-        return self
+            return f"'{chosen[0]}' does not go with: {', '.join(sorted(extra))}"
+        return ""
 
 
 def load_motion(path: Path | str) -> ObjectMotion | JointTable:

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.remark import Remark
+from mrts.base.rigid_transform import rotations_from_quaternions, rotations_from_vectors, vectors_from_rotations
 from mrts.motion.object_motion import ObjectMotion, ObjectRates
 from mrts.motion.rounded_samples import Spline, splines_through
 from mrts.motion.velocity_profile import Profile
@@ -123,10 +123,11 @@ def geodesic_rates(
     lead, samples = positions.shape[:-2], len(s)
     first, last = rotations[..., 0, :, :], rotations[..., 1, :, :]
     step = positions[..., 1:, :] - positions[..., :1, :]
-    between = (last @ np.swapaxes(first, -1, -2)).reshape(-1, 3, 3)
-    turn = Rotation.from_matrix(between).as_rotvec().reshape(*lead, 1, 3)  # world axes, constant on the geodesic
+    turn = vectors_from_rotations(last @ np.swapaxes(first, -1, -2))[
+        ..., None, :
+    ]  # world axes, constant on the geodesic
     direction = np.concatenate([step, turn], axis=-1)
-    turned = Rotation.from_rotvec((s * turn).reshape(-1, 3)).as_matrix().reshape(*lead, 3 * samples, 3)
+    turned = rotations_from_vectors(s * turn).reshape(*lead, 3 * samples, 3)
     T = np.asarray(duration, dtype=np.float64)[..., None, None]
     return (
         positions[..., :1, :] + s * step,
@@ -170,9 +171,9 @@ def waypoint_motion(
         InputError: If two waypoints that follow each other are the same.
     """
     from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for waypoints and tables only)
-    from scipy.spatial.transform import RotationSpline  # noqa: PLC0415
+    from scipy.spatial.transform import Rotation, RotationSpline  # noqa: PLC0415
 
-    turns = Rotation.from_matrix(rotations[1:] @ rotations[:-1].transpose(0, 2, 1)).magnitude()
+    turns = np.linalg.norm(vectors_from_rotations(rotations[1:] @ rotations[:-1].transpose(0, 2, 1)), axis=1)
     spacing = np.hypot(np.linalg.norm(np.diff(positions, axis=0), axis=1), ROTATION_LENGTH * turns)
     if np.min(spacing) <= SAME_WAYPOINT:
         index = int(np.argmin(spacing))
@@ -225,7 +226,7 @@ def _rotation_rates(q: Array, dq: Array, ddq: Array) -> tuple[Array, Array, Arra
     rate = 2 * _times_conjugate(dq, q) / square
     stretch = 2 * np.sum(q * dq, axis=1)[:, None] / square
     change = 2 * _times_conjugate(ddq, q) / square - stretch * rate
-    return np.asarray(Rotation.from_quat(q).as_matrix(), dtype=np.float64), rate, change
+    return rotations_from_quaternions(q), rate, change
 
 
 def _times_conjugate(a: Array, b: Array) -> Array:

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, freeze
 from mrts.base.errors import InputError, as_array
 from mrts.base.remark import Remark
+from mrts.base.rigid_transform import vectors_from_rotations
 
 ORTHOGONAL = 1e-6
 """Largest entry of R Rᵀ - I: matrices from tables carry few digits."""
@@ -80,13 +80,12 @@ class ObjectMotion:
             object.__setattr__(self, name, value)
             if value.shape != (len(time), *shape) or not np.all(np.isfinite(value)):
                 raise InputError(name, f"must have Shape {(len(time), *shape)} and be finite.")
-        off = np.abs(self.rotation @ self.rotation.transpose(0, 2, 1) - np.eye(3))
-        if np.max(off) > ORTHOGONAL or np.min(np.linalg.det(self.rotation)) < 0:
+        if not _turns(self.rotation):
             raise InputError("rotation", "must hold rotation matrices: R Rᵀ = I, det R = 1.")
         freeze(self)
         if not smooth:
             return
-        steps = Rotation.from_matrix(self.rotation[1:] @ self.rotation[:-1].transpose(0, 2, 1)).as_rotvec()
+        steps = vectors_from_rotations(self.rotation[1:] @ self.rotation[:-1].transpose(0, 2, 1))
         turned = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
         noise = noise_allowed(np.column_stack([self.position, turned]), self.twist)
         check_derivatives("position", time, self.position, self.twist[:, :3], self.acceleration[:, :3], noise)
@@ -95,6 +94,14 @@ class ObjectMotion:
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
         freeze(self)
+
+
+def _turns(rotation: Array) -> bool:
+    """Whether all matrices, Shape (N, 3, 3), are rotations: R Rᵀ = I, and of positive sense."""
+    rows = x, y, z = np.ascontiguousarray(rotation.transpose(1, 2, 0))
+    off = np.einsum("ikn,jkn->ijn", rows, rows) - np.eye(3)[:, :, None]
+    across = np.stack([x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]])
+    return bool(max(np.max(off), -np.min(off)) <= ORTHOGONAL and np.min(np.einsum("kn,kn->n", across, z)) >= 0)
 
 
 def noise_allowed(values: Array, rates: Array) -> tuple[float, float]:

@@ -2,17 +2,20 @@
 """The outcome of scaling as lines of text."""
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from mrts.base.interval_text import interval_text
 from mrts.drawing.range_sentences import range_text
 from mrts.hands.friction import NORMAL_FORCE
 from mrts.limits.rows import TORQUE_SPEED
-from mrts.retiming.result import RetimingResult
 from mrts.scaling.limit_use import largest_step, limit_uses, rate_uses
-from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
-from mrts.scaling.what_if import WhatIf
+
+if TYPE_CHECKING:
+    from mrts.retiming.result import RetimingResult
+    from mrts.scaling.load_study import LoadStudy
+    from mrts.scaling.what_if import WhatIf
 
 LOADS_SHOWN = 8
 """Loads of a box that are printed."""
@@ -58,7 +61,7 @@ def _plan_lines(result: ScalingResult) -> Iterator[str]:
         yield f"note: {note}"
 
 
-def retiming_lines(found: RetimingResult) -> Iterator[str]:
+def retiming_lines(found: "RetimingResult") -> Iterator[str]:
     """What the command line says of the fastest timing.
 
     Args:
@@ -70,14 +73,14 @@ def retiming_lines(found: RetimingResult) -> Iterator[str]:
     yield from _what_if_lines(found.changes)
 
 
-def _what_if_lines(changes: WhatIf | None) -> Iterator[str]:
+def _what_if_lines(changes: "WhatIf | None") -> Iterator[str]:
     """What changes to the cell would do, apart from what stands before; nothing where that was not asked."""
     if changes is not None:
         yield ""
         yield from changes.lines()
 
 
-def _timing_lines(found: RetimingResult) -> Iterator[str]:
+def _timing_lines(found: "RetimingResult") -> Iterator[str]:
     """What limits the timing, and what it asks of the arms; nothing without one."""
     if found.retimed is None or found.retimed.trajectory is None or found.excess is None:
         return
@@ -174,7 +177,7 @@ def _contact_lines(result: ScalingResult) -> Iterator[str]:
         yield f"{contact}: {presses}{100 * most.share:.3g} % used by {what} at {most.time:.4g} s"
 
 
-def _load_lines(study: LoadStudy) -> Iterator[str]:
+def _load_lines(study: "LoadStudy") -> Iterator[str]:
     """Ranges by load, the worst first, and what the factors of inertia refer to."""
 
     def end(found: ScalingRange) -> float:

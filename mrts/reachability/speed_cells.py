@@ -164,7 +164,7 @@ def _backward(
     lower = np.array([cells[0].lower[i], reach[0]])
     upper = np.array([cells[0].upper[i], reach[1]])
     start = np.array([0, len(here), len(here) + len(there)], dtype=np.int64)
-    failed = kernel.backward(np.array([step]), start, np.concatenate([here, there]), lower, upper)
+    failed = kernel.backward(np.array([step]), np.zeros(1), start, np.concatenate([here, there]), lower, upper)
     return None if failed >= 0 else (float(lower[0]), float(upper[0]))
 
 

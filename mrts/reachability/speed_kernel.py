@@ -16,7 +16,7 @@ SOLVER = "qpsol:qpoases"
 """Of the linear programs where there is no kernel."""
 
 OUTSIDE = 1e-9
-"""An edge is final if nothing lies further out than this; `MRTS_OUTSIDE` of batch.c."""
+"""An edge is final if nothing lies further out than this; `MRTS_OUTSIDE` of reachability/corners.h."""
 
 ON_LIMIT = 2e-10
 """Rounding of a speed on a limit; `MRTS_ON_LIMIT` of batch.c."""
@@ -28,14 +28,34 @@ AXES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 class SpeedKernel(Protocol):
     """Projections and reachability, in C or here; see `mrts.kernel.programs.Programs` for the shapes."""
 
-    def projections(self, A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+    def projections(
+        self,
+        A: Array,
+        lower: Array,
+        upper: Array,
+        scale: Array,
+        bounds: tuple[Array, Array],
+        rows: NDArray[np.int32] | None = None,
+    ) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
         """Project every polytope of a batch onto its last two unknowns."""
 
-    def backward(self, step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array) -> int:
+    def effects(self, A: Array, rows: NDArray[np.int32]) -> Array:
+        """The largest coefficient of each unknown in some rows, without its sign."""
+
+    def backward(
+        self, step: Array, rise: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array
+    ) -> int:
         """Shrink bounds of x to the controllable sets."""
 
     def forward(
-        self, step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, first: float
+        self,
+        step: Array,
+        rise: Array,
+        start: NDArray[np.int64],
+        planes: Array,
+        lower: Array,
+        upper: Array,
+        first: float,
     ) -> Array:
         """The largest controllable x at every sample."""
 
@@ -49,13 +69,22 @@ def speed_kernel() -> SpeedKernel:
 
 
 class KernelWithoutCompiler:
-    """The projections and passes of mrts/kernel/c/batch.c, with a solver that needs no compiler."""
+    """The projections and passes of mrts/kernel/c, with a solver that needs no compiler."""
 
     @staticmethod
-    def projections(A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+    def projections(
+        A: Array,
+        lower: Array,
+        upper: Array,
+        scale: Array,
+        bounds: tuple[Array, Array],
+        rows: NDArray[np.int32] | None = None,
+    ) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
         """Corners by linear programs: outward of every edge, until nothing lies outside."""
-        rows = A.shape[1]
-        parts = (A, lower[:, :rows], upper[:, :rows], lower[:, rows:], upper[:, rows:])
+        taken = slice(None) if rows is None else rows
+        free = np.full((len(A), A.shape[2] - 2), np.inf)
+        ends = np.concatenate([-free, bounds[0]], axis=1), np.concatenate([free, bounds[1]], axis=1)
+        parts = (A[:, taken] * scale[:, None, :], lower[:, taken], upper[:, taken], *ends)
         everyone = np.arange(len(A))
         polygons: list[list[Array]] = [[] for _ in A]
         status = np.full(len(A), OPTIMAL, dtype=np.uint8)
@@ -83,17 +112,20 @@ class KernelWithoutCompiler:
                     polygons[samples[place]].insert(int(starts[place]) + 1, corner)
                 else:
                     final[samples[place]].add((*p, *q))
-        number = np.array([min(len(polygon), CORNERS) for polygon in polygons], dtype=np.int32)
-        padded = np.zeros((len(A), CORNERS, 2))
-        for sample, polygon in enumerate(polygons):
-            padded[sample, : number[sample]] = polygon[: number[sample]]
-        return number, padded, status
+        polygons = [polygon[:CORNERS] if how == OPTIMAL else [] for polygon, how in zip(polygons, status, strict=True)]
+        corners = np.array([corner for polygon in polygons for corner in polygon]).reshape(-1, 2)
+        return np.array([len(polygon) for polygon in polygons], dtype=np.int32), corners, status
 
     @staticmethod
-    def backward(step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array) -> int:
+    def effects(A: Array, rows: NDArray[np.int32]) -> Array:
+        """Of all samples at once."""
+        return np.asarray(np.max(np.abs(A[:, rows]), axis=1, initial=0.0))
+
+    @staticmethod
+    def backward(step: Array, rise: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array) -> int:
         """Controllable sets, one segment after the other."""
         for i in range(len(step) - 1, -1, -1):
-            A, limit = _segment(step, start, planes, lower, upper, i)
+            A, limit = _segment(step, rise, start, planes, lower, upper, i)
             flat = A[:, 0] == 0
             with np.errstate(divide="ignore", invalid="ignore"):
                 bound = limit / A[:, 1]
@@ -107,13 +139,13 @@ class KernelWithoutCompiler:
 
     @staticmethod
     def forward(
-        step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, first: float
+        step: Array, rise: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, first: float
     ) -> Array:
         """The greedy pass."""
         x = np.zeros(len(step) + 1)
         x[0] = first
         for i in range(len(step)):
-            u = _rates(*_segment(step, start, planes, lower, upper, i), x[i])
+            u = _rates(*_segment(step, rise, start, planes, lower, upper, i), x[i])
             rate = u.most if u.most >= u.least else (u.most + u.least) / 2
             x[i + 1] = min(max(x[i] + 2 * step[i] * rate, lower[i + 1]), upper[i + 1])
         return x
@@ -149,14 +181,15 @@ def _same(p: Array, q: Array) -> bool:
 
 
 def _segment(
-    step: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, i: int
+    step: Array, rise: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, i: int
 ) -> tuple[Array, Array]:
     """Half-planes A (u, x_i) <= limit of a segment: of its start, of its end, and of what its end is to reach."""
     here, there = planes[start[i] : start[i + 1]], planes[start[i + 1] : start[i + 2]]
     ends = np.array([[-2 * step[i], -1.0], [2 * step[i], 1.0]])
     moved = np.column_stack([there[:, 0] + 2 * step[i] * there[:, 1], there[:, 1]])
     limits = np.concatenate([here[:, 2], there[:, 2]])
-    limit = np.concatenate([limits + ON_LIMIT * (1 + np.abs(limits)), [-lower[i + 1], upper[i + 1]]])
+    risen = rise[i] / 2 * np.concatenate([here[:, 0], -there[:, 0]])
+    limit = np.concatenate([limits + ON_LIMIT * (1 + np.abs(limits)) + risen, [-lower[i + 1], upper[i + 1]]])
     return np.concatenate([here[:, :2], moved, ends]), limit
 
 

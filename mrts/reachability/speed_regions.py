@@ -2,12 +2,13 @@
 """The admissible pairs of u = r̈ and x = ṙ² at every sample: convex polygons, as half-planes."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.kernel.one_unknown import KnownPlanes
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL
 from mrts.reachability.speed_kernel import speed_kernel
 from mrts.samples.sample_problem import SampleProblem
@@ -66,22 +67,45 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
         length: Of the path: over it u changes x by 2 u times that.
         ends: x at the first and the last sample.
     """
-    caps, most = problem.is_cap, problem.cap()
-    A, lower, upper = problem.A[:, ~caps], problem.lower[:, ~caps], problem.upper[:, ~caps]
-    effect = np.max(np.abs(A), axis=1, initial=0.0)
-    effect[effect[:, -2] <= REST_TOLERANCE * np.max(effect[:, -2]), -2] = 0.0
-    likely = _likely_speed(A, lower, upper, effect[:, -2], length)
-    likely = max(*ends, likely if np.isfinite(likely) else float(np.max(most[np.isfinite(most)], initial=1.0)))
+    rows, most = np.flatnonzero(~problem.is_cap).astype(np.int32), problem.cap()
+    effect = speed_kernel().effects(problem.A, rows)
+    if problem.unknowns == 2:  # noqa: PLR2004 (u and x: the rows are the half-planes)
+        A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]
+        return regions_of_planes(KnownPlanes(_both_sides(A, lower, upper), effect), most, length, ends)
+    given = _Polytopes(problem.A, problem.lower, problem.upper, rows)
+    effect[_at_rest(effect), -2] = 0.0
+    likely = _likely_speed(_at_probes(given, effect[:, -2]), most, length, ends)
     reached = np.minimum(likely, most)
     effect[effect[:, -1] * reached <= NEGLIGIBLE, -1] = 0.0
     with np.errstate(divide="ignore"):
         unit = 1 / effect
     unit[:, -1] = np.where(effect[:, -1] > 0, np.minimum(unit[:, -1], reached), np.inf)
     scale = np.where(np.isfinite(unit), unit, 0.0)
-    A = A * scale[:, None, :]
-    if problem.unknowns == 2:  # noqa: PLR2004 (u and x: the rows are the half-planes)
-        return _by_rows(A, lower, upper, unit, most, FARTHEST * likely)
-    return _by_projection(A, lower, upper, unit, most, FARTHEST * likely)
+    return _by_projection(given, scale, unit, most, FARTHEST * likely)
+
+
+def regions_of_planes(
+    known: KnownPlanes, most: Array, length: float, ends: tuple[float, float] = (0.0, 0.0)
+) -> SpeedRegions:
+    """The regions where u and x are the only unknowns: every side of a row is a half-plane.
+
+    Args:
+        known: The half-planes; those of samples at rest lose what rounding left of u or x.
+        most: Largest x that velocities allow, Shape (N,).
+        length: Of the path.
+        ends: x at the first and the last sample.
+    """
+    planes, effect = known.planes, known.effect
+    at_rest = _at_rest(effect)
+    if np.any(at_rest):
+        planes[at_rest, :, 0] = effect[at_rest, 0] = 0.0
+    likely = _likely_speed(_rates_at_probes(planes, effect[:, 0]), most, length, ends)
+    straight = effect[:, 1] * np.minimum(likely, most) <= NEGLIGIBLE
+    if np.any(straight):
+        planes[straight, :, 1] = 0.0
+    count, sides, _ = planes.shape
+    start = np.arange(count + 1, dtype=np.int64) * sides
+    return SpeedRegions(start, planes.reshape(-1, 3), np.zeros(count), most, FARTHEST * likely, ())
 
 
 def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
@@ -98,116 +122,166 @@ def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
     )
 
 
-def _likely_speed(A: Array, lower: Array, upper: Array, effect: Array, length: float) -> float:
-    """The x that the accelerations of some samples at rest reach along the whole path; infinity where u has no effect.
+def _at_rest(effect: Array) -> NDArray[np.bool_]:
+    """Samples at which u moves nothing but by rounding, Shape (N,)."""
+    return np.asarray(effect[:, -2] <= REST_TOLERANCE * np.max(effect[:, -2]))
+
+
+def _likely_speed(rates: Array, most: Array, length: float, ends: tuple[float, float]) -> float:
+    """The x that the accelerations of some samples at rest reach along the whole path, at least those of its ends.
 
     Args:
-        A: Rows of [F, u, x], Shape (N, r, k).
-        lower: Shape (N, r).
-        upper: Shape (N, r).
-        effect: Of u on the rows, Shape (N,).
+        rates: The largest u of samples at rest; none where u has no effect.
+        most: Largest x that velocities allow, Shape (N,).
         length: Of the path.
+        ends: x at the first and the last sample.
     """
+    if rates.size:
+        return max(*ends, 2 * length * float(np.median(rates)))
+    return max(*ends, float(np.max(most[np.isfinite(most)], initial=1.0)))
+
+
+def _probes(effect: Array) -> NDArray[np.int_]:
+    """Some samples at which u has an effect, Shape (N,)."""
     moving = np.flatnonzero(effect)
-    if not moving.size:
-        return np.inf
-    probes = moving[np.unique(np.linspace(0, len(moving) - 1, PROBES).astype(int))]
-    A = A[probes]
-    A[:, :, -2] /= effect[probes, None]
-    bounds = np.full((len(probes), A.shape[2]), np.inf)
-    bounds[:, -2:] = BOX, 0.0
-    number, corners, _ = speed_kernel().projections(
-        A, np.concatenate([lower[probes], -bounds], axis=1), np.concatenate([upper[probes], bounds], axis=1)
-    )
-    real = np.arange(corners.shape[1]) < number[:, None]
-    # at least the u of a whole limit: some samples leave none at rest
-    fastest = np.max(np.where(real, np.abs(corners[:, :, 0]), 0.0), axis=1, initial=1.0)
-    return 2 * length * float(np.median(fastest / effect[probes]))
+    return moving[np.unique(np.linspace(0, len(moving) - 1, PROBES).astype(int))] if moving.size else moving
+
+
+def _at_probes(given: "_Polytopes", effect: Array) -> Array:
+    """The largest u of some samples at rest, at least that of a whole limit: some samples leave none.
+
+    Args:
+        given: Rows of [F, u, x].
+        effect: Of u on the rows, Shape (N,).
+    """
+    probes = _probes(effect)
+    scale = np.ones((len(probes), given.A.shape[2]))
+    scale[:, -2] /= effect[probes]
+    bound = np.tile([BOX, 0.0], (len(probes), 1))
+    number, corners, _ = given.at(probes).projections(scale, (-bound, bound))
+    largest = np.ones(len(probes))
+    np.maximum.at(largest, np.repeat(np.arange(len(probes)), number), np.abs(corners[:, 0]))
+    return np.asarray(largest / effect[probes])
+
+
+def _rates_at_probes(planes: Array, effect: Array) -> Array:
+    """`_at_probes` of half-planes, Shape (N, e, 3)."""
+    probes = _probes(effect)
+    per_u, limit = planes[probes, :, 0] / effect[probes, None], planes[probes, :, 2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ends = limit / per_u
+    most = np.min(np.where(per_u > 0, ends, BOX), axis=1, initial=BOX)
+    least = np.max(np.where(per_u < 0, ends, -BOX), axis=1, initial=-BOX)
+    empty = (least > most) | np.any((per_u == 0) & (limit < 0), axis=1)
+    return np.maximum(np.where(empty, 1.0, np.maximum(np.abs(least), np.abs(most))), 1.0) / effect[probes]
 
 
 def _starts(counts: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
 
 
-def _by_rows(A: Array, lower: Array, upper: Array, unit: Array, most: Array, bound: float) -> SpeedRegions:
-    """Every row is two half-planes."""
-    count = len(A)
+def _both_sides(A: Array, lower: Array, upper: Array) -> Array:
+    """Every side of rows over u and x that has a limit, as half-planes, Shape (N, e, 3)."""
     sides = np.concatenate([A, -A], axis=1)
     limit = np.concatenate([upper, -lower], axis=1)
-    sample, row = np.nonzero(np.isfinite(limit))
-    planes = np.column_stack([sides[sample, row] / unit[sample], limit[sample, row]])
-    start = _starts(np.bincount(sample, minlength=count))
-    return SpeedRegions(start, planes, np.zeros(count), most, bound, ())
+    limited = np.any(np.isfinite(limit), axis=0)
+    return np.concatenate([sides[:, limited], limit[:, limited, None]], axis=2)
 
 
-def _projections(A: Array, lower: Array, upper: Array) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
-    """The projections of all samples; what the kernel did not decide, once more over other free unknowns.
+@dataclass(frozen=True)
+class _Polytopes:
+    """Rows of [F, u, x] at N samples, of which some count.
 
-    Along principal directions of the rows unknowns do not replace each other but for a small rest, whose multiplier is
-    too small to be told from rounding.
+    Attributes:
+        A: Shape (N, r, k).
+        lower: Shape (N, r).
+        upper: Shape (N, r).
+        rows: Those that count, Shape (s,).
     """
-    kernel = speed_kernel()
-    number, corners, status = kernel.projections(A, lower, upper)
-    again = np.flatnonzero((status != OPTIMAL) & (status != INFEASIBLE))
-    if again.size:
-        turned, free = A[again], A.shape[2] - 2
-        directions, sizes, _ = np.linalg.svd(turned[:, :, :free], full_matrices=False)
+
+    A: Array
+    lower: Array
+    upper: Array
+    rows: NDArray[np.int32]
+
+    def at(self, samples: NDArray[np.int_]) -> "_Polytopes":
+        """Those of some samples."""
+        return _Polytopes(self.A[samples], self.lower[samples], self.upper[samples], self.rows)
+
+    def projections(
+        self, scale: Array, bounds: tuple[Array, Array]
+    ) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+        """Their projections onto (u, x); see `mrts.kernel.programs.Programs.projections`."""
+        return speed_kernel().projections(self.A, self.lower, self.upper, scale, bounds, self.rows)
+
+    def decided_projections(self, scale: Array, bounds: tuple[Array, Array]) -> tuple[NDArray[np.int32], Array]:
+        """The same, without corners where there is none. What the kernel did not decide, over other free unknowns.
+
+        Along principal directions of the rows unknowns do not replace each other but for a small rest, whose multiplier
+        is too small to be told from rounding.
+        """
+        number, corners, status = self.projections(scale, bounds)
+        again = np.flatnonzero((status != OPTIMAL) & (status != INFEASIBLE))
+        if not again.size:
+            return number, corners
+        some = self.at(again)
+        turned, free = some.A * scale[again, None, :], self.A.shape[2] - 2
+        directions, sizes, _ = np.linalg.svd(turned[:, self.rows, :free], full_matrices=False)
         used = sizes > NO_DIRECTION * sizes[:, :1]
         turned[:, :, :free] = 0.0
-        turned[:, :, : used.shape[1]] = directions * used[:, None, :]
-        number[again], corners[again], status[again] = kernel.projections(turned, lower[again], upper[again])
-    return number, corners, status
+        turned[:, self.rows, : used.shape[1]] = directions * used[:, None, :]
+        ones, its_bounds = np.ones_like(scale[again]), (bounds[0][again], bounds[1][again])
+        more, found, _ = replace(some, A=turned).projections(ones, its_bounds)
+        places = np.repeat(np.cumsum(number)[again], more)  # none of them had corners
+        number[again] = more
+        return number, np.insert(corners, places, found, axis=0)
 
 
-def _by_projection(A: Array, lower: Array, upper: Array, unit: Array, most: Array, bound: float) -> SpeedRegions:
-    count, _, unknowns = A.shape
-    scale = np.where(np.isfinite(unit[:, -1]), unit[:, -1], 0.0)
-    box = np.minimum(bound / np.where(scale > 0, scale, 1.0), BOX)
-    cap = np.minimum(most / np.where(scale > 0, scale, 1.0), box)
-    least, largest = np.full((count, unknowns), -np.inf), np.full((count, unknowns), np.inf)
-    least[:, -2], largest[:, -2] = -BOX, BOX
-    least[:, -1], largest[:, -1] = 0.0, cap
-    for column in (-2, -1):
-        still = np.isinf(unit[:, column])
-        least[still, column] = largest[still, column] = 0.0
-    number, corners, status = _projections(
-        A, np.concatenate([lower, least], axis=1), np.concatenate([upper, largest], axis=1)
-    )
-    corners = corners[:, : max(int(np.max(number)), 1)]
-    place = np.arange(corners.shape[1])
-    real = place < number[:, None]
-    x = np.where(real, corners[:, :, 1], np.nan)
-    found = (status == OPTIMAL) & ~np.any(lower > upper, axis=1)  # sides that cross leave nothing to project
+def _by_projection(given: _Polytopes, scale: Array, unit: Array, most: Array, bound: float) -> SpeedRegions:
+    count, of_x = len(unit), scale[:, -1]
+    moving = np.where(of_x > 0, of_x, 1.0)
+    box = np.minimum(bound / moving, BOX)
+    cap = np.minimum(most / moving, box)
+    moves = scale[:, -2:] > 0
+    least = np.where(moves, [-BOX, 0.0], 0.0)
+    largest = np.where(moves, np.column_stack([np.full(count, BOX), cap]), 0.0)
+    number, corners = given.decided_projections(scale, (least, largest))
+    found = (number > 0) & ~np.any(given.lower > given.upper, axis=1)  # sides that cross leave nothing to project
+    corners, number = corners[np.repeat(found, number)], np.where(found, number, 0)
+    start = _starts(number.astype(np.int64))
+    u, x = corners.T
     low, high = np.zeros(count), np.zeros(count)
-    low[found], high[found] = np.maximum(np.nanmin(x[found], axis=1), 0.0), np.nanmax(x[found], axis=1)
+    if found.any():
+        firsts = start[:-1][found]
+        low[found] = np.maximum(np.minimum.reduceat(x, firsts), 0.0)
+        high[found] = np.maximum.reduceat(x, firsts)
     high = np.where(high >= NEAR_BOX * box, np.inf, high)
 
-    after = np.where(place + 1 < number[:, None], place + 1, 0)
-    ahead = np.take_along_axis(corners, after[:, :, None], axis=1)
-    step = ahead - corners
-    length = np.hypot(step[:, :, 0], step[:, :, 1])
-    with np.errstate(invalid="ignore", divide="ignore"):
-        normal = np.stack([step[:, :, 1], -step[:, :, 0]], axis=2) / length[:, :, None]
-    on_box = np.minimum(np.abs(corners[:, :, 0]), np.abs(ahead[:, :, 0])) >= NEAR_BOX * BOX
-    both = np.stack([corners[:, :, 1], ahead[:, :, 1]])
-    on_bound = np.all(both >= NEAR_BOX * cap[:, None], axis=0) | np.all(both <= 1 / BOX**2, axis=0)
-    sample, corner = np.nonzero(real & (length > 0) & (number > 1)[:, None] & ~on_box & ~on_bound)
-    normals = normal[sample, corner]
-    offset = np.sum(normals * corners[sample, corner], axis=1)
+    sample, after = np.repeat(np.arange(count), number), np.arange(1, len(corners) + 1)
+    after[start[1:][found] - 1] = start[:-1][found]
+    u_after, x_after = u[after], x[after]
+    length = np.hypot(u_after - u, x_after - x)
+    on_box = np.minimum(np.abs(u), np.abs(u_after)) >= NEAR_BOX * BOX
+    on_bound = np.minimum(x, x_after) >= NEAR_BOX * cap[sample]
+    on_bound |= np.maximum(x, x_after) <= 1 / BOX**2
+    edge = np.flatnonzero((length > 0) & ~on_box & ~on_bound)
+    normal = np.column_stack([x_after - x, u - u_after])[edge] / length[edge, None]
+    offset, sample = normal[:, 0] * u[edge] + normal[:, 1] * x[edge], sample[edge]
     # a point or a segment has no edges that bound it along itself
-    thin = np.flatnonzero(found & (number <= 2) & np.isfinite(unit[:, -2]))  # noqa: PLR2004 (a segment)
-    u = np.where(real, corners[:, :, 0], np.nan)[thin]
-    sample = np.concatenate([sample, thin, thin])
-    across = np.tile([1.0, 0.0], (len(thin), 1))
-    normals = np.concatenate([normals, across, -across])
-    offset = np.concatenate([offset, np.nanmax(u, axis=1, initial=-np.inf), -np.nanmin(u, axis=1, initial=np.inf)])
-    planes = np.column_stack([normals / unit[sample, -2:], offset])
-    order = np.argsort(sample, kind="stable")
+    thin = np.flatnonzero(found & (number <= 2) & moves[:, 0])  # noqa: PLR2004 (a segment)
+    if thin.size:
+        ends = np.stack([u[start[thin]], u[start[thin + 1] - 1]])
+        across = np.tile([1.0, 0.0], (len(thin), 1))
+        normal = np.concatenate([normal, across, -across])
+        offset = np.concatenate([offset, np.max(ends, axis=0), -np.min(ends, axis=0)])
+        sample = np.concatenate([sample, thin, thin])
+        order = np.argsort(sample, kind="stable")
+        normal, offset, sample = normal[order], offset[order], sample[order]
     return SpeedRegions(
         _starts(np.bincount(sample, minlength=count)),
-        planes[order],
-        low * scale,
-        np.minimum(np.where(scale > 0, high * np.where(scale > 0, scale, 1.0), np.inf), most),
+        np.column_stack([normal / unit[sample, -2:], offset]),
+        low * of_x,
+        np.minimum(np.where(of_x > 0, high * moving, np.inf), most),
         bound,
         tuple(np.flatnonzero(~found).tolist()),
     )

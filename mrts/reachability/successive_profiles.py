@@ -137,7 +137,7 @@ class _Search:
         if around is None:
             return last
         lower, upper = np.minimum(around.profile.lower, x), np.maximum(around.profile.upper, x)
-        return Step(around.regions, SpeedProfile(x, lower, upper))
+        return Step(around.regions, SpeedProfile(x, lower, upper, last.profile.rise))
 
     def fastest(
         self, problems: Sequence[SampleProblem], least: Array | float = 0.0, most: Array | float = np.inf

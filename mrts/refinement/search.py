@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Where between the samples a range of c² would be narrower, and which samples must be added for that."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,10 +14,7 @@ from mrts.coordination.denser_motion import between_samples, denser
 from mrts.limits.rows import ActiveRow, Side
 from mrts.refinement.doubtful_gaps import doubtful_gaps, turning
 from mrts.refinement.excess import Excess
-from mrts.samples.sample_problem import SampleProblem
 from mrts.samples.sample_ranges import SampleRanges
-from mrts.samples.widening import widening_at
-from mrts.solvers import DEFAULT_SOLVER
 
 WIDE, CLOSE = np.arange(1, 4) / 4, np.arange(1, 8) / 8
 """Where each doubtful gap is looked at, of many and of few."""
@@ -42,8 +39,6 @@ NUDGE = 1e-3
 
 SIDES: tuple[Side, Side] = ("lower", "upper")
 
-WHAT = "the excess between samples"
-
 
 @dataclass(frozen=True)
 class Asked:
@@ -51,17 +46,12 @@ class Asked:
 
     Attributes:
         ranges: The ranges of c² along a motion.
-        problem: The rows of some samples of a motion, each with a load, Shape (k, 10), or None for the cell's.
+        widening: By how much all limits must move outward at some samples of a motion, each with a load, Shape (k, 10),
+            or None for the cell's, and a c², Shape (k,).
     """
 
     ranges: Callable[[CoordinatedMotion], SampleRanges]
-    problem: Callable[[CoordinatedMotion, NDArray[np.intp], Array | None], SampleProblem]
-
-    def widening(self, motion: CoordinatedMotion, places: NDArray[np.intp], loads: Array | None, c2: Array) -> Array:
-        """By how much all limits must move outward for some c², one a place: Shape (k,)."""
-        if not len(places):
-            return np.zeros(0)
-        return widening_at(self.problem(motion, places, loads), c2[:, None], DEFAULT_SOLVER, WHAT)
+    widening: Callable[[CoordinatedMotion, NDArray[np.intp], Array | None, Array], Array]
 
 
 @dataclass(frozen=True)
@@ -276,7 +266,7 @@ def _doubtful(known: Ends, allowed: tuple[float, float] | None, *, everywhere: b
     if allowed is None:
         return np.zeros(0, dtype=np.intp)
     both = (doubtful_gaps(known.time, of, most) for of, most in zip(known.rising(), allowed, strict=True))
-    return np.union1d(*both)
+    return _distinct(gap for gaps in both for gap in gaps.tolist())
 
 
 def _left(known: Ends, allowed: tuple[float, float] | None, worst: Excess) -> Excess:
@@ -306,4 +296,9 @@ def _needed(looked: Looked, asked: Asked, whole: tuple[float, float], left: Exce
                 added.append(places[np.argmax(share)])
         else:
             left = _worse(left, looked.ends, places, share, side)
-    return np.unique(np.array(added, dtype=np.intp)), left
+    return _distinct(map(int, added)), left
+
+
+def _distinct(places: Iterable[int]) -> NDArray[np.intp]:
+    """In order, each once; `np.unique` imports numpy.ma for that."""
+    return np.array(sorted(set(places)), dtype=np.intp)

@@ -10,12 +10,11 @@ from mrts.base.arrays import Array
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.denser_motion import between_samples, denser, moved_remarks
 from mrts.refinement.excess import Excess
+from mrts.refinement.motion_widening import motion_widening
 from mrts.retiming.path_pieces import PLACES
 from mrts.retiming.result import RetimingResult
 from mrts.retiming.retimed_motion import between_path_samples
-from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.trajectory_programs import motion_ranges
-from mrts.samples.widening import widening_at
 from mrts.solvers import DEFAULT_SOLVER
 
 MOST_ROUNDS = 12
@@ -123,8 +122,7 @@ def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
     for part in pieces:
         played = between_path_samples(cell, part, PLACES)
         for load in loads:
-            problem = build_sample_problem(cell, played, sharing=sharing, load=load)
-            share = widening_at(problem, 1.0, DEFAULT_SOLVER, "the excess between samples")
+            share = motion_widening(cell, played, np.ones(played.samples), sharing=sharing, load=load)
             segments = slice(part.piece.first, part.piece.first + len(part.piece.step))
             shares[segments] = np.maximum(shares[segments], np.max(share.reshape(-1, len(PLACES)), axis=1))
             most = int(np.argmax(share))

@@ -9,15 +9,16 @@ from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, SolverError
 from mrts.base.load_box import LoadPoint
-from mrts.reachability.fastest_profile import Obstacle, SpeedProfile, fastest_profile
+from mrts.reachability.fastest_profile import Obstacle, SpeedProfile, fastest_profile, rising_profile
 from mrts.reachability.speed_conflict import sample_conflict, segment_conflict
-from mrts.reachability.speed_regions import SpeedRegions, intersect_regions, speed_regions
+from mrts.reachability.speed_regions import SpeedRegions, intersect_regions, regions_of_planes, speed_regions
 from mrts.reachability.successive_profiles import successive_profiles
-from mrts.retiming.path_pieces import NoPath, PathPiece, closed_piece, path_pieces
+from mrts.retiming.path_pieces import NoPath, PathPiece, by_turns, closed_piece, path_pieces
 from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import FastestPiece, fastest_piece
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
+from mrts.samples.trajectory_programs import motion_planes
 from mrts.scaling.guaranteed_range import effective_parameters
 from mrts.scaling.result import ScalingResult
 
@@ -53,9 +54,9 @@ def fastest_timing(
         if speed > 0 and rests:
             raise InputError(name, "the given motion is at rest there, so no other speed is possible.", value=speed)
     timed: list[FastestPiece] = []
-    for number, piece in enumerate(closed_piece(cell, part) for part in pieces):
+    for number, piece in enumerate(by_turns(closed_piece(cell, part)) for part in pieces):
         ends = tuple(
-            0.0 if rests else (speed * float(piece.speed[place])) ** 2
+            0.0 if rests else (speed * float(piece.given_rate[place])) ** 2
             for rests, speed, place in zip(piece.rests, (start_speed, end_speed), (0, -1), strict=True)
         )
         search = _Search(constant, piece, points, (ends[0], ends[1]))
@@ -113,9 +114,15 @@ class _Search:
         parts, with_root = [], []
         for number, point in enumerate(self.points):
             progress(number, len(self.points))
+            length = float(np.sum(self.piece.step))
+            load, sharing = None if point is None else point.load, self.constant.rule.sharing
+            known = motion_planes(self.constant.cell, self.piece.path, sharing, load)
+            if known is not None:
+                parts.append(regions_of_planes(*known, length, self.ends))
+                continue
             problem = self._problem(point)
             if problem.speed is None:
-                parts.append(speed_regions(problem, float(np.sum(self.piece.step)), self.ends))
+                parts.append(speed_regions(problem, length, self.ends))
             else:
                 with_root.append(problem)
         if with_root:
@@ -139,7 +146,9 @@ class _Search:
         found = fastest_profile(self.piece.step, regions, self.ends)
         if isinstance(found, Obstacle):
             return self._explained(found)
-        return self._unusual(found, regions) or fastest_piece(self.piece, regions, found)
+        return self._unusual(found, regions) or fastest_piece(
+            self.piece, regions, rising_profile(found, self.piece.step, regions, self.ends)
+        )
 
     def _unusual(self, found: SpeedProfile, regions: SpeedRegions) -> _Failure | None:
         """A profile that takes no time, or for ever."""
@@ -166,7 +175,7 @@ class _Search:
         if obstacle.kind != "segment":
             return self._wrong_end(obstacle)
         conflict = self._conflict(k, reach)
-        low, high = (np.sqrt(x) / self.piece.speed[k + 1] if self.piece.speed[k + 1] > 0 else 0.0 for x in reach)
+        low, high = (np.sqrt(x) / self.piece.given_rate[k + 1] if self.piece.speed[k + 1] > 0 else 0.0 for x in reach)
         why = (
             f"no speed at {self._place(k)} leads on to where the end can still be reached, ṙ in [{low:.6g}, "
             f"{high:.6g}] at the next sample{_rows(conflict)}. Change the path or its end speeds, or raise a limit."
@@ -175,7 +184,7 @@ class _Search:
 
     def _wrong_end(self, obstacle: Obstacle) -> _Failure:
         start = obstacle.kind == "start"
-        speed, given = self.piece.speed[obstacle.sample], self.ends[0 if start else 1]
+        speed, given = self.piece.given_rate[obstacle.sample], self.ends[0 if start else 1]
         place, status = self._place(obstacle.sample), RetimingStatus.START_SPEED if start else RetimingStatus.END_SPEED
         conflict = self._conflict(obstacle.sample, obstacle.next_reach, given)
         if given == 0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The path of a motion without its timing: samples by arc length, in pieces from stop to stop."""
+"""The path of a motion without its timing: samples by arc length or by its turns, in pieces from stop to stop."""
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -14,6 +14,7 @@ from mrts.coordination.closed_chain import nearest_rates
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import REST
+from mrts.samples.motor_terms import travel_directions
 
 PLACES = np.array([0.125, 0.375, 0.5, 0.625, 0.875])
 """Where each segment is checked; the error vanishes at its ends."""
@@ -22,13 +23,31 @@ NEAR_REST = 1e-3
 """Below this share, q'/|q'| and its derivative lose digits: they are continued from the first faster sample."""
 
 
-@dataclass(frozen=True)
+STRAIGHT = 0.1
+"""Share of the mean curvature, and turn of a whole path [rad], below which its parameter passes over turns."""
+
+EVEN = 0.1
+"""Largest turn from sample to sample [rad] up to which a path is timed by its arc length."""
+
+STEADY = 2.0
+"""Largest change of ln ds/dσ by each radian that a path turns: on a parabola it is tan of the angle from its vertex."""
+
+SAME_PACE = 4.0
+"""By how much ds/dσ at a sample may differ from that of the segments beside it: more is no chart of the path."""
+
+FEWEST = 4
+"""Samples that a cubic spline with free ends needs."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class PathPiece:
     """Part of a path between two stops or ends, n samples.
 
     Attributes:
         first: Index of its first sample in the motion.
-        path: Its samples with arc length s for time: q, dq/ds, d²q/ds², and so for the object.
+        path: Its samples with a parameter σ for time: q, dq/dσ, d²q/dσ², and so for the object.
+        arc: Arc length s at the samples, from the start of the piece, Shape (n,).
+        arc_speed: ds/dσ at the samples, Shape (n,).
         speed: ds/dr at the samples, Shape (n,).
         rests: Whether the motion is at rest at its start, and at its end.
         continued: Samples near rest, whose derivatives are continued from a faster one.
@@ -36,14 +55,22 @@ class PathPiece:
 
     first: int
     path: CoordinatedMotion
+    arc: Array
+    arc_speed: Array
     speed: Array
     rests: tuple[bool, bool]
     continued: NDArray[np.int_]
 
     @property
     def step(self) -> Array:
-        """Δs of each segment, Shape (n - 1,)."""
+        """Δσ of each segment, Shape (n - 1,)."""
         return np.diff(self.path.object.time)
+
+    @property
+    def given_rate(self) -> Array:
+        """dσ/dr at the samples, where the path does not stand still by σ, Shape (n,)."""
+        rate: Array = self.speed / self.arc_speed
+        return rate
 
 
 @dataclass(frozen=True)
@@ -60,7 +87,7 @@ class NoPath:
 
 
 def path_pieces(motion: CoordinatedMotion) -> list[PathPiece] | NoPath:
-    """Cut a motion at its stops and take the timing out of it.
+    """Cut a motion at its stops and take the timing out of it: σ is the arc length.
 
     s is the arc length of the joints' path, ds = |q'| dr with |q'| the root mean square over the joints: unlike the
     given time it is regular where a motion starts from rest, and a constant acceleration is a constant s̈.
@@ -115,7 +142,10 @@ def _piece(
         bend[near] = bend[of]
         direction[near] = direction[of] + (away[near] - away[of]) * bend[of]
     fast = np.isin(np.arange(len(step)), moving) & np.isin(np.arange(len(step)) + 1, moving)
-    step[fast] = _arcs(motion.q[part], direction[:, :joints])[fast]
+    arcs = _arcs(motion.q[part], direction[:, :joints])
+    if motion.course is not None:  # velocities near rest are a spline's, the positions are what was given
+        fast = arcs > 0
+    step[fast] = arcs[fast]
     s = np.concatenate([[0.0], np.cumsum(step)])
     back = np.sum(direction[1:, :joints] * direction[:-1, :joints], axis=1) <= 0
     if np.any(back) or np.any(step <= 0):
@@ -125,7 +155,9 @@ def _piece(
     )
     rests = (bool(rest[first]), bool(rest[last]))
     joined = CoordinatedMotion(path, motion.q[part], direction[:, :joints], bend[:, :joints])
-    return PathPiece(first, joined, speed, rests, continued)
+    return PathPiece(
+        first=first, path=joined, arc=s, arc_speed=np.ones_like(s), speed=speed, rests=rests, continued=continued
+    )
 
 
 def closed_piece(cell: Cell, piece: PathPiece) -> PathPiece:
@@ -143,6 +175,80 @@ def closed_piece(cell: Cell, piece: PathPiece) -> PathPiece:
     wrong = np.isin(chosen, piece.continued)
     dq[piece.continued], ddq[piece.continued] = (rates[wrong] for rates in nearest_rates(cell, some.object, some))
     return replace(piece, path=replace(path, dq=dq, ddq=ddq))
+
+
+def by_turns(piece: PathPiece) -> PathPiece:
+    """A piece by arc length by a parameter in which its turns are as even as on a parabola by its own.
+
+    Where a path turns sharply its direction changes within few samples by arc length, while joints that are splines
+    are polynomials by their own parameter. dσ = κ^(1/3) ds is the parameter of every parabola (its affine arc
+    length); where the curvature κ is small σ is the arc length again, so a straight path keeps it. Samples that are
+    close enough together do too: a piece whose turns from one to the next are small is returned as it is.
+
+    Args:
+        piece: By arc length, n samples.
+    """
+    path, s = piece.path, piece.arc
+    turn = np.sqrt(np.mean(np.diff(path.dq, axis=0) ** 2, axis=1))
+    moving = np.setdiff1d(np.arange(len(s)), piece.continued)
+    if len(moving) < FEWEST or np.max(turn) <= EVEN:
+        return piece
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for paths that turn only)
+
+    curvature, step = np.sqrt(np.mean(path.ddq**2, axis=1)), np.diff(s)
+    passed = STRAIGHT * (1 + float(np.sum(turn))) / s[-1]
+    pace = np.exp(_steady(-np.log(1 + (curvature / passed) ** 2) / 6, STEADY * turn))
+    sigma = np.concatenate([[0.0], np.cumsum(2 * step / (pace[:-1] + pace[1:]))])
+    spline = CubicSpline(sigma[moving], path.q[moving])
+    rate, change = spline(sigma, 1), spline(sigma, 2)
+    first = np.sqrt(np.mean(rate**2, axis=1))
+    mean = step / np.diff(sigma)
+    if any(
+        np.any(np.abs(np.log(first[side] / mean)) > np.log(SAME_PACE)) for side in (slice(None, -1), slice(1, None))
+    ):
+        return piece
+    return replace(
+        piece, path=by_parameter(path, sigma, first, np.mean(rate * change, axis=1) / first), arc_speed=first
+    )
+
+
+def _steady(values: Array, most: Array) -> Array:
+    """Values between the least above and the largest below that change by no more from sample to sample.
+
+    Args:
+        values: Shape (n,).
+        most: Largest change on each segment, Shape (n - 1,).
+    """
+    way = np.concatenate([[0.0], np.cumsum(most)])
+
+    def below(given: Array) -> Array:
+        behind = np.minimum.accumulate(given - way) + way
+        ahead = np.minimum.accumulate((given + way)[::-1])[::-1] - way
+        both: Array = np.minimum(behind, ahead)
+        return both
+
+    steady: Array = (below(values) - below(-values)) / 2
+    return steady
+
+
+def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Array) -> CoordinatedMotion:
+    """A path by arc length s as one by another parameter σ.
+
+    Args:
+        path: n samples.
+        sigma: At the samples, Shape (n,).
+        first: ds/dσ, Shape (n,).
+        second: d²s/dσ², Shape (n,).
+    """
+
+    def rates(rate: Array, change: Array) -> tuple[Array, Array]:
+        return rate * first[:, None], change * first[:, None] ** 2 + rate * second[:, None]
+
+    given = path.object
+    dq, ddq = rates(path.dq, path.ddq)
+    carried = ObjectMotion(sigma, given.position, given.rotation, *rates(given.twist, given.acceleration), smooth=False)
+    travel = np.stack(travel_directions(path.dq, path.ddq)) if path.travel is None else path.travel
+    return CoordinatedMotion(carried, path.q, dq, ddq, travel=travel)
 
 
 def _arcs(q: Array, direction: Array) -> Array:

@@ -9,9 +9,10 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion, carried_by_first
-from mrts.coordination.denser_motion import velocity_polynomials
+from mrts.coordination.denser_motion import WHOLE_WAY, polynomial_weights, velocity_polynomials
+from mrts.kernel.motion_rows import path_places
 from mrts.motion.object_motion import ObjectMotion
-from mrts.reachability.fastest_profile import SpeedProfile
+from mrts.reachability.fastest_profile import SpeedProfile, segment_times
 from mrts.reachability.speed_regions import SpeedRegions
 from mrts.retiming.path_pieces import PathPiece
 from mrts.samples.motor_terms import travel_directions
@@ -22,9 +23,9 @@ class TimedPiece:
     """A piece of a path with its speed.
 
     Attributes:
-        piece: The piece, n samples; its time is the path parameter s.
-        x: ṡ² at the samples, Shape (n,).
-        rates: s̈ at the start and at the end of every segment, linear in between, Shape (n - 1, 2).
+        piece: The piece, n samples; its time is the path parameter σ.
+        x: σ̇² at the samples, Shape (n,).
+        rates: σ̈ at the start and at the end of every segment, linear in between, Shape (n - 1, 2).
     """
 
     piece: PathPiece
@@ -34,12 +35,12 @@ class TimedPiece:
     @property
     def arc(self) -> Array:
         """Arc length at the samples, from the start of the piece, Shape (n,)."""
-        return self.piece.path.object.time
+        return self.piece.arc
 
     @property
     def arc_speed(self) -> Array:
         """Speed along the arc length at the samples, Shape (n,)."""
-        return np.sqrt(self.x)
+        return self.along_arc(self.x)
 
     @property
     def segment_times(self) -> Array:
@@ -51,14 +52,23 @@ class TimedPiece:
         duration: Array = 2 * self.piece.step / (speed[:-1] + speed[1:])
         return duration
 
+    def along_arc(self, x: Array) -> Array:
+        """Speeds ṡ along the arc length at the samples, Shape (n,).
+
+        Args:
+            x: σ̇² there, Shape (n,); infinity where nothing bounds it.
+        """
+        speed: Array = self.piece.arc_speed * np.sqrt(x)
+        return speed
+
     def to_json(self, time: Array) -> dict[str, list[float | None]]:
-        """The profile as JSON values.
+        """The profile as JSON values, along the arc length.
 
         Args:
             time: Of the given motion, Shape (N,) [s].
         """
         own = time[self.piece.first :][: len(self.x)].tolist()
-        return {"r": own, "s": self.piece.path.object.time.tolist(), "speed": np.sqrt(self.x).tolist()}
+        return {"r": own, "s": self.arc.tolist(), "speed": self.arc_speed.tolist()}
 
     def inside(self, places: Array) -> tuple[Array, Array]:
         """ṡ² and s̈ inside the segments, each Shape (p (n - 1),), segment after segment.
@@ -73,15 +83,20 @@ class TimedPiece:
 
 @dataclass(frozen=True, kw_only=True)
 class FastestPiece(TimedPiece):
-    """A piece with its fastest speed: s is arc length, and s̈ is constant on each segment.
+    """A piece with its fastest speed.
 
     Attributes:
-        regions: Admissible (s̈, ṡ²) at its samples.
-        profile: The fastest ṡ².
+        regions: Admissible (σ̈, σ̇²) at its samples.
+        profile: The fastest σ̇².
     """
 
     regions: SpeedRegions
     profile: SpeedProfile
+
+    @property
+    def segment_times(self) -> Array:
+        """Duration of each segment, Shape (n - 1,) [s]."""
+        return segment_times(self.piece.step, self.profile)
 
     def to_json(self, time: Array) -> dict[str, list[float | None]]:
         """The profile as JSON values, with the speeds that the limits leave.
@@ -90,9 +105,9 @@ class FastestPiece(TimedPiece):
             time: Of the given motion, Shape (N,) [s].
         """
         return super().to_json(time) | {
-            "least_controllable": np.sqrt(self.profile.lower).tolist(),
-            "largest_controllable": np.sqrt(self.profile.upper).tolist(),
-            "largest": [float(np.sqrt(x)) if np.isfinite(x) else None for x in self.regions.upper],
+            "least_controllable": self.along_arc(self.profile.lower).tolist(),
+            "largest_controllable": self.along_arc(self.profile.upper).tolist(),
+            "largest": [speed if np.isfinite(speed) else None for speed in self.along_arc(self.regions.upper).tolist()],
         }
 
 
@@ -104,8 +119,9 @@ def fastest_piece(piece: PathPiece, regions: SpeedRegions, profile: SpeedProfile
         regions: Of its samples.
         profile: The profile.
     """
-    rate = np.diff(profile.x) / (2 * piece.step)
-    return FastestPiece(piece=piece, x=profile.x, rates=np.column_stack([rate, rate]), regions=regions, profile=profile)
+    mean, half = np.diff(profile.x) / (2 * piece.step), profile.rise / 2
+    rates = np.column_stack([mean - half, mean + half])
+    return FastestPiece(piece=piece, x=profile.x, rates=rates, regions=regions, profile=profile)
 
 
 def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> CoordinatedMotion:
@@ -176,13 +192,26 @@ def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> Coordin
         places: Where in each segment, in (0, 1), Shape (p,).
 
     Returns:
-        The motion at p (n - 1) samples, segment after segment; its time is the path parameter s.
+        The motion at p (n - 1) samples, segment after segment; its time is the path parameter.
     """
     path, step = part.piece.path, part.piece.step
     s = (path.object.time[:-1, None] + step[:, None] * places).ravel()
-    q, dq, ddq = velocity_polynomials(path.object.time, (path.q, path.dq, path.ddq), s)
     x, rate = part.inside(places)
-    return _retimed(carried_by_first(cell, s - s[0], q, dq, ddq, smooth=False), np.sqrt(x), x, rate)
+    library = cell.functions.compiled
+    if library is None:
+        q, dq, ddq = velocity_polynomials(path.object.time, (path.q, path.dq, path.ddq), s)
+        return _retimed(carried_by_first(cell, s - s[0], q, dq, ddq, smooth=False), np.sqrt(x), x, rate)
+    q, dq, ddq, *carried = path_places(
+        library,
+        (path.object.time, path.q, path.dq, path.ddq),
+        (places, polynomial_weights(places), WHOLE_WAY),
+        (x, rate),
+        cell.geometry,
+        cell.wrench_rows,
+    )
+    position, rotation, twist, acceleration = carried
+    there = ObjectMotion(s - s[0], position, rotation, twist, acceleration, smooth=False)
+    return CoordinatedMotion(there, q, dq, ddq)
 
 
 def _retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> CoordinatedMotion:

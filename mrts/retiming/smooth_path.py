@@ -12,9 +12,7 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.denser_motion import between_samples, denser
-from mrts.motion.object_motion import ObjectMotion
-from mrts.retiming.path_pieces import PLACES, NoPath, PathPiece, path_pieces
-from mrts.samples.motor_terms import travel_directions
+from mrts.retiming.path_pieces import PLACES, NoPath, PathPiece, by_parameter, path_pieces
 from mrts.smooth.path_program import third_derivatives
 
 LEAST_NODES = 60
@@ -32,8 +30,6 @@ class SmoothPath(PathPiece):
     """A piece of a path whose `path` has σ for time.
 
     Attributes:
-        arc: Arc length s at the nodes, Shape (n,).
-        arc_speed: ds/dσ, Shape (n,).
         stops: Whether its timing is at rest at its start, and at its end.
         fine: The path at its nodes and between them, K samples.
         nodes: Which of them are the nodes, indices of Shape (n,).
@@ -41,8 +37,6 @@ class SmoothPath(PathPiece):
         given_time: Of them, in the given motion, Shape (K,) [s].
     """
 
-    arc: Array
-    arc_speed: Array
     stops: tuple[bool, bool]
     fine: CoordinatedMotion
     nodes: NDArray[np.int_]
@@ -230,18 +224,18 @@ def smooth_path(given: FineMotion, piece: PathPiece, end_speeds: tuple[float, fl
     for place, stopped in zip((0, -1), at_rest, strict=True):
         if stopped:
             first[place] = second[place] = 0.0
-    fine = _by_sigma(path, z * duration, first, second)
+    fine = by_parameter(path, z * duration, first, second)
     turns = third_derivatives(np.diff(s), path.dq, path.ddq)
     if not given.follows:
         turns = _between_nodes(s, nodes, third_derivatives(np.diff(s[nodes]), path.dq[nodes], path.ddq[nodes]))
     sides = np.stack([np.arange(len(s) - 1), np.arange(1, len(s))], axis=1)
     by, by2, by3 = (of[sides][..., None] for of in (first, second, third))
     return SmoothPath(
-        int(np.count_nonzero(given.is_node[: piece.first])),
-        _only(fine, nodes),
-        piece.speed[nodes],
-        piece.rests,
-        np.flatnonzero(np.isin(nodes, piece.continued)),
+        first=int(np.count_nonzero(given.is_node[: piece.first])),
+        path=_only(fine, nodes),
+        speed=piece.speed[nodes],
+        rests=piece.rests,
+        continued=np.flatnonzero(np.isin(nodes, piece.continued)),
         arc=s[nodes],
         arc_speed=first[nodes],
         stops=at_rest,
@@ -266,19 +260,6 @@ def joined_at_stops(pieces: Sequence[SmoothPath]) -> list[SmoothPath]:
     return [
         replace(piece, path=replace(piece.path, travel=travel)) for piece, travel in zip(pieces, travels, strict=True)
     ]
-
-
-def _by_sigma(path: CoordinatedMotion, sigma: Array, first: Array, second: Array) -> CoordinatedMotion:
-    """A path by arc length as one by σ, with ds/dσ and its derivative."""
-
-    def rates(rate: Array, change: Array) -> tuple[Array, Array]:
-        return rate * first[:, None], change * first[:, None] ** 2 + rate * second[:, None]
-
-    given = path.object
-    dq, ddq = rates(path.dq, path.ddq)
-    carried = ObjectMotion(sigma, given.position, given.rotation, *rates(given.twist, given.acceleration), smooth=False)
-    travel = np.stack(travel_directions(path.dq, path.ddq))
-    return CoordinatedMotion(carried, path.q, dq, ddq, travel=travel)
 
 
 def _between_nodes(s: Array, nodes: NDArray[np.int_], third: Array) -> Array:

@@ -42,17 +42,6 @@ class SmoothPiece(TimedPiece):
         """σ̈ at the nodes, Shape (n,)."""
         return np.append(self.rates[:, 0], self.rates[-1:, 1])
 
-    @property
-    def arc(self) -> Array:
-        """Arc length at the nodes, from the start of the piece, Shape (n,)."""
-        return self.piece.arc
-
-    @property
-    def arc_speed(self) -> Array:
-        """ṡ along the arc length at the nodes, Shape (n,)."""
-        speed: Array = self.piece.arc_speed * np.sqrt(self.x)
-        return speed
-
     def to_json(self, time: Array) -> dict[str, list[float | None]]:
         """The profile as JSON values, along the arc length.
 
@@ -60,8 +49,6 @@ class SmoothPiece(TimedPiece):
             time: Of the given motion, Shape (N,) [s].
         """
         return super().to_json(time) | {
-            "s": self.arc.tolist(),
-            "speed": self.arc_speed.tolist(),
             "sigma": self.piece.path.object.time.tolist(),
             "sigma_speed": np.sqrt(self.x).tolist(),
             "sigma_rate": self.rate.tolist(),

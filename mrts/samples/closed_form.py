@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.limits.rows import STANDSTILL, ActiveRow
-from mrts.samples.range_ends import BINDING_TOLERANCE, RangeEnds, active_rows
+from mrts.samples.range_ends import BINDING_TOLERANCE, RangeEnds, TiedRows
 from mrts.samples.sample_problem import SampleProblem
 
 
@@ -59,15 +58,25 @@ def ends_in_closed_form(problem: SampleProblem, sensitivity: LoadSensitivity | N
     least_by_lower, most_by_lower = _worst_below_zero(-slope, problem.lower, -c2, -offset)
     least, most = np.maximum(least_by_upper, least_by_lower), np.minimum(most_by_upper, most_by_lower)
     lower, upper = np.max(least, axis=1, initial=0.0), np.min(most, axis=1, initial=np.inf)
-    lower_rows, upper_rows = [], []
-    for sample in range(problem.samples):
-        by_upper = np.where(least_by_upper[sample] >= least_by_lower[sample], 1.0, -1.0)
-        standstill = lower[sample] == 0
-        rows = _closest_rows(problem, least[sample], lower[sample], by_upper)
-        lower_rows.append((ActiveRow(STANDSTILL, "lower", 0.0),) if standstill else rows)
-        by_upper = np.where(most_by_upper[sample] <= most_by_lower[sample], 1.0, -1.0)
-        upper_rows.append(_closest_rows(problem, most[sample], upper[sample], by_upper))
+    names, limits = problem.names, (problem.limit_lower, problem.limit_upper)
+    at_low = tied_sides(least, lower, least_by_upper >= least_by_lower)
+    at_high = tied_sides(most, upper, most_by_upper <= most_by_lower)
+    lower_rows = TiedRows(end="lower", c2=lower, sides=at_low, names=names, limits=limits)
+    upper_rows = TiedRows(end="upper", c2=upper, sides=at_high, names=names, limits=limits)
     return RangeEnds(lower, upper, lower_rows, upper_rows, lower > upper, 0)
+
+
+def tied_sides(ends: Array, c2: Array, by_upper: NDArray[np.bool_]) -> NDArray[np.int8]:
+    """Rows whose own end ties with that of their sample, as in `TiedRows.sides`.
+
+    Args:
+        ends: Of each row, Shape (N, r).
+        c2: Of each sample, Shape (N,).
+        by_upper: Whether a row's end is set by its upper limit, Shape (N, r).
+    """
+    given = np.where(np.isfinite(c2), c2, np.nan)[:, None]
+    near = np.abs(ends - given) <= BINDING_TOLERANCE * np.abs(given)
+    return np.where(near, np.where(by_upper, 1, -1), 0).astype(np.int8)
 
 
 def worst_parameters(problem: SampleProblem, sensitivity: LoadSensitivity, sample: int, c2: float) -> NDArray[np.bool_]:
@@ -118,10 +127,3 @@ def _worst_below_zero(a: Array, b: Array, d: Array, e: Array) -> tuple[Array, Ar
             lower = np.minimum(lower, np.where(inside, start, np.where(ends_inside, root, np.inf)))
             upper = np.maximum(upper, np.where(ends_inside, stop, np.where(inside, root, -np.inf)))
     return lower, upper
-
-
-def _closest_rows(problem: SampleProblem, ends: Array, c2: float, side: Array) -> tuple[ActiveRow, ...]:
-    if not np.isfinite(c2):
-        return ()
-    near = np.abs(ends - c2) <= BINDING_TOLERANCE * abs(c2)
-    return active_rows(problem, np.where(near, side, 0.0), 0.0)

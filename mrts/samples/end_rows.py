@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
@@ -28,6 +29,10 @@ WIDER = 3e-9
 NEAR = 1e-4
 """A row is at its limit if no solution keeps further away than this share of it: 1 / NEAR times `WIDER` is the least
 multiplier, as a share of all, that counts."""
+
+
+ASKED_AT_ONCE = 24
+"""Sides of rows up to which a program is solved for each; of more, one solution shows first which are far away."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +61,39 @@ class RowsAtEnd(Sequence[ActiveRow]):
         if self.end == "lower" and self.c2 == 0:
             return (ActiveRow(STANDSTILL, "lower", 0.0),)
         return rows_at_end(self.problem(), self.c2, self.end) if np.isfinite(self.c2) else ()
+
+
+@dataclass(frozen=True, eq=False)
+class RowsWhenAsked(Sequence[ActiveRow]):
+    """The rows at one end of one of N samples, looked up when they are asked for; equal to the same rows of any kind.
+
+    Attributes:
+        of: The rows of that end of every sample.
+        sample: Which sample.
+    """
+
+    of: Sequence[tuple[ActiveRow, ...]]
+    sample: int
+
+    def __len__(self) -> int:
+        return len(self.found)
+
+    def __getitem__(self, place: Any) -> Any:
+        return self.found[place]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and self.found == tuple(other)
+
+    def __hash__(self) -> int:
+        return hash(self.found)
+
+    def __repr__(self) -> str:
+        return repr(self.found)
+
+    @cached_property
+    def found(self) -> tuple[ActiveRow, ...]:
+        """The rows, found once."""
+        return tuple(self.of[self.sample])
 
 
 @dataclass(frozen=True)
@@ -131,41 +169,68 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
     """
     if end == "lower" and c2 * float(effect_of_speed(problem)[0]) <= WIDER:
         return (ActiveRow(STANDSTILL, "lower", 0.0),)
-    moving = ~problem.is_cap
-    widening = WIDER * problem.is_limit[moving]
+    moving = np.flatnonzero(~problem.is_cap)
+    is_limit = problem.is_limit[moving]
+    widening = WIDER * is_limit
     lower, upper = (limit[0, moving] for limit in problem.limits_at(c2))
     lower, upper = lower - widening, upper + widening
-    places = np.flatnonzero(problem.is_limit & moving)
-    at = np.searchsorted(np.flatnonzero(moving), places)
-    sides = [
-        (row, place, sign)
-        for row, place in zip(at.tolist(), places.tolist(), strict=True)
-        for sign, limit in ((1.0, upper[row]), (-1.0, lower[row]))
-        if np.isfinite(limit) and upper[row] - lower[row] > 2 * NEAR
-    ]
+    apart = is_limit & (upper - lower > 2 * NEAR)
+    rows, lows = np.nonzero(np.column_stack([apart & np.isfinite(upper), apart & np.isfinite(lower)]))
     if problem.unknowns == 1:  # nothing is free: each row is where it is
         near = BINDING_TOLERANCE + WIDER
-        distance = np.array([upper[row] if sign > 0 else -lower[row] for row, _, sign in sides])
+        distance = np.where(lows, -lower[rows], upper[rows])
     else:
         near = NEAR
-        distance = _largest_distance(problem.free[0, moving], lower, upper, [(row, sign) for row, _, sign in sides])
-    tight = [(place, sign > 0) for (_, place, sign), far in zip(sides, distance, strict=True) if far <= near]
-    named = [problem.active_row(place, upper=side) for place, side in tight]
+        distance = _largest_distance(problem.free[0, moving], lower, upper, rows, np.where(lows, -1.0, 1.0))
+    tight = np.flatnonzero(distance <= near)
+    named = [
+        problem.active_row(place, upper=not low)
+        for place, low in zip(moving[rows[tight]].tolist(), lows[tight].tolist(), strict=True)
+    ]
     if end == "upper":
         caps = np.flatnonzero(problem.is_cap)[problem.cap_share[0] * c2 >= 1 - CAPS_TIE]
         named += [problem.active_row(row, upper=bool(problem.square[0, row] > 0)) for row in caps.tolist()]
     return tuple(named)
 
 
-def _largest_distance(A: Array, lower: Array, upper: Array, sides: list[tuple[int, float]]) -> Array:
-    """How far each row can keep from one of its sides (sign 1: upper), at most 1; infinity if it was not found."""
-    rows, unknowns = A.shape
-    count = len(sides)
-    row, sign = (np.array(values) for values in zip(*sides, strict=True)) if sides else (np.zeros(0, int), np.zeros(0))
-    asked = np.zeros((count, rows + 1, unknowns + 1))
-    asked[:, :-1, :-1] = A
-    asked[:, -1, :-1] = sign[:, None] * A[row]
-    asked[:, -1, -1] = 1.0
+def _largest_distance(A: Array, lower: Array, upper: Array, row: NDArray[np.int_], sign: Array) -> Array:
+    """How far some rows can keep from one of their sides (sign 1: upper), at most 1; infinity if it was not found.
+
+    Of those that keep further away than `NEAR` in one solution, it is how far they do there.
+    """
+    asked, distance = np.arange(len(row)), np.full(len(row), np.inf)
+    if len(row) > ASKED_AT_ONCE:
+        x, _, verified = _away_from(A, lower, upper, row[None], sign[None])
+        if verified[0]:
+            value: Array = A[row] @ x[0]
+            distance = np.where(sign > 0, upper[row] - value, value - lower[row])
+            asked = np.flatnonzero(distance <= NEAR)
+    if asked.size:
+        _, furthest, verified = _away_from(A, lower, upper, row[asked, None], sign[asked, None])
+        distance[asked] = np.where(verified, furthest, np.inf)
+    return distance
+
+
+def _away_from(
+    A: Array, lower: Array, upper: Array, row: NDArray[np.int_], sign: Array
+) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Unknowns that keep as far as they can from all sides of a program at once, at most 1, and whether it was solved.
+
+    Args:
+        A: Shape (r, k).
+        lower: Shape (r,).
+        upper: Shape (r,).
+        row: Of each program, Shape (p, s).
+        sign: Likewise, 1 of upper sides.
+
+    Returns:
+        Unknowns, Shape (p, k), distances, Shape (p,), and Shape (p,).
+    """
+    (rows, unknowns), (count, sides) = A.shape, row.shape
+    asked = np.zeros((count, rows + sides, unknowns + 1))
+    asked[:, :rows, :-1] = A
+    asked[:, rows:, :-1] = sign[:, :, None] * A[row]
+    asked[:, rows:, -1] = 1.0
     g = np.zeros((count, unknowns + 1))
     g[:, -1] = -1.0
     free = np.full((count, unknowns), np.inf)
@@ -174,11 +239,11 @@ def _largest_distance(A: Array, lower: Array, upper: Array, sides: list[tuple[in
             H=None,
             g=g,
             A=asked,
-            lower=np.column_stack([np.tile(lower, (count, 1)), np.full(count, -np.inf)]),
+            lower=np.column_stack([np.tile(lower, (count, 1)), np.full((count, sides), -np.inf)]),
             upper=np.column_stack([np.tile(upper, (count, 1)), np.where(sign > 0, upper[row], -lower[row])]),
             x_lower=np.column_stack([-free, np.zeros(count)]),
             x_upper=np.column_stack([free, np.ones(count)]),
         ),
         DEFAULT_SOLVER,
     )
-    return np.where(answers.verified, answers.x[:, -1], np.inf)
+    return answers.x[:, :-1], answers.x[:, -1], answers.verified

@@ -45,7 +45,9 @@ class LoadSharing:
         if abs(np.sum(shares) - 1) > SHARE_TOLERANCE:
             raise InputError("shares", f"must sum to 1; they sum to {np.sum(shares):.12g}.", value=shares.tolist())
         size = robots * len(cell.wrench_components)
-        internal = np.zeros(size) if self.internal_wrench is None else as_array("internal_wrench", self.internal_wrench)
+        if self.internal_wrench is None:
+            return {"shares": shares, "internal_wrench": np.zeros(size)}
+        internal = as_array("internal_wrench", self.internal_wrench)
         if internal.shape not in {(size,), (motion.samples, size)} or not np.isfinite(internal).all():
             raise InputError(
                 "internal_wrench",

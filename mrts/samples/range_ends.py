@@ -2,7 +2,7 @@
 """Least and largest c² of samples, the gaps between them, and the rows that bind there."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
 from mrts.base.load_box import LoadPoint
-from mrts.limits.rows import STANDSTILL, ActiveRow, LimitRows, Side
+from mrts.limits.rows import STANDSTILL, ActiveRow, LimitRows, RowName, Side
 from mrts.limits.squared_rows import SpeedCaps
 from mrts.samples.sample_problem import SampleProblem
 
@@ -26,8 +26,8 @@ class RangeEnds:
 
     lower: Array
     upper: Array
-    lower_rows: list[tuple[ActiveRow, ...]]
-    upper_rows: list[tuple[ActiveRow, ...]]
+    lower_rows: "list[tuple[ActiveRow, ...]] | TiedRows"
+    upper_rows: "list[tuple[ActiveRow, ...]] | TiedRows"
     undecided: NDArray[np.bool_]
     fallbacks: int
 
@@ -101,6 +101,51 @@ class KernelRows(Sequence[tuple[ActiveRow, ...]]):
             elif strong[place] and not of_c2[place]:
                 named.append(self.limits.active(int(self.kept[row]), upper=upper))
         return tuple(named)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TiedRows(Sequence[tuple[ActiveRow, ...]]):
+    """The rows that tie at one end of each of N samples where c² is the only unknown, named when they are asked for.
+
+    Attributes:
+        end: Which end.
+        c2: The end at every sample, Shape (N,); there are no rows where it is not finite.
+        sides: 1 where a row's upper limit sets the end, -1 where its lower one does, 0 where neither, Shape (N, r).
+        names: One a row.
+        limits: Lower and upper limits as given, each Shape (r,).
+        settled: By sample, what was found in another way.
+    """
+
+    end: Side
+    c2: Array
+    sides: NDArray[np.int8]
+    names: tuple[RowName, ...]
+    limits: tuple[Array, Array]
+    settled: dict[int, tuple[ActiveRow, ...]] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.c2)
+
+    def __setitem__(self, sample: int, rows: tuple[ActiveRow, ...]) -> None:
+        self.settled[sample] = rows
+
+    def __getitem__(self, sample: Any) -> Any:
+        if isinstance(sample, slice):
+            return tuple(self[index] for index in range(*sample.indices(len(self))))
+        index = range(len(self))[sample]
+        if index in self.settled:
+            return self.settled[index]
+        if self.end == "lower" and self.c2[index] == 0:
+            return (ActiveRow(STANDSTILL, "lower", 0.0),)
+        if not np.isfinite(self.c2[index]):
+            return ()
+        (lower, upper), sides = self.limits, self.sides[index]
+        return tuple(
+            ActiveRow(self.names[row], "upper", float(upper[row]))
+            if sides[row] > 0
+            else ActiveRow(self.names[row], "lower", float(lower[row]))
+            for row in np.flatnonzero(sides).tolist()
+        )
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,13 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError, MotionError
+from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.kernel.motion_rows import path_rows
+from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits import squared_limits
-from mrts.limits.rows import ActiveRow, RowName
+from mrts.limits.rows import ActiveRow, LimitRows, RowName
 from mrts.limits.squared_rows import SquaredRows, side_share
 from mrts.samples import FORMULATIONS, FormulationName
 from mrts.samples.load_sharing import LoadSharing
@@ -216,6 +219,8 @@ def build_sample_problem(
     elif formulation == "torque":
         _check_invertible(cell, motion)
     limits, motors = squared_limits(cell, motion), motor_terms(cell, motion)
+    if varying and samples is None and sharing is None and formulation == "wrench" and _can_be_compiled(cell, limits):
+        return _path_problem(cell, motion.samples, inputs, limits, motors)
     count = motion.samples
     if samples is not None:
         one_for_all = {name for name, value in inputs.items() if value.ndim == 1}
@@ -244,6 +249,26 @@ def build_sample_problem(
         limit_lower=nothing,
         limit_upper=nothing,
     )
+
+
+def known_torques(cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, c2: float) -> tuple[Array, Array]:
+    """Torques, Shape (N, m), and wrenches, Shape (N, n w), where the object's balance or a sharing leaves nothing free.
+
+    Args:
+        cell: The cell, with its load.
+        motion: Its motion.
+        sharing: A fixed distribution of the load; None with one arm.
+        c2: Chosen c².
+
+    Raises:
+        InputError: If the sharing does not fit the cell.
+    """
+    inputs, name = motion.inputs(cell.load), "wrench_form"
+    if sharing is not None:
+        inputs, name = inputs | sharing.inputs(cell, motion), "fixed_distribution"
+    maps, motors = _maps(cell, name, motion.samples, inputs, varying=False), motor_terms(cell, motion)
+    torque, wrench = (maps[f"{kind}_map"][:, :, 0] * c2 + maps[f"{kind}_offset"] for kind in ("torque", "wrench"))
+    return torque if motors is None else torque + motors.torque(float(np.sqrt(c2))), wrench
 
 
 def _maps(cell: Cell, name: str, count: int, inputs: dict[str, Array], *, varying: bool) -> dict[str, Array]:
@@ -295,11 +320,46 @@ def _problem(
         A[:, :, -1] += rows.square
     if rows.rate is not None and varying:
         A[:, :, -2] += rows.rate
-    torque_speed = None if motors is None else motors.speed
-    speed = rows.speed
+    inward = _margin(motors, rows)
+    margin = np.zeros(1) if inward is None else inward
+    lower, upper = (rows.lower + margin - offset) / size, (rows.upper - margin - offset) / size
+    return _with_rows(form, motors, rows, maps, A=A / size[:, None], lower=lower, upper=upper)
+
+
+def _can_be_compiled(cell: Cell, form: SquaredRows) -> bool:
+    """Whether the kernel puts rows together: there is one, and no sides cross, as by a reserve."""
+    return cell.functions.compiled is not None and bool(np.all(form.rows.lower <= form.rows.upper))
+
+
+def _path_problem(
+    cell: Cell, count: int, inputs: dict[str, Array], form: SquaredRows, motors: MotorTerms | None
+) -> SampleProblem:
+    """The rows of the wrench form where the speed varies, by the kernel in one call."""
+    library, rows = cell.functions.compiled, form.rows
+    assert library is not None  # noqa: S101 (`_can_be_compiled` has seen to it)
+    terms, rate = SampleTerms(square=rows.square), np.zeros((count, library.joints))
+    if motors is not None:
+        rate, margin = motors.rate, _margin(motors, rows)
+        terms = replace(terms, torque_square=motors.square, torque_offset=motors.dry, margin=margin)
+    found = path_rows(library, count, inputs | {GEOMETRY: cell.geometry}, rows.sparse(), form.size, terms, rate)
+    if rows.rate is not None:
+        found.A[:, :, -2] += rows.rate / form.size
+    maps = {name: getattr(found, name) for name in ("torque_map", "torque_offset", "wrench_map", "wrench_offset")}
+    return _with_rows(form, motors, rows, maps, A=found.A, lower=found.lower, upper=found.upper)
+
+
+def _margin(motors: MotorTerms | None, rows: LimitRows) -> Array | None:
+    """By how much limits move inward where friction may act in both directions, Shape (N, r); None where none does."""
+    return None if motors is None or motors.turning is None else motors.turning @ np.abs(rows.torque_matrix).T
+
+
+def _with_rows(
+    form: SquaredRows, motors: MotorTerms | None, rows: LimitRows, maps: dict[str, Array], **found: Array
+) -> SampleProblem:
+    """The problem of rows that were put together, with their terms in ṙ."""
+    torque_speed, speed = None if motors is None else motors.speed, rows.speed
     if torque_speed is not None:
         speed = torque_speed @ rows.torque_matrix.T + (0.0 if speed is None else speed)
-    margin = motors.turning @ np.abs(rows.torque_matrix).T if motors is not None and motors.turning is not None else 0.0
     return SampleProblem(
         torque_map=maps["torque_map"],
         torque_speed=torque_speed,
@@ -308,14 +368,12 @@ def _problem(
         wrench_offset=maps["wrench_offset"],
         names=form.given.names,
         unit=form.unit,
-        is_limit=np.ones(len(size), dtype=bool),
+        is_limit=np.ones(len(form.size), dtype=bool),
         is_cap=form.is_cap,
-        A=A / size[:, None],
-        speed=None if speed is None else speed / size,
-        lower=(rows.lower + margin - offset) / size,
-        upper=(rows.upper - margin - offset) / size,
+        speed=None if speed is None else speed / form.size,
         limit_lower=form.given.lower,
         limit_upper=form.given.upper,
+        **found,
     )
 
 

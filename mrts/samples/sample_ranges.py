@@ -115,8 +115,8 @@ def sample_ranges(problem: SampleProblem, time: Array, solver: str) -> SampleRan
         status=statuses(ends.lower, ends.upper, conflicts.values()),
         lower=ends.lower,
         upper=ends.upper,
-        lower_rows=tuple(ends.lower_rows),
-        upper_rows=tuple(ends.upper_rows),
+        lower_rows=ends.lower_rows,
+        upper_rows=ends.upper_rows,
         conflicts=tuple(conflicts.values()),
         fallbacks=ends.fallbacks,
     )

@@ -12,18 +12,20 @@ from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import CellLibrary, KernelIntervals, KernelRanges, SparseLimits
+from mrts.kernel.one_unknown import KnownPlanes, KnownRanges, KnownWrenches
 from mrts.kernel.programs import OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits import squared_limits
 from mrts.limits.rows import ActiveRow, LimitRows, Side
 from mrts.limits.squared_rows import SpeedCaps, SquaredRows
 from mrts.samples import FormulationName
+from mrts.samples.closed_form import tied_sides
 from mrts.samples.end_rows import RowsAtEnd
 from mrts.samples.infeasibility import Conflict, find_conflicts
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.motor_terms import MotorTerms, motor_terms
-from mrts.samples.range_ends import Gap, KernelRows, gaps_of
-from mrts.samples.sample_problem import build_sample_problem
+from mrts.samples.range_ends import Gap, KernelRows, TiedRows, gaps_of
+from mrts.samples.sample_problem import build_sample_problem, known_torques
 from mrts.samples.sample_ranges import (
     REST_TOLERANCE,
     SampleRanges,
@@ -33,7 +35,7 @@ from mrts.samples.sample_ranges import (
     without_speed_at_rest,
 )
 from mrts.samples.torque_distribution import TORQUE_WIDENING, distribute_torques
-from mrts.solvers import check_solver
+from mrts.solvers import DEFAULT_SOLVER, check_solver
 
 BLOCK = 4096
 """Samples whose rows are put together at a time where the kernel has not answered."""
@@ -64,8 +66,8 @@ def motion_ranges(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    fast = _compiled(cell, motion, formulation, sharing, solver)
-    if fast is not None:
+    fast = compiled_trajectory(cell, motion, formulation, sharing, solver)
+    if fast is not None and not fast.quadratic:
         found = _compiled_ranges(cell, motion, fast, solver, load)
     else:
         problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, load=load)
@@ -78,25 +80,27 @@ def motion_ranges(
 
 
 def _compiled_ranges(
-    cell: Cell, motion: CoordinatedMotion, fast: "_Compiled", solver: str, load: Array | None
+    cell: Cell, motion: CoordinatedMotion, fast: "CompiledTrajectory", solver: str, load: Array | None
 ) -> SampleRanges:
     """The ranges by the kernel; what it does not settle is left to the solvers."""
-    inputs = motion.inputs(cell.load if load is None else load) | {GEOMETRY: cell.geometry}
     most = fast.caps.largest()
-    given = motion.samples, inputs, fast.sparse(), fast.terms(), most
     divided: list[tuple[int, list[tuple[float, float]]]] = []
-    found: KernelRanges | KernelIntervals
-    if fast.has_speed_terms:
-        found = fast.compiled.speed_ranges(*given)
-        divided = found.divided()
+    found: KnownRanges | KernelRanges | KernelIntervals
+    if fast.one_unknown:
+        found = fast.known(cell, motion, load).ranges(fast.terms(), most)
+        undecided = found.lower > found.upper
     else:
-        found = fast.compiled.ranges(*given)
+        given = motion.samples, _inputs(cell, motion, load), fast.sparse(), fast.terms(), most
+        if fast.has_speed_terms:
+            found = fast.compiled.speed_ranges(*given)
+            divided = found.divided()
+        else:
+            found = fast.compiled.ranges(*given)
+        undecided = np.any(found.status != OPTIMAL, axis=0)
     at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
     lower, upper = found.lower, np.where(at_rest, most, found.upper)
-    suspects = np.flatnonzero(np.any(found.status != OPTIMAL, axis=0) | (at_rest & (lower > 0)))
-    rows = [KernelRows(fast.form.given, fast.kept, fast.caps, found.basis[end], found.dual[end], {}) for end in (0, 1)]
-    for sample in np.flatnonzero(at_rest & np.isfinite(most)).tolist():
-        rows[1].settled[sample] = fast.caps.binding(sample)
+    suspects = np.flatnonzero(undecided | (at_rest & (lower > 0)))
+    rows = fast.rows_at_ends(found, (lower, upper), at_rest)
 
     def of_gap(sample: int, c2: float, end: Side) -> RowsAtEnd:
         return RowsAtEnd(partial(build_sample_problem, cell, motion, load=load, samples=np.array([sample])), c2, end)
@@ -108,7 +112,7 @@ def _compiled_ranges(
     fallbacks = 0
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
-        part = _settle(cell, motion, load, block, float(np.max(found.effect)), solver)
+        part = _settle(cell, motion, fast.sharing, load, block, float(np.max(found.effect)), solver)
         lower[block], upper[block] = part.lower, part.upper
         for index, sample in enumerate(block.tolist()):
             rows[0].settled[sample], rows[1].settled[sample] = part.lower_rows[index], part.upper_rows[index]
@@ -152,14 +156,17 @@ def motion_torques(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    fast = _compiled(cell, motion, formulation, sharing, solver)
+    if formulation == "wrench" and (sharing is not None or len(cell.robots) == 1):
+        check_solver(solver)
+        return *known_torques(cell, motion, sharing, c2), 0
+    fast = compiled_trajectory(cell, motion, formulation, sharing, solver)
     if fast is None:
         problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing)
         x, fallbacks = distribute_torques(problem, c2, weights, solver)
         return problem.torque(x), problem.wrench(x), fallbacks
     torque, wrench, status = fast.compiled.torques(
         motion.samples,
-        motion.inputs(cell.load) | {GEOMETRY: cell.geometry},
+        _inputs(cell, motion, None),
         fast.sparse(),
         fast.terms(float(np.sqrt(c2))),
         np.full(motion.samples, c2),
@@ -176,41 +183,128 @@ def motion_torques(
     return torque, wrench, fallbacks
 
 
+def motion_planes(
+    cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, load: Array | None
+) -> tuple[KnownPlanes, Array] | None:
+    """The limits over u = r̈ and x = ṙ² where nothing else is unknown, and the largest x that velocities allow.
+
+    Args:
+        cell: The cell.
+        motion: Its motion; its time is the path parameter r.
+        sharing: A fixed distribution of the load, None for a free one.
+        load: As in `motion_ranges`.
+
+    Returns:
+        Half-planes, and Shape (N,); None where the compiled path does not answer.
+    """
+    fast = compiled_trajectory(cell, motion, "wrench", sharing, DEFAULT_SOLVER)
+    if fast is None or not fast.one_unknown or fast.quadratic:
+        return None
+    motors = fast.motors
+    by_rate = SampleTerms(torque_square=None if motors is None else motors.rate, square=fast.rows.rate)
+    planes = fast.known(cell, motion, load).planes(fast.terms(), by_rate)
+    return None if planes is None else (planes, fast.caps.largest())
+
+
 @dataclass(frozen=True)
-class _Compiled:
-    """The cell's library, all rows, those that it takes, those that only bound c², and what motors add."""
+class CompiledTrajectory:
+    """What the compiled path takes.
+
+    Attributes:
+        compiled: The cell's library.
+        form: All rows.
+        kept: Those that the library takes, Shape (r,).
+        caps: Those that only bound c².
+        motors: What motors add.
+        sharing: A fixed distribution of the load.
+    """
 
     compiled: CellLibrary
     form: SquaredRows
     kept: NDArray[np.int_]
     caps: SpeedCaps
     motors: MotorTerms | None
+    sharing: LoadSharing | None
+
+    @property
+    def one_unknown(self) -> bool:
+        """Whether c² is the only unknown."""
+        return self.sharing is not None or self.compiled.robots == 1
 
     @property
     def has_speed_terms(self) -> bool:
         """Whether a row has a term in ṙ beside others."""
         return self.form.rows.speed is not None or (self.motors is not None and self.motors.speed is not None)
 
+    @property
+    def quadratic(self) -> bool:
+        """Whether rows are quadratic in c, the only unknown: their intervals are found in numpy."""
+        return self.one_unknown and self.has_speed_terms
+
     @cached_property
     def rows(self) -> LimitRows:
         """The rows that it takes."""
         return self.form.rows.only(~self.form.is_cap)
 
+    def passed_caps(self, c2: Array, samples: NDArray[np.intp]) -> Array:
+        """By how much rows that only bound c² are passed at some samples, in shares of each, Shape (k,).
+
+        Args:
+            c2: Shape (k,).
+            samples: Shape (k,).
+        """
+        form = self.form
+        if form.rows.square is None or not np.any(form.is_cap):
+            return np.zeros(len(samples))
+        lower, upper, size = form.rows.lower[form.is_cap], form.rows.upper[form.is_cap], form.size[form.is_cap]
+        value = form.rows.square[np.ix_(samples, form.is_cap)] * c2[:, None]
+        return np.asarray(np.max(np.maximum(value - upper, lower - value) / size, axis=1, initial=0.0))
+
     def sparse(self) -> SparseLimits:
         """The rows that it takes, as C reads them."""
-        rows = self.rows
-        turned = rows.object_axes
-        return SparseLimits(
-            matrix=rows.matrix,
-            lower=rows.lower,
-            upper=rows.upper,
-            group=[name.group for name in rows.names],
-            base=None if turned is None else turned.base,
-            axes=(0, 1, 2) if turned is None else turned.axes,
-        )
+        return self.rows.sparse()
 
-    def terms(self, speed: float | None = None) -> SampleTerms:
-        """What is added at every sample, those in ṙ at a speed, or by themselves where it is to be found."""
+    def known(self, cell: Cell, motion: CoordinatedMotion, load: Array | None) -> KnownWrenches:
+        """The samples of a motion where c² is the only unknown."""
+        inputs, function = _inputs(cell, motion, load), "wrench_form"
+        if self.sharing is not None:
+            inputs, function = inputs | self.sharing.inputs(cell, motion), "fixed_distribution"
+        return KnownWrenches(self.compiled, function, motion.samples, inputs, self.sparse())
+
+    def rows_at_ends(
+        self, found: KnownRanges | KernelRanges | KernelIntervals, ends: tuple[Array, Array], at_rest: NDArray[np.bool_]
+    ) -> tuple[KernelRows, KernelRows] | tuple[TiedRows, TiedRows]:
+        """The rows of both ends, named when they are asked for.
+
+        Args:
+            found: What the kernel found.
+            ends: Lower and upper end of every sample, each Shape (N,).
+            at_rest: Samples at which c² moves nothing but caps, Shape (N,).
+        """
+        given, caps = self.form.given, self.caps
+        if isinstance(found, KnownRanges):
+            sides = np.zeros((2, len(at_rest), len(given.names)), dtype=np.int8)
+            sides[:, :, self.kept] = found.tied
+            sides[1, at_rest] = 0
+            if caps.places.size:
+                with np.errstate(divide="ignore"):
+                    sides[1][:, caps.places] = tied_sides(1 / caps.share, ends[1], caps.upper)
+            names, limits = given.names, (given.lower, given.upper)
+            return (
+                TiedRows(end="lower", c2=ends[0], sides=sides[0], names=names, limits=limits),
+                TiedRows(end="upper", c2=ends[1], sides=sides[1], names=names, limits=limits),
+            )
+        low, high = (KernelRows(given, self.kept, caps, found.basis[end], found.dual[end], {}) for end in (0, 1))
+        for sample in np.flatnonzero(at_rest & np.isfinite(ends[1])).tolist():
+            high.settled[sample] = caps.binding(sample)
+        return low, high
+
+    def terms(self, speed: float | Array | None = None) -> SampleTerms:
+        """What is added at every sample, those in ṙ at a speed, or by themselves where it is to be found.
+
+        Args:
+            speed: ṙ, one for all samples, or Shape (N, 1).
+        """
         rows, motors = self.rows, self.motors
         if rows.speed is None or speed is None:
             of_rows = SampleTerms(square=rows.square, speed=rows.speed)
@@ -221,38 +315,54 @@ class _Compiled:
         return replace(
             of_rows,
             torque_square=motors.square,
-            torque_offset=motors.friction(speed or 0.0),
+            torque_offset=motors.friction(0.0 if speed is None else speed),
             torque_speed=motors.speed if speed is None else None,
             margin=None if motors.turning is None else motors.turning @ np.abs(rows.torque_matrix).T,
         )
 
 
-def _compiled(
+def compiled_trajectory(
     cell: Cell, motion: CoordinatedMotion, formulation: FormulationName, sharing: LoadSharing | None, solver: str
-) -> _Compiled | None:
-    """The compiled path where it answers: free distribution, wrench form, more than one arm, no sides that cross."""
+) -> CompiledTrajectory | None:
+    """The compiled path where it answers: wrench form, no sides that cross.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+        formulation: As in `motion_ranges`.
+        sharing: Likewise.
+        solver: Likewise.
+
+    Raises:
+        InputError: If there is no such solver.
+    """
     check_solver(solver)
     compiled = cell.functions.compiled
-    applies = solver == "kernel" and formulation == "wrench" and sharing is None and len(cell.robots) > 1
-    if compiled is None or not applies:
+    if compiled is None or solver != "kernel" or formulation != "wrench":
         return None
     form = squared_limits(cell, motion)
     kept = np.flatnonzero(~form.is_cap)
     if len(kept) + compiled.unknowns > MOST_ROWS or np.any(form.rows.lower > form.rows.upper):  # by a reserve
         return None
-    return _Compiled(compiled, form, kept, form.caps(motion.samples), motor_terms(cell, motion))
+    return CompiledTrajectory(compiled, form, kept, form.caps(motion.samples), motor_terms(cell, motion), sharing)
+
+
+def _inputs(cell: Cell, motion: CoordinatedMotion, load: Array | None) -> dict[str, Array]:
+    return motion.inputs(cell.load if load is None else load) | {GEOMETRY: cell.geometry}
 
 
 def _settle(
     cell: Cell,
     motion: CoordinatedMotion,
+    sharing: LoadSharing | None,
     load: Array | None,
     samples: NDArray[np.int_],
     speed: float,
     solver: str,
 ) -> SampleRanges:
     """Ranges of samples that the kernel found infeasible or could not decide."""
-    problem = without_speed_at_rest(build_sample_problem(cell, motion, load=load, samples=samples), speed)
+    given = build_sample_problem(cell, motion, sharing=sharing, load=load, samples=samples)
+    problem = without_speed_at_rest(given, speed)
     time = motion.object.time[samples]
     found = find_conflicts(problem, time, np.arange(len(samples)), solver)
     conflicts = tuple(conflict for conflict in found if conflict is not None)

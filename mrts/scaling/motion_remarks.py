@@ -124,13 +124,13 @@ def _jump(cell: Cell, motion: CoordinatedMotion, jumps: Array) -> Remark:
 
 def _noise(cell: Cell, motion: CoordinatedMotion, end: RangeEnd, *, many_jumps: bool) -> list[Remark]:
     """Accelerations that change from sample to sample like noise, where they set the upper end."""
-    if motion.samples < FEWEST_SAMPLES or end.time is None or all(row.name.kind == "velocity" for row in end.rows):
+    if motion.samples < FEWEST_SAMPLES or end.time is None:
         return []
     share = noise_share(motion.ddq)
     largest = np.max(np.abs(motion.ddq), axis=0)
     share[largest < SIGNIFICANT * np.max(largest)] = 0.0
     joint = int(np.argmax(share))
-    if share[joint] < NOISY and not many_jumps:
+    if (share[joint] < NOISY and not many_jumps) or all(row.name.kind == "velocity" for row in end.rows):
         return []
     text = (
         f"noise sets the range of c²: the acceleration of {_joint_names(cell)[joint]} goes up and down from sample to "
@@ -152,7 +152,7 @@ def noise_share(values: Array) -> Array:
     deviation, stride = np.zeros(values.shape[1]), 1
     while len(values) >= FEWEST_SAMPLES * stride:
         differences = np.abs(np.diff(values[::stride], 4, axis=0)) / np.sqrt(70)  # 1² + 4² + 6² + 4² + 1²
-        quartile = np.quantile(differences, 0.25, axis=0)
+        quartile = np.partition(differences, len(differences) // 4, axis=0)[len(differences) // 4]
         deviation, stride = np.maximum(deviation, quartile / NORMAL_QUARTILE), 2 * stride
     largest = np.max(np.abs(values), axis=0)
     return np.asarray(deviation / np.where(largest > 0, largest, 1.0))

@@ -10,6 +10,7 @@ import numpy as np
 from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
 from mrts.limits.rows import ActiveRow, Side
+from mrts.samples.end_rows import RowsWhenAsked
 from mrts.samples.range_ends import Gap, pieces
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
@@ -42,7 +43,7 @@ class RangeEnd:
     c2: float
     sample: int | None
     time: float | None
-    rows: tuple[ActiveRow, ...]
+    rows: Sequence[ActiveRow]
     load: LoadPoint | None = None
 
     def to_json(self) -> dict[str, Any] | None:
@@ -253,4 +254,5 @@ def _end(
     rows: Sequence[tuple[ActiveRow, ...]],
     loads: Sequence[LoadPoint] | None,
 ) -> RangeEnd:
-    return RangeEnd(c2, sample, float(samples.time[sample]), rows[sample], loads[sample] if loads else None)
+    named = RowsWhenAsked(rows, sample)
+    return RangeEnd(c2, sample, float(samples.time[sample]), named, loads[sample] if loads else None)

@@ -22,11 +22,11 @@ from mrts.motion.joint_table import JointTable
 from mrts.motion.object_courses import Geodesic, WaypointPath
 from mrts.motion.object_motion import ObjectMotion
 from mrts.refinement.excess import BETWEEN, checked_tolerance
+from mrts.refinement.motion_widening import motion_widening
 from mrts.refinement.search import Asked, Refinement, refine
 from mrts.samples import DISTRIBUTIONS, DistributionName, FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.range_status import RangeStatus
-from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges
@@ -132,7 +132,7 @@ def scale(
     found = admissible_range(cell, given, question, rule, solver, tolerance, progress)
     found, factors = within_rate_limits(cell, found, rule)
     remarks = motion_remarks(cell, given, found.range)
-    added = np.setdiff1d(found.motion.object.time, given.object.time)
+    added = np.setdiff1d(found.motion.object.time, given.object.time, assume_unique=True)
     untouched = ScalingResult(
         cell=cell,
         motion=found.motion,
@@ -205,12 +205,8 @@ def admissible_range(
     def along(path: CoordinatedMotion, told: Progress) -> tuple[ScalingRange, LoadStudy | None]:
         return range_at_samples(cell, path, question, formulation, sharing, solver, told)
 
-    def problem(path: CoordinatedMotion, places: NDArray[np.intp], loads: Array | None) -> SampleProblem:
-        carried = None
-        if loads is not None:
-            carried = np.zeros((path.samples, loads.shape[1]))
-            carried[places] = loads
-        return build_sample_problem(cell, path, formulation=formulation, sharing=sharing, load=carried, samples=places)
+    def widening(path: CoordinatedMotion, places: NDArray[np.intp], loads: Array | None, c2: Array) -> Array:
+        return motion_widening(cell, path, c2, formulation=formulation, sharing=sharing, load=loads, samples=places)
 
     found, study = along(motion, progress)
     prescribed = sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1
@@ -223,7 +219,7 @@ def admissible_range(
         return along(path, lambda _done, _total: None)[0].samples
 
     assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
-    asked = Asked(ranges, problem)
+    asked = Asked(ranges, widening)
     refined = refine(cell, motion, found.samples, (found.lower.c2, found.upper.c2), asked, tolerance)
     if refined.motion is motion:
         return AdmissibleRange(motion, found, study, refined)

@@ -13,9 +13,7 @@ from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.trajectory_programs import motion_ranges
-from mrts.scaling.guaranteed_range import effective_parameters, for_every_load, guaranteed_range
 from mrts.scaling.load_study import LoadQuestion, LoadStudy
-from mrts.scaling.possible_load import possible_range
 from mrts.scaling.range import ScalingRange, intersect
 
 GRID_POINTS = 51
@@ -85,10 +83,18 @@ def study_load(
             "'variation: {mass: [0.5, 2.0]}'.",
             value=question,
         )
+    from mrts.scaling.guaranteed_range import (  # noqa: PLC0415 (most loads are known)
+        effective_parameters,
+        for_every_load,
+        guaranteed_range,
+    )
+
     asked = LoadQuestion(cell, motion, formulation, sharing, solver, progress)
     if question == "guaranteed":
         return guaranteed_range(asked, box, effective_parameters(cell, motion, box))
     if question == "possible":
+        from mrts.scaling.possible_load import possible_range  # noqa: PLC0415 (its nonlinear program is rarely asked for)
+
         return possible_range(asked, box, effective_parameters(cell, motion, box))
     return for_every_load(asked, question, box, mass_grid(box, question))
 

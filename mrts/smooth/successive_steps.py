@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.smooth.conic import ConicSolver
 from mrts.smooth.program import Goal, SmoothProfile, SmoothProgram
 from mrts.smooth.smooth_solvers import KEPT, CheckedSolver
 
@@ -148,6 +147,8 @@ def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: CheckedSol
 
 def _slow_enough(program: SmoothProgram, likely: Array, solver: CheckedSolver) -> SmoothProfile | None:
     """A profile from constant speeds so small that all rates are: where forces of inertia vanish they grow with it."""
+    from mrts.smooth.conic import ConicSolver  # noqa: PLC0415 (scipy and Clarabel are not needed otherwise)
+
     x = likely
     for _ in range(STARTS):
         passed = ConicSolver.nearest(program, x)
@@ -162,6 +163,8 @@ def _slow_enough(program: SmoothProgram, likely: Array, solver: CheckedSolver) -
 
 def _by_relaxation(program: SmoothProgram, likely: Array) -> Array | RatesTooSmall:
     """The x of an admissible profile, by ever less relaxed limits of rates."""
+    from mrts.smooth.conic import ConicSolver  # noqa: PLC0415 (likewise)
+
     x, before = likely, np.inf
     for _ in range(RELAXED_STEPS):
         found = ConicSolver.nearest(program, x)

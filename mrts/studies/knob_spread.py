@@ -8,7 +8,8 @@ import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from mrts.base.errors import InputError
-from mrts.base.input_file import Finite, Positive, StrictModel, broken_format, broken_rule
+from mrts.base.formats.pose import Finite, Positive
+from mrts.base.formats.strict_model import StrictModel, broken_format, broken_rule
 from mrts.studies.sampling import MOST_STEPS, SampleName
 from mrts.studies.spreads import Distribution, Levels, Range, Spread
 

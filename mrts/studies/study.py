@@ -25,6 +25,9 @@ from mrts.studies.number_paths import Keys, set_number
 from mrts.studies.sampling import SampleName, sample_points
 from mrts.studies.spreads import Spread
 
+VARIANT_FILES = "cell.yaml", "motion.yaml"
+"""That a variant is written as."""
+
 NUMBERS_SHOWN = 3
 """Of what a knob moves."""
 
@@ -240,11 +243,11 @@ class Study:
         for key in ("file", "joints"):
             if key in motion:
                 motion[key] = _reference(Path(motion[key]), folder)
-        paths = folder / "cell.yaml", folder / "motion.yaml"
+        cell_file, motion_file = (folder / name for name in VARIANT_FILES)
         heading = f"# Variant {index} of {printable(self.path.name)}\n"
-        texts = [heading + self.cell_text(cell, folder), heading + yaml_text(motion)]
-        write_together({path: text_writer(text) for path, text in zip(paths, texts, strict=True)})
-        return paths
+        texts = heading + self.cell_text(cell, folder), heading + yaml_text(motion)
+        write_together({cell_file: text_writer(texts[0]), motion_file: text_writer(texts[1])})
+        return cell_file, motion_file
 
     def cell_text(self, keys: dict[str, Any], folder: Path) -> str:
         """The text of a cell file.

@@ -11,7 +11,9 @@ from pydantic import Field, field_validator
 
 from mrts.base.argument_types import as_path
 from mrts.base.errors import InputError
-from mrts.base.input_file import MAX_URDF_BYTES, Finite, StrictModel, read_model, read_text
+from mrts.base.formats.pose import Finite
+from mrts.base.formats.strict_model import StrictModel
+from mrts.base.input_file import MAX_URDF_BYTES, read_model, read_text
 from mrts.base.regular_file import open_regular, read_regular
 from mrts.base.version import __version__
 from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml

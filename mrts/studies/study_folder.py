@@ -338,12 +338,19 @@ def _check_same(folder: StudyFolder, content: Mapping[str, Any]) -> None:
             "folder.",
         )
     advice = "Name another folder, or take back what was changed."
-    difference = first_difference(before["study"], now["study"])
+    difference = first_difference(_as_written(before["study"]), _as_written(now["study"]))
+    difference = difference or first_difference(before["study"], now["study"])  # such as the seventh digit of a text
     if difference is None:
         raise InputError(folder.path, f"holds another study: the table of its motion was another one. {advice}")
     where, old, new = difference
-    was = message_text(json.dumps(old, ensure_ascii=False))
+    was = "not there" if old is None else message_text(json.dumps(old, ensure_ascii=False))
     raise InputError(folder.path, f"holds another study, in which this is {was}. {advice}", key=where, value=new)
+
+
+def _as_written(study: Mapping[str, Any]) -> dict[str, Any]:
+    """What `study.json` says of a study under the keys of the study's file; how numbers are spread in words."""
+    vary = {each["path"]: each["text"].removeprefix(each["path"]).removeprefix(": ") for each in study["vary"]}
+    return {**study, **study["question"], "question": None, "vary": vary}
 
 
 def first_difference(before: Any, now: Any, where: str = "") -> tuple[str, Any, Any] | None:

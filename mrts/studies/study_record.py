@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from mrts.base.errors import InputError
-from mrts.base.input_file import broken_format, broken_rule
+from mrts.base.formats.strict_model import broken_format, broken_rule
 
 FORMAT = 1
 """Of study.json."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import MrtsError
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
-from mrts.base.rigid_transform import rotations_from_rpy
+from mrts.base.rigid_transform import plane_normal, rotations_from_rpy
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion, leaves_plane
 from mrts.inverse_kinematics.variant_tracking import VariantTracking
@@ -181,12 +181,12 @@ class VariantBatch:
 
 def _tilted(cell: Cell, geometry: Array) -> NDArray[np.bool_]:
     """Variants of a planar cell of which a base or a hand may be tilted out of the plane, Shape (V or 1,)."""
-    normal = ({0, 1, 2} - {"xyz".index(axis) for axis in cell.plane or "xy"}).pop()
+    normal = plane_normal(cell.plane or "xy")
     tilted = np.zeros(len(geometry), dtype=bool)
     for index, robot in enumerate(cell.robots):
         first = GRAVITY_SIZE + ROBOT_SIZE * index
         for start, turned in ((first, np.eye(3)), (first + ROBOT_SIZE // 2, robot.T_base_tip.R)):
             rotation = geometry[:, start : start + 9].reshape(-1, 3, 3)
-            along = np.swapaxes(rotation, 1, 2)[:, :, normal] @ turned.T
-            tilted |= np.max(np.abs(along - np.eye(3)[normal]), axis=1) > NEAR_A_RULE
+            along = normal @ rotation @ turned.T
+            tilted |= np.max(np.abs(along - normal), axis=1) > NEAR_A_RULE
     return tilted

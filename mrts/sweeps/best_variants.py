@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The best variants of a study, solved again in full and written as files."""
 
+import re
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,10 +15,13 @@ from mrts.retiming.result import RetimingResult
 from mrts.retiming.retime import retime
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
-from mrts.studies.study import Study
+from mrts.studies.ranking import fastest_first
+from mrts.studies.study import VARIANT_FILES, Study
 from mrts.studies.study_folder import StudyFolder
 from mrts.studies.variant_rows import limit_text, range_row
-from mrts.sweeps.sweep_progress import numbers
+from mrts.sweeps.sweep_progress import ranked_columns
+
+BEST_FOLDER = re.compile(r"best-\d+")
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,8 @@ class BestVariant:
 def write_best(study: Study, folder: StudyFolder, count: int) -> list[BestVariant]:
     """Write the best variants as files into folders best-1, best-2, … and solve them again from there.
 
+    What an earlier call wrote there goes, so that no more are left than are asked for.
+
     Args:
         study: The study.
         folder: Its rows.
@@ -70,6 +77,7 @@ def write_best(study: Study, folder: StudyFolder, count: int) -> list[BestVarian
         InputError: If a file cannot be written.
     """
     best = []
+    _remove_best(folder.path)
     for rank, variant in enumerate(fastest_variants(folder, count), start=1):
         files = study.write_variant(variant, folder.path / f"best-{rank}")
         point = study.points(variant, variant + 1)[0]
@@ -88,11 +96,20 @@ def fastest_variants(folder: StudyFolder, count: int) -> list[int]:
         folder: The rows.
         count: How many, where there are as many.
     """
-    rows = folder.table(["variant", "duration"])
-    duration = numbers(rows["duration"])
-    order = np.argsort(duration, kind="stable")[:count]
-    variants = rows["variant"].to_numpy()
-    return [int(variants[k]) for k in order if np.isfinite(duration[k])]
+    variant, duration = ranked_columns(folder.table(["variant", "duration"]))
+    best: list[int] = variant[fastest_first(variant, duration)[:count]].tolist()
+    return best
+
+
+def _remove_best(folder: Path) -> None:
+    """Remove the files of the best variants, and their folders where nothing else is in them."""
+    for path in folder.glob("best-*"):
+        if not BEST_FOLDER.fullmatch(path.name) or path.is_symlink():
+            continue
+        with suppress(OSError):  # writing says what cannot be written
+            for name in VARIANT_FILES:
+                (path / name).unlink(missing_ok=True)
+            path.rmdir()
 
 
 def best_lines(best: list[BestVariant], folder: Path) -> Iterator[str]:

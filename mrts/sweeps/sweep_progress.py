@@ -7,8 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from mrts.base.arrays import Array
 from mrts.studies.dry_run import time_text
+from mrts.studies.ranking import fastest_first
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -59,8 +62,7 @@ class Tally:
         self._variants = variants
         self._before = 0
         self._begun = time.monotonic()
-        self._best: float | None = None
-        self._best_variant: int | None = None
+        self._best = np.zeros(0, dtype=int), np.zeros(0)
 
     def add(self, rows: Any) -> None:
         """Count rows that are solved.
@@ -69,13 +71,9 @@ class Tally:
             rows: A table or a batch of records with the columns in `TALLIED`.
         """
         self.statuses.update(rows["status"].to_pylist())
-        duration = numbers(rows["duration"])
-        k = int(np.argmin(duration)) if len(duration) else 0
-        if not len(duration) or not np.isfinite(duration[k]):
-            return
-        found = float(duration[k]), int(rows["variant"][k].as_py())
-        if self._best is None or found < (self._best, self._best_variant):  # of equals the lower number
-            self._best, self._best_variant = found
+        variant, duration = map(np.append, self._best, ranked_columns(rows))
+        best = fastest_first(variant, duration)[:1]
+        self._best = variant[best], duration[best]
 
     def begin(self) -> None:
         """From here on rows count for the rate."""
@@ -86,11 +84,16 @@ class Tally:
         done = self.statuses.total()
         taken = time.monotonic() - self._begun
         rate = (done - self._before) / taken if taken else 0.0
-        return SweepProgress(self._variants, done, rate, self._best, self._best_variant)
+        variant, duration = self._best
+        best = (float(duration[0]), int(variant[0])) if len(variant) else (None, None)
+        return SweepProgress(self._variants, done, rate, *best)
 
 
-def numbers(column: "pa.ChunkedArray | pa.Array") -> Any:
-    """A column, infinite where there is no number."""
-    import pyarrow.compute as pc  # noqa: PLC0415 (an extra)
+def ranked_columns(rows: "pa.Table | pa.RecordBatch") -> tuple[NDArray[np.int_], Array]:
+    """Number and duration of each variant, which `mrts.studies.ranking.fastest_first` takes.
 
-    return np.asarray(pc.fill_null(column, np.inf), dtype=np.float64)
+    Args:
+        rows: With the columns `variant` and `duration`.
+    """
+    variant, duration = (np.asarray(rows[name]) for name in ("variant", "duration"))
+    return variant.astype(int), duration.astype(float)

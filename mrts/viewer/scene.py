@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import viser
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
+from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.cell.robot import Robot
 from mrts.drawing.arm_meshes import arm_meshes
 from mrts.drawing.cell_shapes import body_poses, contact_forces, joint_points, object_box
@@ -203,4 +203,4 @@ def _z_along(direction: Array) -> Array:
 
 
 def _wxyz(R: Array) -> Array:
-    return np.roll(Rotation.from_matrix(R).as_quat(), 1)
+    return np.roll(quaternions_from_rotations(R), 1)

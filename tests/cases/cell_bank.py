@@ -185,7 +185,8 @@ def structure_cell(name: str) -> mrts.Cell:
     with TemporaryDirectory() as folder:
         path = bare_cell(name, Path(folder))
         manifest, source = generated_in_cache(path)
-        stored = cache_folder("structures") / f"{content_key(path)}.pickle"
+        key = content_key(path, [robot.urdf for robot in manifest.robots])
+        stored = cache_folder("structures") / f"{key}.pickle"
         if not stored.is_file():
             made = pickle.dumps(virtual_machine_functions(path))
             write_atomically(stored, lambda file: file.write_bytes(made), private=True)

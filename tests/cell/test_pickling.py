@@ -74,8 +74,10 @@ def test_errors_come_back_from_workers(planar_cell, lift):
     assert refused.value.result.range.upper.c2 == pytest.approx(3.062, abs=1e-3)
 
 
-def things(planar_cell, lift, lifted, folder):
+@pytest.fixture(scope="module")
+def everything(planar_cell, lift, lifted, tmp_path_factory):
     """Every kind of thing that a user holds."""
+    folder = tmp_path_factory.mktemp("everything")
     table = folder / "trajectory.csv"
     names = [f"q.{robot.name}/{joint}" for robot in planar_cell.robots for joint in robot.joints]
     rows = [",".join(["t", *names]), *(",".join(map(repr, map(float, row))) for row in
@@ -126,8 +128,8 @@ def through_cloudpickle(thing):
 
 
 @pytest.mark.parametrize("again", [copy.deepcopy, through_pickle, through_cloudpickle])
-def test_everything_comes_back_as_it_was(planar_cell, lift, lifted, tmp_path, again):
-    for name, thing in things(planar_cell, lift, lifted, tmp_path).items():
+def test_everything_comes_back_as_it_was(everything, lift, lifted, again):
+    for name, thing in everything.items():
         other = again(thing)
         assert other is not thing, name
         same(thing, other, name)

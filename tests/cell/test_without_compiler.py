@@ -60,18 +60,24 @@ def test_projections_are_those_of_the_kernel():
     rng = np.random.default_rng(8)
     count, rows, unknowns = 40, 12, 5
     A = rng.normal(size=(count, rows, unknowns))
-    box = np.full((count, unknowns), 3.0)
     lower, upper = -rng.uniform(0.1, 1, (count, rows)), rng.uniform(0.1, 1, (count, rows))
-    lower[:4, 0], upper[:4, 0] = 100, 101  # further out than the box reaches
-    limits = np.concatenate([lower, -box], axis=1), np.concatenate([upper, box], axis=1)
-    number, corners, status = KernelWithoutCompiler.projections(A, *limits)
-    other_number, other_corners, other_status = default_programs().projections(A, *limits)
+    lower[:4, 0], upper[:4, 0] = 100, 101  # further out than the other rows reach
+    A[:, 1:4, :3] = np.eye(3)
+    lower[:, 1:4], upper[:, 1:4] = -3.0, 3.0
+    A[:, 4:6, :3] = 0.0  # so that u and x are bounded
+    scale, bound = rng.uniform(0.5, 2, (count, unknowns)), np.full((count, 2), 3.0)
+    given = A, lower, upper, scale, (-bound, bound), np.arange(rows - 1, dtype=np.int32)
+    number, corners, status = KernelWithoutCompiler.projections(*given)
+    other_number, other_corners, other_status = default_programs().projections(*given)
     assert np.all(status == np.where(np.arange(count) < 4, INFEASIBLE, OPTIMAL))
     assert np.all((other_status == OPTIMAL) == (status == OPTIMAL))
     angles = np.linspace(0, 2 * np.pi, 64)
     directions = np.stack([np.cos(angles), np.sin(angles)])
+    polygons = [
+        np.split(points, np.cumsum(counts)) for counts, points in ((number, corners), (other_number, other_corners))
+    ]
     for sample in range(4, count):
-        ours, theirs = corners[sample, : number[sample]], other_corners[sample, : other_number[sample]]
+        ours, theirs = (polygon[sample] for polygon in polygons)
         assert np.allclose(np.max(ours @ directions, axis=0), np.max(theirs @ directions, axis=0), atol=1e-8)
         following = np.roll(ours, -1, axis=0)
         assert np.sum(ours[:, 0] * following[:, 1] - ours[:, 1] * following[:, 0]) > 0  # counter-clockwise
@@ -87,12 +93,13 @@ def test_speeds_are_those_of_the_kernel(largest):
         start = np.concatenate([[0], np.cumsum(counts)])
         planes = np.column_stack([rng.normal(size=(start[-1], 2)), rng.uniform(-0.05, 1, start[-1])])
         step = rng.uniform(0.05, 0.2, n - 1)
+        rise = rng.uniform(-0.1, 0.1, n - 1)
         found = []
         for kernel in (default_programs(), KernelWithoutCompiler):
             low, high = np.zeros(n), np.full(n, largest)
             low[-1] = high[-1] = 0.0
-            failed = kernel.backward(step, start, planes, low, high)
-            x = kernel.forward(step, start, planes, low, high, high[0]) if failed < 0 else np.zeros(n)
+            failed = kernel.backward(step, rise, start, planes, low, high)
+            x = kernel.forward(step, rise, start, planes, low, high, high[0]) if failed < 0 else np.zeros(n)
             found.append((failed, low, high, x))
         (failed, *arrays), (other, *others) = found
         assert failed == other

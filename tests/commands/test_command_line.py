@@ -1,4 +1,4 @@
-"""The command line as a user runs it: a process of its own."""
+"""The command line as a user runs it."""
 
 import json
 import os
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from command_line import mrts_command
+from command_line import mrts_command, mrts_process
 from conftest import DATA
 
 import mrts
@@ -19,7 +19,7 @@ PICTURES = ["c2_range.png", "power_and_energy.png", "torques_and_wrenches.png"]
 
 @pytest.mark.quick
 def test_demo_prints_the_table_and_writes_its_folder(tmp_path):
-    done = mrts_command("demo", "-o", tmp_path / "out", cwd=tmp_path)
+    done = mrts_process("demo", "-o", tmp_path / "out", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     for number in ("3.988", "2.949", "2.779", "0.265", "2.516", "2.406", "1.358"):
@@ -50,7 +50,7 @@ def test_scale_reports_and_writes_the_documented_json(tmp_path, planar_cell, lif
 
 
 def test_json_to_standard_output_is_nothing_but_json():
-    done = mrts_command("scale", DATA / "cell.yaml", DATA / "lift.yaml", "--json", "-")
+    done = mrts_process("scale", DATA / "cell.yaml", DATA / "lift.yaml", "--json", "-")
     assert json.loads(done.stdout)["status"] == "feasible"
 
 
@@ -64,19 +64,14 @@ def test_every_solver_and_formulation_gives_the_same_range(solver, formulation):
     assert json.loads(done.stdout)["c2"]["upper"] == pytest.approx(3.0618125415938, rel=1e-9)
 
 
-def test_solvers_solve_what_they_are_for():
+def test_solvers_solve_what_they_are_for(planar_cell, lift):
     """A broken solver would be hidden by its fallbacks, so they are counted: linear programs, then quadratic ones."""
-    script = (
-        "import mrts, sys; cell, motion = mrts.load_cell(sys.argv[1]), mrts.load_motion(sys.argv[2]);"
-        "r = mrts.scale(cell, motion, solver=sys.argv[3]);"
-        "print(r.range.samples.fallbacks, r.fallbacks - r.range.samples.fallbacks)"
-    )
     for solver, linear, quadratic in (("qpsol:qpoases", 0, 0), ("qpsol:highs", 0, None), ("scipy:highs", 0, None),
                                       ("qpsol:daqp", None, 0)):  # fmt: skip
-        command = [sys.executable, "-c", script, str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), solver]
-        counts = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
-        for count, expected in zip(counts, (linear, quadratic), strict=True):
-            assert expected is None or int(count) == expected, solver
+        result = mrts.scale(planar_cell, lift, solver=solver)
+        programs = result.range.samples.fallbacks
+        for count, expected in ((programs, linear), (result.fallbacks - programs, quadratic)):
+            assert expected is None or count == expected, solver
 
 
 def test_special_files_are_written_into_and_links_followed(tmp_path):
@@ -104,7 +99,7 @@ def test_output_that_cannot_be_written_is_an_error():
 
 def test_a_terminal_without_superscripts_gets_question_marks():
     environment = os.environ | {"LC_ALL": "C", "PYTHONIOENCODING": "ascii"}
-    done = mrts_command("scale", DATA / "cell.yaml", DATA / "lift.yaml", env=environment)
+    done = mrts_process("scale", DATA / "cell.yaml", DATA / "lift.yaml", env=environment)
     assert done.returncode == 0
     assert "c? ? [0, 3.062]" in done.stdout
 
@@ -140,7 +135,7 @@ def test_an_infeasible_motion_is_an_outcome(tmp_path):
 @pytest.mark.quick
 def test_help_and_version():
     assert "demo" in mrts_command("--help").stdout
-    assert mrts_command("--version").stdout.strip() == f"mrts {mrts.__version__}"
+    assert mrts_process("--version").stdout.strip() == f"mrts {mrts.__version__}"
     for verb in ("demo", "generate", "scale"):
         assert "examples:" in mrts_command(verb, "--help").stdout
     assert mrts_command().returncode == 2

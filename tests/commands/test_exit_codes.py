@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
-from command_line import mrts_command
+from command_line import mrts_command, mrts_process
 from conftest import DATA, ROOT
 
 import mrts
@@ -164,7 +164,7 @@ def test_on_a_full_disk_what_fits_is_written_and_the_answer_is_printed(tmp_path,
     old.parent.mkdir()
     old.write_text("old")
     options = ["--json", "new/r.json", "--csv", "r.csv", "--save", "r.npz", "--ros-bag", "bag", "--plot", "plots"]
-    done = mrts_command(
+    done = mrts_process(
         "scale", *FILES, *options, "--report", "deep/r.html", cwd=tmp_path, preexec_fn=small_files(90_000)
     )
     assert done.returncode == 2
@@ -177,7 +177,7 @@ def test_on_a_full_disk_what_fits_is_written_and_the_answer_is_printed(tmp_path,
 
 
 def test_folders_are_complete_or_untouched(tmp_path):
-    done = mrts_command("generate", DATA / "cell.yaml", "-o", "a/b", cwd=tmp_path, preexec_fn=small_files(20_000))
+    done = mrts_process("generate", DATA / "cell.yaml", "-o", "a/b", cwd=tmp_path, preexec_fn=small_files(20_000))
     assert done.returncode == 2
     assert "File too large" in done.stderr
     assert list(tmp_path.iterdir()) == []
@@ -268,7 +268,7 @@ def test_paths_that_are_no_text(tmp_path, planar_cell):
         (odd / name).write_bytes((GENERATED / name).read_bytes())
     (odd / "lift.yaml").write_text((DATA / "lift.yaml").read_text())
     outputs = [f"{option}={odd / name}" for option, name in (("--json", "r.json"), ("--report", "r.html"))]
-    done = mrts_command("scale", odd, odd / "lift.yaml", *outputs, f"--csv={odd / 'r.csv'}")
+    done = mrts_process("scale", odd, odd / "lift.yaml", *outputs, f"--csv={odd / 'r.csv'}")
     assert (done.returncode, done.stderr) == (0, "")
     (odd / "broken.yaml").write_text('{start: "\\uDCFF", end: {}, duration: 1, profile: cubic}')
     for wrong in (odd / "none.yaml", odd / "broken.yaml"):

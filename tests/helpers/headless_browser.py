@@ -9,6 +9,9 @@ from playwright.sync_api import sync_playwright
 WIDE = {"width": 1300, "height": 900}
 NARROW = {"width": 420, "height": 800}
 
+COARSE = 0.5
+"""Pixels a point of the page: it is drawn without a graphics card, and tests compare whole pictures at most."""
+
 
 @pytest.fixture(scope="module")
 def browser():
@@ -26,7 +29,7 @@ def browser():
 @pytest.fixture
 def page(browser):
     """A new page without a network; `requests` holds what it asked for, `problems` what went wrong."""
-    context = browser.new_context(viewport=WIDE, offline=True)
+    context = browser.new_context(viewport=WIDE, offline=True, device_scale_factor=COARSE)
     opened = context.new_page()
     opened.requests, opened.problems = [], []
     opened.on("request", lambda request: opened.requests.append(request.url))

@@ -24,9 +24,9 @@ CPU = 100
 def read(kind: str, path: Path) -> None:
     """Read a file as its kind."""
     if kind == "cell":
-        from mrts_codegen.content_key import content_key  # noqa: PLC0415 (not before it is needed)
+        from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (not before it is needed)
 
-        content_key(path)
+        read_cell_description(path)
     elif kind == "urdf":
         from mrts_codegen.urdf.robot_model import build_robot_model  # noqa: PLC0415
         from mrts_codegen.urdf.urdf_file import read_urdf  # noqa: PLC0415

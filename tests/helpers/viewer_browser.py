@@ -14,6 +14,9 @@ from playwright.sync_api import sync_playwright
 SECONDS = 60
 SIZE = {"width": 1200, "height": 700}
 
+COARSE = 0.25
+"""Pixels a point of the page: the scene is drawn without a graphics card, and no test looks at its pixels."""
+
 
 @contextmanager
 def running_viewer(*arguments):
@@ -57,7 +60,8 @@ def chromium():
 @contextmanager
 def open_page(browser, url):
     """The viewer's page once its panel is there; what went wrong in it is in `page.problems`."""
-    page = browser.new_page(viewport=SIZE)
+    page = browser.new_page(viewport=SIZE, device_scale_factor=COARSE)
+    page.set_default_timeout(1000 * SECONDS)
     page.problems = []
     page.on("console", lambda message: page.problems.append(message.text) if message.type == "error" else None)
     page.on("pageerror", lambda error: page.problems.append(str(error)))

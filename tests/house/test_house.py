@@ -43,6 +43,26 @@ def test_import_is_light():
     assert done.stdout.strip() == "[]"
 
 
+@pytest.mark.parametrize("profile", ["constant", "optimal"])
+def test_scaling_a_cached_cell_imports_what_it_uses(dual_ur5, profile):
+    """Neither scipy nor what reads cell files and URDFs, and of the verbs and their work only its own."""
+    data = ROOT / "mrts" / "data" / "dual_ur5"
+    idle = ["mrts_codegen.cell_file", "mrts.scaling.possible_load", "mrts.smooth.conic"]
+    if profile == "constant":
+        idle += ["mrts.retiming", "mrts.scaling.guaranteed_range", "numpy.ma", "numpy.random"]
+    idle += [name for name in HEAVY if name not in {"yaml", "mrts_codegen"}]
+    script = (
+        "import sys; from mrts.cli import main; code = main(sys.argv[1:])\n"
+        f"print(code, [name for name in {idle!r} if name in sys.modules])\n"
+        "print(sorted(name for name in sys.modules if name.startswith('mrts.commands.')))"
+    )
+    line = ["scale", data / "cell.yaml", data / "lift_and_turn.yaml", "--profile", profile, "-q"]
+    done = subprocess.run([sys.executable, "-c", script, *line], capture_output=True, text=True, check=True)
+    verb = ["mrts.commands." + name for name in ("completion", "options", "profile_options", "scale")]
+    assert done.stdout == f"0 []\n{verb}\n"
+    assert dual_ur5.functions.backend == "compiled"
+
+
 def test_running_generated_code_needs_no_build_time():
     """From a generated folder on, neither mrts_codegen nor yourdfpy is imported."""
     script = (

@@ -55,8 +55,7 @@ def test_every_public_name_is_in_the_reference():
 def test_every_verb_is_on_the_page_of_the_command_line():
     page = (DOCS / "command_line.md").read_text(encoding="utf-8")
     for verb in VERBS:
-        name = re.search(r"`(mrts \w+)`", verb.__doc__).group(1)
-        assert f"| `{name}" in page, name
+        assert f"| `mrts {verb}" in page, verb
 
 
 def test_the_site_builds_without_a_warning(tmp_path):

@@ -1,4 +1,4 @@
-"""Samples in lanes: the same bits from any registers, the answers of single samples, sines and cosines."""
+"""Samples in lanes: the same bits from registers of any width, the same answers as singly; sines and cosines."""
 
 import ctypes
 import shutil

@@ -51,6 +51,8 @@ for arms, size in ((2, 3), (2, 6), (3, 6)):
     ends[0][:, -1], ends[1][:, -1] = 0, 1e9
     kernel.linear_programs(np.eye(A.shape[2])[-1] * np.ones((200, 1)), A, *ends)
     kernel.quadratic_programs(np.tile(np.eye(A.shape[2]), (200, 1, 1)), np.ones((200, A.shape[2])), A, *ends)
+    bound = np.full((200, 2), 1e5)
+    kernel.projections(A, lower, upper, np.ones_like(A[:, 0]), (-bound, bound))
 for k, rows in ((1, 3), (3, 12), (31, 120)):
     for A, lower, upper, _ in hard_programs(rng, max(k, 3), max(rows, 12)).values():
         free = np.full(A.shape[1], np.inf)
@@ -111,7 +113,7 @@ SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scal
         [SANITIZED_SMOOTH, ROOT / "tests" / "cases"],
         [
             SANITIZED_VARIANTS,
-            ROOT / "tests" / "helpers",
+            ROOT / "tests" / "study_cases",
             DATA / "cell.yaml",
             DATA / "lift.yaml",
             UR5 / "cell.yaml",
@@ -119,8 +121,9 @@ SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scal
         ],
         [SANITIZED_SCALING, DATA / "cell.yaml", DATA / "lift.yaml"],
         [SANITIZED_SCALING, UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml"],
+        [SANITIZED_SCALING, DATA / "cell.yaml", DATA / "lift.yaml", "--share", "equal", "--profile", "optimal"],
     ],
-    ids=["programs", "smooth", "variants", "planar", "spatial"],
+    ids=["programs", "smooth", "variants", "planar", "spatial", "shared"],
 )
 def test_the_library_is_clean_under_sanitizers(command, private_cache):
     """The same library, compiled with AddressSanitizer and UndefinedBehaviorSanitizer, under the whole Python path."""

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cell_bank import compiled, random_planar_cell, random_spatial_cell
+from draws import draws
 from reference import ReferenceCell
 from speed_scan import Motors, SpeedScan
 
@@ -17,7 +18,7 @@ from mrts.samples.sample_ranges import sample_ranges
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.samples.widening import widening_at
 
-CELLS = 100
+CELLS = draws(40)
 END_TOLERANCE = 2e-6
 """Of c: HiGHS admits what misses a limit by 1e-9 of it, and c moves far for it where inertia balances friction."""
 

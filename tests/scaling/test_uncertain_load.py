@@ -8,6 +8,7 @@ import pytest
 import yaml
 from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
 from conftest import DATA
+from draws import draws
 from reference import ReferenceCell
 from scipy.optimize import linprog
 
@@ -70,7 +71,7 @@ def ends_of_loads(cell, motion, sample, loads, sharing=None):
 
 @pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
 @pytest.mark.parametrize("sharing", [None, mrts.LoadSharing()])
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(draws(6)))
 def test_guaranteed_lies_in_nominal_lies_in_possible(seed, make, sharing, tmp_path):
     cell, motion = coordinated(np.random.default_rng(seed), make, 1 + seed % 3, tmp_path)
     sure, nominal, some = (scaled(cell, motion, sharing=sharing, load=question).range for question in QUESTIONS)

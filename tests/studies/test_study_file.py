@@ -18,7 +18,7 @@ UR5 = DATA.parent / "dual_ur5"
 
 BASE = "vary: {object.mass: [1, 2]}"
 
-WRONG = yaml.safe_load((ROOT / "tests" / "cases" / "wrong_studies.yaml").read_text(encoding="utf-8"))
+WRONG = yaml.safe_load((ROOT / "tests" / "study_cases" / "wrong_studies.yaml").read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("name", WRONG)

@@ -96,8 +96,10 @@ def test_a_damaged_part_is_dropped_and_said(damage, complete, study, caplog):
 @pytest.mark.parametrize(
     ("changed", "key", "said"),
     [
-        (VARY.replace("24", "25"), r"vary\[0\].spread.values\[4\] = 25.0", "in which this is 24.0"),
-        (f"{VARY}\ntorques: true", "question.torques = True", "in which this is false"),
+        (VARY.replace("24", "25"), "vary.object.mass = '1, 2, 3, 4, 25 kg'", 'in which this is "1, 2, 3, 4, 24 kg"'),
+        (VARY.replace("24", "24.000001"), r"vary\[0\].spread.values\[4\] = 24.000001", "in which this is 24.0"),
+        (VARY.replace("object.mass", "duration"), "vary.motion.duration = '1, 2, 3, 4, 24 s'", "this is not there"),
+        (f"{VARY}\ntorques: true", "torques = True", "in which this is false"),
         (f"{VARY}\nsample: sobol\ncount: 16", "sample = 'sobol'", 'in which this is "grid"'),
     ],
 )

@@ -7,6 +7,7 @@ import cell_bank
 import numpy as np
 import pytest
 from conftest import DATA
+from draws import draws
 from study_files import planar_study
 from wide_studies import wide_study
 
@@ -28,11 +29,11 @@ SHIPPED = {
 }
 
 STUDIES = {
-    "dual near": ("dual", {"spread": 0.05, "count": 50}),
-    "dual far": ("dual", {"spread": 0.3, "count": 60}),
+    "dual near": ("dual", {"spread": 0.05, "count": 30}),
+    "dual far": ("dual", {"spread": 0.3, "count": 20}),
     "dual heavy": ("dual", {"spread": 0.02, "count": 40, "limits": 0.5, "mass": (5, 15)}),
     "planar near": ("planar", {"spread": 0.1, "count": 60}),
-    "planar far": ("planar", {"spread": 0.6, "count": 60, "inertia": 0.01}),
+    "planar far": ("planar", {"spread": 0.6, "count": 40, "inertia": 0.01}),
     "planar heavy": ("planar", {"spread": 0.02, "count": 40, "limits": 0.5, "mass": (1, 20)}),
     "squeeze": ("squeeze", {"spread": 0.03, "count": 40, "mass": (0.5, 1.5)}),
     "squeeze heavy": ("squeeze", {"spread": 0.05, "count": 30, "mass": (1, 3)}),
@@ -69,7 +70,8 @@ def compare(study, count):
 @pytest.mark.parametrize("name", STUDIES)
 def test_variants_of_shipped_cells(name, tmp_path):
     cell, how = STUDIES[name]
-    met = compare(wide_study(tmp_path, *SHIPPED[cell], **how), how["count"])
+    count = draws(how["count"])
+    met = compare(wide_study(tmp_path, *SHIPPED[cell], **how | {"count": count}), count)
     assert met.keys() >= SEEN.get(name, {"feasible"}), met
 
 
@@ -81,7 +83,8 @@ def test_variants_of_shipped_cells(name, tmp_path):
 ])  # fmt: skip
 def test_variants_of_random_cells(draw, arms, seed, tmp_path):
     drawn = draw(np.random.default_rng(seed), tmp_path, arms)
-    compare(wide_study(tmp_path, drawn.cell_file, drawn.motion_file, spread=0.02, count=40, seed=seed), 40)
+    count = draws(15)
+    compare(wide_study(tmp_path, drawn.cell_file, drawn.motion_file, spread=0.02, count=count, seed=seed), count)
 
 
 def test_a_variant_has_the_same_bits_whatever_it_is_solved_with(tmp_path):

@@ -170,7 +170,11 @@ def test_the_best_are_solved_again_and_written(out, study):
         alone = mrts.scale(cell, motion, between=None)
         assert alone.range.upper.c2 == row["c2_upper"]
         assert f"Variant {row['variant']} of study.yaml" in files[0].read_text()
-    assert not (out / "best-3").exists()
+    (out / "best-2" / "notes.txt").write_text("the one to build")
+    (out / "best-9 of mine").mkdir()
+    mrts.sweep(study, out, top=1)
+    left = {str(path.relative_to(out)) for path in [*out.glob("best-*"), *out.glob("best-*/*")]}
+    assert left == {"best-1", "best-1/cell.yaml", "best-1/motion.yaml", "best-2", "best-2/notes.txt", "best-9 of mine"}
 
 
 def test_the_best_of_what_is_possible_has_its_duration(tmp_path):

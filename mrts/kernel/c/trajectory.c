@@ -3,14 +3,18 @@
  * The range of c^2 and the torques along a whole trajectory: the generated wrench form evaluated at each sample, its
  * rows put together, and the programs solved, each started from the answer at the sample before.
  */
-#include "lanes/lanes.h"
+#include "lanes/forms.h"
 #include "basis/kept_basis.h"
 #include "quadratic_programs.h"
 #include "speed_intervals.h"
 #include "trajectory.h"
 
-/* Inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load, geometry unless it is folded in. */
-enum { MRTS_ROTATION = 3 };
+/* Builds the rows of a form that has what motors add; 1 if they are finite. */
+static int mrts_rows_of_form(const double *rotation, const mrts_limits *limits, const mrts_terms *terms, double *turned,
+                             mrts_form *form, mrts_rows *rows) {
+    mrts_turn_wrenches(MRTS_UNKNOWNS, MRTS_ROBOTS, MRTS_SIZE, limits, rotation, 1, 3, turned, form);
+    return mrts_build_rows(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, form, limits, terms, rows);
+}
 
 /* Evaluates the wrench form of a sample and builds its rows: 1 if they are finite, 0 if not, -1 if the form failed. */
 static int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
@@ -24,8 +28,7 @@ static int mrts_rows_of_sample(const double *const *in, const long long *stride,
     res[3] = form->wrench_offset;
     if (MRTS_WRENCH_FORM(arg, res, iw, w, 0)) return -1;
     mrts_add_motors(MRTS_UNKNOWNS, MRTS_JOINTS, &terms, form);
-    mrts_turn_wrenches(MRTS_UNKNOWNS, MRTS_ROBOTS, MRTS_SIZE, limits, arg[MRTS_ROTATION], 1, 3, turned, form);
-    return mrts_build_rows(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, form, limits, &terms, rows);
+    return mrts_rows_of_form(arg[MRTS_ROTATION], limits, &terms, turned, form, rows);
 }
 
 /* Reals and ints of work of mrts_ranges and mrts_torques for so many rows of limits. */
@@ -86,31 +89,14 @@ static void mrts_range_of_sample(const mrts_limits *limits, mrts_rows *rows, dou
 }
 
 #if MRTS_LANES > 1
-/* The samples of a call in lanes: inputs that are the same for all stand there once. */
+/* The samples of a call in lanes. */
 typedef struct {
     mrts_lane_functions functions;
     mrts_lane_rows rows;
-    mrts_lanes numbers[MRTS_INPUT_NUMBERS], x[2][MRTS_UNKNOWNS], y[2][MRTS_UNKNOWNS];
+    mrts_lanes x[2][MRTS_UNKNOWNS], y[2][MRTS_UNKNOWNS];
     mrts_lane_mask kept[2];
-    const mrts_lanes *arg[MRTS_INPUTS];
-    long long at[MRTS_LANES];
+    mrts_lane_inputs inputs;
 } mrts_samples_in_lanes;
-
-static const int mrts_input_sizes[MRTS_INPUTS] = MRTS_INPUT_SIZES;
-
-/* Takes the inputs of samples from `first` on; beyond the last the last is repeated. */
-static void mrts_take_inputs(const double *const *in, const long long *stride, long long first, long long count, int all,
-                             mrts_samples_in_lanes *lanes) {
-    mrts_lanes *next = lanes->numbers;
-    for (int lane = 0; lane < MRTS_LANES; ++lane) lanes->at[lane] = first + lane < count ? first + lane : count - 1;
-    for (int i = 0; i < MRTS_INPUTS; next += mrts_input_sizes[i++]) {
-        lanes->arg[i] = next;
-        for (int lane = 0; lane < MRTS_LANES && (all || stride[i]); ++lane) {
-            const double *own = in[i] + lanes->at[lane] * stride[i];
-            for (int number = 0; number < mrts_input_sizes[i]; ++number) next[number][lane] = own[number];
-        }
-    }
-}
 
 /* Which samples the bases of the one before answer. */
 static void mrts_try_bases(int (*basis)[MRTS_UNKNOWNS], mrts_samples_in_lanes *lanes) {
@@ -125,7 +111,7 @@ static void mrts_try_bases(int (*basis)[MRTS_UNKNOWNS], mrts_samples_in_lanes *l
 static void mrts_keep_lane(const mrts_limits *limits, const mrts_samples_in_lanes *lanes, int lane,
                            int (*basis)[MRTS_UNKNOWNS], const mrts_found_ranges *found) {
     enum { K = MRTS_UNKNOWNS };
-    const long long n = lanes->at[lane];
+    const long long n = lanes->inputs.at[lane];
     const double column = lanes->rows.column[K - 1][lane];
     found->effect[n] = lanes->rows.size[K - 1][lane] > MRTS_NO_EFFECT ? 1 / column : 0;
     for (int end = 0; end < 2; ++end) {
@@ -163,15 +149,15 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     lanes.rows.A = (mrts_lanes *)(void *)(lp_work + MRTS_LP_WORK(K));
     lanes.rows.lower = lanes.rows.A + rows.count * K;
     lanes.rows.upper = lanes.rows.lower + rows.count + K;
-    mrts_take_inputs(in, stride, 0, count, 1, &lanes);
+    mrts_take_inputs(in, stride, 0, count, 1, &lanes.inputs);
 #endif
     for (long long n = 0; n < count; ++n) {
         if (n % MRTS_CHUNK == 0) basis[0][0] = basis[1][0] = 0; /* so that chunks do not depend on each other */
 #if MRTS_LANES > 1
         const int lane = (int)(n % MRTS_LANES), in_lanes = !limits->base;
         if (lane == 0 && in_lanes) {
-            mrts_take_inputs(in, stride, n, count, 0, &lanes);
-            lanes.functions.rows(lanes.arg, limits, terms, lanes.at, most, &lanes.rows);
+            mrts_take_inputs(in, stride, n, count, 0, &lanes.inputs);
+            lanes.functions.rows(lanes.inputs.arg, limits, terms, lanes.inputs.at, most, &lanes.rows);
             mrts_try_bases(basis, &lanes);
         }
         if (in_lanes && lanes.kept[0][lane] && lanes.kept[1][lane]) {
@@ -274,16 +260,19 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
     mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_rows rows;
+    mrts_forms forms;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
+    mrts_begin_forms(in, stride, count, &forms);
     for (int i = 0; i < M; ++i) {
         for (int j = 0; j < M; ++j) is_diagonal &= i == j || weights[i * M + j] == 0;
     }
     for (long long n = 0; n < count; ++n) {
         const double speed = c2[n * c2_stride];
         double largest = 0;
-        const int built = mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows, arg, res, iw, w);
-        if (built < 0) return 1;
-        if (!built) {
+        const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
+        if (!mrts_next_form(&forms, n, &form, arg, res, iw, w)) return 1;
+        mrts_add_motors(K, M, &here, &form);
+        if (!mrts_rows_of_form(arg[MRTS_ROTATION], limits, &here, turned, &form, &rows)) {
             status[n] = MRTS_STOPPED;
             continue;
         }

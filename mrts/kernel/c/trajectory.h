@@ -11,6 +11,9 @@
 /* Rounding of an answer at the bound of c^2, as a share. */
 #define MRTS_AT_UNBOUNDED 1e-9
 
+/* Places of inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load, and what a function takes besides. */
+enum { MRTS_DQ = 1, MRTS_DDQ, MRTS_ROTATION, MRTS_TWIST, MRTS_ACCELERATION };
+
 /* The terms of a sample, of those of all samples one after the other. */
 static inline mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long sample, int rows) {
     const long long torques = sample * MRTS_JOINTS, limits = sample * rows;

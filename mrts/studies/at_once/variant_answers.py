@@ -2,6 +2,7 @@
 """What native calls found of many variants, as the columns of a study's table."""
 
 from collections.abc import Mapping
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,10 +106,19 @@ class VariantAnswers:
         """What sets an end."""
         rows = self._named(variant, end)
         if end and self.found[variant]["capped"]:
-            sample = int(self.found[variant]["sample"][1])
-            twist, limit = self._of("twist", variant)[sample], self._of("velocity", variant)
-            rows += self._limits.velocities_at(self._joints.dq[variant, sample], twist, limit)
+            rows += self._velocities[variant]
         return tuple(rows)
+
+    @cached_property
+    def _velocities(self) -> dict[int, list[ActiveRow]]:
+        """By variant that velocities bound: those that do the most."""
+        settled = (self._joints.outcome["code"] == FOLLOWED) & (self.found["status"] == OPTIMAL)
+        capped = np.flatnonzero(settled & (self.found["capped"] != 0))
+        sample = self.found["sample"][capped, 1]
+        twist, limit = (np.broadcast_to(each, (len(self.found), *each.shape[1:])) for each in
+                        (self._given["twist"], self._given["velocity"]))  # fmt: skip
+        rows = self._limits.velocities_at(self._joints.dq[capped, sample], twist[capped, sample], limit[capped])
+        return dict(zip(capped.tolist(), rows, strict=True))
 
     def _named(self, variant: int, end: int) -> list[ActiveRow]:
         found = self.found[variant]

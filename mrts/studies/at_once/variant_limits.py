@@ -95,19 +95,20 @@ class VariantLimits:
             for code in codes.tolist()
         ]
 
-    def velocities_at(self, dq: Array, twist: Array, limit: Array) -> list[ActiveRow]:
-        """The velocities that bound c² the most at a sample.
+    def velocities_at(self, dq: Array, twist: Array, limit: Array) -> list[list[ActiveRow]]:
+        """The velocities that bound c² the most, of each variant at a sample of its own.
 
         Args:
-            dq: q', Shape (m,).
-            twist: Of the object, Shape (6,).
-            limit: As "velocity" of `of`, Shape (m + 2,).
+            dq: q', Shape (V, m).
+            twist: Of the object, Shape (V, 6).
+            limit: As "velocity" of `of`, Shape (V, m + 2).
         """
-        speeds = np.append(np.abs(dq), np.sqrt(np.sum(twist.reshape(2, 3) ** 2, axis=1)))
-        return [
-            ActiveRow(self._speeds[row], "upper", float(limit[row]))
-            for row in np.flatnonzero(binds((speeds / limit) ** 2)).tolist()
-        ]
+        of_object = np.sqrt(np.sum(twist.reshape(-1, 2, 3) ** 2, axis=2))
+        bound = binds((np.concatenate([np.abs(dq), of_object], axis=1) / limit) ** 2)
+        rows: list[list[ActiveRow]] = [[] for _ in range(len(dq))]
+        for variant, row in np.argwhere(bound).tolist():
+            rows[variant].append(ActiveRow(self._speeds[row], "upper", float(limit[variant, row])))
+        return rows
 
     def _places_of(self, kind: str, every: tuple[RowName, ...]) -> tuple[list[int], list[int]]:
         """Rows of torques or wrenches, and their places among all joints or components."""

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Inverse kinematics along a whole path: damped Newton steps (Sugihara, Solvability-unconcerned inverse kinematics by
- * the Levenberg-Marquardt method, IEEE Transactions on Robotics 27, 2011) from positions predicted by the sample before,
- * for arms with as many joints as wrench components, and those that null_space.h prefers for arms with more.
+ * Inverse kinematics at a sample: damped Newton steps (Sugihara, Solvability-unconcerned inverse kinematics by
+ * the Levenberg-Marquardt method, IEEE Transactions on Robotics 27, 2011), for arms with as many joints as wrench components, and those that null_space.h prefers for arms with more.
  */
 #include "tracking.h"
 
@@ -300,40 +299,4 @@ MRTS_LOCAL int mrts_joint_rates(const mrts_tracking *task, const double *rotatio
 #endif
     }
     return 1;
-}
-
-/* Follows the grasps from q at sample 0, which holds them. For each sample and arm: remaining errors of position and
- * rotation, the largest correction of a predicted joint, a bound of the Jacobian's condition number, and of a redundant
- * arm the step still to go and the curvature at the positions that it prefers. Rotations of the object come by rows.
- * Ends early, with the number of samples done, where an arm is singular. */
-MRTS_EXPORT long long mrts_track(long long count, const mrts_tracking *task, const double *time, const double *position,
-                                 const double *rotation, const double *twist, const double *acceleration, double *q,
-                                 double *dq, double *ddq, double *gap, double *turn, double *jump, double *condition,
-                                 double *drift, double *curvature, const double **arg, double **res, long long *iw,
-                                 double *w) {
-    enum { M = MRTS_JOINTS, R = MRTS_ROBOTS };
-    double reference[M];
-    for (int i = 0; i < M; ++i) reference[i] = q[i];
-    for (long long n = 0; n < count; ++n) {
-        double predicted[M], now[M], *qn = q + n * M, *dqn = dq + n * M, *ddqn = ddq + n * M;
-        const double h = n > 0 ? time[n] - time[n - 1] : 0;
-        for (int i = 0; i < M; ++i) {
-            predicted[i] = n > 0 ? qn[i - M] + h * dqn[i - M] + h * h / 2 * ddqn[i - M] : qn[i];
-            now[i] = predicted[i];
-        }
-        if (!mrts_hold_grasps(task, position + 3 * n, rotation + 9 * n, reference, now, qn, gap + n * R, turn + n * R,
-                              drift + n * R, arg, res, iw, w) ||
-            !mrts_joint_rates(task, rotation + 9 * n, twist + 6 * n, acceleration + 6 * n, reference, qn, dqn, ddqn,
-                              condition + n * R, curvature + n * R, arg, res, iw, w)) {
-            return n;
-        }
-        for (int robot = 0; robot < R; ++robot) {
-            double largest = 0;
-            for (int i = MRTS_FIRST(robot); i < MRTS_FIRST(robot + 1); ++i) {
-                largest = fmax(largest, fabs(qn[i] - predicted[i]));
-            }
-            jump[n * R + robot] = largest;
-        }
-    }
-    return count;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Inverse kinematics at one sample; tracking.c has the method.
+ * Inverse kinematics along a path: tracking.c has the rule of one sample, quick_sample.c the same where it is easy, path.c
+ * both in turn.
  */
 #ifndef MRTS_TRACKING_H
 #define MRTS_TRACKING_H
@@ -13,10 +14,33 @@ typedef struct {
     double settled;       /* joint step at which the iteration ends [rad or m] */
     double longest;       /* largest joint step [rad or m] */
     double reached;       /* remaining error at which a grasp counts as held [m, rad] */
+    double condition;     /* of a Jacobian, at which an arm may be singular */
     int components[6];    /* rows of a six-component twist that this cell uses */
     mrts_preference wish; /* of redundant arms */
     const double *geometry;
 } mrts_tracking;
+
+/* The object at one sample; the rotation by rows. */
+typedef struct {
+    const double *position, *rotation, *twist, *acceleration;
+} mrts_path;
+
+/* Work of generated functions. */
+typedef struct {
+    const double **arg;
+    double **res;
+    long long *iw;
+    double *w;
+} mrts_scratch;
+
+/* How the arms hold their grasps at a sample. */
+typedef struct {
+    double gap[MRTS_ROBOTS], turn[MRTS_ROBOTS]; /* remaining errors, or larger [m, rad] */
+    double jump[MRTS_ROBOTS];                   /* largest difference of a joint from Taylor's prediction [rad or m] */
+    double condition[MRTS_ROBOTS];              /* bound of the Jacobian's condition number */
+    double drift[MRTS_ROBOTS];                  /* step still to go of a redundant arm [rad or m] */
+    double curvature[MRTS_ROBOTS];              /* at the positions that it prefers */
+} mrts_held;
 
 /* a x b. */
 MRTS_LOCAL void mrts_cross(const double *a, const double *b, double *out);
@@ -47,5 +71,19 @@ MRTS_LOCAL int mrts_joint_rates(const mrts_tracking *task, const double *rotatio
                                 const double *acceleration, const double *reference, const double *q, double *dq,
                                 double *ddq, double *condition, double *curvature, const double **arg, double **res,
                                 long long *iw, double *w);
+
+#ifndef MRTS_REDUNDANT
+/* q, q', q'' at a sample by undamped Newton steps from `now`, which is moved; 0 where they do not lead to the grasps at
+ * once. Arms that are left out stay. */
+MRTS_LOCAL int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, const unsigned char *left_out, double *now,
+                                 double *dq, double *ddq, mrts_held *held, mrts_scratch *scratch);
+#endif
+
+/* Sample n of a path: q, q', q'' of all arms, which lie behind those of the samples before it, or, at the first one,
+ * from positions in q that hold the grasps. `even` counts the steps of one length that lead here. Where the grasps cannot
+ * be held the errors tell; 0 if an arm is singular. */
+MRTS_LOCAL int mrts_track_sample(const mrts_tracking *task, const double *time, const mrts_path *path, long long n,
+                                 const double *reference, const unsigned char *left_out, long long *even, double *q,
+                                 double *dq, double *ddq, mrts_held *held, mrts_scratch *scratch);
 
 #endif

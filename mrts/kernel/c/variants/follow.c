@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The joints of many variants of a cell along its motion: where each starts, and how it follows from there, by the rule of
- * tracking.c; quick_sample.c does the same faster where it can.
+ * The joints of many variants of a cell along its motion: where each starts, and how it follows from there.
  */
 #include "variants.h"
-
-/* Relative difference of two steps of time that is rounding. */
-#define MRTS_SAME_STEP 1e-9
 
 /* A whole turn [rad]. */
 #define MRTS_TURN 6.283185307179586
@@ -143,27 +139,22 @@ static int mrts_find_start(const mrts_following *rule, const mrts_path *at, cons
     return 1;
 }
 
-/* One sample by the rule of tracking.c, from positions predicted by Taylor's polynomial; notes arms that fail there, by
- * what they fail. 0 where that cannot be told. */
-static int mrts_sample_by_rule(const mrts_following *rule, const mrts_path *at, const double *reference,
-                               const double *taylor, double *q, double *dq, double *ddq, int sample,
-                               mrts_outcome *failures, mrts_scratch *scratch) {
-    enum { M = MRTS_JOINTS, R = MRTS_ROBOTS };
-    double now[M], gap[R], turn[R], drift[R], condition[R], curvature[R];
-    for (int i = 0; i < M; ++i) now[i] = taylor[i];
-    if (!mrts_hold_grasps(&rule->task, at->position, at->rotation, reference, now, q, gap, turn, drift, scratch->arg,
-                          scratch->res, scratch->iw, scratch->w) ||
-        !mrts_joint_rates(&rule->task, at->rotation, at->twist, at->acceleration, reference, q, dq, ddq, condition,
-                          curvature, scratch->arg, scratch->res, scratch->iw, scratch->w)) {
-        return 0;
-    }
-    for (int robot = 0; robot < R; ++robot) {
-        if (failures[robot].code != MRTS_FOLLOWED) continue;
-        if (!(fmax(gap[robot], turn[robot]) <= rule->task.reached)) {
-            failures[robot] = (mrts_outcome){MRTS_OUT_OF_REACH, robot, sample, 0, {gap[robot], turn[robot]}};
-        } else if (!(condition[robot] < rule->condition && drift[robot] <= rule->drift && curvature[robot] > rule->fold)) {
+/* Takes up how the arms hold their grasps at a sample: those that fail there, by what they fail. 0 where that cannot be
+ * told. */
+static int mrts_note_failures(const mrts_following *rule, const mrts_held *held, int sample, mrts_outcome *failures,
+                              unsigned char *failed) {
+    for (int robot = 0; robot < MRTS_ROBOTS; ++robot) {
+        mrts_outcome *of = failures + robot;
+        if (failed[robot]) continue;
+        if (!(fmax(held->gap[robot], held->turn[robot]) <= rule->task.reached)) {
+            *of = (mrts_outcome){MRTS_OUT_OF_REACH, robot, sample, 0, {held->gap[robot], held->turn[robot]}};
+        } else if (!(held->condition[robot] < rule->task.condition && held->drift[robot] <= rule->drift &&
+                     held->curvature[robot] > rule->fold)) {
             return 0;
+        } else if (held->jump[robot] > rule->jump) {
+            *of = (mrts_outcome){MRTS_LOST, robot, sample, 0, {held->jump[robot], 0}};
         }
+        failed[robot] = of->code != MRTS_FOLLOWED;
     }
     return 1;
 }
@@ -173,37 +164,20 @@ static int mrts_sample_by_rule(const mrts_following *rule, const mrts_path *at, 
 static void mrts_follow_one(const mrts_following *rule, long long samples, const double *time, const mrts_path *path,
                             double *q, double *dq, double *ddq, mrts_outcome *outcome, mrts_scratch *scratch) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS };
-    double reference[M], taylor[M], condition[R];
+    double reference[M];
+    unsigned char failed[R] = {0};
     mrts_outcome failures[R];
+    mrts_held held;
     long long even = 0;
     for (int robot = 0; robot < R; ++robot) failures[robot].code = MRTS_FOLLOWED;
     for (int i = 0; i < M; ++i) reference[i] = q[i];
-    for (long long n = 0; n < samples && failures[0].code == MRTS_FOLLOWED; ++n) {
-        const mrts_path at = {path->position + 3 * n, path->rotation + 9 * n, path->twist + 6 * n, path->acceleration + 6 * n};
-        double *qn = q + n * M, *dqn = dq + n * M, *ddqn = ddq + n * M;
-        int quick = 0;
-        (void)condition; /* of arms that are not redundant */
-        if (n == 0) {
-            for (int i = 0; i < M; ++i) taylor[i] = qn[i];
-        } else {
-            const double h = time[n] - time[n - 1];
-            even = n > 1 && fabs(time[n - 1] - time[n - 2] - h) <= MRTS_SAME_STEP * h ? even + 1 : 1;
-            mrts_predict(qn - M, dqn - M, ddqn - M, h, even, taylor, qn);
-        }
-#ifndef MRTS_REDUNDANT
-        quick = mrts_quick_sample(&rule->task, &at, failures, qn, dqn, ddqn, condition, scratch);
-        for (int robot = 0; robot < R; ++robot) quick &= condition[robot] < rule->condition;
-#endif
-        if (!quick && !mrts_sample_by_rule(rule, &at, reference, taylor, qn, dqn, ddqn, (int)n, failures, scratch)) {
+    for (long long n = 0; n < samples && !failed[0]; ++n) {
+        const long long at = n * M;
+        if (!mrts_track_sample(&rule->task, time, path, n, reference, failed, &even, q + at, dq + at, ddq + at, &held,
+                               scratch) ||
+            !mrts_note_failures(rule, &held, (int)n, failures, failed)) {
             outcome->code = MRTS_UNSETTLED;
             return;
-        }
-        for (int robot = 0; robot < R; ++robot) {
-            double jump = 0;
-            for (int i = MRTS_FIRST(robot); i < MRTS_FIRST(robot + 1); ++i) jump = fmax(jump, fabs(qn[i] - taylor[i]));
-            if (failures[robot].code == MRTS_FOLLOWED && jump > rule->jump) {
-                failures[robot] = (mrts_outcome){MRTS_LOST, robot, (int)n, 0, {jump, 0}};
-            }
         }
     }
     outcome->code = MRTS_FOLLOWED;

@@ -14,7 +14,6 @@ typedef struct {
     int further;                /* starts that are tried where the posture leads to nothing */
     int further_steps;          /* most steps from each of them */
     double jump;                /* correction of a predicted joint at which an arm has lost its branch [rad or m] */
-    double condition;           /* of a Jacobian, at which an arm may be singular */
     double drift;               /* step left to a redundant arm that is not settled [rad or m] */
     double fold;                /* curvature at which its positions end */
     double past;                /* how far a joint may pass its limit [rad or m] */
@@ -38,30 +37,5 @@ typedef struct {
     int code, robot, sample, joint; /* the joint counted in its arm */
     double amount[2];
 } mrts_outcome;
-
-/* The object at one sample; the rotation by rows. */
-typedef struct {
-    const double *position, *rotation, *twist, *acceleration;
-} mrts_path;
-
-/* Work of generated functions. */
-typedef struct {
-    const double **arg;
-    double **res;
-    long long *iw;
-    double *w;
-} mrts_scratch;
-
-/* q at a sample from q, q', q'' at those before it, a step h apart each: the polynomial through the last three or two
- * of them. Taylor's of second degree from the last one where there is no more (known = 1), or where the two differ. */
-MRTS_LOCAL void mrts_predict(const double *q, const double *dq, const double *ddq, double h, long long known,
-                             double *taylor, double *now);
-
-#ifndef MRTS_REDUNDANT
-/* q, q', q'' at a sample by undamped Newton steps from `now`, which is moved, and a bound of each Jacobian's condition
- * number; 0 where they do not lead to the grasps at once. Arms that have failed stay. */
-MRTS_LOCAL int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, const mrts_outcome *failures, double *now,
-                                 double *dq, double *ddq, double *condition, mrts_scratch *scratch);
-#endif
 
 #endif

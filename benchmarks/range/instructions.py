@@ -6,11 +6,9 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 import mrts
 from mrts.base.manifest import GEOMETRY
@@ -19,15 +17,17 @@ from mrts.kernel.c_text import cell_source
 from mrts.kernel.compiler import FLAGS
 from mrts.limits import limit_rows
 
-DATA = Path(str(files("mrts") / "data"))
-HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from cases import DATA, MOTIONS, shipped
+
+HERE = Path(__file__).resolve().parents[1]
 SAMPLES = 1000
 COUNTED = ("mrts_rows_of_sample", "mrts_scale_columns", "mrts_ranges", "mrts_torques", "mrts_lp", "mrts_qp")
 
 
 def samples_file(path: Path, cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> None:
     """Write what c/instructions.c reads."""
-    limits = limit_rows(cell.without_velocity_limits(), motion)
+    limits = limit_rows(cell, motion)
     matrix = np.hstack([limits.torque_matrix, limits.wrench_matrix])
     row, column = np.nonzero(matrix)
     start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(matrix)))])
@@ -38,22 +38,14 @@ def samples_file(path: Path, cell: mrts.Cell, motion: mrts.CoordinatedMotion) ->
         np.minimum(limits.upper, 1e300),
         np.unique([name.unit for name in limits.names], return_inverse=True)[1],
     ]
-    parts = [
-        np.array([motion.samples, len(matrix), cell.geometry.size]),
-        *inputs.values(),
-        start,
-        column,
-        matrix[row, column],
-        *ends,
-    ]
+    sizes = np.array([motion.samples, len(matrix), cell.geometry.size])
+    parts = [sizes, *inputs.values(), start, column, matrix[row, column], *ends]
     path.write_bytes(b"".join(np.ascontiguousarray(part, dtype=np.float64).tobytes() for part in parts))
 
 
-def count(name: str, motion_file: str) -> None:
+def count(name: str) -> None:
     """Count one shipped cell and print its line."""
-    cell = mrts.load_cell(DATA / name / "cell.yaml")
-    description = yaml.safe_load((DATA / name / motion_file).read_text(encoding="utf-8")) | {"samples": SAMPLES}
-    motion = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(description)))
+    cell, motion = shipped(name, SAMPLES)
     compiler, valgrind = shutil.which("gcc"), shutil.which("valgrind")
     if compiler is None or valgrind is None:
         sys.exit("this benchmark needs gcc and valgrind: apt-get install gcc valgrind")
@@ -83,8 +75,8 @@ def count(name: str, motion_file: str) -> None:
 
 def main() -> None:
     """Count both shipped cells."""
-    count("planar_dual_arm", "lift.yaml")
-    count("dual_ur5", "lift_and_turn.yaml")
+    for name in MOTIONS:
+        count(name)
 
 
 if __name__ == "__main__":

@@ -122,6 +122,29 @@ class HighsRange:
         return found
 
 
+class PinocchioArm:
+    """Largest c² of one arm that holds its load welded: a row's limits are those of c², no program is needed.
+
+    Args:
+        model: Of the arm with the load.
+        limits: Of its torques, Shape (m, 2) [N m].
+    """
+
+    def __init__(self, model: pin.Model, limits: Array) -> None:
+        self.model, self.data, self.limits = model, model.createData(), limits
+
+    def __call__(self, motion: mrts.CoordinatedMotion) -> float:
+        """Largest c² of the whole motion."""
+        gravity, driven = np.empty_like(motion.q), np.empty_like(motion.q)
+        for k, (q, dq, ddq) in enumerate(zip(motion.q, motion.dq, motion.ddq, strict=True)):
+            gravity[k] = pin.computeGeneralizedGravity(self.model, self.data, q)
+            driven[k] = pin.rnea(self.model, self.data, q, dq, ddq)
+        driven -= gravity
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ends = (self.limits.T[:, None, :] - gravity) / driven
+        return float(np.nanmin(np.where(driven == 0, np.inf, np.max(ends, axis=0))))
+
+
 def linprog_range(rows: PinocchioCell, motion: mrts.CoordinatedMotion) -> float:
     """Largest c² of a motion by two calls of `scipy.optimize.linprog` a sample."""
     found = np.inf

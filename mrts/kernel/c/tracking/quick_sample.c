@@ -1,38 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * One sample of a variant from those before it: where they predict the joints well, as along a smooth motion, that takes one
- * evaluation of the kinematics and one factorisation of each Jacobian, which is used for everything.
+ * One sample from joints that are predicted well, as along a smooth motion: that takes one evaluation of the kinematics
+ * and one factorisation of each Jacobian, which is used for everything.
  */
-#include "variants.h"
+#include "tracking.h"
 
 /* Largest step [rad or m] after which the Jacobian before it counts as that after it: its share of an error of q'. */
 #define MRTS_FINE 1e-11
 
-/* How far the prediction from two samples may be from that of one [rad or m]: beyond, something jumps. */
-#define MRTS_SMOOTH 1e-2
-
 /* Steps of the fast iteration; what takes more is left to the rule of tracking.c. */
 enum { MRTS_QUICK = 4 };
-
-MRTS_LOCAL void mrts_predict(const double *q, const double *dq, const double *ddq, double h, long long known, double *taylor,
-                         double *now) {
-    enum { M = MRTS_JOINTS };
-    double apart = 0;
-    for (int i = 0; i < M; ++i) {
-        const double b = q[i], b1 = h * dq[i], b2 = h * h * ddq[i];
-        now[i] = taylor[i] = b + b1 + b2 / 2;
-        if (known < 2) continue;
-        const double a = q[i - M], a1 = h * dq[i - M], a2 = h * h * ddq[i - M];
-        if (known == 2) {
-            now[i] = b + 31 * (b - a) - 16 * b1 - 14 * a1 + 4 * b2 - 2 * a2;
-        } else {
-            const double z = q[i - 2 * M], z1 = h * dq[i - 2 * M], z2 = h * h * ddq[i - 2 * M];
-            now[i] = b + 228.5 * (b - a) - 122.5 * (a - z) - 94.5 * b1 - 54 * a1 + 43.5 * z1 + 13.5 * b2 - 54 * a2 + 4.5 * z2;
-        }
-        apart = fmax(apart, fabs(now[i] - taylor[i]));
-    }
-    for (int i = 0; i < M && !(apart <= MRTS_SMOOTH); ++i) now[i] = taylor[i];
-}
 
 #ifndef MRTS_REDUNDANT
 
@@ -119,8 +96,8 @@ static void mrts_solve(const mrts_factors *factors, const double *y, double *x) 
     }
 }
 
-MRTS_LOCAL int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, const mrts_outcome *failures, double *now,
-                             double *dq, double *ddq, double *condition, mrts_scratch *scratch) {
+MRTS_LOCAL int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, const unsigned char *left_out, double *now,
+                                 double *dq, double *ddq, mrts_held *held, mrts_scratch *scratch) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double tips[3 * R], rotations[9 * R], J[W * M], off[3], turned[3], error[W], step[W];
     mrts_factors factors[R];
@@ -134,15 +111,13 @@ MRTS_LOCAL int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at,
         if (MRTS_KINEMATICS(scratch->arg, scratch->res, scratch->iw, scratch->w, 0)) return 0;
         for (int robot = 0; robot < R; ++robot) {
             const mrts_arm *arm = MRTS_ARM(task->geometry, robot);
-            double gap, turn;
-            condition[robot] = 1;
-            if (failures[robot].code != MRTS_FOLLOWED) continue;
-            mrts_tip_error(arm, at->position, at->rotation, tips + 3 * robot, rotations + 9 * robot, off, turned, &gap,
-                           &turn);
+            if (left_out[robot]) continue;
+            mrts_tip_error(arm, at->position, at->rotation, tips + 3 * robot, rotations + 9 * robot, off, turned,
+                           held->gap + robot, held->turn + robot);
             mrts_arm_error(task, arm, off, turned, error);
-            condition[robot] = mrts_factor(J + W * W * robot, factors + robot);
-            if (!(condition[robot] < MRTS_INFINITY)) return 0;
-            if (!(fmax(gap, turn) <= furthest)) furthest = fmax(gap, turn);
+            held->condition[robot] = mrts_factor(J + W * W * robot, factors + robot);
+            if (!(held->condition[robot] < task->condition)) return 0;
+            if (!(fmax(held->gap[robot], held->turn[robot]) <= furthest)) furthest = fmax(held->gap[robot], held->turn[robot]);
             mrts_solve(factors + robot, error, step);
             for (int i = 0; i < W; ++i) {
                 now[W * robot + i] += step[i];
@@ -150,11 +125,13 @@ MRTS_LOCAL int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at,
             }
         }
         if (!(largest <= task->longest)) return 0;
-        if (largest > MRTS_FINE || furthest > task->reached) continue;
+        if (largest > MRTS_FINE || !(furthest <= task->reached)) continue;
         for (int robot = 0; robot < R; ++robot) {
             double velocity[W], change[W], bias[W];
             for (int i = 0; i < W; ++i) dq[W * robot + i] = ddq[W * robot + i] = 0;
-            if (failures[robot].code != MRTS_FOLLOWED) continue;
+            held->drift[robot] = 0;
+            held->curvature[robot] = 1;
+            if (left_out[robot]) continue;
             mrts_tip_rates(task, MRTS_ARM(task->geometry, robot), at->rotation, at->twist, at->acceleration, velocity,
                            change);
             mrts_solve(factors + robot, velocity, dq + W * robot);

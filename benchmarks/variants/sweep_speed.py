@@ -1,6 +1,7 @@
+# SPDX-License-Identifier: MIT
 """Sweeps of the shipped dual cell: variants a second, memory, two workers against one, and workers that are killed.
 
-    python benchmarks/sweep_speed.py [VARIANTS]
+    python benchmarks/variants/sweep_speed.py [VARIANTS]
 
 All that a study may vary in batches varies: bases, grasps, mass. In the last run a random worker is killed every
 `KILL_EVERY` seconds; its table must be that of the first.
@@ -12,14 +13,15 @@ import subprocess
 import sys
 import tempfile
 import time
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 
 import mrts
 
-DATA = Path(str(files("mrts") / "data")) / "dual_ur5"
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from cases import DUAL
+
 KILL_EVERY = 5.0
 """[s]"""
 
@@ -79,12 +81,12 @@ def swept(study: Path, out: Path, count: int, *, kills: bool) -> tuple[float, in
     return time.monotonic() - begun, peak, killed
 
 
-def main(variants: int) -> None:
+def main(variants: int = 100_000) -> None:
     """Print the table."""
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         study = folder / "study.yaml"
-        study.write_text(STUDY.format(folder=DATA, count=variants), encoding="utf-8")
+        study.write_text(STUDY.format(folder=DUAL, count=variants), encoding="utf-8")
         tables = []
         for name, count, kills in (("one", 1, False), ("two", 2, False), ("killed", 2, True)):
             taken, peak, killed = swept(study, folder / name, count, kills=kills)
@@ -96,4 +98,4 @@ def main(variants: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 100_000)
+    main(*map(int, sys.argv[1:2]))

@@ -1,0 +1,375 @@
+# SPDX-License-Identifier: MIT
+"""Records of a file, checked without any library: what each start of mrts reads does not cost an import of one."""
+
+import json
+import math
+import re
+from inspect import get_annotations
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self, Union, dataclass_transform, get_args, get_origin
+
+from mrts.base.errors import InputError
+
+RULES = {
+    "bool_parsing": "must be true or false",
+    "bool_type": "must be true or false",
+    "dict_type": "must be a mapping of keys to values",
+    "finite_number": "must be a finite number",
+    "float_type": "must be a number",
+    "greater_than": "must be > {gt:g}",
+    "greater_than_equal": "must be >= {ge:g}",
+    "int_type": "must be a whole number",
+    "less_than": "must be < {lt:g}",
+    "less_than_equal": "must be <= {le:g}",
+    "list_type": "must be a list",
+    "literal_error": "must be {expected}",
+    "missing": "this key is required",
+    "model_type": "must be a mapping of keys to values",
+    "string_pattern_mismatch": "must be letters, digits and single underscores, and start with a letter",
+    "string_type": "must be text",
+    "too_long": "has {actual_length} values, at most {max_length} belong here",
+    "too_short": "has {actual_length} values, at least {min_length} belong here",
+}
+"""What is wrong with a value, by pydantic's names; fields are numbers and texts of the format, nothing of the file."""
+
+Key = str | int
+
+
+class BrokenRecordError(ValueError):
+    """A value breaks a rule.
+
+    Attributes:
+        keys: Where it is.
+        rule: What it breaks.
+        value: The value.
+        told: Whether the rule explains itself without the value.
+    """
+
+    def __init__(self, rule: str, value: object = None, *, told: bool = False) -> None:
+        super().__init__(rule)
+        self.keys: tuple[Key, ...] = ()
+        self.rule, self.value, self.told = rule, value, told
+
+
+class Rule:
+    """What numbers, texts and lists must keep; pydantic reads it too.
+
+    Attributes:
+        limits: By pydantic's names: gt, ge, lt, le, min_length, max_length, pattern, allow_inf_nan.
+    """
+
+    def __init__(self, **limits: Any) -> None:
+        self.limits = limits
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """The schema of the annotated type, with the limits."""
+        return {**handler(source), **self.limits}
+
+    def check(self, value: Any, given: object) -> None:
+        """Check a value of the annotated type.
+
+        Args:
+            value: The value.
+            given: As it was given, for the message.
+
+        Raises:
+            BrokenRecordError: If it is outside of a limit.
+        """
+        for name, limit in self.limits.items():
+            kind = _KINDS[name]
+            if not _KEPT[name](value, limit):
+                length = len(value) if name.endswith("length") else 0
+                _fail(kind, given, **{name: limit, "actual_length": length})
+
+
+_KINDS = {
+    "gt": "greater_than",
+    "ge": "greater_than_equal",
+    "lt": "less_than",
+    "le": "less_than_equal",
+    "min_length": "too_short",
+    "max_length": "too_long",
+    "pattern": "string_pattern_mismatch",
+    "allow_inf_nan": "finite_number",
+}
+_KEPT: dict[str, Any] = {
+    "gt": lambda value, limit: value > limit,
+    "ge": lambda value, limit: value >= limit,
+    "lt": lambda value, limit: value < limit,
+    "le": lambda value, limit: value <= limit,
+    "min_length": lambda value, limit: len(value) >= limit,
+    "max_length": lambda value, limit: len(value) <= limit,
+    "pattern": lambda value, limit: re.search(limit, value) is not None and not value.endswith("\n"),
+    "allow_inf_nan": lambda value, limit: limit or math.isfinite(value),
+}
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True)
+class Record:
+    """Named values of the annotated kinds; nothing is converted but whole numbers to numbers, and lists to tuples.
+
+    Kinds are float, int, bool, str, Any, Literal, records, lists, tuples and dictionaries of these, each with None or
+    not, and with a `Rule` or not. Numbers are finite.
+
+    Raises:
+        BrokenRecordError: If a key or a value breaks a rule.
+    """
+
+    model_fields: ClassVar[dict[str, Any]] = {}
+
+    def __init_subclass__(cls) -> None:
+        cls.model_fields = cls.model_fields | get_annotations(cls)
+
+    def __init__(self, **keys: Any) -> None:
+        vars(self).update(_checked_fields(type(self), keys))
+        if problem := self.problem():
+            raise BrokenRecordError(problem, told=True)
+
+    @classmethod
+    def model_validate(cls, data: object) -> Self:
+        """The record that a mapping describes.
+
+        Raises:
+            BrokenRecordError: If it is none, or a key or a value breaks a rule.
+        """
+        if isinstance(data, cls):
+            return data
+        if not isinstance(data, dict):
+            _fail("model_type", data)
+        return cls._of(data)
+
+    @classmethod
+    def read(cls, where: Path | str, data: dict[Any, Any]) -> Self:
+        """The record that a mapping of a file describes.
+
+        Args:
+            where: The file, or what the mapping is, for messages.
+            data: The mapping.
+
+        Raises:
+            InputError: If a key or a value breaks a rule.
+        """
+        try:
+            return cls._of(data)
+        except BrokenRecordError as error:
+            raise broken_record(where, error) from None
+
+    @classmethod
+    def _of(cls, data: dict[Any, Any]) -> Self:
+        record = object.__new__(cls)
+        vars(record).update(_checked_fields(cls, data))
+        if problem := record.problem():
+            raise BrokenRecordError(problem, told=True)
+        return record
+
+    @classmethod
+    def model_validate_json(cls, text: str) -> Self:
+        """The record that a JSON text describes.
+
+        Raises:
+            BrokenRecordError: As `model_validate`.
+        """
+        return cls.model_validate(read_json(text))
+
+    def problem(self) -> str:
+        """The rule that values break with each other; empty if none."""
+        return ""
+
+    def model_copy(self, *, update: dict[str, Any]) -> Self:
+        """The same with other values, which are not checked."""
+        record = object.__new__(type(self))
+        vars(record).update(vars(self) | update)
+        return record
+
+    def model_dump(self, *, include: set[str] | None = None, exclude: set[str] | None = None) -> dict[str, Any]:
+        """Dictionaries, lists and values.
+
+        Args:
+            include: Keys to take; None takes all.
+            exclude: Keys to leave out.
+        """
+        names = (name for name in self.model_fields if include is None or name in include)
+        return {name: _dumped(getattr(self, name)) for name in names if name not in (exclude or ())}
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, _source: Any, _handler: Any) -> Any:
+        """How pydantic reads a record that stands in one of its formats."""
+        from pydantic_core import PydanticCustomError, core_schema  # noqa: PLC0415 (pydantic asks, so it is there)
+
+        def read(data: object) -> Any:
+            try:
+                return cls.model_validate(data)
+            except BrokenRecordError as error:
+                raise PydanticCustomError("record", "{rule}", {"rule": error.rule, "error": error}) from None
+
+        dump = core_schema.plain_serializer_function_ser_schema(lambda record: record.model_dump())
+        return core_schema.no_info_plain_validator_function(read, serialization=dump)
+
+    def __setattr__(self, name: str, _value: object) -> None:
+        raise AttributeError(f"{type(self).__name__}.{name} cannot be changed")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"{type(self).__name__}.{name} cannot be changed")
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and vars(self) == vars(other)
+
+    __hash__ = None  # type: ignore[assignment]  # it holds lists
+
+    def __iter__(self) -> Any:
+        return iter([(name, getattr(self, name)) for name in self.model_fields])
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self)})"
+
+
+def read_json(text: str) -> Any:
+    """The value of a JSON text.
+
+    Raises:
+        BrokenRecordError: If it is none, or holds a number that is not finite.
+    """
+    try:
+        return json.loads(text, parse_constant=_refuse)
+    except BrokenRecordError:
+        raise
+    except (ValueError, RecursionError) as error:
+        raise BrokenRecordError(f"is not JSON: {error}", told=True) from None
+
+
+def _refuse(constant: str) -> NoReturn:
+    _fail("finite_number", constant)
+
+
+def broken_record(where: Path | str, error: BrokenRecordError) -> InputError:
+    """An error of a record in the words of an input file.
+
+    Args:
+        where: File, or the name of what is built in Python.
+        error: What its check raised.
+    """
+    rule = error.rule + (" (it is empty)" if error.value is None and not error.told else "")
+    value = None if error.told else error.value
+    return InputError(where, f"{rule.rstrip('.')}.", key=key_text(error.keys), value=value)
+
+
+def key_text(keys: tuple[Key, ...] | list[Key]) -> str:
+    """Where a value is, such as "robots[0].name"."""
+    text = ""
+    for part in keys:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
+    return text
+
+
+def unknown_key(key: object, known: list[str]) -> str:
+    """The rule that a key breaks which a format does not have."""
+    import difflib  # noqa: PLC0415 (for this message only)
+
+    close = difflib.get_close_matches(str(key), known, n=1)
+    hint = f"; did you mean '{close[0]}'?" if close else ""
+    return f"unknown key '{key}'{hint or '.'} The keys here are: {', '.join(known)}"
+
+
+def _checked_fields(cls: type[Record], data: dict[Any, Any]) -> dict[str, Any]:
+    fields = cls.model_fields
+    for key in data:
+        if key not in fields:
+            raise BrokenRecordError(unknown_key(key, list(fields)), told=True)
+    values = {}
+    for name, kind in fields.items():
+        if name in data:
+            values[name] = _at(name, kind, data[name])
+        elif hasattr(cls, name):
+            values[name] = _at(name, kind, getattr(cls, name))
+        else:
+            missing = BrokenRecordError(RULES["missing"], told=True)
+            missing.keys = (name,)
+            raise missing
+    return values
+
+
+def _at(key: Key, kind: Any, value: object) -> Any:
+    try:
+        return checked(kind, value)
+    except BrokenRecordError as error:
+        error.keys = (key, *error.keys)
+        raise
+
+
+def checked(kind: Any, value: Any) -> Any:
+    """A value of a kind, see `Record`.
+
+    Raises:
+        BrokenRecordError: If it is none.
+    """
+    origin, parts = get_origin(kind), get_args(kind)
+    if origin is Annotated:
+        read = checked(parts[0], value)
+        for rule in parts[1:]:
+            rule.check(read, value)
+        return read
+    if origin in {Union, UnionType}:
+        return None if value is None else checked(next(part for part in parts if part is not NoneType), value)
+    if origin is not None:
+        return _of_parts(origin, parts, value)
+    if kind is Any:
+        return value
+    return kind.model_validate(value) if issubclass(kind, Record) else _plain(kind, value)
+
+
+def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
+    """One of some texts, or a list, tuple or dictionary."""
+    if origin is Literal:
+        if not isinstance(value, str) or value not in parts:
+            *others, last = map(repr, parts)
+            _fail("literal_error", value, expected=f"{', '.join(others)} or {last}" if others else last)
+        return value
+    if origin is dict:
+        if not isinstance(value, dict):
+            _fail("dict_type", value)
+        return {_at(str(name), parts[0], name): _at(str(name), parts[1], entry) for name, entry in value.items()}
+    if not isinstance(value, list | tuple):
+        _fail("list_type", value)
+    return _items(origin, parts, value)
+
+
+def _items(origin: Any, kinds: tuple[Any, ...], value: list[Any] | tuple[Any, ...]) -> Any:
+    """The items of a list, or of a tuple with a kind each."""
+    if origin is list:
+        return [_at(index, kinds[0], item) for index, item in enumerate(value)]
+    if len(value) != len(kinds):
+        kind, length = ("too_long", "max_length") if len(value) > len(kinds) else ("too_short", "min_length")
+        _fail(kind, value, actual_length=len(value), **{length: len(kinds)})
+    return tuple(_at(index, kind, item) for index, (kind, item) in enumerate(zip(kinds, value, strict=True)))
+
+
+def _plain(kind: type, value: Any) -> Any:
+    """A number, a truth or a text."""
+    if kind is float:
+        if isinstance(value, bool) or not isinstance(value, float | int):
+            _fail("float_type", value)
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
+            _fail("finite_number", value)
+        return number
+    if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
+        _fail({int: "int_type", bool: "bool_type", str: "string_type"}[kind], value)
+    return value
+
+
+def _fail(kind: str, value: object, **of_format: Any) -> NoReturn:
+    raise BrokenRecordError(RULES[kind].format(**of_format), value)
+
+
+def _dumped(value: Any) -> Any:
+    if isinstance(value, Record):
+        return value.model_dump()
+    if isinstance(value, list | tuple):
+        return [_dumped(item) for item in value]
+    if isinstance(value, dict):
+        return {name: _dumped(item) for name, item in value.items()}
+    return value

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Forms of several samples at a time.
+ */
+#include "forms.h"
+
+#if MRTS_LANES > 1
+MRTS_LOCAL void mrts_take_inputs(const double *const *in, const long long *stride, long long first, long long count,
+                                 int all, mrts_lane_inputs *lanes) {
+    static const int sizes[MRTS_INPUTS] = MRTS_INPUT_SIZES;
+    mrts_lanes *next = lanes->numbers;
+    for (int lane = 0; lane < MRTS_LANES; ++lane) lanes->at[lane] = first + lane < count ? first + lane : count - 1;
+    for (int i = 0; i < MRTS_INPUTS; next += sizes[i++]) {
+        lanes->arg[i] = next;
+        for (int lane = 0; lane < MRTS_LANES && (all || stride[i]); ++lane) {
+            const double *own = in[i] + lanes->at[lane] * stride[i];
+            for (int number = 0; number < sizes[i]; ++number) next[number][lane] = own[number];
+        }
+    }
+}
+
+/* One lane of some numbers. */
+static void mrts_take_lane(int count, const mrts_lanes *from, int lane, double *to) {
+    const double *numbers = (const double *)(const void *)from + lane;
+    for (int i = 0; i < count; ++i) to[i] = numbers[i * MRTS_LANES];
+}
+#endif
+
+MRTS_LOCAL void mrts_begin_forms(const double *const *in, const long long *stride, long long count, mrts_forms *forms) {
+    forms->in = in;
+    forms->stride = stride;
+    forms->count = count;
+#if MRTS_LANES > 1
+    forms->evaluate = mrts_form_of_lanes;
+#ifdef MRTS_WIDE
+    if (__builtin_cpu_supports("avx2")) forms->evaluate = mrts_form_of_wide_lanes;
+#endif
+    if (count > 0) mrts_take_inputs(in, stride, 0, count, 1, &forms->inputs);
+#endif
+}
+
+MRTS_LOCAL int mrts_next_form(mrts_forms *forms, long long sample, mrts_form *form, const double **arg, double **res,
+                              long long *iw, double *w) {
+    for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = forms->in[i] + sample * forms->stride[i];
+#if MRTS_LANES > 1
+    (void)res;
+    (void)iw;
+    (void)w;
+    const int lane = (int)(sample % MRTS_LANES);
+    if (lane == 0) {
+        mrts_lanes *const found[4] = {forms->torque_map, forms->torque_offset, forms->wrench_map, forms->wrench_offset};
+        mrts_take_inputs(forms->in, forms->stride, sample, forms->count, 0, &forms->inputs);
+        forms->evaluate(forms->inputs.arg, found);
+    }
+    mrts_take_lane(MRTS_UNKNOWNS * MRTS_JOINTS, forms->torque_map, lane, form->torque_map);
+    mrts_take_lane(MRTS_JOINTS, forms->torque_offset, lane, form->torque_offset);
+    mrts_take_lane(MRTS_UNKNOWNS * MRTS_WRENCHES, forms->wrench_map, lane, form->wrench_map);
+    mrts_take_lane(MRTS_WRENCHES, forms->wrench_offset, lane, form->wrench_offset);
+    return 1;
+#else
+    res[0] = form->torque_map;
+    res[1] = form->torque_offset;
+    res[2] = form->wrench_map;
+    res[3] = form->wrench_offset;
+    return MRTS_WRENCH_FORM(arg, res, iw, w, 0) == 0;
+#endif
+}

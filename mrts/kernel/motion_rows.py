@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: MIT
+"""Rows along a path, a motion between its samples, and what limits lack, each in one foreign call (kernel/c/dense)."""
+
+import ctypes
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.kernel.cell_library import CellLibrary, Scratch, SparseLimits
+from mrts.kernel.foreign_arrays import over_chunks, pointer
+from mrts.kernel.programs import STOPPED
+from mrts.kernel.sample_terms import SampleTerms
+
+
+class _Path(ctypes.Structure):
+    """`mrts_joint_path` of path_places.c."""
+
+    _fields_ = [
+        *((name, ctypes.c_void_p) for name in ("time", "q", "dq", "ddq", "place", "at", "whole")),
+        ("places", ctypes.c_int),
+    ]
+
+
+def path_places(
+    library: CellLibrary,
+    path: tuple[Array, Array, Array, Array],
+    weights: tuple[Array, Array, Array],
+    speeds: tuple[Array, Array],
+    geometry: Array,
+    components: Sequence[int],
+) -> tuple[Array, ...]:
+    """Joints and object at p places inside each segment of a path, played at some speeds.
+
+    Args:
+        library: Of the cell.
+        path: The parameter of the path, Shape (N,), and q and its derivatives by it, each Shape (N, m).
+        weights: Where the places are in a segment, Shape (p,), what velocities and accelerations at its ends weigh
+            there, Shape (p, 3, 4), and in the way over a whole segment, Shape (4,); `polynomial_weights` of
+            mrts/coordination/denser_motion.py.
+        speeds: Squared speeds and their rates at the places, each Shape (p (N - 1),), segment after segment.
+        geometry: Of the cell.
+        components: Those of a twist that a wrench of the cell has.
+
+    Returns:
+        q, q̇, q̈, each Shape (p (N - 1), m), and of the object position, Shape (p (N - 1), 3), rotation, (…, 3, 3),
+        twist and acceleration, each (…, 6).
+    """
+    given = [np.ascontiguousarray(array, dtype=np.float64) for array in (*path, weights[1], weights[0], weights[2])]
+    along = _Path(*(pointer(array) for array in given), len(weights[0]))
+    asked: list[NDArray[Any]] = [np.ascontiguousarray(array, dtype=np.float64) for array in (*speeds, geometry)]
+    taken = np.array(components, dtype=np.int32)
+    count = len(speeds[0])
+    shapes = [*[(library.joints,)] * 3, (3,), (3, 3), (6,), (6,)]
+    found = tuple(np.empty((count, *shape)) for shape in shapes)
+
+    def run(first: int, samples: int) -> None:
+        parts = [Scratch(library.opened, library.records[name]) for name in ("kinematics", "bias_acceleration")]
+        scratch = parts[0].at_least(parts[1])
+        failed = library.opened.mrts_path_places(
+            ctypes.c_longlong(first),
+            ctypes.c_longlong(samples),
+            ctypes.byref(along),
+            *(pointer(array) for array in [*asked, taken, *found]),
+            *scratch.pointers(),
+        )
+        assert failed == 0  # noqa: S101 (generated functions of smooth expressions cannot fail)
+
+    over_chunks(library.opened, count, run)
+    for array in found:
+        array.setflags(write=False)  # so that motions share them
+    return found
+
+
+def widenings(
+    library: CellLibrary,
+    samples: int,
+    inputs: dict[str, Array],
+    limits: SparseLimits,
+    units: Array,
+    terms: SampleTerms,
+    c2: Array,
+) -> tuple[Array, NDArray[np.uint8]]:
+    """By how much all limits must move outward to admit a c², in shares of each, and statuses, each Shape (N,).
+
+    Args:
+        library: Of the cell.
+        samples: N.
+        inputs: Of the wrench form, by name.
+        limits: Rows over torques and wrenches.
+        units: What 100 % of each limit is, Shape (r,).
+        terms: What is added at every sample.
+        c2: Shape (N,).
+    """
+    per_limit = np.ascontiguousarray(units)
+    share, status = np.zeros(samples), np.full(samples, STOPPED, dtype=np.uint8)
+    library.over_samples("mrts_widenings", samples, inputs, limits, terms, c2, [share, status], (pointer(per_limit),))
+    return share, status
+
+
+@dataclass(frozen=True)
+class PathRows:
+    """Torques, wrenches and rows along N samples of a path, over the free wrenches, r̈ and ṙ², k unknowns in all.
+
+    Attributes:
+        torque_map: Shape (N, m, k).
+        torque_offset: Shape (N, m) [N m].
+        wrench_map: Shape (N, n w, k).
+        wrench_offset: Shape (N, n w) [N, N m].
+        A: Shape (N, r, k).
+        lower: Shape (N, r).
+        upper: Shape (N, r).
+    """
+
+    torque_map: Array
+    torque_offset: Array
+    wrench_map: Array
+    wrench_offset: Array
+    A: Array
+    lower: Array
+    upper: Array
+
+
+def path_rows(
+    library: CellLibrary,
+    samples: int,
+    inputs: dict[str, Array],
+    limits: SparseLimits,
+    units: Array,
+    terms: SampleTerms,
+    torque_rate: Array,
+) -> PathRows:
+    """The rows along a path whose speed varies.
+
+    Args:
+        library: Of the cell.
+        samples: N.
+        inputs: Of the wrench form, by name.
+        limits: Rows over torques and wrenches, each with a limit.
+        units: What 100 % of each limit is, Shape (r,).
+        terms: What is added at every sample.
+        torque_rate: What motors add to the torques by r̈, Shape (N, m).
+    """
+    rows, k = limits.rows, library.unknowns + 1
+    m, f = library.joints, library.wrenches
+    shapes = [(m, k), (m,), (f, k), (f,), (rows, k), (rows,), (rows,)]
+    found = PathRows(*(np.empty((samples, *shape)) for shape in shapes))
+    per_limit = np.ascontiguousarray(units)
+    outputs = list(vars(found).values())
+    library.over_samples("mrts_path_rows", samples, inputs, limits, terms, torque_rate, outputs, (pointer(per_limit),))
+    return found

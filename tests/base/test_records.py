@@ -1,0 +1,124 @@
+"""Records refuse what pydantic refuses by the same annotations, and say the same."""
+
+import json
+import random
+from copy import deepcopy
+
+import pytest
+from pydantic import ConfigDict, ValidationError, create_model
+
+from mrts.base.formats.pose import Pose
+from mrts.base.formats.record import RULES, BrokenRecordError, Record
+from mrts.base.manifest import (
+    ArgumentRecord,
+    ContactRecord,
+    JointRecord,
+    MotorsRecord,
+    ObjectRecord,
+    PoseRecord,
+)
+
+pytestmark = pytest.mark.quick
+
+TRIALS = 400
+ZOO = (None, True, 0, 3, -1, 1.5, 1e13, "x", "a b", "a\n", "", [], {}, [1], [[1.0]], {"a": 1}, [None, "x"])
+ROWS = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+GIVEN = {
+    Pose: {"xyz": [1, 2.5, 3], "rpy": [0.0, 1.0, 2.0]},
+    PoseRecord: {"rotation": ROWS, "position": [1.0, 2.0, 3.0]},
+    ArgumentRecord: {"name": "some_name", "shape": [3, 4]},
+    ObjectRecord: {
+        "mass": 2.0, "inertia": ROWS, "variation": {"mass": [0.5, 2]}, "outer_hull": False,
+        "linear_velocity": None, "angular_velocity": 1.0,
+    },
+    JointRecord: {
+        "name": "elbow", "type": "revolute", "axis": [0.0, 0.0, 1.0], "point": [0, 0, 0], "lower": None, "upper": 2.0,
+        "velocity": 1, "torque_lower": -1.0, "torque_upper": 1.0,
+    },
+    MotorsRecord: {
+        "armature": [0.1], "coulomb": [0], "viscous": [0.2], "torque_speed": [[[0.0, 1.0], [2.0, 0.5]]],
+        "torque_rate": [None], "jerk": [1.0], "rated": [None],
+    },
+    ContactRecord: {
+        "name": "pad", "frame": "tip", "rows": ["fx"], "units": ["N"], "A": [[1.0, 2.0]], "lower": [None],
+        "upper": [3.0], "given": {"pad": [1, "x"]},
+    },
+}  # fmt: skip
+
+
+def spoiled(data, rng):
+    """A copy with one entry, somewhere, exchanged, taken out or added."""
+    data = deepcopy(data)
+    place = data
+    while True:
+        key = rng.choice(list(place) if isinstance(place, dict) else range(len(place)))
+        inner = place[key]
+        if not (isinstance(inner, dict | list) and inner and rng.random() < 0.6):
+            break
+        place = inner
+    kind = rng.random()
+    if kind < 0.1 and isinstance(place, dict):
+        del place[key]
+    elif kind < 0.2 and isinstance(place, dict):
+        place[key + "s"] = rng.choice(ZOO)
+    else:
+        place[key] = rng.choice(ZOO)
+    return data
+
+
+def outcome(record, data):
+    """What a record makes of data, or its error."""
+    try:
+        return record.model_validate(data).model_dump()
+    except BrokenRecordError as error:
+        return error
+
+
+def said_there(error, details):
+    """Whether pydantic finds an error at the same place too, and the same where it has a name for it that we know."""
+    keys = error.keys
+    if not any(tuple(detail["loc"][: len(keys)]) == keys for detail in details):
+        return False
+    there = [detail for detail in details if tuple(detail["loc"]) == keys and detail["type"] in RULES]
+    words = [RULES[detail["type"]].format(**detail.get("ctx", {})) for detail in there]
+    return error.rule in words or not words
+
+
+@pytest.mark.parametrize("record", GIVEN, ids=lambda record: record.__name__)
+def test_pydantic_refuses_the_same(record):
+    fields = {name: (kind, getattr(record, name, ...)) for name, kind in record.model_fields.items()}
+    config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+    model = create_model(record.__name__, __config__=config, **fields)
+    rng = random.Random(record.__name__)  # noqa: S311 (draws of a test)
+    refused = 0
+    for data in [GIVEN[record], *(spoiled(GIVEN[record], rng) for _ in range(TRIALS))]:
+        try:
+            expected, details = model.model_validate_json(json.dumps(data)).model_dump(mode="json"), []
+        except ValidationError as error:
+            expected, details = None, error.errors()
+        found = outcome(record, data)
+        if isinstance(found, BrokenRecordError):
+            refused += 1
+            assert details if found.rule.startswith("unknown key") else said_there(found, details), data
+        else:
+            assert found == expected
+    assert TRIALS / 4 < refused < TRIALS
+
+
+def test_a_record_stays_as_it_is():
+    pose = Pose(xyz=[1.0, 2.0, 3.0])
+    with pytest.raises(AttributeError, match=r"Pose\.xyz cannot be changed"):
+        pose.xyz = [0.0, 0.0, 0.0]
+    with pytest.raises(AttributeError, match="cannot be changed"):
+        del pose.xyz
+    pose.rpy.append(1.0)
+    assert Pose().rpy == [0.0, 0.0, 0.0]  # a default is nobody's own
+    assert Pose(xyz=[1, 2, 3]) == Pose(xyz=[1.0, 2.0, 3.0]) != Pose()
+    assert deepcopy(pose) == pose
+    assert isinstance(pose, Record)
+
+
+@pytest.mark.parametrize("text", ["", "[", "[1]", "3", "NaN", "[" * 100_000, '{"xyz": [NaN, 0, 0]}', "9" * 5000])
+def test_what_is_no_json_of_a_record_is_refused(text):
+    with pytest.raises(BrokenRecordError):
+        Pose.model_validate_json(text)

@@ -1,0 +1,102 @@
+"""Regions of speeds along a path, each started from the one before, against HiGHS, cold starts and single chunks."""
+
+import numpy as np
+import pytest
+from random_programs import cell_programs
+from scipy.optimize import linprog
+
+from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
+
+ARMS = ((2, 3), (3, 3), (2, 6), (3, 6))
+DIRECTIONS = 24
+SAME = 3e-9
+"""Of a limit: each polygon lies inside the true one by less than 1e-9, beside corners of its own size."""
+
+BY_HIGHS = 1e-7
+"""HiGHS keeps limits to this share of their size."""
+
+LARGEST = 50.0
+"""u and x end where they move some row by this many limits."""
+
+
+def along_a_path(rng, count, arms, size):
+    """Rows over [F, u, x] that change slowly: A, lower, upper, scale, bounds."""
+    A, lower, upper = cell_programs(rng, count, arms, size)
+    wave = np.sin(np.linspace(0, 3, count))[:, None]
+    of_u = rng.normal(size=A.shape[1]) + rng.normal(size=A.shape[1]) * wave
+    A = np.concatenate([A[:, :, :-1], of_u[:, :, None], A[:, :, -1:]], axis=2)
+    scale = 1 / np.max(np.abs(A), axis=1)
+    bound = np.full((count, 2), LARGEST)
+    return A, lower, upper, scale, (np.where([True, False], -bound, 0.0), bound)
+
+
+def at(given, samples):
+    A, lower, upper, scale, bounds = given
+    return A[samples], lower[samples], upper[samples], scale[samples], tuple(bound[samples] for bound in bounds)
+
+
+def polygons(number, corners):
+    return np.split(corners, np.cumsum(number)[:-1])
+
+
+def directions():
+    angles = np.linspace(0, 2 * np.pi, DIRECTIONS, endpoint=False) + 0.1
+    return np.stack([np.cos(angles), np.sin(angles)])
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("arms", "size"), ARMS)
+@pytest.mark.parametrize("seed", range(4))
+def test_a_projection_does_not_depend_on_the_one_before(arms, size, seed):
+    given = along_a_path(np.random.default_rng([18, arms, size, seed]), 300, arms, size)
+    kernel = default_programs()
+    number, corners, status = kernel.projections(*given)
+    assert np.all((status == OPTIMAL) == (number > 0))
+    compared = 0
+    for sample, polygon in enumerate(polygons(number, corners)):
+        cold_number, cold, cold_status = kernel.projections(*at(given, [sample]))
+        assert (cold_status[0] == OPTIMAL) == (status[sample] == OPTIMAL)
+        if cold_number[0]:
+            ours, theirs = (np.max(points @ directions(), axis=0) for points in (polygon, cold))
+            np.testing.assert_allclose(ours, theirs, rtol=SAME, atol=SAME)
+            compared += 1
+    assert compared > 100 or np.mean(status == INFEASIBLE) > 0.5
+
+
+@pytest.mark.parametrize(("arms", "size"), ARMS)
+def test_every_corner_is_feasible_and_none_lies_further_out_by_highs(arms, size):
+    rng = np.random.default_rng([181, arms, size])
+    given = along_a_path(rng, 120, arms, size)
+    A, lower, upper, scale, bounds = given
+    number, corners, status = default_programs().projections(*given)
+    compared, free = 0, A.shape[2] - 2
+    for sample in range(100, 120, 4):
+        if status[sample] != OPTIMAL:
+            continue
+        polygon = polygons(number, corners)[sample]
+        rows = np.concatenate([A[sample], -A[sample]]) * scale[sample]
+        limits = np.concatenate([upper[sample], -lower[sample]])
+        kept = np.isfinite(limits)
+        box = [(None, None)] * free + list(zip(bounds[0][sample], bounds[1][sample], strict=True))
+        for direction in directions().T:
+            cost = np.concatenate([np.zeros(free), -direction])
+            furthest = -linprog(cost, rows[kept], limits[kept], bounds=box).fun
+            assert np.max(polygon @ direction) == pytest.approx(furthest, rel=BY_HIGHS, abs=BY_HIGHS)
+            compared += 1
+        for corner in polygon:
+            left = limits[kept] - rows[kept][:, free:] @ corner
+            found = linprog(np.zeros(free), rows[kept][:, :free], left + BY_HIGHS, bounds=(None, None))
+            assert found.status == 0
+    assert compared or np.all(status == INFEASIBLE)
+
+
+def test_chunks_do_not_depend_on_each_other():
+    """To the bit, so that the number of threads does not change a result."""
+    given = along_a_path(np.random.default_rng(183), 700, 2, 6)
+    kernel = default_programs()
+    chunk = int(kernel._library.mrts_chunk())  # noqa: SLF001 (the length is the library's own)
+    number, corners, status = kernel.projections(*given)
+    parts = [kernel.projections(*at(given, slice(first, first + chunk))) for first in range(0, 700, chunk)]
+    assert len(parts) > 2
+    for whole, pieces in zip((number, corners, status), zip(*parts, strict=True), strict=True):
+        np.testing.assert_array_equal(whole, np.concatenate(pieces))
