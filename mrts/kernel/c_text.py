@@ -43,16 +43,17 @@ ANGLE = re.compile(r"(a\d+)=(sin|cos)\((a\d+)\);")
 JOINT = re.compile(r"arg\[0\]\? arg\[0\]\[(\d+)\] : 0;")
 """What a joint is."""
 
-STATEMENTS = ((OUTPUT, r"res[\1][\2]=\3;"),) + tuple(
-    (re.compile(old), new)
-    for old, new in (
-        (r"(a\d+)=arg\[(\d+)\]\? arg\[\2\]\[(\d+)\] : 0;", r"\1=arg[\2][\3];"),
-        (r"(a\d+)=(-?\d[\d.e+-]*);", r"\1=MRTS_V_OF(\2);"),
-        (r"(a\d+)=(sqrt|fabs)\((a\d+)\);", r"for (int lane = 0; lane < MRTS_LANES; ++lane) \1[lane]=\2(\3[lane]);"),
-        (r"(a\d+)=casadi_sq\((a\d+)\);", r"\1=(\2*\2);"),
-        (r"casadi_real ((?:a\d+, )*a\d+);", r"mrts_lanes \1;"),
-        (r"return 0;", ""),
-    )
+STATEMENTS = (
+    (OUTPUT, r"res[\1][\2]=\3;"),
+    (re.compile(r"(a\d+)=arg\[(\d+)\]\? arg\[\2\]\[(\d+)\] : 0;"), r"\1=arg[\2][\3];"),
+    (re.compile(r"(a\d+)=(-?\d[\d.e+-]*);"), r"\1=MRTS_V_OF(\2);"),
+    (
+        re.compile(r"(a\d+)=(sqrt|fabs)\((a\d+)\);"),
+        r"for (int lane = 0; lane < MRTS_LANES; ++lane) \1[lane]=\2(\3[lane]);",
+    ),
+    (re.compile(r"(a\d+)=casadi_sq\((a\d+)\);"), r"\1=(\2*\2);"),
+    (re.compile(r"casadi_real ((?:a\d+, )*a\d+);"), r"mrts_lanes \1;"),
+    (re.compile(r"return 0;"), ""),
 )
 """The others, and the same of lanes."""
 

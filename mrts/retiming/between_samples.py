@@ -111,7 +111,7 @@ def _as_before(finer: RetimingResult, timed: RetimingResult, added: Array) -> Re
 
 
 def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
-    """The largest excess inside each segment, where wrenches are free to do their best; its row is named when asked for.
+    """The largest excess inside each segment, where wrenches are free to do their best; its row is named when read.
 
     Args:
         timed: A timing.

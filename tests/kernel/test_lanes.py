@@ -12,11 +12,14 @@ from conftest import DATA, ROOT
 import mrts
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.generation import generated_in_cache
+from mrts.coordination.denser_motion import WHOLE_WAY, polynomial_weights
 from mrts.kernel.c_text import cell_source, function_of_lanes
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.compiler import FLAGS
+from mrts.kernel.motion_rows import path_places, widenings
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits import limit_rows
+from mrts.retiming.path_pieces import PLACES
 
 C = ROOT / "mrts" / "kernel" / "c"
 GCC = shutil.which("gcc") or "gcc"
@@ -75,19 +78,36 @@ def ranges(request, tmp_path_factory):
     )
     inputs = motion.inputs(cell.load) | {GEOMETRY: cell.geometry}
 
+    c2 = np.repeat(rng.choice([0.5, 1.0, 2.0, 20.0], size=(SAMPLES + 19) // 20), 20)[:SAMPLES]
+    units = np.where(size > 0, size, 1.0)
+
     def found(*flags):
+        rng_of_speeds = np.random.default_rng(2)
         library = folder / f"lib{len(list(folder.iterdir()))}.so"
         subprocess.run([GCC, *FLAGS, *flags, folder / "cell.c", "-o", library, "-lm"], check=True)
         opened = CellLibrary(manifest, library)
         most = np.full(SAMPLES, np.inf)
-        return [opened.ranges(SAMPLES, inputs, limits, one, most) for one in (SampleTerms(), terms)]
+        ranges = [opened.ranges(SAMPLES, inputs, limits, one, most) for one in (SampleTerms(), terms)]
+        dense = [widenings(opened, SAMPLES, inputs, limits, units, one, c2)[0] for one in (SampleTerms(), terms)]
+        path = (motion.object.time, motion.q, motion.dq, motion.ddq)
+        speeds = rng_of_speeds.random((2, len(PLACES) * (SAMPLES - 1)))
+        weights = (PLACES, polynomial_weights(PLACES), WHOLE_WAY)
+        places = path_places(opened, path, weights, tuple(speeds), cell.geometry, cell.wrench_rows)
+        return ranges, dense, places
 
     return found
 
 
 def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_single_samples(ranges):
     wide, narrow, single = ranges(), ranges("-DMRTS_NARROW"), ranges("-DMRTS_NO_LANES")
-    for one, other, alone in zip(wide, narrow, single, strict=True):
+    for part in (1, 2):
+        for one, other, alone in zip(wide[part], narrow[part], single[part], strict=True):
+            np.testing.assert_array_equal(one, other)
+            np.testing.assert_allclose(one, alone, rtol=ROUNDING, atol=ROUNDING * np.max(np.abs(alone)))
+    for shares in wide[1]:
+        assert np.any(shares == 0)
+        assert np.max(shares) > 1e-2
+    for one, other, alone in zip(wide[0], narrow[0], single[0], strict=True):
         for name in ("lower", "upper", "status", "effect", "basis", "dual"):
             np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
         np.testing.assert_array_equal(one.status, alone.status)

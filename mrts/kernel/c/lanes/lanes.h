@@ -74,8 +74,8 @@ typedef struct {
     /* Moves free wrenches to the nearest whose known rows bind again, in the unit of their scale. What they are worth is
      * seen when they are put in. */
     void (*dense_bound)(const mrts_dense_lanes *at, const mrts_wrenches_before *known, mrts_lanes *free);
-    /* By how much a row is passed with given free wrenches, in shares of its limit, at most, 0 if none is; and whether all rows are
-     * numbers. */
+    /* By how much a row is passed with given free wrenches, in shares of its limit, at most, 0 if none is; and whether all
+     * rows are numbers. */
     void (*dense_passed)(const mrts_dense_lanes *at, const mrts_lanes *free, mrts_lanes *most, mrts_lane_mask *finite);
     /* Finds what is wanted at some places of a path. */
     int (*places)(const mrts_places *to, const mrts_lanes *geometry, const long long *places);
