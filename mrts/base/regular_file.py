@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Opening a file that a user names: a regular one of a sound size, or a clear sentence, and never a wait."""
 
-import difflib
 import os
 import stat
 from collections.abc import Iterator
@@ -83,5 +82,7 @@ def _neighbour(path: Path) -> str:
         names = [other.name for other in islice(path.parent.iterdir(), NEIGHBOURS)]
     except OSError:
         return f": the folder {path.parent} is missing or cannot be read."
+    import difflib  # noqa: PLC0415 (for this message only)
+
     close = difflib.get_close_matches(path.name, names, n=1)
     return f"; did you mean '{path.with_name(close[0])}'?" if close else ". Check the path."
