@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """How far limits are overstepped between samples, as every result says it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from mrts.base.argument_types import is_number
@@ -26,13 +28,22 @@ class Excess:
         share: Of a limit; 0 if all are kept.
         tolerance: What was allowed.
         time: When that is, in the time of the given motion [s]; None if all limits are kept.
-        row: The limit that is overstepped most; None likewise.
+        named: The limit that is overstepped most, or what finds it; None likewise.
     """
 
     share: float
     tolerance: float
     time: float | None = None
-    row: ActiveRow | None = None
+    named: ActiveRow | Callable[[], ActiveRow | None] | None = None
+
+    @cached_property
+    def row(self) -> ActiveRow | None:
+        """The limit that is overstepped most, found when it is asked for; None if all are kept.
+
+        Raises:
+            SolverError: If no solver answers.
+        """
+        return self.named if self.named is None or isinstance(self.named, ActiveRow) else self.named()
 
     @property
     def passes(self) -> bool:

@@ -3,17 +3,21 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.denser_motion import between_samples, denser, moved_remarks
+from mrts.limits.rows import ActiveRow
 from mrts.refinement.excess import Excess
 from mrts.refinement.motion_widening import motion_widening
 from mrts.retiming.path_pieces import PLACES
 from mrts.retiming.result import RetimingResult
 from mrts.retiming.retimed_motion import between_path_samples
+from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.solvers import DEFAULT_SOLVER
 
@@ -107,7 +111,7 @@ def _as_before(finer: RetimingResult, timed: RetimingResult, added: Array) -> Re
 
 
 def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
-    """The largest excess inside each segment, where wrenches are free to do their best.
+    """The largest excess inside each segment, where wrenches are free to do their best; its row is named when read.
 
     Args:
         timed: A timing.
@@ -129,8 +133,15 @@ def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
             if share[most] > worst.share:
                 segment, place = divmod(most, len(PLACES))
                 start, end = time[part.piece.first + segment :][:2]
-                there = motion_ranges(cell, played.at(np.array([most, most])), "wrench", sharing, DEFAULT_SOLVER, load)
-                rows = there.upper_rows[0]
                 at = float(start + PLACES[place] * (end - start))
-                worst = Excess(float(share[most]), tolerance, at, rows[0] if rows else None)
+                named = partial(_overstepped, cell, played.at(np.array([most, most])), sharing, load)
+                worst = Excess(float(share[most]), tolerance, at, named)
     return SegmentExcess(shares, worst)
+
+
+def _overstepped(
+    cell: Cell, there: CoordinatedMotion, sharing: LoadSharing | None, load: Array | None
+) -> ActiveRow | None:
+    """The row that a motion oversteps first as it gets faster, at its first sample."""
+    rows = motion_ranges(cell, there, "wrench", sharing, DEFAULT_SOLVER, load).upper_rows[0]
+    return rows[0] if rows else None
