@@ -54,6 +54,14 @@ def open_regular(path: Path, what: str, most: int) -> Iterator[BinaryIO]:
         raise InputError(path, f"this {what} cannot be read: {getattr(error, 'strerror', error)}.") from None
 
 
+def is_folder(path: Path) -> bool:
+    """Whether a path that a user names is a folder; one that no file can have is none."""
+    try:
+        return path.is_dir()
+    except OSError:  # such as a name that is too long
+        return False
+
+
 def read_regular(path: Path, what: str, most: int) -> bytes:
     """All of an input file; arguments and errors as `open_regular`."""
     with open_regular(path, what, most) as file:

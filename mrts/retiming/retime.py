@@ -107,14 +107,14 @@ def retime(
     speeds, tolerance = (start_speed, end_speed), checked_tolerance(between)
     adds, tolerance = tolerance is not None, BETWEEN if tolerance is None else tolerance
 
-    def timed(path: CoordinatedMotion) -> RetimingResult:
+    def timed(path: CoordinatedMotion, *, refined: bool = True) -> RetimingResult:
         bare = replace(constant, motion=path, rule=replace(constant.rule, rates=None))
-        found = replace(fastest_timing(bare, question, speeds, progress), end_speeds=speeds)
+        found = replace(fastest_timing(bare, question, speeds, progress, refined=refined), end_speeds=speeds)
         if not found.pieces:
             return found
         return replace(found, retimed=played_result(found.constant, found.pieces, "fastest timing"))
 
-    first = replace(timed(constant.motion), constant=constant)
+    first = replace(timed(constant.motion, refined=False), constant=constant)
     fastest = refined_timing(first, timed, lambda one: excess_by_segment(one, tolerance), tolerance, adds=adds)
     if asked is None:
         return fastest
