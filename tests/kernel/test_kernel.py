@@ -21,7 +21,7 @@ from mrts.kernel.compiled_cache import library_in_cache
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.foreign_arrays import work_arrays
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, _programs_alone, compiled_programs
-from mrts.samples.trajectory_programs import _compiled
+from mrts.samples.trajectory_programs import compiled_trajectory
 from mrts.solvers.convex_program import ConvexPrograms, optimality_error, solve_programs
 
 LINEAR_PROGRAMS = 100_000
@@ -242,7 +242,7 @@ def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch
         monkeypatch.setattr("os.cpu_count", lambda: 8)
         result = mrts.scale(cell, motion)
         assert result.fallbacks == 0
-        fast = _compiled(cell.without_velocity_limits(), motion, "wrench", None, "kernel")
+        fast = compiled_trajectory(cell.without_velocity_limits(), motion, "wrench", None, "kernel")
         ends = cell.functions.compiled.ranges(
             motion.samples,
             motion.inputs(cell.load) | {"geometry": cell.geometry},

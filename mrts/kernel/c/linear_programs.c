@@ -39,10 +39,7 @@ static int mrts_lp_choose_sides(int k, const mrts_real *lower, const mrts_real *
                                 const mrts_real *y, mrts_real share) {
     mrts_real largest = 0;
     int changed = 0;
-    for (int j = 0; j < k; ++j) {
-        const mrts_real size = MRTS_ABS(y[j]);
-        if (size > largest) largest = size;
-    }
+    for (int j = 0; j < k; ++j) largest = mrts_larger(MRTS_ABS(y[j]), largest);
     for (int j = 0; j < k; ++j) {
         const int has_lower = lower[row[j]] > -MRTS_INFINITY, has_upper = upper[row[j]] < MRTS_INFINITY;
         const int before = side[j];
@@ -112,7 +109,7 @@ static mrts_real mrts_lp_take(int k, int rows, const mrts_real *A, int row, mrts
     for (int i = 0; i < k; ++i) {
         const mrts_real term = y * A[row * k + i];
         rest[i] -= term;
-        if (MRTS_ABS(term) > size) size = MRTS_ABS(term);
+        size = mrts_larger(MRTS_ABS(term), size);
     }
     return size;
 }
@@ -123,11 +120,10 @@ static mrts_real mrts_lp_stationarity(int k, int rows, const mrts_real *A, const
     mrts_real size = 0, worst = 0;
     for (int i = 0; i < k; ++i) {
         rest[i] = g ? g[i] : 0;
-        if (MRTS_ABS(rest[i]) > size) size = MRTS_ABS(rest[i]);
+        size = mrts_larger(MRTS_ABS(rest[i]), size);
     }
     for (int j = -1; j < k; ++j) {
-        const mrts_real term = mrts_lp_take(k, rows, A, j < 0 ? more : row[j], j < 0 ? its_y : y[j], rest);
-        if (term > size) size = term;
+        size = mrts_larger(mrts_lp_take(k, rows, A, j < 0 ? more : row[j], j < 0 ? its_y : y[j], rest), size);
     }
     for (int i = 0; i < k; ++i) {
         if (!(MRTS_ABS(rest[i]) <= worst)) worst = MRTS_ABS(rest[i]);
@@ -172,7 +168,7 @@ static void mrts_lp_factor(int k, int rows, const mrts_real *A, int *row, int *s
         mrts_lp_alpha(k, rows, A, wanted[2 * next], C, alpha);
         for (int j = 0; j < k; ++j) {
             const mrts_real value = MRTS_ABS(alpha[j]);
-            if (value > size) size = value;
+            size = mrts_larger(value, size);
             if (!taken[j] && value > best) {
                 best = value;
                 q = j;
@@ -213,9 +209,8 @@ static int mrts_lp_ratio(int k, const mrts_real *lower, const mrts_real *upper, 
                          int *passed) {
     mrts_real size = 0, slope = excess, scale = 0;
     for (int j = 0; j < k; ++j) {
-        const mrts_real value = MRTS_ABS(alpha[j]), weight = MRTS_ABS(y[j]);
-        if (value > size) size = value;
-        if (weight > scale) scale = weight;
+        size = mrts_larger(MRTS_ABS(alpha[j]), size);
+        scale = mrts_larger(MRTS_ABS(y[j]), scale);
         passed[j] = 0;
     }
     const mrts_real smallest = MRTS_PIVOT * size;
@@ -265,8 +260,7 @@ static mrts_real mrts_lp_doubt(int k, int rows, const mrts_real *lower, const mr
         }
         if (row[j] < rows) doubt += size * MRTS_ROUNDING * (1 + MRTS_ABS(mrts_limit(lower, upper, row[j], side[j])));
     }
-    value = MRTS_ABS(value);
-    return doubt / (value > MRTS_SMALL ? value : MRTS_SMALL);
+    return doubt / mrts_larger(MRTS_ABS(value), MRTS_SMALL);
 }
 
 /* Whether the entering row and the basis rows that make it up exclude each other: the row's own limit against the
@@ -274,9 +268,7 @@ static mrts_real mrts_lp_doubt(int k, int rows, const mrts_real *lower, const mr
 static int mrts_lp_certificate(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
                                const int *row, mrts_real *alpha, int entering, mrts_real sign, mrts_real *y) {
     mrts_real size = 0, weight = 1, gap = sign > 0 ? -upper[entering] : lower[entering];
-    for (int j = 0; j < k; ++j) {
-        if (MRTS_ABS(alpha[j]) > size) size = MRTS_ABS(alpha[j]);
-    }
+    for (int j = 0; j < k; ++j) size = mrts_larger(MRTS_ABS(alpha[j]), size);
     for (int j = 0; j < k; ++j) {
         const mrts_real limit = sign * alpha[j] > 0 ? lower[row[j]] : upper[row[j]];
         const int absent = MRTS_ABS(limit) >= MRTS_INFINITY;

@@ -32,9 +32,8 @@ typedef MRTS_REAL mrts_real;
 #define MRTS_CHUNK 256
 #endif
 
-#define MRTS_ABS(value) ((value) < 0 ? -(value) : (value))
-
 #ifdef MRTS_SINGLE
+#define MRTS_ABS(value) fabsf(value)
 #define MRTS_C(value) value##f
 #define MRTS_SQRT(value) sqrtf(value)
 #define MRTS_FEASIBLE MRTS_C(4e-6)
@@ -49,6 +48,7 @@ typedef MRTS_REAL mrts_real;
 #define MRTS_UNBOUNDED MRTS_C(1e6)
 #define MRTS_NO_EFFECT MRTS_C(1e-30)
 #else
+#define MRTS_ABS(value) fabs(value)
 #define MRTS_C(value) value
 #define MRTS_SQRT(value) sqrt(value)
 #define MRTS_FEASIBLE 1e-10 /* excess over a limit, relative to 1 and to it, that is rounding */
@@ -73,6 +73,23 @@ typedef MRTS_REAL mrts_real;
 #else
 #define MRTS_UNROLL
 #endif
+
+/* A row that is coded with its side, without the side. */
+static inline int mrts_abs(int code) { return code < 0 ? -code : code; }
+
+/* The larger of two numbers: gcc finds the instruction that a Cortex-M7 has for it only by this name. */
+#if defined(__GNUC__) && !defined(__clang__) && defined(__ARM_ARCH_7EM__) && (__ARM_FP & 8)
+#define MRTS_HAS_MAXNM
+#endif
+static inline mrts_real mrts_larger(mrts_real a, mrts_real b) {
+#ifndef MRTS_HAS_MAXNM
+    return a > b ? a : b;
+#elif defined(MRTS_SINGLE)
+    return fmaxf(a, b);
+#else
+    return fmax(a, b);
+#endif
+}
 
 static inline mrts_real mrts_dot(int k, const mrts_real *a, const mrts_real *b) {
     mrts_real sum = 0;

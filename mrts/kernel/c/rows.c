@@ -4,11 +4,11 @@
  */
 #include "rows.h"
 
-/* Size of a limit: its larger finite side. */
+/* Size of a limit: its larger finite side, 0 where it has none. */
 static mrts_real mrts_limit_size(mrts_real lower, mrts_real upper) {
-    const mrts_real below = lower > -MRTS_INFINITY ? MRTS_ABS(lower) : 0;
-    const mrts_real above = upper < MRTS_INFINITY ? MRTS_ABS(upper) : 0;
-    return below > above ? below : above;
+    const mrts_real both = mrts_larger(MRTS_ABS(lower), MRTS_ABS(upper));
+    if (both < MRTS_INFINITY) return both;
+    return lower > -MRTS_INFINITY ? MRTS_ABS(lower) : upper < MRTS_INFINITY ? MRTS_ABS(upper) : 0;
 }
 
 /* What a limit of zero is measured by: the largest limit of its group, or 1. */
@@ -32,7 +32,7 @@ MRTS_LOCAL int mrts_rows_over(int k, const mrts_limits *limits, mrts_real *work,
     for (int row = 0; row < limits->rows; ++row) {
         const mrts_real lower = limits->lower[row], upper = limits->upper[row], size = mrts_limit_size(lower, upper);
         if (!(lower <= upper)) return 0;
-        if (lower <= -MRTS_INFINITY && upper >= MRTS_INFINITY) continue;
+        if (!(size > 0) && lower <= -MRTS_INFINITY && upper >= MRTS_INFINITY) continue;
         rows->unit[rows->count] = size > 0 ? size : mrts_group_size(limits, limits->group[row]);
         rows->which[rows->count++] = row;
     }
@@ -66,7 +66,7 @@ static mrts_real mrts_take_sizes(int k, const mrts_real *a, mrts_real *size) {
     MRTS_UNROLL
     for (int j = 0; j < k; ++j) {
         const mrts_real its = MRTS_ABS(a[j]);
-        size[j] = its > size[j] ? its : size[j];
+        size[j] = mrts_larger(its, size[j]);
         sum += its;
     }
     return sum;
@@ -75,6 +75,7 @@ static mrts_real mrts_take_sizes(int k, const mrts_real *a, mrts_real *size) {
 MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form *form, const mrts_limits *limits,
                                const mrts_terms *terms, mrts_rows *rows) {
     mrts_real sum = 0;
+    MRTS_UNROLL
     for (int j = 0; j < k; ++j) rows->size[j] = 0;
     for (int i = 0; i < rows->count; ++i) {
         const int row = rows->which[i];
@@ -83,18 +84,23 @@ MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form 
         const int first = limits->start[row], end = limits->start[row + 1];
         for (int j = 0; j < k && first == end; ++j) a[j] = 0;
         for (int entry = first; entry < end; ++entry) {
-            const int column = limits->column[entry], is_torque = column < joints, turned = column >= joints + wrenches;
-            const int place = column - (is_torque ? 0 : turned ? joints + wrenches : joints);
-            const int size = is_torque ? joints : wrenches;
-            const mrts_real *map = (is_torque ? form->torque_map : turned ? form->object_map : form->wrench_map) + place;
+            const int column = limits->column[entry], size = column < joints ? joints : wrenches;
+            const mrts_real *map = form->torque_map + column, *given = form->torque_offset + column;
             const mrts_real value = limits->value[entry] * per_unit;
+            if (column >= joints + wrenches) {
+                map = form->object_map + (column - joints - wrenches);
+                given = form->object_offset + (column - joints - wrenches);
+            } else if (column >= joints) {
+                map = form->wrench_map + (column - joints);
+                given = form->wrench_offset + (column - joints);
+            }
             if (entry == first) {
                 MRTS_UNROLL
                 for (int j = 0; j < k; ++j, map += size) a[j] = value * *map;
             } else {
                 for (int j = 0; j < k; ++j, map += size) a[j] += value * *map;
             }
-            offset += value * (is_torque ? form->torque_offset : turned ? form->object_offset : form->wrench_offset)[place];
+            offset += value * *given;
         }
         if (terms->square) a[k - 1] += terms->square[row] * per_unit;
         if (terms->offset) offset += terms->offset[row] * per_unit;
@@ -146,9 +152,10 @@ MRTS_LOCAL mrts_real mrts_speed_cap(int joints, const mrts_real *dq, const mrts_
     mrts_real fastest = 0;
     *binding = -1;
     for (int i = 0; i < joints + 2; ++i) {
+        if (!(limit[i] < MRTS_INFINITY)) continue;
         const mrts_real *part = twist + (i == joints ? 0 : 3);
         const mrts_real speed = i < joints ? MRTS_ABS(dq[i]) : MRTS_SQRT(mrts_dot(3, part, part));
-        if (limit[i] < MRTS_INFINITY && speed > fastest * limit[i]) {
+        if (speed > fastest * limit[i]) {
             fastest = speed / limit[i];
             *binding = i;
         }

@@ -13,9 +13,10 @@ typedef char which_holds[HOLDS(which, int, MRTS_ROWS_IWORK(ROWS))];
 
 /* Whether all numbers of a sample and its load are finite, and the mass is > 0. */
 static int is_sound(const @NAME@_sample *sample, const mrts_real *load) {
-    return all_finite(JOINTS, sample->q) && all_finite(JOINTS, sample->dq) && all_finite(JOINTS, sample->ddq) &&
-           all_finite(9, sample->rotation) && all_finite(6, sample->twist) && all_finite(6, sample->acceleration) &&
-           all_finite(@MACRO@_LOAD, load) && load[0] > 0;
+    mrts_real sum = 0;
+    for (int i = 0; i < JOINTS; ++i) sum += MRTS_ABS(sample->q[i]) + MRTS_ABS(sample->dq[i]) + MRTS_ABS(sample->ddq[i]);
+    for (int i = 0; i < 6; ++i) sum += MRTS_ABS(sample->twist[i]) + MRTS_ABS(sample->acceleration[i]);
+    return sum < MRTS_INFINITY && all_finite(9, sample->rotation) && all_finite(@MACRO@_LOAD, load) && load[0] > 0;
 }
 
 static mrts_limits limits_of(const @NAME@_settings *settings) {

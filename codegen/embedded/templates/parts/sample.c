@@ -1,9 +1,9 @@
 /* @NOTICE@ */
+/* Whether all values are finite, and their sum too. */
 static int all_finite(int count, const mrts_real *values) {
-    for (int i = 0; i < count; ++i) {
-        if (!(values[i] > -MRTS_INFINITY && values[i] < MRTS_INFINITY)) return 0;
-    }
-    return 1;
+    mrts_real sum = 0;
+    for (; count > 0; --count) sum += MRTS_ABS(*values++);
+    return sum < MRTS_INFINITY;
 }
 
 /* Inputs of the generated functions; matrices there are column after column, hence the rotation `turned`. */

@@ -19,6 +19,9 @@
 #define MRTS_ALL ((mrts_lane_mask){0} - 1)
 #define MRTS_CHOOSE(mask, a, b) \
     ((mrts_lanes)(((mask) & (mrts_lane_mask)(a)) | (~(mask) & (mrts_lane_mask)(b))))
+#define MRTS_BOTH(a, b) ((a) & (b))
+#define MRTS_LARGER(a, b) MRTS_CHOOSE((a) > (b), a, b)
+#define MRTS_SIZE_OF(a) ((mrts_lanes)((mrts_lane_mask)(a) & ~(mrts_lane_mask)(-(mrts_lanes){0})))
 #define MRTS_TAKE_PIVOT(k, c, row, side, B) (void)(side)
 #define MRTS_IS_NONE(value) 0
 #define MRTS_AT_ONCE MRTS_LANES
@@ -72,6 +75,9 @@ MRTS_LOCAL mrts_lane_functions mrts_lane_functions_here(void) {
 #undef MRTS_MASK
 #undef MRTS_ALL
 #undef MRTS_CHOOSE
+#undef MRTS_BOTH
+#undef MRTS_LARGER
+#undef MRTS_SIZE_OF
 #undef MRTS_OF
 #undef MRTS_TAKE_PIVOT
 #undef MRTS_IS_NONE

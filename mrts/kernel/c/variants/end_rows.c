@@ -18,7 +18,7 @@ static int mrts_name(const mrts_limits *limits, const mrts_rows *rows, int code,
     const int row = mrts_row_of_limits(limits, rows, code);
     int *named = range->rows[end], at = range->count[end];
     if (at == MRTS_MOST_NAMED) return 0;
-    for (; at > 0 && MRTS_ABS(named[at - 1]) > MRTS_ABS(row); --at) named[at] = named[at - 1];
+    for (; at > 0 && mrts_abs(named[at - 1]) > mrts_abs(row); --at) named[at] = named[at - 1];
     named[at] = row;
     ++range->count[end];
     return 1;
@@ -33,7 +33,7 @@ static double mrts_keep_away(const mrts_rows *rows, int count, const int *sides,
     int basis[K] = {0}, entering;
     const int total = rows->count + count;
     for (int i = 0; i < total; ++i) {
-        const int code = i < rows->count ? i + 1 : sides[i - rows->count], row = MRTS_ABS(code) - 1;
+        const int code = i < rows->count ? i + 1 : sides[i - rows->count], row = mrts_abs(code) - 1;
         for (int j = 0; j < F; ++j) A[i * K + j] = code > 0 ? rows->A[row * F + j] : -rows->A[row * F + j];
         A[i * K + F] = i < rows->count ? 0 : 1;
         lower[i] = i < rows->count ? rows->lower[i] : -MRTS_INFINITY;
@@ -56,7 +56,7 @@ MRTS_LOCAL int mrts_name_rows(const mrts_limits *limits, mrts_rows *rows, const 
     double largest = 0, column[K];
     for (int j = 0; j < K; ++j) largest = fmax(largest, fabs(y[j]));
     for (int j = 0; j < K; ++j) {
-        const int row = MRTS_ABS(basis[j]) - 1;
+        const int row = mrts_abs(basis[j]) - 1;
         if (end && row >= rows->count && basis[j] > 0) range->capped = fabs(y[j]) > MRTS_BINDING * largest;
         if (row < rows->count && fabs(y[j]) > MRTS_SURE * largest) sure[certain++] = basis[j];
     }
@@ -91,7 +91,7 @@ MRTS_LOCAL void mrts_name_conflict(const mrts_limits *limits, const mrts_rows *r
     range->count[0] = 0;
     for (int j = 0; j < MRTS_VK; ++j) largest = fmax(largest, fabs(y[j]));
     for (int j = -1; j < MRTS_VK; ++j) {
-        const int row = MRTS_ABS(j < 0 ? entering : basis[j]), above = j < 0 ? entering > 0 : y[j] < 0;
+        const int row = mrts_abs(j < 0 ? entering : basis[j]), above = j < 0 ? entering > 0 : y[j] < 0;
         if (row > rows->count || (j >= 0 && !(fabs(y[j]) > MRTS_SEPARATED * largest))) continue;
         mrts_name(limits, rows, above ? row : -row, 0, range);
     }

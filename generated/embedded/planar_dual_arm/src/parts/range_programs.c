@@ -19,20 +19,19 @@ static int name_of(int code, int at_lower, const mrts_rows *rows, int velocity) 
  * multiplier. */
 static int name_rows(const int *basis, const mrts_real *y, const mrts_rows *rows, int velocity, int by_sign,
                      int *named) {
-    mrts_real largest = 0, size[K];
+    mrts_real largest = 0, strength[K];
     int count = 0;
+    for (int j = 0; j < K; ++j) largest = mrts_larger(largest, MRTS_ABS(y[j]));
     for (int j = 0; j < K; ++j) {
-        size[j] = MRTS_ABS(y[j]);
-        if (size[j] > largest) largest = size[j];
-    }
-    for (int rank = 0; rank < K; ++rank) {
-        int next = 0;
-        for (int j = 1; j < K; ++j) {
-            if (size[j] > size[next]) next = j;
+        const mrts_real its = MRTS_ABS(y[j]);
+        if (its <= BINDING * largest) continue;
+        int at = count++;
+        for (; at > 0 && its > strength[at - 1]; --at) {
+            strength[at] = strength[at - 1];
+            named[at] = named[at - 1];
         }
-        if (size[next] <= BINDING * largest || size[next] <= 0) break;
-        named[count++] = name_of(basis[next], by_sign ? y[next] > 0 : basis[next] < 0, rows, velocity);
-        size[next] = 0;
+        strength[at] = its;
+        named[at] = name_of(basis[j], by_sign ? y[j] > 0 : basis[j] < 0, rows, velocity);
     }
     return count;
 }
@@ -41,7 +40,7 @@ static int name_rows(const int *basis, const mrts_real *y, const mrts_rows *rows
 static void check_basis(int k, int *basis, int rows) {
     if (basis[0] == 0) return;
     for (int j = 0; j < k; ++j) {
-        if (basis[j] == 0 || basis[j] > rows + k || basis[j] < -rows - k) {
+        if (basis[j] == 0 || mrts_abs(basis[j]) > rows + k) {
             basis[0] = 0;
             return;
         }

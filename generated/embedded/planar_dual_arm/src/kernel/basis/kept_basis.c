@@ -35,6 +35,9 @@ static void mrts_take_pivot(int k, int c, int *row, int *side, mrts_real *B) {
 #define MRTS_MASK int
 #define MRTS_ALL 1
 #define MRTS_CHOOSE(mask, a, b) ((mask) ? (a) : (b))
+#define MRTS_BOTH(a, b) ((a) && (b))
+#define MRTS_LARGER(a, b) mrts_larger(a, b)
+#define MRTS_SIZE_OF(a) MRTS_ABS(a)
 #define MRTS_OF(name) name
 #define MRTS_TAKE_PIVOT(k, c, row, side, B) mrts_take_pivot(k, c, row, side, B)
 #define MRTS_IS_NONE(value) ((value) == 0)
@@ -45,6 +48,9 @@ static void mrts_take_pivot(int k, int c, int *row, int *side, mrts_real *B) {
 #undef MRTS_MASK
 #undef MRTS_ALL
 #undef MRTS_CHOOSE
+#undef MRTS_BOTH
+#undef MRTS_LARGER
+#undef MRTS_SIZE_OF
 #undef MRTS_OF
 #undef MRTS_TAKE_PIVOT
 #undef MRTS_IS_NONE
@@ -56,7 +62,7 @@ MRTS_LOCAL int mrts_lp_again(int k, int rows, const mrts_real *A, const mrts_rea
     const int cold = basis[0] == 0;
     if (!cold) {
         for (int j = 0; j < k; ++j) {
-            row[j] = MRTS_ABS(basis[j]) - 1;
+            row[j] = mrts_abs(basis[j]) - 1;
             side[j] = basis[j];
         }
         if (mrts_kept_basis(k, rows, A, lower, upper, g, row, side, x, y, work, work + k * k)) {
