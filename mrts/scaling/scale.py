@@ -35,7 +35,7 @@ from mrts.scaling.motion_remarks import motion_remarks
 from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange, within_rates
 from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult, kept_text
 from mrts.scaling.uncertain_load import range_at_samples
-from mrts.scaling.with_torques import with_torques
+from mrts.scaling.with_torques import ChosenFactor
 from mrts.smooth.rate_limits import Rates, rate_limits
 from mrts.solvers import DEFAULT_SOLVER, check_solver
 
@@ -114,19 +114,60 @@ def scale(
         SelectionError: If c² is not in the range; its `result` holds the range.
         SolverError: If no solver answers.
     """
+    rule = DistributionRule(sharing, formulation, weights, distribute)
+    return chosen_factor(
+        cell, motion, select, rule, solver=solver, load=load, reserve=reserve, closure=closure, between=between,
+        rates=rates, progress=progress,
+    ).whole  # fmt: skip
+
+
+def chosen_factor(
+    cell: Cell,
+    motion: ObjectMotion | JointTable | CoordinatedMotion,
+    select: Selection,
+    rule: DistributionRule,
+    *,
+    solver: str,
+    load: str,
+    reserve: float | None,
+    closure: ClosureBound | None,
+    between: float | None,
+    rates: Rates,
+    progress: Progress = lambda _done, _total: None,
+) -> ChosenFactor:
+    """Steps 1 to 3 of MMTSF: `scale` before the torques are distributed.
+
+    Args:
+        cell: As in `scale`.
+        motion: Likewise.
+        select: Likewise.
+        rule: How torques are to be distributed, rates apart.
+        solver: As in `scale`.
+        load: Likewise.
+        reserve: Likewise.
+        closure: Likewise.
+        between: Likewise.
+        rates: Likewise.
+        progress: Likewise.
+
+    Raises:
+        InputError: If an argument breaks a rule.
+        MotionError: If the arms cannot follow the object.
+        SelectionError: If c² is not in the range; its `result` holds the range.
+        SolverError: If no solver answers.
+    """
     check_type("cell", cell, Cell)
     _check_select(select)
-    check_type("sharing", sharing, LoadSharing, NoneType)
-    _check_distribution(distribute, sharing)
+    check_type("sharing", rule.sharing, LoadSharing, NoneType)
+    _check_distribution(rule.distribute, rule.sharing)
     cell = cell if reserve is None else cell.with_reserve(reserve)
-    check_type("formulation", formulation, str)
+    check_type("formulation", rule.formulation, str)
     check_callable("progress", progress)
     check_solver(solver)
     question = load_question(cell, load, select)
-    torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
+    torque_weights(rule.weights, sum(len(robot.joints) for robot in cell.robots))
     tolerance = checked_tolerance(between)
-    limits = None if rates is False else rate_limits(cell, rates)
-    rule = DistributionRule(sharing, formulation, weights, distribute, limits)
+    rule = rule if rates is False else replace(rule, rates=rate_limits(cell, rates))
     _check_rates(rule, question)
     given = coordinate(cell, motion, closure)
     found = admissible_range(cell, given, question, rule, solver, tolerance, progress)
@@ -144,7 +185,7 @@ def scale(
         warnings=moved_remarks(remarks, given.object.time, added) + found.remarks,
     )
     if not found.range.status.admits_motion or question == "possible":
-        return untouched
+        return ChosenFactor(untouched, None)
     try:
         c2 = choose_c2(found.range, select)
         _check_rated(factors, found.range, c2)
@@ -153,7 +194,7 @@ def scale(
         refused.result = untouched
         raise refused from None
     excess = None if found.refinement is None else found.refinement.excess(c2)
-    return with_torques(replace(untouched, excess=excess), c2, found.range.samples, solver)
+    return ChosenFactor(replace(untouched, excess=excess), c2, solver)
 
 
 @dataclass(frozen=True)
