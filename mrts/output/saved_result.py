@@ -166,7 +166,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         held = None
         if "holds" in arrays:
             start, end = (bool(value) for value in arrays["holds"])
-            held = Holding((start, end), arrays["holding_torque"], arrays["holding_wrench"])
+            held = Holding.known((start, end), arrays["holding_torque"], arrays["holding_wrench"])
         done = ScaledTrajectory(known, motion, said.c2, arrays["torque"], arrays["wrench"], held)
         done = done.with_internal_wrench(arrays["internal_wrench"])
     warnings = tuple(Remark(one.code, one.text, one.sample) for one in said.warnings) + _other_limits(said.limits)
@@ -193,8 +193,8 @@ def _excess(path: Path, said: Description) -> Excess | None:
     if left is None:
         return None
     require_places(path, "excess: row", [] if left.row is None else [left.row], len(said.rows))
-    row = None if left.row is None else said.rows[left.row].row()
-    return Excess(left.share, left.tolerance, left.time, row)
+    rows = () if left.row is None else (said.rows[left.row].row(),)
+    return Excess(left.share, left.tolerance, left.time, rows)
 
 
 def _other_limits(found_with: list[str]) -> tuple[Remark, ...]:

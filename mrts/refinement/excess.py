@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """How far limits are overstepped between samples, as every result says it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,13 +27,18 @@ class Excess:
         share: Of a limit; 0 if all are kept.
         tolerance: What was allowed.
         time: When that is, in the time of the given motion [s]; None if all limits are kept.
-        row: The limit that is overstepped most; None likewise.
+        rows: The limit that is overstepped most, first, named when it is asked for; none likewise.
     """
 
     share: float
     tolerance: float
     time: float | None = None
-    row: ActiveRow | None = None
+    rows: Sequence[ActiveRow] = ()
+
+    @property
+    def row(self) -> ActiveRow | None:
+        """The limit that is overstepped most; None if all are kept."""
+        return self.rows[0] if self.rows else None
 
     @property
     def passes(self) -> bool:
@@ -41,7 +47,7 @@ class Excess:
 
     def __str__(self) -> str:
         where = "" if self.time is None else f" at t = {self.time:.4g} s"
-        row = "" if self.row is None else f", {self.row}"
+        row = f", {self.row}" if self.rows else ""
         return f"between the samples limits are overstepped by up to {100 * self.share:.2g} %{where}{row}"
 
     def to_json(self) -> dict[str, Any]:

@@ -3,17 +3,22 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.denser_motion import between_samples, denser, moved_remarks
+from mrts.limits.rows import ActiveRow
 from mrts.refinement.excess import Excess
 from mrts.refinement.motion_widening import motion_widening
 from mrts.retiming.path_pieces import PLACES
 from mrts.retiming.result import RetimingResult
 from mrts.retiming.retimed_motion import between_path_samples
+from mrts.samples.end_rows import RowsWhenAsked
+from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.solvers import DEFAULT_SOLVER
 
@@ -129,8 +134,15 @@ def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
             if share[most] > worst.share:
                 segment, place = divmod(most, len(PLACES))
                 start, end = time[part.piece.first + segment :][:2]
-                there = motion_ranges(cell, played.at(np.array([most, most])), "wrench", sharing, DEFAULT_SOLVER, load)
-                rows = there.upper_rows[0]
-                at = float(start + PLACES[place] * (end - start))
-                worst = Excess(float(share[most]), tolerance, at, rows[0] if rows else None)
+                there = played.at(np.array([most, most]))
+                named = RowsWhenAsked(partial(_rows_there, cell, there, sharing, load))
+                worst = Excess(float(share[most]), tolerance, float(start + PLACES[place] * (end - start)), named)
     return SegmentExcess(shares, worst)
+
+
+def _rows_there(
+    cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, load: Array
+) -> tuple[ActiveRow, ...]:
+    """The rows that keep the first sample of a motion from being faster."""
+    found: tuple[ActiveRow, ...] = motion_ranges(cell, motion, "wrench", sharing, DEFAULT_SOLVER, load).upper_rows[0]
+    return found

@@ -65,15 +65,13 @@ class RowsAtEnd(Sequence[ActiveRow]):
 
 @dataclass(frozen=True, eq=False)
 class RowsWhenAsked(Sequence[ActiveRow]):
-    """The rows at one end of one of N samples, looked up when they are asked for; equal to the same rows of any kind.
+    """The rows at one end of a sample, found when they are asked for; equal to the same rows of any kind.
 
     Attributes:
-        of: The rows of that end of every sample.
-        sample: Which sample.
+        find: Finds them.
     """
 
-    of: Sequence[tuple[ActiveRow, ...]]
-    sample: int
+    find: Callable[[], Sequence[ActiveRow]]
 
     def __len__(self) -> int:
         return len(self.found)
@@ -93,7 +91,7 @@ class RowsWhenAsked(Sequence[ActiveRow]):
     @cached_property
     def found(self) -> tuple[ActiveRow, ...]:
         """The rows, found once."""
-        return tuple(self.of[self.sample])
+        return tuple(self.find())
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from operator import getitem
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -254,5 +256,5 @@ def _end(
     rows: Sequence[tuple[ActiveRow, ...]],
     loads: Sequence[LoadPoint] | None,
 ) -> RangeEnd:
-    named = RowsWhenAsked(rows, sample)
+    named = RowsWhenAsked(partial(getitem, rows, sample))
     return RangeEnd(c2, sample, float(samples.time[sample]), named, loads[sample] if loads else None)

@@ -19,19 +19,18 @@ from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.denser_motion import moved_remarks
 from mrts.coordination.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
-from mrts.motion.object_courses import Geodesic, WaypointPath
 from mrts.motion.object_motion import ObjectMotion
 from mrts.refinement.excess import BETWEEN, checked_tolerance
 from mrts.refinement.motion_widening import motion_widening
 from mrts.refinement.search import Asked, Refinement, refine
-from mrts.samples import DISTRIBUTIONS, DistributionName, FormulationName
-from mrts.samples.load_sharing import LoadSharing
+from mrts.samples import DistributionName, FormulationName
+from mrts.samples.load_sharing import LoadSharing, check_distribution
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.load_study import LoadStudy
-from mrts.scaling.motion_remarks import motion_remarks
+from mrts.scaling.motion_remarks import interpolated, motion_remarks
 from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange, within_rates
 from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult, kept_text
 from mrts.scaling.uncertain_load import range_at_samples
@@ -41,9 +40,6 @@ from mrts.solvers import DEFAULT_SOLVER, check_solver
 
 if TYPE_CHECKING:
     from mrts.smooth.constant_rates import RatedFactors
-
-REMARKED = 1e-3
-"""Share by which c²⁺ must be less between given samples than at them to be told: it shows in the digits printed."""
 
 LARGEST_C2 = 1e300
 """What is asked for beyond it counts as it: Python's whole numbers have no end, floating point has."""
@@ -159,7 +155,7 @@ def chosen_factor(
     check_type("cell", cell, Cell)
     _check_select(select)
     check_type("sharing", rule.sharing, LoadSharing, NoneType)
-    _check_distribution(rule.distribute, rule.sharing)
+    check_distribution(rule.distribute, rule.sharing)
     cell = cell if reserve is None else cell.with_reserve(reserve)
     check_type("formulation", rule.formulation, str)
     check_callable("progress", progress)
@@ -265,7 +261,7 @@ def admissible_range(
     if refined.motion is motion:
         return AdmissibleRange(motion, found, study, refined)
     finer, study = along(refined.motion, progress)
-    return AdmissibleRange(refined.motion, finer, study, refined, _interpolated(motion, found, finer))
+    return AdmissibleRange(refined.motion, finer, study, refined, interpolated(motion, found, finer))
 
 
 def within_rate_limits(
@@ -316,35 +312,6 @@ def _check_rates(rule: DistributionRule, question: str) -> None:
                              value=value)  # fmt: skip
     if question == "possible":
         raise InputError("load", "what is possible leaves no torques whose rates could be kept.", value=question)
-
-
-def _interpolated(motion: CoordinatedMotion, bare: ScalingRange, finer: ScalingRange) -> tuple[Remark, ...]:
-    """That the range is set by what mrts itself makes of a table between its rows."""
-    course = motion.object.course
-    if isinstance(course, Geodesic | WaypointPath) or bare.upper is None or not np.isfinite(bare.upper.c2):
-        return ()
-    least = 0.0 if finer.upper is None or not finer.status.admits_motion else finer.upper.c2
-    if least >= bare.upper.c2 * (1 - REMARKED):
-        return ()
-    text = (
-        f"between the given samples the motion is the spline that mrts lays through them, known only as well as they "
-        f"are: there c²⁺ is {100 * (1 - least / bare.upper.c2):.2g} % less than {bare.upper.c2:.4g} at the samples. "
-        "Where that matters, give more of them."
-    )
-    return (Remark("between-samples", text),)
-
-
-def _check_distribution(distribute: str, sharing: LoadSharing | None) -> None:
-    """There is such a distribution, and something to distribute."""
-    check_type("distribute", distribute, str)
-    if distribute not in DISTRIBUTIONS:
-        raise InputError("distribute", f"must be {' or '.join(map(repr, DISTRIBUTIONS))}.", value=distribute)
-    if distribute != "least-torque" and sharing is not None:
-        raise InputError(
-            "distribute",
-            "a fixed distribution of the load leaves no torques to choose; leave one out.",
-            value=distribute,
-        )
 
 
 def _check_select(select: object) -> None:
