@@ -26,6 +26,11 @@ def of_children() -> float:
     return used.ru_utime + used.ru_stime
 
 
+def keeping_bytecode() -> dict[str, str]:
+    """The environment of a process that finds its modules compiled from its second run on, as installed ones are."""
+    return {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+
+
 def median_times(
     candidates: Mapping[str, Callable[[], Any]], repeats: int, clock: Clock = time.process_time
 ) -> dict[str, float]:

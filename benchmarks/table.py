@@ -9,7 +9,6 @@ measured. Rivals stand in the tables of the folders beside this file, instructio
 `make instructions` and `make embedded-counts`.
 """
 
-import os
 import statistics
 import subprocess
 import sys
@@ -20,6 +19,8 @@ from io import BytesIO
 from pathlib import Path
 from time import process_time
 from typing import Any, NamedTuple
+
+from interleaved import keeping_bytecode
 
 ROOT = Path(__file__).resolve().parents[1]
 SAMPLES, REPEATS, PROCESSES = 1000, 15, 11
@@ -100,7 +101,7 @@ class State:
     """
 
     def __init__(self, path: Path, samples: int) -> None:
-        environment = os.environ | {"PYTHONPATH": str(path)}
+        environment = keeping_bytecode() | {"PYTHONPATH": str(path)}
         command = [sys.executable, __file__, WORKER, str(samples)]
         self.process = subprocess.Popen(  # noqa: S603 (this script)
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment

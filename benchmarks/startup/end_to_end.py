@@ -12,7 +12,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cases import DUAL, motion_file
-from interleaved import median_times, of_children
+from interleaved import keeping_bytecode, median_times, of_children
 
 SAMPLES, REPEATS = 1000, 11
 MORE = 20
@@ -36,7 +36,8 @@ print(re.search(r"VmHWM:\\s*(\\d+)", open("/proc/self/status").read()).group(1),
 def child(script: str, *arguments: str) -> str:
     """Run a script in a process of its own; what it said on standard error."""
     command = [sys.executable, "-c", script, *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stderr  # noqa: S603 (our own scripts)
+    kept = keeping_bytecode()
+    return subprocess.run(command, capture_output=True, text=True, check=True, env=kept).stderr  # noqa: S603 (our own scripts)
 
 
 def main(samples: int = SAMPLES, repeats: int = REPEATS) -> None:

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Opening a file that a user names: a regular one of a sound size, or a clear sentence, and never a wait."""
 
-import difflib
 import os
 import stat
 from collections.abc import Iterator
@@ -55,6 +54,14 @@ def open_regular(path: Path, what: str, most: int) -> Iterator[BinaryIO]:
         raise InputError(path, f"this {what} cannot be read: {getattr(error, 'strerror', error)}.") from None
 
 
+def is_folder(path: Path) -> bool:
+    """Whether a path that a user names is a folder; one that no file can have is none."""
+    try:
+        return path.is_dir()
+    except OSError:  # such as a name that is too long
+        return False
+
+
 def read_regular(path: Path, what: str, most: int) -> bytes:
     """All of an input file; arguments and errors as `open_regular`."""
     with open_regular(path, what, most) as file:
@@ -83,5 +90,7 @@ def _neighbour(path: Path) -> str:
         names = [other.name for other in islice(path.parent.iterdir(), NEIGHBOURS)]
     except OSError:
         return f": the folder {path.parent} is missing or cannot be read."
+    import difflib  # noqa: PLC0415 (for this message only)
+
     close = difflib.get_close_matches(path.name, names, n=1)
     return f"; did you mean '{path.with_name(close[0])}'?" if close else ". Check the path."

@@ -45,7 +45,8 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     """
     from mrts_codegen.content_key import text_key  # noqa: PLC0415 (build time, on demand)
 
-    described = cache_folder("cells", text_key(path)) / MANIFEST_NAME
+    text = text_key(path)
+    described = cache_folder("cells", text) / MANIFEST_NAME
     manifest = _if_sound(described, partial(verified_manifest, described))
     if manifest is not None and _has_urdfs(path, manifest):
         source = _source_in_cache(manifest)
@@ -53,7 +54,10 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
             return manifest, source
     key = _content_key(path)
     manifest = _manifest(_model(path, key), partial(_chains, path, key))
-    write_text_atomically(described, manifest.to_json(), private=True)
+    if (text_key(path), _content_key(path)) == (text, key):
+        write_text_atomically(described, manifest.to_json(), private=True)
+    else:  # a file was written meanwhile: what was read may be another cell than the keys say
+        _forget()
     return manifest, _source_in_cache(manifest)
 
 
@@ -286,9 +290,14 @@ def virtual_machine_functions(path: Path) -> dict[str, Any]:
         InputError: If the cell file or a URDF breaks a rule.
     """
     functions: dict[str, Any] = _chains(path, _content_key(path)).functions
+    _forget()
+    return functions
+
+
+def _forget() -> None:
+    """Let go of what was read and generated last."""
     _chains.cache_clear()
     _model.cache_clear()
-    return functions
 
 
 @lru_cache(maxsize=1)

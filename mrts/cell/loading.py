@@ -13,6 +13,7 @@ from mrts.base.arrays import with_infinity
 from mrts.base.errors import InputError
 from mrts.base.load_box import LoadBox, load_vector
 from mrts.base.manifest import MANIFEST_NAME, Manifest, read_generated
+from mrts.base.regular_file import is_folder
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.functions import Backend, CellFunctions, bind_functions
@@ -34,8 +35,8 @@ def load_cell(path: Path | str, *, backend: Backend = "auto") -> Cell:
     """
     _check_backend(backend)
     path = as_path("path", path)
-    if path.is_dir() or path.name == MANIFEST_NAME:
-        manifest, source = read_generated(path if path.is_dir() else path.parent)
+    if is_folder(path) or path.name == MANIFEST_NAME:
+        manifest, source = read_generated(path if is_folder(path) else path.parent)
         return cell_from_manifest(manifest, bind_functions(manifest, source, backend, None))
     manifest, source = generated_in_cache(path)
     functions = bind_functions(manifest, source, backend, partial(virtual_machine_functions, path))

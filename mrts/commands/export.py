@@ -5,6 +5,7 @@ import argparse
 from pathlib import Path
 
 from mrts.base.errors import InputError
+from mrts.base.regular_file import is_folder
 from mrts.commands.options import add_closure, cell_option, closure_option
 from mrts.console.exit_codes import FEASIBLE
 from mrts.console.output_files import check_outputs
@@ -40,7 +41,7 @@ def run(options: argparse.Namespace) -> int:
     from mrts.output.embedded_limits import embedded_limits
     from mrts.output.embedded_test_vectors import make_vectors, own_motion
 
-    if options.cell.is_dir():
+    if is_folder(options.cell):
         raise InputError(options.cell, "an export starts from the cell file, not from a generated folder.")
     check_outputs({}, {"--output": options.output})
     cell = cell_option(options.cell)

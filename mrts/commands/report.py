@@ -5,6 +5,7 @@ import argparse
 from pathlib import Path
 
 from mrts.base.errors import InputError
+from mrts.base.regular_file import is_folder
 from mrts.commands.options import require
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import check_outputs
@@ -34,7 +35,7 @@ def run(options: argparse.Namespace) -> int:
     if options.output.suffix not in {".html", ".htm"}:
         raise InputError("--output", "writes a file that ends in .html.", value=str(options.output))
     check_outputs({"--output": options.output}, {})
-    if options.result.is_dir():
+    if is_folder(options.result):
         return _report_study(options.result, options.output)
     result = load_result(options.result)
     write_report(result, options.output)

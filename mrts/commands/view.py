@@ -8,6 +8,7 @@ import sys
 import webbrowser
 from contextlib import suppress
 
+from mrts.base.regular_file import is_folder
 from mrts.commands.options import (
     add_cell_and_motion,
     add_closure,
@@ -56,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     motion = load_motion(options.motion)
     sharing, closure = sharing_option(options.share), closure_option(options.closure)
     cell = limited_cell_option(options)
-    urdfs = {} if options.cell.is_dir() or options.cell.name == MANIFEST_NAME else urdf_files(options.cell)
+    urdfs = {} if is_folder(options.cell) or options.cell.name == MANIFEST_NAME else urdf_files(options.cell)
     server = open_server(options.host, options.port, f"mrts: {cell.name}")
     try:
         with working(f"scaling {options.motion}") as progress:

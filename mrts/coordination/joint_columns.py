@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Which column of a table, or joint of a bag, is which joint of a cell."""
 
-import difflib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -48,5 +47,7 @@ def meant_instead(joint: str, extra: Sequence[str]) -> str:
         joint: "robot/joint".
         extra: Columns that are no joint of the cell.
     """
+    import difflib  # noqa: PLC0415 (for this message only)
+
     close = difflib.get_close_matches(joint, extra, n=1)
     return f" There is '{close[0]}', which no arm of the cell has: is it meant?" if close else ""

@@ -7,7 +7,7 @@ from itertools import accumulate
 from pathlib import Path
 from posixpath import dirname, join, normpath
 
-from mrts.base.manifest import Manifest
+from mrts.base.manifest import GEOMETRY, Manifest
 
 PROGRAM_FILES = (
     *("linear_programs.c", "quadratic_programs.c", "batch.c"),
@@ -34,18 +34,26 @@ ARITHMETIC = re.compile(r"^  a\d+=\((?:-|(?:a\d+|\d[\d.e+-]*)[-+*/])a\d+\);$", r
 
 OTHERS = re.compile(r"^  (?!a\d+=\()(.*)$", re.MULTILINE)
 
-STATEMENTS = tuple(
-    (re.compile(old), new)
-    for old, new in (
-        (r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=(a\d+);", r"res[\1][\2]=\3;"),
-        (r"(a\d+)=arg\[(\d+)\]\? arg\[\2\]\[(\d+)\] : 0;", r"\1=arg[\2][\3];"),
-        (r"(a\d+)=(-?\d[\d.e+-]*);", r"\1=MRTS_V_OF(\2);"),
-        (r"(a\d+)=(sin|cos)\((a\d+)\);", r"\1=mrts_\2_OF(\3);"),
-        (r"(a\d+)=(sqrt|fabs)\((a\d+)\);", r"for (int lane = 0; lane < MRTS_LANES; ++lane) \1[lane]=\2(\3[lane]);"),
-        (r"(a\d+)=casadi_sq\((a\d+)\);", r"\1=(\2*\2);"),
-        (r"casadi_real ((?:a\d+, )*a\d+);", r"mrts_lanes \1;"),
-        (r"return 0;", ""),
-    )
+OUTPUT = re.compile(r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=(a\d+);")
+"""What puts a number of an output."""
+
+ANGLE = re.compile(r"(a\d+)=(sin|cos)\((a\d+)\);")
+"""What takes the sine or cosine of a joint."""
+
+JOINT = re.compile(r"arg\[0\]\? arg\[0\]\[(\d+)\] : 0;")
+"""What a joint is."""
+
+STATEMENTS = (
+    (OUTPUT, r"res[\1][\2]=\3;"),
+    (re.compile(r"(a\d+)=arg\[(\d+)\]\? arg\[\2\]\[(\d+)\] : 0;"), r"\1=arg[\2][\3];"),
+    (re.compile(r"(a\d+)=(-?\d[\d.e+-]*);"), r"\1=MRTS_V_OF(\2);"),
+    (
+        re.compile(r"(a\d+)=(sqrt|fabs)\((a\d+)\);"),
+        r"for (int lane = 0; lane < MRTS_LANES; ++lane) \1[lane]=\2(\3[lane]);",
+    ),
+    (re.compile(r"(a\d+)=casadi_sq\((a\d+)\);"), r"\1=(\2*\2);"),
+    (re.compile(r"casadi_real ((?:a\d+, )*a\d+);"), r"mrts_lanes \1;"),
+    (re.compile(r"return 0;"), ""),
 )
 """The others, and the same of lanes."""
 
@@ -90,6 +98,7 @@ def cell_source(manifest: Manifest, generated: str) -> str:
     symbol = {name: record.symbol for name, record in manifest.functions.items()}
     components, joints = len(manifest.wrench_components), [len(robot.joints) for robot in manifest.robots]
     first = list(accumulate(joints, initial=0))
+    read = manifest.functions["kinematics"].inputs
     sizes = [one.shape[0] * one.shape[1] for one in manifest.functions["wrench_form"].inputs]
     macros = {
         "MRTS_LOCAL": "static",
@@ -102,6 +111,7 @@ def cell_source(manifest: Manifest, generated: str) -> str:
         "MRTS_INPUTS": len(manifest.functions["wrench_form"].inputs),
         "MRTS_INPUT_SIZES": f"{{{', '.join(map(str, sizes))}}}",
         "MRTS_INPUT_NUMBERS": sum(sizes),
+        "MRTS_GEOMETRY_NUMBERS": next((one.shape[0] for one in read if one.name == GEOMETRY), 1),
         "MRTS_UNKNOWNS": components * (len(manifest.robots) - 1) + 1,
         "MRTS_WRENCH_FORM": symbol["wrench_form"],
         "MRTS_KINEMATICS": symbol["kinematics"],
@@ -112,17 +122,26 @@ def cell_source(manifest: Manifest, generated: str) -> str:
         macros["MRTS_GEOMETRIC_STIFFNESS"] = symbol["geometric_stiffness"]
         macros["MRTS_GEOMETRIC_STIFFNESS_RATE"] = symbol["geometric_stiffness_rate"]
     defined = "".join(f"#define {name} {value}\n" for name, value in macros.items())
-    form = form_of_lanes(generated, symbol["wrench_form"])
-    defined += "" if form else "#define MRTS_NO_LANES\n"
-    return f"{generated}\n{defined}{one_text(CELL_FILES)}\n{form}"
+    arm = components * joints[0]
+    in_lanes = [
+        function_of_lanes(generated, symbol["wrench_form"], "form"),
+        function_of_lanes(generated, symbol["kinematics"], "kinematics", (3, 9, arm)),
+        function_of_lanes(generated, symbol["bias_acceleration"], "bias", (components,)),
+    ]
+    defined += "" if all(in_lanes) else "#define MRTS_NO_LANES\n"
+    of = "#define MRTS_V_OF(value) ((mrts_lanes){0} + (value))\n"
+    lanes = f"#if MRTS_LANES > 1\n{of}{''.join(in_lanes)}#endif\n" if all(in_lanes) else ""
+    return f"{generated}\n{defined}{one_text(CELL_FILES)}\n{lanes}"
 
 
-def form_of_lanes(generated: str, symbol: str) -> str:
-    """The generated wrench form for lanes, see lanes/lanes.h; nothing where it has statements of another kind.
+def function_of_lanes(generated: str, symbol: str, name: str, first: tuple[int, ...] = ()) -> str:
+    """A generated function for lanes, see lanes/lanes.h; nothing where it has statements of another kind.
 
     Args:
         generated: A cell's generated C.
-        symbol: Of its wrench form.
+        symbol: Of the function.
+        name: That it gets there.
+        first: How many numbers of each output are wanted; nothing for all.
     """
     called = re.search(rf"int {symbol}\(const casadi_real.*\n  return (\w+)\(", generated)
     start = generated.find(f"static int {called[1]}(") if called else -1
@@ -131,18 +150,22 @@ def form_of_lanes(generated: str, symbol: str) -> str:
 
     def of_lanes(statement: re.Match[str]) -> str:
         nonlocal known
+        angle = ANGLE.fullmatch(statement[1])
+        if angle:
+            given = f"\n  {angle[3]}="
+            joint = JOINT.match(body, body.rfind(given, 0, statement.start()) + len(given))
+            known += joint is not None
+            return f"  {angle[1]}=sines[{2 * int(joint[1]) + (angle[2] == 'cos')}];" if joint else ""
         for old, new in STATEMENTS:
             found = old.fullmatch(statement[1])
             if found:
                 known += 1
-                return found.expand(new)
+                unwanted = old is OUTPUT and first and int(found[2]) >= first[int(found[1])]
+                return "" if unwanted else found.expand(new)
         return ""
 
     lines = OTHERS.sub(of_lanes, body)
     if not body or known != body.count("\n") + 1:
         return ""
-    text = "(const mrts_lanes *const *arg, mrts_lanes *const *res) {\n" + lines + "\n}\n"
-    plain = "void mrts_form_of_lanes" + text.replace("_OF(a", "_lanes(a")
-    wide = "MRTS_WIDE void mrts_form_of_wide_lanes" + text.replace("_OF(a", "_wide(a")
-    of = "#define MRTS_V_OF(value) ((mrts_lanes){0} + (value))\n"
-    return f"#if MRTS_LANES > 1\n{of}{plain}#ifdef MRTS_WIDE\n{wide}#endif\n#endif\n"
+    plain, wide = (f"MRTS_LANE_FUNCTION(mrts_{name}_of_{of}) {{\n{lines}\n}}\n" for of in ("lanes", "wide_lanes"))
+    return f"{plain}#ifdef MRTS_WIDE\nMRTS_WIDE {wide}#endif\n"

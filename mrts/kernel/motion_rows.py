@@ -17,10 +17,10 @@ from mrts.kernel.sample_terms import SampleTerms
 
 
 class _Path(ctypes.Structure):
-    """`mrts_joint_path` of path_places.c."""
+    """`mrts_joint_path` of places.h."""
 
     _fields_ = [
-        *((name, ctypes.c_void_p) for name in ("time", "q", "dq", "ddq", "place", "at", "whole")),
+        *((name, ctypes.c_void_p) for name in ("time", "q", "dq", "ddq", "weight", "at", "whole")),
         ("places", ctypes.c_int),
     ]
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from mrts.base.errors import InputError
 from mrts.base.input_file import read_text
-from mrts.base.regular_file import open_regular
+from mrts.base.regular_file import is_folder, open_regular
 from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
 
 NANOSECONDS = 1_000_000_000
@@ -30,7 +30,7 @@ def message_types() -> Any:
 
 def is_bag(path: Path) -> bool:
     """Whether a path names a bag: a folder, or one of its files by itself."""
-    return path.is_dir() or path.suffix.lower() in {".mcap", ".db3"}
+    return is_folder(path) or path.suffix.lower() in {".mcap", ".db3"}
 
 
 def joint_column(topic: str, joint: str) -> str:

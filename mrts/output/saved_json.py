@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, FailFast, Field, ValidationError, model_validator
 
 from mrts.base.errors import InputError
+from mrts.base.formats.record import BrokenRecordError
 from mrts.base.formats.strict_model import broken_rule
 from mrts.base.load_box import PARAMETERS, LoadBox
 from mrts.base.manifest import FORMAT, LOAD_ENTRIES, Manifest, Matrix, Matrix3, Vector3
@@ -339,7 +340,9 @@ def read_description(path: Path, text: bytes) -> Description:
         description = Description.model_validate(data)
     except ValidationError as error:
         first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"])
+        inner = first.get("ctx", {}).get("error")
+        keys = (*first["loc"], *(inner.keys if isinstance(inner, BrokenRecordError) else ()))
+        key = ".".join(str(part) for part in keys)
         raise InputError(path, f"{first['msg']}. {DAMAGED}", key=key) from None
     manifest = description.manifest
     if manifest.format != FORMAT or manifest.content_sha256 != manifest.content_hash():

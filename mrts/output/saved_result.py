@@ -193,8 +193,8 @@ def _excess(path: Path, said: Description) -> Excess | None:
     if left is None:
         return None
     require_places(path, "excess: row", [] if left.row is None else [left.row], len(said.rows))
-    rows = () if left.row is None else (said.rows[left.row].row(),)
-    return Excess(left.share, left.tolerance, left.time, rows)
+    row = None if left.row is None else said.rows[left.row].row()
+    return Excess(left.share, left.tolerance, left.time, row)
 
 
 def _other_limits(found_with: list[str]) -> tuple[Remark, ...]:

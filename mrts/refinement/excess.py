@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """How far limits are overstepped between samples, as every result says it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from mrts.base.argument_types import is_number
@@ -27,18 +28,22 @@ class Excess:
         share: Of a limit; 0 if all are kept.
         tolerance: What was allowed.
         time: When that is, in the time of the given motion [s]; None if all limits are kept.
-        rows: The limit that is overstepped most, first, named when it is asked for; none likewise.
+        named: The limit that is overstepped most, or what finds it; None likewise.
     """
 
     share: float
     tolerance: float
     time: float | None = None
-    rows: Sequence[ActiveRow] = ()
+    named: ActiveRow | Callable[[], ActiveRow | None] | None = None
 
-    @property
+    @cached_property
     def row(self) -> ActiveRow | None:
-        """The limit that is overstepped most; None if all are kept."""
-        return self.rows[0] if self.rows else None
+        """The limit that is overstepped most, found when it is asked for; None if all are kept.
+
+        Raises:
+            SolverError: If no solver answers.
+        """
+        return self.named if self.named is None or isinstance(self.named, ActiveRow) else self.named()
 
     @property
     def passes(self) -> bool:
@@ -47,7 +52,7 @@ class Excess:
 
     def __str__(self) -> str:
         where = "" if self.time is None else f" at t = {self.time:.4g} s"
-        row = f", {self.row}" if self.rows else ""
+        row = "" if self.row is None else f", {self.row}"
         return f"between the samples limits are overstepped by up to {100 * self.share:.2g} %{where}{row}"
 
     def to_json(self) -> dict[str, Any]:

@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Where between the samples a range of c² would be narrower, and which samples must be added for that."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from functools import partial
-from operator import getitem
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +14,6 @@ from mrts.coordination.denser_motion import between_samples, denser
 from mrts.limits.rows import ActiveRow, Side
 from mrts.refinement.doubtful_gaps import doubtful_gaps, turning
 from mrts.refinement.excess import Excess
-from mrts.samples.end_rows import RowsWhenAsked
 from mrts.samples.sample_ranges import SampleRanges
 
 WIDE, CLOSE = np.arange(1, 4) / 4, np.arange(1, 8) / 8
@@ -108,11 +105,12 @@ class Ends:
             found.append(of[sample].load)
         return np.array(found)
 
-    def rows(self, place: int, side: Side) -> Sequence[ActiveRow]:
-        """The rows that set one end at a place, that which does most first, named when they are asked for."""
+    def row(self, place: int, side: Side) -> ActiveRow | None:
+        """The row that sets one end at a place most; None where none does."""
         source, sample = self.place[place].tolist()
         of = self.sources[source]
-        return RowsWhenAsked(partial(getitem, of.lower_rows if side == "lower" else of.upper_rows, sample))
+        rows = (of.lower_rows if side == "lower" else of.upper_rows)[sample]
+        return rows[0] if rows else None
 
     def joined(self, other: "Ends") -> "Ends":
         """These and others, ordered by time."""
@@ -242,7 +240,7 @@ def _worse(worst: Excess, ends: Ends, places: NDArray[np.intp], share: Array, si
         return worst
     most = int(np.argmax(share))
     place = int(places[most])
-    return Excess(float(share[most]), worst.tolerance, float(ends.time[place]), ends.rows(place, side))
+    return Excess(float(share[most]), worst.tolerance, float(ends.time[place]), ends.row(place, side))
 
 
 def _allowed(

@@ -17,7 +17,6 @@ from mrts.refinement.motion_widening import motion_widening
 from mrts.retiming.path_pieces import PLACES
 from mrts.retiming.result import RetimingResult
 from mrts.retiming.retimed_motion import between_path_samples
-from mrts.samples.end_rows import RowsWhenAsked
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.solvers import DEFAULT_SOLVER
@@ -112,7 +111,7 @@ def _as_before(finer: RetimingResult, timed: RetimingResult, added: Array) -> Re
 
 
 def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
-    """The largest excess inside each segment, where wrenches are free to do their best.
+    """The largest excess inside each segment, where wrenches are free to do their best; its row is named when read.
 
     Args:
         timed: A timing.
@@ -134,15 +133,15 @@ def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
             if share[most] > worst.share:
                 segment, place = divmod(most, len(PLACES))
                 start, end = time[part.piece.first + segment :][:2]
-                there = played.at(np.array([most, most]))
-                named = RowsWhenAsked(partial(_rows_there, cell, there, sharing, load))
-                worst = Excess(float(share[most]), tolerance, float(start + PLACES[place] * (end - start)), named)
+                at = float(start + PLACES[place] * (end - start))
+                named = partial(_overstepped, cell, played.at(np.array([most, most])), sharing, load)
+                worst = Excess(float(share[most]), tolerance, at, named)
     return SegmentExcess(shares, worst)
 
 
-def _rows_there(
-    cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, load: Array
-) -> tuple[ActiveRow, ...]:
-    """The rows that keep the first sample of a motion from being faster."""
-    found: tuple[ActiveRow, ...] = motion_ranges(cell, motion, "wrench", sharing, DEFAULT_SOLVER, load).upper_rows[0]
-    return found
+def _overstepped(
+    cell: Cell, there: CoordinatedMotion, sharing: LoadSharing | None, load: Array | None
+) -> ActiveRow | None:
+    """The row that a motion oversteps first as it gets faster, at its first sample."""
+    rows = motion_ranges(cell, there, "wrench", sharing, DEFAULT_SOLVER, load).upper_rows[0]
+    return rows[0] if rows else None

@@ -35,10 +35,12 @@ def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress
     constant = replace(found.factor.bare, rule=replace(found.factor.bare.rule, rates=None))
     constant = replace(constant, range=replace(constant.range, upper=None))  # it is that of the unchanged cell
     question = "nominal" if constant.load is None else "guaranteed"
+    refined = found.motion.samples > constant.motion.samples
 
     def answer(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
         asked = ChosenFactor(replace(constant, cell=changed, motion=motion), None)
-        return _of_timing(fastest_timing(asked, question, found.end_speeds, lambda _done, _total: None))
+        again = fastest_timing(asked, question, found.end_speeds, lambda _done, _total: None, refined=refined)
+        return _of_timing(again)
 
     followed = following_again(found.cell, found.motion)
     before = answer(found.cell, followed.motion)

@@ -31,7 +31,12 @@ STUCK = 1e6
 
 
 def fastest_timing(
-    factor: ChosenFactor, question: str, end_speeds: tuple[float, float], progress: Progress
+    factor: ChosenFactor,
+    question: str,
+    end_speeds: tuple[float, float],
+    progress: Progress,
+    *,
+    refined: bool = False,
 ) -> RetimingResult:
     """The fastest timing with limits kept at the samples of a motion.
 
@@ -40,6 +45,8 @@ def fastest_timing(
         question: That is asked of the load.
         end_speeds: ṙ at the start and at the end.
         progress: Told how many of how many loads are done.
+        refined: Whether samples were added where limits were overstepped: the path is then timed by its arc length. A
+            parameter by turns would be another one each round, uneven where samples were added.
     """
     constant, (start_speed, end_speed) = factor.bare, end_speeds
     cell, motion = constant.cell, constant.motion
@@ -56,7 +63,8 @@ def fastest_timing(
         if speed > 0 and rests:
             raise InputError(name, "the given motion is at rest there, so no other speed is possible.", value=speed)
     timed: list[FastestPiece] = []
-    for number, piece in enumerate(by_turns(closed_piece(cell, part)) for part in pieces):
+    by_arc = [closed_piece(cell, part) for part in pieces]
+    for number, piece in enumerate(by_arc if refined else map(by_turns, by_arc)):
         ends = tuple(
             0.0 if rests else (speed * float(piece.given_rate[place])) ** 2
             for rests, speed, place in zip(piece.rests, (start_speed, end_speed), (0, -1), strict=True)

@@ -109,14 +109,14 @@ def retime(
     speeds, tolerance = (start_speed, end_speed), checked_tolerance(between)
     adds, tolerance = tolerance is not None, BETWEEN if tolerance is None else tolerance
 
-    def timed(path: CoordinatedMotion) -> RetimingResult:
-        bare = replace(best.bare, motion=path, rule=replace(best.bare.rule, rates=None))
-        found = replace(fastest_timing(replace(best, bare=bare), question, speeds, progress), end_speeds=speeds)
+    def timed(path: CoordinatedMotion, *, refined: bool = True) -> RetimingResult:
+        again = replace(best, bare=replace(best.bare, motion=path, rule=replace(best.bare.rule, rates=None)))
+        found = replace(fastest_timing(again, question, speeds, progress, refined=refined), end_speeds=speeds)
         if not found.pieces:
             return found
-        return replace(found, retimed=played_result(bare, found.pieces, "fastest timing"))
+        return replace(found, retimed=played_result(again.bare, found.pieces, "fastest timing"))
 
-    first = replace(timed(best.bare.motion), factor=best)
+    first = replace(timed(best.bare.motion, refined=False), factor=best)
     fastest = refined_timing(first, timed, lambda one: excess_by_segment(one, tolerance), tolerance, adds=adds)
     if asked is None:
         return fastest

@@ -42,7 +42,7 @@ def smooth_excess(timed: RetimingResult, tolerance: float) -> SegmentExcess:
         most = int(np.argmax(found))
         if found[most] > worst.share:
             at = float(part.piece.given_time[part.piece.inside[most]])
-            worst = Excess(float(found[most]), tolerance, at, (names[most],))
+            worst = Excess(float(found[most]), tolerance, at, names[most])
     return SegmentExcess(shares, worst)
 
 

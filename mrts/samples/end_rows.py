@@ -65,13 +65,15 @@ class RowsAtEnd(Sequence[ActiveRow]):
 
 @dataclass(frozen=True, eq=False)
 class RowsWhenAsked(Sequence[ActiveRow]):
-    """The rows at one end of a sample, found when they are asked for; equal to the same rows of any kind.
+    """The rows at one end of one of N samples, looked up when they are asked for; equal to the same rows of any kind.
 
     Attributes:
-        find: Finds them.
+        of: The rows of that end of every sample.
+        sample: Which sample.
     """
 
-    find: Callable[[], Sequence[ActiveRow]]
+    of: Sequence[tuple[ActiveRow, ...]]
+    sample: int
 
     def __len__(self) -> int:
         return len(self.found)
@@ -91,7 +93,7 @@ class RowsWhenAsked(Sequence[ActiveRow]):
     @cached_property
     def found(self) -> tuple[ActiveRow, ...]:
         """The rows, found once."""
-        return tuple(self.find())
+        return tuple(self.of[self.sample])
 
 
 @dataclass(frozen=True)

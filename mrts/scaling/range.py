@@ -3,8 +3,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
-from operator import getitem
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -256,5 +254,5 @@ def _end(
     rows: Sequence[tuple[ActiveRow, ...]],
     loads: Sequence[LoadPoint] | None,
 ) -> RangeEnd:
-    named = RowsWhenAsked(partial(getitem, rows, sample))
+    named = RowsWhenAsked(rows, sample)
     return RangeEnd(c2, sample, float(samples.time[sample]), named, loads[sample] if loads else None)

@@ -14,7 +14,7 @@ from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite
 from mrts.base.formats.strict_model import StrictModel
 from mrts.base.input_file import MAX_URDF_BYTES, read_model, read_text
-from mrts.base.regular_file import open_regular, read_regular
+from mrts.base.regular_file import is_folder, open_regular, read_regular
 from mrts.base.version import __version__
 from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
 from mrts.cell.cell import Cell
@@ -89,7 +89,7 @@ def read_study(path: Path | str) -> Study:
     path = as_path("path", path)
     described = _described(path)
     cell_path, motion_path = (path.parent / name for name in (described.cell, described.motion))
-    if cell_path.is_dir():
+    if is_folder(cell_path):
         raise InputError(path, "must be a cell file: a study varies its numbers.", key="cell", value=described.cell)
     cell = load_cell(cell_path)
     motion = load_motion(motion_path)

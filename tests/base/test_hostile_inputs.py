@@ -13,6 +13,8 @@ import pytest
 from conftest import DATA, ROOT
 
 import mrts
+from mrts.cli import main
+from mrts.console.exit_codes import BAD_INPUT
 
 PATIENCE = 8.0
 """Processor time for a file [s]: what takes one on an idle machine, and a bomb would take minutes or for ever."""
@@ -225,3 +227,38 @@ def test_tables_cost_what_their_size_says(tmp_path):
     found = cost(*(f"motion:{tmp_path / name}.csv" for name in texts))
     for argument, outcome in found.items():
         assert texts[Path(argument).stem][1] in outcome
+
+
+NO_FILE = "n" * 5000
+"""A name that is too long for any file."""
+
+
+def named_in(folder, text):
+    """A motion file of this text."""
+    motion = folder / "motion.yaml"
+    motion.write_text(text, encoding="utf-8")
+    return mrts.load_motion(motion)
+
+
+@pytest.mark.parametrize(
+    "read",
+    [
+        lambda _: mrts.load_cell(NO_FILE),
+        lambda _: mrts.load_motion(NO_FILE),
+        lambda _: mrts.load_result(NO_FILE),
+        lambda folder: named_in(folder, f"joints: {NO_FILE}\n"),
+        lambda folder: named_in(folder, f"file: {NO_FILE}\n"),
+        lambda folder: main(["report", NO_FILE, "-o", str(folder / "report.html")]),
+        lambda folder: main(["export", NO_FILE, "-o", str(folder / "library")]),
+    ],
+    ids=["cell", "motion", "result", "joints", "table", "report", "export"],
+)
+def test_a_name_that_no_file_can_have_is_refused(read, tmp_path, capsys):
+    try:
+        code = read(tmp_path)
+    except mrts.InputError as error:
+        code, said = BAD_INPUT, str(error)
+    else:
+        said = capsys.readouterr().err
+    assert code == BAD_INPUT
+    assert "too long" in said

@@ -25,8 +25,9 @@ def read(kind: str, path: Path) -> None:
     """Read a file as its kind."""
     if kind == "cell":
         from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (not before it is needed)
+        from mrts_codegen.content_key import content_key  # noqa: PLC0415
 
-        read_cell_description(path)
+        content_key(path, [robot.urdf for robot in read_cell_description(path).robots])
     elif kind == "urdf":
         from mrts_codegen.urdf.robot_model import build_robot_model  # noqa: PLC0415
         from mrts_codegen.urdf.urdf_file import read_urdf  # noqa: PLC0415

@@ -16,6 +16,7 @@ PLANAR = {
     "MRTS_INPUTS": "8",
     "MRTS_INPUT_SIZES": "{6, 6, 6, 9, 6, 6, 10, 51}",
     "MRTS_INPUT_NUMBERS": "100",
+    "MRTS_GEOMETRY_NUMBERS": "51",
     "MRTS_UNKNOWNS": "4",
     "MRTS_MOST_JOINTS": "3",
     "MRTS_FIRST_JOINTS": "{0, 3, 6}",

@@ -12,11 +12,14 @@ from conftest import DATA, ROOT
 import mrts
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.generation import generated_in_cache
-from mrts.kernel.c_text import cell_source, form_of_lanes
+from mrts.coordination.denser_motion import WHOLE_WAY, polynomial_weights
+from mrts.kernel.c_text import cell_source, function_of_lanes
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.compiler import FLAGS
+from mrts.kernel.motion_rows import path_places, widenings
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits import limit_rows
+from mrts.retiming.path_pieces import PLACES
 
 C = ROOT / "mrts" / "kernel" / "c"
 GCC = shutil.which("gcc") or "gcc"
@@ -27,16 +30,25 @@ SAMPLES = 301
 ROUNDING = 1e-12
 """Of c², relative: two orders of the same operations."""
 
+HALF_A_UNIT = 2.0**-53
+"""In the last place of 1: what rounding leaves of a sine; entries of rotations are added to others of size 1."""
+
 ANGLES = """
 #include "lanes/lanes.c"
-void mrts_form_of_lanes(const mrts_lanes *const *arg, mrts_lanes *const *res) { (void)arg, (void)res; }
+MRTS_LANE_FUNCTION(mrts_form_of_lanes) { (void)arg, (void)sines, (void)res; }
+MRTS_LANE_FUNCTION(mrts_kinematics_of_lanes) { (void)arg, (void)sines, (void)res; }
+MRTS_LANE_FUNCTION(mrts_bias_of_lanes) { (void)arg, (void)sines, (void)res; }
 #ifdef MRTS_WIDE
-void mrts_form_of_wide_lanes(const mrts_lanes *const *arg, mrts_lanes *const *res) { (void)arg, (void)res; }
+MRTS_LANE_FUNCTION(mrts_form_of_wide_lanes) { (void)arg, (void)sines, (void)res; }
+MRTS_LANE_FUNCTION(mrts_kinematics_of_wide_lanes) { (void)arg, (void)sines, (void)res; }
+MRTS_LANE_FUNCTION(mrts_bias_of_wide_lanes) { (void)arg, (void)sines, (void)res; }
 #endif
 void angles(long long count, const mrts_lanes *angle, mrts_lanes *sine, mrts_lanes *cosine) {
     for (long long i = 0; i < count; ++i) {
-        sine[i] = mrts_sin_lanes(angle[i]);
-        cosine[i] = mrts_cos_lanes(angle[i]);
+        mrts_lanes both[2];
+        mrts_sine_cosine_lanes(angle[i], both);
+        sine[i] = both[0];
+        cosine[i] = both[1];
     }
 }
 """
@@ -66,19 +78,36 @@ def ranges(request, tmp_path_factory):
     )
     inputs = motion.inputs(cell.load) | {GEOMETRY: cell.geometry}
 
+    c2 = np.repeat(rng.choice([0.5, 1.0, 2.0, 20.0], size=(SAMPLES + 19) // 20), 20)[:SAMPLES]
+    units = np.where(size > 0, size, 1.0)
+
     def found(*flags):
+        rng_of_speeds = np.random.default_rng(2)
         library = folder / f"lib{len(list(folder.iterdir()))}.so"
         subprocess.run([GCC, *FLAGS, *flags, folder / "cell.c", "-o", library, "-lm"], check=True)
         opened = CellLibrary(manifest, library)
         most = np.full(SAMPLES, np.inf)
-        return [opened.ranges(SAMPLES, inputs, limits, one, most) for one in (SampleTerms(), terms)]
+        ranges = [opened.ranges(SAMPLES, inputs, limits, one, most) for one in (SampleTerms(), terms)]
+        dense = [widenings(opened, SAMPLES, inputs, limits, units, one, c2)[0] for one in (SampleTerms(), terms)]
+        path = (motion.object.time, motion.q, motion.dq, motion.ddq)
+        speeds = rng_of_speeds.random((2, len(PLACES) * (SAMPLES - 1)))
+        weights = (PLACES, polynomial_weights(PLACES), WHOLE_WAY)
+        places = path_places(opened, path, weights, tuple(speeds), cell.geometry, cell.wrench_rows)
+        return ranges, dense, places
 
     return found
 
 
 def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_single_samples(ranges):
     wide, narrow, single = ranges(), ranges("-DMRTS_NARROW"), ranges("-DMRTS_NO_LANES")
-    for one, other, alone in zip(wide, narrow, single, strict=True):
+    for part in (1, 2):
+        for one, other, alone in zip(wide[part], narrow[part], single[part], strict=True):
+            np.testing.assert_array_equal(one, other)
+            np.testing.assert_allclose(one, alone, rtol=ROUNDING, atol=ROUNDING * np.max(np.abs(alone)))
+    for shares in wide[1]:
+        assert np.any(shares == 0)
+        assert np.max(shares) > 1e-2
+    for one, other, alone in zip(wide[0], narrow[0], single[0], strict=True):
         for name in ("lower", "upper", "status", "effect", "basis", "dual"):
             np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
         np.testing.assert_array_equal(one.status, alone.status)
@@ -108,7 +137,7 @@ def test_sines_and_cosines_are_those_of_extended_precision(tmp_path):
     pointers = (ctypes.c_void_p(array.ctypes.data) for array in (angle, sine, cosine))
     ctypes.CDLL(str(library)).angles(ctypes.c_longlong(len(angle) // 4), *pointers)
     for found, exact in ((sine, np.sin(angle.astype(np.longdouble))), (cosine, np.cos(angle.astype(np.longdouble)))):
-        assert np.max(np.abs(found - exact) / np.spacing(np.abs(exact).astype(float))) < 1
+        assert np.max(np.abs(found - exact)) <= HALF_A_UNIT
     not_numbers = np.array([np.nan, np.inf, 1e9, 0.5])
     ctypes.CDLL(str(library)).angles(
         ctypes.c_longlong(1), *(ctypes.c_void_p(array.ctypes.data) for array in (not_numbers, sine, cosine))
@@ -124,5 +153,7 @@ def test_a_statement_of_another_kind_is_left_to_single_samples():
         "  a1=%s;\n  if (res[0]!=0) res[0][0]=a1;\n  return 0;\n}\n\n"
         "int form(const casadi_real** arg, casadi_real** res) {\n  return f0(arg, res);\n}\n"
     )
-    assert "a1=mrts_sin_wide(a0);" in form_of_lanes(text % "sin(a0)", "form")
-    assert form_of_lanes(text % "tan(a0)", "form") == ""
+    assert "a1=sines[0];" in function_of_lanes(text % "sin(a0)", "form", "form")
+    assert "res[0][0]=a1;" not in function_of_lanes(text % "sin(a0)", "form", "form", (0,))
+    for other in ("tan(a0)", "(a0+a0);\n  a1=sin(a1)"):
+        assert function_of_lanes(text % other, "form", "form") == ""

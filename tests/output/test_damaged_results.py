@@ -46,11 +46,11 @@ MISTAKES = {
     "missing word": (spoil_word(lambda d: d.pop("fallbacks")), "fallbacks: Field required"),
     "unknown word": (spoil_word(lambda d: d.update(extra=1)), "extra: Extra inputs"),
     "edited manifest": (spoil_word(lambda d: d["manifest"].update(gravity=[0, 0, 0])), "manifest: was edited"),
-    "hostile name": (spoil_word(lambda d: d["manifest"].update(name="../../x")), r"manifest\.name: .* pattern"),
+    "hostile name": (spoil_word(lambda d: d["manifest"].update(name="../../x")), r"manifest\.name: must be letters"),
     "hostile source": (spoil_word(lambda d: d["manifest"].update(source="../x.c")), "manifest: its source must be"),
     "ragged pose": (
         spoil_word(lambda d: d["manifest"]["robots"][0]["base_tip"].update(rotation=[[1], [2, 3], []])),
-        "rotation.*at least 3 items",
+        r"manifest\.robots\.0\.base_tip\.rotation\.0: .* at least 3 belong",
     ),
     "nan word": (spoil_word(lambda d: d.update(c2=float("nan"))), "c2: .* finite number"),
     "negative c2": (spoil_word(lambda d: d.update(c2=-1)), "c2: .* greater than 0"),

@@ -19,14 +19,6 @@ MRTS_EXPORT void mrts_widenings_work(int rows, long long *reals, long long *ints
     *ints = 2 * MRTS_ROWS_IWORK(rows) + (sides_ints > nearest_ints ? sides_ints : nearest_ints);
 }
 
-/* What is known of the wrenches when a sample is looked at. */
-typedef struct {
-    double wrench[MRTS_UNKNOWNS]; /* those of the sample before that are free */
-    double scale[MRTS_UNKNOWNS];  /* what a step of each is measured by */
-    int active[MRTS_UNKNOWNS];    /* rows that bounded them, coded as the basis of a linear program */
-    int count;                    /* of those; -1 where nothing is known */
-} mrts_wrenches_before;
-
 /* A sample: its form, the terms of its rows and where these are put. */
 typedef struct {
     mrts_form form;
@@ -175,6 +167,94 @@ static int mrts_elastic(int k, const mrts_rows *rows, int *basis, double *x, dou
     return status;
 }
 
+/* The samples of a call. */
+typedef struct {
+    mrts_dense_sample at;
+    mrts_rows rows, some; /* all, and those that bound */
+    mrts_wrenches_before known;
+    int basis[MRTS_UNKNOWNS];
+    double *qp_work, *elastic_work;
+    int *own_iwork;
+} mrts_dense_path;
+
+/* The widening of one sample, whose form is there, from what is known of the one before; its status. */
+static int mrts_widening_of_sample(mrts_dense_path *path, double *share) {
+    enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1 };
+    mrts_wrenches_before *known = &path->known;
+    double x[K];
+    int status = MRTS_OPTIMAL;
+    if (F == 0) {
+        *share = mrts_passed(&path->at, known->wrench, 0, &path->rows);
+        return *share < MRTS_INFINITY ? MRTS_OPTIMAL : MRTS_STOPPED;
+    }
+    *share = 0;
+    mrts_bound_again(&path->at, known, &path->rows, &path->some);
+    if (known->count >= 0 && mrts_passed(&path->at, known->wrench, 1, &path->rows) == 0) return MRTS_OPTIMAL;
+    if (!mrts_free_rows(&path->at, &path->rows)) {
+        known->count = -1;
+        return MRTS_STOPPED;
+    }
+    mrts_scale_columns(F, &path->rows, known->scale);
+    mrts_free_unknowns(F, &path->rows);
+    for (int j = 0; j < F; ++j) x[j] = known->wrench[j] / known->scale[j];
+    if (!mrts_nearest_kept(F, &path->rows, x, known->active, &known->count, path->qp_work, path->own_iwork)) {
+        status = mrts_elastic(K, &path->rows, path->basis, x, path->elastic_work, path->own_iwork);
+        *share = x[F];
+        known->count = status == MRTS_OPTIMAL ? 0 : -1;
+    }
+    for (int j = 0; j < F && status == MRTS_OPTIMAL; ++j) known->wrench[j] = x[j] * known->scale[j];
+    return status;
+}
+
+#if MRTS_LANES > 1
+/* Some samples of a call. */
+typedef struct {
+    mrts_lane_functions functions;
+    mrts_lane_inputs inputs;
+    mrts_dense_lanes at;
+    mrts_lanes free[MRTS_UNKNOWNS], most;
+    mrts_lane_mask finite;
+    int tried; /* whether what is known of the wrenches has been tried on them */
+} mrts_widening_lanes;
+
+/* Takes the samples from `first` on. */
+static void mrts_take_widening(const double *const *in, const long long *stride, long long first, long long count,
+                               const double *c2, mrts_widening_lanes *lanes) {
+    mrts_take_inputs(in, stride, first, count, first == 0, &lanes->inputs);
+    for (int lane = 0; lane < MRTS_LANES; ++lane) lanes->at.c2[lane] = c2[lanes->inputs.at[lane]];
+    lanes->functions.dense_form(lanes->inputs.arg, &lanes->at);
+    lanes->tried = 0;
+}
+
+/* Whether a sample's widening is that of wrenches known before, which it then has moved. */
+static int mrts_widening_in_lanes(mrts_widening_lanes *lanes, int lane, mrts_wrenches_before *known, double *share) {
+    enum { F = MRTS_UNKNOWNS - 1 };
+    if (F > 0 && known->count < 0) return 0;
+    if (!lanes->tried) {
+        for (int j = 0; j < F; ++j) lanes->free[j] = (mrts_lanes){0} + known->wrench[j];
+        if (F > 0) lanes->functions.dense_bound(&lanes->at, known, lanes->free);
+        lanes->functions.dense_passed(&lanes->at, lanes->free, &lanes->most, &lanes->finite);
+        lanes->tried = 1;
+    }
+    if (!lanes->finite[lane] || (F > 0 && !(lanes->most[lane] <= MRTS_FEASIBLE))) {
+        lanes->tried = 0;
+        return 0;
+    }
+    *share = F > 0 ? 0 : lanes->most[lane];
+    for (int j = 0; j < F; ++j) known->wrench[j] = lanes->free[j][lane];
+    return 1;
+}
+
+/* The form of one of them, with what motors give. */
+static void mrts_form_of_lane(const mrts_dense_lanes *at, int lane, mrts_form *form) {
+    enum { K = MRTS_UNKNOWNS, M = MRTS_JOINTS, N = MRTS_WRENCHES };
+    mrts_take_lane(K * M, at->torque, lane, form->torque_map);
+    mrts_take_lane(M, at->torque + K * M, lane, form->torque_offset);
+    mrts_take_lane(K * N, at->wrench, lane, form->wrench_map);
+    mrts_take_lane(N, at->wrench + K * N, lane, form->wrench_offset);
+}
+#endif
+
 /* Of samples 0 .. count - 1 the least widening of all limits that admits c2, one a sample, in shares of each, of which 100 %
  * are a `unit`; `terms` and what is returned as in mrts_ranges. A sample that is not MRTS_OPTIMAL has no answer. */
 MRTS_EXPORT int mrts_widenings(long long count, const double *const *in, const long long *stride,
@@ -182,54 +262,54 @@ MRTS_EXPORT int mrts_widenings(long long count, const double *const *in, const l
                                double *share, unsigned char *status, const double **arg, double **res, long long *iw, double *w,
                                double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1 };
-    double *few_work = work + MRTS_ROWS_WORK(K, limits->rows), *qp_work = few_work + MRTS_ROWS_WORK(K, limits->rows);
-    double *elastic_work = qp_work + MRTS_QP_WORK(F), x[K];
-    int *few_iwork = iwork + MRTS_ROWS_IWORK(limits->rows), *own_iwork = few_iwork + MRTS_ROWS_IWORK(limits->rows);
-    int basis[K];
+    double *few_work = work + MRTS_ROWS_WORK(K, limits->rows);
+    int *few_iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
     double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
-    mrts_dense_sample at = {.limits = limits, .turned = turned};
-    mrts_wrenches_before known = {.count = -1};
-    mrts_rows rows, some;
-    mrts_forms forms;
-    at.form = mrts_form_in(K, MRTS_JOINTS, MRTS_WRENCHES, memory);
-    if (!mrts_rows_over(K, limits, work, iwork, &rows) || !mrts_rows_over(K, limits, few_work, few_iwork, &some)) return 1;
-    for (int i = 0; i < rows.count; ++i) rows.unit[i] = unit[rows.which[i]];
-    mrts_begin_forms(in, stride, count, &forms);
+    mrts_dense_path path = {.at = {.limits = limits, .turned = turned}, .known = {.count = -1}};
+    path.qp_work = few_work + MRTS_ROWS_WORK(K, limits->rows);
+    path.elastic_work = path.qp_work + MRTS_QP_WORK(F);
+    path.own_iwork = few_iwork + MRTS_ROWS_IWORK(limits->rows);
+    path.at.form = mrts_form_in(K, MRTS_JOINTS, MRTS_WRENCHES, memory);
+    if (!mrts_rows_over(K, limits, work, iwork, &path.rows)) return 1;
+    if (!mrts_rows_over(K, limits, few_work, few_iwork, &path.some)) return 1;
+    for (int i = 0; i < path.rows.count; ++i) path.rows.unit[i] = unit[path.rows.which[i]];
+#if MRTS_LANES > 1
+    mrts_widening_lanes lanes;
+    lanes.functions = mrts_lane_functions_here();
+    lanes.at.limits = limits;
+    lanes.at.terms = terms;
+    lanes.at.of = &path.rows;
+    lanes.at.samples = lanes.inputs.at;
+    (void)res;
+    (void)iw;
+    (void)w;
+#endif
     for (long long n = 0; n < count; ++n) {
         if (n % MRTS_CHUNK == 0) { /* so that chunks do not depend on each other */
-            known.count = -1;
-            basis[0] = 0;
+            path.known.count = -1;
+            path.basis[0] = 0;
         }
-        for (int j = 0; j < F && known.count < 0; ++j) known.wrench[j] = 0;
-        at.terms = mrts_terms_of_sample(terms, n, limits->rows);
-        if (!mrts_next_form(&forms, n, &at.form, arg, res, iw, w)) return 1;
-        mrts_add_motors(K, MRTS_JOINTS, &at.terms, &at.form);
-        at.rotation = arg[MRTS_ROTATION];
-        at.c2 = c2[n];
+        for (int j = 0; j < F && path.known.count < 0; ++j) path.known.wrench[j] = 0;
+        for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + n * stride[i];
+        path.at.terms = mrts_terms_of_sample(terms, n, limits->rows);
+        path.at.rotation = arg[MRTS_ROTATION];
+        path.at.c2 = c2[n];
+#if MRTS_LANES > 1
+        const int lane = (int)(n % MRTS_LANES);
+        if (lane == 0) mrts_take_widening(in, stride, n, count, c2, &lanes);
         status[n] = MRTS_OPTIMAL;
-        if (F == 0) {
-            share[n] = mrts_passed(&at, known.wrench, 0, &rows);
-            if (!(share[n] < MRTS_INFINITY)) status[n] = MRTS_STOPPED;
-            continue;
-        }
-        share[n] = 0;
-        mrts_bound_again(&at, &known, &rows, &some);
-        if (known.count >= 0 && mrts_passed(&at, known.wrench, 1, &rows) == 0) continue;
-        if (!mrts_free_rows(&at, &rows)) {
-            status[n] = MRTS_STOPPED;
-            known.count = -1;
-            continue;
-        }
-        mrts_scale_columns(F, &rows, known.scale);
-        mrts_free_unknowns(F, &rows);
-        for (int j = 0; j < F; ++j) x[j] = known.wrench[j] / known.scale[j];
-        if (!mrts_nearest_kept(F, &rows, x, known.active, &known.count, qp_work, own_iwork)) {
-            status[n] = (unsigned char)mrts_elastic(K, &rows, basis, x, elastic_work, own_iwork);
-            share[n] = x[F];
-            known.count = status[n] == MRTS_OPTIMAL ? 0 : -1;
-        }
-        for (int j = 0; j < F && status[n] == MRTS_OPTIMAL; ++j) known.wrench[j] = x[j] * known.scale[j];
+        if (mrts_widening_in_lanes(&lanes, lane, &path.known, share + n)) continue;
+        mrts_form_of_lane(&lanes.at, lane, &path.at.form);
+#else
+        res[0] = path.at.form.torque_map;
+        res[1] = path.at.form.torque_offset;
+        res[2] = path.at.form.wrench_map;
+        res[3] = path.at.form.wrench_offset;
+        if (MRTS_WRENCH_FORM(arg, res, iw, w, 0)) return 1;
+        mrts_add_motors(K, MRTS_JOINTS, &path.at.terms, &path.at.form);
+#endif
+        status[n] = (unsigned char)mrts_widening_of_sample(&path, share + n);
     }
     return 0;
 }

@@ -19,8 +19,7 @@ MRTS_LOCAL void mrts_take_inputs(const double *const *in, const long long *strid
     }
 }
 
-/* One lane of some numbers. */
-static void mrts_take_lane(int count, const mrts_lanes *from, int lane, double *to) {
+MRTS_LOCAL void mrts_take_lane(int count, const mrts_lanes *from, int lane, double *to) {
     const double *numbers = (const double *)(const void *)from + lane;
     for (int i = 0; i < count; ++i) to[i] = numbers[i * MRTS_LANES];
 }
@@ -31,10 +30,7 @@ MRTS_LOCAL void mrts_begin_forms(const double *const *in, const long long *strid
     forms->stride = stride;
     forms->count = count;
 #if MRTS_LANES > 1
-    forms->evaluate = mrts_form_of_lanes;
-#ifdef MRTS_WIDE
-    if (__builtin_cpu_supports("avx2")) forms->evaluate = mrts_form_of_wide_lanes;
-#endif
+    forms->evaluate = mrts_lane_functions_here().form;
     if (count > 0) mrts_take_inputs(in, stride, 0, count, 1, &forms->inputs);
 #endif
 }

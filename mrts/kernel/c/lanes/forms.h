@@ -19,6 +19,9 @@ typedef struct {
  * repeated. */
 MRTS_LOCAL void mrts_take_inputs(const double *const *in, const long long *stride, long long first, long long count,
                                  int all, mrts_lane_inputs *lanes);
+
+/* One lane of some numbers. */
+MRTS_LOCAL void mrts_take_lane(int count, const mrts_lanes *from, int lane, double *to);
 #endif
 
 /* The forms of the samples of a call. */

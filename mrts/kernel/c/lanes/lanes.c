@@ -4,6 +4,7 @@
  */
 #include "lanes.h"
 #include "../basis/kept_basis.h"
+#include "../trajectory.h"
 
 #if MRTS_LANES > 1
 #define MRTS_PER_QUARTER 6.36619772367581382433e-01  /* 2 / pi */
@@ -20,30 +21,46 @@
     ((mrts_lanes)(((mask) & (mrts_lane_mask)(a)) | (~(mask) & (mrts_lane_mask)(b))))
 #define MRTS_TAKE_PIVOT(k, c, row, side, B) (void)(side)
 #define MRTS_IS_NONE(value) 0
+#define MRTS_AT_ONCE MRTS_LANES
+#define MRTS_SET(value, lane, number) ((value)[lane] = (number))
+#define MRTS_GET(value, lane) ((value)[lane])
+#define MRTS_SINES(count, angle, both) MRTS_OF(mrts_sines)(count, angle, both)
 
 #define MRTS_STATIC static inline
 #define MRTS_OF(name) name##_lanes
-#define MRTS_LANE_FORM mrts_form_of_lanes
+#define MRTS_FORM_IN_LANES mrts_form_of_lanes
+#define MRTS_RUN_KINEMATICS(places, arg, sines, res) (mrts_kinematics_of_lanes(arg, sines, res), 0)
+#define MRTS_RUN_BIAS(places, arg, sines, res) (mrts_bias_of_lanes(arg, sines, res), 0)
 #include "../basis/kept_basis.inc"
 #include "lane_angles.inc"
 #include "lane_samples.inc"
+#include "../dense/lane_widening.inc"
+#include "../dense/places.inc"
 
 #ifdef MRTS_WIDE
 #undef MRTS_STATIC
 #undef MRTS_OF
-#undef MRTS_LANE_FORM
+#undef MRTS_FORM_IN_LANES
+#undef MRTS_RUN_KINEMATICS
+#undef MRTS_RUN_BIAS
 #define MRTS_STATIC MRTS_WIDE static inline
 #define MRTS_OF(name) name##_wide
-#define MRTS_LANE_FORM mrts_form_of_wide_lanes
+#define MRTS_FORM_IN_LANES mrts_form_of_wide_lanes
+#define MRTS_RUN_KINEMATICS(places, arg, sines, res) (mrts_kinematics_of_wide_lanes(arg, sines, res), 0)
+#define MRTS_RUN_BIAS(places, arg, sines, res) (mrts_bias_of_wide_lanes(arg, sines, res), 0)
 #include "../basis/kept_basis.inc"
 #include "lane_angles.inc"
 #include "lane_samples.inc"
+#include "../dense/lane_widening.inc"
+#include "../dense/places.inc"
 #endif
 
 MRTS_LOCAL mrts_lane_functions mrts_lane_functions_here(void) {
-    const mrts_lane_functions anywhere = {mrts_lane_rows_of_lanes, mrts_lane_end_lanes};
+    const mrts_lane_functions anywhere = {mrts_lane_form_lanes, mrts_lane_rows_of_lanes, mrts_lane_end_lanes, mrts_dense_form_lanes,
+                                          mrts_dense_bound_lanes, mrts_dense_passed_lanes, mrts_some_places_lanes};
 #ifdef MRTS_WIDE
-    const mrts_lane_functions wide = {mrts_lane_rows_of_wide, mrts_lane_end_wide};
+    const mrts_lane_functions wide = {mrts_lane_form_wide, mrts_lane_rows_of_wide, mrts_lane_end_wide, mrts_dense_form_wide, mrts_dense_bound_wide,
+                                      mrts_dense_passed_wide, mrts_some_places_wide};
     if (__builtin_cpu_supports("avx2")) return wide;
 #endif
     return anywhere;
@@ -58,4 +75,8 @@ MRTS_LOCAL mrts_lane_functions mrts_lane_functions_here(void) {
 #undef MRTS_OF
 #undef MRTS_TAKE_PIVOT
 #undef MRTS_IS_NONE
+#undef MRTS_AT_ONCE
+#undef MRTS_SET
+#undef MRTS_GET
+#undef MRTS_SINES
 #endif
