@@ -15,6 +15,7 @@ import mrts
 from mrts.base.arrays import Array
 from mrts.coordination.coordinated_motion import carried_by_first
 from mrts.retiming.fastest_timing import fastest_timing
+from mrts.scaling.with_torques import ChosenFactor
 
 DATA = Path(str(files("mrts") / "data"))
 DUAL = DATA / "dual_ur5"
@@ -94,7 +95,7 @@ def timing_alone(constant: mrts.ScalingResult) -> float:
     Args:
         constant: Of the cell and the motion, found before.
     """
-    found = fastest_timing(constant, "nominal", (0.0, 0.0), lambda _done, _total: None)
+    found = fastest_timing(ChosenFactor(constant, None), "nominal", (0.0, 0.0), lambda _done, _total: None)
     return float(sum(np.sum(piece.segment_times) for piece in found.pieces))
 
 

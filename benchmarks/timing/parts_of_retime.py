@@ -20,7 +20,7 @@ from interleaved import median_times, on_one_processor, parts_of, show
 POINTS, REPEATS = 1000, 9
 
 PARTS = {
-    "mrts.retiming.retime:_best_constant": "best constant factor, its torques",
+    "mrts.retiming.retime:_best_constant": "best constant factor",
     "mrts.retiming.fastest_timing:path_pieces": "path and its pieces",
     "mrts.retiming.fastest_timing:closed_piece": "path and its pieces",
     "mrts.retiming.fastest_timing:by_turns": "path and its pieces",

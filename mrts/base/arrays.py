@@ -23,6 +23,12 @@ def apply(matrix: NDArray[np.floating[Any]], vector: Array) -> Array:
     return np.asarray(np.einsum("nrk,nk->nr", matrix, vector), dtype=np.float64)
 
 
+def cross(first: Array, second: Array) -> Array:
+    """Cross products sample by sample, Shape (…, 3): the same numbers as numpy's, without its handling of axes."""
+    a, b = np.moveaxis(first, -1, 0), np.moveaxis(second, -1, 0)
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]], axis=-1)
+
+
 def freeze_array(owner: object, name: str, where: str, shape: tuple[int, ...], *, finite: bool) -> None:
     """Make an attribute of a frozen value an array of its own that nobody can write to.
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.argument_types import check_type
-from mrts.base.arrays import Array, freeze
+from mrts.base.arrays import Array, cross, freeze
 from mrts.base.errors import InputError, MotionError, as_array
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import plane_normal
@@ -97,14 +97,8 @@ class CoordinatedMotion:
     def at(self, samples: NDArray[np.int_]) -> "CoordinatedMotion":
         """Some samples, at least two, by themselves; their time only counts them."""
         of = self.object
-        some = ObjectMotion(
-            np.arange(len(samples), dtype=np.float64),
-            of.position[samples],
-            of.rotation[samples],
-            of.twist[samples],
-            of.acceleration[samples],
-            smooth=False,
-        )
+        time = np.arange(len(samples), dtype=np.float64)
+        some = of.played(time, of.twist[samples], of.acceleration[samples], samples)
         travel = None if self.travel is None else self.travel[:, samples]
         return CoordinatedMotion(some, self.q[samples], self.dq[samples], self.ddq[samples], travel=travel)
 
@@ -189,8 +183,8 @@ def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion, *, smoot
         time,
         tip.position - r,
         rotation,
-        np.concatenate([v - np.cross(w, r), w], axis=1),
-        np.concatenate([a - np.cross(dw, r) - np.cross(w, np.cross(w, r)), dw], axis=1),
+        np.concatenate([v - cross(w, r), w], axis=1),
+        np.concatenate([a - cross(dw, r) - cross(w, cross(w, r)), dw], axis=1),
         smooth,
     )
 

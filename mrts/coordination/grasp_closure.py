@@ -8,7 +8,7 @@ import numpy as np
 from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError
-from mrts.base.rigid_transform import vectors_from_rotations
+from mrts.base.rigid_transform import angles_of_rotations
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.inverse_kinematics.grasp_tracking import tip_rates
@@ -154,7 +154,7 @@ def grasp_gaps(cell: Cell, given: ObjectMotion, tips: list[TipMotion]) -> GraspG
     for robot, tip in zip(cell.robots, tips, strict=True):
         distances.append(np.linalg.norm(tip.position - given.position - given.rotation @ robot.T_object_tip.p, axis=1))
         off = given.rotation @ robot.T_object_tip.R @ tip.rotation.transpose(0, 2, 1)
-        angles.append(np.linalg.norm(vectors_from_rotations(off), axis=1))
+        angles.append(angles_of_rotations(off))
     return GraspGaps(np.array(distances), np.array(angles))
 
 

@@ -56,9 +56,9 @@ def draw_phase_plane(axes: Axes, found: RetimingResult) -> None:
         speeds = [part.arc_speed for part in found.pieces]
         what = f"{smooth.what}, {found.duration:.4g} s"
         tops.append(_draw_speeds(axes, found.pieces, speeds, what, COLOURS[4], "-"))
-    best = found.constant.trajectory
-    if best is not None:
-        speeds = [best.c * part.piece.speed for part in found.pieces]
+    best = found.factor
+    if best.c2 is not None:
+        speeds = [np.sqrt(best.c2) * part.piece.speed for part in found.pieces]
         label = f"best constant c, {best.duration:.4g} s"
         tops.append(_draw_speeds(axes, found.pieces, speeds, label, COLOURS[0], "--"))
     for s in _along(found.pieces)[1:]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array, apply
+from mrts.base.arrays import Array, apply, cross
 from mrts.base.errors import MotionError
 from mrts.base.rigid_transform import vectors_from_rotations
 from mrts.cell.cell import Cell
@@ -106,8 +106,8 @@ def tip_rates(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Ar
     a, dw = motion.acceleration[:, :3], motion.acceleration[:, 3:]
     R = robot.T_world_base.R
     rows = cell.wrench_rows
-    velocity = np.concatenate([(v + np.cross(w, r)) @ R, w @ R], axis=1)
-    linear = a + np.cross(dw, r) + np.cross(w, np.cross(w, r))
+    velocity = np.concatenate([(v + cross(w, r)) @ R, w @ R], axis=1)
+    linear = a + cross(dw, r) + cross(w, cross(w, r))
     acceleration = np.concatenate([linear @ R, dw @ R], axis=1)
     return velocity[:, rows], acceleration[:, rows]
 

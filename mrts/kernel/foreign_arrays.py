@@ -36,6 +36,11 @@ def work_arrays(library: ctypes.CDLL, function: str, *sizes: int) -> list[NDArra
     return [np.zeros(reals.value), np.zeros(ints.value, dtype=np.int32)]
 
 
+def _processors() -> int:
+    """How many this process may run on."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def over_chunks(library: ctypes.CDLL, samples: int, run: Callable[[int, int], None]) -> None:
     """Deal whole chunks of samples to a few threads: foreign calls let others run.
 
@@ -48,7 +53,7 @@ def over_chunks(library: ctypes.CDLL, samples: int, run: Callable[[int, int], No
     """
     chunk = int(library.mrts_chunk())
     chunks = -(-samples // chunk)
-    threads = max(1, min(MOST_THREADS, os.cpu_count() or 1, chunks))
+    threads = max(1, min(MOST_THREADS, _processors(), chunks))
     bounds = [min(samples, chunk * (chunks * part // threads)) for part in range(threads + 1)]
     pieces = [(first, last - first) for first, last in pairwise(bounds) if last > first]
     failures: list[BaseException] = []

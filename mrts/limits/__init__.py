@@ -30,12 +30,11 @@ LIMITS: dict[str, Callable[[Cell, CoordinatedMotion], LimitRows]] = {
 OWN_LIMITS = tuple(LIMITS)
 """Names of the limits that mrts comes with."""
 
-ALONG_ANY_MOTION = (torque_limits, wrench_limits)
-"""Limits whose rows are the same along every motion: they are put together once for a cell."""
-
 _Limit = Callable[[Cell, CoordinatedMotion], LimitRows]
+_OWN: tuple[_Limit, ...] = tuple(LIMITS.values())
 _OF_CELL: WeakKeyDictionary[Cell, dict[_Limit, LimitRows]] = WeakKeyDictionary()
 _Registered = tuple[_Limit, ...]
+_OF_ANY_MOTION: WeakKeyDictionary[Cell, tuple[_Registered, SquaredRows]] = WeakKeyDictionary()
 _SQUARED: WeakKeyDictionary[CoordinatedMotion, WeakKeyDictionary[Cell, tuple[_Registered, SquaredRows]]] = (
     WeakKeyDictionary()
 )
@@ -54,7 +53,18 @@ def squared_limits(cell: Cell, motion: CoordinatedMotion) -> SquaredRows:
     of_motion = _SQUARED.setdefault(motion, WeakKeyDictionary())
     registered, known = tuple(LIMITS.values()), of_motion.get(cell)
     if known is None or known[0] != registered:
-        known = of_motion[cell] = registered, squared(limit_rows(cell, motion))
+        known = of_motion[cell] = registered, _squared(cell, motion, registered)
+    return known[1]
+
+
+def _squared(cell: Cell, motion: CoordinatedMotion, registered: _Registered) -> SquaredRows:
+    """`squared_limits`, put together once for a cell whose rows are the same along every motion."""
+    pieces, of_cell = _pieces(cell, motion), _OF_CELL[cell]
+    if not all(limit in of_cell for limit in registered):
+        return squared(_stacked(cell, pieces))
+    known = _OF_ANY_MOTION.get(cell)
+    if known is None or known[0] != registered:
+        known = _OF_ANY_MOTION[cell] = registered, squared(_stacked(cell, pieces))
     return known[1]
 
 
@@ -78,16 +88,27 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
         cell: The cell; velocities are left out unless it enforces their limits. Its reserve is taken off all limits.
         motion: Its motion.
     """
+    return _stacked(cell, _pieces(cell, motion))
+
+
+def _pieces(cell: Cell, motion: CoordinatedMotion) -> list[LimitRows]:
+    """The rows of each limit that have a limit on some side.
+
+    Those of our own limits are put together once for a cell, where they are the same along every motion.
+    """
     of_cell = _OF_CELL.setdefault(cell, {})
     pieces = []
     for name, limit in LIMITS.items():
-        stays = any(limit is one for one in ALONG_ANY_MOTION)
-        rows = of_cell.get(limit) if stays else None
+        rows = of_cell.get(limit)
         if rows is None:
             rows = checked_rows(name, limit(cell, motion), cell, motion).bounded()
-        if stays:
-            of_cell[limit] = rows
+            if not rows.along_motion and any(limit is one for one in _OWN):
+                of_cell[limit] = rows
         pieces.append(rows)
+    return pieces
+
+
+def _stacked(cell: Cell, pieces: list[LimitRows]) -> LimitRows:
     rows = stack_rows(pieces)
     return rows.shrunk(cell.reserve) if cell.reserve else rows
 

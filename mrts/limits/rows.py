@@ -3,8 +3,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from typing import Literal
+from functools import cached_property, lru_cache
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -250,10 +250,16 @@ class LimitRows:
 
     def at(self, samples: NDArray[np.int_] | slice) -> "LimitRows":
         """The same rows at some samples only."""
+        if not self.along_motion:
+            return self
         rate, speed, square = (None if c is None else c[samples] for c in (self.rate, self.speed, self.square))
         object_axes = None if self.object_axes is None else self.object_axes.at(samples)
         return replace(self, object_axes=object_axes, rate=rate, speed=speed, square=square)
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if name != "sparse"}  # it holds addresses
+
+    @cached_property
     def sparse(self) -> SparseLimits:
         """The rows as C reads them."""
         turned = self.object_axes
@@ -298,6 +304,11 @@ class LimitRows:
         if not self.names:
             return self
         return self.only(np.isfinite(self.lower) | np.isfinite(self.upper))
+
+    @property
+    def along_motion(self) -> bool:
+        """Whether some row has a number for each sample of a motion."""
+        return any(column is not None for column in (self.object_axes, self.rate, self.speed, self.square))
 
     @property
     def is_of_speed(self) -> NDArray[np.bool_]:

@@ -2,6 +2,7 @@
 """Limits as the programs take them: what bounds the speed alone in ṙ², and which rows do nothing but that."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,11 @@ class SquaredRows:
     size: Array
     unit: Array
     is_cap: NDArray[np.bool_]
+
+    @cached_property
+    def uncapped(self) -> LimitRows:
+        """The rows that are no caps."""
+        return self.rows.only(~self.is_cap)
 
     def caps(self, samples: int) -> "SpeedCaps":
         """The caps by themselves.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The motion of the carried object: its samples, checked, and where it is known, its course between them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import InitVar, dataclass, field
 from typing import Any
 
@@ -34,6 +34,9 @@ STILL = 1e-9
 
 SHORTEST_STEP = 1e-9
 """Least time between samples [s]: below it squares of rates overflow."""
+
+SHAPES = {"time": (), "position": (3,), "rotation": (3, 3), "twist": (6,), "acceleration": (6,)}
+"""Of the fields of an object's motion, behind the samples."""
 
 ObjectRates = tuple[Array, Array, Array, Array]
 """Position, rotation, twist and acceleration at some times, as in `ObjectMotion`."""
@@ -71,25 +74,54 @@ class ObjectMotion:
 
     def __post_init__(self, smooth: bool) -> None:
         check_type("smooth", smooth, bool)
-        shapes = {"time": (), "position": (3,), "rotation": (3, 3), "twist": (6,), "acceleration": (6,)}
-        time = as_array("time", self.time)
-        if time.ndim != 1 or len(time) < 2 or time[0] != 0 or not np.all(np.diff(time) > 0):  # noqa: PLR2004 (two ends)
-            raise InputError("time", "must have Shape (N,) with N >= 2, start at 0 and strictly increase.")
-        for name, shape in shapes.items():
-            value = as_array(name, getattr(self, name))
-            object.__setattr__(self, name, value)
-            if value.shape != (len(time), *shape) or not np.all(np.isfinite(value)):
-                raise InputError(name, f"must have Shape {(len(time), *shape)} and be finite.")
+        self._take(SHAPES)
         if not _turns(self.rotation):
             raise InputError("rotation", "must hold rotation matrices: R Rᵀ = I, det R = 1.")
         freeze(self)
         if not smooth:
             return
+        time = self.time
         steps = vectors_from_rotations(self.rotation[1:] @ self.rotation[:-1].transpose(0, 2, 1))
         turned = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
         noise = noise_allowed(np.column_stack([self.position, turned]), self.twist)
         check_derivatives("position", time, self.position, self.twist[:, :3], self.acceleration[:, :3], noise)
         check_derivatives("rotation", time, turned, self.twist[:, 3:], self.acceleration[:, 3:], noise)
+
+    def _take(self, names: Iterable[str]) -> None:
+        """Make fields arrays of their own, checked but for what they mean; the time first."""
+        for name in names:
+            value = as_array(name, getattr(self, name))
+            object.__setattr__(self, name, value)
+            if name == "time" and (
+                value.ndim != 1 or len(value) < 2 or value[0] != 0 or not np.all(np.diff(value) > 0)  # noqa: PLR2004 (two ends)
+            ):
+                raise InputError("time", "must have Shape (N,) with N >= 2, start at 0 and strictly increase.")
+            if value.shape != (len(self.time), *SHAPES[name]) or not np.all(np.isfinite(value)):
+                raise InputError(name, f"must have Shape {(len(self.time), *SHAPES[name])} and be finite.")
+
+    def played(
+        self, time: Array, twist: Array, acceleration: Array, samples: NDArray[np.intp] | slice = slice(None)
+    ) -> "ObjectMotion":
+        """The same poses, or those of some samples, at other times with other rates, which are not compared with them.
+
+        Args:
+            time: Shape (k,) [s].
+            twist: Shape (k, 6).
+            acceleration: Shape (k, 6).
+            samples: The k samples.
+
+        Raises:
+            InputError: If times or rates break a rule.
+        """
+        done, whole = object.__new__(type(self)), isinstance(samples, slice) and samples == slice(None)
+        position, rotation = self.position, self.rotation
+        if not whole:
+            position, rotation = position[samples].copy(), rotation[samples].copy()
+        known = {"time": time, "position": position, "rotation": rotation, "twist": twist}
+        vars(done).update(known | {"acceleration": acceleration, "remarks": (), "course": None})
+        done._take(("time", "position", "twist", "acceleration"))
+        freeze(done)
+        return done
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)

@@ -166,7 +166,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         held = None
         if "holds" in arrays:
             start, end = (bool(value) for value in arrays["holds"])
-            held = Holding((start, end), arrays["holding_torque"], arrays["holding_wrench"])
+            held = Holding.known((start, end), arrays["holding_torque"], arrays["holding_wrench"])
         done = ScaledTrajectory(known, motion, said.c2, arrays["torque"], arrays["wrench"], held)
         done = done.with_internal_wrench(arrays["internal_wrench"])
     warnings = tuple(Remark(one.code, one.text, one.sample) for one in said.warnings) + _other_limits(said.limits)

@@ -107,7 +107,7 @@ def _as_before(finer: RetimingResult, timed: RetimingResult, added: Array) -> Re
     if played is not None and timed.retimed is not None:
         warnings = moved_remarks(timed.retimed.warnings, timed.motion.object.time, added)
         played = replace(played, warnings=warnings)
-    return replace(finer, constant=timed.constant, retimed=played)
+    return replace(finer, factor=timed.factor, retimed=played)
 
 
 def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
@@ -121,7 +121,7 @@ def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
         SolverError: If no solver answers.
     """
     cell, motion, pieces, loads = timed.cell, timed.motion, timed.pieces, timed.loads
-    sharing = timed.constant.rule.sharing
+    sharing = timed.factor.bare.rule.sharing
     worst, shares, time = Excess(0.0, tolerance), np.zeros(motion.samples - 1), motion.object.time
     for part in pieces:
         played = between_path_samples(cell, part, PLACES)

@@ -21,6 +21,7 @@ from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.trajectory_programs import motion_planes
 from mrts.scaling.guaranteed_range import effective_parameters
 from mrts.scaling.result import ScalingResult
+from mrts.scaling.with_torques import ChosenFactor
 
 UNBOUNDED_SHARE = 0.5
 """Speeds squared above this share of the bound of the regions are those that nothing limits."""
@@ -30,7 +31,7 @@ STUCK = 1e6
 
 
 def fastest_timing(
-    constant: ScalingResult,
+    factor: ChosenFactor,
     question: str,
     end_speeds: tuple[float, float],
     progress: Progress,
@@ -40,14 +41,15 @@ def fastest_timing(
     """The fastest timing with limits kept at the samples of a motion.
 
     Args:
-        constant: The best constant factor of the motion.
+        factor: The best constant factor of the motion.
         question: That is asked of the load.
         end_speeds: ṙ at the start and at the end.
         progress: Told how many of how many loads are done.
         refined: Whether samples were added where limits were overstepped: the path is then timed by its arc length. A
             parameter by turns would be another one each round, uneven where samples were added.
     """
-    cell, motion, (start_speed, end_speed) = constant.cell, constant.motion, end_speeds
+    constant, (start_speed, end_speed) = factor.bare, end_speeds
+    cell, motion = constant.cell, constant.motion
     points: tuple[LoadPoint | None, ...] = (None,)
     if question == "guaranteed" and cell.load_box is not None:
         points = cell.load_box.corners(effective_parameters(cell, motion, cell.load_box, ("P", "Q", "S")))
@@ -55,7 +57,7 @@ def fastest_timing(
     pieces = path_pieces(motion)
     if isinstance(pieces, NoPath):
         status, why = _no_path(pieces, motion.object.time)
-        return RetimingResult(cell, motion, status, why, constant, loads)
+        return RetimingResult(cell, motion, status, why, factor, loads)
     given = (("start_speed", start_speed, pieces[0].rests[0]), ("end_speed", end_speed, pieces[-1].rests[1]))
     for name, speed, rests in given:
         if speed > 0 and rests:
@@ -71,14 +73,14 @@ def fastest_timing(
         progress(number, len(pieces))
         found = search.run(progress if len(pieces) == 1 else lambda _done, _total: None)
         if isinstance(found, _Failure):
-            return RetimingResult(cell, motion, *found.reason, constant, loads, conflict=found.conflict)
+            return RetimingResult(cell, motion, *found.reason, factor, loads, conflict=found.conflict)
         timed.append(found)
     return RetimingResult(
         cell=cell,
         motion=motion,
         status=RetimingStatus.OPTIMAL,
         explanation="",
-        constant=constant,
+        factor=factor,
         loads=loads,
         pieces=tuple(timed),
     )

@@ -12,7 +12,6 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.coordination.closed_chain import nearest_rates
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import REST
 from mrts.samples.motor_terms import travel_directions
 
@@ -150,9 +149,7 @@ def _piece(
     back = np.sum(direction[1:, :joints] * direction[:-1, :joints], axis=1) <= 0
     if np.any(back) or np.any(step <= 0):
         return NoPath("turn", first + int(np.argmax(back | (step <= 0))))
-    path = ObjectMotion(
-        s, given.position[part], given.rotation[part], direction[:, joints:], bend[:, joints:], smooth=False
-    )
+    path = given.played(s, direction[:, joints:], bend[:, joints:], part)
     rests = (bool(rest[first]), bool(rest[last]))
     joined = CoordinatedMotion(path, motion.q[part], direction[:, :joints], bend[:, :joints])
     return PathPiece(
@@ -246,7 +243,7 @@ def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Ar
 
     given = path.object
     dq, ddq = rates(path.dq, path.ddq)
-    carried = ObjectMotion(sigma, given.position, given.rotation, *rates(given.twist, given.acceleration), smooth=False)
+    carried = given.played(sigma, *rates(given.twist, given.acceleration))
     travel = np.stack(travel_directions(path.dq, path.ddq)) if path.travel is None else path.travel
     return CoordinatedMotion(carried, path.q, dq, ddq, travel=travel)
 

@@ -28,7 +28,7 @@ from mrts.samples.torque_distribution import torque_weights
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.result import ScalingResult, kept_text
 from mrts.scaling.what_if import WhatIf
-from mrts.scaling.with_torques import OF_TORQUES, STEPS
+from mrts.scaling.with_torques import OF_TORQUES, STEPS, ChosenFactor
 
 
 class RetimingStatus(Enum):
@@ -85,7 +85,7 @@ class RetimingResult:
         motion: The given motion; its time is the path parameter r.
         status: The outcome.
         explanation: Why there is no profile; empty if there is one.
-        constant: The best constant factor, for comparison.
+        factor: The best constant factor, for comparison.
         loads: Load vectors that the profile carries, each Shape (10,).
         pieces: The path from stop to stop with its fastest speed; empty if there is none.
         retimed: The motion at the fastest timing with its torques, as a result at c² = 1; None without a profile.
@@ -100,7 +100,7 @@ class RetimingResult:
     motion: CoordinatedMotion
     status: RetimingStatus
     explanation: str
-    constant: ScalingResult
+    factor: ChosenFactor
     loads: tuple[Array, ...]
     pieces: tuple[TimedPiece, ...] = ()
     retimed: ScalingResult | None = None
@@ -114,6 +114,15 @@ class RetimingResult:
         return f"RetimingResult({self.cell.name}: {self.sentence()})"
 
     @property
+    def constant(self) -> ScalingResult:
+        """The best constant factor, for comparison; its torques are distributed when it is asked for.
+
+        Raises:
+            SolverError: If no solver answers, or the torques overstep a limit.
+        """
+        return self.factor.whole
+
+    @property
     def duration(self) -> float | None:
         """Of the fastest timing [s]; None without one."""
         done = None if self.retimed is None else self.retimed.trajectory
@@ -125,19 +134,19 @@ class RetimingResult:
         done = None if self.retimed is None else self.retimed.trajectory
         if done is None:
             return None
-        W = torque_weights(self.constant.rule.weights, done.torque.shape[1])
+        W = torque_weights(self.factor.bare.rule.weights, done.torque.shape[1])
         squares = np.einsum("ni,ij,nj->n", done.torque, W, done.torque)
         return float(np.sum(np.diff(done.time) * (squares[1:] + squares[:-1]) / 2))
 
     @property
     def saving(self) -> float | None:
         """Share of the best constant factor's duration that is saved; None where that motion starts or ends moving."""
-        best, duration = self.constant.trajectory, self.duration
-        if best is None or duration is None or self.constant.status is RangeStatus.UNBOUNDED:
+        best, duration = self.factor.duration, self.duration
+        if best is None or duration is None or self.factor.bare.status is RangeStatus.UNBOUNDED:
             return None
         if not (self.pieces[0].piece.rests[0] and self.pieces[-1].piece.rests[1]):
             return None
-        return 1 - duration / best.duration
+        return 1 - duration / best
 
     @property
     def stops(self) -> Array:
@@ -149,7 +158,7 @@ class RetimingResult:
         """What limits the speed, for which share of the duration, most first."""
         if self.smooth is not None:
             return binding_limits(smooth_pieces(self.pieces))
-        return profile_limits(self.cell, self.pieces, self.constant.rule.sharing, self.loads)
+        return profile_limits(self.cell, self.pieces, self.factor.bare.rule.sharing, self.loads)
 
     @property
     def warnings(self) -> tuple[Remark, ...]:
@@ -194,14 +203,14 @@ class RetimingResult:
         kept = kept_text(self.cell.reserve)
         if not self.status.admits_motion:
             return printable(f"{kept}{self.status.value}: {self.explanation}")
-        given, best = float(self.motion.object.time[-1]), self.constant.trajectory
+        given, best = float(self.motion.object.time[-1]), self.factor
         what = "fastest timing" if self.smooth is None else self.smooth.what
         text = f"{kept}the {what} takes {self.duration:.4g} s, the given one {given:.4g} s"
-        if self.saving is not None and best is not None:
+        if self.saving is not None:
             less = "less" if self.saving >= 0 else "more"
             text += f"; {100 * abs(self.saving):.3g} % {less} than {best.duration:.4g} s at the best constant c² = "
             text += f"{best.c2:.4g}"
-            if any(remark.code == STEPS for remark in self.constant.warnings):
+            if best.bare.rule.rates is not None and any(remark.code == STEPS for remark in self.constant.warnings):
                 text += ", whose torques jump at its ends"
         if self.stops.size:
             text += f". It stops at t = {', '.join(f'{time:.4g}' for time in self.stops)} s of the given motion"
@@ -219,11 +228,11 @@ class RetimingResult:
             "warnings": [warning.to_json() for warning in self.warnings],
             "status": self.status.value,
             "explanation": self.explanation or None,
-            "distribute": self.constant.rule.distribute,
+            "distribute": self.factor.bare.rule.distribute,
             "kept_reserve": self.cell.reserve,
             "duration": self.duration,
             "saving": self.saving,
-            "constant": self.constant.range.to_json(),
+            "constant": self.factor.bare.range.to_json(),
             "conflict": None if self.conflict is None else [row.to_json() for row in self.conflict.rows],
             "smooth": self.smooth and self.smooth.to_json() | {"effort": self.effort},
             "kept_rates": self.smooth and self.smooth.rates.to_json(),

@@ -27,11 +27,13 @@ from mrts.retiming.smooth_retiming import smooth_goal, smooth_retiming
 from mrts.retiming.smooth_timing import SmoothQuestion
 from mrts.samples import DistributionName
 from mrts.samples.load_sharing import LoadSharing
-from mrts.scaling.result import DistributionRule, ScalingResult
-from mrts.scaling.scale import SelectionError, load_question, scale
+from mrts.scaling.result import DistributionRule
+from mrts.scaling.scale import SelectionError, chosen_factor, load_question
+from mrts.scaling.with_torques import ChosenFactor
 from mrts.smooth.program import Goal
 from mrts.smooth.rate_limits import RateLimits, Rates, rate_limits
 from mrts.smooth.smooth_solvers import DEFAULT_SMOOTH_SOLVER, CheckedSolver, check_smooth_solver
+from mrts.solvers import DEFAULT_SOLVER
 
 
 def retime(
@@ -102,24 +104,24 @@ def retime(
         start_torque=start_torque, end_torque=end_torque,
     )  # fmt: skip
     _check_held(cell, asked, question)
-    constant = _best_constant(cell, motion, rule, question, reserve, closure, between, rates)
+    best = _best_constant(cell, motion, rule, question, reserve, closure, between, rates)
 
     speeds, tolerance = (start_speed, end_speed), checked_tolerance(between)
     adds, tolerance = tolerance is not None, BETWEEN if tolerance is None else tolerance
 
     def timed(path: CoordinatedMotion, *, refined: bool = True) -> RetimingResult:
-        bare = replace(constant, motion=path, rule=replace(constant.rule, rates=None))
-        found = replace(fastest_timing(bare, question, speeds, progress, refined=refined), end_speeds=speeds)
+        again = replace(best, bare=replace(best.bare, motion=path, rule=replace(best.bare.rule, rates=None)))
+        found = replace(fastest_timing(again, question, speeds, progress, refined=refined), end_speeds=speeds)
         if not found.pieces:
             return found
-        return replace(found, retimed=played_result(found.constant, found.pieces, "fastest timing"))
+        return replace(found, retimed=played_result(again.bare, found.pieces, "fastest timing"))
 
-    first = replace(timed(constant.motion, refined=False), constant=constant)
+    first = replace(timed(best.bare.motion, refined=False), factor=best)
     fastest = refined_timing(first, timed, lambda one: excess_by_segment(one, tolerance), tolerance, adds=adds)
     if asked is None:
         return fastest
     whole = SmoothQuestion(
-        constant=constant,
+        factor=best,
         loads=fastest.loads,
         rates=asked.rates,
         goal=asked.goal,
@@ -207,22 +209,14 @@ def _best_constant(
     closure: ClosureBound | None,
     between: float | None,
     rates: Rates,
-) -> ScalingResult:
-    """The best constant factor; without a trajectory where none moves the object, which a varying speed may."""
+) -> ChosenFactor:
+    """The best constant factor; without a c² where none moves the object, which a varying speed may."""
     try:
-        return scale(
-            cell,
-            motion,
-            sharing=rule.sharing,
-            weights=rule.weights,
-            load=question,
-            distribute=rule.distribute,
-            reserve=reserve,
-            closure=closure,
-            between=between,
-            rates=rates,
-        )
+        return chosen_factor(
+            cell, motion, "auto", rule, solver=DEFAULT_SOLVER, load=question, reserve=reserve, closure=closure,
+            between=between, rates=rates,
+        )  # fmt: skip
     except SelectionError as error:
         if error.result is None:
             raise
-        return error.result
+        return ChosenFactor(error.result, None)

@@ -143,7 +143,7 @@ def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> C
     time = np.concatenate([[0.0], np.cumsum(np.concatenate([part.segment_times for part in pieces]))])
     given = motion.object
     dq, ddq, twist, acceleration = (_joined([rates[index] for rates in played]) for index in range(4))
-    carried = ObjectMotion(time, given.position, given.rotation, twist, acceleration, smooth=False)
+    carried = given.played(time, twist, acceleration)
     travel = np.stack([_joined([signs[place] for signs in directions]) for place in (0, 1)])
     return CoordinatedMotion(carried, motion.q, dq, ddq, travel=travel)
 
@@ -174,9 +174,7 @@ def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMot
     for side, rate in zip((slice(None, -1), slice(1, None)), part.rates.T, strict=True):
         given = path.object
         count = np.arange(len(part.piece.step), dtype=np.float64)
-        there = ObjectMotion(
-            count, given.position[side], given.rotation[side], given.twist[side], given.acceleration[side], smooth=False
-        )
+        there = given.played(count, given.twist[side], given.acceleration[side], side)
         travel = _directions(path)[:, side]
         piece = CoordinatedMotion(there, path.q[side], path.dq[side], path.ddq[side], travel=travel)
         motions.append(_retimed(piece, np.sqrt(x[side]), x[side], rate))
@@ -218,7 +216,7 @@ def _retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> Co
     """Samples of a path at their speeds; the time stays that of the path."""
     dq, ddq, twist, acceleration = _played(path, speed, x, rate)
     given = path.object
-    carried = ObjectMotion(given.time, given.position, given.rotation, twist, acceleration, smooth=False)
+    carried = given.played(given.time, twist, acceleration)
     return CoordinatedMotion(carried, path.q, dq, ddq, travel=path.travel)
 
 

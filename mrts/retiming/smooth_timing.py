@@ -20,6 +20,7 @@ from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.torque_distribution import torque_weights
 from mrts.scaling.result import ScalingResult
+from mrts.scaling.with_torques import ChosenFactor
 from mrts.smooth.path_program import path_program
 from mrts.smooth.program import Goal, SmoothProgram
 from mrts.smooth.rate_limits import RateLimits
@@ -44,7 +45,7 @@ class SmoothQuestion:
     """What is asked of a smooth timing.
 
     Attributes:
-        constant: The best constant factor, with the cell and the rule of distribution.
+        factor: The best constant factor, with the cell and the rule of distribution.
         loads: Load vectors that are to be carried, each Shape (10,).
         rates: Limits of rates.
         goal: What is the best.
@@ -54,7 +55,7 @@ class SmoothQuestion:
         solver: Solves the programs.
     """
 
-    constant: ScalingResult
+    factor: ChosenFactor
     loads: tuple[Array, ...]
     rates: RateLimits
     goal: Goal
@@ -62,6 +63,11 @@ class SmoothQuestion:
     end_torques: GivenTorques
     fastest: float | None
     solver: CheckedSolver
+
+    @property
+    def constant(self) -> ScalingResult:
+        """The best constant factor with its torques."""
+        return self.factor.whole
 
     @property
     def usual(self) -> float:
@@ -132,8 +138,7 @@ def smooth_timing(
 
 
 def _none(question: SmoothQuestion, motion: CoordinatedMotion, status: RetimingStatus, why: str) -> RetimingResult:
-    constant = question.constant
-    return RetimingResult(constant.cell, motion, status, why, constant, question.loads)
+    return RetimingResult(question.constant.cell, motion, status, why, question.factor, question.loads)
 
 
 def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece]) -> list[_Part] | str:

@@ -5,10 +5,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.samples import DISTRIBUTIONS
 
 SHARE_TOLERANCE = 1e-9
 """How far the shares may sum from 1: they are typed with few digits."""
@@ -63,3 +65,24 @@ class LoadSharing:
                 f"must not move the object: at sample {worst} its net effect Σ B_i F_i is {net[worst]:.3g} (N, N m).",
             )
         return {"shares": shares, "internal_wrench": internal}
+
+
+def check_distribution(distribute: str, sharing: LoadSharing | None) -> None:
+    """Check that there is such a distribution, and something to distribute.
+
+    Args:
+        distribute: What redundant torques are to be chosen by.
+        sharing: A fixed distribution of the load, None for a free one.
+
+    Raises:
+        InputError: If not.
+    """
+    check_type("distribute", distribute, str)
+    if distribute not in DISTRIBUTIONS:
+        raise InputError("distribute", f"must be {' or '.join(map(repr, DISTRIBUTIONS))}.", value=distribute)
+    if distribute != "least-torque" and sharing is not None:
+        raise InputError(
+            "distribute",
+            "a fixed distribution of the load leaves no torques to choose; leave one out.",
+            value=distribute,
+        )

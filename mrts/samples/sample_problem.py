@@ -341,7 +341,7 @@ def _path_problem(
     if motors is not None:
         rate, margin = motors.rate, _margin(motors, rows)
         terms = replace(terms, torque_square=motors.square, torque_offset=motors.dry, margin=margin)
-    found = path_rows(library, count, inputs | {GEOMETRY: cell.geometry}, rows.sparse(), form.size, terms, rate)
+    found = path_rows(library, count, inputs | {GEOMETRY: cell.geometry}, rows.sparse, form.size, terms, rate)
     if rows.rate is not None:
         found.A[:, :, -2] += rows.rate / form.size
     maps = {name: getattr(found, name) for name in ("torque_map", "torque_offset", "wrench_map", "wrench_offset")}

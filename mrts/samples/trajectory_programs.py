@@ -2,7 +2,7 @@
 """The programs of a whole trajectory: by the compiled kernel in one call, or put together here for another solver."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -241,10 +241,10 @@ class CompiledTrajectory:
         """Whether rows are quadratic in c, the only unknown: their intervals are found in numpy."""
         return self.one_unknown and self.has_speed_terms
 
-    @cached_property
+    @property
     def rows(self) -> LimitRows:
         """The rows that it takes."""
-        return self.form.rows.only(~self.form.is_cap)
+        return self.form.uncapped
 
     def passed_caps(self, c2: Array, samples: NDArray[np.intp]) -> Array:
         """By how much rows that only bound c² are passed at some samples, in shares of each, Shape (k,).
@@ -262,7 +262,7 @@ class CompiledTrajectory:
 
     def sparse(self) -> SparseLimits:
         """The rows that it takes, as C reads them."""
-        return self.rows.sparse()
+        return self.rows.sparse
 
     def known(self, cell: Cell, motion: CoordinatedMotion, load: Array | None) -> KnownWrenches:
         """The samples of a motion where c² is the only unknown."""

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Torques and wrenches that hold the object still where a motion starts from rest and comes to rest."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,13 +30,38 @@ class Holding:
     Attributes:
         ends: Whether there are such torques at the start, and at the end: only where the motion is at rest there but
             accelerates, and the limits let the cell hold still.
-        torque: Shape (2, m) [N m or N]; zero where there are none.
-        wrench: Robot after robot in base axes, Shape (2, n w) [N, N m]; likewise.
+        find: Finds torques, Shape (2, m), and wrenches, Shape (2, n w), which is done when one is asked for.
     """
 
     ends: tuple[bool, bool]
-    torque: Array
-    wrench: Array
+    find: Callable[[], tuple[Array, Array]]
+
+    @classmethod
+    def known(cls, ends: tuple[bool, bool], torque: Array, wrench: Array) -> Self:
+        """With torques and wrenches that were found before."""
+        return cls(ends, partial(_both, torque, wrench))
+
+    @property
+    def torque(self) -> Array:
+        """Shape (2, m) [N m or N]; zero where there are none.
+
+        Raises:
+            SolverError: If no solver answers.
+        """
+        return self._found[0]
+
+    @property
+    def wrench(self) -> Array:
+        """Robot after robot in base axes, Shape (2, n w) [N, N m]; zero where there are none.
+
+        Raises:
+            SolverError: If no solver answers.
+        """
+        return self._found[1]
+
+    @cached_property
+    def _found(self) -> tuple[Array, Array]:
+        return self.find()
 
 
 def holding_at_ends(
@@ -82,16 +110,24 @@ def holding_at_ends(
         for end in (0, 1)
         if pushing[end] and not free[end]
     )
-    none = Holding(
-        ends, np.zeros((2, motion.q.shape[1])), np.zeros((2, len(cell.robots) * len(cell.wrench_components)))
-    )
-    if not any(ends):
-        return none, remarks
     held = [place for place, end in zip(places, ends, strict=True) if end]
+    if not held:
+        nothing = np.zeros((2, motion.q.shape[1])), np.zeros((2, len(cell.robots) * len(cell.wrench_components)))
+        return Holding.known(ends, *nothing), remarks
     still, shared = _still(motion, sharing, np.array([held[0], held[-1]]))
-    torque, wrench, _ = TORQUES[distribute](cell, still, formulation, shared, solver, 0.0, weights)
+    asked = partial(TORQUES[distribute], cell, still, formulation, shared, solver, 0.0, weights)
+    return Holding(ends, partial(_held, asked, ends)), remarks
+
+
+def _both(torque: Array, wrench: Array) -> tuple[Array, Array]:
+    return torque, wrench
+
+
+def _held(asked: Callable[[], tuple[Array, Array, int]], ends: tuple[bool, bool]) -> tuple[Array, Array]:
+    """What holds still at the ends that need it, zero at the others."""
+    torque, wrench, _ = asked()
     kept = np.array(ends)[:, None]
-    return replace(none, torque=np.where(kept, torque, 0.0), wrench=np.where(kept, wrench, 0.0)), remarks
+    return np.where(kept, torque, 0.0), np.where(kept, wrench, 0.0)
 
 
 def _still(

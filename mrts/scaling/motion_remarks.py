@@ -7,6 +7,7 @@ from mrts.base.arrays import Array
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.motion.object_courses import Geodesic, WaypointPath
 from mrts.scaling.range import RangeEnd, ScalingRange
 
 ENDS_AT_REST = 0.05
@@ -38,6 +39,9 @@ NORMAL_QUARTILE = 0.3186
 
 FAST = 10.0
 """Factor of speed above which something is probably missing."""
+
+REMARKED = 1e-3
+"""Share by which c²⁺ must be less between given samples than at them to be told: it shows in the digits printed."""
 
 OF_CONSTANT_FACTOR = ("not-at-rest", "factor-above-10")
 """Codes of remarks that tell nothing where the speed varies along the path."""
@@ -167,6 +171,28 @@ def _fast(end: RangeEnd) -> list[Remark]:
         "duration or a unit is wrong, or limits are missing (velocity limits, contact wrenches)."
     )
     return [Remark("factor-above-10", text)]
+
+
+def interpolated(motion: CoordinatedMotion, bare: ScalingRange, finer: ScalingRange) -> tuple[Remark, ...]:
+    """That the range is set by what mrts itself makes of a table between its rows.
+
+    Args:
+        motion: As given.
+        bare: Its range at the given samples.
+        finer: Its range with those that were added.
+    """
+    course = motion.object.course
+    if isinstance(course, Geodesic | WaypointPath) or bare.upper is None or not np.isfinite(bare.upper.c2):
+        return ()
+    least = 0.0 if finer.upper is None or not finer.status.admits_motion else finer.upper.c2
+    if least >= bare.upper.c2 * (1 - REMARKED):
+        return ()
+    text = (
+        f"between the given samples the motion is the spline that mrts lays through them, known only as well as they "
+        f"are: there c²⁺ is {100 * (1 - least / bare.upper.c2):.2g} % less than {bare.upper.c2:.4g} at the samples. "
+        "Where that matters, give more of them."
+    )
+    return (Remark("between-samples", text),)
 
 
 def _joint_names(cell: Cell) -> list[str]:

@@ -19,31 +19,27 @@ from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.denser_motion import moved_remarks
 from mrts.coordination.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
-from mrts.motion.object_courses import Geodesic, WaypointPath
 from mrts.motion.object_motion import ObjectMotion
 from mrts.refinement.excess import BETWEEN, checked_tolerance
 from mrts.refinement.motion_widening import motion_widening
 from mrts.refinement.search import Asked, Refinement, refine
-from mrts.samples import DISTRIBUTIONS, DistributionName, FormulationName
-from mrts.samples.load_sharing import LoadSharing
+from mrts.samples import DistributionName, FormulationName
+from mrts.samples.load_sharing import LoadSharing, check_distribution
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.load_study import LoadStudy
-from mrts.scaling.motion_remarks import motion_remarks
+from mrts.scaling.motion_remarks import interpolated, motion_remarks
 from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange, within_rates
 from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult, kept_text
 from mrts.scaling.uncertain_load import range_at_samples
-from mrts.scaling.with_torques import with_torques
+from mrts.scaling.with_torques import ChosenFactor
 from mrts.smooth.rate_limits import Rates, rate_limits
 from mrts.solvers import DEFAULT_SOLVER, check_solver
 
 if TYPE_CHECKING:
     from mrts.smooth.constant_rates import RatedFactors
-
-REMARKED = 1e-3
-"""Share by which c²⁺ must be less between given samples than at them to be told: it shows in the digits printed."""
 
 LARGEST_C2 = 1e300
 """What is asked for beyond it counts as it: Python's whole numbers have no end, floating point has."""
@@ -114,19 +110,60 @@ def scale(
         SelectionError: If c² is not in the range; its `result` holds the range.
         SolverError: If no solver answers.
     """
+    rule = DistributionRule(sharing, formulation, weights, distribute)
+    return chosen_factor(
+        cell, motion, select, rule, solver=solver, load=load, reserve=reserve, closure=closure, between=between,
+        rates=rates, progress=progress,
+    ).whole  # fmt: skip
+
+
+def chosen_factor(
+    cell: Cell,
+    motion: ObjectMotion | JointTable | CoordinatedMotion,
+    select: Selection,
+    rule: DistributionRule,
+    *,
+    solver: str,
+    load: str,
+    reserve: float | None,
+    closure: ClosureBound | None,
+    between: float | None,
+    rates: Rates,
+    progress: Progress = lambda _done, _total: None,
+) -> ChosenFactor:
+    """Steps 1 to 3 of MMTSF: `scale` before the torques are distributed.
+
+    Args:
+        cell: As in `scale`.
+        motion: Likewise.
+        select: Likewise.
+        rule: How torques are to be distributed, rates apart.
+        solver: As in `scale`.
+        load: Likewise.
+        reserve: Likewise.
+        closure: Likewise.
+        between: Likewise.
+        rates: Likewise.
+        progress: Likewise.
+
+    Raises:
+        InputError: If an argument breaks a rule.
+        MotionError: If the arms cannot follow the object.
+        SelectionError: If c² is not in the range; its `result` holds the range.
+        SolverError: If no solver answers.
+    """
     check_type("cell", cell, Cell)
     _check_select(select)
-    check_type("sharing", sharing, LoadSharing, NoneType)
-    _check_distribution(distribute, sharing)
+    check_type("sharing", rule.sharing, LoadSharing, NoneType)
+    check_distribution(rule.distribute, rule.sharing)
     cell = cell if reserve is None else cell.with_reserve(reserve)
-    check_type("formulation", formulation, str)
+    check_type("formulation", rule.formulation, str)
     check_callable("progress", progress)
     check_solver(solver)
     question = load_question(cell, load, select)
-    torque_weights(weights, sum(len(robot.joints) for robot in cell.robots))
+    torque_weights(rule.weights, sum(len(robot.joints) for robot in cell.robots))
     tolerance = checked_tolerance(between)
-    limits = None if rates is False else rate_limits(cell, rates)
-    rule = DistributionRule(sharing, formulation, weights, distribute, limits)
+    rule = rule if rates is False else replace(rule, rates=rate_limits(cell, rates))
     _check_rates(rule, question)
     given = coordinate(cell, motion, closure)
     found = admissible_range(cell, given, question, rule, solver, tolerance, progress)
@@ -144,7 +181,7 @@ def scale(
         warnings=moved_remarks(remarks, given.object.time, added) + found.remarks,
     )
     if not found.range.status.admits_motion or question == "possible":
-        return untouched
+        return ChosenFactor(untouched, None)
     try:
         c2 = choose_c2(found.range, select)
         _check_rated(factors, found.range, c2)
@@ -153,7 +190,7 @@ def scale(
         refused.result = untouched
         raise refused from None
     excess = None if found.refinement is None else found.refinement.excess(c2)
-    return with_torques(replace(untouched, excess=excess), c2, found.range.samples, solver)
+    return ChosenFactor(replace(untouched, excess=excess), c2, solver)
 
 
 @dataclass(frozen=True)
@@ -224,7 +261,7 @@ def admissible_range(
     if refined.motion is motion:
         return AdmissibleRange(motion, found, study, refined)
     finer, study = along(refined.motion, progress)
-    return AdmissibleRange(refined.motion, finer, study, refined, _interpolated(motion, found, finer))
+    return AdmissibleRange(refined.motion, finer, study, refined, interpolated(motion, found, finer))
 
 
 def within_rate_limits(
@@ -275,35 +312,6 @@ def _check_rates(rule: DistributionRule, question: str) -> None:
                              value=value)  # fmt: skip
     if question == "possible":
         raise InputError("load", "what is possible leaves no torques whose rates could be kept.", value=question)
-
-
-def _interpolated(motion: CoordinatedMotion, bare: ScalingRange, finer: ScalingRange) -> tuple[Remark, ...]:
-    """That the range is set by what mrts itself makes of a table between its rows."""
-    course = motion.object.course
-    if isinstance(course, Geodesic | WaypointPath) or bare.upper is None or not np.isfinite(bare.upper.c2):
-        return ()
-    least = 0.0 if finer.upper is None or not finer.status.admits_motion else finer.upper.c2
-    if least >= bare.upper.c2 * (1 - REMARKED):
-        return ()
-    text = (
-        f"between the given samples the motion is the spline that mrts lays through them, known only as well as they "
-        f"are: there c²⁺ is {100 * (1 - least / bare.upper.c2):.2g} % less than {bare.upper.c2:.4g} at the samples. "
-        "Where that matters, give more of them."
-    )
-    return (Remark("between-samples", text),)
-
-
-def _check_distribution(distribute: str, sharing: LoadSharing | None) -> None:
-    """There is such a distribution, and something to distribute."""
-    check_type("distribute", distribute, str)
-    if distribute not in DISTRIBUTIONS:
-        raise InputError("distribute", f"must be {' or '.join(map(repr, DISTRIBUTIONS))}.", value=distribute)
-    if distribute != "least-torque" and sharing is not None:
-        raise InputError(
-            "distribute",
-            "a fixed distribution of the load leaves no torques to choose; leave one out.",
-            value=distribute,
-        )
 
 
 def _check_select(select: object) -> None:

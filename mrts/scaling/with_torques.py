@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The last steps of every answer, whatever c² was chosen for: torques, what holds at both ends, warnings, checks."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.smooth.rate_limits import RateLimits
+from mrts.solvers import DEFAULT_SOLVER
 
 OVERRATED = "above-rated"
 """Code of the remark on torques that a motor does not bear for ever."""
@@ -34,6 +36,35 @@ RATE_TOLERANCE = 1e-6
 
 NAMED = 3
 """Further joints that it names."""
+
+
+@dataclass(frozen=True)
+class ChosenFactor:
+    """A c² chosen in a range, whose torques are distributed when they are asked for.
+
+    Attributes:
+        bare: The result without a trajectory.
+        c2: Chosen c²; None where no c² moves the object.
+        solver: Name in the registry.
+    """
+
+    bare: ScalingResult
+    c2: float | None
+    solver: str = DEFAULT_SOLVER
+
+    @property
+    def duration(self) -> float | None:
+        """Of the motion at this c² [s]; None without one."""
+        return None if self.c2 is None else float(self.bare.motion.object.time[-1] / np.sqrt(self.c2))
+
+    @cached_property
+    def whole(self) -> ScalingResult:
+        """The result with its torques, and with what is to be said of them.
+
+        Raises:
+            SolverError: If no solver answers, or the torques overstep a limit.
+        """
+        return self.bare if self.c2 is None else with_torques(self.bare, self.c2, self.bare.range.samples, self.solver)
 
 
 def with_torques(

@@ -180,7 +180,7 @@ def _retimed(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row
     """The row of a variant whose fastest timing is wanted: the range is that of a constant factor."""
     question = study.question
     found = retime(cell, motion, load=question.load, reserve=question.reserve, between=question.between)
-    row = _row(found.constant) | {"duration": found.duration, "status": RangeStatus.FEASIBLE.value, "reason": None}
+    row = _row(found.factor.bare) | {"duration": found.duration, "status": RangeStatus.FEASIBLE.value, "reason": None}
     if found.status.admits_motion:
         return row | ({} if found.retimed is None else _torques(study, found.retimed))
     unbounded = found.status is RetimingStatus.UNBOUNDED

@@ -42,8 +42,8 @@ class BestVariant:
 
     @property
     def constant(self) -> ScalingResult:
-        """The result of the constant factor."""
-        return self.result.constant if isinstance(self.result, RetimingResult) else self.result
+        """The result of the constant factor, for its range."""
+        return self.result.factor.bare if isinstance(self.result, RetimingResult) else self.result
 
     @property
     def duration(self) -> float | None:

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from mrts.base.arrays import cross
 from mrts.base.rigid_transform import (
+    angles_of_rotations,
     quaternions_from_rotations,
     rotations_from_quaternions,
     rotations_from_rpy,
@@ -86,3 +88,18 @@ def test_a_rotation_vector_that_follows_a_path_turns_by_its_velocity():
         after, before = rotations_from_vectors(np.array([v + step * dv, v - step * dv]))
         turned = vectors_from_rotations(after @ before.T) / (2 * step)
         np.testing.assert_allclose(turned, jacobian @ dv, rtol=0, atol=1e-8)
+
+
+def test_angles_are_the_lengths_of_rotation_vectors():
+    """Scipy's, from nothing to half a turn."""
+    rng = np.random.default_rng(7)
+    axes = rng.standard_normal((200, 3))
+    angles = np.concatenate([[0.0, 1e-12, 1e-6, np.pi - 1e-6], rng.uniform(0, np.pi, 196)])
+    R = Rotation.from_rotvec(axes / np.linalg.norm(axes, axis=1)[:, None] * angles[:, None]).as_matrix()
+    np.testing.assert_allclose(angles_of_rotations(R), angles, rtol=0, atol=ROUNDING)
+
+
+def test_cross_products_are_those_of_numpy():
+    """To the bit."""
+    first, second = np.random.default_rng(8).standard_normal((2, 50, 3))
+    np.testing.assert_array_equal(cross(first, second), np.cross(first, second))

@@ -238,3 +238,16 @@ def test_what_a_reviewer_broke(tmp_path):
 def slowed(cell, limit):
     """The same arms with a turning joint that may hardly move."""
     return tuple(replace(robot, velocity_limit=np.array([np.inf, np.inf, limit])) for robot in cell.robots)
+
+
+@pytest.mark.parametrize("name", ["planar_dual_arm", "dual_ur5"])
+def test_the_constant_factor_is_that_of_scale(name):
+    """Its torques are distributed when they are asked for, and are the same."""
+    folder = DATA.parent / name
+    cell = mrts.load_cell(folder / "cell.yaml")
+    motion = mrts.load_motion(next(folder.glob("lift*.yaml")))
+    found, best = mrts.retime(cell, motion), mrts.scale(cell, motion)
+    assert found.saving == 1 - found.duration / best.trajectory.duration
+    np.testing.assert_array_equal(found.constant.trajectory.torque, best.trajectory.torque)
+    assert found.constant.warnings == best.warnings
+    assert found.constant is found.factor.whole
