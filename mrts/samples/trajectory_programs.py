@@ -98,7 +98,7 @@ def _compiled_ranges(
             found = fast.compiled.ranges(*given)
         undecided = np.any(found.status != OPTIMAL, axis=0)
     at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
-    lower, upper = found.lower, np.where(at_rest, most, found.upper)
+    lower, upper = found.lower + 0.0, np.where(at_rest, most, found.upper) + 0.0  # 0 has no sign
     suspects = np.flatnonzero(undecided | (at_rest & (lower > 0)))
     rows = fast.rows_at_ends(found, (lower, upper), at_rest)
 
