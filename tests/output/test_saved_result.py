@@ -93,6 +93,10 @@ def result(request, planar_cell, lift):
     return CASES[request.param](planar_cell, lift)
 
 
+FOUND_WHEN_READ = {"find": ("torque", "wrench"), "named": ("row",)}
+"""Fields that hold what finds a value, and where the value is."""
+
+
 def differences(one, other, path="result"):
     """Where values of dataclasses, sequences, mappings and arrays differ; functions, courses, folders do not count."""
     if isinstance(one, np.ndarray):
@@ -105,6 +109,7 @@ def differences(one, other, path="result"):
         parts = [("size", len(one), len(other)), *zip(range(len(one)), one, other, strict=False)]
     elif is_dataclass(one):
         names = [field.name for field in fields(one) if field.name not in {"functions", "course", "folder"}]
+        names = [read for name in names for read in FOUND_WHEN_READ.get(name, (name,))]
         parts = [(name, getattr(one, name), getattr(other, name)) for name in names]
     else:
         return [] if one == other else [path]
