@@ -101,8 +101,10 @@ def _pieces(cell: Cell, motion: CoordinatedMotion) -> list[LimitRows]:
     for name, limit in LIMITS.items():
         rows = of_cell.get(limit)
         if rows is None:
-            rows = checked_rows(name, limit(cell, motion), cell, motion).bounded()
-            if not rows.along_motion and any(limit is one for one in _OWN):
+            given = checked_rows(name, limit(cell, motion), cell, motion)
+            rows = given.bounded()
+            # along a motion that stands still the rows that are kept may have nothing of it
+            if not given.along_motion and any(limit is one for one in _OWN):
                 of_cell[limit] = rows
         pieces.append(rows)
     return pieces
