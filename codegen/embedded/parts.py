@@ -73,6 +73,9 @@ KERNEL_FILES: dict[str, frozenset[str]] = {
 MORE_OF_MOTORS: dict[str, frozenset[str]] = {
     "linear_programs.h": frozenset({"share"}),
     "linear_programs.c": frozenset({"share"}),
+    "basis/kept_basis.h": frozenset({"share"}),
+    "basis/kept_basis.inc": frozenset({"share"}),
+    "basis/kept_basis.c": frozenset({"share"}),
 }
 """More parts that need a file where the cell has motors."""
 

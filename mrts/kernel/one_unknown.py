@@ -53,14 +53,14 @@ class KnownWrenches:
     """A cell's samples whose wrenches are known but for c², or for u = r̈ and x = ṙ².
 
     Attributes:
-        library: Of the cell.
+        compiled: The cell's library.
         function: Short name of the generated function that gives torques and wrenches.
         samples: N.
         inputs: Of the function, by name.
         limits: Rows over torques and wrenches.
     """
 
-    library: CellLibrary
+    compiled: CellLibrary
     function: str
     samples: int
     inputs: dict[str, Array]
@@ -95,7 +95,7 @@ class KnownWrenches:
         self, name: str, terms: Sequence[SampleTerms], each: Sequence[Array], outputs: Sequence[NDArray[Any]]
     ) -> bool:
         """Call a C function of whole trajectories for all samples, in pieces; False if it met what is no number."""
-        opened, record = self.library.opened, self.library.records[self.function]
+        opened, record = self.compiled.opened, self.compiled.records[self.function]
         given, strides = sample_inputs(record, self.samples, self.inputs)
         failures = []
 

@@ -36,7 +36,7 @@ WITHOUT_RICH = (
 )
 HEAVY = ("numpy", "casadi", "scipy", "pydantic", "yaml", "matplotlib", "rich", "argcomplete", "mrts_codegen")
 
-LOADS = 300
+LOADS = 1000
 """More than a second of work where nothing else runs."""
 
 ELSEWHERE = ("mrts view", "tcp://", "mrts demo -o")

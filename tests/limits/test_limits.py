@@ -5,10 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import DATA
 from scipy.optimize import linprog
+from shown_results import still_motion
 
 import mrts
-from mrts.limits import LIMITS
+from mrts.limits import LIMITS, limit_rows
 from mrts.limits.rows import LimitRows
 from mrts.limits.squared_rows import squared
 from mrts.output.embedded_limits import embedded_limits
@@ -303,3 +305,17 @@ def test_rows_follow_a_limit_whose_own_numbers_are_changed(planar_cell, lift, mo
     for fixed in (motion.dq, motion.object.twist):
         with pytest.raises(ValueError, match="read-only"):
             fixed[:] *= 2
+
+
+def test_rows_along_a_motion_that_stands_still_are_not_those_of_others(dual_ur5):
+    """Velocities limit nothing where nothing moves; a cell that was asked so before still keeps them."""
+    description = mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
+    fresh, asked = replace(dual_ur5), replace(dual_ur5)
+    still = mrts.follow_object(asked, still_motion(description))
+    assert mrts.scale(asked, still).range.upper.c2 == np.inf
+    moving = mrts.follow_object(dual_ur5, description)
+    expected, found = limit_rows(fresh, moving), limit_rows(asked, moving)
+    assert any(name.unit == "rad/s" for name in found.names)
+    assert found.names == expected.names
+    assert np.array_equal(found.speed, expected.speed)
+    assert mrts.scale(asked, moving).range.upper == mrts.scale(fresh, moving).range.upper
