@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 
 from mrts.base.errors import InputError
-from mrts.commands.options import (
+from mrts.commands.options.common import (
     add_between,
     add_cell_and_motion,
     add_reserve,

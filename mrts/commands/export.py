@@ -6,7 +6,7 @@ from pathlib import Path
 
 from mrts.base.errors import InputError
 from mrts.base.regular_file import is_folder
-from mrts.commands.options import add_closure, cell_option, closure_option
+from mrts.commands.options.common import add_closure, cell_option, closure_option
 from mrts.console.exit_codes import FEASIBLE
 from mrts.console.output_files import check_outputs
 from mrts.console.progress import working

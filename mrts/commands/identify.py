@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 
 from mrts.base.errors import InputError
-from mrts.commands.options import cell_option, require
+from mrts.commands.options.common import cell_option, require
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working

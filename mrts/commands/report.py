@@ -6,7 +6,7 @@ from pathlib import Path
 
 from mrts.base.errors import InputError
 from mrts.base.regular_file import is_folder
-from mrts.commands.options import require
+from mrts.commands.options.common import require
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import check_outputs
 from mrts.console.terminal import say

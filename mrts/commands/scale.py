@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrts.base.errors import InputError
-from mrts.commands.options import (
+from mrts.commands.options.common import (
     add_between,
     add_cell_and_motion,
     add_closure,
@@ -19,7 +19,7 @@ from mrts.commands.options import (
     require,
     sharing_option,
 )
-from mrts.commands.profile_options import add_profile, check_profile, rates_option, smooth_arguments
+from mrts.commands.options.profile import add_profile, check_profile, rates_option, smooth_arguments
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working

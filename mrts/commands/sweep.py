@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrts.base.errors import InputError
-from mrts.commands.options import require
+from mrts.commands.options.common import require
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working

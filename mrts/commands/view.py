@@ -9,7 +9,7 @@ import webbrowser
 from contextlib import suppress
 
 from mrts.base.regular_file import is_folder
-from mrts.commands.options import (
+from mrts.commands.options.common import (
     add_cell_and_motion,
     add_closure,
     add_reserve,

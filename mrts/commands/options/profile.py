@@ -8,7 +8,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from mrts.base.errors import InputError
-from mrts.commands.options import numbers_option
+from mrts.commands.options.common import numbers_option
 
 if TYPE_CHECKING:
     from mrts.base.arrays import Array
