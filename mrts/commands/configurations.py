@@ -70,10 +70,10 @@ def run(options: argparse.Namespace) -> int:
     feasible = bool(study.ranked) and study.ranked[0].range.status.admits_motion
     outputs = Outputs()
     if options.json is not None and str(options.json) != "-":
-        with outputs.attempt():
+        with outputs.attempt(options.json):
             study.write_json(options.json)
     if options.plot is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.plot):
             from mrts.figures import ranking_figure, write_figure
 
             write_figure(ranking_figure(study, f"{cell.name}: configurations"), options.plot / "configurations.png")
@@ -83,4 +83,6 @@ def run(options: argparse.Namespace) -> int:
         outcome, table = study.table(options.show).split("\n", 1)
         say(outcome, "strong" if feasible else "bad")
         say(table)
+        for line in outputs.lines():
+            say(line)
     return outputs.code(FEASIBLE if feasible else INFEASIBLE)

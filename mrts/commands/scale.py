@@ -205,6 +205,8 @@ def _answered(
         say(outcome, "strong" if admits else "bad")
         for line in details:
             say(line, "note" if line.startswith(("note:", "warning:")) else "plain")
+        for line in outputs.lines():
+            say(line)
     return outputs.code(FEASIBLE if admits else INFEASIBLE)
 
 
@@ -258,7 +260,7 @@ def _write_timing(options: argparse.Namespace, found: "RetimingResult", outputs:
     _write_trajectory(options, found.retimed, outputs)
     _write_result(options, found.retimed, outputs)
     if options.plot is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.plot):
             from mrts.figures import phase_plane_figure, write_result_figures
 
             write_result_figures(found.retimed, options.plot, ("phase_plane.png", phase_plane_figure(found)))
@@ -284,7 +286,7 @@ def _write(options: argparse.Namespace, result: "ScalingResult", outputs: Output
         _say_unwritten(options)
     _write_result(options, result, outputs)
     if options.plot is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.plot):
             from mrts.figures import write_result_figures
 
             write_result_figures(result, options.plot)
@@ -292,18 +294,18 @@ def _write(options: argparse.Namespace, result: "ScalingResult", outputs: Output
 
 def _write_json(options: argparse.Namespace, found: "ScalingResult | RetimingResult", outputs: Outputs) -> None:
     if options.json is not None and str(options.json) != "-":
-        with outputs.attempt():
+        with outputs.attempt(options.json):
             found.write_json(options.json)
 
 
 def _write_result(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
     if options.save is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.save):
             from mrts.output.saved_result import save_result
 
             save_result(result, options.save)
     if options.report is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.report):
             from mrts.report import write_report
 
             write_report(result, options.report)
@@ -320,5 +322,5 @@ def _say_unwritten(options: argparse.Namespace) -> None:
 def _write_trajectory(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
     for _, form, path in _trajectory_files(options):
         if path is not None:
-            with outputs.attempt():
+            with outputs.attempt(path):
                 form.write(result, path)

@@ -88,6 +88,7 @@ def add_reserve(verb: argparse.ArgumentParser) -> None:
 def limited_cell_option(options: argparse.Namespace) -> "Cell":
     """The cell of a verb with the reserve, and without the limits that its options drop."""
     cell = cell_option(options.cell)
+    _check_share(options.share, cell)
     if getattr(options, "no_wrench_limits", False):
         cell = cell.without_wrench_limits()
     try:
@@ -112,6 +113,17 @@ def sharing_option(text: str | None) -> "LoadSharing | None":
     except ValueError:
         raise InputError("--share", "must be 'equal' or numbers such as 0.6,0.4.", value=text) from None
     return LoadSharing(np.array(shares))
+
+
+def _check_share(text: str | None, cell: "Cell") -> None:
+    """Check that `--share` has one share for each arm of the cell."""
+    sharing = sharing_option(text)
+    if sharing is None:
+        return
+    try:
+        sharing.of_robots(len(cell.robots))
+    except InputError as error:
+        raise InputError("--share", error.rule, value=text) from None
 
 
 def numbers_option(option: str, text: str, example: str) -> dict[str, float]:
