@@ -7,6 +7,7 @@ quotes is escaped, and cut where it is very long.
 """
 
 import reprlib
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, cast
@@ -39,23 +40,37 @@ class InputError(MrtsError):
         rule: What must hold, and what to do; a sentence.
         key: Path of the key inside the file, such as `robots[0].torque`.
         value: The offending value; left out of the message when None.
+        others: What else is wrong, as `mrts check` lists it.
     """
 
-    def __init__(self, where: Path | str, rule: str, *, key: str = "", value: object = None) -> None:
+    def __init__(
+        self, where: Path | str, rule: str, *, key: str = "", value: object = None, others: "Sequence[InputError]" = ()
+    ) -> None:
         self.where = str(where)
         self.key = key
         self.value = value
         self.rule = rule
+        self.others = tuple(others)
         subject = self.where
         if key:
             subject += f": {key}"
         if value is not None:
             subject += f" = {_shown(value)}"
-        super().__init__(f"{subject}: {rule}")
+        more = f" And {len(self.others)} more: 'mrts check' lists all that is wrong at once." if self.others else ""
+        super().__init__(f"{subject}: {rule}{more}")
+
+    def with_others(self, others: "Sequence[InputError]") -> "InputError":
+        """The same error, which carries others."""
+        return InputError(self.where, self.rule, key=self.key, value=self.value, others=others)
+
+    def each(self) -> "tuple[InputError, ...]":
+        """This error by itself, then those that it carries."""
+        return (self.with_others(()), *self.others)
 
     def __reduce__(self) -> tuple[object, ...]:
         # an exception pickles as its message alone, which this constructor does not take: a pool of workers would die
-        return partial(type(self), key=self.key, value=self.value), (self.where, self.rule)
+        again = partial(type(self), key=self.key, value=self.value, others=self.others)
+        return again, (self.where, self.rule)
 
 
 def _shown(value: object) -> str:
