@@ -4,6 +4,7 @@
 import json
 import math
 import re
+from collections.abc import Iterable, Sequence
 from inspect import get_annotations
 from pathlib import Path
 from types import NoneType, UnionType
@@ -44,12 +45,18 @@ class BrokenRecordError(ValueError):
         rule: What it breaks.
         value: The value.
         told: Whether the rule explains itself without the value.
+        others: What else is wrong beside it.
     """
 
     def __init__(self, rule: str, value: object = None, *, told: bool = False) -> None:
         super().__init__(rule)
         self.keys: tuple[Key, ...] = ()
         self.rule, self.value, self.told = rule, value, told
+        self.others: tuple[BrokenRecordError, ...] = ()
+
+    def each(self) -> "tuple[BrokenRecordError, ...]":
+        """This one, and what else is wrong."""
+        return (self, *self.others)
 
 
 class Rule:
@@ -243,18 +250,23 @@ def _refuse(constant: str) -> NoReturn:
 
 
 def broken_record(where: Path | str, error: BrokenRecordError) -> InputError:
-    """An error of a record in the words of an input file.
+    """An error of a record in the words of an input file, with what else is wrong.
 
     Args:
         where: File, or the name of what is built in Python.
         error: What its check raised.
     """
+    first, *others = (_broken(where, each) for each in error.each())
+    return first.with_others(others)
+
+
+def _broken(where: Path | str, error: BrokenRecordError) -> InputError:
     rule = error.rule + (" (it is empty)" if error.value is None and not error.told else "")
     value = None if error.told else error.value
     return InputError(where, f"{rule.rstrip('.')}.", key=key_text(error.keys), value=value)
 
 
-def key_text(keys: tuple[Key, ...] | list[Key]) -> str:
+def key_text(keys: Sequence[Key]) -> str:
     """Where a value is, such as "robots[0].name"."""
     text = ""
     for part in keys:
@@ -272,29 +284,62 @@ def unknown_key(key: object, known: list[str]) -> str:
 
 
 def _checked_fields(cls: type[Record], data: dict[Any, Any]) -> dict[str, Any]:
-    fields = cls.model_fields
+    fields, wrong = cls.model_fields, _Wrong()
     for key in data:
         if key not in fields:
-            raise BrokenRecordError(unknown_key(key, list(fields)), told=True)
+            wrong.add(BrokenRecordError(unknown_key(key, list(fields)), told=True))
     values = {}
     for name, kind in fields.items():
-        if name in data:
-            values[name] = _at(name, kind, data[name])
-        elif hasattr(cls, name):
-            values[name] = _at(name, kind, getattr(cls, name))
+        if name in data or hasattr(cls, name):
+            try:
+                values[name] = _at(name, kind, data[name] if name in data else getattr(cls, name))
+            except BrokenRecordError as error:
+                wrong.add(error)
         else:
             missing = BrokenRecordError(RULES["missing"], told=True)
             missing.keys = (name,)
-            raise missing
+            wrong.add(missing)
+    wrong.raise_added()
     return values
+
+
+class _Wrong:
+    """Everything that is wrong beside each other."""
+
+    def __init__(self) -> None:
+        self._errors: list[BrokenRecordError] = []
+
+    def add(self, error: BrokenRecordError) -> None:
+        self._errors += error.each()
+
+    def raise_added(self) -> None:
+        if self._errors:
+            first, *others = self._errors
+            first.others = tuple(others)
+            for other in others:
+                other.others = ()
+            raise first
 
 
 def _at(key: Key, kind: Any, value: object) -> Any:
     try:
         return checked(kind, value)
     except BrokenRecordError as error:
-        error.keys = (key, *error.keys)
+        for each in error.each():
+            each.keys = (key, *each.keys)
         raise
+
+
+def _each_at(entries: Iterable[tuple[Key, Any, object]]) -> list[Any]:
+    """The checked values of keys, kinds and values beside each other."""
+    read, wrong = [], _Wrong()
+    for key, kind, value in entries:
+        try:
+            read.append(_at(key, kind, value))
+        except BrokenRecordError as error:
+            wrong.add(error)
+    wrong.raise_added()
+    return read
 
 
 def checked(kind: Any, value: Any) -> Any:
@@ -328,7 +373,8 @@ def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
     if origin is dict:
         if not isinstance(value, dict):
             _fail("dict_type", value)
-        return {_at(str(name), parts[0], name): _at(str(name), parts[1], entry) for name, entry in value.items()}
+        names = _each_at((str(name), parts[0], name) for name in value)
+        return dict(zip(names, _each_at((str(name), parts[1], entry) for name, entry in value.items()), strict=True))
     if not isinstance(value, list | tuple):
         _fail("list_type", value)
     return _items(origin, parts, value)
@@ -337,11 +383,11 @@ def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
 def _items(origin: Any, kinds: tuple[Any, ...], value: list[Any] | tuple[Any, ...]) -> Any:
     """The items of a list, or of a tuple with a kind each."""
     if origin is list:
-        return [_at(index, kinds[0], item) for index, item in enumerate(value)]
+        return _each_at((index, kinds[0], item) for index, item in enumerate(value))
     if len(value) != len(kinds):
         kind, length = ("too_long", "max_length") if len(value) > len(kinds) else ("too_short", "min_length")
         _fail(kind, value, actual_length=len(value), **{length: len(kinds)})
-    return tuple(_at(index, kind, item) for index, (kind, item) in enumerate(zip(kinds, value, strict=True)))
+    return tuple(_each_at((index, *pair) for index, pair in enumerate(zip(kinds, value, strict=True))))
 
 
 def _plain(kind: type, value: Any) -> Any:
