@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A cell file and its URDFs with all that is wrong with them, and where what they say of the joints is from."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -103,3 +103,16 @@ def _joint_sources(cell: CellModel) -> tuple[JointSource, ...]:
                 )
             )
     return tuple(sources)
+
+
+def arms_alone(cell: CellModel) -> tuple[CellModel, ...]:
+    """A cell of each arm of a cell by itself."""
+    return tuple(
+        replace(
+            cell,
+            description=cell.description.model_copy(update={"robots": [described]}),
+            robots=(robot,),
+            machines=(),
+        )
+        for described, robot in zip(cell.description.robots, cell.robots, strict=True)
+    )

@@ -333,6 +333,17 @@ def read_without_generating(path: Path) -> "tuple[Any, tuple[InputError, ...], t
     return found.model, found.mistakes, found.joints
 
 
+def arms_alone_of(cell: Any) -> tuple[Any, ...]:
+    """A cell of each arm by itself.
+
+    Args:
+        cell: With its URDFs, as from `read_without_generating`.
+    """
+    from mrts_codegen.cell_reading import arms_alone  # noqa: PLC0415 (build time, on demand)
+
+    return tuple(arms_alone(cell))
+
+
 def motion_functions_of(cell: Any) -> tuple[Manifest, dict[str, Any]]:
     """Functions of the motion of a cell's joints for CasADi's virtual machine, and the manifest: nothing is compiled.
 
@@ -356,9 +367,7 @@ def read_to_generate(path: Path) -> Any | None:
     """
     from mrts_codegen.content_key import chains_key, text_key  # noqa: PLC0415 (build time, on demand)
 
-    described = cache_folder("cells", text_key(path)) / MANIFEST_NAME
-    manifest = _if_sound(described, partial(verified_manifest, described))
-    if manifest is not None and _has_urdfs(path, manifest):
+    if only_ours(cache_folder("cells", text_key(path)) / MANIFEST_NAME):
         return None
     cell = _model(path, _content_key(path))
     folder = _chains_folder(chains_key(cell, CACHED_STEM, bake=False))
