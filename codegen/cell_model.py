@@ -19,10 +19,9 @@ from mrts_codegen.urdf.urdf_joint import NO_LIMIT
 from mrts_codegen.urdf_reference import resolve_urdf
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, Mistakes
 from mrts.base.input_file import MAX_URDF_BYTES
 from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
-from mrts.base.mistakes import Mistakes
 from mrts.base.regular_file import read_regular
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform

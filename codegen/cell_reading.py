@@ -12,10 +12,9 @@ from mrts_codegen.urdf.robot_model import build_robot_model
 from mrts_codegen.urdf.urdf_file import read_urdf
 from mrts_codegen.urdf_reference import resolve_urdf
 
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, Mistakes
 from mrts.base.input_file import read_data, validated
-from mrts.base.joint_source import JointSource
-from mrts.base.mistakes import Mistakes
+from mrts.motors.joint_source import JointSource
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from mrts.base.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from mrts.base.errors import CompilerError, InputError, MotionError, MrtsError, SolverError
-    from mrts.base.joint_source import JointSource
     from mrts.base.load_box import LoadBox, LoadPoint
     from mrts.base.remark import Remark
     from mrts.base.rigid_transform import RigidTransform
@@ -43,6 +42,7 @@ if TYPE_CHECKING:
     from mrts.motion.object_motion import ObjectMotion
     from mrts.motors.joint_duty import JointDuty
     from mrts.motors.joint_motors import JointMotors
+    from mrts.motors.joint_source import JointSource
     from mrts.output.ros_bag import write_ros_bag
     from mrts.output.saved_result import load_result, save_result
     from mrts.output.trajectory_table import write_trajectory_csv
@@ -97,7 +97,7 @@ _HOMES = {
     "InputError": "base.errors",
     "JointDuty": "motors.joint_duty",
     "JointMotors": "motors.joint_motors",
-    "JointSource": "base.joint_source",
+    "JointSource": "motors.joint_source",
     "JointRecording": "motion.joint_recording",
     "JointTable": "motion.joint_table",
     "LoadBox": "base.load_box",

@@ -18,8 +18,7 @@ from mrts_codegen.urdf.urdf_joint import (
 )
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
-from mrts.base.mistakes import Mistakes
+from mrts.base.errors import InputError, Mistakes
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
 

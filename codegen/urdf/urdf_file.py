@@ -13,9 +13,8 @@ from typing import Any
 from lxml import etree
 from mrts_codegen.urdf.urdf_elements import INERTIA_KEYS, Link, Urdf, UrdfJoint, joint_of, link_of
 
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, Mistakes
 from mrts.base.input_file import LARGEST_NUMBER, MAX_URDF_BYTES, read_text
-from mrts.base.mistakes import Mistakes
 
 FILES_KEPT = 16
 """URDFs that are not parsed again while their text stays the same: many cells are made of a few."""

@@ -7,7 +7,8 @@ quotes is escaped, and cut where it is very long.
 """
 
 import reprlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, cast
@@ -71,6 +72,40 @@ class InputError(MrtsError):
         # an exception pickles as its message alone, which this constructor does not take: a pool of workers would die
         again = partial(type(self), key=self.key, value=self.value, others=self.others)
         return again, (self.where, self.rule)
+
+
+class Mistakes:
+    """All that is wrong at once: notes what independent checks refuse, in order, and raises it as one error.
+
+    Attributes:
+        found: So far, each mistake once.
+    """
+
+    def __init__(self) -> None:
+        self.found: list[InputError] = []
+
+    @contextmanager
+    def noted(self) -> Iterator[None]:
+        """Note an error of what is done inside, with what it carries, and go on after it."""
+        try:
+            yield
+        except InputError as error:
+            self.add(error)
+
+    def add(self, error: InputError) -> None:
+        """Note an error with what it carries."""
+        said = {str(known) for known in self.found}
+        self.found += [each for each in error.each() if str(each) not in said]
+
+    def raise_noted(self) -> None:
+        """Go on if there is none.
+
+        Raises:
+            InputError: The first, which carries the others.
+        """
+        if self.found:
+            first, *others = self.found
+            raise first.with_others(others)
 
 
 def _shown(value: object) -> str:

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from mrts.base.errors import InputError
+from mrts.base.formats.broken_record import BrokenRecordError, broken_record
 from mrts.base.formats.pose import Name
-from mrts.base.formats.record import BrokenRecordError, Record, Rule, broken_record, read_json
+from mrts.base.formats.record import Record, Rule, read_json
 from mrts.base.input_file import IDENTIFIER, read_text
 
 MANIFEST_NAME, CHAINS_NAME = "manifest.json", "chains.json"

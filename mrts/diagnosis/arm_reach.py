@@ -87,12 +87,13 @@ class ArmReach:
         return not self.failure
 
 
-def reach_of(arm: Cell, motion: ObjectMotion) -> ArmReach:
+def reach_of(arm: Cell, motion: ObjectMotion, *, seek: bool = True) -> ArmReach:
     """How far an arm follows the object, and what would help where it does not.
 
     Args:
         arm: A cell of one arm.
         motion: Motion of the object.
+        seek: Whether to look for a move of the base with which it follows.
 
     Raises:
         InputError: If it has too few joints.
@@ -120,7 +121,7 @@ def reach_of(arm: Cell, motion: ObjectMotion) -> ArmReach:
         return replace(found, posture=good[0])
     around = [further_starts(robot, robot.posture), *([starts] if len(starts) else [])]
     nearest = nearest_hold(arm, motion, followed, np.concatenate(around))
-    return replace(found, nearest=nearest, shift=_shift(arm, motion, nearest))
+    return replace(found, nearest=nearest, shift=_shift(arm, motion, nearest) if seek else None)
 
 
 def following(arm: Cell, motion: CoordinatedMotion) -> ArmReach:

@@ -5,8 +5,8 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from mrts.base.joint_source import JointSource
 from mrts.cell.cell import Cell
+from mrts.motors.joint_source import JointSource
 
 
 def assumptions(cell: Cell, joints: Sequence[JointSource]) -> Iterator[str]:

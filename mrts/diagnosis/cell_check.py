@@ -13,17 +13,21 @@ from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
-from mrts.base.joint_source import JointSource
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.diagnosis.arm_reach import HELD, ArmMargin, ArmReach
 from mrts.diagnosis.hint import Hint
+from mrts.motors.joint_source import JointSource
 
 CheckStatus = Literal["fine", "impossible", "wrong-input"]
 """What came of a check: "impossible" is a motion that an arm does not follow from its posture."""
 
 DIRECTIONS = 0.05
 """Share of a move along an axis below which it is not named."""
+
+
+ANGLE_SHOWN = 0.01
+"""[rad]: an angle that is missed beside a distance is named from here on."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,10 +145,10 @@ def arm_lines(arm: ArmReach) -> Iterator[str]:
         arm: What was found of it.
     """
     if arm.follows:
-        yield f"{arm.robot}: follows the whole motion; {_margin(arm.margin)}"
+        yield f"robot '{arm.robot}' follows the whole motion: {_margin(arm.margin)}."
         return
     share = f"{arm.followed} of {arm.samples} samples, to t = {arm.time:.4g} s"
-    yield f"{arm.robot}: {arm.failure}"
+    yield arm.failure
     if arm.posture is not None:
         shown = ", ".join(f"{value:.4f}" for value in arm.posture)
         yield f"  It follows from another posture: posture: [{shown}]"
@@ -155,7 +159,7 @@ def arm_lines(arm: ArmReach) -> Iterator[str]:
         if arm.nearest.gap > HELD:
             turned = f" and {np.degrees(arm.nearest.turn):.2g}° turned" if arm.nearest.turn > ANGLE_SHOWN else ""
             yield (
-                f"  There its hand comes no nearer than {1e3 * arm.nearest.gap:.3g} mm{turned}: what is missing is "
+                f"  There its hand comes no nearer than {length(arm.nearest.gap)}{turned}: what is missing is "
                 f"{direction(arm.nearest.off)}."
             )
         elif arm.nearest.turn > HELD:
@@ -166,10 +170,6 @@ def arm_lines(arm: ArmReach) -> Iterator[str]:
         yield f"  Move its base {direction(arm.shift)}, or the path and the grasp the other way: then it follows."
 
 
-ANGLE_SHOWN = 0.01
-"""[rad]: an angle that is missed beside a distance is named from here on."""
-
-
 def direction(move: Array) -> str:
     """A move in words: how far along which axes of the world.
 
@@ -178,11 +178,20 @@ def direction(move: Array) -> str:
     """
     size = float(np.linalg.norm(move))
     parts = [
-        f"{1e3 * abs(value):.3g} mm towards {'-' if value < 0 else '+'}{axis}"
+        f"{length(abs(value))} towards {'-' if value < 0 else '+'}{axis}"
         for axis, value in zip("xyz", move, strict=True)
         if abs(value) > DIRECTIONS * size
     ]
     return ", ".join(parts)
+
+
+def length(size: float) -> str:
+    """A length in words, in mm below a metre.
+
+    Args:
+        size: [m].
+    """
+    return f"{1e3 * size:.3g} mm" if size < 1 else f"{size:.4g} m"
 
 
 def _margin(margin: ArmMargin | None) -> str:
@@ -190,7 +199,7 @@ def _margin(margin: ArmMargin | None) -> str:
         return ""
     parts = []
     if margin.stretch is not None:
-        parts.append(f"at least {1e3 * margin.stretch:.3g} mm from full stretch")
+        parts.append(f"at least {length(margin.stretch)} from full stretch")
     if margin.joint is not None:
         parts.append(
             f"{margin.to_limit:.3g} {margin.unit} from the limit of '{margin.joint}' at t = {margin.time:.3g} s"

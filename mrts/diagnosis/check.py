@@ -7,11 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from mrts.base.argument_types import Progress, as_path, check_callable
-from mrts.base.errors import InputError, MotionError
+from mrts.base.errors import InputError, Mistakes, MotionError
 from mrts.base.input_file import read_data
-from mrts.base.joint_source import JointSource
 from mrts.base.manifest import MANIFEST_NAME
-from mrts.base.mistakes import Mistakes
 from mrts.base.regular_file import is_folder
 from mrts.cell.cell import Cell
 from mrts.cell.generation import arms_alone_of, read_without_generating
@@ -28,6 +26,7 @@ from mrts.diagnosis.what_would_work import what_would_work
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import load_motion
 from mrts.motion.object_motion import ObjectMotion
+from mrts.motors.joint_source import JointSource
 
 
 def check(
@@ -99,15 +98,15 @@ def _with_reach(found: CellCheck, question: _Question, progress: Progress) -> Ce
         return replace(found, problem=str(error))
     arms = [uncompiled_cell(model, cell.folder or Path()) for model in arms_alone_of(question.model)]
     reaches: list[ArmReach] = []
+    hints: list[Hint] = [*found.hints]
     for number, arm in enumerate(arms):
         progress(number, len(arms))
-        reaches.append(reach_of(arm, motion))
+        reaches.append(reach_of(arm, motion, seek=not hints))
     lost = [index for index, reach in enumerate(reaches) if not reach.follows and reach.posture is None]
-    hints: list[Hint] = [*found.hints]
-    if any(not reach.follows for reach in reaches):
-        hints += posture_hints(arms, motion)
-    if lost:
+    if lost and not hints:
         hints += what_would_work(arms, lost, motion)
+    if not hints and any(not reach.follows for reach in reaches):
+        hints += posture_hints(arms, motion)
     progress(len(arms), len(arms))
     return replace(found, arms=tuple(reaches), hints=tuple(hints), remarks=(*found.remarks, *motion.remarks))
 

@@ -17,6 +17,12 @@ ROTATION_WEIGHT = 30.0
 STEPS = 60
 """Of damped least squares; a few dozen settle."""
 
+LEAST_DAMPING = 1e-6
+"""Beside squares of Jacobians, which are about 1: far from any grasp, error alone would let it sink to nothing."""
+
+MOST_DAMPING = 1e6
+"""Steps are then a millionth of what the error asks for."""
+
 LEAST_GAIN = 1e-7
 """Share by which a step must make the error smaller for the search to go on."""
 
@@ -69,11 +75,11 @@ def nearest_hold(arm: Cell, motion: ObjectMotion, sample: int, starts: Array) ->
         new, J_new, new_sizes = errors(tried)
         before, after = np.sum(error**2, axis=1), np.sum(new**2, axis=1)
         better = after < before
-        damping = np.where(better, damping / 3, damping * 4)
-        gained = float(np.max(np.where(better, (before - after) / np.maximum(before, 1e-30), 0)))
+        damping = np.clip(np.where(better, damping / 3, damping * 4), LEAST_DAMPING, MOST_DAMPING)
+        gains = bool(np.any(before - after > LEAST_GAIN * before))
         for ours, theirs in ((q, tried), (error, new), (J, J_new), (sizes, new_sizes)):
             ours[better] = theirs[better]
-        if gained < LEAST_GAIN and np.all(better | (damping > 1)):
+        if not gains and np.all(better | (damping > 1)):
             break
     best = int(np.argmin(sizes[:, 0] + ROTATION_WEIGHT * sizes[:, 1]))
     off = np.zeros(6)

@@ -36,6 +36,16 @@ def posture_hints(arms: Sequence[Cell], motion: ObjectMotion) -> Iterator[Hint]:
         )
 
 
+def posture_off(arm: Cell, motion: ObjectMotion) -> float:
+    """How far from its start the posture of an arm holds the object [m].
+
+    Args:
+        arm: A cell of one arm.
+        motion: Of the object.
+    """
+    return float(np.linalg.norm(_held(arm).p - motion.position[0]))
+
+
 def _held(arm: Cell) -> RigidTransform:
     """Where the posture of an arm holds the object."""
     (robot,) = arm.robots

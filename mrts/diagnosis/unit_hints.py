@@ -6,11 +6,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.joint_source import JointSource
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.diagnosis.hint import Hint
 from mrts.motion.object_motion import ObjectMotion
+from mrts.motors.joint_source import JointSource
 
 FAR = 10.0
 """Lengths of an arm from which on nobody puts the arm's object so far away."""

@@ -13,6 +13,7 @@ from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy, rpy_fro
 from mrts.cell.cell import Cell
 from mrts.diagnosis.arm_reach import follows
 from mrts.diagnosis.hint import Hint
+from mrts.diagnosis.postures_at_start import posture_off
 from mrts.motion.object_motion import ObjectMotion
 
 OTHER_SIDES = {
@@ -34,15 +35,20 @@ def what_would_work(arms: Sequence[Cell], failing: Sequence[int], motion: Object
     for one, other in combinations(range(len(arms)), 2):
         if not {one, other} & {*failing}:
             continue
+        working = []
         for what, place in (("base", "T_world_base"), ("grasp", "T_object_tip")):
             swapped = _swapped(arms, one, other, place)
             if swapped is not None and all(follows(arm, motion) for arm in swapped):
-                yield Hint(
-                    f"swapped-{what}s",
-                    f"robots '{names[one]}' and '{names[other]}' would follow with each other's {what}: are the two "
-                    "swapped?",
-                )
-                return
+                working.append((sum(posture_off(arm, motion) for arm in swapped), what))
+        if working:
+            (_, likely), *less = sorted(working)
+            also = f" (or with each other's {less[0][1]})" if less else ""
+            yield Hint(
+                f"swapped-{likely}s",
+                f"robots '{names[one]}' and '{names[other]}' would follow with each other's {likely}{also}: are the "
+                "two swapped?",
+            )
+            return
     for index in failing:
         yield from _other_side(arms[index], motion)
 

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError, ValidatorFunctionWr
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from mrts.base.errors import InputError
-from mrts.base.formats.record import RULES, BrokenRecordError, broken_record, key_text, unknown_key
+from mrts.base.formats.broken_record import RULES, BrokenRecordError, broken_record, key_text, unknown_key
 
 
 class StrictModel(BaseModel):
