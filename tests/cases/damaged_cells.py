@@ -15,7 +15,8 @@ def sound():
     cell = yaml.safe_load((FOLDER / "cell.yaml").read_text(encoding="utf-8"))
     for robot in cell["robots"]:
         robot["urdf"] = str(URDF)
-    return cell, yaml.safe_load((FOLDER / "lift_and_turn.yaml").read_text(encoding="utf-8"))
+    motion = yaml.safe_load((FOLDER / "lift_and_turn.yaml").read_text(encoding="utf-8"))
+    return cell, motion | {"samples": 21}
 
 
 def written(folder, cell, motion):
@@ -115,3 +116,30 @@ def damaged(damage, arm=0):
     cell, motion = deepcopy(sound())
     damage(cell, motion, arm)
     return cell, motion
+
+
+def _given(cell, arm, **keys):
+    cell["robots"][arm].update(keys)
+
+
+MISTAKES = {
+    "object.mass": lambda cell, _: cell["object"].update(mass=-8.0),
+    "object.inertia[1]": lambda cell, _: cell["object"].update(inertia=[0.1, "wide", 0.2]),
+    "object.variation: unknown key": lambda cell, _: cell["object"].update(variation={"weight": [1, 2]}),
+    "'gravitation'": lambda cell, _: cell.update(gravitation=[0, 0, -9.81]),
+    "plane": lambda cell, _: cell.update(plane="upright"),
+    "robots[0].urdf": lambda cell, _: _given(cell, 0, urdf=""),
+    "robots[0].base.xyz": lambda cell, _: cell["robots"][0]["base"].update(xyz=[1.0, 2.0]),
+    "robots[0].motors.friction.coulomb": lambda cell, _: cell["robots"][0].update(
+        motors={"friction": {"coulomb": "no"}}
+    ),
+    "robots[1].posture[2]": lambda cell, _: cell["robots"][1]["posture"].__setitem__(2, None),
+    "robots[1].torque.upper[0]": lambda cell, _: _given(cell, 1, torque={"lower": [-1.0], "upper": ["x"]}),
+    "robots[1].contact[0].pad.friction": lambda cell, _: _given(cell, 1, contact=[{"pad": {"friction": "x"}}]),
+    "duration": lambda _, motion: motion.update(duration=0),
+    "profile": lambda _, motion: motion.update(profile="fast"),
+    "start.rpy[1]": lambda _, motion: motion["start"].update(rpy=[0, "x", 0]),
+    "end.xyz": lambda _, motion: motion["end"].update(xyz=[0, 1]),
+    "'finish'": lambda _, motion: motion.update(finish={}),
+}
+"""Mistakes that break a rule of a file, by what a message of theirs says; any of them together."""
