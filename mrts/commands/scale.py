@@ -107,7 +107,7 @@ def run(options: argparse.Namespace) -> int:
     between_option(options.between)  # a wrong one is told before any work
     motion = load_motion(options.motion)
     sharing, closure = sharing_option(options.share), closure_option(options.closure)
-    cell = limited_cell_option(options)
+    cell = limited_cell_option(options, motion, closure)
     carried = _known_load(cell, options.carry, options.load)
     if options.profile != "constant":
         return _retime(options, cell, motion, sharing, carried, closure)
