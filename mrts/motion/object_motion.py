@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, freeze
 from mrts.base.errors import InputError, as_array
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import vectors_from_rotations
 
@@ -46,7 +47,7 @@ ObjectCourse = Callable[[Array], ObjectRates]
 
 
 @dataclass(frozen=True, repr=False)
-class ObjectMotion:
+class ObjectMotion(InNotebooks):
     """N samples of the given motion of the object frame, world axes.
 
     Attributes:

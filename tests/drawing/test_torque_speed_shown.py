@@ -10,6 +10,7 @@ import mrts
 from mrts.figures import phase_plane_figure, trajectory_figure, write_result_figures
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.output.summary_lines import scaling_lines
+from mrts.report.limiting import limiting_rows
 from mrts.report.plots import torque_plots
 from mrts.report.tables import inputs_table, margins_table, motors_table
 from mrts.scaling.limit_use import limit_uses, limited_quantities
@@ -83,8 +84,8 @@ def test_moving_limits_are_drawn_as_lines_over_time(result):
 
 
 def test_tables_and_lines_name_the_curve_once(result):
-    assert "left/shoulder torque-speed" in margins_table(result)
-    assert "left/elbow motor speed" in margins_table(result)
+    assert "left/shoulder torque-speed" in margins_table(result, limiting_rows(result, None))
+    assert "left/elbow motor speed" in margins_table(result, limiting_rows(result, None))
     lines = list(scaling_lines(result))
     said = [line for line in lines if line.startswith("torque-speed curves: at most")]
     worst = max(use.share for use in limit_uses(result) if use.name.kind == TORQUE_SPEED)
@@ -158,7 +159,7 @@ def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     again = mrts.load_result(tmp_path / "result.npz")
     assert list(scaling_lines(again)) == list(scaling_lines(result))
     np.testing.assert_array_equal(again.trajectory.friction, result.trajectory.friction)
-    table = margins_table(result)
+    table = margins_table(result, limiting_rows(result, None))
     for use in limit_uses(result):
         assert str(use.name) in table
 
