@@ -6,9 +6,10 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.labels import LANE_LETTERS, shortened
-from mrts.report.limiting import AT_LIMIT, LimitingRows
+from mrts.report.limiting import LimitingRows
 from mrts.report.markup import plot_text
 from mrts.report.plots import Plot, layout, numbers
+from mrts.retiming.smooth_piece import BINDING as AT_LIMIT
 from mrts.scaling.limit_use import limit_courses
 from mrts.scaling.result import ScalingResult
 

@@ -8,19 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.limits.rows import RowName
+from mrts.retiming.profile_limits import BINDING
 from mrts.retiming.result import RetimingResult
+from mrts.retiming.smooth_piece import BINDING as AT_LIMIT
 from mrts.scaling.limit_use import limit_courses, rate_uses
 from mrts.scaling.range import RangeEnd
 from mrts.scaling.result import ScalingResult
 
-AT_END = 1e-6
-"""Share of c² within which it is at an end of a range, as `mrts.retime` has it."""
-
 AT_END_RETIMED = 1e-2
-"""The same at the samples of a retimed motion: there its acceleration is the mean of before and after."""
-
-AT_LIMIT = 1e-6
-"""Share of a limit within which it is reached: the programs keep limits to 1e-9 of them."""
+"""Share of c² within which it is at an end of what a sample of a retimed motion admits, where the acceleration is the
+mean of before and after."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +98,7 @@ def _at_end(result: ScalingResult) -> NDArray[np.bool_]:
     """At which samples c² is at an end of what they admit, Shape (N,)."""
     done, samples = result.trajectory, result.range.samples
     assert done is not None  # noqa: S101 (its caller has a trajectory)
-    near = AT_END_RETIMED if result.origin else AT_END
+    near = AT_END_RETIMED if result.origin else BINDING
     at = (samples.upper <= done.c2 * (1 + near)) | ((samples.lower > 0) & (samples.lower >= done.c2 * (1 - near)))
     for gap in samples.gaps:
         at[gap.sample] |= _near(done.c2, gap.lower) or _near(done.c2, gap.upper)
@@ -109,4 +106,4 @@ def _at_end(result: ScalingResult) -> NDArray[np.bool_]:
 
 
 def _near(c2: float, end: float) -> bool:
-    return bool(np.isclose(c2, end, rtol=AT_END, atol=0))
+    return bool(np.isclose(c2, end, rtol=BINDING, atol=0))

@@ -7,7 +7,7 @@ import pytest
 from conftest import DATA
 
 import mrts
-from mrts.figures import phase_plane_figure, trajectory_figure, write_result_figures
+from mrts.figures import trajectory_figure, write_result_figures
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.output.summary_lines import scaling_lines
 from mrts.report.limiting import limiting_rows
@@ -135,7 +135,7 @@ def test_the_fastest_timing_has_its_pictures_and_numbers_too(cell, lift, tmp_pat
     motors = replace(left.motors, coulomb=np.array([2.0, 1.0, 0.2]), viscous=np.full(3, 0.5), rated=np.full(3, 20.0))
     found = mrts.retime(replace(cell, robots=(replace(left, motors=motors), right)), lift)
     played = found.retimed
-    write_result_figures(played, tmp_path, ("phase_plane.png", phase_plane_figure(found)))
+    write_result_figures(found, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} >= {"phase_plane.png", "torques_and_wrenches.png"}
     data = found.to_json()
     assert data["joint_duty"]["left"]["rms_torque"] == played.trajectory.duty["left"].rms_torque.tolist()

@@ -4,10 +4,10 @@
 import inspect
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 
-from mrts.base.notebook.value_text import value_text
+from mrts.base.notebook.value_text import has_words, value_text
 from mrts.base.printable import html_text
 
 MOST_ROWS = 24
@@ -41,13 +41,13 @@ class InNotebooks:
         kind = type(self)
         if kind.__str__ is not object.__str__:
             return [f"{kind.__name__}: {self}"]
-        parameters = getattr(kind, "__dataclass_params__", None)
-        return [kind.__name__ if parameters is None or parameters.repr else repr(self).strip("<>")]
+        return [repr(self).strip("<>") if has_words(kind) else kind.__name__]
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """Tables below it."""
         meanings = attribute_meanings(inspect.getdoc(type(self)) or "")
-        rows = [(name, value_text(getattr(self, name)), said) for name, said in meanings.items() if hasattr(self, name)]
+        own: list[str] = [entry.name for entry in fields(self)] if is_dataclass(self) else []
+        rows = [(name, value_text(getattr(self, name)), meanings[name]) for name in own if name in meanings]
         yield NotebookTable(("attribute", "value", "meaning"), rows)
 
 

@@ -56,11 +56,18 @@ def _inner(value: object) -> str:
         return _array(value) if isinstance(value, np.ndarray) else f"{len(value)} {type(value).__name__} entries"
     if value is None or isinstance(value, bool | int | float | np.generic | str | Path | Enum):
         return _text(value)
-    kind = type(value)
-    parameters = getattr(kind, "__dataclass_params__", None)
-    if kind.__str__ is not object.__str__ or (parameters is not None and not parameters.repr):
-        return str(value)
-    return kind.__name__
+    return str(value) if has_words(type(value)) else type(value).__name__
+
+
+def has_words(kind: type) -> bool:
+    """Whether a class writes its values as words of its own, not as Python or as an address.
+
+    Args:
+        kind: The class.
+    """
+    made = getattr(kind, "__dataclass_params__", None)
+    wanted = "__repr__" if made is not None and not made.repr else "__str__"
+    return any(name in vars(one) for one in kind.__mro__[:-1] for name in {"__str__", wanted})
 
 
 def _number(value: float) -> str:
