@@ -8,6 +8,7 @@ import numpy as np
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.samples import DISTRIBUTIONS
@@ -20,7 +21,7 @@ BALANCE_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
-class LoadSharing:
+class LoadSharing(InNotebooks):
     """Arm i carries the share α_i of the load, plus a prescribed internal wrench.
 
     Attributes:

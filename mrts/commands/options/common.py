@@ -23,6 +23,17 @@ def add_cell_and_motion(verb: argparse.ArgumentParser) -> None:
                       help="motion file, CSV table, or ROS 2 bag with joint trajectories")  # fmt: skip
 
 
+def add_plot(verb: argparse.ArgumentParser, what: str) -> None:
+    """Add the options of verbs that draw.
+
+    Args:
+        verb: The verb.
+        what: Which figures, for its help.
+    """
+    verb.add_argument("--plot", type=Path, metavar="DIR", help=f"write {what} (needs the extra 'plot')")
+    verb.add_argument("--plot-format", choices=("png", "svg", "pdf"), default="png", help="of --plot (default: png)")
+
+
 def add_closure(verb: argparse.ArgumentParser) -> None:
     """Add the option of verbs that take motions of joints."""
     verb.add_argument("--closure", metavar="M[,RAD]",
