@@ -204,7 +204,7 @@ def _margin(margin: ArmMargin | None) -> str:
         parts.append(
             f"{margin.to_limit:.3g} {margin.unit} from the limit of '{margin.joint}' at t = {margin.time:.3g} s"
         )
-    return ", ".join(parts) or "nothing limits its reach"
+    return ", ".join(parts) or "no joint has a position limit"
 
 
 def joint_table(joints: tuple[JointSource, ...]) -> Iterator[str]:
@@ -222,7 +222,7 @@ def joint_table(joints: tuple[JointSource, ...]) -> Iterator[str]:
             (
                 joint.robot,
                 joint.joint,
-                f"{joint.position[0]:.4g} … {joint.position[1]:.4g} {joint.unit}",
+                _range(joint),
                 "no limit" if joint.velocity is None else f"{joint.velocity:.4g} {speed}",
                 f"{limits} {force}",
                 joint.torque_from,
@@ -233,6 +233,11 @@ def joint_table(joints: tuple[JointSource, ...]) -> Iterator[str]:
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+
+
+def _range(joint: JointSource) -> str:
+    low, high = (f"{value:.4g}" if np.isfinite(value) else "any" for value in joint.position)
+    return "no limit" if low == high == "any" else f"{low} … {high} {joint.unit}"
 
 
 def _arm_json(arm: ArmReach) -> dict[str, Any]:
