@@ -37,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
         found = check(options.cell, options.motion, progress=progress)
     outputs = Outputs()
     if options.json is not None and str(options.json) != "-":
-        with outputs.attempt():
+        with outputs.attempt(options.json):
             found.write_json(options.json)
     if str(options.json) == "-":
         put(found.json_text())
@@ -46,4 +46,6 @@ def run(options: argparse.Namespace) -> int:
         say(outcome, "strong" if found.status == "fine" else "bad")
         for line in details:
             say(line, "note" if line.startswith(("hint:", "warning:")) else "plain")
+        for line in outputs.lines():
+            say(line)
     return outputs.code(CODES[found.status])

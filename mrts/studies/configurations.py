@@ -3,7 +3,7 @@
 
 import json
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
@@ -15,6 +15,7 @@ from mrts.base.argument_types import Progress, as_path, check_callable, check_ty
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.coordination.coordinated_motion import CoordinatedMotion, check_motion
@@ -40,7 +41,7 @@ DEFAULT_CAP = 1024
 
 
 @dataclass(frozen=True)
-class Branch:
+class Branch(InNotebooks):
     """One way in which an arm can hold its grasp at t = 0, followed along the motion.
 
     Attributes:
@@ -57,7 +58,7 @@ class Branch:
 
 
 @dataclass(frozen=True)
-class Configuration:
+class Configuration(InNotebooks):
     """One branch for each arm.
 
     Attributes:
@@ -81,7 +82,7 @@ class Configuration:
 
 
 @dataclass(frozen=True)
-class ConfigurationStudy:
+class ConfigurationStudy(InNotebooks):
     """What `rank_configurations` found.
 
     Attributes:
@@ -93,6 +94,19 @@ class ConfigurationStudy:
     branches: dict[str, list[Branch]]
     ranked: tuple[Configuration, ...]
     combinations: int
+
+    def notebook_words(self) -> list[str]:
+        """How many there are."""
+        return [f"{self.combinations} configurations reach the end, {len(self.ranked)} evaluated{self._left_out()}"]
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """The configurations by falling c²⁺."""
+        rows = [
+            (str(rank), *(str(branch.number) for branch in one.branches),
+             f"{one.c2_upper:.4g}" if np.isfinite(one.c2_upper) else "-", outcome(one))
+            for rank, one in enumerate(self.ranked, start=1)
+        ]  # fmt: skip
+        yield NotebookTable(("rank", *self.branches, "c²⁺", "limited at"), rows)
 
     def table(self, rows: int) -> str:
         """The best configurations and the branches that they are made of, as text.

@@ -23,6 +23,17 @@ def add_cell_and_motion(verb: argparse.ArgumentParser) -> None:
                       help="motion file, CSV table, or ROS 2 bag with joint trajectories")  # fmt: skip
 
 
+def add_plot(verb: argparse.ArgumentParser, what: str) -> None:
+    """Add the options of verbs that draw.
+
+    Args:
+        verb: The verb.
+        what: Which figures, for its help.
+    """
+    verb.add_argument("--plot", type=Path, metavar="DIR", help=f"write {what} (needs the extra 'plot')")
+    verb.add_argument("--plot-format", choices=("png", "svg", "pdf"), default="png", help="of --plot (default: png)")
+
+
 def add_closure(verb: argparse.ArgumentParser) -> None:
     """Add the option of verbs that take motions of joints."""
     verb.add_argument("--closure", metavar="M[,RAD]",
@@ -107,6 +118,7 @@ def limited_cell_option(
 
         coordinate(uncompiled, motion, closure)
     cell = cell_option(options.cell)
+    _check_share(options.share, cell)
     if getattr(options, "no_wrench_limits", False):
         cell = cell.without_wrench_limits()
     try:
@@ -131,6 +143,17 @@ def sharing_option(text: str | None) -> "LoadSharing | None":
     except ValueError:
         raise InputError("--share", "must be 'equal' or numbers such as 0.6,0.4.", value=text) from None
     return LoadSharing(np.array(shares))
+
+
+def _check_share(text: str | None, cell: "Cell") -> None:
+    """Check that `--share` has one share for each arm of the cell."""
+    sharing = sharing_option(text)
+    if sharing is None:
+        return
+    try:
+        sharing.of_robots(len(cell.robots))
+    except InputError as error:
+        raise InputError("--share", error.rule, value=text) from None
 
 
 def numbers_option(option: str, text: str, example: str) -> dict[str, float]:
