@@ -109,6 +109,7 @@ def good(planar_cell):
         "pad_contact": {"normal": [0, 0, 1], "force": [1.0, 50.0]} | pressed | named,
         "rows_contact": {"A": np.vstack([np.eye(6), -np.eye(6)]), "upper": [1.0] * 12} | named,
         "suction_contact": {"holding_force": 50.0, "friction": 0.5, "radius": 0.02, "normal": [0, 0, 1]} | named,
+        "check": {"cell": DATA / "cell.yaml", "motion": DATA / "lift.yaml", "progress": lambda _done, _total: None},
         "follow_object": {"cell": planar_cell, "motion": motion},
         "load_cell": {"path": DATA / "cell.yaml", "backend": "auto"},
         "load_motion": {"path": DATA / "lift.yaml"},

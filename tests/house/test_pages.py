@@ -22,7 +22,7 @@ DOCS = ROOT / "docs"
         ("gallery", 9),
         ("own_cell", 8),
         ("own_robot", 4),
-        ("check", 6),
+        ("check", 5),
         ("command_line", 4),
         ("ros2", 3),
         ("optimal_profile", 2),
