@@ -71,10 +71,10 @@ def run(options: argparse.Namespace) -> int:
     feasible = bool(study.ranked) and study.ranked[0].range.status.admits_motion
     outputs = Outputs()
     if options.json is not None and str(options.json) != "-":
-        with outputs.attempt():
+        with outputs.attempt(options.json):
             study.write_json(options.json)
     if options.plot is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.plot):
             from mrts.figures import ranking_figure, write_figure
 
             drawn = ranking_figure(study, f"{cell.name}: configurations")
@@ -85,4 +85,6 @@ def run(options: argparse.Namespace) -> int:
         outcome, table = study.table(options.show).split("\n", 1)
         say(outcome, "strong" if feasible else "bad")
         say(table)
+        for line in outputs.lines():
+            say(line)
     return outputs.code(FEASIBLE if feasible else INFEASIBLE)

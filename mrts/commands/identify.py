@@ -53,10 +53,10 @@ def run(options: argparse.Namespace) -> int:
     if found.empty:
         warn(f"there is no parameter that is known of all joints of an arm: {options.output} not written")
     else:
-        with outputs.attempt():
+        with outputs.attempt(options.output):
             found.write_yaml(options.output)
     if options.plot is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.plot):
             from mrts.figures import write_motor_figures
 
             write_motor_figures(found, options.plot, options.plot_format)
@@ -64,4 +64,6 @@ def run(options: argparse.Namespace) -> int:
     for remark in found.remarks:
         say(str(remark), "note")
     say(f"\n{found.table()}")
+    for line in outputs.lines():
+        say(line)
     return outputs.code(INFEASIBLE if found.empty else FEASIBLE)

@@ -108,7 +108,7 @@ def run(options: argparse.Namespace) -> int:
     between_option(options.between)  # a wrong one is told before any work
     motion = load_motion(options.motion)
     sharing, closure = sharing_option(options.share), closure_option(options.closure)
-    cell = limited_cell_option(options)
+    cell = limited_cell_option(options, motion, closure)
     carried = _known_load(cell, options.carry, options.load)
     if options.profile != "constant":
         return _retime(options, cell, motion, sharing, carried, closure)
@@ -206,6 +206,8 @@ def _answered(
         say(outcome, "strong" if admits else "bad")
         for line in details:
             say(line, "note" if line.startswith(("note:", "warning:")) else "plain")
+        for line in outputs.lines():
+            say(line)
     return outputs.code(FEASIBLE if admits else INFEASIBLE)
 
 
@@ -285,13 +287,13 @@ def _write(options: argparse.Namespace, result: "ScalingResult", outputs: Output
 
 def _write_json(options: argparse.Namespace, found: "ScalingResult | RetimingResult", outputs: Outputs) -> None:
     if options.json is not None and str(options.json) != "-":
-        with outputs.attempt():
+        with outputs.attempt(options.json):
             found.write_json(options.json)
 
 
 def _save(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
     if options.save is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.save):
             from mrts.output.saved_result import save_result
 
             save_result(result, options.save)
@@ -299,12 +301,12 @@ def _save(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs
 
 def _write_pictures(options: argparse.Namespace, found: "ScalingResult | RetimingResult", outputs: Outputs) -> None:
     if options.report is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.report):
             from mrts.report import write_report
 
             write_report(found, options.report)
     if options.plot is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.plot):
             from mrts.figures import write_result_figures
 
             write_result_figures(found, options.plot, options.plot_format)
@@ -321,5 +323,5 @@ def _say_unwritten(options: argparse.Namespace) -> None:
 def _write_trajectory(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
     for _, form, path in _trajectory_files(options):
         if path is not None:
-            with outputs.attempt():
+            with outputs.attempt(path):
                 form.write(result, path)

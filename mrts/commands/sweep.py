@@ -113,14 +113,16 @@ def _answered(study: "Study", folder: "StudyFolder", tally: "Tally", options: ar
     if found.best is not None:
         say(f"best: variant {found.best_variant}, {found.best:.4g} s")
     if options.top and admitted:
-        with outputs.attempt():
+        with outputs.attempt(folder.path):
             with working("solving the best again"):
                 best = write_best(study, folder, options.top)
             for line in best_lines(best, folder.path):
                 say(line)
     if options.plot is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.plot):
             from mrts.figures import write_study_figures
 
             write_study_figures(folder.path, options.plot, options.plot_format)
+    for line in outputs.lines():
+        say(line)
     return outputs.code(FEASIBLE if admitted else INFEASIBLE)
