@@ -8,6 +8,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.diagnosis.nearest_hold import NearestHold, nearest_hold
@@ -35,7 +36,7 @@ SHIFT_DIGITS = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class ArmMargin:
+class ArmMargin(InNotebooks):
     """What an arm that follows keeps free.
 
     Attributes:
@@ -54,7 +55,7 @@ class ArmMargin:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ArmReach:
+class ArmReach(InNotebooks):
     """How far one arm follows the motion.
 
     Attributes:

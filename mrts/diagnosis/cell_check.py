@@ -13,6 +13,7 @@ from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.diagnosis.arm_reach import HELD, ArmMargin, ArmReach
@@ -31,7 +32,7 @@ ANGLE_SHOWN = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
-class CellCheck:
+class CellCheck(InNotebooks):
     """What `mrts.check` found.
 
     Attributes:
@@ -65,6 +66,15 @@ class CellCheck:
 
     def __str__(self) -> str:
         return printable("\n".join(self.lines()), lines=True)
+
+    def notebook_words(self) -> list[str]:
+        """The outcome, every mistake, what may be meant instead."""
+        return [
+            self.outcome(),
+            *map(str, self.mistakes),
+            *(hint.text for hint in self.hints),
+            *filter(None, [self.problem]),
+        ]
 
     def lines(self) -> Iterator[str]:
         """The answer for people, the outcome first."""

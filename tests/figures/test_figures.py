@@ -190,6 +190,8 @@ def test_figures_are_written_in_the_format_that_is_asked_for(planar_cell, lift, 
     with pytest.raises(SystemExit):
         main([*command[:-1], "gif"])
     assert "--plot-format" in capsys.readouterr().err
+    assert main(["scale", *files, "--plot-format", "svg"]) == 2
+    assert "give --plot DIR too" in capsys.readouterr().err
 
 
 def test_a_missing_matplotlib_is_named_before_any_work(tmp_path):
