@@ -128,7 +128,7 @@ def good(planar_cell):
         "torques_for_load": {"result": result, "load": planar_cell.load} | with_solver,
         "write_report": {"result": result, "path": "report.html"},
         "write_figure": {"figure": range_figure(result), "path": "figure.png"},
-        "write_result_figures": {"result": result, "folder": "figures"},
+        "write_result_figures": {"result": result, "folder": "figures", "form": "png"},
         "write_ros_bag": {"result": result, "folder": "bag"},
         "write_trajectory_csv": {"result": result, "path": "trajectory.csv"},
         "ClosureBound": {"position": 1e-3, "rotation": None},
