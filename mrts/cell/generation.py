@@ -25,6 +25,7 @@ from mrts.kernel.cache_folder import cache_folder, only_ours
 
 if TYPE_CHECKING:
     from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
+    from mrts.base.formats.urdf_tree import ArmChain, UrdfTree
 
 CACHED_STEM = "cell"
 """Names of generated functions in the cache begin so: cells of other names share them."""
@@ -250,6 +251,40 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
 
     robots = read_cell_description(path).robots
     return {robot.name: (resolve_urdf(path, path.resolve().parent, robot.urdf), robot.base_link) for robot in robots}
+
+
+def surveyed_urdf(where: Path, folder: Path, reference: str) -> tuple[Path, "UrdfTree"]:
+    """Path of a URDF and what is in it.
+
+    Args:
+        where: What names it, for messages.
+        folder: That it is relative to, absolute.
+        reference: As in a cell file.
+
+    Raises:
+        InputError: If it is missing, or no URDF.
+    """
+    from mrts_codegen.urdf.urdf_survey import urdf_tree  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf_reference import resolve_urdf  # noqa: PLC0415
+
+    path: Path = resolve_urdf(where, folder, reference)
+    return path, urdf_tree(path)
+
+
+def surveyed_arm(path: Path, base_link: str | None, tip_link: str) -> "ArmChain":
+    """The chain of a URDF from a base link (None is its root) to a tip link.
+
+    Args:
+        path: The URDF.
+        base_link: Where the chain begins.
+        tip_link: Where it ends.
+
+    Raises:
+        InputError: If there is no such chain, or it breaks a rule of cells.
+    """
+    from mrts_codegen.urdf.urdf_survey import arm_chain  # noqa: PLC0415 (build time, on demand)
+
+    return arm_chain(path, base_link, tip_link)
 
 
 def cell_file_in(manifest: Manifest, folder: Path, beside: Path | None) -> str:
