@@ -33,6 +33,7 @@ from mrts.console.terminal import (
 
 VERBS = {
     "demo": "run the paper's examples",
+    "new": "begin a cell from URDFs alone: hands, bases, a motion that can be played",
     "generate": "generate the C of a cell",
     "scale": "find the range of c², choose c², distribute the torques",
     "configurations": "compare all inverse-kinematics branches of the arms",

@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -124,7 +125,7 @@ def make_arm(name: str, chain: ArmChain) -> Arm:
         wrench_upper=np.full(6, np.inf),
     )
     corners = [*chain.points, chain.T_base_tip.p]
-    reach = float(sum(np.linalg.norm(b - a) for a, b in zip(corners[:-1], corners[1:], strict=True)))
+    reach = float(sum(np.linalg.norm(b - a) for a, b in pairwise(corners)))
     return Arm(name, chain, robot, _approach(chain), reach)
 
 

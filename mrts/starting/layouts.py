@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import MotionError
+from mrts.base.errors import InputError, MotionError
 from mrts.base.rigid_transform import RigidTransform, plane_normal, rotations_from_vectors
 from mrts.starting.arm import Arm
 from mrts.starting.postures import Spot, Wanted, find_spots
@@ -28,8 +28,17 @@ DIRECTIONS = (("inward", 1.0), ("inward and down", 0.9), ("inward and forward", 
 """Where hands of arms that stand already may point, with what each is worth beside the others: a box is held best
 between hands that face each other."""
 
+IN_FLOOR = 0.3
+"""What a layout is worth beside others whose object starts in the floor."""
+
 METRES = 3
 """Decimals of positions that are proposed [m]."""
+
+NEARLY = 0.1
+"""A direction that misses an axis of the world by less is meant to lie along it [rad]: arms mounted with tolerances."""
+
+ROUNDING = 1e-9
+"""Entries of rotations this near to 0 and ±1 are those."""
 
 MOST_LEVEL = 0.3
 """A hand is level if its direction is not steeper than this cosine to the vertical leaves it; else its side counts."""
@@ -77,10 +86,10 @@ def scene_of(request: Request, mass: float, share: float = 1.0) -> Scene:
     rows = list(range(6))
     if request.plane is not None:
         normal = np.abs(plane_normal(request.plane))
-        rows = [row for row in rows if (normal[row % 3] == 0) == (row < 3)]
+        rows = [*np.flatnonzero(normal == 0).tolist(), 3 + int(np.argmax(normal))]
         force = force * (normal == 0)
     lift = _nice(share * LIFT * reach) * up
-    return Scene(request, up, rows, _nice(WIDTH * reach), GRID * reach, lift, force)
+    return Scene(request, up, rows, _nice(WIDTH * reach), _nice(GRID * reach), lift, force)
 
 
 def _up(request: Request) -> Array:
@@ -108,6 +117,7 @@ def layouts(scene: Scene) -> list[Layout]:
         scene: What is asked.
 
     Raises:
+        InputError: If arms that stand already stand in one place.
         MotionError: If there is none.
     """
     given = [each.posture for each in scene.request.arms]
@@ -178,7 +188,9 @@ def _placed_around(scene: Scene, spots: Sequence[Spot], out: Array) -> Layout:
             stands = [Stand(each.base, each.base @ stands[0].T_world_base.inverse() @ tip, spot.q)]
             position = stands[0].T_world_tip.p + scene.width / 2 * spot.facing
     sides = _sides(scene, out[0], scene.width)
-    return Layout(position, sides, scene.lift, tuple(stands), min(spot.score for spot in spots))
+    score = min(spot.score for spot in spots)
+    in_floor = bool(np.any(scene.force)) and (position - sides / 2) @ scene.up < 0
+    return Layout(position, sides, scene.lift, tuple(stands), score * (IN_FLOOR if in_floor else 1.0))
 
 
 def _turn(up: Array, start: Array, end: Array) -> Array:
@@ -194,24 +206,20 @@ def _clean(R: Array) -> Array:
     return np.asarray(np.where(np.abs(R - nearest) <= ROUNDING, nearest, R) + 0.0, dtype=np.float64)
 
 
-ROUNDING = 1e-9
-"""Entries of rotations this near to 0 and ±1 are those."""
-
-
 def _between_standing(scene: Scene) -> list[Layout]:
     """Arms that stand already: the object somewhere between them."""
     bases = [each.base or RigidTransform.identity() for each in scene.request.arms]
     anchors = np.array([T.p + T.R @ arm.chain.points[0] for T, arm in zip(bases, scene.arms, strict=True)])
-    middle = anchors.mean(axis=0)
+    middle = np.round(anchors.mean(axis=0), METRES - 1)
     out = anchors - middle
     out -= np.outer(out @ scene.up, scene.up)
     if scene.request.plane is not None:
         out -= np.outer(out @ plane_normal(scene.request.plane), plane_normal(scene.request.plane))
     length = np.linalg.norm(out, axis=1)
     if np.min(length) < scene.grid / 10:
-        raise MotionError("two arms stand in one place: give each its own --base, so that one box is between them.")
-    out /= length[:, None]
-    forward = np.cross(scene.up, out[-1]) * (len(out) == 2) * (scene.request.plane is None)  # noqa: PLR2004 (a pair)
+        raise InputError("--base", "two arms stand in one place; one object must fit between them.")
+    out = _along_axes(out / length[:, None])
+    forward = np.cross(scene.up, (out[-1] - out[0]) / 2) * (len(out) == 2) * (scene.request.plane is None)  # noqa: PLR2004 (a pair)
     found = []
     for arm, T, direction in zip(scene.arms, bases, out, strict=True):
         facings, kinds = _standing_directions(scene, direction, forward)
@@ -219,6 +227,8 @@ def _between_standing(scene: Scene) -> list[Layout]:
         found.append(find_spots(arm, _wanted(scene, arm, facings, kinds, (T, place))))
     made = []
     for key in set.intersection(*({*each} for each in found)):
+        if scene.request.one_machine and np.any(forward) and (key[1] < 1 or key[0] % 2):
+            continue  # behind its back
         spots = [each[key] for each in found]
         stands = tuple(
             Stand(T, RigidTransform(_clean(T.R @ spot.R), np.round(T.p + T.R @ spot.p, 2 * METRES)), spot.q)
@@ -228,6 +238,13 @@ def _between_standing(scene: Scene) -> list[Layout]:
         worth = DIRECTIONS[key[0] // 2][1] * min(spot.score for spot in spots)
         made.append(Layout(position, _sides(scene, out[0], scene.width), scene.lift, stands, worth))
     return made
+
+
+def _along_axes(directions: Array) -> Array:
+    """Directions, Shape (N, 3), those that all but lie along an axis of the world moved onto it."""
+    nearest = np.round(directions)
+    near = np.linalg.norm(directions - nearest, axis=1) < NEARLY
+    return np.asarray(np.where(near[:, None], nearest, directions) + 0.0, dtype=np.float64)
 
 
 def _standing_directions(scene: Scene, out: Array, forward: Array) -> tuple[Array, NDArray[np.intp]]:
@@ -315,10 +332,8 @@ def _rolls(scene: Scene, arm: Arm, facing: Array, up: Array) -> list[Array]:
     if np.linalg.norm(side) < MOST_LEVEL:
         side = np.roll(np.abs(np.round(up)), 1)
     side = side / np.linalg.norm(side)
-    rolls = []
-    for axis in (side, np.cross(facing, side), -side, -np.cross(facing, side)):
-        rolls.append(np.stack([facing, axis, np.cross(facing, axis)], axis=1) @ own.T)
-    return rolls
+    sides = (side, np.cross(facing, side), -side, -np.cross(facing, side))
+    return [np.stack([facing, axis, np.cross(facing, axis)], axis=1) @ own.T for axis in sides]
 
 
 def _held_here(scene: Scene) -> Layout:
@@ -336,7 +351,7 @@ def _held_here(scene: Scene) -> Layout:
     for each, tip, facing, direction in zip(request.arms, tips, facings, out, strict=True):
         bases.append(each.base or _base_around(scene, tip, facing, width / 2 * direction))
     held = [T @ tip for T, tip in zip(bases, tips, strict=True)]
-    position = np.mean([T.p for T in held], axis=0)
+    position = np.array([T.p for T in held]).mean(axis=0)
     if standing and len(held) > 1:
         width = max(float(np.linalg.norm(b.p - a.p)) for a, b in pairwise(held))
         out = np.array([held[0].p - position])
@@ -368,4 +383,3 @@ def _base_around(scene: Scene, tip: RigidTransform, facing: Array, place: Array)
         turn = _clean(_turn(scene.up, level / max(float(np.linalg.norm(level)), ROUNDING), -place))
     ahead = place - turn @ tip.p
     return RigidTransform(turn, np.round(ahead - (ahead @ scene.up) * scene.up, METRES) + 0.0)
-

@@ -28,7 +28,7 @@ LONGEST_STEP = 0.3
 """Of a joint in one step [rad or m]."""
 
 LEAST_DAMPING = 1e-9
-"""Keeps the normal equations regular where an arm is singular; far below the square of any singular value that passes."""
+"""Keeps the normal equations regular where an arm is singular; far below the squares of singular values that pass."""
 
 REACHED = 1e-6
 """Error of a pose that counts as reached [m, rad]: what is written is only where the search of the motion starts."""
@@ -134,9 +134,7 @@ def find_spots(arm: Arm, wanted: Wanted) -> dict[tuple[int, ...], Spot]:
     return found
 
 
-def settle(
-    arm: Arm, q: Array, R: Array, p: Array, rows: list[int], steps: int
-) -> tuple[Array, NDArray[np.bool_]]:
+def settle(arm: Arm, q: Array, R: Array, p: Array, rows: list[int], steps: int) -> tuple[Array, NDArray[np.bool_]]:
     """Joint positions moved until the tip has a pose, by damped Newton steps, and which came there within limits.
 
     Args:
@@ -171,14 +169,15 @@ def _unwound(arm: Arm, q: Array) -> Array:
     """The same positions of turning joints, as near to the middle as whole turns bring them."""
     turns = np.array([kind == "revolute" for kind in arm.chain.types])
     middle = arm.middle()
-    return np.where(turns, middle + (q - middle + np.pi) % (2 * np.pi) - np.pi, q)
+    return np.asarray(np.where(turns, middle + (q - middle + np.pi) % (2 * np.pi) - np.pi, q), dtype=np.float64)
 
 
 def _half_range(arm: Arm) -> Array:
     """How far joints may go from their middle, Shape (n,) [rad or m]."""
     free = np.array([FREE_TURN if kind == "revolute" else FREE_SLIDE for kind in arm.chain.types])
     span = arm.chain.upper - arm.chain.lower
-    return np.minimum(np.where(np.isfinite(span), span / 2, free), free)
+    half: Array = np.minimum(np.where(np.isfinite(span), span / 2, free), free)
+    return half
 
 
 def drawn_postures(arm: Arm) -> Array:

@@ -46,8 +46,8 @@ SHORTEST, LONGEST = 0.1, 60.0
 STRONG = 2.0
 """Torques that are assumed where a URDF says nothing: so many times what its worst posture takes at rest."""
 
-WEAKEST = 1.0
-"""Least torque that is assumed [N m or N]."""
+WEAKEST, WEAKEST_SHARE = 1.0, 0.1
+"""Least torque that is assumed [N m or N], and as a share of the largest of its arm: a wrist turns the load."""
 
 DIGITS = 4
 """Decimals of postures, which only say near which positions the motion starts."""
@@ -87,6 +87,7 @@ def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) ->
         tell: Is told of each try.
 
     Raises:
+        InputError: If two arms stand in one place.
         MotionError: If nothing that was tried can be played: why the last could not.
     """
     first = _first_mass(request) if request.mass is None else request.mass
@@ -122,9 +123,7 @@ def _two_digits(number: float) -> float:
 def _tried(request: Request, layout: Layout, mass: float) -> Proposal | str:
     """The proposal of a layout, or why it cannot be played."""
     keys, assumed = _cell_keys(request, layout, mass)
-    robots = [
-        robot | {"urdf": str(each.path)} for robot, each in zip(keys["robots"], request.arms, strict=True)
-    ]
+    robots = [robot | {"urdf": str(each.path)} for robot, each in zip(keys["robots"], request.arms, strict=True)]
     try:
         cell = Cell.from_description(keys | {"robots": robots}, folder=request.arms[0].path.parent)
         motion = _motion_keys(layout, FIRST_DURATION)
@@ -210,7 +209,8 @@ def _assumed_torque(request: Request, arm: Arm, mass: float) -> Any:
     state = arm.at(drawn_postures(arm))
     pulls = [arm.torque(state, sign * axis * 9.81, -sign * share * axis) for axis in np.eye(3) for sign in (1, -1)]
     worst = np.max(np.abs(pulls), axis=(0, 1))
-    return np.array([_up_to_two_digits(max(STRONG * each, WEAKEST)) for each in worst])
+    least = max(WEAKEST, WEAKEST_SHARE * float(np.max(worst)))
+    return np.array([_up_to_two_digits(max(STRONG * each, least)) for each in worst])
 
 
 def _up_to_two_digits(number: float) -> float:

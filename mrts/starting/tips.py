@@ -17,22 +17,23 @@ FEWEST_JOINTS = 3
 SIDES = {"left": ("left", "l"), "right": ("right", "r")}
 """Words that say which arm it is."""
 
-NEVER = frozenset(
-    "finger fingertip thumb index middle ring pinky little knuckle jaw mover motor screw camera optical depth rgb imu "
-    "sensor led accelerometer range visual collision shape skin dh safety foot feet sole ankle leg toe hip knee wheel "
-    "contact head eye gaze itb torso chest logo balancing".split()
-)
+NEVER = frozenset({
+    "finger", "fingertip", "thumb", "index", "middle", "ring", "pinky", "little", "knuckle", "jaw", "mover",
+    "motor", "screw", "camera", "optical", "depth", "rgb", "imu", "sensor", "led", "accelerometer", "range",
+    "visual", "collision", "shape", "skin", "dh", "safety", "foot", "feet", "sole", "ankle", "leg", "toe", "hip",
+    "knee", "wheel", "contact", "head", "eye", "gaze", "itb", "torso", "chest", "logo", "balancing",
+})  # fmt: skip
 """Words in names of links that are no hand, or only a part of one."""
 
 TOOLS = (
-    ({"tcp"}, {"tool", "0"}, {"tool", "center", "point"}, {"grasping", "frame"}, {"tool", "frame"}, {"gripper", "frame"}),
+    ({"tcp"}, {"tool", "0"}, {"tool", "center"}, {"grasping", "frame"}, {"tool", "frame"}, {"gripper", "frame"}),
     ({"flange"}, {"end", "effector"}, {"eef"}, {"ee"}, {"effector"}, {"tool"}),
     ({"gripper"}, {"palm"}, {"hand"}, {"nub"}),
     ({"wrist"},),
 )  # fmt: skip
 """Words that name a hand, the best first; all words of a set stand in the name."""
 
-BARE = frozenset("link base frame rubber stator left right l r".split())
+BARE = frozenset({"link", "base", "frame", "rubber", "stator", "left", "right", "l", "r"})
 """Words that may stand beside those of the last two ranks: `left_hand_link`, but not `left_hand_cover`."""
 
 WHOLE_NAMES = 2

@@ -33,6 +33,7 @@ ROOMS = (
     "sweeps",
     "layout",
     "drawing",
+    "starting",
     "output",
     "figures",
     "report",
