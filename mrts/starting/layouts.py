@@ -89,7 +89,15 @@ def scene_of(request: Request, mass: float, share: float = 1.0) -> Scene:
         rows = [*np.flatnonzero(normal == 0).tolist(), 3 + int(np.argmax(normal))]
         force = force * (normal == 0)
     lift = _nice(share * LIFT * reach) * up
-    return Scene(request, up, rows, _nice(WIDTH * reach), _nice(GRID * reach), lift, force)
+    return Scene(
+        request=request,
+        up=up,
+        rows=rows,
+        width=_nice(WIDTH * reach),
+        grid=_nice(GRID * reach),
+        lift=lift,
+        force=force,
+    )
 
 
 def _up(request: Request) -> Array:

@@ -140,7 +140,7 @@ def _tried(request: Request, layout: Layout, mass: float) -> Proposal | str:
         return str(error)
     if not _upper(result) > 1:
         return result.explanation() or result.sentence()
-    return Proposal(request, layout, mass, keys, motion, assumed, result)
+    return Proposal(request=request, layout=layout, mass=mass, cell=keys, motion=motion, assumed=assumed, result=result)
 
 
 def _upper(result: ScalingResult) -> float:

@@ -17,17 +17,20 @@ FEWEST_JOINTS = 3
 SIDES = {"left": ("left", "l"), "right": ("right", "r")}
 """Words that say which arm it is."""
 
+LEGS = frozenset({"foot", "feet", "sole", "ankle", "leg", "toe", "hip", "knee", "wheel", "thigh", "calf"})
+"""Words in names of joints and links of a chain that is no arm."""
+
 NEVER = frozenset({
     "finger", "fingertip", "thumb", "index", "middle", "ring", "pinky", "little", "knuckle", "jaw", "mover",
     "motor", "screw", "camera", "optical", "depth", "rgb", "imu", "sensor", "led", "accelerometer", "range",
-    "visual", "collision", "shape", "skin", "dh", "safety", "foot", "feet", "sole", "ankle", "leg", "toe", "hip",
-    "knee", "wheel", "contact", "head", "eye", "gaze", "itb", "torso", "chest", "logo", "balancing",
+    "visual", "collision", "shape", "skin", "dh", "safety", "head", "eye", "gaze", "itb", "torso", "chest", "logo",
+    "balancing",
 })  # fmt: skip
 """Words in names of links that are no hand, or only a part of one."""
 
 TOOLS = (
     ({"tcp"}, {"tool", "0"}, {"tool", "center"}, {"grasping", "frame"}, {"tool", "frame"}, {"gripper", "frame"}),
-    ({"flange"}, {"end", "effector"}, {"eef"}, {"ee"}, {"effector"}, {"tool"}),
+    ({"flange"}, {"end", "effector"}, {"eef"}, {"ee"}, {"effector"}, {"tool"}, {"contact"}),
     ({"gripper"}, {"palm"}, {"hand"}, {"nub"}),
     ({"wrist"},),
 )  # fmt: skip
@@ -119,7 +122,8 @@ def _candidates(tree: UrdfTree) -> list[str]:
     for link in tree.links:
         moving = moved_by(tree, link)
         own = not any(joint.follows for joint in moving)
-        if len(moving) >= FEWEST_JOINTS and own and not NEVER.intersection(words(link)):
+        leg = any(LEGS.intersection(words(joint.name) + words(joint.child)) for joint in moving)
+        if len(moving) >= FEWEST_JOINTS and own and not leg and not NEVER.intersection(words(link)):
             found.append(link)
     return found
 
