@@ -12,7 +12,7 @@ from mrts.base.argument_types import check_type
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import RigidTransform, snap_rotation
 from mrts.cell.cell import Cell
-from mrts.cell.robot_changes import Numbers, posed
+from mrts.cell.robot_changes import Numbers, pose_from
 from mrts.drawing.cell_shapes import body_poses
 from mrts.starting.cell_writing import flow
 from mrts.starting.proposal import pose_keys
@@ -33,7 +33,7 @@ def hold_here(cell: Cell, xyz: Numbers, rpy: Numbers = (0.0, 0.0, 0.0)) -> Cell:
         InputError: If a value breaks a rule of the cell file, or a hand of a planar cell is out of the plane.
     """
     check_type("cell", cell, Cell)
-    T_world_object = posed(replace(cell.robots[0], name="object"), "pose", RigidTransform.identity(), xyz, rpy)
+    T_world_object = pose_from("hold_here", xyz, rpy)
     robots = []
     for robot in cell.robots:
         R, p = body_poses(robot, robot.posture[None])
