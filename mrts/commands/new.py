@@ -24,12 +24,10 @@ if TYPE_CHECKING:
 
 EXAMPLES = """\
 examples:
-  mrts new lift --robot arm.urdf                              two of a kind
-  mrts new lift --robot left.urdf --robot right.urdf --tip tool0 --tip flange --mass 5
-  mrts new lift --robot two_armed.urdf                        both arms of one machine
-  mrts new lift --robot arm.urdf --degrees --posture=-57,60,60,0,57,0 --posture=57,60,60,0,-57,0
-  mrts new                                                    asks, at a terminal
-  mrts new --hold cell.yaml motion.yaml                       grasps from the postures of a cell that is there"""
+  mrts new pair --robot arm.urdf                  two of a kind
+  mrts new lift --robot left.urdf --robot right.urdf --tip tool0 --tip tool0 --mass 5
+  mrts new held --robot arm.urdf --degrees --posture=6,-75,109,-40,11,17 --posture=-23,-69,103,-29,-11,57
+  mrts new --hold cell.yaml motion.yaml           grasps from the postures of a cell that is there"""
 
 HOLD_FILES = 2
 """CELL and MOTION of --hold."""
@@ -39,7 +37,8 @@ def add(verb: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
     verb.add_argument("folder", type=Path, nargs="?", metavar="DIR", help="folder for cell.yaml and motion.yaml")
     verb.add_argument("--robot", action="append", default=[], metavar="URDF",
-                      help="once for each robot; a single one with one arm stands twice")  # fmt: skip
+                      help="once for each robot; a single arm stands twice, a machine with two arms once (asked for at "
+                      "a terminal)")  # fmt: skip
     verb.add_argument("--tip", action="append", default=[], metavar="LINK",
                       help="link that holds the object, once for each robot, or several of a single one (default: "
                       "found by name)")  # fmt: skip

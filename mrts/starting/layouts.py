@@ -13,10 +13,8 @@ from mrts.base.errors import InputError, MotionError
 from mrts.base.rigid_transform import RigidTransform, plane_normal, rotations_from_vectors
 from mrts.starting.arm import Arm
 from mrts.starting.postures import Spot, Wanted, find_spots
-from mrts.starting.request import Layout, Request, Stand
-
-WIDTH, LIFT, GRID = 0.3, 0.2, 0.12
-"""Of the box, of the lift, and between heights that are tried, as shares of the shortest arm's reach."""
+from mrts.starting.request import Layout, Stand
+from mrts.starting.scene import Scene
 
 FLATNESS = (1.0, 0.6, 0.5)
 """Sides of the box: between the hands, across, upward."""
@@ -42,80 +40,6 @@ ROUNDING = 1e-9
 
 MOST_LEVEL = 0.3
 """A hand is level if its direction is not steeper than this cosine to the vertical leaves it; else its side counts."""
-
-
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """What all arms of a request share.
-
-    Attributes:
-        request: What is asked.
-        up: World, Shape (3,).
-        rows: Of a twist that count.
-        width: Of the box [m].
-        grid: Between places that are tried [m].
-        lift: Shape (3,) [m].
-        force: Of each hand on the object at rest, Shape (3,) [N].
-    """
-
-    request: Request
-    up: Array
-    rows: list[int]
-    width: float
-    grid: float
-    lift: Array
-    force: Array
-
-    @property
-    def arms(self) -> list[Arm]:
-        """Of the request."""
-        return [each.arm for each in self.request.arms]
-
-
-def scene_of(request: Request, mass: float, share: float = 1.0) -> Scene:
-    """The scene of a request.
-
-    Args:
-        request: What is asked.
-        mass: Of the object [kg].
-        share: Of the usual lift.
-    """
-    reach = min(each.arm.reach for each in request.arms)
-    up = _up(request)
-    force = -mass * request.gravity / len(request.arms)
-    rows = list(range(6))
-    if request.plane is not None:
-        normal = np.abs(plane_normal(request.plane))
-        rows = [*np.flatnonzero(normal == 0).tolist(), 3 + int(np.argmax(normal))]
-        force = force * (normal == 0)
-    lift = _nice(share * LIFT * reach) * up
-    return Scene(
-        request=request,
-        up=up,
-        rows=rows,
-        width=_nice(WIDTH * reach),
-        grid=_nice(GRID * reach),
-        lift=lift,
-        force=force,
-    )
-
-
-def _up(request: Request) -> Array:
-    """Against gravity, along an axis of the world; in the plane of a planar cell."""
-    axes = np.eye(3)
-    if request.plane is not None:
-        axes = axes[np.abs(plane_normal(request.plane)) == 0]
-    along = axes @ request.gravity
-    best = int(np.argmax(np.abs(along)))
-    if along[best] == 0:
-        return np.asarray(axes[-1], dtype=np.float64)
-    return np.asarray(-np.sign(along[best]) * axes[best] + 0.0, dtype=np.float64)
-
-
-def _nice(length: float) -> float:
-    """A length of two digits at most [m]."""
-    step = 10.0 ** np.floor(np.log10(length)) / 2
-    return float(np.round(max(np.round(length / step), 1) * step, 6))
 
 
 def layouts(scene: Scene) -> list[Layout]:
@@ -217,16 +141,7 @@ def _clean(R: Array) -> Array:
 def _between_standing(scene: Scene) -> list[Layout]:
     """Arms that stand already: the object somewhere between them."""
     bases = [each.base or RigidTransform.identity() for each in scene.request.arms]
-    anchors = np.array([T.p + T.R @ arm.chain.points[0] for T, arm in zip(bases, scene.arms, strict=True)])
-    middle = np.round(anchors.mean(axis=0), METRES - 1)
-    out = anchors - middle
-    out -= np.outer(out @ scene.up, scene.up)
-    if scene.request.plane is not None:
-        out -= np.outer(out @ plane_normal(scene.request.plane), plane_normal(scene.request.plane))
-    length = np.linalg.norm(out, axis=1)
-    if np.min(length) < scene.grid / 10:
-        raise InputError("--base", "two arms stand in one place; one object must fit between them.")
-    out = _along_axes(out / length[:, None])
+    middle, out = _between(scene, bases)
     forward = np.cross(scene.up, (out[-1] - out[0]) / 2) * (len(out) == 2) * (scene.request.plane is None)  # noqa: PLR2004 (a pair)
     found = []
     for arm, T, direction in zip(scene.arms, bases, out, strict=True):
@@ -253,6 +168,28 @@ def _along_axes(directions: Array) -> Array:
     nearest = np.round(directions)
     near = np.linalg.norm(directions - nearest, axis=1) < NEARLY
     return np.asarray(np.where(near[:, None], nearest, directions) + 0.0, dtype=np.float64)
+
+
+def _between(scene: Scene, bases: Sequence[RigidTransform]) -> tuple[Array, Array]:
+    """The middle of arms that stand, Shape (3,) [m], and from there the level direction to each, Shape (arms, 3).
+
+    Raises:
+        InputError: If two stand in one place.
+    """
+    for joint in range(min(len(arm.chain.joints) for arm in scene.arms)):  # shoulders may begin in one breastbone
+        anchors = np.array([T.p + T.R @ arm.chain.points[joint] for T, arm in zip(bases, scene.arms, strict=True)])
+        middle = np.round(anchors.mean(axis=0), METRES - 1)
+        out = anchors - middle
+        out -= np.outer(out @ scene.up, scene.up)
+        if scene.request.plane is not None:
+            normal = plane_normal(scene.request.plane)
+            out -= np.outer(out @ normal, normal)
+        length = np.linalg.norm(out, axis=1)
+        if np.min(length) >= scene.grid / 10:
+            return middle, _along_axes(out / length[:, None])
+        if not scene.request.one_machine:
+            break
+    raise InputError("--base", "two arms stand in one place; one object must fit between them.")
 
 
 def _standing_directions(scene: Scene, out: Array, forward: Array) -> tuple[Array, NDArray[np.intp]]:

@@ -12,12 +12,14 @@ from mrts.base.errors import MotionError, MrtsError
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.cell.cell import Cell
 from mrts.motion.motion_file import MotionDescription, sample_motion
+from mrts.refinement.excess import BETWEEN
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
 from mrts.starting.arm import Arm
-from mrts.starting.layouts import layouts, scene_of
+from mrts.starting.layouts import layouts
 from mrts.starting.postures import drawn_postures
 from mrts.starting.request import ArmRequest, Layout, Request, Stand
+from mrts.starting.scene import scene_of
 
 LOAD_SHARE = 0.1
 """Of the arms' own mass that the object has: an industrial arm carries a quarter of its mass or less."""
@@ -49,8 +51,8 @@ STRONG = 2.0
 WEAKEST, WEAKEST_SHARE = 1.0, 0.1
 """Least torque that is assumed [N m or N], and as a share of the largest of its arm: a wrist turns the load."""
 
-DIGITS = 4
-"""Decimals of postures, which only say near which positions the motion starts."""
+DIGITS = 6
+"""Decimals of postures, which are those at which the motion starts."""
 
 Tell = Callable[[int, int, str], None]
 """To be told which of how many tries it is, and what is tried."""
@@ -123,24 +125,32 @@ def _two_digits(number: float) -> float:
 def _tried(request: Request, layout: Layout, mass: float) -> Proposal | str:
     """The proposal of a layout, or why it cannot be played."""
     keys, assumed = _cell_keys(request, layout, mass)
-    robots = [robot | {"urdf": str(each.path)} for robot, each in zip(keys["robots"], request.arms, strict=True)]
     try:
-        cell = Cell.from_description(keys | {"robots": robots}, folder=request.arms[0].path.parent)
-        motion = _motion_keys(layout, FIRST_DURATION)
-        c2 = _upper(scale(cell, sample_motion(MotionDescription(**motion)), between=None))
+        first = _played(request, keys, _motion_keys(layout, FIRST_DURATION), None)
+        c2 = _upper(first)
         if not c2 > 0:
-            result = scale(cell, sample_motion(MotionDescription(**motion)), between=None)
-            return result.explanation() or result.sentence()
+            return first.explanation() or first.sentence()
         duration = FIRST_DURATION if not isfinite(c2) else _longer(FIRST_DURATION * SPARE / c2**0.5)
         if duration > LONGEST:
             return f"the motion would take {duration:.3g} s: the arms can hardly hold {mass:g} kg"
+        for each, robot, joints in zip(request.arms, keys["robots"], first.cell.joint_slices.values(), strict=True):
+            if each.posture is None:
+                robot["posture"] = (np.round(first.motion.q[0, joints], DIGITS) + 0.0).tolist()
         motion = _motion_keys(layout, duration)
-        result = scale(cell, sample_motion(MotionDescription(**motion)))
+        result = _played(request, keys, motion, BETWEEN)
     except MrtsError as error:
         return str(error)
     if not _upper(result) > 1:
         return result.explanation() or result.sentence()
     return Proposal(request=request, layout=layout, mass=mass, cell=keys, motion=motion, assumed=assumed, result=result)
+
+
+def _played(request: Request, keys: dict[str, Any], motion: dict[str, Any], between: float | None) -> ScalingResult:
+    """What `mrts.scale` finds of the files that these keys will be."""
+    paths = [{"urdf": str(each.path)} for each in request.arms]
+    robots = [robot | path for robot, path in zip(keys["robots"], paths, strict=True)]
+    cell = Cell.from_description(keys | {"robots": robots}, folder=request.arms[0].path.parent)
+    return scale(cell, sample_motion(MotionDescription(**motion)), between=between)
 
 
 def _upper(result: ScalingResult) -> float:
@@ -192,14 +202,13 @@ def _robot_keys(
 ) -> tuple[dict[str, Any], tuple[str, ...]]:
     chain = each.arm.chain
     T = RigidTransform(stand.T_world_tip.R, stand.T_world_tip.p - layout.position)
-    posture = stand.posture if each.posture is not None else np.round(stand.posture, DIGITS) + 0.0
     robot: dict[str, Any] = {"name": each.arm.name, "urdf": each.urdf}
     robot |= {"base_link": chain.base_link, "tip_link": chain.tip_link}
-    robot |= {"base": pose_keys(stand.T_world_base), "grasp": pose_keys(T), "posture": posture.tolist()}
+    robot |= {"base": pose_keys(stand.T_world_base), "grasp": pose_keys(T), "posture": stand.posture.tolist()}
     missing = tuple(name for name, effort in zip(chain.joints, chain.effort, strict=True) if effort is None)
     if missing:
         known = np.array([inf if effort is None else effort for effort in chain.effort])
-        robot["torque"] = np.minimum(known, _assumed_torque(request, each.arm, mass)).tolist()
+        robot["torque"] = np.where(np.isfinite(known), known, _assumed_torque(request, each.arm, mass)).tolist()
     return robot, missing
 
 

@@ -14,16 +14,17 @@ import mrts
 from mrts.base.errors import InputError, MotionError
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
 from mrts.starting.cell_writing import cell_file, missing, motion_file
-from mrts.starting.layouts import layouts, scene_of
+from mrts.starting.layouts import layouts
 from mrts.starting.proposal import propose
 from mrts.starting.reading import Given, request_of
+from mrts.starting.scene import scene_of
 
 UR5 = DATA.parent / "dual_ur5" / "ur5_class_arm.urdf"
 PLANAR = DATA / "planar_arm.urdf"
 BAXTER = ROBOTS / "baxter_description" / "urdf" / "baxter.urdf"
 
-PLACED = 2e-3
-"""Of a hand [m, rad]: bases are written with three decimals, postures with four; the motion does the rest."""
+PLACED = 1e-5
+"""Of a hand [m, rad]: postures are written with six decimals."""
 
 GRAVITY = np.array([0, 0, -9.81])
 
@@ -84,7 +85,7 @@ def test_what_is_written_is_what_was_tried_and_has_room(two_ur5, tmp_path):
 def test_the_arms_start_where_the_file_says(two_ur5):
     start = two_ur5.result.motion.q[0]
     written = np.concatenate([robot["posture"] for robot in two_ur5.cell["robots"]])
-    assert start == pytest.approx(written, abs=10 * PLACED)
+    assert start == pytest.approx(written, abs=1e-6)
 
 
 def test_too_heavy_a_load_gives_way_and_the_file_says_so(dual_ur5):
@@ -108,6 +109,24 @@ def test_a_planar_arm_without_efforts_gets_torques_that_hold_it(planar_cell):
     assert proposal.result.range.upper.c2 >= 4
     sides = [robot["grasp"]["xyz"][0] for robot in proposal.cell["robots"]]
     assert sides[0] == -sides[1] != 0
+
+
+def test_efforts_that_are_known_stay_beside_one_that_is_assumed(planar_cell, tmp_path):
+    """The chains are those of the shipped arm: limits are no part of what is compiled."""
+    assert planar_cell.functions.backend == "compiled"
+    text = PLANAR.read_text()
+    assert text.count("<limit ") == 0
+    limit = '<limit lower="-3" upper="3" effort="{}" velocity="4"/>'
+    for joint, effort in (("shoulder", 900), ("elbow", 33), ("wrist", 0)):
+        start = text.index("</joint>", text.index(f'<joint name="{joint}"'))
+        text = text[:start] + limit.format(effort) + text[start:]
+    path = tmp_path / "arm.urdf"
+    path.write_text(text)
+    proposal = propose(requested(path, folder=tmp_path))
+    for robot in proposal.cell["robots"]:
+        assert robot["torque"][:2] == [900, 33]
+        assert robot["torque"][2] > 0
+    assert "assumed for wrist: the URDF has no effort" in cell_file(proposal)
 
 
 def test_postures_that_are_given_are_kept_and_held(dual_ur5):
