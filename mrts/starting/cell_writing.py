@@ -147,20 +147,19 @@ def missing(arm: Arm) -> list[str]:
     chain, told = arm.chain, []
     without = [name for name, effort in zip(chain.joints, chain.effort, strict=True) if effort is None]
     if without:
-        told.append(f"no effort limit of {_some(without)}: its torque is assumed in the cell file")
+        told.append(f"no effort limit of {_some(without, chain.joints)}: its torque is assumed in the cell file")
     without = [name for name, limit in zip(chain.joints, chain.velocity, strict=True) if limit is None]
     if without:
-        told.append(f"no velocity limit of {_some(without)}: nothing bounds its speed but torques")
+        told.append(f"no velocity limit of {_some(without, chain.joints)}: nothing bounds its speed but torques")
     if not np.any(chain.mass):
         told.append("no link has a mass: the arm weighs nothing, so torques come out too small and speeds too high")
-    elif np.any(chain.mass == 0):
-        without = [name for name, mass in zip(chain.joints, chain.mass, strict=True) if mass == 0]
-        told.append(f"nothing that weighs anything hangs on {_some(without)} before the next joint")
     return told
 
 
-def _some(names: list[str]) -> str:
+def _some(names: list[str], of: tuple[str, ...]) -> str:
     """The first few of many names."""
+    if len(names) == len(of):
+        return "any joint"
     shown = ", ".join(names[:NAMES_SHOWN])
     return shown if len(names) <= NAMES_SHOWN else f"{shown} and {len(names) - NAMES_SHOWN} more"
 

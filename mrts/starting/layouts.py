@@ -189,6 +189,9 @@ def _between(scene: Scene, bases: Sequence[RigidTransform]) -> tuple[Array, Arra
             return middle, _along_axes(out / length[:, None])
         if not scene.request.one_machine:
             break
+    if scene.request.one_machine:
+        rule = "as it is, the arms of the machine stand above one another: give the gravity that fits the URDF's axes."
+        raise InputError("--gravity", rule, value=scene.request.gravity.tolist())
     raise InputError("--base", "two arms stand in one place; one object must fit between them.")
 
 
