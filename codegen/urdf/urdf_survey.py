@@ -9,7 +9,7 @@ from mrts_codegen.urdf.shared_joints import root_in_base
 from mrts_codegen.urdf.urdf_file import read_urdf
 from mrts_codegen.urdf.urdf_joint import NO_LIMIT
 
-from mrts.base.formats.urdf_tree import ArmChain, UrdfJoint, UrdfTree
+from mrts.base.formats.urdf_tree import ArmChain, JointEnds, UrdfTree
 
 
 def urdf_tree(path: Path) -> UrdfTree:
@@ -25,7 +25,7 @@ def urdf_tree(path: Path) -> UrdfTree:
     links = tuple(link.name for link in urdf.links)
     check_tree(path, dict.fromkeys(links), urdf.joints)
     joints = {
-        joint.child: UrdfJoint(joint.name, joint.type, joint.parent, joint.child, joint.mimic is not None)
+        joint.child: JointEnds(joint.name, joint.type, joint.parent, joint.child, joint.mimic is not None)
         for joint in urdf.joints
     }
     return UrdfTree(next(link for link in links if link not in joints), links, joints)

@@ -25,7 +25,8 @@ from mrts.kernel.cache_folder import cache_folder, only_ours
 
 if TYPE_CHECKING:
     from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
-    from mrts.base.formats.urdf_tree import ArmChain, UrdfTree
+    from mrts.base.formats.urdf_tree import Survey, UrdfTree
+    from mrts.motors.joint_source import JointSource
 
 CACHED_STEM = "cell"
 """Names of generated functions in the cache begin so: cells of other names share them."""
@@ -253,8 +254,8 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     return {robot.name: (resolve_urdf(path, path.resolve().parent, robot.urdf), robot.base_link) for robot in robots}
 
 
-def surveyed_urdf(where: Path, folder: Path, reference: str) -> tuple[Path, "UrdfTree"]:
-    """Path of a URDF and what is in it.
+def surveyed_urdf(where: Path, folder: Path, reference: str) -> "tuple[Path, UrdfTree, Survey]":
+    """Path of a URDF, what is in it, and what gives its chain from a base link (None is its root) to a tip link.
 
     Args:
         where: What names it, for messages.
@@ -262,29 +263,13 @@ def surveyed_urdf(where: Path, folder: Path, reference: str) -> tuple[Path, "Urd
         reference: As in a cell file.
 
     Raises:
-        InputError: If it is missing, or no URDF.
+        InputError: If it is missing, or no URDF; the survey, if there is no such chain, or it breaks a rule of cells.
     """
-    from mrts_codegen.urdf.urdf_survey import urdf_tree  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf.urdf_survey import arm_chain, urdf_tree  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.urdf_reference import resolve_urdf  # noqa: PLC0415
 
     path: Path = resolve_urdf(where, folder, reference)
-    return path, urdf_tree(path)
-
-
-def surveyed_arm(path: Path, base_link: str | None, tip_link: str) -> "ArmChain":
-    """The chain of a URDF from a base link (None is its root) to a tip link.
-
-    Args:
-        path: The URDF.
-        base_link: Where the chain begins.
-        tip_link: Where it ends.
-
-    Raises:
-        InputError: If there is no such chain, or it breaks a rule of cells.
-    """
-    from mrts_codegen.urdf.urdf_survey import arm_chain  # noqa: PLC0415 (build time, on demand)
-
-    return arm_chain(path, base_link, tip_link)
+    return path, urdf_tree(path), partial(arm_chain, path)
 
 
 def cell_file_in(manifest: Manifest, folder: Path, beside: Path | None) -> str:
@@ -353,3 +338,56 @@ def _generate_chains(cell: Any) -> Any:
     from mrts_codegen.generate import generate_chains  # noqa: PLC0415 (the symbolic layer, only if it is needed)
 
     return generate_chains(cell, CACHED_STEM)
+
+
+def read_without_generating(path: Path) -> "tuple[Any, tuple[InputError, ...], tuple[JointSource, ...]]":
+    """A cell with its URDFs (None if something is wrong), all that is wrong, and where what is known of joints is from.
+
+    Args:
+        path: The cell file.
+    """
+    from mrts_codegen.cell_reading import read_cell  # noqa: PLC0415 (build time, on demand)
+
+    found = read_cell(path)
+    return found.model, found.mistakes, found.joints
+
+
+def arms_alone_of(cell: Any) -> tuple[Any, ...]:
+    """A cell of each arm by itself.
+
+    Args:
+        cell: With its URDFs, as from `read_without_generating`.
+    """
+    from mrts_codegen.cell_reading import arms_alone  # noqa: PLC0415 (build time, on demand)
+
+    return tuple(arms_alone(cell))
+
+
+def motion_functions_of(cell: Any) -> tuple[Manifest, dict[str, Any]]:
+    """Functions of the motion of a cell's joints for CasADi's virtual machine, and the manifest: nothing is compiled.
+
+    Args:
+        cell: With its URDFs, as from `read_without_generating`.
+    """
+    from mrts_codegen.generate import motion_functions  # noqa: PLC0415 (build time, on demand)
+
+    manifest, functions = motion_functions(cell, CACHED_STEM)
+    return manifest, functions
+
+
+def read_to_generate(path: Path) -> Any | None:
+    """A cell with its URDFs that is still to be generated and compiled; None where the cache holds it.
+
+    Args:
+        path: The cell file.
+
+    Raises:
+        InputError: If the cell file or a URDF breaks a rule.
+    """
+    from mrts_codegen.content_key import chains_key, text_key  # noqa: PLC0415 (build time, on demand)
+
+    if only_ours(cache_folder("cells", text_key(path)) / MANIFEST_NAME):
+        return None
+    cell = _model(path, _content_key(path))
+    folder = _chains_folder(chains_key(cell, CACHED_STEM, bake=False))
+    return None if only_ours(folder / CHAINS_NAME) else cell

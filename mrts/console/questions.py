@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Questions at a terminal; where there is none, nobody is asked."""
 
+import select
 import sys
 
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.console.terminal import QUIET
+
+LOOK_UP = 0.1
+"""Until a question that waits looks whether it is to end [s]."""
 
 
 def can_ask() -> bool:
@@ -24,8 +28,11 @@ def ask(question: str, default: str = "") -> str:
         InputError: If the input ends.
     """
     shown = f"{question} [{default}]: " if default else f"{question}: "
-    try:
-        typed = input(printable(shown, lines=True)).strip()
-    except EOFError:
-        raise InputError("standard input", "ended before the question was answered.") from None
-    return typed or default
+    sys.stdout.write(printable(shown, lines=True))
+    sys.stdout.flush()
+    while not select.select([sys.stdin], [], [], LOOK_UP)[0]:
+        pass  # Python's own input() would wait on, if Ctrl-C came just before it waits
+    line = sys.stdin.readline()
+    if not line:
+        raise InputError("standard input", "ended before the question was answered.")
+    return line.strip() or default

@@ -11,9 +11,9 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.formats.urdf_tree import ArmChain, UrdfTree
+from mrts.base.formats.urdf_tree import ArmChain, Survey, UrdfTree
 from mrts.base.rigid_transform import RigidTransform
-from mrts.cell.generation import surveyed_arm, surveyed_urdf
+from mrts.cell.generation import surveyed_urdf
 from mrts.inverse_kinematics.joint_limits import DEGREES_SUSPECTED
 from mrts.starting.arm import Arm, make_arm, plane_of
 from mrts.starting.request import ArmRequest, Request
@@ -68,6 +68,7 @@ class _Chosen:
     reference: str
     path: Path
     tree: UrdfTree
+    survey: Survey
     tip: str
     why: str
 
@@ -117,11 +118,11 @@ def request_of(given: Given, folder: Path, choose: Choose = refuse) -> Request:
         rule = "is needed for each robot where one has several arms: they cannot be moved about by themselves."
         raise InputError(BASE, rule)
     names = _names([arm.tip for arm in chosen])
-    survey = cache(surveyed_arm)  # two of a kind have one chain
+    survey = cache(lambda read, base_link, tip: read(base_link, tip))  # two of a kind have one chain
     arms = []
     for index, arm in enumerate(chosen):
         fellows = _machine(chosen, arm)
-        chain = survey(arm.path, first_link(arm.tree, [fellow.tip for fellow in fellows]), arm.tip)
+        chain = survey(arm.survey, first_link(arm.tree, [fellow.tip for fellow in fellows]), arm.tip)
         arms.append(_arm_request(given, index, arm, make_arm(names[index], chain), folder, fixed=len(fellows) > 1))
     plane = plane_of([each.arm for each in arms])
     for each in arms:
@@ -137,7 +138,8 @@ def request_of(given: Given, folder: Path, choose: Choose = refuse) -> Request:
 
 def _chosen(given: Given, choose: Choose) -> list[_Chosen]:
     """The arms, in the order of the robots."""
-    read = [surveyed_urdf(Path(ROBOT), Path.cwd(), robot) for robot in given.robots]
+    files = {robot: surveyed_urdf(Path(ROBOT), Path.cwd(), robot) for robot in given.robots}
+    read = [files[robot] for robot in given.robots]  # two of a kind have one survey
     if given.tips:
         places = [0] * len(given.tips) if len(read) == 1 else list(range(len(read)))
         if len(places) != len(given.tips):
@@ -150,13 +152,13 @@ def _chosen(given: Given, choose: Choose) -> list[_Chosen]:
                 raise InputError(TIP, rule, value=arm.tip)
     else:
         found = []
-        for at, (path, tree) in enumerate(read):
+        for at, (_, tree, _) in enumerate(read):
             seen = sorted(hands(tree), key=lambda hand: hand.side)
             if not 1 <= len(seen) <= MOST_HANDS or (len(seen) == MOST_HANDS and len({h.joints for h in seen}) > 1):
                 tips = [(tip, "") for tip in choose(given.robots[at], tree, seen)]
             else:
                 tips = [(hand.link, hand.why) for hand in seen]
-            found += [_Chosen(at, given.robots[at], path, tree, *tip) for tip in tips]
+            found += [_Chosen(at, given.robots[at], *read[at], *tip) for tip in tips]
     return [found[0], replace(found[0], robot=1)] if len(found) == 1 else found  # two of a kind
 
 

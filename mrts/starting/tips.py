@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from mrts.base.formats.urdf_tree import UrdfJoint, UrdfTree
+from mrts.base.formats.urdf_tree import JointEnds, UrdfTree
 
 MOVING = ("revolute", "continuous", "prismatic")
 ON_CHAINS = (*MOVING, "fixed")
@@ -65,7 +65,7 @@ def words(name: str) -> list[str]:
     return [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)]
 
 
-def moved_by(tree: UrdfTree, link: str) -> list[UrdfJoint]:
+def moved_by(tree: UrdfTree, link: str) -> list[JointEnds]:
     """Joints that move a link, from the root on."""
     return [joint for joint in tree.chain(link) if joint.type in MOVING]
 

@@ -9,7 +9,7 @@ import pytest
 from conftest import DATA
 from published_robots import ROBOTS
 
-from mrts.cell.generation import surveyed_arm, surveyed_urdf
+from mrts.cell.generation import surveyed_urdf
 from mrts.starting.arm import make_arm, plane_of
 from mrts.starting.tips import first_link, hands, words
 
@@ -37,6 +37,10 @@ FOUND = {
 
 def tree_of(path):
     return surveyed_urdf(Path("here"), Path("/"), str(path))[1]
+
+
+def arm_of(path, tip):
+    return make_arm("arm", surveyed_urdf(Path("here"), Path("/"), str(path))[2](None, tip))
 
 
 @pytest.mark.parametrize("urdf", FOUND)
@@ -80,7 +84,7 @@ def test_names_are_taken_apart_at_capitals_digits_and_signs():
 def test_places_jacobians_and_torques_at_rest_are_those_of_pinocchio(urdf, tip):
     """Also of a chain with a joint that slides."""
     path = ROBOTS / urdf
-    arm = make_arm("arm", surveyed_arm(path, None, tip))
+    arm = arm_of(path, tip)
     model = pin.buildModelFromUrdf(str(path))
     data, frame = model.createData(), model.getFrameId(tip)
     places = [model.joints[model.getJointId(name)].idx_v for name in arm.chain.joints]
@@ -102,7 +106,7 @@ def test_places_jacobians_and_torques_at_rest_are_those_of_pinocchio(urdf, tip):
 
 
 def test_a_plane_is_that_in_which_all_joints_move():
-    flat = make_arm("flat", surveyed_arm(DATA / "planar_arm.urdf", None, "contact"))
-    spatial = make_arm("spatial", surveyed_arm(DATA.parent / "dual_ur5" / "ur5_class_arm.urdf", None, "tool0"))
+    flat = arm_of(DATA / "planar_arm.urdf", "contact")
+    spatial = arm_of(DATA.parent / "dual_ur5" / "ur5_class_arm.urdf", "tool0")
     assert plane_of([flat, flat]) == "xy"
     assert plane_of([flat, spatial]) is None

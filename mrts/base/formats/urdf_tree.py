@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What a URDF says before anybody has chosen a chain of it, and what a chain of it is."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,8 +10,8 @@ from mrts.base.rigid_transform import RigidTransform
 
 
 @dataclass(frozen=True)
-class UrdfJoint:
-    """A joint of a URDF.
+class JointEnds:
+    """What a joint of a URDF stands between.
 
     Attributes:
         name: In the URDF.
@@ -39,15 +40,15 @@ class UrdfTree:
 
     root: str
     links: tuple[str, ...]
-    joints: dict[str, UrdfJoint]
+    joints: dict[str, JointEnds]
 
-    def chain(self, tip: str) -> tuple[UrdfJoint, ...]:
+    def chain(self, tip: str) -> tuple[JointEnds, ...]:
         """Joints from the root to a link.
 
         Args:
             tip: The link.
         """
-        joints: list[UrdfJoint] = []
+        joints: list[JointEnds] = []
         while tip in self.joints:
             joints.append(self.joints[tip])
             tip = joints[-1].parent
@@ -89,3 +90,7 @@ class ArmChain:
     com: Array
     T_base_tip: RigidTransform
     T_root_base: RigidTransform
+
+
+Survey = Callable[[str | None, str], ArmChain]
+"""The chain of a URDF from a base link, None for its root, to a tip link."""
