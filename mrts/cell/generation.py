@@ -25,6 +25,7 @@ from mrts.kernel.cache_folder import cache_folder, only_ours
 
 if TYPE_CHECKING:
     from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
+    from mrts.base.formats.urdf_tree import Survey, UrdfTree
     from mrts.motors.joint_source import JointSource
 
 CACHED_STEM = "cell"
@@ -251,6 +252,24 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
 
     robots = read_cell_description(path).robots
     return {robot.name: (resolve_urdf(path, path.resolve().parent, robot.urdf), robot.base_link) for robot in robots}
+
+
+def surveyed_urdf(where: Path, folder: Path, reference: str) -> "tuple[Path, UrdfTree, Survey]":
+    """Path of a URDF, what is in it, and what gives its chain from a base link (None is its root) to a tip link.
+
+    Args:
+        where: What names it, for messages.
+        folder: That it is relative to, absolute.
+        reference: As in a cell file.
+
+    Raises:
+        InputError: If it is missing, or no URDF; the survey, if there is no such chain, or it breaks a rule of cells.
+    """
+    from mrts_codegen.urdf.urdf_survey import arm_chain, urdf_tree  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf_reference import resolve_urdf  # noqa: PLC0415
+
+    path: Path = resolve_urdf(where, folder, reference)
+    return path, urdf_tree(path), partial(arm_chain, path)
 
 
 def cell_file_in(manifest: Manifest, folder: Path, beside: Path | None) -> str:

@@ -105,6 +105,7 @@ def good(planar_cell):
         "box_contact": {"lower": [0.0] * 6, "upper": [9.0] * 6, "frame": "tip"} | named,
         "gripper_contact": {"force": 50.0, "axis": [1, 0, 0]} | pressed | named,
         "identify": {"cell": planar_cell, "recording": "recorded.csv", "cutoff": 10.0},
+        "hold_here": {"cell": planar_cell, "xyz": [1.25, 0.95, 0.0], "rpy": [0.0, 0.0, 0.1]},
         "load_recording": {"path": "recorded.csv"},
         "pad_contact": {"normal": [0, 0, 1], "force": [1.0, 50.0]} | pressed | named,
         "rows_contact": {"A": np.vstack([np.eye(6), -np.eye(6)]), "upper": [1.0] * 12} | named,
