@@ -8,22 +8,26 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mrts_codegen.cell_file import CellDescription, RobotDescription, TorqueBounds
+from mrts_codegen.cell_file import (
+    CellDescription,
+    ObjectDescription,
+    RobotDescription,
+    TorqueBounds,
+    inertia_problem,
+)
 from mrts_codegen.hand_file import build_contacts
 from mrts_codegen.motors_block import build_motors
+from mrts_codegen.object_shape import build_shape
 from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS, check_plane_kept
 from mrts_codegen.urdf.robot_model import RobotModel, build_robot_model
 from mrts_codegen.urdf.shared_joints import check_machines, root_in_base
-from mrts_codegen.urdf.urdf_file import read_urdf
+from mrts_codegen.urdf.urdf_file import parse_urdf
 from mrts_codegen.urdf.urdf_joint import NO_LIMIT
-from mrts_codegen.urdf_reference import resolve_urdf
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.input_file import MAX_URDF_BYTES
-from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
-from mrts.base.regular_file import read_regular
+from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS, ShapeRecord
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
 from mrts.hands.contact import Contact
@@ -40,7 +44,8 @@ class CellRobot:
         name: Name in the cell file.
         model: The chain.
         urdf: As the cell file gives it.
-        urdf_sha256: Hash of the URDF's bytes.
+        xacro_args: Where it is a xacro, values of its arguments.
+        urdf_sha256: Hash of the URDF's bytes, of a xacro those that it becomes.
         held: Joints that are held still, and what moves with them, with their positions [rad or m].
         T_world_base: Base link in the world.
         T_base_root: Root of the URDF in the base link, joints in between held or at zero.
@@ -59,6 +64,7 @@ class CellRobot:
     name: str
     model: RobotModel
     urdf: str
+    xacro_args: Mapping[str, str]
     urdf_sha256: str
     held: Mapping[str, float]
     T_world_base: RigidTransform
@@ -85,6 +91,9 @@ class CellModel:
         wrench_components: Their names.
         robots: The arms in the order of the cell file.
         machines: Names of each two that are arms of one machine.
+        inertia: Of the object at the com in its frame, Shape (3, 3) [kg m²].
+        shape: What the object looks like, None where that is not known.
+        object_remarks: What to know of the object.
     """
 
     description: CellDescription
@@ -92,12 +101,15 @@ class CellModel:
     wrench_components: tuple[str, ...]
     robots: tuple[CellRobot, ...]
     machines: tuple[tuple[str, str], ...]
+    inertia: Array
+    shape: ShapeRecord | None
+    object_remarks: tuple[Remark, ...]
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
-        """What to know of the URDFs, each thing once."""
+        """What to know of the object and the URDFs, each thing once."""
         said = (remark for robot in self.robots for remark in (*robot.model.remarks, *robot.remarks))
-        return tuple(dict.fromkeys(said))
+        return tuple(dict.fromkeys((*self.object_remarks, *said)))
 
 
 def build_cell_model(path: Path, description: CellDescription, folder: Path | None = None) -> CellModel:
@@ -114,18 +126,36 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
     components = PLANE_COMPONENTS[description.plane]
     names = tuple(WRENCH_COMPONENTS[component] for component in components)
     folder = path.resolve().parent if folder is None else folder
-    files = [resolve_urdf(path, folder, robot.urdf) for robot in description.robots]
-    urdfs = [read_urdf(file) for file in files]
+    files = [reference.path(path, folder) for reference in description.urdf_references]
+    contents = [reference.content(path, folder) for reference in description.urdf_references]
+    urdfs = [parse_urdf(file, content) for file, content in zip(files, contents, strict=True)]
     robots = tuple(
-        _build_robot(path, description, index, names, file, urdf)
-        for index, (file, urdf) in enumerate(zip(files, urdfs, strict=True))
+        _build_robot(path, description, index, names, file, (content, urdf))
+        for index, (file, content, urdf) in enumerate(zip(files, contents, urdfs, strict=True))
     )
-    return CellModel(description, components, names, robots, check_machines(path, robots, urdfs))
+    machines = check_machines(path, robots, urdfs)
+    return CellModel(description, components, names, robots, machines, *_build_object(path, folder, description.object))
+
+
+def _build_object(
+    path: Path, folder: Path, carried: ObjectDescription
+) -> tuple[Array, ShapeRecord | None, tuple[Remark, ...]]:
+    """Inertia, shape and what to know of the object."""
+    given = carried.inertia_matrix()
+    if carried.shape is None:
+        assert given is not None  # noqa: S101 (an object has one or the other)
+        return given, None, ()
+    shape, inertia, remarks = build_shape(path, folder, carried.shape, carried.mass, given)
+    problem = inertia_problem(inertia)
+    if problem:
+        raise InputError(path, f"the inertia of a uniform body of this shape {problem}", key="object.shape")
+    return inertia, shape, remarks
 
 
 def _build_robot(
-    path: Path, cell: CellDescription, index: int, components: tuple[str, ...], urdf_path: Path, urdf: Any
+    path: Path, cell: CellDescription, index: int, components: tuple[str, ...], urdf_path: Path, read: tuple[bytes, Any]
 ) -> CellRobot:
+    content, urdf = read
     robot = cell.robots[index]
     key = f"robots[{index}] ({robot.name})"
     held = held_positions(path, f"{key}.fixed", urdf_path, urdf, robot.fixed)
@@ -150,7 +180,8 @@ def _build_robot(
         name=robot.name,
         model=model,
         urdf=robot.urdf,
-        urdf_sha256=hashlib.sha256(read_regular(urdf_path, "URDF", MAX_URDF_BYTES)).hexdigest(),
+        xacro_args=cell.urdf_references[index].xacro_args,
+        urdf_sha256=hashlib.sha256(content).hexdigest(),
         held=held,
         T_world_base=T_world_base,
         T_base_root=root_in_base(urdf_path, urdf, model.base_link, held),

@@ -29,7 +29,7 @@ GIVEN = {
     ArgumentRecord: {"name": "some_name", "shape": [3, 4]},
     ObjectRecord: {
         "mass": 2.0, "inertia": ROWS, "variation": {"mass": [0.5, 2]}, "outer_hull": False,
-        "linear_velocity": None, "angular_velocity": 1.0,
+        "linear_velocity": None, "angular_velocity": 1.0, "shape": None,
     },
     JointRecord: {
         "name": "elbow", "type": "revolute", "axis": [0.0, 0.0, 1.0], "point": [0, 0, 0], "lower": None, "upper": 2.0,
@@ -74,12 +74,18 @@ def outcome(record, data):
         return error
 
 
+def place(detail):
+    """Where pydantic finds an error, and where in a record that stands in the record."""
+    inner = detail.get("ctx", {}).get("error")
+    return (*detail["loc"], *(inner.keys if isinstance(inner, BrokenRecordError) else ()))
+
+
 def said_there(error, details):
     """Whether pydantic finds an error at the same place too, and the same where it has a name for it that we know."""
     keys = error.keys
-    if not any(tuple(detail["loc"][: len(keys)]) == keys for detail in details):
+    if not any(place(detail)[: len(keys)] == keys for detail in details):
         return False
-    there = [detail for detail in details if tuple(detail["loc"]) == keys and detail["type"] in RULES]
+    there = [detail for detail in details if place(detail) == keys and detail["type"] in RULES]
     words = [RULES[detail["type"]].format(**detail.get("ctx", {})) for detail in there]
     return error.rule in words or not words
 
