@@ -12,7 +12,7 @@ from mrts_codegen.urdf_reference import FileReference, is_xacro, mesh_reference
 from pydantic import Field, model_validator
 
 from mrts.base.arrays import Array
-from mrts.base.formats.pose import Angle, Finite, Name, Pose, Positive, Vector3
+from mrts.base.formats.pose import Angle, Finite, GraspPose, Name, Pose, Positive, Vector3
 from mrts.base.formats.strict_model import StrictModel, broken_rule
 from mrts.base.input_file import plain, read_model, validated
 from mrts.base.load_box import PARAMETERS, range_problem
@@ -141,7 +141,7 @@ class RobotDescription(StrictModel):
     base_link: str | None = None
     tip_link: str
     base: Pose = Pose()
-    grasp: Pose = Pose()
+    grasp: GraspPose = GraspPose()
     posture: Annotated[list[Angle], Field(min_length=1)]
     torque: Annotated[list[Finite], Field(min_length=1)] | TorqueBounds | None = None
     wrench: Bounds = Bounds()

@@ -172,10 +172,11 @@ def _build_robot(
     bounds = robot.wrench
     wrench_lower, wrench_upper = given_wrench_limits(path, f"{key}.wrench", bounds.lower, bounds.upper, len(components))
     motors, remarks = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
-    T_world_base = RigidTransform.from_xyz_rpy(robot.base.xyz, robot.base.rpy)
-    T_object_tip = RigidTransform.from_xyz_rpy(robot.grasp.xyz, robot.grasp.rpy)
+    T_world_base = robot.base.transform
+    T_object_tip = robot.grasp.transform
     if cell.plane is not None:
-        check_plane_kept(path, key, cell.plane, T_world_base, T_object_tip, model)
+        rotation_keys = robot.base.rotation_key, robot.grasp.rotation_key
+        check_plane_kept(path, key, cell.plane, T_world_base, T_object_tip, model, rotation_keys)
     return CellRobot(
         name=robot.name,
         model=model,

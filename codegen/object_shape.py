@@ -86,7 +86,7 @@ def build_shape(
         InputError: If the mesh cannot be read, or, where the inertia is not given, encloses no volume or has its centre
             elsewhere than in the origin of the object frame.
     """
-    T = RigidTransform.from_xyz_rpy(shape.pose.xyz, shape.pose.rpy)
+    T = shape.pose.transform
     mesh = None
     if shape.mesh is not None:
         reference = mesh_reference(shape.mesh)
@@ -127,22 +127,21 @@ def _inertia(path: Path, shape: ShapeDescription, T: RigidTransform, mass: float
         assert mesh is not None  # noqa: S101 (one kind is given)
         centre, unit = mesh.solid("Close it, or give the object's 'inertia'.")
         inertia = mass * unit
-    _check_centre(path, shape, T, centre, _size(shape, mesh))
+    _check_centre(path, T, centre, _size(shape, mesh))
     return np.asarray(inertia)
 
 
-def _check_centre(path: Path, shape: ShapeDescription, T: RigidTransform, centre: Array, size: float) -> None:
+def _check_centre(path: Path, T: RigidTransform, centre: Array, size: float) -> None:
     off = T.R @ centre + T.p
     if np.linalg.norm(off) <= OFF_CENTRE * size:
         return
-    wanted = T.p - off
-    there = ", ".join(f"{value:.6g}" for value in off)
-    fitting = ", ".join(f"{value:.6g}" for value in wanted)
+    there, fitting = (", ".join(f"{value:.6g}" for value in place) for place in (off, T.p - off))
+    turned = ", …" if np.any(np.eye(3) != T.R) else ""
     raise InputError(
         path,
         f"the centre of this shape is at [{there}] of the object frame, whose origin is the centre of mass, so the "
-        f"inertia does not follow from it. Give 'pose: {{xyz: [{fitting}]{', …' if np.any(shape.pose.rpy) else ''}}}' "
-        "in the shape to move it there (and count the grasps from there), or give the object's 'inertia'.",
+        f"inertia does not follow. Give 'pose: {{xyz: [{fitting}]{turned}}}' in the shape to move it there (and "
+        "count the grasps anew), or give the object's 'inertia'.",
         key="object.shape",
     )
 

@@ -11,7 +11,6 @@ from mrts.base.errors import InputError
 from mrts.base.formats.pose import Pose
 from mrts.base.formats.record import BrokenRecordError, Record, Rule, broken_record
 from mrts.base.input_file import read_model
-from mrts.base.rigid_transform import rotation_from_rpy
 from mrts.motion.csv_motion import MAX_SAMPLES, read_joint_table, read_object_table, read_table
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_courses import geodesic_motion, waypoint_motion
@@ -130,7 +129,7 @@ def sample_motion(description: MotionDescription) -> ObjectMotion:
     through = waypoint_motion if description.waypoints else geodesic_motion
     return through(
         np.array([pose.xyz for pose in poses]),
-        np.array([rotation_from_rpy(*pose.rpy) for pose in poses]),
+        np.array([pose.rotation() for pose in poses]),
         PROFILES[description.profile],
         description.duration,
         description.samples or DEFAULT_SAMPLES,

@@ -11,10 +11,11 @@ from pydantic import Field, field_validator
 
 from mrts.base.argument_types import as_path
 from mrts.base.errors import InputError
-from mrts.base.formats.pose import Finite
+from mrts.base.formats.pose import Finite, Pose
 from mrts.base.formats.strict_model import StrictModel
 from mrts.base.input_file import MAX_URDF_BYTES, read_model, read_text
 from mrts.base.regular_file import is_folder, open_regular, read_regular
+from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.version import __version__
 from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
 from mrts.cell.cell import Cell
@@ -95,6 +96,7 @@ def read_study(path: Path | str) -> Study:
     motion = load_motion(motion_path)
     _check_question(path, described, cell)
     given = {"cell": _given_keys(cell_path, "cell file"), "motion": _given_motion(motion_path, motion)}
+    _angles_for_quaternions(given)
     poses = _is_path_of_poses(given["motion"])
     filled = {
         "cell": _filled_cell(cell_path, given["cell"], cell),
@@ -165,6 +167,22 @@ def _given_keys(path: Path, what: str) -> dict[str, Any]:
     return unshared
 
 
+def _angles_for_quaternions(files: dict[str, dict[str, Any]]) -> None:
+    """Give poses by roll, pitch and yaw, of which each can vary by itself; one that looks at a point goes on doing so.
+
+    Args:
+        files: Keys and values of the "cell" file, and maybe of the "motion" file; changed.
+    """
+    motion = files.get("motion", {})
+    holders = [*files["cell"]["robots"], motion]
+    poses = [holder.get(key) for holder in holders for key in ("base", "grasp", "start", "end")]
+    for pose in filter(None, [*poses, *(motion.get("waypoints") or [])]):
+        if any(name.startswith("quaternion") for name in pose):
+            read = Pose.model_validate(dict(pose))
+            pose.clear()
+            pose.update(xyz=read.xyz, rpy=rpy_from_rotation(read.rotation()))
+
+
 def _filled_cell(path: Path, given: dict[str, Any], cell: Cell) -> dict[str, Any]:
     """A cell file's keys with all that it leaves out, and limits that it does not give as empty places.
 
@@ -177,6 +195,7 @@ def _filled_cell(path: Path, given: dict[str, Any], cell: Cell) -> dict[str, Any
         InputError: If the file breaks a rule.
     """
     filled = all_cell_keys(path)
+    _angles_for_quaternions({"cell": filled})
     for robot, arm, as_given in zip(filled["robots"], cell.robots, given["robots"], strict=True):
         _fill_robot(robot, arm, len(cell.wrench_components))
         robot["contact"] = deepcopy(as_given.get("contact") or [])

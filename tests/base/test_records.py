@@ -12,6 +12,7 @@ from mrts.base.formats.record import RULES, BrokenRecordError, Record
 from mrts.base.manifest import (
     ArgumentRecord,
     ContactRecord,
+    CylinderRecord,
     JointRecord,
     MotorsRecord,
     ObjectRecord,
@@ -24,7 +25,7 @@ TRIALS = 400
 ZOO = (None, True, 0, 3, -1, 1.5, 1e13, "x", "a b", "a\n", "", [], {}, [1], [[1.0]], {"a": 1}, [None, "x"])
 ROWS = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
 GIVEN = {
-    Pose: {"xyz": [1, 2.5, 3], "rpy": [0.0, 1.0, 2.0]},
+    CylinderRecord: {"radius": 1, "length": 2.5},
     PoseRecord: {"rotation": ROWS, "position": [1.0, 2.0, 3.0]},
     ArgumentRecord: {"name": "some_name", "shape": [3, 4]},
     ObjectRecord: {
@@ -117,8 +118,8 @@ def test_a_record_stays_as_it_is():
         pose.xyz = [0.0, 0.0, 0.0]
     with pytest.raises(AttributeError, match="cannot be changed"):
         del pose.xyz
-    pose.rpy.append(1.0)
-    assert Pose().rpy == [0.0, 0.0, 0.0]  # a default is nobody's own
+    Pose().xyz.append(1.0)
+    assert Pose().xyz == [0.0, 0.0, 0.0]  # a default is nobody's own
     assert Pose(xyz=[1, 2, 3]) == Pose(xyz=[1.0, 2.0, 3.0]) != Pose()
     assert deepcopy(pose) == pose
     assert isinstance(pose, Record)
