@@ -111,7 +111,8 @@ def read_study(path: Path | str) -> Study:
     variants, seed = _variants(path, described, parameters), described.seed or 0
     asked = [__version__, repr((parameters, described.sample, variants, seed, question, tuple(LIMITS)))]
     asked += [json.dumps(given["cell"])]
-    asked += [json.dumps(given["motion"] if poses else given["motion"].get("samples"))]
+    where = {"file", "joints"}  # what such a table says is hashed
+    asked += [json.dumps({key: value for key, value in given["motion"].items() if key not in where})]
     parts = [_hash(text.encode()) for text in asked] + [_hash(urdf.content) for urdf in urdfs]
     parts += [] if poses else _table_hashes(given["motion"])
     return Study(
