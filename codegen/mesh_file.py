@@ -8,21 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.formats.surface_text import packed_surface
+from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface, packed_surface
 from mrts.base.input_file import LARGEST_NUMBER
 
 FORMATS = ("stl", "obj", "ply", "off")
 """Endings of mesh files; those whose files may name others (dae, gltf) are left out: a mesh is one file."""
-
-MOST_DRAWN = 2000
-"""Triangles of a surface that is drawn; a finer mesh is drawn coarser."""
-
-CELLS = 96
-"""Of a coarser surface along its longest side, at first."""
 
 NO_VOLUME = 1e-9
 """Least volume of a body as a share of the cube around it: less is a sheet, or rounding."""
@@ -62,7 +55,8 @@ class Mesh:
         if not self.surface.is_winding_consistent:
             rule = "the triangles of this mesh do not agree on which side is out, so its volume is not known."
             raise InputError(self.path, f"{rule} {advice}")
-        moments = self.surface.mass_properties
+        with np.errstate(invalid="ignore", divide="ignore"):  # by a volume of 0
+            moments = self.surface.mass_properties
         volume = float(moments.volume)
         if abs(volume) <= NO_VOLUME * self.size**3:
             raise InputError(self.path, f"this mesh encloses no volume. {advice}")
@@ -90,7 +84,7 @@ def read_mesh(path: Path, content: bytes, scale: float) -> Mesh:
     size = float(np.max(np.ptp(points, axis=0)))
     if size <= 0:
         raise InputError(path, "all vertices of this mesh are one point.")
-    vertices, triangles = packed_surface(*drawn_surface(points, corners))
+    vertices, triangles = packed_surface(*coarser_surface(points, corners, MOST_DRAWN))
     return Mesh(path, hashlib.sha256(content).hexdigest(), vertices, triangles, size, surface)
 
 
@@ -104,30 +98,3 @@ def _parsed(path: Path, content: bytes, kind: str, scale: float) -> Any:
     except Exception as error:  # noqa: BLE001 (the readers of the formats raise what they like)
         raise InputError(path, f"cannot be read as a mesh ({type(error).__name__}: {error}).") from None
     return scaled
-
-
-def drawn_surface(points: Array, corners: NDArray[np.integer[Any]]) -> tuple[Array, NDArray[np.integer[Any]]]:
-    """A surface of few triangles that looks alike: vertices in one cell of a grid become one, their mean.
-
-    Args:
-        points: Vertices, Shape (V, 3) [m].
-        corners: Triangles, Shape (T, 3).
-
-    Returns:
-        The surface itself where it has at most `MOST_DRAWN` triangles.
-    """
-    used, corners = np.unique(corners, return_inverse=True)
-    points, corners = points[used], corners.reshape(-1, 3)
-    longest, cells = float(np.max(np.ptp(points, axis=0))), CELLS
-    coarse, few = points, corners
-    while len(few) > MOST_DRAWN:
-        places = np.floor((points - np.min(points, axis=0)) / longest * cells).astype(np.int64)
-        _, group, size = np.unique(places, axis=0, return_inverse=True, return_counts=True)
-        group = group.reshape(-1)
-        coarse = np.stack([np.bincount(group, points[:, axis]) for axis in range(3)], axis=1) / size[:, None]
-        few = group[corners]
-        apart = (few[:, 0] != few[:, 1]) & (few[:, 1] != few[:, 2]) & (few[:, 2] != few[:, 0])
-        _, first = np.unique(np.sort(few[apart], axis=1), axis=0, return_index=True)
-        few = few[apart][first]
-        cells = cells * 3 // 4
-    return coarse, few

@@ -8,7 +8,7 @@ import hashlib
 from collections.abc import Callable
 from functools import cache, lru_cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
@@ -225,6 +225,30 @@ def comes_with_tests(parts: tuple[str, ...]) -> bool:
     from mrts_codegen.embedded.parts import is_whole  # noqa: PLC0415 (build time, on demand)
 
     return not parts or is_whole(parts)
+
+
+class NamedFiles(NamedTuple):
+    """Where the files are that a cell file names: URDFs or xacros of its robots in their order, mesh of its object."""
+
+    urdfs: tuple[Path, ...]
+    mesh: Path | None
+
+
+def named_files(path: Path) -> NamedFiles:
+    """Where the files are that a cell file names.
+
+    Args:
+        path: The cell file.
+
+    Raises:
+        InputError: If the cell file breaks a rule or a package is missing.
+    """
+    from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
+
+    description = read_cell_description(path)
+    found = [reference.path(path, path.resolve().parent) for reference in description.references]
+    robots = len(description.robots)
+    return NamedFiles(tuple(found[:robots]), next(iter(found[robots:]), None))
 
 
 def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.formats.surface_text import unpacked_surface
+from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface, unpacked_surface
 from mrts.cell.cell import Cell
 from mrts.cell.robot import transform
 from mrts.drawing.cell_shapes import object_box
@@ -30,11 +30,12 @@ FLAT = np.deg2rad(30.0)
 """Least angle between two triangles whose common side is drawn as an edge [rad]."""
 
 
-def object_surface(cell: Cell) -> tuple[Array, NDArray[np.int64]]:
+def object_surface(cell: Cell, most: int = MOST_DRAWN) -> tuple[Array, NDArray[np.int64]]:
     """Vertices in the object frame, Shape (V, 3) [m], and triangles between them, Shape (T, 3).
 
     Args:
         cell: The cell.
+        most: Triangles of a mesh, which is drawn coarser than it is known where it has more.
     """
     shape = cell.object_shape
     if shape is None:
@@ -45,7 +46,7 @@ def object_surface(cell: Cell) -> tuple[Array, NDArray[np.int64]]:
         vertices, triangles = _cylinder(shape.cylinder.radius, shape.cylinder.length)
     else:
         assert shape.mesh is not None  # noqa: S101 (the record has one of the three)
-        vertices, triangles = unpacked_surface(shape.mesh.vertices, shape.mesh.triangles)
+        vertices, triangles = coarser_surface(*unpacked_surface(shape.mesh.vertices, shape.mesh.triangles), most)
     T = transform(shape.pose)
     return vertices @ T.R.T + T.p, triangles
 

@@ -18,6 +18,8 @@ from mrts.report.plots import numbers
 from mrts.scaling.result import ScalingResult
 
 MOST_FRAMES = 160
+MOST_TRIANGLES = 250
+"""Of the object: the page holds its corners frame by frame."""
 
 LONGEST_ARROW = 0.22
 """The largest force, as a share of the scene."""
@@ -78,7 +80,7 @@ def player(result: ScalingResult) -> Player:
     arms = [
         joint_points(robot, q[:, joints]) for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True)
     ]
-    vertices, triangles = object_surface(cell)
+    vertices, triangles = object_surface(cell, MOST_TRIANGLES)
     box = given.position[frames, None] + np.einsum("nij,kj->nki", given.rotation[frames], vertices)
     holds = [np.stack([given.position[frames], arm[:, -1]], axis=1) for arm in arms]
     segments = [box[:, edge] for edge in object_edges(vertices, triangles)] + holds

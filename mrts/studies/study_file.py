@@ -13,13 +13,13 @@ from mrts.base.argument_types import as_path
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite, Pose
 from mrts.base.formats.strict_model import StrictModel
-from mrts.base.input_file import MAX_URDF_BYTES, read_model, read_text
+from mrts.base.input_file import MAX_FILE_BYTES, MAX_URDF_BYTES, read_model, read_text
 from mrts.base.regular_file import is_folder, open_regular, read_regular
 from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.version import __version__
 from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
 from mrts.cell.cell import Cell
-from mrts.cell.generation import all_cell_keys, urdf_files
+from mrts.cell.generation import all_cell_keys, named_files, urdf_files
 from mrts.cell.loading import load_cell
 from mrts.cell.robot import Robot
 from mrts.limits import LIMITS
@@ -31,7 +31,7 @@ from mrts.refinement.excess import checked_tolerance
 from mrts.scaling.uncertain_load import mass_grid
 from mrts.studies.knobs import read_parameters
 from mrts.studies.sampling import MOST_HYPERCUBE_NUMBERS, MOST_VARIANTS, SampleName, grid_size
-from mrts.studies.study import Parameter, Study, StudyQuestion, UrdfText
+from mrts.studies.study import Parameter, Study, StudyFile, StudyQuestion
 
 MAX_BAG_FILE_BYTES = 10**10
 """Of one file of a ROS 2 bag; as large as its reader can bear."""
@@ -103,17 +103,15 @@ def read_study(path: Path | str) -> Study:
         "motion": _filled_motion(given["motion"]) if poses else {},
     }
     parameters = read_parameters(path, described.vary, described.sample, given, filled, cell)
-    urdfs = tuple(
-        UrdfText(robot["urdf"], str(file.absolute()), read_regular(file, "URDF", MAX_URDF_BYTES))
-        for robot, (file, _) in zip(given["cell"]["robots"], urdf_files(cell_path).values(), strict=True)
-    )
+    urdfs, mesh = _study_files(cell_path, given["cell"])
     question = StudyQuestion(described.profile, described.load, described.torques, described.reserve, described.between)
     variants, seed = _variants(path, described, parameters), described.seed or 0
     asked = [__version__, repr((parameters, described.sample, variants, seed, question, tuple(LIMITS)))]
     asked += [json.dumps(given["cell"])]
     where = {"file", "joints"}  # what such a table says is hashed
     asked += [json.dumps({key: value for key, value in given["motion"].items() if key not in where})]
-    parts = [_hash(text.encode()) for text in asked] + [_hash(urdf.content) for urdf in urdfs]
+    files = [*urdfs, *([] if mesh is None else [mesh])]
+    parts = [_hash(text.encode()) for text in asked] + [_hash(file.content) for file in files]
     parts += [] if poses else _table_hashes(given["motion"])
     return Study(
         path=path.absolute(),
@@ -127,9 +125,30 @@ def read_study(path: Path | str) -> Study:
         motion=given["motion"],
         table=None if poses else motion,
         urdfs=urdfs,
+        mesh=mesh,
         joints={robot.name: robot.joints for robot in cell.robots},
         digest=_hash(b"".join(parts)).hex(),
     )
+
+
+def _study_files(path: Path, given: dict[str, Any]) -> tuple[tuple[StudyFile, ...], StudyFile | None]:
+    """The files that a cell file names; where that is a xacro, the URDF that it became takes its place in the keys.
+
+    Args:
+        path: The cell file.
+        given: Its keys and values; changed.
+    """
+    urdfs, files = [], named_files(path)
+    for robot, (file, _), origin in zip(given["robots"], urdf_files(path).values(), files.urdfs, strict=True):
+        content = read_regular(file, "URDF", MAX_URDF_BYTES)
+        arguments = robot.pop("xacro_args", None) or {}
+        urdfs.append(StudyFile(robot["urdf"], str(file.absolute()), content, str(origin.absolute()), arguments))
+        if file != origin:
+            robot["urdf"] = str(file)
+    if files.mesh is None:
+        return tuple(urdfs), None
+    content, where = read_regular(files.mesh, "mesh", MAX_FILE_BYTES), str(files.mesh.absolute())
+    return tuple(urdfs), StudyFile(given["object"]["shape"]["mesh"], where, content, where)
 
 
 def _described(path: Path) -> StudyDescription:

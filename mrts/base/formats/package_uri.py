@@ -55,11 +55,11 @@ def file_of_uri(where: Path | str, uri: str, near: Path, *, key: str = "") -> Pa
         raise InputError(
             where, f"the package '{package}' is at {there}, but holds no file '{inside}'.", key=key, value=uri
         )
-    looked = ", ".join(map(str, _share_folders()))
+    looked = ", ".join(map(str, _share_folders())) or "no share folder"
     raise InputError(
         where,
-        f"the package '{package}' is not found. Looked in folders above {near}, where {', '.join(VARIABLES)} point to "
-        f"(those that are set), in {looked or 'no share folder'}, and among installed Python packages. Source the "
+        f"the package '{package}' is not found. Looked in the folders above that file, where those of "
+        f"{', '.join(VARIABLES)} point to that are set, in {looked}, and among installed Python packages. Source the "
         "workspace's setup file, install the package, or give a file path.",
         key=key,
         value=uri,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A surface of triangles as text for JSON: a thousand numbers in a word each would be slow to read."""
+"""A surface of triangles as text for JSON, where a thousand numbers would be slow to read, and a coarser one."""
 
 import base64
 import binascii
@@ -13,6 +13,12 @@ from mrts.base.input_file import LARGEST_NUMBER
 
 MOST_VERTICES = 6000
 """Of a surface that is drawn."""
+
+MOST_DRAWN = 2000
+"""Triangles of a surface that is drawn; a finer mesh is drawn coarser."""
+
+CELLS = 96
+"""Of the grid of a coarser surface along its longest side, at first."""
 
 CORNERS = 3
 """Numbers of a vertex, and vertices of a triangle."""
@@ -53,3 +59,30 @@ def _numbers(text: str, kind: str) -> NDArray[Any]:
     if len(content) % (CORNERS * np.dtype(kind).itemsize):
         raise ValueError("must have three numbers a row")
     return np.frombuffer(content, dtype=kind).reshape(-1, CORNERS)
+
+
+def coarser_surface(
+    points: Array, corners: NDArray[np.integer[Any]], most: int
+) -> tuple[Array, NDArray[np.integer[Any]]]:
+    """A surface of few triangles that looks alike: vertices in one cell of a grid become one, their mean.
+
+    Args:
+        points: Vertices, Shape (V, 3) [m].
+        corners: Triangles, Shape (T, 3).
+        most: Triangles that remain at most; with no more the surface stays as it is.
+    """
+    used, corners = np.unique(corners, return_inverse=True)
+    points, corners = points[used], corners.reshape(-1, 3)
+    longest, cells = float(np.max(np.ptp(points, axis=0))), CELLS
+    coarse, few = points, corners
+    while len(few) > most:
+        places = np.floor((points - np.min(points, axis=0)) / longest * cells).astype(np.int64)
+        _, group, size = np.unique(places, axis=0, return_inverse=True, return_counts=True)
+        group = group.reshape(-1)
+        coarse = np.stack([np.bincount(group, points[:, axis]) for axis in range(3)], axis=1) / size[:, None]
+        few = group[corners]
+        apart = (few[:, 0] != few[:, 1]) & (few[:, 1] != few[:, 2]) & (few[:, 2] != few[:, 0])
+        _, first = np.unique(np.sort(few[apart], axis=1), axis=0, return_index=True)
+        few = few[apart][first]
+        cells = cells * 3 // 4
+    return coarse, few
