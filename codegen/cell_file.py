@@ -150,6 +150,15 @@ class RobotDescription(StrictModel):
     fixed: dict[str, Angle] = Field(default_factory=dict)
     motors: MotorsDescription = MotorsDescription()
 
+    def reference(self, key: str) -> FileReference:
+        """What it says of its URDF.
+
+        Args:
+            key: Where that stands in the cell file.
+        """
+        arguments = {name: _xacro_text(value) for name, value in self.xacro_args.items()}
+        return FileReference(self.urdf, arguments, key=key)
+
     @model_validator(mode="after")
     def _arguments_of_a_xacro(self) -> Self:
         if self.xacro_args and not is_xacro(Path(self.urdf)):
@@ -176,14 +185,7 @@ class CellDescription(StrictModel):
     @property
     def urdf_references(self) -> list[FileReference]:
         """What it says of the URDF of each robot."""
-        return [
-            FileReference(
-                robot.urdf,
-                {name: _xacro_text(value) for name, value in robot.xacro_args.items()},
-                key=f"robots[{index}] ({robot.name}).urdf",
-            )
-            for index, robot in enumerate(self.robots)
-        ]
+        return [robot.reference(f"robots[{index}] ({robot.name}).urdf") for index, robot in enumerate(self.robots)]
 
     @model_validator(mode="after")
     def _robots_differ(self) -> Self:
