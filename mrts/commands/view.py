@@ -9,8 +9,8 @@ import webbrowser
 from contextlib import suppress
 
 from mrts.base.regular_file import is_folder
+from mrts.commands.films import add_films, write_films, writes_films
 from mrts.commands.options.common import (
-    add_cell_and_motion,
     add_closure,
     add_reserve,
     closure_option,
@@ -18,6 +18,7 @@ from mrts.commands.options.common import (
     require,
     sharing_option,
 )
+from mrts.commands.shown import add_shown, shown_files
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.progress import working
 from mrts.console.terminal import say, warn
@@ -25,7 +26,10 @@ from mrts.console.terminal import say, warn
 EXAMPLES = """\
 examples:
   mrts view cell.yaml motion.yaml
-  mrts view cell.yaml motion.yaml --port 0 --no-open"""
+  mrts view cell.yaml motion.yaml --port 0 --no-open
+  mrts view cell.yaml motion.yaml --png moment.png --at 0.2
+  mrts view cell.yaml motion.yaml --video lift.gif --side-by-side given,fastest,smooth --rates 11.5
+  mrts view study.yaml --variant 3 --png variant.png"""
 
 LOCAL = ("127.0.0.1", "localhost", "::1")
 """Where nobody else can reach the viewer."""
@@ -33,12 +37,13 @@ LOCAL = ("127.0.0.1", "localhost", "::1")
 
 def add(view: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
-    add_cell_and_motion(view)
+    add_shown(view)
     add_closure(view)
     add_reserve(view)
     view.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
     view.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
     view.add_argument("--no-velocity-limits", action="store_true", help="report velocity limits only")
+    add_films(view)
     view.add_argument("--host", default=LOCAL[0], help="address to listen at (default: %(default)s, this machine only)")
     view.add_argument("--port", type=int, default=8080, help="port; 0 takes any free one (default: %(default)s)")
     view.add_argument("--no-open", action="store_true", help="do not open a browser")
@@ -46,7 +51,13 @@ def add(view: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Show the viewer until Ctrl-C; the exit code is that of the outcome."""
+    """Show the viewer until Ctrl-C, or write what it shows; the exit code is that of the outcome."""
+    films = writes_films(options)
+    with shown_files(options):
+        return write_films(options) if films else _serve(options)
+
+
+def _serve(options: argparse.Namespace) -> int:
     require("viser", "mrts view", "view", wanted=True)
     from mrts.base.manifest import MANIFEST_NAME
     from mrts.cell.generation import urdf_files

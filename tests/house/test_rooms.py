@@ -36,6 +36,7 @@ ROOMS = (
     "output",
     "figures",
     "report",
+    "film",
     "viewer",
     "console",
     "commands",
