@@ -61,22 +61,35 @@ def _serve(options: argparse.Namespace) -> int:
     require("viser", "mrts view", "view", wanted=True)
     from mrts.base.manifest import MANIFEST_NAME
     from mrts.cell.generation import urdf_files
-    from mrts.motion.motion_file import load_motion
-    from mrts.viewer.player_state import PlayerState
-    from mrts.viewer.server import Viewer, close_server, open_server
+    from mrts.motion.motion_file import described_motion, load_motion
+    from mrts.viewer.server import close_server, open_server
+    from mrts.viewer.viewer import Viewer
+    from mrts.viewer.workbench.choices import Given
+    from mrts.viewer.workbench.workbench import Workbench
 
     motion = load_motion(options.motion)
     sharing, closure = sharing_option(options.share), closure_option(options.closure)
     cell = limited_cell_option(options)
-    urdfs = {} if is_folder(options.cell) or options.cell.name == MANIFEST_NAME else urdf_files(options.cell)
+    is_generated = is_folder(options.cell) or options.cell.name == MANIFEST_NAME
+    urdfs = {} if is_generated else urdf_files(options.cell)
+    given = Given(
+        cell=cell,
+        motion=motion,
+        description=described_motion(options.motion),
+        cell_path=None if is_generated else options.cell,
+        motion_path=options.motion,
+        sharing=sharing,
+        closure=closure,
+    )
     server = open_server(options.host, options.port, f"mrts: {cell.name}")
     try:
         with working(f"scaling {options.motion}") as progress:
-            state = PlayerState(cell, motion, sharing=sharing, closure=closure, progress=progress)
-        viewer = Viewer(server, state, urdfs, warn)
+            bench = Workbench(given, progress)
+        first = bench.answer
+        viewer = Viewer(server, bench, urdfs, warn)
         if options.host not in LOCAL:
             warn(f"everyone who reaches {options.host} and knows the address can watch and steer this viewer")
-        say(f"{cell.name}: {state.result.summary()}")
+        say(f"{cell.name}: {first.message if first.state is None else first.state.result.summary()}")
         say(f"viewer at {server.url} (Ctrl-C ends it)")
         sys.stdout.flush()
         if not options.no_open and _has_display():
@@ -87,7 +100,7 @@ def _serve(options: argparse.Namespace) -> int:
         signal.signal(signal.SIGINT, before)
     finally:
         close_server(server)
-    return FEASIBLE if state.result.status.admits_motion else INFEASIBLE
+    return FEASIBLE if first.state is not None and first.state.result.status.admits_motion else INFEASIBLE
 
 
 def _has_display() -> bool:
