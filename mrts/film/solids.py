@@ -105,20 +105,21 @@ def arrow(start: Array, step: Array, thickness: float, colour: Colour) -> list[S
     return [head] if tip == length else [tube(start, neck, (thickness, thickness), colour, casts=False), head]
 
 
-def box(sides: Array, colour: Colour) -> Solid:
-    """A box about the origin.
+def faceted(vertices: Array, faces: Index, colour: Colour) -> Solid:
+    """Triangles with edges that are seen, as those of a box.
 
     Args:
-        sides: Shape (3,) [m].
-        colour: Of it.
+        vertices: Shape (V, 3) [m].
+        faces: Three of them each, Shape (F, 3).
+        colour: Of all.
     """
-    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
-    ways = [(sign * np.roll(np.eye(3), -axis, axis=0)) for axis in range(3) for sign in (-1.0, 1.0)]
-    points = np.concatenate([way[0] + corners @ way[1:] for way in ways]) * sides / 2
-    normals = np.repeat([way[0] for way in ways], 4, axis=0)
-    first = 4 * np.arange(6)[:, None]
-    faces = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])])
-    return Solid(points, normals, faces, colour)
+    corners = vertices[faces]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(across, axis=1, keepdims=True)
+    normals = across / np.where(length > 0, length, 1)
+    return Solid(
+        corners.reshape(-1, 3), np.repeat(normals, 3, axis=0), np.arange(3 * len(faces)).reshape(-1, 3), colour
+    )
 
 
 @cache

@@ -15,11 +15,12 @@ from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.drawing.arm_meshes import arm_meshes
-from mrts.drawing.cell_shapes import body_poses, contact_forces, joint_points, object_box
+from mrts.drawing.cell_shapes import body_poses, contact_forces, joint_points
 from mrts.drawing.cell_view import look_at_cell
+from mrts.drawing.held_body import held_body
 from mrts.film.camera import framing_camera
 from mrts.film.raster import Picture, drawn, shaded_floor
-from mrts.film.solids import Colour, Solid, arrow, ball, box, tube
+from mrts.film.solids import Colour, Solid, arrow, ball, faceted, tube
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 ARMS: tuple[Colour, ...] = ((86, 140, 196), (222, 128, 62), (96, 168, 128), (190, 130, 170))
@@ -119,13 +120,13 @@ class Stage:
         warn: Warn = silent,
     ) -> None:
         first = takes[0]
-        view = look_at_cell(first.cell, first.trajectory.motion)
+        motion = first.trajectory.motion
+        view = look_at_cell(first.cell, motion.q, motion.object.position)
         self._up, self._ground = view.up, view.floor
-        clouds = [_reached(take) for take in takes]
-        self._middle = (np.min(clouds[0], axis=0) + np.max(clouds[0], axis=0)) / 2
+        self._middle = view.target
         self._size = view.size
-        backward = view.camera - view.target if backward is None else backward
-        self.camera = framing_camera(np.concatenate(clouds), backward, view.up, size)
+        backward = view.direction if backward is None else backward
+        self.camera = framing_camera(np.concatenate([_reached(take) for take in takes]), backward, view.up, size)
         right, up, forward = self.camera.axes
         lamp = 0.9 * view.up - 0.45 * forward - 0.35 * right + 0.2 * up
         self._lamp = lamp / np.linalg.norm(lamp)
@@ -139,6 +140,11 @@ class Stage:
             for take in takes
         }
 
+        self._held = {
+            take: faceted(body.vertices, body.faces, OBJECT)
+            for take, body in ((take, held_body(take.cell)) for take in takes)
+        }
+
     def picture(self, take: Take, time: float) -> Picture:
         """A picture of a moment.
 
@@ -147,7 +153,7 @@ class Stage:
             time: At its played speed [s].
         """
         cell, (q, position, rotation, wrench) = take.cell, take.at(time)
-        solids = [box(object_box(cell), OBJECT).moved(rotation, position), *_path(take, PATH_THICKNESS * self._size)]
+        solids = [self._held[take].moved(rotation, position), *_path(take, PATH_THICKNESS * self._size)]
         for arm, joints in zip(self._arms[take], cell.joint_slices.values(), strict=True):
             solids += arm.solids(q[joints])
         forces = []
@@ -245,7 +251,7 @@ def _reached(take: Take) -> Array:
     cell, motion = take.cell, take.trajectory.motion
     slices = cell.joint_slices
     lines = [joint_points(robot, motion.q[:, slices[robot.name]]).reshape(-1, 3) for robot in cell.robots]
-    reach = float(np.linalg.norm(object_box(cell))) / 2
+    reach = float(np.max(np.linalg.norm(held_body(cell).vertices, axis=1)))
     around = [motion.object.position + sign * reach * axis for sign in (-1, 1) for axis in np.eye(3)]
     return np.concatenate([*lines, *around])
 

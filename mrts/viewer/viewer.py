@@ -23,6 +23,7 @@ from mrts.viewer.controls.view_controls import ViewControls
 from mrts.viewer.offered_speeds import Speeds
 from mrts.viewer.panel import STYLE, error_html, moment_html, outcome_html, speed_html, unreached_html
 from mrts.viewer.player_state import PlayerState
+from mrts.viewer.plots.plot_panel import PlotPanel
 from mrts.viewer.readings import Readings
 from mrts.viewer.scene import ViewerScene
 from mrts.viewer.scene_arms import Urdfs
@@ -203,6 +204,8 @@ class Viewer:
         tabs = gui.add_tab_group()
         with tabs.add_tab("Readings"):
             self._readings = Readings(gui, self._scene)
+        with tabs.add_tab("Plots"):
+            self.parts.append(PlotPanel(gui))
         with tabs.add_tab("Change"):
             self._changes = ChangeControls(self.server, self.bench, self._scene.size, self._todo.put)
         with tabs.add_tab("View"):
