@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The time plots in the viewer's panel; needs the extra 'view'."""
 
+from collections.abc import Sequence
+
 import viser
 
 from mrts.drawing.limit_shares import limit_shares
@@ -18,15 +20,16 @@ class PlotPanel:
 
     Args:
         gui: Where, in the container that is open.
-        other: A result that is shown beside it, and its name; None where there is none.
+        others: Results with their names; the first is compared with what is shown.
     """
 
-    def __init__(self, gui: viser.GuiApi, other: tuple[str, ScalingResult] | None = None) -> None:
+    def __init__(self, gui: viser.GuiApi, others: Sequence[tuple[str, ScalingResult]] = ()) -> None:
         gui.add_html(PLOT_STYLE)
         self._cursor, self._plots = gui.add_html(""), gui.add_html("")
         self._other = None
-        if other is not None and (done := other[1].trajectory) is not None:
-            self._other = PlottedMotion(other[0], done.time, done.c2, other[1].range, limit_shares(done))
+        for name, result in others[:1]:
+            if (done := result.trajectory) is not None:
+                self._other = PlottedMotion(name, done.time, done.c2, result.range, limit_shares(done))
         self._wanted: PlayerState | None = None
         self._longest, self._since = 1.0, RENEWAL
 

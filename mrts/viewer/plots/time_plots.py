@@ -40,7 +40,7 @@ MOST_POINTS = 400
 LETTERS = 26
 """Of a line's name."""
 
-OVER = "#D40000"
+OVER = "#F03E3E"
 CURSOR = "--mrts-cursor"
 
 PLOT_STYLE = f"""<style>
@@ -48,7 +48,7 @@ PLOT_STYLE = f"""<style>
 [data-plot] svg {{ display: block; width: 100%; height: auto; }}
 [data-plot] text {{ font: 9px sans-serif; fill: currentColor; }}
 [data-plot] .title {{ font-size: 12px; font-weight: bold; padding: 8px 9px 0; }}
-[data-plot] .names {{ font-size: 11px; line-height: 15px; padding: 0 9px; overflow-wrap: anywhere; }}
+[data-plot] .names, [data-plot].names {{ font-size: 11px; line-height: 15px; padding: 0 9px; overflow-wrap: anywhere; }}
 [data-plot] .cursor {{ stroke: currentColor; stroke-width: 1.2; transform: translateX(var({CURSOR})); }}
 [data-plot] .grid {{ stroke: #8886; stroke-width: 0.7; }}
 [data-plot] .limit {{ stroke: {OVER}; stroke-width: 0.8; stroke-dasharray: 4 2; }}
@@ -104,7 +104,7 @@ def plots_html(motion: PlottedMotion, other: PlottedMotion | None = None) -> str
     for of in motion.shares:
         beside = (other, others[of.kind]) if other and of.kind in others else None
         parts.append(_share_plot(motion, of, beside, longest))
-    compared = f'<div data-text="compared" class="names">{_compared(motion, other)}</div>' if other else ""
+    compared = f'<div data-plot="compared" class="names">{_compared(motion, other)}</div>' if other else ""
     return f"{compared}{''.join(parts)}"
 
 
@@ -150,7 +150,7 @@ def _share_plot(
         lines.append(ends.line(motion.time, of.share[:, line], style, label))
         if colour:
             dot = f'<span style="color:{colour}">●</span>'
-            names.append(f"{dot} {html_text(shortened(of.labels[line], LETTERS))} {_percent(most)}")
+            names.append(f"{dot}&nbsp;{html_text(shortened(of.labels[line], LETTERS))} {_percent(most)}")
     if beside is not None:
         lines.append(ends.line(beside[0].time, beside[1].largest, 'class="line other"', f"{beside[0].name}: largest"))
     height = ends.height(1.0)
