@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mrts.viewer.guard import GuardedServer
-    from mrts.viewer.plots.beside import Others
+    from mrts.viewer.plots.other_result import Others
     from mrts.viewer.plots.saved_viewer import SavedViewer
     from mrts.viewer.viewer import Viewer
 

@@ -135,6 +135,11 @@ def note_html(text: str) -> str:
     return _paragraph("note", html_text(text))
 
 
+def saved_html(text: str) -> str:
+    """What was saved."""
+    return _paragraph("saved", html_text(text))
+
+
 def error_html(text: str) -> str:
     """Why the last wish was not granted."""
     return _paragraph("error", html_text(text), OVER)

@@ -46,6 +46,9 @@ GHOST = 0.18
 FRAME = 0.12
 """Length of a frame's axes, as a share of the cell's size."""
 
+LINE = 0.25
+"""Radius of the object's path, as a share of an arm's; it is drawn as arrows without heads."""
+
 NO_LINES = np.zeros((0, 2, 3), dtype=np.float32)
 
 ASPECT_CHANGE = 0.03
@@ -143,12 +146,18 @@ class ViewerScene:
             )
             for name, colour in (("/forces", FORCE), ("/moments", MOMENT))
         )
-        self._gaps = self._scene.add_line_segments("/gaps", NO_LINES, GAP, thickness=5.0)
+        self._gaps = self._scene.add_arrows(
+            "/gaps", NO_LINES, GAP, shaft_radius=thin, head_radius=2.2 * thin, head_length=3 * thin
+        )
+        self._path = self._scene.add_arrows(
+            "/path", NO_LINES, PATH, shaft_radius=LINE * radius, head_radius=LINE * radius, head_length=LINE * radius
+        )
         self._gap_names = [
             self._scene.add_label(f"/gap_names/{robot.name}", "", visible=False, anchor="bottom-center")
             for robot in cell.robots
         ]
         self._body_key: bytes = b""
+        self._fitted: dict[int, tuple[float, Array]] = {}
         self.show_answer(answer)
 
     def show_answer(self, answer: Answer) -> None:
@@ -170,8 +179,8 @@ class ViewerScene:
             label.position = course.position[at]
         steps = np.stack([course.position[:-1], course.position[1:]], axis=1).astype(np.float32)
         passed = course.passed[:-1] | course.passed[1:]
-        colours = np.where(passed[:, None, None], np.array(PASSED), np.array(PATH)).astype(np.uint8)
-        self._path = self._scene.add_line_segments("/path", steps, np.repeat(colours, 2, axis=1), thickness=3.0)
+        colours = np.where(passed[:, None], np.array(PASSED), np.array(PATH)).astype(np.uint8)
+        self._path.points, self._path.colors = steps, colours
 
     def rescale(self, state: PlayerState) -> None:
         """Choose the arrows' lengths for a trajectory as it is now."""
@@ -234,10 +243,25 @@ class ViewerScene:
     def fit(self, client: viser.ClientHandle) -> None:
         """Let a browser look at the whole cell, whatever the shape of its picture."""
         camera, view = client.camera, self._view
+        self._fitted[client.client_id] = (camera.aspect, view.camera(camera.aspect))
         with client.atomic():
             camera.up_direction = view.up
             camera.position = view.camera(camera.aspect)  # which takes the point looked at along
             camera.look_at = view.target
+
+    def follow_windows(self) -> None:
+        """Fit the view of browsers that are new, or whose window changed its shape, unless somebody moved it."""
+        clients = self._server.get_clients()
+        for client_id, client in clients.items():
+            if client_id not in self._fitted:
+                self.fit(client)
+                continue
+            aspect, position = self._fitted[client_id]
+            away = np.linalg.norm(client.camera.position - position)
+            moved = away > MOVED_AWAY * np.linalg.norm(position - self._view.target)
+            if not moved and abs(client.camera.aspect / aspect - 1) > ASPECT_CHANGE:
+                self.fit(client)
+        self._fitted = {client_id: fitted for client_id, fitted in self._fitted.items() if client_id in clients}
 
     def _pose(self, course: ShownCourse, sample: int) -> list[Array]:
         """Move all that moves to a sample; where the tips are, each Shape (3,) [m]."""
@@ -282,7 +306,9 @@ class ViewerScene:
         mesh = body.vertices.astype(np.float32), body.faces.astype(np.uint32)
         self._body = self._scene.add_mesh_simple("/object", *mesh, color=OBJECT, opacity=0.9, flat_shading=True)
         self._ghosts = [
-            self._scene.add_mesh_simple(f"/{name}", *mesh, color=OBJECT, opacity=GHOST, flat_shading=True)
+            self._scene.add_mesh_simple(
+                f"/{name}", *mesh, color=OBJECT, opacity=GHOST, flat_shading=True, cast_shadow=False
+            )
             for name in ("start", "goal")
         ]
         self._end_names = [

@@ -19,11 +19,13 @@ from mrts.base.errors import MrtsError
 from mrts.base.rigid_transform import RigidTransform
 from mrts.viewer.controls.bound_control import assign
 from mrts.viewer.controls.change_controls import ChangeControls
+from mrts.viewer.controls.save_controls import SaveControls
 from mrts.viewer.controls.view_controls import ViewControls
 from mrts.viewer.offered_speeds import Speeds
 from mrts.viewer.panel import STYLE, error_html, moment_html, outcome_html, speed_html, unreached_html
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.plots.beside import Others, beside_parts
+from mrts.viewer.plots.film_controls import FilmControls
+from mrts.viewer.plots.other_result import Others, other_results
 from mrts.viewer.plots.plot_panel import PlotPanel
 from mrts.viewer.readings import Readings
 from mrts.viewer.scene import ViewerScene
@@ -39,6 +41,9 @@ READING = 0.1
 
 PACES = {"real time": 1.0, "1/2": 0.5, "1/5": 0.2, "1/10": 0.1, "1/50": 0.02}
 """Playback: seconds of the motion in a second."""
+
+PATIENCE = 60.0
+"""How long a script waits for answers [s]."""
 
 SHORT = 2.0
 """A motion below this is played slower at first, so that it takes about as long [s]."""
@@ -83,7 +88,6 @@ class Viewer:
         server.gui.main_panel.set_width(PANEL)
         self._add_player()
         self._add_tabs(urdfs, others)
-        server.on_client_connect(self._scene.fit)
         self._show_answer(bench.answer)
 
     @property
@@ -102,7 +106,7 @@ class Viewer:
                 self.step(now - last)
                 last = now
 
-    def settle(self, patience: float = 60.0) -> None:
+    def settle(self, patience: float = PATIENCE) -> None:
         """Step until every question is answered and shown, as scripts want it.
 
         Args:
@@ -129,6 +133,7 @@ class Viewer:
             self._changes.follow(elapsed, self._speed_wish(), self._held())
             self._follow_player(elapsed)
             self._view.follow()
+            self._scene.follow_windows()
             for part in self.parts:
                 part.step(elapsed)
         except MrtsError as error:
@@ -223,7 +228,10 @@ class Viewer:
                 self._pace = gui.add_dropdown("pace", tuple(PACES), initial_value=next(slow_enough, [*PACES][-1]))
                 self._loop = gui.add_checkbox("loop", initial_value=True)
             self._view = ViewControls(self.server, self._scene)
-            self.parts += beside_parts(self.server, urdfs, others)
+            self.parts += other_results(self.server, others)
+        with tabs.add_tab("Save"):
+            SaveControls(gui, self.bench, self._todo.put)
+            self.parts.append(FilmControls(gui, urdfs, others))
 
     def _show_answer(self, answer: Answer) -> None:
         """Show all that depends on choices and speed, and the moment."""

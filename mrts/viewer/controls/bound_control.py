@@ -51,6 +51,6 @@ class BoundControl:
             self.shown = self.handle.value
 
 
-def assign(handle: viser.GuiInputHandle[Any], value: Any) -> None:
+def assign(handle: viser.GuiInputHandle[Any], value: object) -> None:
     """Set a control's value."""
     handle.value = value  # type: ignore[misc]  # viser defines the setter where mypy does not look

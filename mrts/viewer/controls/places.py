@@ -4,6 +4,8 @@
 from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
+
 from mrts.base.arrays import Array
 from mrts.base.rigid_transform import (
     RigidTransform,
@@ -15,6 +17,9 @@ from mrts.cell.cell import Cell
 from mrts.cell.cell_change import machine_of
 from mrts.motion.motion_file import MotionDescription
 from mrts.viewer.workbench.choices import Choices, Given
+
+DECIMALS = 6
+"""Of a position that was moved [m]."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +52,8 @@ class Place:
         return robot.T_world_base if self.kind == "base" else robot.T_object_tip
 
     def with_pose(self, choices: Choices, pose: RigidTransform) -> Choices:
-        """Choices with another pose."""
+        """Choices with another pose, whose position is rounded: no hand is as exact as a number of a gizmo."""
+        pose = RigidTransform(pose.R, np.round(pose.p, DECIMALS))
         if self.kind == "base":
             return choices.with_base(self.robot, pose)
         if self.kind == "grasp":

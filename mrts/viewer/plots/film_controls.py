@@ -2,7 +2,6 @@
 """Pictures and films of what is shown, for the browser that asks; needs the extras 'view' and 'film'."""
 
 import tempfile
-from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from threading import Thread
@@ -15,6 +14,7 @@ from mrts.base.errors import MrtsError
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.viewer.panel import error_html, note_html
 from mrts.viewer.player_state import PlayerState
+from mrts.viewer.plots.other_result import Others
 from mrts.viewer.scene_arms import Urdfs
 from mrts.viewer.workbench.workbench import Answer
 
@@ -30,11 +30,12 @@ class FilmControls:
     Args:
         gui: Where, in the container that is open.
         urdfs: As the scene has them.
-        others: Titles and motions that stand beside it.
+        others: Results that stand beside it.
     """
 
-    def __init__(self, gui: viser.GuiApi, urdfs: Urdfs, others: Sequence[tuple[str, ScaledTrajectory]] = ()) -> None:
-        self._urdfs, self._others = urdfs, tuple(others)
+    def __init__(self, gui: viser.GuiApi, urdfs: Urdfs, others: Others = ()) -> None:
+        self._urdfs = urdfs
+        self._others = [(name, done) for name, result in others if (done := result.trajectory) is not None]
         self._state: PlayerState | None = None
         self._worker: Thread | None = None
         self._said = self._shown = ""

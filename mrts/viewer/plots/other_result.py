@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A second result in the scene, beside the first or over it, played by the same clock; needs the extra 'view'."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -16,16 +17,33 @@ from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.scene import OBJECT, THICKNESS
 from mrts.viewer.scene_arms import Rgb, drawn_arm, wxyz
+from mrts.viewer.viewer_part import ViewerPart
 from mrts.viewer.workbench.workbench import Answer
 
+Others = Sequence[tuple[str, ScalingResult]]
+"""Results with a trajectory, each with its name for people."""
+
 BESIDE, OVER, HIDDEN = "beside it", "over it", "hidden"
-PLACES = (BESIDE, OVER, HIDDEN)
+PLACES = (Others = Sequence[tuple[str, ScalingResult]]
+"""Results with a trajectory, each with its name for people."""
+
+BESIDE, OVER, HIDDEN)
 
 APART = 1.9
 """From the middle of one cell to that of the other, as a share of the cell's size."""
 
 COLOUR: Rgb = (140, 146, 156)
 """Of its arms."""
+
+
+def other_results(server: viser.ViserServer, others: Others) -> list[ViewerPart]:
+    """Show the first of some results in the scene; more have no room there.
+
+    Args:
+        server: Where; its control stands in the container that is open.
+        others: May be none.
+    """
+    return [OtherResult(server, *other) for other in others[:1]]
 
 
 class OtherResult:

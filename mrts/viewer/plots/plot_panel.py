@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: MIT
 """The time plots in the viewer's panel; needs the extra 'view'."""
 
-from collections.abc import Sequence
-
 import viser
 
 from mrts.drawing.limit_shares import limit_shares
-from mrts.scaling.result import ScalingResult
 from mrts.viewer.player_state import PlayerState
+from mrts.viewer.plots.other_result import Others
 from mrts.viewer.plots.time_plots import PLOT_STYLE, PlottedMotion, cursor_html, plots_html
 from mrts.viewer.workbench.workbench import Answer
 
@@ -23,7 +21,7 @@ class PlotPanel:
         others: Results with their names; the first is compared with what is shown.
     """
 
-    def __init__(self, gui: viser.GuiApi, others: Sequence[tuple[str, ScalingResult]] = ()) -> None:
+    def __init__(self, gui: viser.GuiApi, others: Others = ()) -> None:
         gui.add_html(PLOT_STYLE)
         self._cursor, self._plots = gui.add_html(""), gui.add_html("")
         self._other = None

@@ -10,7 +10,8 @@ import viser
 
 from mrts.viewer.controls.view_controls import ViewControls
 from mrts.viewer.panel import STYLE, moment_html, note_html, outcome_html, speed_html
-from mrts.viewer.plots.beside import Others, beside_parts
+from mrts.viewer.plots.film_controls import FilmControls
+from mrts.viewer.plots.other_result import Others, other_results
 from mrts.viewer.plots.plot_panel import PlotPanel
 from mrts.viewer.plots.saved_state import SavedState
 from mrts.viewer.readings import Readings
@@ -72,7 +73,9 @@ class SavedViewer:
                 self._pace = gui.add_dropdown("pace", tuple(PACES), initial_value=next(slow_enough, [*PACES][-1]))
                 self._loop = gui.add_checkbox("loop", initial_value=True)
             self._view = ViewControls(server, self._scene)
-            return [plots, *beside_parts(server, {}, others)]
+            beside = other_results(server, others)
+        with tabs.add_tab("Save"):
+            return [plots, *beside, FilmControls(gui, {}, others)]
 
     def run(self) -> None:
         """Follow the controls until Ctrl-C."""
@@ -102,6 +105,7 @@ class SavedViewer:
         if moved or self._playing:
             self._show_moment(read=moved or self._unread >= READING)
         self._view.follow()
+        self._scene.follow_windows()
         for part in self._parts:
             part.step(elapsed)
 

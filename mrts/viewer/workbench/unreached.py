@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.inverse_kinematics.grasp_tracking import POSE_TOLERANCE, STARTING_STEPS, solve_grasps
+from mrts.inverse_kinematics.grasp_tracking import POSE_TOLERANCE, solve_grasps
+from mrts.inverse_kinematics.starting_positions import FURTHER_STEPS
 from mrts.motion.object_motion import ObjectMotion
 
-MOST_SAMPLES = 51
+MOST_SAMPLES = 41
 """Samples that are looked at: a picture of where arms end needs no more."""
 
 
@@ -64,7 +65,7 @@ def find_unreached(cell: Cell, motion: ObjectMotion, message: str) -> Unreached:
     samples = np.unique(np.linspace(0, len(motion.time) - 1, count).round().astype(np.intp))
     start = np.concatenate([robot.posture for robot in cell.robots])
     starts = np.tile(start, (len(samples), 1))
-    held = solve_grasps(cell, motion, samples, starts, STARTING_STEPS, None)
+    held = solve_grasps(cell, motion, samples, starts, FURTHER_STEPS, None)
     return Unreached(
         cell=cell,
         motion=motion,
