@@ -12,7 +12,7 @@ from mrts.commands.shown import is_saved, played, shown_urdfs
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
-from mrts.console.terminal import warn
+from mrts.console.terminal import say, warn
 
 if TYPE_CHECKING:
     from mrts.film.stage import Take
@@ -76,11 +76,13 @@ def write_films(options: argparse.Namespace) -> int:
         at = longest / 2 if options.at is None else options.at
         if not 0 <= at <= longest:
             raise InputError("--at", f"must be a time of the motion, from 0 to {longest:.4g} s.", value=at)
-        with outputs.attempt(), working(f"drawing {options.png}"):
+        with outputs.attempt(options.png), working(f"drawing {options.png}"):
             write_picture(takes, options.png, at, warn=warn)
     if options.video is not None:
-        with outputs.attempt(), working(f"drawing {options.video}") as progress:
+        with outputs.attempt(options.video), working(f"drawing {options.video}") as progress:
             write_film(takes, options.video, warn=warn, progress=progress)
+    for line in outputs.lines():
+        say(line.lstrip("\n"))
     return outputs.code(FEASIBLE if within else INFEASIBLE)
 
 

@@ -12,11 +12,8 @@ from mrts.film.solids import Index
 MARGIN = 1.1
 """How much farther away it stands than it must."""
 
-CENTRINGS = 8
-"""Steps towards equal room on both sides; each leaves a small part of what is missing."""
-
-CENTRINGS = 8
-"""Steps towards equal room on both sides; each leaves a small part of what is missing."""
+HALVINGS = 30
+"""Steps to the middle of what is seen, to a billionth of it."""
 
 
 @dataclass(frozen=True)
@@ -83,8 +80,11 @@ def framing_camera(points: Array, backward: Array, up: Array, size: tuple[int, i
     # all are between the edges where slope (distance + forward) >= ± (across - middle)
     high, low = (np.max(sign * across - slopes[:, None] * forward, axis=1) for sign in (1, -1))
     distance = MARGIN * float(np.max((high + low) / 2 / slopes))
-    middle = (high - low) / 2
-    for _ in range(CENTRINGS):  # in the picture, where one of them has room left
+    least, most = np.min(across, axis=1), np.max(across, axis=1)
+    for _ in range(HALVINGS):  # to equal room on both sides in the picture
+        middle = (least + most) / 2
         seen = (across - middle[:, None]) / (distance + forward)
-        middle += distance * (np.max(seen, axis=1) + np.min(seen, axis=1)) / 2
+        is_right = np.max(seen, axis=1) + np.min(seen, axis=1) > 0
+        least, most = np.where(is_right, middle, least), np.where(is_right, most, middle)
+    middle = (least + most) / 2
     return Camera(np.array([*middle, -distance]) @ axes, axes, size)

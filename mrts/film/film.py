@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
 """A film of played motions as a file, and a picture of one moment."""
 
+import subprocess
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -13,6 +14,7 @@ from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError
+from mrts.base.printable import message_text
 from mrts.film.frames import Composition, Frame
 from mrts.film.stage import Take, Warn, silent
 
@@ -160,31 +162,33 @@ def _write_gif(path: Path, frames: Iterator[Frame], _size: tuple[int, int], rate
 
 
 def _write_mp4(path: Path, frames: Iterator[Frame], size: tuple[int, int], rate: int) -> None:
-    writer = _ffmpeg().write_frames(
-        str(path),
-        size,
-        fps=rate,
-        codec="libx264",
-        macro_block_size=2,
-        quality=8,
-        ffmpeg_log_level="error",
-        output_params=["-f", "mp4", "-movflags", "+faststart"],
-    )
-    writer.send(None)
-    last = b""
-    for number, frame in enumerate(frames):
-        last = np.ascontiguousarray(frame).tobytes()
-        for _ in range(int(BEFORE * rate) if number == 0 else 1):
-            writer.send(last)
-    for _ in range(int(AFTER * rate)):
-        writer.send(last)
-    writer.close()
+    source = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{size[0]}x{size[1]}", "-r", str(rate), "-i", "pipe:"]
+    coded = ["-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"]
+    target = ["-f", "mp4", "-movflags", "+faststart", "-y", f"file:{path}"]
+    command = [_ffmpeg(), "-nostdin", "-loglevel", "error", *source, *coded, *target]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as coder:  # noqa: S603 (our words)
+        assert coder.stdin is not None  # noqa: S101 (asked for)
+        frame, waits = b"", int(BEFORE * rate)
+        with suppress(BrokenPipeError):  # it says why it ended
+            for each in frames:
+                frame = np.ascontiguousarray(each).tobytes()
+                coder.stdin.write(frame * waits)
+                waits = 1
+            coder.stdin.write(frame * int(AFTER * rate))
+        _, said = coder.communicate()
+    if coder.returncode != 0:
+        raise InputError(path, f"cannot be made: {message_text(said.decode(errors='replace'))}")
 
 
-def _ffmpeg() -> Any:
+def _ffmpeg() -> str:
+    """The program that codes an mp4.
+
+    Raises:
+        InputError: If it is not installed.
+    """
     try:
         import imageio_ffmpeg  # noqa: PLC0415 (an extra)
     except ImportError:
         rule = "an mp4 needs imageio-ffmpeg: pip install 'mrts[film]'; a name that ends in .gif needs nothing more."
         raise InputError("--video", rule) from None
-    return imageio_ffmpeg
+    return str(imageio_ffmpeg.get_ffmpeg_exe())

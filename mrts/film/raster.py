@@ -97,7 +97,8 @@ def _joined(solids: Sequence[Solid]) -> tuple[Array, Index]:
 def _nearest(corners: Array, size: tuple[int, int]) -> tuple[Index, Index, Array]:
     """What is seen: triangle, pixel, and the shares of the triangle's corners."""
     depth = np.full(size[0] * size[1], np.inf)
-    found = list(_candidates(corners, size))
+    nothing = np.zeros(0, dtype=int), np.zeros(0, dtype=int), np.zeros(0), np.zeros((0, 3))
+    found = [nothing, *_candidates(corners, size)]
     for _, pixel, away, _ in found:
         np.minimum.at(depth, pixel, away)
     triangles, pixels, shares = [], [], []

@@ -24,10 +24,7 @@ Others = Sequence[tuple[str, ScalingResult]]
 """Results with a trajectory, each with its name for people."""
 
 BESIDE, OVER, HIDDEN = "beside it", "over it", "hidden"
-PLACES = (Others = Sequence[tuple[str, ScalingResult]]
-"""Results with a trajectory, each with its name for people."""
-
-BESIDE, OVER, HIDDEN)
+PLACES = (BESIDE, OVER, HIDDEN)
 
 APART = 1.9
 """From the middle of one cell to that of the other, as a share of the cell's size."""
@@ -53,6 +50,10 @@ class OtherResult:
         server: Where.
         name: Of the result, for people.
         result: With a trajectory.
+
+    Attributes:
+        body: What it carries.
+        offset: From where it stands over the first to where it stands beside it, Shape (3,) [m].
     """
 
     def __init__(self, server: viser.ViserServer, name: str, result: ScalingResult) -> None:
@@ -61,7 +62,7 @@ class OtherResult:
         self._scene, cell = server.scene, result.cell
         view = look_at_cell(cell, self._done.q, result.motion.object.position)
         across = np.cross(view.up, view.direction)
-        self._offset = APART * view.size * across / np.linalg.norm(across)
+        self.offset = APART * view.size * across / np.linalg.norm(across)
         self._robots = [replace(robot, name=f"{robot.name} of the other") for robot in cell.robots]
         self._arms = [
             drawn_arm(self._scene, robot, MappingProxyType({}), COLOUR, THICKNESS * view.size, lambda _text: None)
@@ -70,7 +71,7 @@ class OtherResult:
         self._frames = [self._scene.add_frame(f"/arms/{robot.name}", show_axes=False) for robot in self._robots]
         body = held_body(cell)
         mesh = body.vertices.astype(np.float32), body.faces.astype(np.uint32)
-        self._body = self._scene.add_mesh_simple("/other_object", *mesh, color=OBJECT, opacity=0.6, flat_shading=True)
+        self.body = self._scene.add_mesh_simple("/other_object", *mesh, color=OBJECT, opacity=0.6, flat_shading=True)
         self._label = self._scene.add_label("/other_name", shortened(name), anchor="bottom-center")
         self._above = 0.5 * view.size * view.up
         with server.gui.add_folder("Other result"):
@@ -94,14 +95,14 @@ class OtherResult:
     def _draw(self) -> None:
         self._shown = self._place.value
         visible = self._shown != HIDDEN
-        offset = self._offset if self._shown == BESIDE else np.zeros(3)
+        offset = self.offset if self._shown == BESIDE else np.zeros(3)
         done, cell = self._done, self._done.cell
         sample = int(np.argmin(np.abs(done.time - self._time)))
         for arm, robot, joints in zip(self._arms, self._robots, cell.joint_slices.values(), strict=True):
             base = RigidTransform(robot.T_world_base.R, robot.T_world_base.p + offset)
             arm.update(replace(robot, T_world_base=base), done.q[None, sample, joints])
         carried = done.motion.object
-        self._body.position, self._body.wxyz = carried.position[sample] + offset, wxyz(carried.rotation[sample])
+        self.body.position, self.body.wxyz = carried.position[sample] + offset, wxyz(carried.rotation[sample])
         self._label.position = carried.position[sample] + offset + self._above
-        for part in (*self._frames, self._body, self._label):
+        for part in (*self._frames, self.body, self._label):
             part.visible = visible

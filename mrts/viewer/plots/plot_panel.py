@@ -19,11 +19,14 @@ class PlotPanel:
     Args:
         gui: Where, in the container that is open.
         others: Results with their names; the first is compared with what is shown.
+
+    Attributes:
+        cursor: The style sheet that says where it stands.
     """
 
     def __init__(self, gui: viser.GuiApi, others: Others = ()) -> None:
         gui.add_html(PLOT_STYLE)
-        self._cursor, self._plots = gui.add_html(""), gui.add_html("")
+        self.cursor, self._plots = gui.add_html(""), gui.add_html("")
         self._other = None
         for name, result in others[:1]:
             if (done := result.trajectory) is not None:
@@ -39,7 +42,7 @@ class PlotPanel:
 
     def show_moment(self, state: PlayerState) -> None:
         """Move the cursor to the chosen sample."""
-        self._cursor.content = cursor_html(state.time / max(self._longest, state.trajectory.duration))
+        self.cursor.content = cursor_html(state.time / max(self._longest, state.trajectory.duration))
 
     def step(self, elapsed: float) -> None:
         """Plot what waits.

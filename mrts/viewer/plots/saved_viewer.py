@@ -32,6 +32,9 @@ class SavedViewer:
         state: What.
         warn: Told what cannot be drawn.
         others: As in `Viewer`.
+
+    Attributes:
+        parts: As in `Viewer`.
     """
 
     def __init__(
@@ -50,13 +53,13 @@ class SavedViewer:
         gui.add_html(note_html(FIXED))
         self._time = gui.add_slider("time [s]", 0.0, 1.0, 1.0, 0.0)
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
-        self._play.on_click(lambda _: self._todo.put(self._toggle))
+        self._play.on_click(lambda _: self._todo.put(self.toggle))
         gui.add_html(speed_html(state))
         self._moment_text = gui.add_html("")
-        self._parts = self._tabs(server, others)
+        self.parts = self._tabs(server, others)
         self._scene.rescale(state)
         self._readings.show_answer(self._answer)
-        for part in self._parts:
+        for part in self.parts:
             part.show_answer(self._answer)
         self._show_moment(read=True)
 
@@ -106,7 +109,7 @@ class SavedViewer:
             self._show_moment(read=moved or self._unread >= READING)
         self._view.follow()
         self._scene.follow_windows()
-        for part in self._parts:
+        for part in self.parts:
             part.step(elapsed)
 
     def _advance(self, elapsed: float) -> None:
@@ -116,9 +119,10 @@ class SavedViewer:
             self._clock %= duration
         elif self._clock > duration:
             self._clock = duration
-            self._toggle()
+            self.toggle()
 
-    def _toggle(self) -> None:
+    def toggle(self) -> None:
+        """Play, or stop playing."""
         self._playing = not self._playing
         self._play.label = "Pause" if self._playing else "Play"
         if self._playing and self._clock >= self._state.trajectory.duration:
@@ -129,7 +133,7 @@ class SavedViewer:
         state.choose_time(self._clock)
         with self._server.atomic():
             self._scene.show_moment(state)
-            for part in self._parts:
+            for part in self.parts:
                 part.show_moment(state)
         if not read:
             return
