@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from mrts.studies.study import Study
 
 SAVED = ".npz"
-STUDY_RECORD = "study.json"
 
 
 def add_shown(view: argparse.ArgumentParser) -> None:
@@ -59,9 +58,11 @@ def shown_files(options: argparse.Namespace) -> Iterator[None]:
             yield
     else:
         if options.motion is None:
-            study = (options.cell / STUDY_RECORD).exists()
-            rule = "is needed: which variant of the study?" if study else "is needed: mrts view CELL MOTION."
-            raise InputError("--variant" if study else "MOTION", rule)
+            from mrts.studies.study_folder import STUDY_FILE
+
+            is_study = (options.cell / STUDY_FILE).exists()
+            rule = "is needed: which variant of the study?" if is_study else "is needed: mrts view CELL MOTION."
+            raise InputError("--variant" if is_study else "MOTION", rule)
         yield
 
 

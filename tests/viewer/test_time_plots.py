@@ -65,15 +65,12 @@ def test_lines_are_the_shares_of_limits(lifted):
 @pytest.mark.quick
 def test_no_peak_is_lost_and_names_are_text(planar_cell, lift):
     count = 5 * MOST_POINTS + 3
-    description = mrts.MotionDescription(
-        start={"xyz": lift.position[0].tolist()}, end={"xyz": lift.position[-1].tolist()}, duration=0.6, samples=count
-    )
+    start, end = ({"xyz": lift.position[at].tolist()} for at in (0, -1))
+    description = mrts.MotionDescription(start=start, end=end, duration=0.6, samples=count, profile="quintic")
+    dense = mrts.scale(planar_cell, mrts.sample_motion(description), between=None)
     share = np.full((count, 1), 0.2)
     share[3333 % count] = 1.0
-    found = replace(
-        plotted("", mrts.scale(planar_cell, mrts.sample_motion(description), between=None)),
-        shares=[LimitShares("torque", ("<b>/&",), share)],
-    )
+    found = replace(plotted("", dense), shares=[LimitShares("torque", ("<b>/&",), share)])
     page = lxml.html.fromstring(f"<div>{plots_html(found)}</div>")
     ((_, drawn),) = lines_of(page, "torque").values()
     assert len(drawn) <= MOST_POINTS
