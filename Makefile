@@ -10,7 +10,7 @@ BEFORE ?=
 VARIANTS ?= 20000
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo quick test fuzz docs check bench instructions embedded-counts generate clean
+.PHONY: help install demo quick test fuzz wheel docs check bench instructions embedded-counts generate clean
 .NOTPARALLEL:  # one pip at a time in .venv
 
 help:  ## show this list
@@ -75,6 +75,9 @@ fuzz: install  ## read CASES damaged input files, from SEED on; look between the
 	BETWEEN_MOTIONS=50 $(BIN)/python -m pytest -q -x tests/refinement/test_between_samples.py
 	MORE_DRAWS=5 $(BIN)/python -m pytest -q -x tests/samples/test_speed_intervals.py tests/scaling/test_uncertain_load.py \
 	  tests/studies/test_variant_batch.py
+
+wheel: install  ## build the wheel and use it in an empty environment of each Python that is here
+	$(BIN)/python .ci/try_wheel.py
 
 docs: install  ## build the documentation as a site in build/site
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

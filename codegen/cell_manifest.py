@@ -14,6 +14,8 @@ from mrts.base.manifest import (
     ChainsRecord,
     JointRecord,
     Manifest,
+    MotionManifest,
+    MotionRecord,
     ObjectRecord,
     PoseRecord,
     RemarkRecord,
@@ -52,7 +54,8 @@ def cell_manifest(cell: CellModel, chains: ChainsRecord) -> Manifest:
         chains: What was generated for its chains.
     """
     description = cell.description
-    return Manifest(
+    kind = MotionManifest if isinstance(chains, MotionRecord) else Manifest
+    return kind(
         **dict(chains),
         notice=NOTICE,
         content_sha256="",

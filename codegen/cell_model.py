@@ -5,7 +5,6 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from mrts_codegen.cell_file import CellDescription, RobotDescription, TorqueBounds
@@ -13,14 +12,14 @@ from mrts_codegen.hand_file import build_contacts
 from mrts_codegen.motors_block import build_motors
 from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS, check_plane_kept
-from mrts_codegen.urdf.robot_model import RobotModel, build_robot_model
+from mrts_codegen.urdf.robot_model import Joint, RobotModel, build_robot_model
 from mrts_codegen.urdf.shared_joints import check_machines, root_in_base
 from mrts_codegen.urdf.urdf_file import read_urdf
 from mrts_codegen.urdf.urdf_joint import NO_LIMIT
 from mrts_codegen.urdf_reference import resolve_urdf
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, Mistakes
 from mrts.base.input_file import MAX_URDF_BYTES
 from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.regular_file import read_regular
@@ -114,38 +113,55 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
     components = PLANE_COMPONENTS[description.plane]
     names = tuple(WRENCH_COMPONENTS[component] for component in components)
     folder = path.resolve().parent if folder is None else folder
-    files = [resolve_urdf(path, folder, robot.urdf) for robot in description.robots]
-    urdfs = [read_urdf(file) for file in files]
-    robots = tuple(
-        _build_robot(path, description, index, names, file, urdf)
-        for index, (file, urdf) in enumerate(zip(files, urdfs, strict=True))
-    )
-    return CellModel(description, components, names, robots, check_machines(path, robots, urdfs))
+    mistakes = Mistakes()
+    robots, urdfs = [], []
+    for index, robot in enumerate(description.robots):
+        with mistakes.noted():
+            robots.append(build_robot(path, f"robots[{index}] ({robot.name})", robot, description.plane, folder))
+            urdfs.append(read_urdf(resolve_urdf(path, folder, robot.urdf)))
+    mistakes.raise_noted()
+    return CellModel(description, components, names, tuple(robots), check_machines(path, robots, urdfs))
 
 
-def _build_robot(
-    path: Path, cell: CellDescription, index: int, components: tuple[str, ...], urdf_path: Path, urdf: Any
-) -> CellRobot:
-    robot = cell.robots[index]
-    key = f"robots[{index}] ({robot.name})"
+def build_robot(path: Path, key: str, robot: RobotDescription, plane: str | None, folder: Path) -> CellRobot:
+    """Read the URDF of a robot and check all that the cell file says of it against it.
+
+    Args:
+        path: The cell file, for messages.
+        key: Of the robot in it, likewise.
+        robot: What it says.
+        plane: Of the cell.
+        folder: That URDFs are relative to, absolute.
+
+    Raises:
+        InputError: If the URDF or an array of the robot breaks a rule; carries all that do.
+    """
+    urdf_path = resolve_urdf(path, folder, robot.urdf)
+    urdf = read_urdf(urdf_path)
+    components = tuple(WRENCH_COMPONENTS[component] for component in PLANE_COMPONENTS[plane])
     held = held_positions(path, f"{key}.fixed", urdf_path, urdf, robot.fixed)
     model = build_robot_model(urdf_path, urdf, robot.base_link, robot.tip_link, held)
     joints = [joint.name for joint in model.joints]
-    if len(robot.posture) != len(joints):
-        raise InputError(
-            path,
-            f"must have {len(joints)} values, one for each of {', '.join(joints)}.",
-            key=f"{key}.posture",
-            value=robot.posture,
-        )
-    torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model)
-    bounds = robot.wrench
-    wrench_lower, wrench_upper = given_wrench_limits(path, f"{key}.wrench", bounds.lower, bounds.upper, len(components))
-    motors, remarks = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
     T_world_base = RigidTransform.from_xyz_rpy(robot.base.xyz, robot.base.rpy)
     T_object_tip = RigidTransform.from_xyz_rpy(robot.grasp.xyz, robot.grasp.rpy)
-    if cell.plane is not None:
-        check_plane_kept(path, key, cell.plane, T_world_base, T_object_tip, model)
+    bounds = robot.wrench
+    mistakes = Mistakes()
+    with mistakes.noted():
+        if len(robot.posture) != len(joints):
+            rule = f"must have {len(joints)} values, one for each of {', '.join(joints)}."
+            raise InputError(path, rule, key=f"{key}.posture", value=robot.posture)
+    with mistakes.noted():
+        torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model)
+        motors, remarks = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
+    with mistakes.noted():
+        wrench_lower, wrench_upper = given_wrench_limits(
+            path, f"{key}.wrench", bounds.lower, bounds.upper, len(components)
+        )
+    with mistakes.noted():
+        if plane is not None:
+            check_plane_kept(path, key, plane, T_world_base, T_object_tip, model)
+        contacts = build_contacts(path, f"{key}.contact", robot.contact, components, T_object_tip.R)
+    mistakes.raise_noted()
     return CellRobot(
         name=robot.name,
         model=model,
@@ -162,7 +178,7 @@ def _build_robot(
         wrench_upper=wrench_upper,
         motors=motors,
         remarks=remarks,
-        contacts=build_contacts(path, f"{key}.contact", robot.contact, components, T_object_tip.R),
+        contacts=contacts,
         contact_rate=_contact_rate(robot.contact_rate, components),
     )
 
@@ -172,21 +188,28 @@ def _torque_limits(
 ) -> tuple[Array, Array]:
     joints = [joint.name for joint in model.joints]
     if robot.torque is None:
+        mistakes = Mistakes()
         for joint in model.joints:
-            if joint.effort is None or not 0 < joint.effort < NO_LIMIT:
-                raise InputError(
-                    urdf_path,
-                    f"its effort limit is {'missing or 0' if joint.effort is None else joint.effort}, which says "
-                    f"nothing about the motor. Give 'torque: [{', '.join(joints)}]' in N m for robot "
-                    f"'{robot.name}' in {path.name}.",
-                    key=f"joint '{joint.name}'",
-                )
+            with mistakes.noted():
+                _check_effort(path, urdf_path, robot, joint, joints)
+        mistakes.raise_noted()
         upper = np.array([joint.effort for joint in model.joints], dtype=float)
         return -upper, upper
     given = robot.torque
     if isinstance(given, TorqueBounds):
         return given_torque_limits(path, f"{key}.torque", given.lower, given.upper, joints)
     return given_torque_limits(path, f"{key}.torque", None, given, joints)
+
+
+def _check_effort(path: Path, urdf_path: Path, robot: RobotDescription, joint: Joint, joints: list[str]) -> None:
+    if joint.effort is None or not 0 < joint.effort < NO_LIMIT:
+        raise InputError(
+            urdf_path,
+            f"its effort limit is {'missing or 0' if joint.effort is None else joint.effort}, which says "
+            f"nothing about the motor. Give 'torque: [{', '.join(joints)}]' in N m for robot "
+            f"'{robot.name}' in {path.name}.",
+            key=f"joint '{joint.name}'",
+        )
 
 
 def _contact_rate(given: list[float | None] | None, components: tuple[str, ...]) -> Array:

@@ -4,8 +4,9 @@
 A new function is one builder and one line in `BUILDERS`.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -33,7 +34,11 @@ class Sample:
     cell: CellModel
     geometry: Geometry
     symbols: SampleSymbols
-    terms: CooperativeTerms
+
+    @cached_property
+    def terms(self) -> CooperativeTerms:
+        """Made for who asks for them first: kinematics do without."""
+        return cooperative_terms(self.cell, self.symbols, self.geometry)
 
     def inputs(self) -> Named:
         """The seven inputs of every function of a moving sample."""
@@ -98,9 +103,12 @@ def _geometric_stiffness_rate(sample: Sample) -> tuple[Named, Named] | None:
 
 def _torques_of_wrenches(sample: Sample) -> tuple[Any, list[Any]] | None:
     """Symbols of the wrenches F, and JᵀF of every arm; None if no arm is redundant."""
-    J = sample.terms.J
-    if all(of_arm.size2() <= of_arm.size1() for of_arm in J):
+    cell, geometry = sample.cell, sample.geometry
+    size = len(cell.components)
+    if all(len(robot.model.joints) <= size for robot in cell.robots):
         return None
+    rows, joints = list(cell.components), split_joints(cell, sample.symbols.q)
+    J = [ca.densify(frame_jacobian(model, q)[rows, :]) for model, q in zip(geometry.models, joints, strict=True)]
     wrench = ca.SX.sym("wrench", sum(of_arm.size1() for of_arm in J))
     parts = ca.vertsplit(wrench, J[0].size1())
     return wrench, [of_arm.T @ part for of_arm, part in zip(J, parts, strict=True)]
@@ -154,8 +162,10 @@ BUILDERS: dict[str, Callable[[Sample], tuple[Named, Named] | None]] = {
 """Short name to builder; a builder returns None where the cell does not allow its function."""
 
 
-def build_functions(cell: CellModel, stem: str, *, bake: bool) -> dict[str, ca.Function]:
-    """All functions of a cell as named CasADi Functions with named dense inputs and outputs.
+def build_functions(
+    cell: CellModel, stem: str, *, bake: bool, names: Iterable[str] = BUILDERS
+) -> dict[str, ca.Function]:
+    """Functions of a cell as named CasADi Functions with named dense inputs and outputs.
 
     Common subexpressions are merged, which saves 15 to 40 % of the instructions.
 
@@ -163,17 +173,17 @@ def build_functions(cell: CellModel, stem: str, *, bake: bool) -> dict[str, ca.F
         cell: The cell.
         stem: First part of their names.
         bake: Whether the cell's geometry is folded in; else it is the last input of each.
+        names: Of those that are wanted, of `BUILDERS`.
 
     Returns:
         Short name to Function; the Function itself is called `<stem>_<short name>`.
     """
-    symbols = sample_symbols(cell)
     geometry = geometry_numbers(cell) if bake else geometry_symbols(cell)
-    sample = Sample(cell, geometry, symbols, cooperative_terms(cell, symbols, geometry))
+    sample = Sample(cell, geometry, sample_symbols(cell))
     last = {} if bake else {"geometry": geometry.symbol}
     functions = {}
-    for name, build in BUILDERS.items():
-        built = build(sample)
+    for name in names:
+        built = BUILDERS[name](sample)
         if built is not None:
             inputs, outputs = built[0] | last, built[1]
             functions[name] = ca.Function(

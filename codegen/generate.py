@@ -16,10 +16,12 @@ from mrts.base.atomic_file import text_writer, write_together
 from mrts.base.manifest import (
     CHAINS_NAME,
     MANIFEST_NAME,
+    OF_MOTION,
     ArgumentRecord,
     ChainsRecord,
     FunctionRecord,
     Manifest,
+    MotionRecord,
 )
 
 Record = TypeVar("Record", bound=ChainsRecord)
@@ -85,6 +87,24 @@ def generate_chains(cell: CellModel, stem: str, *, bake: bool = False) -> Genera
         functions={name: _function_record(function) for name, function in functions.items()},
     )
     return Generated(record, c_source, functions)
+
+
+def motion_functions(cell: CellModel, stem: str) -> tuple[Manifest, dict[str, ca.Function]]:
+    """The functions of a cell that the motion of its joints takes, and its manifest: nothing is emitted.
+
+    Args:
+        cell: The cell.
+        stem: First part of their names.
+    """
+    functions = build_functions(cell, stem, bake=False, names=OF_MOTION)
+    record = MotionRecord(
+        chains=chains_key(cell, stem, bake=False),
+        casadi_version=ca.CasadiMeta.version(),
+        source=f"{stem}.c",
+        source_sha256="",
+        functions={name: _function_record(function) for name, function in functions.items()},
+    )
+    return cell_manifest(cell, record), functions
 
 
 def emit_c(name: str, functions: dict[str, ca.Function]) -> str:

@@ -20,6 +20,11 @@ if TYPE_CHECKING:
     from mrts.cell.robot import Robot
     from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
     from mrts.coordination.grasp_closure import ClosureBound
+    from mrts.diagnosis.arm_reach import ArmMargin, ArmReach
+    from mrts.diagnosis.cell_check import CellCheck
+    from mrts.diagnosis.check import check
+    from mrts.diagnosis.hint import Hint
+    from mrts.diagnosis.nearest_hold import NearestHold
     from mrts.hands.box import box_contact
     from mrts.hands.contact import Contact
     from mrts.hands.gripper import gripper_contact
@@ -37,6 +42,7 @@ if TYPE_CHECKING:
     from mrts.motion.object_motion import ObjectMotion
     from mrts.motors.joint_duty import JointDuty
     from mrts.motors.joint_motors import JointMotors
+    from mrts.motors.joint_source import JointSource
     from mrts.output.ros_bag import write_ros_bag
     from mrts.output.saved_result import load_result, save_result
     from mrts.output.trajectory_table import write_trajectory_csv
@@ -68,10 +74,13 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "ActiveRow": "limits.rows",
+    "ArmMargin": "diagnosis.arm_reach",
     "ArmMotors": "identification.identified_motors",
+    "ArmReach": "diagnosis.arm_reach",
     "Branch": "studies.configurations",
     "Cell": "cell.cell",
     "CellChange": "cell.cell_change",
+    "CellCheck": "diagnosis.cell_check",
     "ChangeSteps": "cell.cell_change",
     "ChangedAnswer": "scaling.what_if",
     "ClosureBound": "coordination.grasp_closure",
@@ -83,10 +92,12 @@ _HOMES = {
     "CoordinatedMotion": "coordination.coordinated_motion",
     "DistributionRule": "scaling.result",
     "Excess": "refinement.excess",
+    "Hint": "diagnosis.hint",
     "Holding": "scaling.holding_torques",
     "InputError": "base.errors",
     "JointDuty": "motors.joint_duty",
     "JointMotors": "motors.joint_motors",
+    "JointSource": "motors.joint_source",
     "JointRecording": "motion.joint_recording",
     "JointTable": "motion.joint_table",
     "LoadBox": "base.load_box",
@@ -98,6 +109,7 @@ _HOMES = {
     "MotorIdentification": "identification.identified_motors",
     "MotorParameter": "identification.identified_motors",
     "MrtsError": "base.errors",
+    "NearestHold": "diagnosis.nearest_hold",
     "ObjectMotion": "motion.object_motion",
     "Placement": "layout.placement",
     "PlanReserve": "samples.reserve",
@@ -128,6 +140,7 @@ _HOMES = {
     "StudyFolder": "studies.study_folder",
     "SweepProgress": "sweeps.sweep_progress",
     "box_contact": "hands.box",
+    "check": "diagnosis.check",
     "follow_object": "coordination.coordinated_motion",
     "gripper_contact": "hands.gripper",
     "identify": "identification.identify",
@@ -155,10 +168,13 @@ _HOMES = {
 
 __all__ = [
     "ActiveRow",
+    "ArmMargin",
     "ArmMotors",
+    "ArmReach",
     "Branch",
     "Cell",
     "CellChange",
+    "CellCheck",
     "ChangeSteps",
     "ChangedAnswer",
     "ClosureBound",
@@ -170,11 +186,13 @@ __all__ = [
     "CoordinatedMotion",
     "DistributionRule",
     "Excess",
+    "Hint",
     "Holding",
     "InputError",
     "JointDuty",
     "JointMotors",
     "JointRecording",
+    "JointSource",
     "JointTable",
     "LoadBox",
     "LoadPoint",
@@ -185,6 +203,7 @@ __all__ = [
     "MotorIdentification",
     "MotorParameter",
     "MrtsError",
+    "NearestHold",
     "ObjectMotion",
     "Placement",
     "PlanReserve",
@@ -215,6 +234,7 @@ __all__ = [
     "SweepProgress",
     "WhatIf",
     "box_contact",
+    "check",
     "follow_object",
     "gripper_contact",
     "identify",

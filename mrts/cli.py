@@ -7,6 +7,7 @@ import atexit
 import gc
 import logging
 import os
+import shlex
 import signal
 import sys
 from collections.abc import Container, Sequence
@@ -14,7 +15,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
-from mrts.base.errors import MrtsError
+from mrts.base.errors import MotionError, MrtsError
 from mrts.base.printable import message_text
 from mrts.base.version import __version__
 from mrts.commands.completion import complete, is_completing
@@ -29,10 +30,12 @@ from mrts.console.terminal import (
     fail_raw,
     flush_answer,
     open_closed_streams,
+    warn,
 )
 
 VERBS = {
     "demo": "run the paper's examples",
+    "check": "all that is wrong, assumed, or out of reach in a cell and a motion, at once, without a compiler",
     "generate": "generate the C of a cell",
     "scale": "find the range of c², choose c², distribute the torques",
     "configurations": "compare all inverse-kinematics branches of the arms",
@@ -94,6 +97,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             flush_answer()
     except MrtsError as error:
         fail(f"error: {error}")
+        if isinstance(error, MotionError) and options is not None:
+            _advise_check(options)
         return BAD_INPUT
     except BrokenPipeError:
         return PIPE_CLOSED
@@ -113,6 +118,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         fail(describe_defect(error))
         return DEFECT
     return code
+
+
+def _advise_check(options: argparse.Namespace) -> None:
+    """Say what tells more of a motion that the arms do not follow."""
+    cell, motion = getattr(options, "cell", None), getattr(options, "motion", None)
+    if cell is not None and motion is not None:
+        files = f"{shlex.quote(str(cell))} {shlex.quote(str(motion))}"
+        warn(f"how near each arm comes, and what would work: mrts check {files}")
 
 
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:

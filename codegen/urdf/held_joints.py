@@ -29,9 +29,7 @@ def held_positions(path: Path, key: str, urdf_path: Path, urdf: Any, fixed: dict
     held = {name: float(position) for name, position in fixed.items()}
     for _ in joints:  # a follower of a follower takes another round
         followers = {
-            joint.name: float(
-                held[joint.mimic.joint] * _given(joint.mimic.multiplier, 1) + _given(joint.mimic.offset, 0)
-            )
+            joint.name: held[joint.mimic.joint] * joint.mimic.multiplier + joint.mimic.offset
             for joint in urdf.joints
             if joint.mimic is not None and joint.mimic.joint in held and joint.type in MOVING_TYPES
         }
@@ -39,10 +37,6 @@ def held_positions(path: Path, key: str, urdf_path: Path, urdf: Any, fixed: dict
             break
         held |= followers
     return held
-
-
-def _given(value: float | None, default: float) -> float:
-    return default if value is None else value
 
 
 def _check_joint(path: Path, key: str, urdf_path: Path, joints: dict[str, Any], name: str, position: float) -> None:

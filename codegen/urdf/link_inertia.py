@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from mrts_codegen.cell_file import INERTIA_TOLERANCE, inertia_problem, triangle_excess
-from mrts_codegen.urdf.urdf_joint import matrix_pose
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
@@ -63,7 +62,7 @@ def link_inertia(path: Path, link: Any, remarks: list[Remark]) -> Inertia:
 
     Args:
         path: The URDF, for messages.
-        link: As yourdfpy has it.
+        link: Of a URDF.
         remarks: What is let pass is added here.
 
     Raises:
@@ -79,7 +78,7 @@ def link_inertia(path: Path, link: Any, remarks: list[Remark]) -> Inertia:
             text = f"{path.name}: link '{link.name}' has an inertia but no mass; it counts as a frame without a body."
             remarks.append(Remark("massless-inertia", text))
         return Inertia.zero()
-    T_link_com = matrix_pose(inertial.origin)
+    T_link_com: RigidTransform = inertial.origin
     if np.max(np.abs(inertial.inertia)) <= inertial.mass * POINT_RADIUS**2:
         return Inertia(inertial.mass, np.zeros(3), np.zeros((3, 3))).seen_from(T_link_com)
     problem = inertia_problem(inertial.inertia, triangle=TRIANGLE_MARGIN, rods=True)

@@ -18,7 +18,7 @@ from mrts_codegen.urdf.urdf_joint import (
 )
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, Mistakes
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
 
@@ -116,7 +116,7 @@ def build_robot_model(
 
     Raises:
         InputError: If a link is unknown, the tip is not below the base, a joint type cannot be modelled, or a
-            body is not physical.
+            body is not physical; carries all that are not.
     """
     held = held or {}
     links = {link.name: link for link in urdf.links}
@@ -131,13 +131,15 @@ def build_robot_model(
     joints = []
     placement, placed_by_held = RigidTransform.identity(), False
     for urdf_joint in chain:
-        _check_kind(path, urdf_joint, moves=urdf_joint.name in moving_names)
-        placement = placement @ joint_pose(path, urdf_joint, held.get(urdf_joint.name, 0.0))
-        placed_by_held |= urdf_joint.name in held
-        if urdf_joint.name in moving_names:
-            body, laden = bodies.carried(urdf_joint.child, stops)
-            joints.append(_joint(path, urdf_joint, placement, body, by_held=(placed_by_held, laden)))
-            placement, placed_by_held = RigidTransform.identity(), False
+        with bodies.mistakes.noted():
+            _check_kind(path, urdf_joint, moves=urdf_joint.name in moving_names)
+            placement = placement @ joint_pose(path, urdf_joint, held.get(urdf_joint.name, 0.0))
+            placed_by_held |= urdf_joint.name in held
+            if urdf_joint.name in moving_names:
+                body, laden = bodies.carried(urdf_joint.child, stops)
+                joints.append(_joint(path, urdf_joint, placement, body, by_held=(placed_by_held, laden)))
+                placement, placed_by_held = RigidTransform.identity(), False
+    bodies.mistakes.raise_noted()
     if not joints:
         raise InputError(path, f"no joint moves between '{base_link}' and '{tip_link}'.", key="tip_link")
     remarks = (*bodies.remarks, *_follower_remarks(path, urdf.joints, moving))
@@ -253,6 +255,7 @@ class _Bodies:
         for joint in joints:
             self._below.setdefault(joint.parent, []).append(joint)
         self.remarks: list[Remark] = []
+        self.mistakes = Mistakes()
 
     def carried(self, first: str, stops: set[str]) -> tuple[Inertia, bool]:
         """All that a joint carries up to the next, in the frame of its first link; whether held joints place any."""
@@ -260,7 +263,8 @@ class _Bodies:
         pending = [(first, RigidTransform.identity())]
         while pending:
             link, T_body_link = pending.pop()
-            total = total + link_inertia(self._path, self._links[link], self.remarks).seen_from(T_body_link)
+            with self.mistakes.noted():
+                total = total + link_inertia(self._path, self._links[link], self.remarks).seen_from(T_body_link)
             below = [joint for joint in self._below.get(link, []) if joint.child not in stops]
             by_held |= any(joint.name in self._held for joint in below)
             pending += [

@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: MIT
 """Reading a URDF: only links with inertials and joints, everything else in the file is left alone.
 
-yourdfpy does the parsing. Before it sees the file, document types are refused (entity bombs), and what yourdfpy
-would silently replace by a default (a missing mass, a missing inertia entry) is an error here.
+Document types are refused (entity bombs), and a missing mass or a missing entry of an inertia is an error, not a
+default. Libraries that read URDFs import all that draws them first: 1 s of each first use of a cell.
 """
 
-import io
 from functools import lru_cache
 from math import inf
 from pathlib import Path
 from typing import Any
 
 from lxml import etree
+from mrts_codegen.urdf.urdf_elements import INERTIA_KEYS, Link, Urdf, UrdfJoint, joint_of, link_of
 
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, Mistakes
 from mrts.base.input_file import LARGEST_NUMBER, MAX_URDF_BYTES, read_text
 
 FILES_KEPT = 16
@@ -22,21 +22,20 @@ FILES_KEPT = 16
 MAX_LINKS = 2000
 """Far above any robot; reading so many takes a second."""
 
-_INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 XACRO_NAMESPACE = "http://www.ros.org/wiki/xacro"
 _HARMLESS = ("NS_ERR_UNDEFINED_NAMESPACE", "ERR_UNKNOWN_VERSION")
 _JOINT_CHILDREN = ("parent", "child", "origin", "axis", "limit", "mimic", "dynamics")
 
 
-def read_urdf(path: Path) -> Any:
+def read_urdf(path: Path) -> Urdf:
     """Parse a URDF.
 
     Args:
         path: The file.
 
     Returns:
-        A `yourdfpy.Robot` with links (inertial only) and joints.
+        Its links and joints.
 
     Raises:
         InputError: If it is missing, not XML, not a URDF, an unexpanded xacro, or holds a value that is no number.
@@ -45,17 +44,21 @@ def read_urdf(path: Path) -> Any:
 
 
 @lru_cache(maxsize=FILES_KEPT)
-def _parsed(path: Path, text: str) -> Any:
+def _parsed(path: Path, text: str) -> Urdf:
     root = _parse(path, text)
     if root.tag != "robot":
         raise InputError(path, "is not a URDF: its root element must be <robot>.", value=root.tag)
-    stripped = _keep_links_and_joints(path, root)
-    # 0.7 s of trimesh, needed at build time only
-    from yourdfpy import URDF  # noqa: PLC0415
-
-    document = io.BytesIO(etree.tostring(stripped))
-    model = URDF.load(document, load_meshes=False, build_scene_graph=False)
-    return model.robot
+    _check_names_differ(path, root)
+    mistakes = Mistakes()
+    links, joints = [], []
+    for link in root.findall("link"):
+        with mistakes.noted():
+            links.append(_checked_link(path, link))
+    for joint in root.findall("joint"):
+        with mistakes.noted():
+            joints.append(_checked_joint(path, joint))
+    mistakes.raise_noted()
+    return Urdf(tuple(links), tuple(joints))
 
 
 def _parse(path: Path, text: str) -> Any:
@@ -79,37 +82,27 @@ def _parse(path: Path, text: str) -> Any:
     return root
 
 
-def _keep_links_and_joints(path: Path, root: Any) -> Any:
-    stripped = etree.Element("robot", name=root.get("name", "robot"))
-    _check_names_differ(path, root)
-    for link in root.findall("link"):
-        name = _attribute(path, link, "name", "a <link>")
-        kept = etree.SubElement(stripped, "link", name=name)
-        inertial = _only(path, f"link '{name}'", link, "inertial")
-        if inertial is not None:
-            kept.append(_checked_inertial(path, name, inertial))
-    for joint in root.findall("joint"):
-        stripped.append(_checked_joint(path, joint))
-    return stripped
+def _checked_link(path: Path, link: Any) -> Link:
+    name = _attribute(path, link, "name", "a <link>")
+    inertial = _only(path, f"link '{name}'", link, "inertial")
+    return link_of(name, None if inertial is None else _checked_inertial(path, name, inertial))
 
 
-def _checked_joint(path: Path, joint: Any) -> Any:
+def _checked_joint(path: Path, joint: Any) -> UrdfJoint:
     name = _attribute(path, joint, "name", "a <joint>")
     where = f"joint '{name}'"
     kind = _attribute(path, joint, "type", where)
     if kind not in JOINT_TYPES:
         raise InputError(path, f"must be one of {', '.join(JOINT_TYPES)}.", key=f"{where} type", value=kind)
-    kept = etree.Element("joint", name=name, type=kind)
     for tag in _JOINT_CHILDREN:
         child = _only(path, where, joint, tag)
         if child is not None:
             _check_numbers(path, where, child)
-            kept.append(child)
         elif tag in {"parent", "child"}:
             raise InputError(path, f"a <{tag} link=…> element is needed.", key=where)
     for tag in ("parent", "child"):
-        _attribute(path, kept.find(tag), "link", where)
-    return kept
+        _attribute(path, joint.find(tag), "link", where)
+    return joint_of(joint)
 
 
 def _check_names_differ(path: Path, root: Any) -> None:
@@ -130,8 +123,8 @@ def _checked_inertial(path: Path, link: str, inertial: Any) -> Any:
     mass, inertia = (_only(path, where, inertial, tag) for tag in ("mass", "inertia"))
     if mass is None or mass.get("value") is None:
         raise InputError(path, "its <inertial> needs <mass value=…> in kg.", key=where)
-    if inertia is None or any(inertia.get(key) is None for key in _INERTIA_KEYS):
-        raise InputError(path, f"its <inertial> needs <inertia> with {', '.join(_INERTIA_KEYS)}.", key=where)
+    if inertia is None or any(inertia.get(key) is None for key in INERTIA_KEYS):
+        raise InputError(path, f"its <inertial> needs <inertia> with {', '.join(INERTIA_KEYS)}.", key=where)
     for child in inertial:
         _check_numbers(path, where, child)
     return inertial

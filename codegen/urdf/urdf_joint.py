@@ -71,20 +71,12 @@ def friction(path: Path, joint: Any) -> tuple[float, float]:
     """
     values = []
     for name in ("friction", "damping"):
-        text = None if joint.dynamics is None else getattr(joint.dynamics, name)
-        value = float(text or 0.0)  # yourdfpy leaves text as it is
+        value = 0.0 if joint.dynamics is None else getattr(joint.dynamics, name)
         if not 0 <= value < NO_LIMIT:
             key = f"joint '{joint.name}', <dynamics> {name}"
-            raise InputError(path, f"must be >= 0 and below {NO_LIMIT:.0e}.", key=key, value=text)
+            raise InputError(path, f"must be >= 0 and below {NO_LIMIT:.0e}.", key=key, value=value)
         values.append(value)
     return values[0], values[1]
-
-
-def matrix_pose(matrix: Array | None) -> RigidTransform:
-    """The pose of an <origin>, which yourdfpy gives as a homogeneous matrix, Shape (4, 4), or None."""
-    if matrix is None:
-        return RigidTransform.identity()
-    return RigidTransform(snap_rotation(matrix[:3, :3]), matrix[:3, 3].copy())
 
 
 def joint_pose(path: Path, joint: Any, position: float = 0.0) -> RigidTransform:
@@ -93,7 +85,7 @@ def joint_pose(path: Path, joint: Any, position: float = 0.0) -> RigidTransform:
     Raises:
         InputError: If the joint must move and its axis is zero.
     """
-    T = matrix_pose(joint.origin)
+    T: RigidTransform = joint.origin
     if position == 0:
         return T
     axis = unit_axis(path, joint)

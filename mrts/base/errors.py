@@ -7,6 +7,8 @@ quotes is escaped, and cut where it is very long.
 """
 
 import reprlib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, cast
@@ -39,23 +41,71 @@ class InputError(MrtsError):
         rule: What must hold, and what to do; a sentence.
         key: Path of the key inside the file, such as `robots[0].torque`.
         value: The offending value; left out of the message when None.
+        others: What else is wrong, as `mrts check` lists it.
     """
 
-    def __init__(self, where: Path | str, rule: str, *, key: str = "", value: object = None) -> None:
+    def __init__(
+        self, where: Path | str, rule: str, *, key: str = "", value: object = None, others: "Sequence[InputError]" = ()
+    ) -> None:
         self.where = str(where)
         self.key = key
         self.value = value
         self.rule = rule
+        self.others = tuple(others)
         subject = self.where
         if key:
             subject += f": {key}"
         if value is not None:
             subject += f" = {_shown(value)}"
-        super().__init__(f"{subject}: {rule}")
+        more = f" And {len(self.others)} more: 'mrts check' lists all that is wrong at once." if self.others else ""
+        super().__init__(f"{subject}: {rule}{more}")
+
+    def with_others(self, others: "Sequence[InputError]") -> "InputError":
+        """The same error, which carries others."""
+        return InputError(self.where, self.rule, key=self.key, value=self.value, others=others)
+
+    def each(self) -> "tuple[InputError, ...]":
+        """This error by itself, then those that it carries."""
+        return (self.with_others(()), *self.others)
 
     def __reduce__(self) -> tuple[object, ...]:
         # an exception pickles as its message alone, which this constructor does not take: a pool of workers would die
-        return partial(type(self), key=self.key, value=self.value), (self.where, self.rule)
+        again = partial(type(self), key=self.key, value=self.value, others=self.others)
+        return again, (self.where, self.rule)
+
+
+class Mistakes:
+    """All that is wrong at once: notes what independent checks refuse, in order, and raises it as one error.
+
+    Attributes:
+        found: So far, each mistake once.
+    """
+
+    def __init__(self) -> None:
+        self.found: list[InputError] = []
+
+    @contextmanager
+    def noted(self) -> Iterator[None]:
+        """Note an error of what is done inside, with what it carries, and go on after it."""
+        try:
+            yield
+        except InputError as error:
+            self.add(error)
+
+    def add(self, error: InputError) -> None:
+        """Note an error with what it carries."""
+        said = {str(known) for known in self.found}
+        self.found += [each for each in error.each() if str(each) not in said]
+
+    def raise_noted(self) -> None:
+        """Go on if there is none.
+
+        Raises:
+            InputError: The first, which carries the others.
+        """
+        if self.found:
+            first, *others = self.found
+            raise first.with_others(others)
 
 
 def _shown(value: object) -> str:

@@ -26,6 +26,16 @@ IDENTIFIER = r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$"
 LONGEST_NAME = 40
 
 
+KEYS_OF = {
+    "cell file": {"name", "gravity", "plane", "object", "robots"},
+    "motion file": {"duration", "samples", "profile", "start", "end", "waypoints", "file", "joints"},
+    "study file": {"cell", "motion", "vary", "sample", "count"},
+}
+"""Keys that only one kind of file has."""
+
+CLEARLY_OTHER = 2
+"""Keys of another kind of file, and none of its own, that tell what a file is."""
+
 Format = TypeVar("Format")
 """A record or a model that a file holds: it can `read` a mapping."""
 
@@ -59,12 +69,19 @@ def read_model(path: Path, model: type[Format], what: str) -> Format:
     Raises:
         InputError: If the file is missing, not YAML, or breaks a rule of the format.
     """
-    text = read_text(path, what, MAX_YAML_BYTES)
+    return validated(path, read_data(path, what), model, what)
+
+
+def read_data(path: Path, what: str) -> Any:
+    """What a YAML file says, not yet validated; arguments as `read_model`.
+
+    Raises:
+        InputError: If the file is missing, or not YAML.
+    """
     try:
-        data = parse_yaml(text)
+        return parse_yaml(read_text(path, what, MAX_YAML_BYTES))
     except ValueError as error:
         raise InputError(path, f"this {what} {error}.") from None
-    return validated(path, data, model, what)
 
 
 def validated(where: Path | str, data: object, model: type[Format], what: str) -> Format:
@@ -80,11 +97,22 @@ def validated(where: Path | str, data: object, model: type[Format], what: str) -
         InputError: If it breaks a rule of the format.
     """
     form: Any = model
-    if not isinstance(data, dict):
+    if isinstance(data, dict):
+        _check_kind(where, data, what)
+    else:
         rule = f"a {what} is a mapping of keys to values ({', '.join(form.model_fields)})."
         raise InputError(where, rule, value=data)
     read: Format = form.read(where, data)
     return read
+
+
+def _check_kind(where: Path | str, data: dict[Any, Any], what: str) -> None:
+    """Refuse a file of another kind by what it is: two that were given in the wrong order, rather than unknown keys."""
+    if what in KEYS_OF and not KEYS_OF[what] & data.keys():
+        for other, keys in KEYS_OF.items():
+            if len(keys & data.keys()) >= CLEARLY_OTHER:
+                rule = f"this is a {other}, and a {what} belongs here: are two files swapped?"
+                raise InputError(where, rule)
 
 
 def plain(where: str, data: object, depth: int = MAX_YAML_DEPTH) -> object:

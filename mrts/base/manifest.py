@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from mrts.base.errors import InputError
+from mrts.base.formats.broken_record import BrokenRecordError, broken_record
 from mrts.base.formats.pose import Name
-from mrts.base.formats.record import BrokenRecordError, Record, Rule, broken_record, read_json
+from mrts.base.formats.record import Record, Rule, read_json
 from mrts.base.input_file import IDENTIFIER, read_text
 
 MANIFEST_NAME, CHAINS_NAME = "manifest.json", "chains.json"
@@ -38,6 +39,9 @@ ALWAYS_GENERATED = ("kinematics", "bias_acceleration", "dynamics", "terms", "wre
 
 FOR_REDUNDANT_ARMS = ("geometric_stiffness", "geometric_stiffness_rate")
 """Functions that a cell has besides if an arm has more joints than wrench components."""
+
+OF_MOTION = ("kinematics", "bias_acceleration", *FOR_REDUNDANT_ARMS)
+"""Those that the motion of the joints takes, without forces."""
 
 MOST = 1000
 """Robots of a cell, joints of a robot, arguments of a function: far above any that can be generated."""
@@ -188,6 +192,8 @@ class ChainsRecord(Record):
     source_sha256: str
     functions: dict[Identifier, FunctionRecord]
 
+    needed = tuple(ALWAYS_GENERATED)
+
     @property
     def is_baked(self) -> bool:
         """Whether the functions hold the geometry of one cell as numbers; else it is their last input."""
@@ -201,7 +207,7 @@ class ChainsRecord(Record):
         for short, function in self.functions.items():
             if function.symbol != f"{stem}_{short}":
                 return f"the symbol of function '{short}' must be the name of the C file, _ and '{short}'"
-        for short in ALWAYS_GENERATED:
+        for short in self.needed:
             if short not in self.functions:
                 return f"its functions must include '{short}'"
         return ""
@@ -256,6 +262,18 @@ class Manifest(ChainsRecord):
     def sealed(self) -> Self:
         """The same manifest with its own hash filled in."""
         return self.model_copy(update={"content_sha256": self.content_hash()})
+
+
+class MotionRecord(ChainsRecord):
+    """Functions of the motion of the joints alone: of a cell for which no C was generated."""
+
+    needed = tuple(OF_MOTION[:2])
+
+
+class MotionManifest(Manifest):
+    """The manifest of such a cell."""
+
+    needed = MotionRecord.needed
 
 
 def read_generated(folder: Path) -> tuple[Manifest, Path]:

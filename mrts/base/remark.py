@@ -4,11 +4,12 @@
 from dataclasses import dataclass
 from typing import Any
 
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.printable import printable
 
 
 @dataclass(frozen=True)
-class Remark:
+class Remark(InNotebooks):
     """One entry of "warnings" in the JSON result.
 
     Attributes:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.notebook.in_notebooks import InNotebooks
 
 SNAP = 1e-15
 """Entries this close to 0 or ±1 are rounding of cos(π/2) and the like; exact ones vanish from the C."""
@@ -33,7 +34,7 @@ SAME_PLACE = 1e-9
 
 
 @dataclass(frozen=True)
-class RigidTransform:
+class RigidTransform(InNotebooks):
     """Pose of frame b in frame a: `x_a = R x_b + p`.
 
     Attributes:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A cell ready to be asked: its data and its bound functions."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -16,15 +16,16 @@ from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.remark import Remark
 from mrts.cell.cell_check import check_generated, check_placement
 from mrts.cell.functions import Backend, CellFunctions
-from mrts.cell.robot import Robot
+from mrts.cell.robot import JOINT_HEAD, Robot
 from mrts.cell.robot_changes import Bounds, Numbers, posed, torque_limited, vector, wrench_limited
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Cell:
+class Cell(InNotebooks):
     """n arms and the object that they hold; m joints in all.
 
     Attributes:
@@ -126,6 +127,11 @@ class Cell:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Cell, tuple(getattr(self, entry.name) for entry in fields(self))  # checked again where it arrives
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """The joints of all arms with their limits."""
+        rows = [(robot.name, *row) for robot in self.robots for row in robot.joint_rows()]
+        yield NotebookTable(("robot", "joint", *JOINT_HEAD), rows)
 
     def __repr__(self) -> str:
         arms = ", ".join(f"{robot.name} ({len(robot.joints)} joints)" for robot in self.robots)

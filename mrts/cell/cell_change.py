@@ -11,6 +11,7 @@ import numpy as np
 from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.rigid_transform import RigidTransform, multiply, rotation_from_rpy
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
@@ -34,8 +35,22 @@ Changed = tuple[ChangeKind, str, str]
 """Kind, robot and element of what is changed."""
 
 
+SPOKEN_CHANGES: dict[ChangeKind, tuple[str, str]] = {
+    "torque": ("a torque limit", "torque limits"),
+    "wrench": ("a contact wrench limit", "contact wrench limits"),
+    "contact": ("a hand", "hands"),
+    "velocity": ("a velocity limit", "velocity limits"),
+    "motor speed": ("the speed of a motor", "speeds of motors"),
+    "reserve": ("the reserve", "reserves"),
+    "mass": ("the mass", "masses"),
+    "base": ("a coordinate of a base", "coordinates of bases"),
+    "grasp": ("a coordinate of a grasp", "coordinates of grasps"),
+}
+"""What one and what several changes of a kind are called."""
+
+
 @dataclass(frozen=True, kw_only=True)
-class ChangeSteps:
+class ChangeSteps(InNotebooks):
     """How far numbers are changed, each up and down.
 
     Attributes:
@@ -60,7 +75,7 @@ class ChangeSteps:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CellChange:
+class CellChange(InNotebooks):
     """One number of a cell changed.
 
     Attributes:

@@ -124,7 +124,7 @@ def bind_functions(
         )
     if backend == "auto":
         logger.warning("no C compiler found: running in CasADi's virtual machine, about 20 times slower")
-    return _machine_functions(manifest, virtual_machine())
+    return machine_functions(manifest, virtual_machine())
 
 
 class _VirtualMachine:
@@ -186,7 +186,13 @@ def _compiled_functions(
     return CellFunctions(manifest, compiled.map, "compiled", generated, compiled)
 
 
-def _machine_functions(manifest: Manifest, functions: dict[str, Any]) -> CellFunctions:
+def machine_functions(manifest: Manifest, functions: dict[str, Any]) -> CellFunctions:
+    """CasADi's functions in its virtual machine.
+
+    Args:
+        manifest: Of their cell.
+        functions: By short name.
+    """
     return CellFunctions(manifest, _VirtualMachine(manifest.functions, functions), "vm", functions)
 
 
@@ -203,7 +209,7 @@ def _bound_again(manifest_text: str, backend: str, origin: Any) -> CellFunctions
     if backend == "none":
         return saved_functions(manifest, origin)
     if backend == "vm":
-        return _machine_functions(manifest, origin)
+        return machine_functions(manifest, origin)
     check_source(where, manifest, origin)
     command = find_compiler()
     problem = (

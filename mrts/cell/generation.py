@@ -25,6 +25,7 @@ from mrts.kernel.cache_folder import cache_folder, only_ours
 
 if TYPE_CHECKING:
     from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
+    from mrts.motors.joint_source import JointSource
 
 CACHED_STEM = "cell"
 """Names of generated functions in the cache begin so: cells of other names share them."""
@@ -318,3 +319,56 @@ def _generate_chains(cell: Any) -> Any:
     from mrts_codegen.generate import generate_chains  # noqa: PLC0415 (the symbolic layer, only if it is needed)
 
     return generate_chains(cell, CACHED_STEM)
+
+
+def read_without_generating(path: Path) -> "tuple[Any, tuple[InputError, ...], tuple[JointSource, ...]]":
+    """A cell with its URDFs (None if something is wrong), all that is wrong, and where what is known of joints is from.
+
+    Args:
+        path: The cell file.
+    """
+    from mrts_codegen.cell_reading import read_cell  # noqa: PLC0415 (build time, on demand)
+
+    found = read_cell(path)
+    return found.model, found.mistakes, found.joints
+
+
+def arms_alone_of(cell: Any) -> tuple[Any, ...]:
+    """A cell of each arm by itself.
+
+    Args:
+        cell: With its URDFs, as from `read_without_generating`.
+    """
+    from mrts_codegen.cell_reading import arms_alone  # noqa: PLC0415 (build time, on demand)
+
+    return tuple(arms_alone(cell))
+
+
+def motion_functions_of(cell: Any) -> tuple[Manifest, dict[str, Any]]:
+    """Functions of the motion of a cell's joints for CasADi's virtual machine, and the manifest: nothing is compiled.
+
+    Args:
+        cell: With its URDFs, as from `read_without_generating`.
+    """
+    from mrts_codegen.generate import motion_functions  # noqa: PLC0415 (build time, on demand)
+
+    manifest, functions = motion_functions(cell, CACHED_STEM)
+    return manifest, functions
+
+
+def read_to_generate(path: Path) -> Any | None:
+    """A cell with its URDFs that is still to be generated and compiled; None where the cache holds it.
+
+    Args:
+        path: The cell file.
+
+    Raises:
+        InputError: If the cell file or a URDF breaks a rule.
+    """
+    from mrts_codegen.content_key import chains_key, text_key  # noqa: PLC0415 (build time, on demand)
+
+    if only_ours(cache_folder("cells", text_key(path)) / MANIFEST_NAME):
+        return None
+    cell = _model(path, _content_key(path))
+    folder = _chains_folder(chains_key(cell, CACHED_STEM, bake=False))
+    return None if only_ours(folder / CHAINS_NAME) else cell

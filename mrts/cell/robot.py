@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """One arm of a cell as the run time knows it, and as an entry of the manifest."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from functools import partial
 from typing import Any, Literal
@@ -12,7 +12,9 @@ from mrts.base.argument_types import check_list, check_type
 from mrts.base.arrays import Array, freeze_array, with_infinity, without_infinity
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
+from mrts.base.interval_text import interval_text
 from mrts.base.manifest import WRENCH_COMPONENTS, JointRecord, PoseRecord, RobotRecord
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.rigid_transform import RigidTransform, is_rotation
 from mrts.hands.contact import Contact
 from mrts.hands.contact_record import contact_from_record, contact_record
@@ -25,9 +27,12 @@ ARRAYS = (
 )
 """Attributes of a robot that are arrays."""
 
+JOINT_HEAD = ("type", "torque", "position", "velocity")
+"""Of `Robot.joint_rows`, after the name."""
+
 
 @dataclass(frozen=True, repr=False)
-class Robot:
+class Robot(InNotebooks):
     """One arm; n_i joints, w wrench components (3 in a planar cell, else 6).
 
     Attributes:
@@ -144,6 +149,23 @@ class Robot:
 
     def __repr__(self) -> str:
         return f"<Robot '{self.name}': {', '.join(self.joints)}>"
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """Joints with their limits."""
+        yield NotebookTable(("joint", *JOINT_HEAD), list(self.joint_rows()))
+
+    def joint_rows(self) -> Iterator[tuple[str, ...]]:
+        """Name, kind, limits of torque and position, and largest velocity of each joint, in words."""
+        units = zip(self.torque_units, self.position_units, strict=True)
+        for index, (torque, position) in enumerate(units):
+            fastest = self.velocity_limit[index]
+            yield (
+                self.joints[index],
+                self.joint_types[index],
+                interval_text(self.torque_lower[index], self.torque_upper[index], torque),
+                interval_text(self.position_lower[index], self.position_upper[index], position),
+                f"{fastest:.4g} {position}/s" if np.isfinite(fastest) else "none given",
+            )
 
     @property
     def position_units(self) -> tuple[str, ...]:

@@ -9,8 +9,9 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
+from mrts.base.formats.broken_record import BrokenRecordError, broken_record
 from mrts.base.formats.pose import Angles3, Finite, Vector3
-from mrts.base.formats.record import BrokenRecordError, broken_record, checked
+from mrts.base.formats.record import checked
 from mrts.base.input_file import plain
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
 from mrts.cell.robot import Robot

@@ -8,6 +8,7 @@ from mrts.base.errors import InputError
 from mrts.commands.options.common import (
     add_between,
     add_cell_and_motion,
+    add_plot,
     add_reserve,
     between_option,
     limited_cell_option,
@@ -36,7 +37,7 @@ def add(study: argparse.ArgumentParser) -> None:
     study.add_argument("--show", type=int, default=10, metavar="N", help="rows to print (default: %(default)s)")
     study.add_argument("--solver", default=None, help="solver of the registry (default: kernel)")
     study.add_argument("--json", type=Path, metavar="FILE", help="write the whole ranking ('-' is standard output)")
-    study.add_argument("--plot", type=Path, metavar="DIR", help="write a figure (needs the extra 'plot')")
+    add_plot(study, "a figure")
     study.set_defaults(run=run)
 
 
@@ -70,17 +71,20 @@ def run(options: argparse.Namespace) -> int:
     feasible = bool(study.ranked) and study.ranked[0].range.status.admits_motion
     outputs = Outputs()
     if options.json is not None and str(options.json) != "-":
-        with outputs.attempt():
+        with outputs.attempt(options.json):
             study.write_json(options.json)
     if options.plot is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.plot):
             from mrts.figures import ranking_figure, write_figure
 
-            write_figure(ranking_figure(study, f"{cell.name}: configurations"), options.plot / "configurations.png")
+            drawn = ranking_figure(study, f"{cell.name}: configurations")
+            write_figure(drawn, options.plot / f"configurations.{options.plot_format}")
     if str(options.json) == "-":
         put(study.json_text())
     else:
         outcome, table = study.table(options.show).split("\n", 1)
         say(outcome, "strong" if feasible else "bad")
         say(table)
+        for line in outputs.lines():
+            say(line)
     return outputs.code(FEASIBLE if feasible else INFEASIBLE)

@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 
 from mrts.base.errors import InputError
-from mrts.commands.options.common import cell_option, require
+from mrts.commands.options.common import add_plot, cell_option, require
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
@@ -28,8 +28,7 @@ def add(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--cutoff", type=float, metavar="HZ",
                       help="of the filter of positions and efforts (default: 20, or a tenth of the sampling rate where "
                       "that is less)")  # fmt: skip
-    verb.add_argument("--plot", type=Path, metavar="DIR",
-                      help="write a figure of what is left over for each robot (needs the extra 'plot')")  # fmt: skip
+    add_plot(verb, "a figure of what is left over for each robot")
     verb.set_defaults(run=run)
 
 
@@ -54,15 +53,17 @@ def run(options: argparse.Namespace) -> int:
     if found.empty:
         warn(f"there is no parameter that is known of all joints of an arm: {options.output} not written")
     else:
-        with outputs.attempt():
+        with outputs.attempt(options.output):
             found.write_yaml(options.output)
     if options.plot is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.plot):
             from mrts.figures import write_motor_figures
 
-            write_motor_figures(found, options.plot)
+            write_motor_figures(found, options.plot, options.plot_format)
     say(f"{cell.name}: {found.sentence()}", "bad" if found.empty else "strong")
     for remark in found.remarks:
         say(str(remark), "note")
     say(f"\n{found.table()}")
+    for line in outputs.lines():
+        say(line)
     return outputs.code(INFEASIBLE if found.empty else FEASIBLE)

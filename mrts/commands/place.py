@@ -60,10 +60,10 @@ def run(options: argparse.Namespace) -> int:
     if found.after is None:
         warn(f"no layout can be played: {options.output} not written")
     else:
-        with outputs.attempt():
+        with outputs.attempt(options.output):
             found.write(options.output)
     outcome, *lines = found.lines()
     say(outcome, "strong" if found.after is not None else "bad")
-    for line in lines:
+    for line in (*lines, *outputs.lines()):
         say(line)
     return outputs.code(INFEASIBLE if found.after is None else FEASIBLE)

@@ -11,6 +11,7 @@ from mrts.commands.options.common import (
     add_between,
     add_cell_and_motion,
     add_closure,
+    add_plot,
     add_reserve,
     between_option,
     closure_option,
@@ -85,7 +86,7 @@ def add(scale: argparse.ArgumentParser) -> None:
     for name, form in TRAJECTORY_FORMATS.items():
         scale.add_argument(f"--{name}", type=Path, metavar="DIR" if form.is_folder else "FILE",
                            help=f"write the scaled trajectory {form.meaning}")  # fmt: skip
-    scale.add_argument("--plot", type=Path, metavar="DIR", help="write figures (needs the extra 'plot')")
+    add_plot(scale, "figures")
     scale.add_argument("--report", type=Path, metavar="FILE",
                        help="write an HTML page that opens offline (needs the extra 'report')")  # fmt: skip
     scale.set_defaults(run=run)
@@ -107,7 +108,7 @@ def run(options: argparse.Namespace) -> int:
     between_option(options.between)  # a wrong one is told before any work
     motion = load_motion(options.motion)
     sharing, closure = sharing_option(options.share), closure_option(options.closure)
-    cell = limited_cell_option(options)
+    cell = limited_cell_option(options, motion, closure)
     carried = _known_load(cell, options.carry, options.load)
     if options.profile != "constant":
         return _retime(options, cell, motion, sharing, carried, closure)
@@ -205,6 +206,8 @@ def _answered(
         say(outcome, "strong" if admits else "bad")
         for line in details:
             say(line, "note" if line.startswith(("note:", "warning:")) else "plain")
+        for line in outputs.lines():
+            say(line)
     return outputs.code(FEASIBLE if admits else INFEASIBLE)
 
 
@@ -254,14 +257,10 @@ def _write_timing(options: argparse.Namespace, found: "RetimingResult", outputs:
     _write_json(options, found, outputs)
     if found.retimed is None:
         _say_unwritten(options)
-        return
-    _write_trajectory(options, found.retimed, outputs)
-    _write_result(options, found.retimed, outputs)
-    if options.plot is not None:
-        with outputs.attempt():
-            from mrts.figures import phase_plane_figure, write_result_figures
-
-            write_result_figures(found.retimed, options.plot, ("phase_plane.png", phase_plane_figure(found)))
+    else:
+        _write_trajectory(options, found.retimed, outputs)
+        _save(options, found.retimed, outputs)
+    _write_pictures(options, found, outputs)
 
 
 def _known_load(cell: "Cell", text: str | None, question: str) -> "Array | None":
@@ -282,37 +281,41 @@ def _write(options: argparse.Namespace, result: "ScalingResult", outputs: Output
         _write_trajectory(options, result, outputs)
     else:
         _say_unwritten(options)
-    _write_result(options, result, outputs)
-    if options.plot is not None:
-        with outputs.attempt():
-            from mrts.figures import write_result_figures
-
-            write_result_figures(result, options.plot)
+    _save(options, result, outputs)
+    _write_pictures(options, result, outputs)
 
 
 def _write_json(options: argparse.Namespace, found: "ScalingResult | RetimingResult", outputs: Outputs) -> None:
     if options.json is not None and str(options.json) != "-":
-        with outputs.attempt():
+        with outputs.attempt(options.json):
             found.write_json(options.json)
 
 
-def _write_result(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
+def _save(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
     if options.save is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.save):
             from mrts.output.saved_result import save_result
 
             save_result(result, options.save)
+
+
+def _write_pictures(options: argparse.Namespace, found: "ScalingResult | RetimingResult", outputs: Outputs) -> None:
     if options.report is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.report):
             from mrts.report import write_report
 
-            write_report(result, options.report)
+            write_report(found, options.report)
+    if options.plot is not None:
+        with outputs.attempt(options.plot):
+            from mrts.figures import write_result_figures
+
+            write_result_figures(found, options.plot, options.plot_format)
 
 
 def _say_unwritten(options: argparse.Namespace) -> None:
     wanted = {f"--{name}": path for name, _, path in _trajectory_files(options)}
     if options.profile != "constant":
-        wanted |= {"--save": options.save, "--report": options.report, "--plot": options.plot}
+        wanted["--save"] = options.save
     if left_out := [name for name, path in wanted.items() if path is not None]:
         warn(f"there is no trajectory for {', '.join(left_out)}: not written")
 
@@ -320,5 +323,5 @@ def _say_unwritten(options: argparse.Namespace) -> None:
 def _write_trajectory(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
     for _, form, path in _trajectory_files(options):
         if path is not None:
-            with outputs.attempt():
+            with outputs.attempt(path):
                 form.write(result, path)

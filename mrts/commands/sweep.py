@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrts.base.errors import InputError
-from mrts.commands.options.common import require
+from mrts.commands.options.common import add_plot, require
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
@@ -38,7 +38,7 @@ def add(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--top", type=int, default=0, metavar="K",
                       help="solve the best K again with limits kept between the samples, print them, and write them as "
                       "cell and motion files into DIR")  # fmt: skip
-    verb.add_argument("--plot", type=Path, metavar="DIR", help="write figures (needs the extra 'plot')")
+    add_plot(verb, "figures")
     verb.add_argument("--dry-run", action="store_true",
                       help="say what the study varies and asks, and how long it will take")  # fmt: skip
     verb.set_defaults(run=run)
@@ -113,14 +113,16 @@ def _answered(study: "Study", folder: "StudyFolder", tally: "Tally", options: ar
     if found.best is not None:
         say(f"best: variant {found.best_variant}, {found.best:.4g} s")
     if options.top and admitted:
-        with outputs.attempt():
+        with outputs.attempt(folder.path):
             with working("solving the best again"):
                 best = write_best(study, folder, options.top)
             for line in best_lines(best, folder.path):
                 say(line)
     if options.plot is not None:
-        with outputs.attempt():
+        with outputs.attempt(options.plot):
             from mrts.figures import write_study_figures
 
-            write_study_figures(folder.path, options.plot)
+            write_study_figures(folder.path, options.plot, options.plot_format)
+    for line in outputs.lines():
+        say(line)
     return outputs.code(FEASIBLE if admitted else INFEASIBLE)

@@ -52,18 +52,31 @@ class Outputs:
 
     def __init__(self) -> None:
         self.failed = False
+        self.written: list[Path] = []
         self.defect: Exception | None = None
 
     @contextmanager
-    def attempt(self) -> Iterator[None]:
-        """Write one output; if that fails, say so and go on."""
+    def attempt(self, path: Path) -> Iterator[None]:
+        """Write one output; if that fails, say so and go on.
+
+        Args:
+            path: The file, or the folder that gets files.
+        """
+        before = _files(path)
         try:
             yield
+            self.written += sorted(file for file, state in _files(path).items() if before.get(file) != state)
         except MrtsError as error:
             self.failed = True
             fail(f"error: {error}")
         except Exception as error:  # noqa: BLE001 (raised again by `raise_defect`)
             self.defect = self.defect or error
+
+    def lines(self) -> Iterator[str]:
+        """What was written, a line a file."""
+        if self.written:
+            yield "\nwritten:"
+            yield from (f"  {path}" for path in self.written)
 
     def raise_defect(self) -> None:
         """Raise what no writer should have raised, if one did."""
@@ -78,3 +91,10 @@ class Outputs:
         """
         self.raise_defect()
         return BAD_INPUT if self.failed else outcome
+
+
+def _files(path: Path) -> dict[Path, tuple[int, int]]:
+    """A file, or the files right in a folder and in those in it, each with what changes when it is written."""
+    found = [path, *path.glob("*"), *path.glob("*/*")] if path.is_dir() else [path]
+    states = ((file, file.stat()) for file in found if not file.is_dir() and file.exists())
+    return {file: (state.st_ino, state.st_mtime_ns) for file, state in states}

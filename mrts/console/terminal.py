@@ -4,10 +4,13 @@
 Whatever a user's files hold, only printable text, line breaks and the escapes of this file reach the terminal.
 """
 
+import codecs
 import io
 import logging
 import os
+import shutil
 import sys
+import textwrap
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -22,6 +25,31 @@ CODES: dict[Style, str] = {"strong": "\x1b[1m", "bad": "\x1b[1;31m", "note": "\x
 """ANSI escapes; "plain" has none."""
 
 CLEAR_LINE = "\r\x1b[K"
+
+IN_ASCII = str.maketrans(
+    {
+        "²": "^2",
+        "³": "^3",
+        "⁺": "+",
+        "⁻": "-",
+        "₀": "0",
+        "×": "x",
+        "·": ".",
+        "…": "...",
+        "≤": "<=",
+        "≥": ">=",
+        "∈": "in",
+    }
+    | {"∪": "or", "√": "sqrt ", "∞": "inf", "−": "-", "–": "-", "°": " deg", "µ": "u", "∫": "integral ", "Σ": "sum "}
+    | {"τ": "tau", "ᵀ": "^T", "α": "alpha", "Δ": "delta ", "‖": "|", "→": "->", "’": "'", "“": '"', "”": '"', "━": "-"}
+)
+"""What stands for a character of ours where a stream's encoding lacks it."""
+
+LEAST_WIDTH = 40
+"""A terminal that says it is narrower is written as if it were this wide [columns]."""
+
+HANGING = "  "
+"""Before what a line goes on with."""
 
 QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
 """Whether only errors are printed, and what was asked for by `-`."""
@@ -44,16 +72,44 @@ def open_closed_streams() -> None:
 
 
 def encode_anything() -> None:
-    """Let the streams print what their encoding lacks as `?`: c² on a terminal without ²."""
+    """Let the streams print what their encoding lacks in ASCII: c^2 on a terminal without ², `?` for what has none."""
+    codecs.register_error("mrts_ascii", _in_ascii)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")
+            stream.reconfigure(errors="mrts_ascii")
+
+
+def _in_ascii(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    text = error.object[error.start : error.end].translate(IN_ASCII)
+    return "".join(letter if letter.isascii() else "?" for letter in text), error.end
 
 
 def say(text: str, style: Style = "plain") -> None:
-    """Print a line of the answer for people; nothing with --quiet."""
+    """Print lines of the answer for people, on a terminal with breaks between words; nothing with --quiet."""
     if not QUIET.get():
-        _print(_painted(printable(text, lines=True), style, sys.stdout))
+        _print(_painted(_wrapped(printable(text, lines=True), sys.stdout), style, sys.stdout))
+
+
+def _wrapped(text: str, stream: TextIO) -> str:
+    """The text in lines that a terminal can hold, each broken between words only; as it is for another reader."""
+    if not stream.isatty():
+        return text
+    width = max(LEAST_WIDTH, shutil.get_terminal_size().columns)
+    return "\n".join(line if len(line) <= width else _broken(line, width) for line in text.split("\n"))
+
+
+def _broken(line: str, width: int) -> str:
+    start = line[: len(line) - len(line.lstrip())]
+    return textwrap.fill(
+        line.lstrip(),
+        width,
+        initial_indent=start,
+        subsequent_indent=start + HANGING,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def put(text: str) -> None:
@@ -138,7 +194,7 @@ def _discard(stream: TextIO) -> None:
 def _remark(text: str, style: Style) -> None:
     start = CLEAR_LINE if is_terminal(sys.stderr) else ""  # what progress or a typed ^C left there
     with _lost_if_closed():
-        print(start + _painted(printable(text, lines=True), style, sys.stderr), file=sys.stderr)
+        print(start + _painted(_wrapped(printable(text, lines=True), sys.stderr), style, sys.stderr), file=sys.stderr)
 
 
 def _painted(text: str, style: Style, stream: TextIO) -> str:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, cross, freeze
 from mrts.base.errors import InputError, MotionError, as_array
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import plane_normal
 from mrts.cell.cell import Cell
@@ -44,7 +45,7 @@ class JointCourse:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class CoordinatedMotion:
+class CoordinatedMotion(InNotebooks):
     """N samples of a given motion of the object and the m joints that carry it; nobody can write to its arrays.
 
     Attributes:

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from mrts.drawing.axis_reach import c2_reach
@@ -14,7 +13,7 @@ from mrts.drawing.colours import ADMISSIBLE, CONFLICT, END_COLOURS
 from mrts.drawing.labels import LANE_LETTERS
 from mrts.drawing.lanes import Lane, binding_lanes, gap_boxes, infeasible_spans, spans
 from mrts.drawing.range_sentences import range_facts, range_text
-from mrts.figures.style import finish, plain, plain_text
+from mrts.figures.style import NotebookFigure, finish, plain, plain_text
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.scaling.result import ScalingResult
@@ -137,7 +136,7 @@ def _draw_lanes(axes: Axes, result: ScalingResult, lanes: list[Lane]) -> None:
     axes.set_axisbelow(True)
 
 
-def range_figure(result: ScalingResult) -> Figure:
+def range_figure(result: ScalingResult) -> NotebookFigure:
     """c²⁻(t) and c²⁺(t) above the rows that bind; what no c² satisfies is marked.
 
     Args:
@@ -145,7 +144,7 @@ def range_figure(result: ScalingResult) -> Figure:
     """
     lanes = binding_lanes(result.range)
     below = LANE_INCHES * len(lanes)
-    figure = Figure(figsize=(8.0, 4.2 + below + (0.5 if lanes else 0.0)), layout="constrained")
+    figure = NotebookFigure(figsize=(8.0, 4.2 + below + (0.5 if lanes else 0.0)), layout="constrained")
     facts = [f"{result.cell.name}: {result.status.value}", *range_facts(result.range)]
     title = "\n".join(textwrap.fill(fact, FACT_LETTERS, subsequent_indent="    ") for fact in facts)
     figure.suptitle(plain_text(title), fontsize="small", x=0.01, ha="left")

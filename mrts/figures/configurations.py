@@ -3,11 +3,10 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from mrts.drawing.colours import CONFLICT, END_COLOURS
 from mrts.drawing.labels import row_labels
-from mrts.figures.style import plain, plain_text
+from mrts.figures.style import NotebookFigure, plain, plain_text
 from mrts.samples.range_status import RangeStatus
 from mrts.studies.configurations import Configuration, ConfigurationStudy
 
@@ -65,7 +64,7 @@ def _reason(configuration: Configuration) -> str:
     return f"{found.upper.time:.3g} s: {row_labels(found.upper.rows)}"
 
 
-def ranking_figure(study: ConfigurationStudy, title: str) -> Figure:
+def ranking_figure(study: ConfigurationStudy, title: str) -> NotebookFigure:
     """The best configurations as bars.
 
     Args:
@@ -73,7 +72,7 @@ def ranking_figure(study: ConfigurationStudy, title: str) -> Figure:
         title: Title of the figure.
     """
     shown = min(len(study.ranked), MOST_BARS)
-    figure = Figure(figsize=(8.5, 1.6 + BAR_INCHES * shown), layout="constrained")
+    figure = NotebookFigure(figsize=(8.5, 1.6 + BAR_INCHES * shown), layout="constrained")
     axes = figure.subplots()
     more = f" (the best {shown} of {len(study.ranked)})" if shown < len(study.ranked) else ""
     figure.suptitle(plain_text(f"{title}{more}"), fontsize="medium")

@@ -5,13 +5,12 @@ from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from mrts.base.arrays import Array
 from mrts.drawing.axis_reach import c2_reach
 from mrts.drawing.load_envelope import load_envelope
 from mrts.figures.c2_range import draw_gaps
-from mrts.figures.style import finish, legend_below, line_style, plain_text
+from mrts.figures.style import NotebookFigure, finish, legend_below, line_style, plain_text
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
 
@@ -21,13 +20,13 @@ LEGEND_COLUMNS = 3
 LOAD_AXIS = "largest c² at the sample [1]"
 
 
-def load_figure(results: Mapping[str, ScalingResult]) -> Figure:
+def load_figure(results: Mapping[str, ScalingResult]) -> NotebookFigure:
     """c²⁺(t) for several questions of one load, and how fast each lets the whole motion be played.
 
     Args:
         results: By label, such as "nominal", "guaranteed", "possible".
     """
-    figure = Figure(figsize=(7.0, 4.4), layout="constrained")
+    figure = NotebookFigure(figsize=(7.0, 4.4), layout="constrained")
     axes = figure.subplots()
     for index, (label, result) in enumerate(results.items()):
         _draw_upper(axes, result.range, label, index)
@@ -67,7 +66,7 @@ def draw_load_study(axes: Axes, result: ScalingResult) -> None:
     legend_below(axes, columns=1)
 
 
-def study_figure(result: ScalingResult) -> Figure:
+def study_figure(result: ScalingResult) -> NotebookFigure:
     """The picture of an uncertain load.
 
     Args:
@@ -76,7 +75,7 @@ def study_figure(result: ScalingResult) -> Figure:
     Raises:
         ValueError: If the load is known.
     """
-    figure = Figure(figsize=(7.0, 5.0), layout="constrained")
+    figure = NotebookFigure(figsize=(7.0, 5.0), layout="constrained")
     draw_load_study(figure.subplots(), result)
     figure.suptitle(plain_text(f"{result.cell.name}: {result.range.status.value}"), fontsize="medium")
     return figure

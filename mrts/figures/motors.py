@@ -5,12 +5,10 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from mrts.base.argument_types import as_path
-from mrts.base.atomic_file import Write, write_together
 from mrts.drawing.colours import COLOURS
-from mrts.figures.style import figure_writer, finish, plain, plain_text
+from mrts.figures.style import NotebookFigure, finish, plain, plain_text, write_figures
 from mrts.identification.identified_motors import ArmMotors, MotorIdentification
 
 ROW_INCHES = 2.0
@@ -73,14 +71,14 @@ def _unit(arm: ArmMotors, joint: int) -> str:
     return f"[{arm.robot.torque_units[joint]}]"
 
 
-def motor_figure(arm: ArmMotors) -> Figure:
+def motor_figure(arm: ArmMotors) -> NotebookFigure:
     """Every joint of an arm: what is left over along time, friction over speed, and the residual.
 
     Args:
         arm: What was identified of it.
     """
     count = len(arm.robot.joints)
-    figure = Figure(figsize=(11.0, 1.2 + ROW_INCHES * count), layout="constrained")
+    figure = NotebookFigure(figsize=(11.0, 1.2 + ROW_INCHES * count), layout="constrained")
     grid = figure.subplots(count, 3, squeeze=False, width_ratios=(2, 1, 1))
     for joint, row in enumerate(grid):
         for axes, draw in zip(row, (draw_motor_torque, draw_friction, draw_motor_residual), strict=True):
@@ -92,18 +90,16 @@ def motor_figure(arm: ArmMotors) -> Figure:
     return figure
 
 
-def write_motor_figures(found: MotorIdentification, folder: Path | str) -> None:
-    """Write `motors_ROBOT.png` of every recorded robot, all or none.
+def write_motor_figures(found: MotorIdentification, folder: Path | str, form: str = "png") -> None:
+    """Write a figure `motors_ROBOT` of every recorded robot, all or none.
 
     Args:
         found: What `mrts.identify` found.
         folder: Is made if it is not there.
+        form: "png", "svg" or "pdf".
 
     Raises:
-        InputError: If a file cannot be written.
+        InputError: If there is no such format, or a file cannot be written.
     """
-    folder = as_path("folder", folder)
-    files: dict[Path, Write] = {
-        folder / f"motors_{arm.robot.name}.png": figure_writer(motor_figure(arm)) for arm in found.arms
-    }
-    write_together(files)
+    figures = {f"motors_{arm.robot.name}": motor_figure(arm) for arm in found.arms}
+    write_figures(figures, as_path("folder", folder), form)

@@ -2,9 +2,8 @@
 """Mechanical power of the joints and the energy that the motors give."""
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from mrts.figures.style import SIDE_BY_SIDE, finish, legend_below, line_style, plain, plain_text
+from mrts.figures.style import SIDE_BY_SIDE, NotebookFigure, finish, legend_below, line_style, plain, plain_text
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import accumulated_energy
 
@@ -54,7 +53,7 @@ def draw_energy(axes: Axes, result: ScalingResult) -> None:
     legend_below(axes, columns=len(result.cell.robots) + 1)
 
 
-def power_figure(result: ScalingResult, title: str) -> Figure:
+def power_figure(result: ScalingResult, title: str) -> NotebookFigure:
     """Power of every joint, robot by robot, above the energy given.
 
     Args:
@@ -67,7 +66,7 @@ def power_figure(result: ScalingResult, title: str) -> Figure:
     robots = [robot.name for robot in result.cell.robots]
     columns = min(len(robots), SIDE_BY_SIDE)
     rows = -(-len(robots) // columns)
-    figure = Figure(figsize=(max(6.0, 4.4 * columns), 3.1 * (rows + 1)), layout="constrained")
+    figure = NotebookFigure(figsize=(max(6.0, 4.4 * columns), 3.1 * (rows + 1)), layout="constrained")
     figure.suptitle(plain_text(title), fontsize="medium")
     grid = figure.add_gridspec(rows + 1, columns)
     drawn = []

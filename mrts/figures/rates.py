@@ -2,9 +2,8 @@
 """Joint torques over how fast they change, contact wrenches and accelerations likewise, with the limits of both."""
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from mrts.figures.style import Draw, robot_figure
+from mrts.figures.style import Draw, NotebookFigure, robot_figure
 from mrts.figures.trajectory import draw_limited, draw_torques
 from mrts.scaling.limit_use import limited_rate_kinds, limited_rates
 from mrts.scaling.result import ScalingResult
@@ -47,7 +46,7 @@ OF_KIND: dict[str, tuple[Draw, ...]] = {
 """What draws each kind of rates."""
 
 
-def rates_figure(result: ScalingResult, title: str) -> Figure:
+def rates_figure(result: ScalingResult, title: str) -> NotebookFigure:
     """Joint torques of every robot over their rates; below, whatever else changes at a limited rate.
 
     Args:

@@ -5,19 +5,17 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import StrMethodFormatter
 from matplotlib.transforms import Bbox
 
 from mrts.base.argument_types import as_path
-from mrts.base.atomic_file import write_together
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.study_map import spreads_widely
 from mrts.drawing.study_table import StudyTable, read_study_table
 from mrts.drawing.study_words import SHARES, best_rows, managed, managed_texts
 from mrts.figures.study_lines import parallel_coordinates_figure
 from mrts.figures.study_maps import study_map_figure, study_title
-from mrts.figures.style import figure_writer, finish, in_lines, plain_text
+from mrts.figures.style import NotebookFigure, finish, in_lines, plain_text, write_figures
 
 FEWEST_BINS, MOST_BINS = 4, 60
 """Of a histogram: about the square root of the number of values."""
@@ -75,13 +73,13 @@ def draw_durations(axes: Axes, table: StudyTable) -> None:
     axes.set_xlim(bins[0], bins[-1])
 
 
-def durations_figure(table: StudyTable) -> Figure:
+def durations_figure(table: StudyTable) -> NotebookFigure:
     """How the durations of a study spread, and which share of the variants manages which.
 
     Args:
         table: The study.
     """
-    figure = Figure(figsize=(8.0, 5.6), layout="constrained")
+    figure = NotebookFigure(figsize=(8.0, 5.6), layout="constrained")
     words = [] if not len(table.ranked) else managed_texts(table)
     figure.suptitle(study_title(table, "; ".join(words)), fontsize="small", x=0.01, ha="left")
     if not len(table.ranked):
@@ -96,7 +94,7 @@ def durations_figure(table: StudyTable) -> Figure:
     return figure
 
 
-def best_variants_figure(table: StudyTable) -> Figure:
+def best_variants_figure(table: StudyTable) -> NotebookFigure:
     """The best variants as a table: what they have, reach, and are limited by.
 
     Args:
@@ -106,7 +104,7 @@ def best_variants_figure(table: StudyTable) -> Figure:
     longest = [2 * CELL_LETTERS] + [CELL_LETTERS] * (len(head) - 1)
     cells = [[plain_text(in_lines(text, most)) for text, most in zip(row, longest, strict=True)] for row in rows]
     lines = [max(text.count("\n") + 1 for text in row) for row in cells]
-    figure = Figure(figsize=(2.6 + 1.35 * (len(head) - 1), 0.9 + 0.22 * (sum(lines) + len(lines))))
+    figure = NotebookFigure(figsize=(2.6 + 1.35 * (len(head) - 1), 0.9 + 0.22 * (sum(lines) + len(lines))))
     figure.suptitle(study_title(table), fontsize="small", x=0.01, ha="left", y=0.99, va="top")
     axes = figure.add_axes((0.01, 0.01, 0.98, 0.99 - 0.55 / figure.get_figheight()))
     axes.set_axis_off()
@@ -122,32 +120,33 @@ def best_variants_figure(table: StudyTable) -> Figure:
     return figure
 
 
-def study_figures(table: StudyTable) -> dict[str, Figure]:
-    """All figures that suit a study, by file name.
+def study_figures(table: StudyTable) -> dict[str, NotebookFigure]:
+    """All figures that suit a study, by file name without its ending.
 
     Args:
         table: The study, with at least one variant.
     """
-    figures = {"durations.png": durations_figure(table)}
+    figures = {"durations": durations_figure(table)}
     if table.knobs:
-        figures["map.png" if len(table.knobs) > 1 else "line.png"] = study_map_figure(table)
+        figures["map" if len(table.knobs) > 1 else "line"] = study_map_figure(table)
     if len(table.knobs) > 2:  # noqa: PLR2004 (up to two, the map shows all)
-        figures["parallel_coordinates.png"] = parallel_coordinates_figure(table)
+        figures["parallel_coordinates"] = parallel_coordinates_figure(table)
     if len(table.ranked):
-        figures["best_variants.png"] = best_variants_figure(table)
+        figures["best_variants"] = best_variants_figure(table)
     return figures
 
 
-def write_study_figures(study: StudyTable | Path | str, to: Path | str) -> None:
+def write_study_figures(study: StudyTable | Path | str, to: Path | str, form: str = "png") -> None:
     """Write the figures of what a sweep has found so far.
 
     Args:
         study: The table, or the folder of the study, as `mrts sweep -o` wrote it.
         to: Folder for the figures, made if missing; it gets all figures or none.
+        form: "png", "svg" or "pdf".
 
     Raises:
-        InputError: If there is no study, none of its variants is solved, or a file cannot be written.
+        InputError: If there is no study, none of its variants is solved, there is no such format, or a file
+            cannot be written.
     """
     table = study if isinstance(study, StudyTable) else read_study_table(as_path("study", study))
-    to = as_path("to", to)
-    write_together({to / name: figure_writer(figure) for name, figure in study_figures(table).items()})
+    write_figures(study_figures(table), as_path("to", to), form)

@@ -6,14 +6,13 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.study_lines import NO_DURATION, ParallelAxes, parallel_axes
 from mrts.drawing.study_table import StudyTable
 from mrts.drawing.study_words import span_texts
 from mrts.figures.study_maps import study_title
-from mrts.figures.style import in_lines, plain
+from mrts.figures.style import NotebookFigure, in_lines, plain
 
 AXIS_INCHES = 1.25
 LINE_LETTERS, MOST_LETTERS = 15, 44
@@ -72,14 +71,14 @@ def draw_parallel_coordinates(axes: Axes, table: StudyTable, drawn: ParallelAxes
         line.set_alpha(1.0)
 
 
-def parallel_coordinates_figure(table: StudyTable) -> Figure:
+def parallel_coordinates_figure(table: StudyTable) -> NotebookFigure:
     """The variants of a study through an axis for each number and one for the duration.
 
     Args:
         table: The study, with at least one variant.
     """
     drawn = parallel_axes(table)
-    figure = Figure(figsize=(max(8.0, 1.5 + AXIS_INCHES * (len(drawn.knobs) + 1)), 5.6), layout="constrained")
+    figure = NotebookFigure(figsize=(max(8.0, 1.5 + AXIS_INCHES * (len(drawn.knobs) + 1)), 5.6), layout="constrained")
     draw_parallel_coordinates(figure.subplots(), table, drawn)
     figure.suptitle(study_title(table, drawn.remark(table)), fontsize="small", x=0.01, ha="left")
     return figure

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from mrts.drawing.study_map import (
@@ -23,7 +22,7 @@ from mrts.drawing.study_map import (
 )
 from mrts.drawing.study_table import StudyTable
 from mrts.drawing.study_words import best_text, outcome_text
-from mrts.figures.style import finish, legend_below, plain, plain_text
+from mrts.figures.style import NotebookFigure, finish, legend_below, plain, plain_text
 
 FASTER = "viridis_r"
 """Bright is fast; ordered in grey and for every kind of colour vision (van der Walt and Smith, 2015)."""
@@ -116,7 +115,7 @@ def draw_study_line(axes: Axes, table: StudyTable, drawn: StudyMap) -> None:
     legend_below(axes, 1)
 
 
-def study_map_figure(table: StudyTable) -> Figure:
+def study_map_figure(table: StudyTable) -> NotebookFigure:
     """The map over both numbers of a study, or the two that matter most; the line over its only one.
 
     Args:
@@ -127,10 +126,10 @@ def study_map_figure(table: StudyTable) -> Figure:
     height = 4.8 + LEGEND_INCHES * (kinds + 1)
     title = study_title(table, map_remark(table, drawn))
     if len(drawn.axes) == 1:
-        figure = Figure(figsize=(8.0, height), layout="constrained")
+        figure = NotebookFigure(figsize=(8.0, height), layout="constrained")
         draw_study_line(figure.subplots(), table, drawn)
     else:
-        figure = Figure(figsize=(12.0, height), layout="constrained")
+        figure = NotebookFigure(figsize=(12.0, height), layout="constrained")
         left, right = figure.subplots(1, 2)
         draw_study_map(left, table, drawn)
         left.set_title("shortest duration", fontsize="medium")

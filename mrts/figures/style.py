@@ -2,17 +2,19 @@
 """What all figures share: colours, dashes, labels, legends outside the curves, writing."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
 from mrts.base.argument_types import as_path, check_type
-from mrts.base.atomic_file import Write, write_atomically
+from mrts.base.atomic_file import Write, write_atomically, write_together
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.drawing.colours import COLOURS
@@ -23,6 +25,7 @@ DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (7, 3)
 """A second difference between lines, for print without colour."""
 
 DPI = 150
+NOTEBOOK_DPI = 96
 
 LEGEND_DROP = 34.0
 """From the axes down to a legend below its tick and axis labels [pt]."""
@@ -35,6 +38,18 @@ SIDE_BY_SIDE = 2
 
 Draw = Callable[[Axes, ScalingResult, str], None]
 """What draws something of one robot, by its name, into axes."""
+
+FORMATS = ("png", "svg", "pdf")
+"""Of figures that are written into a folder."""
+
+
+class NotebookFigure(Figure):
+    """A figure that a notebook shows by itself, without pyplot and its backends."""
+
+    def _repr_png_(self) -> bytes:
+        drawn = BytesIO()
+        self.savefig(drawn, format="png", dpi=NOTEBOOK_DPI)
+        return drawn.getvalue()
 
 
 def line_style(index: int) -> dict[str, Any]:
@@ -93,7 +108,7 @@ def legend_below(axes: Axes, columns: int | None = None) -> None:
     )
 
 
-def robot_figure(result: ScalingResult, title: str, draws: Sequence[Draw]) -> Figure:
+def robot_figure(result: ScalingResult, title: str, draws: Sequence[Draw]) -> NotebookFigure:
     """Several quantities of every robot with their limits: a column a robot, or a row where there are many.
 
     Args:
@@ -104,10 +119,10 @@ def robot_figure(result: ScalingResult, title: str, draws: Sequence[Draw]) -> Fi
     robots = [robot.name for robot in result.cell.robots]
     count, kinds = len(robots), len(draws)
     if count <= SIDE_BY_SIDE:
-        figure = Figure(figsize=(max(6.0, 4.4 * count), 0.5 + 2.7 * kinds), layout="constrained")
+        figure = NotebookFigure(figsize=(max(6.0, 4.4 * count), 0.5 + 2.7 * kinds), layout="constrained")
         grid = figure.subplots(kinds, count, squeeze=False)
     else:
-        figure = Figure(figsize=(0.2 + 3.6 * kinds, 3.1 * count + 0.6), layout="constrained")
+        figure = NotebookFigure(figsize=(0.2 + 3.6 * kinds, 3.1 * count + 0.6), layout="constrained")
         grid = figure.subplots(count, kinds, squeeze=False).T
     figure.suptitle(plain_text(f"{title}\n(thin lines: limits)"), fontsize="medium")
     for column, robot in enumerate(robots):
@@ -145,4 +160,26 @@ def write_figure(figure: Figure, path: Path | str) -> None:
 
 def figure_writer(figure: Figure) -> Write:
     """What writes a figure; the file name's ending chooses the format."""
-    return lambda path: figure.savefig(path, dpi=DPI)
+
+    def write(path: Path) -> None:
+        undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(path.suffix[1:].lower())
+        with mpl.rc_context({"svg.hashsalt": "mrts"}):  # else every file of one figure has other identifiers
+            figure.savefig(path, dpi=DPI, metadata=undated)
+
+    return write
+
+
+def write_figures(figures: Mapping[str, Figure], folder: Path, form: str) -> None:
+    """Write figures into a folder, all or none.
+
+    Args:
+        figures: By the file's name without its ending.
+        folder: Made if missing.
+        form: One of `FORMATS`.
+
+    Raises:
+        InputError: If there is no such format, or a file cannot be written.
+    """
+    if form not in FORMATS:
+        raise InputError("form", f"figures are written as one of {', '.join(FORMATS)}.", value=form)
+    write_together({folder / f"{name}.{form}": figure_writer(figure) for name, figure in figures.items()})

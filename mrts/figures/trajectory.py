@@ -3,10 +3,9 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from mrts.drawing.axis_reach import value_reach
-from mrts.figures.style import finish, legend_below, line_style, plain, robot_figure
+from mrts.figures.style import NotebookFigure, finish, legend_below, line_style, plain, robot_figure
 from mrts.scaling.limit_use import LimitedQuantities, limited_quantities
 from mrts.scaling.result import ScalingResult
 
@@ -35,7 +34,7 @@ def draw_contact_moments(axes: Axes, result: ScalingResult, robot: str) -> None:
     _draw_wrench(axes, result, robot, "n", "contact moment")
 
 
-def trajectory_figure(result: ScalingResult, title: str) -> Figure:
+def trajectory_figure(result: ScalingResult, title: str) -> NotebookFigure:
     """Joint torques and contact wrenches of every robot with their limits (as the paper's figures 4 to 8).
 
     Args:

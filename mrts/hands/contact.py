@@ -14,6 +14,7 @@ from mrts.base.arrays import Array, freeze_array
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import plain
 from mrts.base.manifest import WRENCH_COMPONENTS
+from mrts.base.notebook.in_notebooks import InNotebooks
 
 Frame = Literal["tip", "object", "base"]
 
@@ -22,7 +23,7 @@ FRAMES: tuple[Frame, ...] = ("tip", "object", "base")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Contact:
+class Contact(InNotebooks):
     """r rows lower <= A F <= upper over the wrench F that a hand exerts **on the object** at its contact point.
 
     The contact point is the tip frame's origin: moments are about it in every frame. Several contacts of one robot

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What an identification found of the motors: numbers with their confidence, as text and as YAML for the cell file."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array, freeze
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.base.version import __version__
@@ -32,7 +33,7 @@ UNITS = {
 
 
 @dataclass(frozen=True, eq=False)
-class MotorParameter:
+class MotorParameter(InNotebooks):
     """One parameter of every joint of an arm.
 
     Attributes:
@@ -58,7 +59,7 @@ class MotorParameter:
 
 
 @dataclass(frozen=True, eq=False)
-class ArmMotors:
+class ArmMotors(InNotebooks):
     """The motors of one arm, joint side of their gears, and what they leave unexplained.
 
     Attributes:
@@ -104,7 +105,7 @@ class ArmMotors:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MotorIdentification:
+class MotorIdentification(InNotebooks):
     """What `identify` found.
 
     Attributes:
@@ -121,6 +122,21 @@ class MotorIdentification:
 
     def __repr__(self) -> str:
         return f"<MotorIdentification of {self.cell}: {', '.join(arm.robot.name for arm in self.arms)}>"
+
+    def notebook_words(self) -> list[str]:
+        """The outcome, and a line for each remark."""
+        return [self.sentence(), *map(str, self.remarks)]
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """Every joint with its parameters and half their intervals of 95 % confidence."""
+        rows = [
+            (_joint(arm, place), *(_cell(found, place) for found in arm.estimates.values()),
+             f"{arm.residual_rms[place]:.3g} {unit}")
+            for arm in self.arms
+            for place, unit in enumerate(arm.robot.torque_units)
+        ]  # fmt: skip
+        heads = (f"{name} [{', '.join(dict.fromkeys(_units(name, self.arms)))}]" for name in UNITS)
+        yield NotebookTable(("joint", *heads, "residual rms"), rows)
 
     def arm(self, robot: str) -> ArmMotors:
         """What was found of one arm.

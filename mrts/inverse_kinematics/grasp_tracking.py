@@ -170,7 +170,7 @@ def solve_grasps(
         spaces = {} if reference is None else null_spaces(cell, q, poses["jacobian"], reference)
         step = np.zeros_like(q)
         for index, (robot, joints) in enumerate(arms):
-            error, gap = _pose_error(cell, robot, index, motion, sample, poses)
+            error, gap = pose_error(cell, robot, index, motion, sample, poses)
             arm_step, drift = _newton_step(poses["jacobian"][:, :, joints], error, spaces.get(robot.name))
             size = np.max(np.abs(gap), axis=1)
             if drift is not None:
@@ -356,7 +356,7 @@ def _jump(robot: Robot, motion: ObjectMotion, k: int) -> TrackingFailure:
     )
 
 
-def _pose_error(
+def pose_error(
     cell: Cell,
     robot: Robot,
     index: int,
@@ -364,7 +364,16 @@ def _pose_error(
     sample: int | NDArray[np.intp],
     poses: dict[str, Array],
 ) -> tuple[Array, Array]:
-    """Error in base axes and cell components, Shape (T, w), and its sizes [m, rad], Shape (T, 2)."""
+    """Error in base axes and cell components, Shape (T, w), and its sizes [m, rad], Shape (T, 2).
+
+    Args:
+        cell: The cell.
+        robot: Its arm.
+        index: Of the arm.
+        motion: Motion of the object.
+        sample: Of the motion, or one for each of T.
+        poses: What "kinematics" gives at T joint positions.
+    """
     R_world_tip = motion.rotation[sample] @ robot.T_object_tip.R
     p_world_tip = motion.position[sample] + motion.rotation[sample] @ robot.T_object_tip.p
     positions = poses["position"].reshape(-1, 3, len(cell.robots))

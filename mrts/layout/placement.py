@@ -12,6 +12,7 @@ from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.layout.layout_search import NO_GAIN
@@ -30,7 +31,7 @@ WORTH_TELLING = 1e-3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PlayedLayout:
+class PlayedLayout(InNotebooks):
     """One layout and what the cell does in it.
 
     Attributes:
@@ -60,7 +61,7 @@ class PlayedLayout:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Placement:
+class Placement(InNotebooks):
     """The best layout of a study.
 
     Attributes:
@@ -111,6 +112,16 @@ class Placement:
             f"{name} c² up to {after.c2:.4g} instead of {before.c2:.4g} ({100 * self.gain:+.1f} %), "
             f"{after.duration:.4g} s instead of {before.duration:.4g} s"
         )
+
+    def notebook_words(self) -> list[str]:
+        """The outcome."""
+        return [self.sentence()]
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """What moved."""
+        if self.after is not None:
+            rows = [(path, f"{before:.6g}", f"{after:.6g}", unit) for path, unit, before, after in self.moved()]
+            yield NotebookTable(("what may move", "before", "after", "unit"), rows)
 
     def lines(self) -> Iterator[str]:
         """What the command line says: the outcome, what moved, what binds, and which bounds are worth widening."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Every limit as named rows. A new one is one file and one line in `LIMITS`.
 
-May import base to coordination. Start at `rows.py`.
+May import base to diagnosis. Start at `rows.py`.
 """
 
 from collections.abc import Callable

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.kernel.cell_library import SparseLimits
 from mrts.limits.object_axes import ObjectAxes
 
@@ -20,7 +21,7 @@ TORQUE_SPEED = "torque-speed"
 
 
 @dataclass(frozen=True)
-class RowName:
+class RowName(InNotebooks):
     """What a row limits.
 
     Attributes:
@@ -87,7 +88,7 @@ STANDSTILL = RowName("c2")
 
 
 @dataclass(frozen=True)
-class ActiveRow:
+class ActiveRow(InNotebooks):
     """A row at one of its limits.
 
     Attributes:

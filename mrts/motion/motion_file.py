@@ -8,8 +8,9 @@ import numpy as np
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.errors import InputError
+from mrts.base.formats.broken_record import BrokenRecordError, broken_record
 from mrts.base.formats.pose import Pose
-from mrts.base.formats.record import BrokenRecordError, Record, Rule, broken_record
+from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import read_model
 from mrts.base.rigid_transform import rotation_from_rpy
 from mrts.motion.csv_motion import MAX_SAMPLES, read_joint_table, read_object_table, read_table

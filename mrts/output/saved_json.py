@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, FailFast, Field, ValidationError, model_validator
 
 from mrts.base.errors import InputError
-from mrts.base.formats.record import BrokenRecordError
+from mrts.base.formats.broken_record import BrokenRecordError
 from mrts.base.formats.strict_model import broken_rule
 from mrts.base.load_box import PARAMETERS, LoadBox
 from mrts.base.manifest import FORMAT, LOAD_ENTRIES, Manifest, Matrix, Matrix3, Vector3

@@ -4,10 +4,10 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from mrts.base.interval_text import interval_text
 from mrts.drawing.range_sentences import range_text
 from mrts.hands.friction import NORMAL_FORCE
 from mrts.limits.rows import TORQUE_SPEED
+from mrts.output.limit_table import limit_table, next_limits_line
 from mrts.scaling.limit_use import largest_step, limit_uses, rate_uses
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
@@ -22,15 +22,6 @@ LOADS_SHOWN = 8
 
 LIMITS_SHOWN = 4
 """Limits that are printed of a timing."""
-
-OWN_KINDS = ("torque", "wrench", "velocity", TORQUE_SPEED, "motor speed")
-"""What a cell file limits; of these, torques are printed."""
-
-NAME_WIDTH = 28
-"""Of the column of joints, unless a name is longer [characters]."""
-
-LIMIT_DIGITS = 6
-"""Significant digits of a limit: as many as it is given with."""
 
 
 def scaling_lines(result: ScalingResult) -> Iterator[str]:
@@ -56,7 +47,7 @@ def _plan_lines(result: ScalingResult) -> Iterator[str]:
     yield f"chosen c² = {done.c2:.6g}: {given:.4g} s become {done.duration:.4g} s, energy {done.energy:.4g} J"
     yield from _reserve_lines(result)
     yield f"torques for a load of {result.cell.mass:.4g} kg\n" if result.load is not None else ""
-    yield from _torque_lines(result)
+    yield from _limit_lines(result)
     for note in result.too_fast():
         yield f"note: {note}"
 
@@ -95,12 +86,13 @@ def _timing_lines(found: "RetimingResult") -> Iterator[str]:
     effort = "" if found.smooth is None else f", ∫ τᵀWτ dt = {found.effort:.4g}"
     energy = f"{found.retimed.trajectory.energy:.4g} J{effort}"
     yield f"energy {energy}; torques for a load of {found.retimed.cell.mass:.4g} kg\n"
-    yield from _torque_lines(found.retimed)
+    yield from _limit_lines(found.retimed)
 
 
 def _reserve_lines(result: ScalingResult) -> Iterator[str]:
     """What is left of the limits, and how far torques and wrenches go at a time."""
     yield f"reserve: {result.reserve}"
+    yield from next_limits_line(result)
     yield from _step_lines(result)
 
 
@@ -117,17 +109,9 @@ def _step_lines(result: ScalingResult) -> Iterator[str]:
     yield f"largest step between samples: {told or 'none has a limit'}"
 
 
-def _torque_lines(result: ScalingResult) -> Iterator[str]:
-    """Least and largest torque of every joint, and of what limits beside those of a cell file bound."""
-    robots = result.cell.robots
-    names = max(NAME_WIDTH, *(len(f"{robot.name}/{joint}") for robot in robots for joint in robot.joints))
-    yield f"{'joint':<{names}} {'least torque':>14} {'largest torque':>15} {'limits':>22}"
-    further = [use for use in limit_uses(result) if use.name.kind not in {*OWN_KINDS, "contact"}]
-    for use in [*limit_uses(result, "torque"), *further]:
-        name, unit = use.name.short, use.name.unit
-        least, largest = (f"{value:.4g} {unit}" for value in (use.least, use.largest))
-        limits = interval_text(use.lower, use.upper, unit, LIMIT_DIGITS)
-        yield f"{name:<{names}} {least:>14} {largest:>15} {limits:>22}"
+def _limit_lines(result: ScalingResult) -> Iterator[str]:
+    """The table of limits, and what it leaves to other lines."""
+    yield from limit_table(result)
     yield from _rate_lines(result)
     yield from _motor_lines(result)
     yield from _contact_lines(result)

@@ -8,6 +8,7 @@ from typing import Any
 
 from mrts.base.argument_types import is_number
 from mrts.base.errors import InputError
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.limits.rows import ActiveRow
 
 BETWEEN = 1e-4
@@ -21,7 +22,7 @@ LARGEST_BETWEEN = 1.0
 
 
 @dataclass(frozen=True)
-class Excess:
+class Excess(InNotebooks):
     """The worst excess over a limit between samples, with the best distribution of the torques there.
 
     Attributes:

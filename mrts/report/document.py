@@ -1,21 +1,25 @@
 # SPDX-License-Identifier: MIT
 """An HTML document with plots: everything in one file that fetches nothing."""
 
+import gzip
 import json
+from base64 import b85encode
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from importlib.resources import files
 from typing import Any
 
 from mrts.base.errors import InputError
-from mrts.report.markup import Html, element, html, joined, plot_place
+from mrts.report.markup import Html, contents, element, html, joined, plot_place
 from mrts.report.plots import Plot
 
 Place = Callable[..., Html]
 """Puts plots into a document, and tells where they stand."""
 
 
+@cache
 def plot_library() -> str:
-    """The text of plotly.js.
+    """The text of plotly.js, packed: it is nearly all of a page.
 
     Raises:
         InputError: If plotly is not installed.
@@ -24,7 +28,19 @@ def plot_library() -> str:
         from plotly.offline import get_plotlyjs  # noqa: PLC0415 (the extra 'report')
     except ModuleNotFoundError:
         raise InputError("report", "needs plotly: pip install 'mrts[report]'.") from None
-    return str(get_plotlyjs())
+    return packed(get_plotlyjs())
+
+
+def packed(text: str) -> str:
+    """Text for a script element of the page, compressed: base 85 of gzip, with "," for "<", which could end it.
+
+    Args:
+        text: Any.
+
+    Returns:
+        The same for the same text.
+    """
+    return b85encode(gzip.compress(text.encode(), mtime=0)).decode().replace("<", ",")
 
 
 def placing(plots: list[Plot]) -> Place:
@@ -41,12 +57,21 @@ def placing(plots: list[Plot]) -> Place:
     return place
 
 
-def document(title: str, body: str, plots: Sequence[Plot], *, compiles: bool = False, **data: Mapping[str, Any]) -> str:
+def document(
+    title: str,
+    head: str,
+    pieces: Sequence[str],
+    plots: Sequence[Plot],
+    *,
+    compiles: bool = False,
+    **data: Mapping[str, Any],
+) -> str:
     """A document that opens offline; the same parts give the same text.
 
     Args:
         title: Of the window.
-        body: HTML.
+        head: What stands above all, HTML.
+        pieces: HTML; the sections among them are listed.
         plots: What is drawn into their places of the body.
         compiles: Whether a plot needs a browser that compiles: plotly's parallel coordinates do.
         **data: What its script needs beside the plots.
@@ -55,24 +80,32 @@ def document(title: str, body: str, plots: Sequence[Plot], *, compiles: bool = F
         InputError: If plotly is not installed.
     """
     library = plot_library()
-    drawn = {plot.place: {"data": plot.data, "layout": plot.layout} for plot in plots}
-    # "<" could end the element; JSON may write it in another way
-    text = json.dumps({"plots": drawn, **data}, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    drawn = {plot.place: {"data": plot.data, "layout": plot.layout, "clock": plot.clock} for plot in plots}
+    text = packed(json.dumps({"plots": drawn, **data}, allow_nan=False, separators=(",", ":")))
     return f"""<!doctype html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
 <meta http-equiv="Content-Security-Policy" content="{policy(compiles=compiles)}">
 <meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
 <meta name="generator" content="mrts">
 <title>{html(title)}</title>
 <style>
 {_file("report.css")}</style>
 </head>
 <body>
-{body}
-<script>{library}</script>
-<script type="application/json" id="report-data">{text}</script>
+<header>
+<button id="theme" type="button" hidden>Dark</button>
+{html(head)}
+<p id="drawing" class="note">Plots are drawn by a browser of 2023 or later that may run scripts.</p>
+</header>
+{contents(pieces)}
+<main>
+{joined(pieces)}
+</main>
+<script type="text/plain" id="plot-library">{library}</script>
+<script type="text/plain" id="report-data">{text}</script>
 <script>
 {_file("report.js")}</script>
 </body>

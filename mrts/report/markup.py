@@ -42,9 +42,46 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> Html:
     return element("div", whole, class_="scroll")
 
 
-def section(name: str, title: str, *content: str) -> Html:
+class Section(Html):
+    """A section of the page, which the contents list.
+
+    Attributes:
+        name: Its identifier in the page.
+        heading: Its heading.
+    """
+
+    __slots__ = ("heading", "name")
+    heading: str
+    name: str
+
+
+def section(name: str, title: str, *content: str) -> Section:
     """A section with its heading."""
-    return element("section", joined([element("h2", title), *content]), id=name)
+    whole = Section(element("section", joined([element("h2", title), *content]), id=name))
+    whole.name, whole.heading = name, title
+    return whole
+
+
+def contents(pieces: Iterable[str]) -> Html:
+    """The list of the sections among pieces of a page, each a link.
+
+    Args:
+        pieces: In their order.
+    """
+    links = [element("a", piece.heading, href=f"#{piece.name}") for piece in pieces if isinstance(piece, Section)]
+    return element("nav", element("ul", joined(element("li", link) for link in links)), id="contents")
+
+
+def bar(share: float, digits: int = 0, words: str = "") -> Html:
+    """A share as a bar with its percentage.
+
+    Args:
+        share: 1 fills it.
+        digits: Decimals of the percentage.
+        words: What is written instead of it.
+    """
+    filled = element("div", "", class_="fill", style=f"width:{100 * min(share, 1):.1f}%")
+    return joined([element("div", filled, class_="bar"), html(words or f"{100 * share:.{digits}f} %")])
 
 
 def plot_place(name: str, title: str, height: int) -> Html:

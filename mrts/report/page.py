@@ -8,9 +8,20 @@ from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
 from mrts.cell.cell import Cell
 from mrts.report.document import Place, document, placing
+from mrts.report.limit_map import limit_map
+from mrts.report.limiting import LimitingRows, limiting_rows
 from mrts.report.markup import Html, element, joined, section
 from mrts.report.player import SPEEDS, Player, player
-from mrts.report.plots import Plot, load_plot, power_plots, rate_plots, torque_plots, wrench_plots
+from mrts.report.plots import (
+    Plot,
+    load_plot,
+    position_plots,
+    power_plots,
+    rate_plots,
+    torque_plots,
+    velocity_plots,
+    wrench_plots,
+)
 from mrts.report.range_plot import range_plot
 from mrts.report.tables import (
     conflicts_table,
@@ -24,25 +35,27 @@ from mrts.report.tables import (
     rates_table,
     wrench_limits_table,
 )
+from mrts.report.timing_part import played_way, timing_section
 from mrts.report.what_if_plot import what_if_notes, what_if_plots
+from mrts.retiming.result import RetimingResult
 from mrts.scaling.result import ScalingResult, fallbacks_text
 
 
-def write_report(result: ScalingResult, path: Path | str) -> None:
+def write_report(result: ScalingResult | RetimingResult, path: Path | str) -> None:
     """Write the report of a result: one HTML file that opens offline.
 
     Args:
-        result: Any result, feasible or not.
+        result: Any result, feasible or not; of `mrts.retime`, the report begins with its timing.
         path: The file.
 
     Raises:
         InputError: If plotly is not installed or the file cannot be written.
     """
-    check_type("result", result, ScalingResult)
+    check_type("result", result, ScalingResult, RetimingResult)
     write_text_atomically(as_path("path", path), report_html(result))
 
 
-def report_html(result: ScalingResult) -> str:
+def report_html(result: ScalingResult | RetimingResult) -> str:
     """The report as text; the same result gives the same text.
 
     Args:
@@ -52,29 +65,43 @@ def report_html(result: ScalingResult) -> str:
         InputError: If plotly is not installed.
     """
     plots: list[Plot] = []
-    scene = player(result)
-    body = joined(_sections(result, scene, plots))
-    return document(f"{result.cell.name}: {result.status.value}", body, plots, player=asdict(scene))
+    timing = result if isinstance(result, RetimingResult) else None
+    shown = result if isinstance(result, ScalingResult) else result.retimed or result.constant
+    scene = player(shown, None if timing is None or timing.retimed is None else played_way(timing))
+    head = _head(shown) if timing is None else _timing_head(timing, shown)
+    pieces = _sections(shown, timing, scene, plots)
+    return document(f"{shown.cell.name}: {result.status.value}", head, pieces, plots, player=asdict(scene))
 
 
-def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[Html]:
+def _sections(result: ScalingResult, timing: RetimingResult | None, scene: Player, plots: list[Plot]) -> list[Html]:
     """All sections in order; their plots are added to `plots`."""
     place = placing(plots)
     found, study, done = result.range, result.load, result.trajectory
-    pieces = [_head(result), *_warnings(result), _player_section(scene, given=done is None)]
-    pieces.append(section("range", "Range of c²", *range_table(found), place(range_plot(found))))
+    pieces = [*_warnings(result), *_timing(timing, place), _player_section(scene, given=done is None)]
+    pieces.append(
+        section(
+            "range",
+            _range_title(timing),
+            *range_table(found),
+            place(range_plot(found, "retimed" if result.origin else "given")),
+        )
+    )
     if result.changes is not None:
         drawn_changes = place(*what_if_plots(result.changes))
         pieces.append(section("what-if", "What changes would do", *what_if_notes(result.changes), drawn_changes))
     if found.samples.conflicts:
         pieces.append(section("conflicts", "Limits that conflict", conflicts_table(found.samples.conflicts)))
     if done is not None:
+        limiting = limiting_rows(result, timing)
         pieces += [
-            section("margins", "How far the limits are used", _margin_note(), margins_table(result)),
+            section("margins", "How far the limits are used", _margin_note(), margins_table(result, limiting)),
+            section("limits", "Per cent of limits along the motion", place(limit_map(result, limiting))),
             section("duty", "What is asked of the motors", _duty_note(), duty_table(result)),
             section("torques", "Joint torques", _limit_note(), place(*torque_plots(result))),
             section("wrenches", "Contact wrenches", _limit_note(), place(*wrench_plots(result))),
-            *_rates(result, place),
+            *_rates(result, limiting, place),
+            section("velocities", "Joint velocities", _limit_note(), place(*velocity_plots(result))),
+            section("positions", "Joint positions", _limit_note(), place(*position_plots(result))),
             section("power", "Power and energy", place(*power_plots(result))),
         ]
     if study is not None:
@@ -83,20 +110,44 @@ def _sections(result: ScalingResult, scene: Player, plots: list[Plot]) -> list[H
         pieces.append(
             section("loads", "Uncertain load", element("p", f"Asked {study.sentence()}."), *shown, loads_table(result))
         )
-    limits = [
+    return [*pieces, section("inputs", "What was given", inputs_table(result), *_given_limits(result.cell))]
+
+
+def _given_limits(cell: Cell) -> list[Html]:
+    return [
         element("h3", "Joints"),
-        joints_table(result.cell),
-        *_motors(result.cell),
+        joints_table(cell),
+        *_motors(cell),
         element("h3", "Contact wrenches"),
-        wrench_limits_table(result.cell),
+        wrench_limits_table(cell),
     ]
-    pieces.append(section("inputs", "What was given", inputs_table(result), *limits))
-    return pieces
 
 
-def _rates(result: ScalingResult, place: Place) -> list[Html]:
+def _range_title(timing: RetimingResult | None) -> str:
+    if timing is None:
+        return "Range of c²"
+    return "Range of c² of the best constant factor" if timing.retimed is None else "Range of c² of the retimed motion"
+
+
+def _timing(timing: RetimingResult | None, place: Place) -> list[Html]:
+    return [] if timing is None or timing.retimed is None else [timing_section(timing, place)]
+
+
+def _timing_head(timing: RetimingResult, shown: ScalingResult) -> Html:
+    """The answer; where there is no profile, that of the best constant factor below it."""
+    status = "feasible" if timing.status.admits_motion else "infeasible"
+    text = timing.sentence()
+    lines = [element("h1", timing.cell.name), element("p", f"{text[0].upper()}{text[1:]}", class_=f"outcome {status}")]
+    if timing.retimed is None:
+        lines.append(element("p", f"The best constant factor, which is shown below: {shown.sentence()}"))
+    elif shown.trajectory is not None:
+        lines.append(element("p", f"The motors give {shown.trajectory.energy:.4g} J."))
+    return joined(lines)
+
+
+def _rates(result: ScalingResult, limiting: LimitingRows, place: Place) -> list[Html]:
     """How fast torques, wrenches and accelerations change; nothing where that is not limited."""
-    listed = rates_table(result)
+    listed = rates_table(result, limiting)
     return [section("rates", "How fast torques change", *listed, place(*rate_plots(result)))] if listed else []
 
 
@@ -113,7 +164,7 @@ def _head(result: ScalingResult) -> Html:
             lines.append(element("p", load))
         speed = f"The given {given:.4g} s become {done.duration:.4g} s, {given / done.duration:.3g} × as fast. "
         lines.append(element("p", f"{'' if result.origin else speed}The motors give {done.energy:.4g} J."))
-    return element("header", joined(lines))
+    return joined(lines)
 
 
 def _warnings(result: ScalingResult) -> list[Html]:
@@ -130,14 +181,18 @@ def _warnings(result: ScalingResult) -> list[Html]:
 
 def _limit_note() -> Html:
     return element(
-        "p", "Thin lines are limits; those far outside are not shown. A click on a name hides its lines.", class_="note"
+        "p",
+        "Thin lines are limits; those far outside are not shown. A click on a name hides its lines; hovering moves "
+        "the motion above.",
+        class_="note",
     )
 
 
 def _margin_note() -> Html:
     text = (
         "Of a limit that is 0, 100 % is the largest limit of its kind. Of a torque-speed line, it is what the line "
-        "gives at standstill, and the limits are those of the moment at which most is used."
+        "gives at standstill, and the limits are those of the moment at which most is used. A limit that sets the "
+        "speed stands first; one that is only reached because of how the load is distributed does not set it."
     )
     return element("p", text, class_="note")
 

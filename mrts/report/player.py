@@ -60,6 +60,8 @@ class Player:
         time: Of the frames [s].
         speed: At which to begin.
         largest_force: The force that the longest arrow stands for [N]; 0 where there are none.
+        clocks: What the clocks of plots show at the frames: "given" and "played" time [s], and "way" along the path
+            where that is known.
     """
 
     data: list[dict[str, Any]]
@@ -68,13 +70,15 @@ class Player:
     time: list[float]
     speed: float
     largest_force: float
+    clocks: dict[str, list[float]]
 
 
-def player(result: ScalingResult) -> Player:
+def player(result: ScalingResult, way: Array | None = None) -> Player:
     """The trajectory with its forces; where there is none, the given motion.
 
     Args:
         result: Any result.
+        way: Along the path at its samples, if known, Shape (N,).
     """
     cell, given, done = result.cell, result.motion.object, result.trajectory
     time = given.time if done is None else done.time
@@ -108,6 +112,8 @@ def player(result: ScalingResult) -> Player:
         numbers(time[frames]),
         speed,
         largest if largest > NO_FORCE else 0.0,
+        clocks={"given": numbers(given.time[frames]), "played": numbers(time[frames])}
+        | ({} if way is None else {"way": numbers(way[frames])}),
     )
 
 
@@ -199,6 +205,8 @@ def _layout(cell: Cell, points: Array) -> dict[str, Any]:
             "range": numbers(np.array([low[index], high[index]])),
             "tickangle": 0,
             "visible": cell.plane is None or axis in cell.plane,
+            "gridcolor": "#ddd",
+            "zerolinecolor": "#bbb",
         }
     ratio = dict(zip("xyz", numbers(high - low), strict=True))
     return {

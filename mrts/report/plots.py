@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Plots over time as plotly reads them: torques, wrenches, their rates, power, energy, loads."""
+"""Plots over time as plotly reads them: positions, velocities, torques, wrenches, rates, power, energy, loads."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ from mrts.scaling.scaled_trajectory import accumulated_energy
 DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot", "2px,6px")
 """A second difference between lines, for print without colour."""
 
-MOST_SAMPLES = 1500
+MOST_SAMPLES = 500
 """Evenly chosen samples of a line; the extreme ones of every line are kept beside these."""
 
 DIGITS = 6
@@ -49,6 +49,8 @@ class Plot:
         data: Traces.
         layout: Axes and legend.
         height: [px].
+        clock: What its x axis counts, for the cursor: "played" is the time of the trajectory, "given" that of the
+            given motion, "way" that along the path; empty where it is none of these.
     """
 
     name: str
@@ -56,6 +58,7 @@ class Plot:
     data: list[dict[str, Any]]
     layout: dict[str, Any]
     height: int = PLOT_HEIGHT
+    clock: str = ""
 
     @property
     def place(self) -> str:
@@ -120,6 +123,9 @@ def _limited(name: str, title: str, ytitle: str, time: Array, values: Array, nam
         own = line(time[samples], values[samples, index], shortened(label), index, unit, **more) | {
             "legendgroup": str(index)
         }
+        used = _percent(values[samples, index], *limits[:, samples, index]) if len(limits) else None
+        if used is not None:
+            own |= {"customdata": used, "hovertemplate": f"%{{y:.4g}} {unit} (%{{customdata}} %)"}
         traces.append(own)
         for limit in limits[:, :, index]:
             if np.any(np.isfinite(limit)):
@@ -128,7 +134,55 @@ def _limited(name: str, title: str, ytitle: str, time: Array, values: Array, nam
                 traces.append(drawn | {"legendgroup": str(index), "showlegend": False})
     legend = LEGEND_LINE * len(names) if max(len(label) for label, _ in names) >= LONG_NAME else 0
     shape = layout("time [s]", ytitle, value_reach(values, limits))
-    return Plot(name, title, traces, shape, PLOT_HEIGHT + legend)
+    return Plot(name, title, traces, shape, PLOT_HEIGHT + legend, "played")
+
+
+def _percent(values: Array, lower: Array, upper: Array) -> list[int] | None:
+    """How much of the limit on their side values use [%]; None where neither side has one that is not 0."""
+    limit = np.where(values < 0, lower, upper)
+    if not np.all(np.isfinite(limit) & (limit != 0)):
+        return None
+    percents: list[int] = np.round(100 * values / limit).astype(int).tolist()
+    return percents
+
+
+def position_plots(result: ScalingResult) -> list[Plot]:
+    """Joint positions with limits, of each robot a plot for each unit; none without a trajectory."""
+    done = result.trajectory
+    if done is None:
+        return []
+    plots = []
+    for number, robot in enumerate(result.cell.robots):
+        values = done.q[:, result.cell.joint_slices[robot.name]]
+        ends = np.stack([robot.position_lower, robot.position_upper])[:, None, :]
+        limits = np.broadcast_to(ends, (2, *values.shape))
+        for part, unit in enumerate(dict.fromkeys(robot.position_units)):
+            own = [index for index, of in enumerate(robot.position_units) if of == unit]
+            names = [(robot.joints[index], unit) for index in own]
+            name, title = f"position-{number}-{part}", f"{robot.name}: joint positions"
+            drawn = _limited(name, title, f"position [{unit}]", done.time, values[:, own], names, limits[:, :, own])
+            plots.append(drawn)
+    return plots
+
+
+def velocity_plots(result: ScalingResult) -> list[Plot]:
+    """Joint velocities with limits, kept or not, of each robot a plot for each unit; none without a trajectory."""
+    done = result.trajectory
+    if done is None:
+        return []
+    plots = []
+    for number, robot in enumerate(result.cell.robots):
+        values = done.dq[:, result.cell.joint_slices[robot.name]]
+        limits = np.broadcast_to(
+            np.stack([-robot.velocity_limit, robot.velocity_limit])[:, None, :], (2, *values.shape)
+        )
+        for part, unit in enumerate(dict.fromkeys(robot.position_units)):
+            own = [index for index, of in enumerate(robot.position_units) if of == unit]
+            names = [(robot.joints[index], f"{unit}/s") for index in own]
+            name, title = f"velocity-{number}-{part}", f"{robot.name}: joint velocities"
+            drawn = _limited(name, title, f"velocity [{unit}/s]", done.time, values[:, own], names, limits[:, :, own])
+            plots.append(drawn)
+    return plots
 
 
 def torque_plots(result: ScalingResult) -> list[Plot]:
@@ -210,7 +264,7 @@ def power_plots(result: ScalingResult) -> list[Plot]:
         traces.append(whole)
     reach = value_reach(np.stack([*energies, total]), np.empty(0))
     shape = layout("time [s]", "energy [J]", reach)
-    return [*plots, Plot("energy", "Energy that the motors have given", traces, shape)]
+    return [*plots, Plot("energy", "Energy that the motors have given", traces, shape, clock="played")]
 
 
 def gap_traces(samples: SampleRanges, high: float) -> list[dict[str, Any]]:
@@ -255,4 +309,4 @@ def load_plot(result: ScalingResult) -> Plot | None:
     traces.append(line(time[samples], result.range.samples.upper[samples], study.question, 0, "", width=3))
     traces += gap_traces(result.range.samples, high)
     shape = layout("time of the given motion [s]", "largest c² [1]", (low, high))
-    return Plot("loads", "c²⁺(t) by load", traces, shape, 400)
+    return Plot("loads", "c²⁺(t) by load", traces, shape, 400, "given")

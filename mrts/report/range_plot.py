@@ -26,15 +26,16 @@ LANE_HEIGHT = 22
 TITLE = "c²⁻(t), c²⁺(t) and the rows that bind (↑ at an upper limit, ↓ at a lower one; bold: they set the range)"
 
 
-def range_plot(found: ScalingRange) -> Plot:
+def range_plot(found: ScalingRange, motion: str = "given") -> Plot:
     """The ranges of all samples; hovering names the rows that bind.
 
     Args:
         found: The range over the motion.
+        motion: Whose time it counts: the given or the retimed one.
     """
     samples = found.samples
     low, high = c2_reach(found)
-    shape = layout("time of the given motion [s]", "c² [1]", (low, high))
+    shape = layout(f"time of the {motion} motion [s]", "c² [1]", (low, high))
     shape["xaxis"]["range"] = numbers(samples.time[[0, -1]])
     word = {"y": 0.5, "yref": "y domain", "showarrow": False, "bgcolor": "#ffffffc0"}
     shape["shapes"], shape["annotations"] = [], []
@@ -59,7 +60,7 @@ def range_plot(found: ScalingRange) -> Plot:
         shape["xaxis"] |= {"anchor": "y2", "mirror": "all"}
         shape["yaxis2"] = _lane_axis(lanes, share)
         traces += _lane_traces(lanes, samples.time)
-    return Plot("c2-range", TITLE, traces, shape, CURVES_HEIGHT + (below if lanes else 0))
+    return Plot("c2-range", TITLE, traces, shape, CURVES_HEIGHT + (below if lanes else 0), "given")
 
 
 def _curves(found: ScalingRange) -> list[dict[str, Any]]:

@@ -20,7 +20,7 @@ from mrts.drawing.study_words import (
     span_texts,
 )
 from mrts.report.document import Place, document, placing
-from mrts.report.markup import Html, element, html, joined, section, table
+from mrts.report.markup import Html, bar, element, html, joined, section, table
 from mrts.report.plots import Plot
 from mrts.report.study_plots import durations_plot, lines_plot, map_plots
 
@@ -57,20 +57,20 @@ def study_html(found: StudyTable) -> str:
         InputError: If plotly is not installed.
     """
     plots: list[Plot] = []
-    body = joined(_sections(found, placing(plots)))
+    pieces = _sections(found, placing(plots))
     compiles = any(trace.get("type") == "parcoords" for plot in plots for trace in plot.data)
-    return document(f"{found.name}: {found.variants} variants", body, plots, compiles=compiles)
+    return document(f"{found.name}: {found.variants} variants", _head(found), pieces, plots, compiles=compiles)
+
+
+def _head(found: StudyTable) -> Html:
+    status = "feasible" if len(found.ranked) else "infeasible"
+    outcome = f"{_sentence(outcome_text(found))} {_sentence(best_text(found))}"
+    return joined([element("h1", found.name), element("p", outcome, class_=f"outcome {status}")])
 
 
 def _sections(found: StudyTable, place: Place) -> list[Html]:
-    status = "feasible" if len(found.ranked) else "infeasible"
-    pieces = [
-        element("header", joined([
-            element("h1", found.name),
-            element("p", f"{_sentence(outcome_text(found))} {_sentence(best_text(found))}", class_=f"outcome {status}"),
-        ])),
-        section("next", "What to do next", element("ul", joined(element("li", step) for step in next_steps(found)))),
-    ]  # fmt: skip
+    steps = element("ul", joined(element("li", step) for step in next_steps(found)))
+    pieces: list[Html] = [section("next", "What to do next", steps)]
     if len(found.ranked):
         head, (*rows, limits) = best_rows(found, MOST_BEST)
         rows.append([limits[0], *(Html(html(limit).replace(", ", "<br>")) for limit in limits[1:])])
@@ -93,16 +93,11 @@ def _sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}." if text else ""
 
 
-def _bar(share: float) -> Html:
-    filled = element("div", "", class_="fill", style=f"width:{100 * min(share, 1):.1f}%")
-    return joined([element("div", filled, class_="bar"), html(f"{100 * share:.0f} %")])
-
-
 def _weights(found: StudyTable) -> list[Html]:
     """How much each number matters; nothing where there is only one."""
     if len(found.knobs) < 2:  # noqa: PLR2004 (nothing to compare)
         return []
-    rows = [(found.knobs[each.knob].path, _bar(each.duration), _bar(each.playable)) for each in weights(found)]
+    rows = [(found.knobs[each.knob].path, bar(each.duration), bar(each.playable)) for each in weights(found)]
     note = "What each number explains by itself; what numbers do only together is not in it."
     head = ("number", "of how the durations spread", "of whether it can be played")
     return [section("weights", "What matters", table(head, rows), element("p", note, class_="note"))]
@@ -113,9 +108,7 @@ def _limits(found: StudyTable) -> list[Html]:
     best = np.isin(np.arange(found.variants), best_part(found))
     counts, of_best = found.limit_counts(found.admitted), dict(found.limit_counts(best))
     total, total_best = int(np.sum(found.admitted)), max(1, int(np.sum(best)))
-    rows = [
-        (name, _bar(count / total), _bar(of_best.get(name, 0) / total_best)) for name, count in counts[:MOST_LIMITS]
-    ]
+    rows = [(name, bar(count / total), bar(of_best.get(name, 0) / total_best)) for name, count in counts[:MOST_LIMITS]]
     note = "↑ at its upper limit, ↓ at its lower one. Several may bind at once: raising one alone then brings little."
     whole = table(("limit at c²⁺", "of all that can be played", "of the best 5 %"), rows)
     rest = _rest(len(counts) - MOST_LIMITS, "limits")

@@ -8,10 +8,12 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.interval_text import interval_text
 from mrts.cell.cell import Cell
+from mrts.cell.robot import JOINT_HEAD
 from mrts.drawing.load_envelope import load_envelope
 from mrts.drawing.range_sentences import range_facts, range_text
-from mrts.limits.rows import ActiveRow
-from mrts.report.markup import Html, element, html, joined, table
+from mrts.limits.rows import ActiveRow, RowName
+from mrts.report.limiting import LimitingRows
+from mrts.report.markup import Html, bar, element, html, joined, table
 from mrts.samples.infeasibility import Conflict
 from mrts.scaling.limit_use import limit_uses, rate_uses
 from mrts.scaling.range import ScalingRange
@@ -90,17 +92,9 @@ def _distribution_text(result: ScalingResult) -> str:
 
 def joints_table(cell: Cell) -> Html:
     """Limits of every joint."""
-    rows = []
-    for robot in cell.robots:
-        for index, joint in enumerate(robot.joints):
-            unit = robot.position_units[index]
-            torque = interval_text(robot.torque_lower[index], robot.torque_upper[index], robot.torque_units[index])
-            position = interval_text(robot.position_lower[index], robot.position_upper[index], unit)
-            fastest = robot.velocity_limit[index]
-            velocity = f"{fastest:.4g} {unit}/s" if np.isfinite(fastest) else "none given"
-            rows.append((robot.name, joint, robot.joint_types[index], torque, position, velocity))
-    velocity = "velocity" if cell.enforces_velocity_limits else "velocity (not enforced)"
-    return table(("robot", "joint", "type", "torque", "position", velocity), rows)
+    rows = [(robot.name, *row) for robot in cell.robots for row in robot.joint_rows()]
+    *head, velocity = ("robot", "joint", *JOINT_HEAD)
+    return table((*head, velocity if cell.enforces_velocity_limits else f"{velocity} (not enforced)"), rows)
 
 
 def motors_table(cell: Cell) -> list[Html]:
@@ -153,15 +147,27 @@ def range_table(found: ScalingRange) -> list[Html]:
     return [table(("end", "c²", "speed", "set at", "by"), rows)] if rows else []
 
 
-def margins_table(result: ScalingResult) -> Html:
-    """Every limit by falling share that the trajectory uses."""
+def margins_table(result: ScalingResult, limiting: LimitingRows) -> Html:
+    """Every limit by falling share that the trajectory uses; those that set the speed first.
+
+    Args:
+        result: A result.
+        limiting: Which rows set its speed.
+    """
     rows = []
-    for use in limit_uses(result):
-        filled = element("div", "", class_="fill", style=f"width:{100 * min(use.share, 1):.1f}%")
-        bar = joined([element("div", filled, class_="bar"), html(f"{100 * use.share:.1f} %")])
+    for use in sorted(limit_uses(result), key=lambda use: use.name not in limiting.setting):
         limits = interval_text(use.lower, use.upper, use.name.unit)
-        rows.append((str(use.name), limits, f"{use.least:.4g}", f"{use.largest:.4g}", bar, f"{use.time:.4g} s"))
+        numbers = (f"{use.least:.4g}", f"{use.largest:.4g}", bar(use.share, 1), f"{use.time:.4g} s")
+        rows.append((_marked(use.name, limiting), limits, *numbers))
     return table(("limit", "from … to", "least", "largest", "share used", "most used at"), rows)
+
+
+def _marked(name: RowName, limiting: LimitingRows) -> Html:
+    """The name of a limit with what is to be said of it below."""
+    sets = limiting.setting.get(name)
+    words = limiting.reached.get(name, "") if sets is None else sets
+    mark = element("span", words, class_="mark" if sets is None else "mark limiting")
+    return joined([html(str(name)), *([Html("<br>"), mark] if words else [])])
 
 
 def duty_table(result: ScalingResult) -> Html:
@@ -188,15 +194,20 @@ def duty_table(result: ScalingResult) -> Html:
     return table(head, rows)
 
 
-def rates_table(result: ScalingResult) -> list[Html]:
-    """Every rate that is limited by falling share; nothing if none is."""
+def rates_table(result: ScalingResult, limiting: LimitingRows) -> list[Html]:
+    """Every rate that is limited by falling share; nothing if none is.
+
+    Args:
+        result: A result.
+        limiting: Which rows set its speed.
+    """
     if result.trajectory is None:
         return []
-    rows = []
-    for use in rate_uses(result.trajectory, result.rule.rates):
+    rows, uses = [], rate_uses(result.trajectory, result.rule.rates)
+    for use in sorted(uses, key=lambda use: use.name not in limiting.setting):
         unit = use.name.unit
         numbers = (f"{use.limit:.4g} {unit}", f"{use.largest:.4g} {unit}", f"{100 * use.share:.1f} %")
-        rows.append((str(use.name), *numbers, f"{use.time:.4g} s"))
+        rows.append((_marked(use.name, limiting), *numbers, f"{use.time:.4g} s"))
     kept = "They are kept" if result.rule.rates is not None else "They are reported, and bound nothing"
     note = f"{kept}; differences of neighbouring samples."
     head = ("limited rate", "limit", "largest", "share", "at")

@@ -2,6 +2,7 @@
 """The outcome of retiming: the fastest profile and its trajectory, or why there is none."""
 
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -13,6 +14,7 @@ import numpy as np
 from mrts.base.argument_types import Progress, as_path, check_callable
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
@@ -77,7 +79,7 @@ OF_TRAJECTORY = (
 
 
 @dataclass(frozen=True, repr=False)
-class RetimingResult:
+class RetimingResult(InNotebooks):
     """What `mrts.retime` found.
 
     Attributes:
@@ -112,6 +114,22 @@ class RetimingResult:
 
     def __repr__(self) -> str:
         return f"RetimingResult({self.cell.name}: {self.sentence()})"
+
+    def notebook_words(self) -> list[str]:
+        """The outcome, and a line for each warning."""
+        return [f"{self.cell.name}: {self.sentence()}", *map(str, self.warnings)]
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """Durations, and what limits the speed for how long."""
+        best, given = self.factor.duration, float(self.motion.object.time[-1])
+        timings = (("timing", self.duration), ("best constant factor", best), ("as given", given))
+        rows = [(name, "none" if time is None else f"{time:.4g} s") for name, time in timings]
+        if self.saving is not None:
+            rows.append(("saved", f"{100 * self.saving:.3g} %"))
+        yield NotebookTable(("", "duration"), rows)
+        if self.pieces:
+            shares = [(name, f"{100 * share:.3g} %") for name, share in self.limits]
+            yield NotebookTable(("what limits the speed", "of the duration"), shares)
 
     @property
     def constant(self) -> ScalingResult:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.retiming.retimed_motion import FastestPiece, TimedPiece
 from mrts.retiming.smooth_path import SmoothPath
 from mrts.smooth.program import Goal, SmoothProgram
@@ -72,7 +73,7 @@ class SmoothPiece(TimedPiece):
 
 
 @dataclass(frozen=True)
-class SmoothAnswer:
+class SmoothAnswer(InNotebooks):
     """What a smooth timing is beside its profile.
 
     Attributes:

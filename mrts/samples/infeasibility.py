@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.limits.rows import ActiveRow
 from mrts.samples.sample_problem import SampleProblem
 from mrts.samples.speed_intervals import speed_intervals, speed_unit
@@ -36,7 +37,7 @@ SEARCHED = 100.0
 
 
 @dataclass(frozen=True)
-class Conflict:
+class Conflict(InNotebooks):
     """Limits that cannot hold together at one sample, whatever c² >= 0.
 
     With the multipliers y of these rows, Σ yᵢ (row i) is a combination of limits that no torque satisfies

@@ -8,6 +8,7 @@ import numpy as np
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.samples import DISTRIBUTIONS
@@ -20,7 +21,7 @@ BALANCE_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
-class LoadSharing:
+class LoadSharing(InNotebooks):
     """Arm i carries the share α_i of the load, plus a prescribed internal wrench.
 
     Attributes:
@@ -38,15 +39,8 @@ class LoadSharing:
         Raises:
             InputError: If a shape is wrong, the shares do not sum to 1, or the internal wrench moves the object.
         """
-        robots = len(cell.robots)
-        shares = np.full(robots, 1 / robots) if self.shares is None else as_array("shares", self.shares)
-        if shares.shape != (robots,) or not np.all(shares >= 0) or not np.isfinite(shares).all():
-            raise InputError(
-                "shares", f"must be {robots} finite numbers >= 0, one for each robot.", value=shares.tolist()
-            )
-        if abs(np.sum(shares) - 1) > SHARE_TOLERANCE:
-            raise InputError("shares", f"must sum to 1; they sum to {np.sum(shares):.12g}.", value=shares.tolist())
-        size = robots * len(cell.wrench_components)
+        shares = self.of_robots(len(cell.robots))
+        size = len(cell.robots) * len(cell.wrench_components)
         if self.internal_wrench is None:
             return {"shares": shares, "internal_wrench": np.zeros(size)}
         internal = as_array("internal_wrench", self.internal_wrench)
@@ -65,6 +59,24 @@ class LoadSharing:
                 f"must not move the object: at sample {worst} its net effect Σ B_i F_i is {net[worst]:.3g} (N, N m).",
             )
         return {"shares": shares, "internal_wrench": internal}
+
+    def of_robots(self, robots: int) -> Array:
+        """α_i of each robot, Shape (n,).
+
+        Args:
+            robots: n.
+
+        Raises:
+            InputError: If there are not n of them, one is negative, or they do not sum to 1.
+        """
+        shares = np.full(robots, 1 / robots) if self.shares is None else as_array("shares", self.shares)
+        if shares.shape != (robots,) or not np.all(shares >= 0) or not np.isfinite(shares).all():
+            raise InputError(
+                "shares", f"must be {robots} finite numbers >= 0, one for each robot.", value=shares.tolist()
+            )
+        if abs(np.sum(shares) - 1) > SHARE_TOLERANCE:
+            raise InputError("shares", f"must sum to 1; they sum to {np.sum(shares):.12g}.", value=shares.tolist())
+        return shares
 
 
 def check_distribution(distribute: str, sharing: LoadSharing | None) -> None:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits import squared_limits
@@ -139,7 +140,7 @@ TORQUES: dict[
 
 
 @dataclass(frozen=True)
-class Reserve:
+class Reserve(InNotebooks):
     """By how much limits may shrink before a plan at its c² has no torques within them.
 
     Attributes:
@@ -170,7 +171,7 @@ class Reserve:
 
 
 @dataclass(frozen=True)
-class PlanReserve:
+class PlanReserve(InNotebooks):
     """What is left of the limits of a plan.
 
     Attributes:

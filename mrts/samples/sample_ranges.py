@@ -10,6 +10,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, Side
@@ -34,7 +35,7 @@ that sets the end, so that it does not depend on the solver."""
 
 
 @dataclass(frozen=True)
-class SampleRanges:
+class SampleRanges(InNotebooks):
     """The least and the largest c² of each of N samples.
 
     Attributes:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
@@ -24,7 +25,7 @@ from mrts.samples.widening import widening_at
 
 
 @dataclass(frozen=True)
-class Holding:
+class Holding(InNotebooks):
     """What a controller needs before the first and after the last sample, at both ends of a motion.
 
     Attributes:

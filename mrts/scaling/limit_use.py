@@ -160,6 +160,25 @@ def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUs
     return uses if kind is not None else sorted(uses, key=lambda use: -use.share)
 
 
+def limit_courses(result: "ScalingResult") -> tuple[tuple[RowName, ...], Array]:
+    """How much of each limit is used all along the trajectory, velocities enforced or not.
+
+    Args:
+        result: A result with a trajectory.
+
+    Returns:
+        The rows that have a limit, r of them, and the share of it that each uses at each sample, Shape (N, r).
+
+    Raises:
+        ValueError: If there is no trajectory.
+    """
+    done = result.trajectory
+    if done is None:
+        raise ValueError("there is no trajectory to draw")
+    rows = all_rows(result.cell, result.motion).bounded()
+    return rows.names, np.maximum(rows.share(rows.value(done.torque, done.wrench, 0.0, done.c)), 0.0)
+
+
 def rate_uses(done: "ScaledTrajectory", kept: RateLimits | None) -> list[RateUse]:
     """All rates that are limited by falling share, kept or not.
 

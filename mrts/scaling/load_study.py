@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What is asked of an uncertain load, the ranges of c² of single loads, and the answer."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadBox, LoadPoint
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.samples import FormulationName
@@ -24,7 +25,7 @@ from mrts.scaling.range import ScalingRange, intersect
 
 
 @dataclass(frozen=True, repr=False)
-class LoadStudy:
+class LoadStudy(InNotebooks):
     """What was asked of an uncertain load, and the answer for each load that was looked at.
 
     Attributes:
@@ -43,6 +44,11 @@ class LoadStudy:
 
     def __repr__(self) -> str:
         return f"<LoadStudy {self.sentence()}>"
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """The range of every load that was looked at."""
+        rows = [(str(point), repr(found).strip("<>")) for point, found in zip(self.points, self.ranges, strict=True)]
+        yield NotebookTable(("load", "range"), rows)
 
     def sentence(self) -> str:
         """The question and the box in words."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The admissible range of c² over the whole motion: the intersection of the ranges of all samples."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -9,11 +9,13 @@ import numpy as np
 
 from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.limits.rows import ActiveRow, Side
 from mrts.samples.end_rows import RowsWhenAsked
 from mrts.samples.range_ends import Gap, pieces
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
+from mrts.scaling.result_html import range_ends
 
 if TYPE_CHECKING:
     from mrts.smooth.constant_rates import RatedFactors, RatesAtEnd
@@ -29,7 +31,7 @@ LOST_WITH_SPEED = "what motors lose with the speed (viscous friction, torque-spe
 
 
 @dataclass(frozen=True)
-class RangeEnd:
+class RangeEnd(InNotebooks):
     """One end of the range over the motion.
 
     Attributes:
@@ -61,7 +63,7 @@ class RangeEnd:
 
 
 @dataclass(frozen=True, repr=False)
-class ScalingRange:
+class ScalingRange(InNotebooks):
     """The range over the whole motion.
 
     Attributes:
@@ -83,6 +85,14 @@ class ScalingRange:
     def __repr__(self) -> str:
         ends = f"c² ∈ {self.text()}, " if self.lower and self.upper else ""
         return f"<ScalingRange {self.status.value}: {ends}{len(self.samples.time)} samples>"
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """Both ends and what sets them."""
+        yield range_ends(self)
+
+    def notebook_words(self) -> list[str]:
+        """The outcome."""
+        return [repr(self).strip("<>"), *filter(None, [self.explain()])]
 
     def text(self, digits: int = 4) -> str:
         """All intervals in words, such as `[0, 3.062]` or `[0, 0.51] or [1.2, 3.062]`; empty where there are no ends.

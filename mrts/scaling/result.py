@@ -2,7 +2,7 @@
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -14,6 +14,7 @@ from mrts.base.argument_types import Progress, as_path, check_callable
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import SolverError
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
@@ -29,7 +30,7 @@ from mrts.samples.reserve import PlanReserve, plan_reserve
 from mrts.scaling.limit_use import largest_step, limit_uses, rate_uses
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange
-from mrts.scaling.result_html import result_html
+from mrts.scaling.result_html import result_rows
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.smooth.rate_limits import RateLimits
 from mrts.solvers import DEFAULT_SOLVER, check_solver
@@ -48,7 +49,7 @@ BLOCK = 4096
 
 
 @dataclass(frozen=True)
-class Residuals:
+class Residuals(InNotebooks):
     """How far a trajectory is from what it promises: rounding, and at most 1e-9 of a limit.
 
     Attributes:
@@ -63,7 +64,7 @@ class Residuals:
 
 
 @dataclass(frozen=True)
-class DistributionRule:
+class DistributionRule(InNotebooks):
     """How torques are distributed.
 
     Attributes:
@@ -82,7 +83,7 @@ class DistributionRule:
 
 
 @dataclass(frozen=True, repr=False)
-class ScalingResult:
+class ScalingResult(InNotebooks):
     """What `mrts.scale` found.
 
     Attributes:
@@ -116,8 +117,13 @@ class ScalingResult:
         chosen = "" if done is None else f" Chosen: c² = {done.c2:.4g}, {done.duration:.4g} s."
         return f"<ScalingResult of cell '{self.cell.name}': {self.sentence()}{chosen}>"
 
-    def _repr_html_(self) -> str:
-        return result_html(self)
+    def notebook_words(self) -> list[str]:
+        """The outcome, and a line for each warning."""
+        return [f"{self.cell.name}: {self.sentence()}", *map(str, self.warnings)]
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """Range, chosen speed, margins of the torques."""
+        yield NotebookTable(("", ""), list(result_rows(self)))
 
     @property
     def status(self) -> RangeStatus:

@@ -1,37 +1,32 @@
 # SPDX-License-Identifier: MIT
-"""A result as a small HTML table: what a notebook shows of it."""
+"""Tables of results as a notebook shows them."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mrts.base.printable import html_text
+from mrts.base.notebook.in_notebooks import NotebookTable
 from mrts.scaling.limit_use import limited_quantities
 
 if TYPE_CHECKING:
+    from mrts.scaling.range import ScalingRange
     from mrts.scaling.result import ScalingResult
+    from mrts.scaling.what_if import WhatIf
 
 ROUNDING = 9
 """Decimals of a margin: what is less is the rounding of a torque at its limit."""
 
+MOST_CHANGES = 8
+"""Changes that are shown of those that gain, that lose, and that cannot be played."""
 
-def result_html(result: "ScalingResult") -> str:
+
+def result_rows(result: "ScalingResult") -> Iterator[tuple[str, str]]:
     """Outcome, range, chosen speed, and how near every joint comes to its torque limits.
 
     Args:
         result: The result.
     """
-    rows = "".join(
-        f"<tr><th style='text-align:left'>{html_text(name)}</th><td style='text-align:left'>{html_text(text)}</td></tr>"
-        for name, text in _rows(result)
-    )
-    lines = [f"{result.cell.name}: {result.sentence()}", *map(str, result.warnings)]
-    paragraphs = "".join(f"<p style='max-width:50em'>{html_text(line)}</p>" for line in lines)
-    return f"{paragraphs}<table>{rows}</table>"
-
-
-def _rows(result: "ScalingResult") -> Iterator[tuple[str, str]]:
     yield "outcome", result.status.value
     if result.status.admits_motion:
         yield "range of c²", result.range.text()
@@ -48,3 +43,33 @@ def _rows(result: "ScalingResult") -> Iterator[tuple[str, str]]:
         ):
             limits = f"limits [{lower:g}, {upper:g}] {unit}"
             yield f"{robot.name}/{joint}", f"margin {max(round(margin, ROUNDING), 0.0):.3g} {unit}, {limits}"
+
+
+def range_ends(found: "ScalingRange") -> NotebookTable:
+    """Both ends of every interval, and what sets them.
+
+    Args:
+        found: The range.
+    """
+    rows = []
+    for low, high in reversed(found.intervals):
+        for name, end in (("c²⁺", high), ("c²⁻", low)):
+            speed = f"{np.sqrt(max(end.c2, 0.0)):.4g} ×" if np.isfinite(end.c2) else "∞"
+            place = "nothing limits it" if end.time is None else end.place()
+            rows.append((name, f"{end.c2:.6g}" if np.isfinite(end.c2) else "∞", speed, place))
+    return NotebookTable(("end", "c²", "speed", "set"), rows)
+
+
+def changes_table(found: "WhatIf") -> NotebookTable:
+    """What gains most, what loses most, and with what the motion cannot be played.
+
+    Args:
+        found: What changes would do.
+    """
+    rows = [
+        (str(one.change), one.amount if one.after.duration is not None else one.after.status,
+         ", ".join(one.after.limits) or one.after.reason)
+        for group in found.sorted()
+        for one in group[:MOST_CHANGES]
+    ]  # fmt: skip
+    return NotebookTable(("change", "effect", "then limited by"), rows)

@@ -10,6 +10,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits.torque_limits import torque_limits
@@ -19,7 +20,7 @@ from mrts.scaling.holding_torques import Holding
 
 
 @dataclass(frozen=True, repr=False)
-class ScaledTrajectory:
+class ScaledTrajectory(InNotebooks):
     """Eqs. (9), (10), (19): q̃(t) = q(c t), with joint torques and contact wrenches, at N samples.
 
     Attributes:

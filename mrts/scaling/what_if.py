@@ -11,14 +11,16 @@ import numpy as np
 
 from mrts.base.argument_types import Progress
 from mrts.base.errors import InputError, MotionError, SolverError
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
-from mrts.cell.cell_change import CellChange, ChangeKind, ChangeSteps, cell_changes
+from mrts.cell.cell_change import SPOKEN_CHANGES, CellChange, ChangeSteps, cell_changes
 from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.coordination.following_again import FollowedAgain, following_again
 from mrts.limits.rows import ActiveRow
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.range import ScalingRange, intersect
+from mrts.scaling.result_html import changes_table
 from mrts.scaling.scale import AdmissibleRange, within_rate_limits
 from mrts.scaling.uncertain_load import range_at_samples
 
@@ -40,7 +42,7 @@ MOST_NAMED = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpeedAnswer:
+class SpeedAnswer(InNotebooks):
     """How fast a motion may be played with a cell.
 
     Attributes:
@@ -70,7 +72,7 @@ class SpeedAnswer:
 
 
 @dataclass(frozen=True)
-class ChangedAnswer:
+class ChangedAnswer(InNotebooks):
     """A change, and what the answer is with it.
 
     Attributes:
@@ -143,7 +145,7 @@ class ChangedAnswer:
 
 
 @dataclass(frozen=True, repr=False)
-class WhatIf:
+class WhatIf(InNotebooks):
     """What `ScalingResult.what_if` or `RetimingResult.what_if` found.
 
     Attributes:
@@ -163,6 +165,14 @@ class WhatIf:
 
     def __str__(self) -> str:
         return "\n".join(self.lines())
+
+    def notebook_words(self) -> list[str]:
+        """The question, the answer before, what does nothing."""
+        return [*self.lines(gains=0, losses=0)]
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """What gains most, what loses most, what cannot be played."""
+        yield changes_table(self)
 
     @property
     def without_effect(self) -> tuple[str, ...]:
@@ -204,7 +214,7 @@ class WhatIf:
     def nothing_else(self) -> str:
         """One sentence on what does nothing, counted by kind; empty if everything does something."""
         kinds = {one.change.what: one.change.kind for one in self.changes}
-        counts = Counter(_SPOKEN[kinds[what]] for what in self.without_effect)
+        counts = Counter(SPOKEN_CHANGES[kinds[what]] for what in self.without_effect)
         if not counts:
             return ""
         parts = [one if count == 1 else f"{count} {many}" for (one, many), count in counts.items()]
@@ -223,20 +233,6 @@ class WhatIf:
             "without_effect": list(self.without_effect),
             "left_out": self.left_out or None,
         }
-
-
-_SPOKEN: dict[ChangeKind, tuple[str, str]] = {
-    "torque": ("a torque limit", "torque limits"),
-    "wrench": ("a contact wrench limit", "contact wrench limits"),
-    "contact": ("a hand", "hands"),
-    "velocity": ("a velocity limit", "velocity limits"),
-    "motor speed": ("the speed of a motor", "speeds of motors"),
-    "reserve": ("the reserve", "reserves"),
-    "mass": ("the mass", "masses"),
-    "base": ("a coordinate of a base", "coordinates of bases"),
-    "grasp": ("a coordinate of a grasp", "coordinates of grasps"),
-}
-"""What one and what several changes of a kind are called."""
 
 
 def _seconds(duration: float | None) -> str:

@@ -3,7 +3,7 @@
 
 import json
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
@@ -15,23 +15,19 @@ from mrts.base.argument_types import Progress, as_path, check_callable, check_ty
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.coordination.coordinated_motion import CoordinatedMotion, check_motion
+from mrts.inverse_kinematics.branches import branches_at_start
 from mrts.inverse_kinematics.grasp_tracking import (
     OUT_OF_REACH,
     PAST_A_LIMIT,
-    STARTING_STEPS,
     TrackingFailure,
     Tracks,
-    solve_grasps,
     track_grasps,
 )
-from mrts.inverse_kinematics.joint_limits import joint_limit_failure, nearest_turns, within_limits
-from mrts.inverse_kinematics.null_space import is_redundant
-from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_branches
-from mrts.inverse_kinematics.six_joint_closed_form import six_joint_branches
-from mrts.inverse_kinematics.starting_positions import starting_reference
+from mrts.inverse_kinematics.joint_limits import joint_limit_failure, within_limits
 from mrts.motion.object_motion import ObjectMotion
 from mrts.refinement.excess import BETWEEN, checked_tolerance
 from mrts.samples.load_sharing import LoadSharing
@@ -41,18 +37,11 @@ from mrts.scaling.result import DistributionRule
 from mrts.scaling.scale import admissible_range
 from mrts.solvers import DEFAULT_SOLVER, check_solver
 
-MULTI_STARTS = 400
-"""Seeded random starts for an arm without an analytic inverse: each of up to 16 branches is then found many times."""
-
-SEED = 20
-SAME_BRANCH = 1e-6
-"""Joint positions closer than this, whole turns aside, are one branch [rad or m]."""
-
 DEFAULT_CAP = 1024
 
 
 @dataclass(frozen=True)
-class Branch:
+class Branch(InNotebooks):
     """One way in which an arm can hold its grasp at t = 0, followed along the motion.
 
     Attributes:
@@ -69,7 +58,7 @@ class Branch:
 
 
 @dataclass(frozen=True)
-class Configuration:
+class Configuration(InNotebooks):
     """One branch for each arm.
 
     Attributes:
@@ -93,7 +82,7 @@ class Configuration:
 
 
 @dataclass(frozen=True)
-class ConfigurationStudy:
+class ConfigurationStudy(InNotebooks):
     """What `rank_configurations` found.
 
     Attributes:
@@ -105,6 +94,19 @@ class ConfigurationStudy:
     branches: dict[str, list[Branch]]
     ranked: tuple[Configuration, ...]
     combinations: int
+
+    def notebook_words(self) -> list[str]:
+        """How many there are."""
+        return [f"{self.combinations} configurations reach the end, {len(self.ranked)} evaluated{self._left_out()}"]
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """The configurations by falling c²⁺."""
+        rows = [
+            (str(rank), *(str(branch.number) for branch in one.branches),
+             f"{one.c2_upper:.4g}" if np.isfinite(one.c2_upper) else "-", outcome(one))
+            for rank, one in enumerate(self.ranked, start=1)
+        ]  # fmt: skip
+        yield NotebookTable(("rank", *self.branches, "c²⁺", "limited at"), rows)
 
     def table(self, rows: int) -> str:
         """The best configurations and the branches that they are made of, as text.
@@ -223,7 +225,7 @@ def rank_configurations(
     if cap < 1:
         raise InputError("cap", "must be at least 1.", value=cap)
     check_motion(cell, motion)
-    starts = [_branches_at_start(cell, index, motion) for index in range(len(cell.robots))]
+    starts = [branches_at_start(cell, index, motion) for index in range(len(cell.robots))]
     tracks, branches = _follow(cell, motion, starts)
     good = [[branch for branch in branches[robot.name] if branch.failure is None] for robot in cell.robots]
     combinations = int(np.prod([len(of_robot) for of_robot in good]))
@@ -255,49 +257,6 @@ def rank_configurations(
 def _without_hands(cell: Cell) -> Cell:
     """The cell without contact rows: an even distribution does not squeeze, and would order palms by chance."""
     return replace(cell, robots=tuple(replace(robot, contacts=()) for robot in cell.robots))
-
-
-def _branches_at_start(cell: Cell, index: int, motion: ObjectMotion) -> Array:
-    """Joint positions of one arm that hold its grasp at t = 0, each branch once, Shape (count, n_i)."""
-    robot = cell.robots[index]
-    joints = cell.joint_slices[robot.name]
-    posture = np.concatenate([other.posture for other in cell.robots])
-    redundant = is_redundant(cell, robot)
-    if has_closed_form(cell, robot):
-        # standing still at the first sample: a path out of reach further on is the outcome of its branch
-        still = np.zeros((2, 6))
-        first = ObjectMotion(motion.time[:2], motion.position[[0, 0]], motion.rotation[[0, 0]], still, still)
-        guesses = np.array([branch[0] for branch in planar_branches(cell, robot, first)])
-    else:
-        found = six_joint_branches(cell, robot, motion)
-        guesses = found if found is not None and len(found) else _random_starts(robot)
-    start = np.tile(posture, (len(guesses), 1))
-    start[:, joints] = guesses
-    held = solve_grasps(cell, motion, 0, start, STARTING_STEPS, np.tile(starting_reference(cell), (len(guesses), 1)))
-    distinct: list[Array] = []
-    for candidate in held.q[held.settled()[:, index]][:, joints]:
-        # a redundant arm has settled where its null space points, whole turns and all
-        near = candidate if redundant else nearest_turns(robot, candidate)
-        near = within_limits(robot, near[None])[0]
-        if joint_limit_failure(robot, motion.time, near[None]) is not None:
-            continue
-        if not any(np.max(np.abs(_apart(robot, near, other))) < SAME_BRANCH for other in distinct):
-            distinct.append(near)
-    return np.array(distinct).reshape(-1, len(robot.joints))
-
-
-def _random_starts(robot: Robot) -> Array:
-    rng = np.random.default_rng(SEED)
-    low = np.where(np.isfinite(robot.position_lower), np.maximum(robot.position_lower, -np.pi), -np.pi)
-    high = np.where(np.isfinite(robot.position_upper), np.minimum(robot.position_upper, np.pi), np.pi)
-    starts = rng.uniform(low, high, (MULTI_STARTS, len(robot.joints)))
-    starts[0] = robot.posture
-    return starts
-
-
-def _apart(robot: Robot, a: Array, b: Array) -> Array:
-    turns = np.array([kind == "revolute" for kind in robot.joint_types])
-    return np.where(turns, (a - b + np.pi) % (2 * np.pi) - np.pi, a - b)
 
 
 def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[Tracks, dict[str, list[Branch]]]:

@@ -121,7 +121,7 @@ def read_knob(path: Path, key: str, value: object) -> KnobDescription:
     try:
         return KnobDescription.model_validate(value)
     except ValidationError as error:
-        broken = broken_format(path, error)
+        broken = broken_format(path, value, error)
         inside = f"{key}.{broken.key}" if broken.key else key
         raise InputError(path, broken.rule, key=inside, value=broken.value) from None
 

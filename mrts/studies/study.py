@@ -2,6 +2,7 @@
 """A study: a cell and a motion of which numbers vary, and what is asked of each variant."""
 
 import os
+from collections.abc import Iterator
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,6 +16,7 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_atomically, write_together
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import MAX_URDF_BYTES
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.regular_file import read_regular
 from mrts.base.yaml_parser import yaml_text
@@ -121,7 +123,7 @@ class UrdfText:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Study:
+class Study(InNotebooks):
     """Many variants of one cell and one motion. It pickles with all that a worker needs; equal studies ask the same.
 
     Attributes:
@@ -163,6 +165,11 @@ class Study:
     def __repr__(self) -> str:
         varied = ", ".join(parameter.path for parameter in self.parameters)
         return f"<Study of cell '{self.cell['name']}': {self.variants} variants ({self.sample}) of {varied}>"
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """What varies."""
+        rows = [(entry.path, entry.spread.text(entry.unit)) for entry in self.parameters]
+        yield NotebookTable(("number", "varies"), rows)
 
     def points(self, first: int, last: int) -> Array:
         """Values of the parameters of some variants, the same whatever block they are asked for in.

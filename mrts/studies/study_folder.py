@@ -24,6 +24,7 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_atomically, write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.input_file import read_text
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import message_text
 from mrts.base.version import __version__
 from mrts.limits import LIMITS
@@ -68,7 +69,7 @@ def require_pyarrow() -> None:
 
 
 @dataclass(frozen=True)
-class StudyFolder:
+class StudyFolder(InNotebooks):
     """A study and the part of its rows that is solved.
 
     Attributes:
@@ -78,6 +79,13 @@ class StudyFolder:
 
     path: Path
     record: Mapping[str, Any]
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """How far it is, and its columns."""
+        parts = len(self.parts())
+        rows = [("folder", str(self.path)), ("parts solved", f"{parts} of {self.chunks}")]
+        rows += [("variants", str(self.variants)), ("columns", ", ".join(self.record["columns"]))]
+        yield NotebookTable(("", ""), rows)
 
     @property
     def digest(self) -> str:

@@ -84,7 +84,7 @@ def study_record(path: Path, text: str) -> dict[str, Any]:
     try:
         _Record.model_validate(record)
     except ValidationError as error:
-        broken = broken_format(path, error)
+        broken = broken_format(path, record, error)
         rule = f"is damaged: {broken.rule} Remove the folder, or name another."
         raise InputError(path, rule, key=broken.key, value=broken.value) from None
     return record

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.studies.dry_run import time_text
 from mrts.studies.ranking import fastest_first
 
@@ -21,7 +22,7 @@ TALLIED = ("variant", "status", "duration")
 
 
 @dataclass(frozen=True)
-class SweepProgress:
+class SweepProgress(InNotebooks):
     """How far a sweep is.
 
     Attributes:

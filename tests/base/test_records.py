@@ -7,8 +7,9 @@ from copy import deepcopy
 import pytest
 from pydantic import ConfigDict, ValidationError, create_model
 
+from mrts.base.formats.broken_record import RULES, BrokenRecordError
 from mrts.base.formats.pose import Pose
-from mrts.base.formats.record import RULES, BrokenRecordError, Record
+from mrts.base.formats.record import Record
 from mrts.base.manifest import (
     ArgumentRecord,
     ContactRecord,

@@ -110,11 +110,13 @@ def test_output_that_cannot_be_written_is_an_error():
     assert done.stderr == "mrts: error: standard output: cannot be written: No space left on device.\n"
 
 
-def test_a_terminal_without_superscripts_gets_question_marks():
+def test_a_terminal_without_superscripts_gets_ascii():
     environment = os.environ | {"LC_ALL": "C", "PYTHONIOENCODING": "ascii"}
     done = mrts_process("scale", DATA / "cell.yaml", DATA / "lift.yaml", env=environment)
     assert done.returncode == 0
-    assert "c? ? [0, 3.062]" in done.stdout
+    assert "c^2 in [0, 3.062]" in done.stdout
+    assert "1.75 x as fast" in done.stdout
+    assert "?" not in done.stdout
 
 
 def test_options_choose_the_speed_and_the_sharing():

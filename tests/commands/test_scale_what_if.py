@@ -22,7 +22,8 @@ def test_it_says_and_writes_what_the_library_finds(planar_cell, lift, tmp_path, 
     found = mrts.scale(planar_cell, lift).what_if()
     assert main([*SCALE, "--save", str(tmp_path / "a.npz"), "--report", str(tmp_path / "a.html")]) == 0
     said = capsys.readouterr().out
-    assert said.endswith(f"\n\n{found}\n")
+    written = "".join(f"  {tmp_path / name}\n" for name in ("a.npz", "a.html"))
+    assert said.endswith(f"\n\n{found}\n\nwritten:\n{written}")
     assert answered(capsys)["what_if"] == found.to_json()
     assert mrts.load_result(tmp_path / "a.npz").changes == found
     assert "What changes would do" in (tmp_path / "a.html").read_text(encoding="utf-8")

@@ -37,7 +37,8 @@ def test_a_study_is_solved_said_and_written(tmp_path):
     assert lines[0].split()[:5] == ["1", str(fastest["variant"]), *numbers]
     assert lines[1].strip() == "best-1/cell.yaml: object.mass = 1 kg, robots.left.base.xyz[0] = 0 m"
     assert lines[2].split()[:2] == ["2", "4"]
-    assert len(lines) == 4
+    assert lines[4:6] == ["", "written:"]
+    assert sorted(lines[6:]) == [f"  {path}" for path in sorted(folder.parent.glob("best-*/*"))]
     again = mrts_command("sweep", study_file(tmp_path), "-o", tmp_path / "out", "--top", 9)
     assert (again.returncode, again.stdout) == (0, done.stdout)
 

@@ -139,9 +139,17 @@ def test_colours_tell_the_outcome_the_failure_and_the_notes(tmp_path):
     infeasible = at_terminal([*MRTS, "scale", tmp_path / "cell.yaml", DATA / "lift.yaml"])
     assert infeasible.code == 1
     assert "\x1b[1;31mplanar_dual_arm: infeasible" in infeasible.shown
-    wrong = at_terminal([*MRTS, "scale", tmp_path / "cel.yaml", DATA / "lift.yaml"])
+    wrong = at_terminal([*MRTS, "scale", tmp_path / "cel.yaml", DATA / "lift.yaml"], COLUMNS="300")
     assert wrong.code == 2
     assert f"\x1b[1;31mmrts: error: {tmp_path / 'cel.yaml'}: there is no such cell file" in wrong.shown
+
+
+def test_a_terminal_gets_lines_that_break_between_words():
+    told = at_terminal([*MRTS, *LIFT], COLUMNS="60", NO_COLOR="1").shown.split("\r\n")
+    whole = mrts_command(*LIFT).stdout.split("\n")
+    assert max(map(len, told)) <= 60
+    assert " ".join(" ".join(told).split()) == " ".join(" ".join(whole).split())
+    assert any(line.startswith("  ") and "limited at" not in line for line in told[1:3])  # what the first goes on with
 
 
 @pytest.mark.parametrize("environment", [{"NO_COLOR": ""}, {"NO_COLOR": "1"}, {"TERM": "dumb"}])

@@ -7,9 +7,10 @@ import pytest
 from conftest import DATA
 
 import mrts
-from mrts.figures import phase_plane_figure, trajectory_figure, write_result_figures
+from mrts.figures import trajectory_figure, write_result_figures
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.output.summary_lines import scaling_lines
+from mrts.report.limiting import limiting_rows
 from mrts.report.plots import torque_plots
 from mrts.report.tables import inputs_table, margins_table, motors_table
 from mrts.scaling.limit_use import limit_uses, limited_quantities
@@ -83,8 +84,8 @@ def test_moving_limits_are_drawn_as_lines_over_time(result):
 
 
 def test_tables_and_lines_name_the_curve_once(result):
-    assert "left/shoulder torque-speed" in margins_table(result)
-    assert "left/elbow motor speed" in margins_table(result)
+    assert "left/shoulder torque-speed" in margins_table(result, limiting_rows(result, None))
+    assert "left/elbow motor speed" in margins_table(result, limiting_rows(result, None))
     lines = list(scaling_lines(result))
     said = [line for line in lines if line.startswith("torque-speed curves: at most")]
     worst = max(use.share for use in limit_uses(result) if use.name.kind == TORQUE_SPEED)
@@ -134,7 +135,7 @@ def test_the_fastest_timing_has_its_pictures_and_numbers_too(cell, lift, tmp_pat
     motors = replace(left.motors, coulomb=np.array([2.0, 1.0, 0.2]), viscous=np.full(3, 0.5), rated=np.full(3, 20.0))
     found = mrts.retime(replace(cell, robots=(replace(left, motors=motors), right)), lift)
     played = found.retimed
-    write_result_figures(played, tmp_path, ("phase_plane.png", phase_plane_figure(found)))
+    write_result_figures(found, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} >= {"phase_plane.png", "torques_and_wrenches.png"}
     data = found.to_json()
     assert data["joint_duty"]["left"]["rms_torque"] == played.trajectory.duty["left"].rms_torque.tolist()
@@ -158,7 +159,7 @@ def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     again = mrts.load_result(tmp_path / "result.npz")
     assert list(scaling_lines(again)) == list(scaling_lines(result))
     np.testing.assert_array_equal(again.trajectory.friction, result.trajectory.friction)
-    table = margins_table(result)
+    table = margins_table(result, limiting_rows(result, None))
     for use in limit_uses(result):
         assert str(use.name) in table
 

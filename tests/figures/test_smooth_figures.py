@@ -94,7 +94,7 @@ def test_wrench_rates_and_jerks_have_their_limits(smooth):
 
 def test_all_figures_of_smooth_timing_are_legible(smooth, spatial, tmp_path):
     for number, found in enumerate((smooth, spatial)):
-        write_result_figures(found.retimed, tmp_path / str(number), ("phase_plane.png", phase_plane_figure(found)))
+        write_result_figures(found, tmp_path / str(number))
         assert (tmp_path / str(number) / "rates.png").exists()
         title = f"{found.cell.name}: {found.retimed.origin.split('. ')[0]}"
         assert "smooth timing of a path that was given" in title

@@ -21,6 +21,7 @@ DOCS = ROOT / "docs"
         ("tutorial", 13),
         ("own_cell", 8),
         ("own_robot", 4),
+        ("check", 6),
         ("command_line", 4),
         ("ros2", 3),
         ("optimal_profile", 2),

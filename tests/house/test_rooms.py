@@ -21,6 +21,7 @@ ROOMS = (
     "motion",
     "inverse_kinematics",
     "coordination",
+    "diagnosis",
     "limits",
     "samples",
     "refinement",

@@ -255,7 +255,8 @@ def test_the_command_line_saves(tmp_path, capsys):
     command = ["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), "--save", str(tmp_path / "deep" / "r.npz")]
     assert main(command) == 0
     again = mrts.load_result(tmp_path / "deep" / "r.npz")
-    assert capsys.readouterr().out == "\n".join([*scaling_lines(again), ""])
+    written = ["", "written:", f"  {tmp_path / 'deep' / 'r.npz'}", ""]
+    assert capsys.readouterr().out == "\n".join([*scaling_lines(again), *written])
     assert main([*command, "--c2", "99"]) == 2  # the range is saved all the same
     assert mrts.load_result(tmp_path / "deep" / "r.npz").trajectory is None
 

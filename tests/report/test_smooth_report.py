@@ -1,14 +1,13 @@
 """The report of a smooth timing: what changes how fast, against its limits, and what is known of the timing."""
 
-import json
-import re
-
 import numpy as np
 import pytest
+from report_pages import data_of
 from shown_results import with_all_rates
 
 import mrts
 from mrts.report import report_html
+from mrts.report.limiting import limiting_rows
 from mrts.report.plots import rate_plots
 from mrts.report.tables import rates_table
 
@@ -40,11 +39,10 @@ def test_the_text_says_what_is_known_of_the_timing(smooth):
     assert str(smooth.smooth) in text  # a local optimum, its steps and its bound
     assert "smooth timing of a path that was given 0.5236 s" in text
     assert "How fast torques change" in text
-    for part in rates_table(smooth.retimed):
+    for part in rates_table(smooth.retimed, limiting_rows(smooth.retimed, None)):
         assert str(part) in text
     assert "They are kept" in text
-    data = json.loads(re.search(r'<script type="application/json" id="report-data">(.*?)</script>', text)[1])
-    time = np.array(data["player"]["time"])
+    time = np.array(data_of(text)["player"]["time"])
     assert time[-1] == pytest.approx(smooth.duration, rel=1e-5)
     assert np.ptp(np.diff(time)) > 0.1 * np.min(np.diff(time))  # the player has the nodes' own times
 

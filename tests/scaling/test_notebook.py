@@ -54,7 +54,7 @@ def test_they_say_what_matters(results, planar_cell, lift):
 
 def table(result):
     """Rows of the HTML table, parsed as XML."""
-    html = ET.fromstring(f"<div>{result._repr_html_()}</div>")  # noqa: S314 (our own text; notebooks' protocol)
+    html = ET.fromstring(result._repr_html_())  # noqa: S314 (our own text; notebooks' protocol)
     return {row.find("th").text: row.find("td").text for row in html.find("table")}, html.find("p").text
 
 

@@ -9,8 +9,9 @@ from conftest import DATA
 from shown_results import braking_only, result_of
 
 import mrts
-import mrts.output.summary_lines
+import mrts.output.limit_table
 from mrts.base.interval_text import interval_text
+from mrts.output.limit_table import limit_table
 from mrts.output.summary_lines import scaling_lines
 from mrts.scaling.result import _speed_advice
 
@@ -140,11 +141,12 @@ def test_no_crossed_and_no_infinite_interval_is_shown(planar_cell, lift, tmp_pat
             assert float(low) <= float(high)
 
 
-def test_columns_of_joint_names_that_are_longer_stay_aligned(planar_cell, lift, monkeypatch):
-    monkeypatch.setattr(mrts.output.summary_lines, "NAME_WIDTH", len("left/elbow"))
-    table = scaling_lines(mrts.scale(planar_cell, lift))
-    head, *rows = [line for line in table if line.startswith(("joint ", "left/", "right/"))]
-    assert {len(row) for row in rows} == {len(head)}
+def test_columns_of_names_that_are_longer_stay_aligned(planar_cell, lift, monkeypatch):
+    for width in (0, 40):
+        monkeypatch.setattr(mrts.output.limit_table, "LEAST_NAME_WIDTH", width)
+        head, *rows = limit_table(mrts.scale(planar_cell, lift))
+        places = {len(row[: row.index("  [")]) for row in rows if "[" in row}
+        assert places == {head.index("  limits")}
 
 
 def test_a_load_without_a_common_speed_is_said_with_both_samples(planar_cell, lift):

@@ -4,52 +4,13 @@
 import json
 import math
 import re
+from collections.abc import Iterable
 from inspect import get_annotations
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self, Union, dataclass_transform, get_args, get_origin
 
-from mrts.base.errors import InputError
-
-RULES = {
-    "bool_parsing": "must be true or false",
-    "bool_type": "must be true or false",
-    "dict_type": "must be a mapping of keys to values",
-    "finite_number": "must be a finite number",
-    "float_type": "must be a number",
-    "greater_than": "must be > {gt:g}",
-    "greater_than_equal": "must be >= {ge:g}",
-    "int_type": "must be a whole number",
-    "less_than": "must be < {lt:g}",
-    "less_than_equal": "must be <= {le:g}",
-    "list_type": "must be a list",
-    "literal_error": "must be {expected}",
-    "missing": "this key is required",
-    "model_type": "must be a mapping of keys to values",
-    "string_pattern_mismatch": "must be letters, digits and single underscores, and start with a letter",
-    "string_type": "must be text",
-    "too_long": "has {actual_length} values, at most {max_length} belong here",
-    "too_short": "has {actual_length} values, at least {min_length} belong here",
-}
-"""What is wrong with a value, by pydantic's names; fields are numbers and texts of the format, nothing of the file."""
-
-Key = str | int
-
-
-class BrokenRecordError(ValueError):
-    """A value breaks a rule.
-
-    Attributes:
-        keys: Where it is.
-        rule: What it breaks.
-        value: The value.
-        told: Whether the rule explains itself without the value.
-    """
-
-    def __init__(self, rule: str, value: object = None, *, told: bool = False) -> None:
-        super().__init__(rule)
-        self.keys: tuple[Key, ...] = ()
-        self.rule, self.value, self.told = rule, value, told
+from mrts.base.formats.broken_record import RULES, BrokenRecordError, Key, Wrong, broken_record, unknown_key
 
 
 class Rule:
@@ -242,50 +203,23 @@ def _refuse(constant: str) -> NoReturn:
     _fail("finite_number", constant)
 
 
-def broken_record(where: Path | str, error: BrokenRecordError) -> InputError:
-    """An error of a record in the words of an input file.
-
-    Args:
-        where: File, or the name of what is built in Python.
-        error: What its check raised.
-    """
-    rule = error.rule + (" (it is empty)" if error.value is None and not error.told else "")
-    value = None if error.told else error.value
-    return InputError(where, f"{rule.rstrip('.')}.", key=key_text(error.keys), value=value)
-
-
-def key_text(keys: tuple[Key, ...] | list[Key]) -> str:
-    """Where a value is, such as "robots[0].name"."""
-    text = ""
-    for part in keys:
-        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
-    return text
-
-
-def unknown_key(key: object, known: list[str]) -> str:
-    """The rule that a key breaks which a format does not have."""
-    import difflib  # noqa: PLC0415 (for this message only)
-
-    close = difflib.get_close_matches(str(key), known, n=1)
-    hint = f"; did you mean '{close[0]}'?" if close else ""
-    return f"unknown key '{key}'{hint or '.'} The keys here are: {', '.join(known)}"
-
-
 def _checked_fields(cls: type[Record], data: dict[Any, Any]) -> dict[str, Any]:
-    fields = cls.model_fields
+    fields, wrong = cls.model_fields, Wrong()
     for key in data:
         if key not in fields:
-            raise BrokenRecordError(unknown_key(key, list(fields)), told=True)
+            wrong.add(BrokenRecordError(unknown_key(key, list(fields)), told=True))
     values = {}
     for name, kind in fields.items():
-        if name in data:
-            values[name] = _at(name, kind, data[name])
-        elif hasattr(cls, name):
-            values[name] = _at(name, kind, getattr(cls, name))
+        if name in data or hasattr(cls, name):
+            try:
+                values[name] = _at(name, kind, data[name] if name in data else getattr(cls, name))
+            except BrokenRecordError as error:
+                wrong.add(error)
         else:
             missing = BrokenRecordError(RULES["missing"], told=True)
             missing.keys = (name,)
-            raise missing
+            wrong.add(missing)
+    wrong.raise_added()
     return values
 
 
@@ -293,8 +227,21 @@ def _at(key: Key, kind: Any, value: object) -> Any:
     try:
         return checked(kind, value)
     except BrokenRecordError as error:
-        error.keys = (key, *error.keys)
+        for each in error.each():
+            each.keys = (key, *each.keys)
         raise
+
+
+def _each_at(entries: Iterable[tuple[Key, Any, object]]) -> list[Any]:
+    """The checked values of keys, kinds and values beside each other."""
+    read, wrong = [], Wrong()
+    for key, kind, value in entries:
+        try:
+            read.append(_at(key, kind, value))
+        except BrokenRecordError as error:
+            wrong.add(error)
+    wrong.raise_added()
+    return read
 
 
 def checked(kind: Any, value: Any) -> Any:
@@ -328,7 +275,8 @@ def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
     if origin is dict:
         if not isinstance(value, dict):
             _fail("dict_type", value)
-        return {_at(str(name), parts[0], name): _at(str(name), parts[1], entry) for name, entry in value.items()}
+        names = _each_at((str(name), parts[0], name) for name in value)
+        return dict(zip(names, _each_at((str(name), parts[1], entry) for name, entry in value.items()), strict=True))
     if not isinstance(value, list | tuple):
         _fail("list_type", value)
     return _items(origin, parts, value)
@@ -337,11 +285,11 @@ def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
 def _items(origin: Any, kinds: tuple[Any, ...], value: list[Any] | tuple[Any, ...]) -> Any:
     """The items of a list, or of a tuple with a kind each."""
     if origin is list:
-        return [_at(index, kinds[0], item) for index, item in enumerate(value)]
+        return _each_at((index, kinds[0], item) for index, item in enumerate(value))
     if len(value) != len(kinds):
         kind, length = ("too_long", "max_length") if len(value) > len(kinds) else ("too_short", "min_length")
         _fail(kind, value, actual_length=len(value), **{length: len(kinds)})
-    return tuple(_at(index, kind, item) for index, (kind, item) in enumerate(zip(kinds, value, strict=True)))
+    return tuple(_each_at((index, *pair) for index, pair in enumerate(zip(kinds, value, strict=True))))
 
 
 def _plain(kind: type, value: Any) -> Any:

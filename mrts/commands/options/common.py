@@ -11,6 +11,8 @@ from mrts.console.progress import working
 if TYPE_CHECKING:
     from mrts.cell.cell import Cell
     from mrts.coordination.grasp_closure import ClosureBound
+    from mrts.motion.joint_table import JointTable
+    from mrts.motion.object_motion import ObjectMotion
     from mrts.samples.load_sharing import LoadSharing
 
 
@@ -19,6 +21,17 @@ def add_cell_and_motion(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("cell", type=Path, metavar="CELL", help="cell file, or a folder that `mrts generate` wrote")
     verb.add_argument("motion", type=Path, metavar="MOTION",
                       help="motion file, CSV table, or ROS 2 bag with joint trajectories")  # fmt: skip
+
+
+def add_plot(verb: argparse.ArgumentParser, what: str) -> None:
+    """Add the options of verbs that draw.
+
+    Args:
+        verb: The verb.
+        what: Which figures, for its help.
+    """
+    verb.add_argument("--plot", type=Path, metavar="DIR", help=f"write {what} (needs the extra 'plot')")
+    verb.add_argument("--plot-format", choices=("png", "svg", "pdf"), default="png", help="of --plot (default: png)")
 
 
 def add_closure(verb: argparse.ArgumentParser) -> None:
@@ -85,9 +98,27 @@ def add_reserve(verb: argparse.ArgumentParser) -> None:
                       help="share of every limit that is kept free, such as 0.1 (default: 0)")  # fmt: skip
 
 
-def limited_cell_option(options: argparse.Namespace) -> "Cell":
-    """The cell of a verb with the reserve, and without the limits that its options drop."""
+def limited_cell_option(
+    options: argparse.Namespace,
+    motion: "ObjectMotion | JointTable | None" = None,
+    closure: "ClosureBound | None" = None,
+) -> "Cell":
+    """The cell of a verb with the reserve, and without the limits that its options drop.
+
+    Args:
+        options: Of the verb.
+        motion: That the arms must follow: where they cannot, nothing is compiled first.
+        closure: Of a motion of joints.
+    """
+    from mrts.cell.uncompiled import cell_to_compile
+
+    uncompiled = None if motion is None else cell_to_compile(options.cell)
+    if uncompiled is not None and motion is not None:
+        from mrts.coordination.coordinate import coordinate
+
+        coordinate(uncompiled, motion, closure)
     cell = cell_option(options.cell)
+    _check_share(options.share, cell)
     if getattr(options, "no_wrench_limits", False):
         cell = cell.without_wrench_limits()
     try:
@@ -112,6 +143,17 @@ def sharing_option(text: str | None) -> "LoadSharing | None":
     except ValueError:
         raise InputError("--share", "must be 'equal' or numbers such as 0.6,0.4.", value=text) from None
     return LoadSharing(np.array(shares))
+
+
+def _check_share(text: str | None, cell: "Cell") -> None:
+    """Check that `--share` has one share for each arm of the cell."""
+    sharing = sharing_option(text)
+    if sharing is None:
+        return
+    try:
+        sharing.of_robots(len(cell.robots))
+    except InputError as error:
+        raise InputError("--share", error.rule, value=text) from None
 
 
 def numbers_option(option: str, text: str, example: str) -> dict[str, float]:

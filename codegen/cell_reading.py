@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: MIT
+"""A cell file and its URDFs with all that is wrong with them, and where what they say of the joints is from."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from mrts_codegen.cell_file import CellDescription, RobotDescription
+from mrts_codegen.cell_model import CellModel, build_cell_model, build_robot
+from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS
+from mrts_codegen.urdf.robot_model import build_robot_model
+from mrts_codegen.urdf.urdf_file import read_urdf
+from mrts_codegen.urdf_reference import resolve_urdf
+
+from mrts.base.errors import InputError, Mistakes
+from mrts.base.input_file import read_data, validated
+from mrts.motors.joint_source import JointSource
+
+
+@dataclass(frozen=True)
+class CellReading:
+    """What came of reading a cell.
+
+    Attributes:
+        model: The cell; None if something is wrong.
+        mistakes: All that is.
+        joints: Of the arms in order, where what is known of them is from; none if something is wrong.
+    """
+
+    model: CellModel | None
+    mistakes: tuple[InputError, ...]
+    joints: tuple[JointSource, ...]
+
+
+def read_cell(path: Path) -> CellReading:
+    """Read a cell file and its URDFs, and go on where something is wrong.
+
+    Args:
+        path: The cell file.
+    """
+    mistakes = Mistakes()
+    with mistakes.noted():
+        data = read_data(path, "cell file")
+        try:
+            description = validated(path, data, CellDescription, "cell file")
+        except InputError as error:
+            mistakes.add(error)
+            _read_robots(path, data, mistakes)
+        else:
+            model = build_cell_model(path, description)
+            return CellReading(model, (), _joint_sources(model))
+    return CellReading(None, tuple(mistakes.found), ())
+
+
+def _read_robots(path: Path, data: Any, mistakes: Mistakes) -> None:
+    """Check every robot by itself in a file that does not describe a cell."""
+    robots = data.get("robots") if isinstance(data, dict) else None
+    plane = data.get("plane") if isinstance(data, dict) else None
+    known = (plane is None or isinstance(plane, str)) and plane in PLANE_COMPONENTS
+    for index, entry in enumerate(robots if isinstance(robots, list) else []):
+        if not isinstance(entry, dict):
+            continue
+        with mistakes.noted():
+            try:
+                robot = RobotDescription.read(path, entry)
+            except InputError:  # it has been noted with its place in the file
+                _read_chain(path, entry)
+            else:
+                if known:
+                    build_robot(path, f"robots[{index}] ({robot.name})", robot, plane, path.resolve().parent)
+
+
+def _read_chain(path: Path, entry: dict[str, Any]) -> None:
+    """Check the URDF of a robot that says something wrong besides."""
+    reference, base_link, tip_link = (entry.get(key) for key in ("urdf", "base_link", "tip_link"))
+    if isinstance(reference, str) and reference:
+        file = resolve_urdf(path, path.resolve().parent, reference)
+        urdf = read_urdf(file)
+        if isinstance(tip_link, str) and isinstance(base_link, str | None):
+            build_robot_model(file, urdf, base_link, tip_link)
+
+
+def _joint_sources(cell: CellModel) -> tuple[JointSource, ...]:
+    sources = []
+    for described, robot in zip(cell.description.robots, cell.robots, strict=True):
+        motors = robot.motors
+        for index, joint in enumerate(robot.model.joints):
+            of_urdf = described.motors.friction is None
+            some = motors.coulomb[index] or motors.viscous[index]
+            sources.append(
+                JointSource(
+                    robot=robot.name,
+                    joint=joint.name,
+                    unit="m" if joint.kind == "prismatic" else "rad",
+                    position=(joint.lower, joint.upper),
+                    velocity=joint.velocity,
+                    torque=(float(robot.torque_lower[index]), float(robot.torque_upper[index])),
+                    torque_from="URDF" if described.torque is None else "cell file",
+                    friction_from="cell file" if not of_urdf else "URDF" if some else "none given",
+                    armature=float(motors.armature[index]) or None,
+                    carried_mass=joint.body.mass,
+                )
+            )
+    return tuple(sources)
+
+
+def arms_alone(cell: CellModel) -> tuple[CellModel, ...]:
+    """A cell of each arm of a cell by itself."""
+    return tuple(
+        replace(
+            cell,
+            description=cell.description.model_copy(update={"robots": [described]}),
+            robots=(robot,),
+            machines=(),
+        )
+        for described, robot in zip(cell.description.robots, cell.robots, strict=True)
+    )

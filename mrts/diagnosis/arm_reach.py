@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: MIT
+"""How far each arm follows a motion, what stops it, and what would let it go on."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.errors import MotionError
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
+from mrts.diagnosis.nearest_hold import NearestHold, nearest_hold
+from mrts.inverse_kinematics.branches import branches_at_start
+from mrts.inverse_kinematics.grasp_tracking import TrackingFailure, track_grasps
+from mrts.inverse_kinematics.joint_limits import POSITION_TOLERANCE, within_limits
+from mrts.inverse_kinematics.reach import ArmPlaces, arm_reach
+from mrts.inverse_kinematics.starting_positions import further_starts
+from mrts.motion.object_motion import ObjectMotion
+
+HELD = 1e-5
+"""Distance [m] and angle [rad] below which a hand is where it should be: what the search leaves."""
+
+MOST_TRACKS = 16
+"""Ways to hold the grasp that are followed, nearest to the posture first: an arm of six joints has no more."""
+
+MOST_SHIFTS = 6
+"""Times that a base is moved by what is missing, until the arm follows."""
+
+SPARE = 0.01
+"""Metres that a base is moved further than what is missing: an arm at full stretch is singular."""
+
+SHIFT_DIGITS = 3
+"""A move of a base is rounded to millimetres before it is tried out."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArmMargin:
+    """What an arm that follows keeps free.
+
+    Attributes:
+        stretch: Least distance to full stretch along the motion [m]; None where it is not known.
+        joint: That comes nearest to a position limit; None where none has one.
+        to_limit: How near [rad or m].
+        unit: Of that.
+        time: When [s].
+    """
+
+    stretch: float | None
+    joint: str | None
+    to_limit: float
+    unit: str
+    time: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArmReach:
+    """How far one arm follows the motion.
+
+    Attributes:
+        robot: Its name.
+        samples: Of the motion.
+        followed: Samples that it follows: of all ways to hold the grasp at t = 0, the one that goes furthest.
+        time: Of the first that it does not follow [s]; of the last if it follows.
+        failure: Why it does not follow from its posture; empty if it does.
+        ways: Number of ways to hold the grasp at t = 0 that were followed.
+        nearest: How near its hand comes to the first sample that it does not follow; None if it follows.
+        shift: A move of its base that lets it follow, tried out, world axes, Shape (3,) [m]; None where none was found.
+        posture: The one nearest to its own from which it follows; None where there is none, or where it is its own.
+        margin: What it keeps free; None if it does not follow.
+    """
+
+    robot: str
+    samples: int
+    followed: int
+    time: float
+    failure: str = ""
+    ways: int = 0
+    nearest: NearestHold | None = None
+    shift: Array | None = None
+    posture: Array | None = None
+    margin: ArmMargin | None = None
+
+    @property
+    def follows(self) -> bool:
+        """Whether it does so from its posture."""
+        return not self.failure
+
+
+def reach_of(arm: Cell, motion: ObjectMotion, *, seek: bool = True) -> ArmReach:
+    """How far an arm follows the object, and what would help where it does not.
+
+    Args:
+        arm: A cell of one arm.
+        motion: Motion of the object.
+        seek: Whether to look for a move of the base with which it follows.
+
+    Raises:
+        InputError: If it has too few joints.
+        MotionError: If the object leaves the plane of a planar cell.
+    """
+    try:
+        return following(arm, follow_object(arm, motion))
+    except MotionError as error:
+        failure = str(error)
+    (robot,) = arm.robots
+    count = len(motion.time)
+    starts, failures = _ways(arm, motion)
+    good = [start for start, ended in zip(starts, failures, strict=True) if ended is None]
+    reached = [count if ended is None else ended.sample or 0 for ended in failures]
+    followed = max(reached, default=0)
+    found = ArmReach(
+        robot=robot.name,
+        samples=count,
+        followed=followed,
+        time=float(motion.time[min(followed, count - 1)]),
+        failure=failure,
+        ways=len(starts),
+    )
+    if good:
+        return replace(found, posture=good[0])
+    around = [further_starts(robot, robot.posture), *([starts] if len(starts) else [])]
+    nearest = nearest_hold(arm, motion, followed, np.concatenate(around))
+    return replace(found, nearest=nearest, shift=_shift(arm, motion, nearest) if seek else None)
+
+
+def following(arm: Cell, motion: CoordinatedMotion) -> ArmReach:
+    """An arm that follows, with its margins.
+
+    Args:
+        arm: A cell of one arm.
+        motion: Of the object and the arm.
+    """
+    (robot,) = arm.robots
+    room = np.minimum(motion.q - robot.position_lower, robot.position_upper - motion.q)
+    sample, joint = np.unravel_index(int(np.argmin(room)), room.shape)
+    reach, base, grasp = arm_reach(robot), robot.T_world_base, robot.T_object_tip
+    stretch = None
+    if reach is not None:
+        places = ArmPlaces(base.R, base.p, grasp.R, grasp.p)
+        furthest = np.max(reach.distance(places, motion.object.position, motion.object.rotation))
+        stretch = reach.longest - float(furthest)
+    margin = ArmMargin(
+        stretch=stretch,
+        joint=robot.joints[joint] if np.isfinite(room[sample, joint]) else None,
+        to_limit=float(room[sample, joint]),
+        unit=robot.position_units[joint],
+        time=float(motion.object.time[sample]),
+    )
+    time = float(motion.object.time[-1])
+    return ArmReach(robot=robot.name, samples=motion.samples, followed=motion.samples, time=time, margin=margin)
+
+
+def follows(arm: Cell, motion: ObjectMotion) -> bool:
+    """Whether an arm follows the object from some posture: its own, or any way to hold the grasp at t = 0."""
+    try:
+        follow_object(arm, motion)
+    except MotionError:
+        return None in _ways(arm, motion)[1]
+    return True
+
+
+def _ways(arm: Cell, motion: ObjectMotion) -> tuple[Array, list[TrackingFailure | None]]:
+    """Every way of an arm to hold its grasp at t = 0, and why it ends.
+
+    Returns:
+        Joint positions, Shape (count, n_i) [rad or m], nearest to the posture first, and their failures.
+    """
+    (robot,) = arm.robots
+    try:
+        found = branches_at_start(arm, 0, motion)
+    except MotionError:  # of a planar arm with a closed form: out of reach
+        found = np.empty((0, len(robot.joints)))
+    if not len(found):
+        return found, []
+    order = np.argsort(np.max(np.abs(found - robot.posture), axis=1), kind="stable")
+    found = found[order][:MOST_TRACKS]
+    tracks = track_grasps(arm, motion, found)
+    ended = [failures[robot.name] for failures in tracks.failures]
+    return found, [_first_failure(arm, q, failure) for q, failure in zip(tracks.q, ended, strict=True)]
+
+
+def _first_failure(arm: Cell, q: Array, failure: TrackingFailure | None) -> TrackingFailure | None:
+    """Why a track ends: where it passes a position limit, or fails."""
+    (robot,) = arm.robots
+    inside = within_limits(robot, q if failure is None else q[: (failure.sample or 0) + 1])
+    low, high = robot.position_lower - POSITION_TOLERANCE, robot.position_upper + POSITION_TOLERANCE
+    beyond = np.any((inside < low) | (inside > high), axis=1)
+    sample = int(np.argmax(beyond))
+    if not np.any(beyond) or (failure is not None and sample >= (failure.sample or 0)):
+        return failure
+    return TrackingFailure("past a position limit", "", sample)
+
+
+def _shift(arm: Cell, motion: ObjectMotion, nearest: NearestHold) -> Array | None:
+    """A move of the base that lets the arm follow; None where moving it by what is missing does not lead to one."""
+    if nearest.gap <= HELD:
+        return None
+    for shift in _shifts(arm, motion, nearest):
+        if follows(_moved(arm, shift), motion):
+            return shift
+    return None
+
+
+def _shifts(arm: Cell, motion: ObjectMotion, nearest: NearestHold) -> Iterator[Array]:
+    """Moves of the base by what is missing at the first sample that is not reached, summed up until all are."""
+    (robot,) = arm.robots
+    total = np.zeros(3)
+    starts = further_starts(robot, robot.posture)
+    for _ in range(MOST_SHIFTS):
+        total = total + nearest.off
+        rounded: Array = np.round(total * (1 + SPARE / max(float(np.linalg.norm(total)), SPARE)), SHIFT_DIGITS)
+        yield rounded
+        moved = _moved(arm, rounded)
+        far = [nearest_hold(moved, motion, sample, starts) for sample in (0, len(motion.time) // 2, -1)]
+        nearest = max(far, key=lambda hold: hold.gap)
+        if nearest.gap <= HELD:
+            return
+
+
+def _moved(arm: Cell, shift: Array) -> Cell:
+    (robot,) = arm.robots
+    return arm.with_base(robot.name, xyz=(robot.T_world_base.p + shift).tolist())

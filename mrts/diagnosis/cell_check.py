@@ -1,0 +1,263 @@
+# SPDX-License-Identifier: MIT
+"""What a check found, as text and as JSON."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from mrts.base.argument_types import as_path
+from mrts.base.arrays import Array
+from mrts.base.atomic_file import write_text_atomically
+from mrts.base.errors import InputError
+from mrts.base.printable import printable
+from mrts.base.remark import Remark
+from mrts.diagnosis.arm_reach import HELD, ArmMargin, ArmReach
+from mrts.diagnosis.hint import Hint
+from mrts.motors.joint_source import JointSource
+
+CheckStatus = Literal["fine", "impossible", "wrong-input"]
+"""What came of a check: "impossible" is a motion that an arm does not follow from its posture."""
+
+DIRECTIONS = 0.05
+"""Share of a move along an axis below which it is not named."""
+
+
+ANGLE_SHOWN = 0.01
+"""[rad]: an angle that is missed beside a distance is named from here on."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CellCheck:
+    """What `mrts.check` found.
+
+    Attributes:
+        cell: The cell file.
+        motion: The motion; None if none was given.
+        mistakes: All that breaks a rule, in both files and the URDFs.
+        joints: What is known of every joint, and where it is from; empty if something breaks a rule.
+        assumed: What is taken for granted, a sentence each.
+        remarks: What to know of the files.
+        arms: How far every arm follows the motion of an object; empty where that is not asked or not known.
+        problem: Why the motion is impossible whatever the arms do, or as joints that are given; empty if it is not.
+        hints: Likely mistakes.
+    """
+
+    cell: Path
+    motion: Path | None = None
+    mistakes: tuple[InputError, ...] = ()
+    joints: tuple[JointSource, ...] = ()
+    assumed: tuple[str, ...] = ()
+    remarks: tuple[Remark, ...] = ()
+    arms: tuple[ArmReach, ...] = ()
+    problem: str = ""
+    hints: tuple[Hint, ...] = ()
+
+    @property
+    def status(self) -> CheckStatus:
+        """What came of it."""
+        if self.mistakes:
+            return "wrong-input"
+        return "impossible" if self.problem or not all(arm.follows for arm in self.arms) else "fine"
+
+    def __str__(self) -> str:
+        return printable("\n".join(self.lines()), lines=True)
+
+    def lines(self) -> Iterator[str]:
+        """The answer for people, the outcome first."""
+        yield self.outcome()
+        for number, mistake in enumerate(self.mistakes, start=1):
+            yield f"  {number}. {mistake}"
+        yield from (f"hint: {hint.text}" for hint in self.hints)
+        if self.problem:
+            yield f"  {self.problem}"
+        if self.arms:
+            yield ""
+            for arm in self.arms:
+                yield from arm_lines(arm)
+        if self.joints:
+            yield ""
+            yield from joint_table(self.joints)
+        if self.assumed:
+            yield ""
+            yield "assumed:"
+            yield from (f"  {text}" for text in self.assumed)
+        yield from map(str, self.remarks)
+        if self.status == "fine":
+            yield ""
+            yield f"next: mrts scale {self.cell} {self.motion or 'MOTION'}"
+
+    def outcome(self) -> str:
+        """What came of it, in a line."""
+        if self.mistakes:
+            count = len(self.mistakes)
+            return f"{count} mistake{'s' if count > 1 else ''} in the files:"
+        if self.status == "impossible":
+            lost = [arm.robot for arm in self.arms if not arm.follows]
+            who = f" {', '.join(lost)} do{'es' if len(lost) == 1 else ''} not follow it" if lost else ""
+            return f"{self.cell.name}: the files are sound, but the motion is impossible{':' if who else ''}{who}"
+        reach = ""
+        if self.motion is not None:
+            reach = ", and the arms follow the motion"
+        return f"{self.cell.name}: the files are sound{reach}"
+
+    def to_json(self) -> dict[str, Any]:
+        """All of it as values of JSON."""
+        return {
+            "status": self.status,
+            "cell": str(self.cell),
+            "motion": None if self.motion is None else str(self.motion),
+            "mistakes": [
+                {"where": each.where, "key": each.key or None, "rule": each.rule, "text": str(each)}
+                for each in self.mistakes
+            ],
+            "hints": [asdict(hint) for hint in self.hints],
+            "problem": self.problem or None,
+            "arms": [_arm_json(arm) for arm in self.arms],
+            "joints": [_finite(asdict(joint)) for joint in self.joints],
+            "assumed": list(self.assumed),
+            "warnings": [remark.to_json() for remark in self.remarks],
+        }
+
+    def json_text(self) -> str:
+        """`to_json` as text."""
+        return json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
+
+    def write_json(self, path: Path | str) -> None:
+        """Write `json_text` to a file, whole or not at all.
+
+        Args:
+            path: The file.
+
+        Raises:
+            InputError: If it cannot be written.
+        """
+        write_text_atomically(as_path("path", path), self.json_text() + "\n")
+
+
+def arm_lines(arm: ArmReach) -> Iterator[str]:
+    """How far one arm follows, for people.
+
+    Args:
+        arm: What was found of it.
+    """
+    if arm.follows:
+        yield f"robot '{arm.robot}' follows the whole motion: {_margin(arm.margin)}."
+        return
+    share = f"{arm.followed} of {arm.samples} samples, to t = {arm.time:.4g} s"
+    yield arm.failure
+    if arm.posture is not None:
+        shown = ", ".join(f"{value:.4f}" for value in arm.posture)
+        yield f"  It follows from another posture: posture: [{shown}]"
+        return
+    ways = f"{arm.ways} way{'s' if arm.ways > 1 else ''} to hold the grasp at t = 0"
+    yield f"  Of {ways}, none leads to the end: {share}." if arm.ways else "  No posture holds its grasp at t = 0."
+    if arm.nearest is not None:
+        if arm.nearest.gap > HELD:
+            turned = f" and {np.degrees(arm.nearest.turn):.2g}° turned" if arm.nearest.turn > ANGLE_SHOWN else ""
+            yield (
+                f"  There its hand comes no nearer than {length(arm.nearest.gap)}{turned}: what is missing is "
+                f"{direction(arm.nearest.off)}."
+            )
+        elif arm.nearest.turn > HELD:
+            yield f"  There its hand can be, but turned by {np.degrees(arm.nearest.turn):.3g}°."
+        else:
+            yield "  There it could hold the grasp, but not on a way that leads there from the start."
+    if arm.shift is not None:
+        yield f"  Move its base {direction(arm.shift)}, or the path and the grasp the other way: then it follows."
+
+
+def direction(move: Array) -> str:
+    """A move in words: how far along which axes of the world.
+
+    Args:
+        move: Shape (3,) [m].
+    """
+    size = float(np.linalg.norm(move))
+    parts = [
+        f"{length(abs(value))} towards {'-' if value < 0 else '+'}{axis}"
+        for axis, value in zip("xyz", move, strict=True)
+        if abs(value) > DIRECTIONS * size
+    ]
+    return ", ".join(parts)
+
+
+def length(size: float) -> str:
+    """A length in words, in mm below a metre.
+
+    Args:
+        size: [m].
+    """
+    return f"{1e3 * size:.3g} mm" if size < 1 else f"{size:.4g} m"
+
+
+def _margin(margin: ArmMargin | None) -> str:
+    if margin is None:
+        return ""
+    parts = []
+    if margin.stretch is not None:
+        parts.append(f"at least {length(margin.stretch)} from full stretch")
+    if margin.joint is not None:
+        parts.append(
+            f"{margin.to_limit:.3g} {margin.unit} from the limit of '{margin.joint}' at t = {margin.time:.3g} s"
+        )
+    return ", ".join(parts) or "nothing limits its reach"
+
+
+def joint_table(joints: tuple[JointSource, ...]) -> Iterator[str]:
+    """What is known of every joint, as aligned lines.
+
+    Args:
+        joints: Of all arms in order.
+    """
+    rows = [("arm", "joint", "position", "velocity", "torque", "from", "friction", "armature")]
+    for joint in joints:
+        force, speed = ("N", "m/s") if joint.unit == "m" else ("N m", "rad/s")
+        lower, upper = joint.torque
+        limits = f"± {upper:.4g}" if lower == -upper else f"{lower:.4g} … {upper:.4g}"
+        rows.append(
+            (
+                joint.robot,
+                joint.joint,
+                f"{joint.position[0]:.4g} … {joint.position[1]:.4g} {joint.unit}",
+                "no limit" if joint.velocity is None else f"{joint.velocity:.4g} {speed}",
+                f"{limits} {force}",
+                joint.torque_from,
+                joint.friction_from,
+                "none given" if joint.armature is None else f"{joint.armature:.4g}",
+            )
+        )
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+
+
+def _arm_json(arm: ArmReach) -> dict[str, Any]:
+    nearest, margin = arm.nearest, arm.margin
+    return {
+        "robot": arm.robot,
+        "follows": arm.follows,
+        "samples": arm.samples,
+        "followed": arm.followed,
+        "time": arm.time,
+        "failure": arm.failure or None,
+        "nearest": nearest
+        and {"gap": nearest.gap, "off": nearest.off.tolist(), "turn": nearest.turn, "q": nearest.q.tolist()},
+        "shift": None if arm.shift is None else arm.shift.tolist(),
+        "posture": None if arm.posture is None else arm.posture.tolist(),
+        "margin": margin and _finite(asdict(margin)),
+    }
+
+
+def _finite(values: dict[str, Any]) -> dict[str, Any]:
+    """Values with None for what is unlimited: JSON has no infinity."""
+
+    def finite(value: Any) -> Any:
+        if isinstance(value, tuple):
+            return [finite(each) for each in value]
+        return None if isinstance(value, float) and not np.isfinite(value) else value
+
+    return {key: finite(value) for key, value in values.items()}

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: MIT
+"""Everything that is wrong with a cell and a motion at once, before anything is generated or compiled."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from mrts.base.argument_types import Progress, as_path, check_callable
+from mrts.base.errors import InputError, Mistakes, MotionError
+from mrts.base.input_file import read_data
+from mrts.base.manifest import MANIFEST_NAME
+from mrts.base.regular_file import is_folder
+from mrts.cell.cell import Cell
+from mrts.cell.generation import arms_alone_of, read_without_generating
+from mrts.cell.uncompiled import uncompiled_cell
+from mrts.coordination.coordinate import coordinate
+from mrts.coordination.coordinated_motion import check_motion
+from mrts.diagnosis.arm_reach import ArmReach, reach_of
+from mrts.diagnosis.assumptions import assumptions
+from mrts.diagnosis.cell_check import CellCheck
+from mrts.diagnosis.hint import Hint
+from mrts.diagnosis.postures_at_start import posture_hints
+from mrts.diagnosis.unit_hints import unit_hints, written_degrees
+from mrts.diagnosis.what_would_work import what_would_work
+from mrts.motion.joint_table import JointTable
+from mrts.motion.motion_file import load_motion
+from mrts.motion.object_motion import ObjectMotion
+from mrts.motors.joint_source import JointSource
+
+
+def check(
+    cell: Path | str, motion: Path | str | None = None, *, progress: Progress = lambda _done, _total: None
+) -> CellCheck:
+    """Check a cell file, its URDFs and a motion, and how far each arm follows it; nothing is generated or compiled.
+
+    What is wrong is found all at once and does not raise: it is listed in the answer.
+
+    Args:
+        cell: The cell file.
+        motion: As in `mrts.load_motion`; None checks the cell alone.
+        progress: Told how many of how many arms are done.
+
+    Raises:
+        InputError: If an argument is none of these, or the cell is a folder of generated files.
+    """
+    path = as_path("cell", cell)
+    motion_path = None if motion is None else as_path("motion", motion)
+    check_callable("progress", progress)
+    if is_folder(path) or path.name == MANIFEST_NAME:
+        raise InputError(path, "is generated; check the cell file that it was made from.")
+    model, wrong, joints = read_without_generating(path)
+    mistakes = Mistakes()
+    for error in wrong:
+        mistakes.add(error)
+    given: ObjectMotion | JointTable | None = None
+    if motion_path is not None:
+        with mistakes.noted():
+            given = load_motion(motion_path)
+    found = CellCheck(cell=path, motion=motion_path, mistakes=tuple(mistakes.found))
+    if model is None:
+        return found
+    whole = uncompiled_cell(model, path.resolve().parent)
+    of_object = given if isinstance(given, ObjectMotion) else None
+    hints = [*_angles_written(model, motion_path if of_object is not None else None)]
+    hints += unit_hints(whole, joints, of_object)
+    found = replace(
+        found,
+        joints=joints,
+        assumed=tuple(assumptions(whole, joints)),
+        remarks=whole.remarks,
+        hints=tuple(hints),
+    )
+    if given is None:
+        return found
+    return _with_reach(found, _Question(model, whole, joints, given), progress)
+
+
+@dataclass(frozen=True)
+class _Question:
+    model: Any
+    cell: Cell
+    joints: Sequence[JointSource]
+    motion: ObjectMotion | JointTable
+
+
+def _with_reach(found: CellCheck, question: _Question, progress: Progress) -> CellCheck:
+    """What a check found, with what became of the motion."""
+    cell, motion = question.cell, question.motion
+    try:
+        if isinstance(motion, JointTable):
+            closed = coordinate(cell, motion)
+            return replace(found, remarks=(*found.remarks, *closed.remarks))
+        check_motion(cell, motion)
+    except InputError as error:
+        return replace(found, mistakes=(*found.mistakes, *error.each()))
+    except MotionError as error:
+        return replace(found, problem=str(error))
+    arms = [uncompiled_cell(model, cell.folder or Path()) for model in arms_alone_of(question.model)]
+    reaches: list[ArmReach] = []
+    hints: list[Hint] = [*found.hints]
+    for number, arm in enumerate(arms):
+        progress(number, len(arms))
+        reaches.append(reach_of(arm, motion, seek=not hints))
+    lost = [index for index, reach in enumerate(reaches) if not reach.follows and reach.posture is None]
+    if lost and not hints:
+        hints += what_would_work(arms, lost, motion)
+    if not hints and any(not reach.follows for reach in reaches):
+        hints += posture_hints(arms, motion)
+    progress(len(arms), len(arms))
+    return replace(found, arms=tuple(reaches), hints=tuple(hints), remarks=(*found.remarks, *motion.remarks))
+
+
+def _angles_written(model: Any, motion: Path | None) -> Iterator[Hint]:
+    """Hints on angles of poses that are written in degrees."""
+    for index, robot in enumerate(model.description.robots):
+        for key in ("base", "grasp"):
+            yield from written_degrees(f"robots[{index}] ({robot.name}).{key}.rpy", getattr(robot, key).rpy)
+    data = read_data(motion, "motion file") if motion is not None and motion.suffix in {".yaml", ".yml"} else {}
+    for key in ("start", "end"):
+        yield from written_degrees(f"the motion's {key}.rpy", (data.get(key) or {}).get("rpy") or [])
+    for index, pose in enumerate(data.get("waypoints") or []):
+        yield from written_degrees(f"the motion's waypoints[{index}].rpy", pose.get("rpy") or [])

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: MIT
+"""Changes of a cell with which its arms would follow a motion, each tried out: what was perhaps meant."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy, rpy_from_rotation
+from mrts.cell.cell import Cell
+from mrts.diagnosis.arm_reach import follows
+from mrts.diagnosis.hint import Hint
+from mrts.diagnosis.postures_at_start import posture_off
+from mrts.motion.object_motion import ObjectMotion
+
+OTHER_SIDES = {
+    "x": (np.pi, 0.0, 0.0),
+    "y": (0.0, np.pi, 0.0),
+}
+"""Half turns of a hand that then holds from the other side, by axis of the tip."""
+
+
+def what_would_work(arms: Sequence[Cell], failing: Sequence[int], motion: ObjectMotion) -> Iterator[Hint]:
+    """Hints on changes with which the arms that fail would follow, and those that follow still do.
+
+    Args:
+        arms: A cell of each arm.
+        failing: Those that do not follow from any posture.
+        motion: Of the object.
+    """
+    names = [arm.robots[0].name for arm in arms]
+    for one, other in combinations(range(len(arms)), 2):
+        if not {one, other} & {*failing}:
+            continue
+        working = []
+        for what, place in (("base", "T_world_base"), ("grasp", "T_object_tip")):
+            swapped = _swapped(arms, one, other, place)
+            if swapped is not None and all(follows(arm, motion) for arm in swapped):
+                working.append((sum(posture_off(arm, motion) for arm in swapped), what))
+        if working:
+            (_, likely), *less = sorted(working)
+            also = f" (or with each other's {less[0][1]})" if less else ""
+            yield Hint(
+                f"swapped-{likely}s",
+                f"robots '{names[one]}' and '{names[other]}' would follow with each other's {likely}{also}: are the "
+                "two swapped?",
+            )
+            return
+    for index in failing:
+        yield from _other_side(arms[index], motion)
+
+
+def _swapped(arms: Sequence[Cell], one: int, other: int, place: str) -> tuple[Cell, Cell] | None:
+    """Two arms with each other's pose; None where they are the same, or may not stand so."""
+    poses = [getattr(arms[index].robots[0], place) for index in (one, other)]
+    if np.array_equal(poses[0].numbers, poses[1].numbers):
+        return None
+    try:
+        first, second = (_posed(arms[index], place, pose) for index, pose in ((one, poses[1]), (other, poses[0])))
+    except InputError:  # out of the plane of a planar cell
+        return None
+    return first, second
+
+
+def _posed(arm: Cell, place: str, pose: RigidTransform) -> Cell:
+    (robot,) = arm.robots
+    held = place == "T_object_tip"
+    changed = replace(robot, T_object_tip=pose) if held else replace(robot, T_world_base=pose)
+    return replace(arm, robots=(changed,))
+
+
+def _other_side(arm: Cell, motion: ObjectMotion) -> Iterator[Hint]:
+    """A hint where the hand could hold the object from the other side."""
+    (robot,) = arm.robots
+    for axis, turn in OTHER_SIDES.items():
+        R: Array = robot.T_object_tip.R @ rotation_from_rpy(*turn)
+        try:
+            turned = _posed(arm, "T_object_tip", RigidTransform(R, robot.T_object_tip.p))
+        except InputError:  # out of the plane of a planar cell
+            continue
+        if follows(turned, motion):
+            shown = ", ".join(f"{angle:.6g}" for angle in rpy_from_rotation(turned.robots[0].T_object_tip.R))
+            yield Hint(
+                "other-side",
+                f"robot '{robot.name}' would follow if its hand were turned by half a turn about its {axis} axis, so "
+                f"that it holds the object from the other side: grasp rpy: [{shown}]. Does its tool axis point the "
+                "wrong way?",
+            )
+            return

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: MIT
+"""Which rows set the speed of a result, and which are at their limits only through the distribution."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.limits.rows import RowName
+from mrts.retiming.profile_limits import BINDING
+from mrts.retiming.result import RetimingResult
+from mrts.retiming.smooth_piece import BINDING as AT_LIMIT
+from mrts.scaling.limit_use import limit_courses, rate_uses
+from mrts.scaling.range import RangeEnd
+from mrts.scaling.result import ScalingResult
+
+AT_END_RETIMED = 1e-2
+"""Share of c² within which it is at an end of what a sample of a retimed motion admits, where the acceleration is the
+mean of before and after."""
+
+
+@dataclass(frozen=True)
+class LimitingRows:
+    """What is to be said of limits that are reached.
+
+    Attributes:
+        setting: Rows that set the speed, each with when.
+        reached: Others that are at their limit, each with why.
+        at_end: At which samples c² is at an end of what they admit, Shape (N,).
+    """
+
+    setting: dict[RowName, str]
+    reached: dict[RowName, str]
+    at_end: NDArray[np.bool_]
+
+
+def limiting_rows(result: ScalingResult, timing: RetimingResult | None) -> LimitingRows:
+    """What sets the speed: of a constant factor the end of the range that it is at, of a timing all along its path.
+
+    A row that is at its limit where c² lies inside the range of its sample need not be there: with another
+    distribution the motion could be faster and slower there.
+
+    Args:
+        result: A result with a trajectory.
+        timing: The timing whose retimed motion it is, if known.
+    """
+    names, shares = limit_courses(result)
+    at_end = _at_end(result)
+    rates = [use.name for use in rate_uses(result.trajectory, result.rule.rates)] if result.trajectory else []
+    setting = (
+        _of_timing(timing, [*names, *rates]) if timing is not None and timing.retimed is not None else _of_range(result)
+    )
+    if result.origin and timing is None:  # read from a file: what the timing was is not known
+        rows = {
+            row.name for sample in np.flatnonzero(at_end).tolist() for row in result.range.samples.upper_rows[sample]
+        }
+        setting = dict.fromkeys(rows & set(names), "sets the speed")
+    reached = {}
+    for place in np.flatnonzero(np.any(shares >= 1 - AT_LIMIT, axis=0)).tolist():
+        where = shares[:, place] >= 1 - AT_LIMIT
+        if names[place] not in setting:
+            forced = bool(np.any(where & at_end))
+            reached[names[place]] = "reached where the speed is set" if forced else "reached through the distribution"
+    return LimitingRows(setting, reached, at_end)
+
+
+def _of_timing(timing: RetimingResult, names: Sequence[RowName]) -> dict[RowName, str]:
+    """Its limits are told by name, the two sides of a row apart; both do not bind at once."""
+    shares = {
+        name: sum(share for text, share in timing.limits if text == _told(name) or text.startswith(f"{name} ("))
+        for name in names
+    }
+    return {name: f"sets the speed for {100 * share:.3g} % of the time" for name, share in shares.items() if share > 0}
+
+
+def _told(name: RowName) -> str:
+    """A row as a smooth timing tells of it: `rate of left/elbow torque` for its torque rate."""
+    text, kind = str(name), name.kind.split()[-1]
+    return f"{kind} of {text.removesuffix(f' {kind}')}" if kind in {"rate", "jerk"} else text
+
+
+def _of_range(result: ScalingResult) -> dict[RowName, str]:
+    setting: dict[RowName, str] = {}
+    for pair in result.range.intervals:
+        for end, word in zip(pair, ("c²⁻", "c²⁺"), strict=True):
+            if end.time is not None and result.trajectory is not None and _near(result.trajectory.c2, end.c2):
+                setting |= {row.name: _words(end, word) for row in end.rows}
+    return setting
+
+
+def _words(end: RangeEnd, word: str) -> str:
+    load = "" if end.load is None else f" with {end.load}"
+    return f"sets {word} at {end.time:.4g} s of the given motion{load}"
+
+
+def _at_end(result: ScalingResult) -> NDArray[np.bool_]:
+    """At which samples c² is at an end of what they admit, Shape (N,)."""
+    done, samples = result.trajectory, result.range.samples
+    assert done is not None  # noqa: S101 (its caller has a trajectory)
+    near = AT_END_RETIMED if result.origin else BINDING
+    at = (samples.upper <= done.c2 * (1 + near)) | ((samples.lower > 0) & (samples.lower >= done.c2 * (1 - near)))
+    for gap in samples.gaps:
+        at[gap.sample] |= _near(done.c2, gap.lower) or _near(done.c2, gap.upper)
+    return at
+
+
+def _near(c2: float, end: float) -> bool:
+    return bool(np.isclose(c2, end, rtol=BINDING, atol=0))

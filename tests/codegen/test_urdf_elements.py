@@ -1,0 +1,40 @@
+"""Links and joints as we read them, against yourdfpy."""
+
+import numpy as np
+import pytest
+from mrts_codegen.urdf.urdf_file import read_urdf
+from published_robots import CASES, urdf_path
+from yourdfpy import URDF
+
+SAME = 1e-15
+"""Largest difference of a rotation that two products of sines round differently."""
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_urdf_says_what_yourdfpy_reads(name):
+    path = urdf_path(CASES[name][0])
+    ours, theirs = read_urdf(path), URDF.load(str(path), load_meshes=False, build_scene_graph=False).robot
+    assert [link.name for link in ours.links] == [link.name for link in theirs.links]
+    for one, other in zip(ours.links, theirs.links, strict=True):
+        assert (one.inertial is None) == (other.inertial is None)
+        if one.inertial is not None:
+            assert one.inertial.mass == other.inertial.mass
+            np.testing.assert_array_equal(one.inertial.inertia, other.inertial.inertia)
+            _assert_same_pose(one.inertial.origin, other.inertial.origin)
+    for one, other in zip(ours.joints, theirs.joints, strict=True):
+        assert (one.name, one.type, one.parent, one.child) == (other.name, other.type, other.parent, other.child)
+        np.testing.assert_array_equal(one.axis, other.axis)
+        _assert_same_pose(one.origin, other.origin)
+        for part in ("limit", "mimic"):
+            mine, given = getattr(one, part), getattr(other, part)
+            assert (mine is None) == (given is None)
+            assert mine is None or vars(mine) == {key: vars(given)[key] for key in vars(mine)}
+        if one.dynamics is not None:
+            assert one.dynamics.damping == float(other.dynamics.damping or 0)
+            assert one.dynamics.friction == float(other.dynamics.friction or 0)
+
+
+def _assert_same_pose(ours, theirs):
+    matrix = np.eye(4) if theirs is None else theirs
+    np.testing.assert_allclose(ours.R, matrix[:3, :3], atol=SAME)
+    np.testing.assert_array_equal(ours.p, matrix[:3, 3])

@@ -1,0 +1,177 @@
+"""`mrts.check`: what is wrong, assumed, and out of reach, against what was damaged on purpose."""
+
+import json
+
+import damaged_cells
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+from damaged_cells import HINTS, MISTAKES, damaged, sound, written
+from draws import draws
+from published_robots import CASES, single_arm_cell
+
+import mrts
+
+UR5 = DATA.parent / "dual_ur5"
+SHIPPED = [
+    (DATA / "cell.yaml", DATA / "lift.yaml"),
+    (DATA / "identified_cell.yaml", DATA / "fast_lift.yaml"),
+    (UR5 / "poor_cell.yaml", UR5 / "lift_and_turn.yaml"),
+    (DATA.parent / "squeeze" / "cell.yaml", DATA.parent / "squeeze" / "lift_and_turn.yaml"),
+]
+
+SEARCHED = 1e-4
+"""What the search for the nearest place leaves of a distance [m]: a weight, not a rule, keeps the hand turned."""
+
+
+@pytest.mark.parametrize(("cell", "motion"), SHIPPED, ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_what_is_shipped_is_fine_and_leads_to_no_hint(cell, motion):
+    found = mrts.check(cell, motion)
+    assert (found.status, found.mistakes, found.hints) == ("fine", (), ())
+    assert all(arm.follows and arm.margin is not None for arm in found.arms)
+    assert "None" not in str(found)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_published_robots_lead_to_no_hint(name, tmp_path):
+    reference, tip = CASES[name]
+    joints = 7 if name in {"panda", "xarm7", "baxter left", "baxter right"} else 6
+    found = mrts.check(single_arm_cell(tmp_path, reference, tip, joints))
+    assert (found.status, found.hints) == ("fine", ())
+
+
+@pytest.mark.parametrize("damage", HINTS, ids=lambda damage: damage.__name__)
+def test_a_likely_mistake_is_named_and_nothing_else(damage, tmp_path):
+    rng = np.random.default_rng(len(damage.__name__))
+    found = mrts.check(*written(tmp_path, *damaged(damage, int(rng.integers(2)))))
+    assert [hint.code for hint in found.hints] == [HINTS[damage]]
+    assert not found.mistakes
+
+
+def test_all_that_is_wrong_is_told_at_once(tmp_path):
+    rng = np.random.default_rng(19)
+    for _ in range(draws(25)):
+        cell, motion = sound()
+        chosen = rng.choice([*MISTAKES], size=rng.integers(2, 7), replace=False)
+        for key in chosen:
+            MISTAKES[key](cell, motion)
+        paths = written(tmp_path, cell, motion)
+        found = mrts.check(*paths)
+        told = [str(mistake) for mistake in found.mistakes]
+        assert found.status == "wrong-input"
+        for key in chosen:
+            assert any(key in text for text in told), (key, told)
+        assert len({*told}) == len(told)
+        assert all(mistake.where in {*map(str, paths), str(damaged_cells.URDF)} for mistake in found.mistakes)
+        assert [entry["text"] for entry in json.loads(found.json_text())["mistakes"]] == told
+
+
+def test_what_is_wrong_in_urdfs_is_told_besides_what_is_wrong_in_the_cell(tmp_path):
+    cell, motion = sound()
+    text = (
+        damaged_cells.URDF.read_text(encoding="utf-8")
+        .replace('effort="28"', 'effort="0"')
+        .replace('<mass value="', '<mass value="-', 1)
+    )
+    (tmp_path / "arm.urdf").write_text(text, encoding="utf-8")
+    cell["robots"][0]["urdf"] = "arm.urdf"
+    paths = written(tmp_path, cell, motion)
+    alone = [str(mistake) for mistake in mrts.check(*paths).mistakes]
+    assert any("mass" in text for text in alone)
+    with pytest.raises(mrts.InputError) as caught:
+        mrts.load_cell(paths[0])
+    assert [str(each) for each in caught.value.each()] == alone
+    cell["object"]["mass"] = -1
+    cell["robots"][1]["tip_link"] = "tol0"
+    told = [str(mistake) for mistake in mrts.check(*written(tmp_path, cell, motion)).mistakes]
+    assert {*alone} <= {*told}
+    assert any("tol0" in text for text in told)
+    assert any("object.mass" in text for text in told)
+
+
+def test_missing_efforts_are_all_told(tmp_path):
+    cell, motion = sound()
+    text = damaged_cells.URDF.read_text(encoding="utf-8").replace('effort="28"', 'effort="0"')
+    (tmp_path / "arm.urdf").write_text(text, encoding="utf-8")
+    cell["robots"][1]["urdf"] = "arm.urdf"
+    told = [str(mistake) for mistake in mrts.check(*written(tmp_path, cell, motion)).mistakes]
+    assert [f"wrist_{k}" in text for k, text in enumerate(told, start=1)] == [True] * 3
+
+
+def test_files_in_the_wrong_order_are_known_as_what_they_are():
+    found = mrts.check(UR5 / "lift_and_turn.yaml", UR5 / "cell.yaml")
+    assert ["swapped" in str(mistake) for mistake in found.mistakes] == [True, True]
+    with pytest.raises(mrts.InputError, match="this is a motion file, and a cell file belongs here"):
+        mrts.load_cell(UR5 / "lift_and_turn.yaml")
+    with pytest.raises(mrts.InputError, match="this is a study file, and a motion file belongs here"):
+        mrts.load_motion(UR5 / "study.yaml")
+
+
+def test_the_gap_of_a_planar_arm_is_what_its_links_lack(tmp_path):
+    """Two links reach the sum of their lengths; what is missing lies along the stretched arm."""
+    rng = np.random.default_rng(5)
+    cell = yaml.safe_load((DATA / "cell.yaml").read_text(encoding="utf-8"))
+    motion = yaml.safe_load((DATA / "lift.yaml").read_text(encoding="utf-8")) | {"samples": 11}
+    for robot in cell["robots"]:
+        robot["urdf"] = str(DATA / "planar_arm.urdf")
+    for _ in range(draws(3)):
+        angle = rng.uniform(-np.pi, np.pi)
+        cell["robots"][0]["base"]["xyz"] = [float(4 * np.cos(angle)), float(4 * np.sin(angle)), 0.0]
+        found = mrts.check(*written(tmp_path, cell, motion))
+        left, right = found.arms
+        assert right.follows
+        assert not left.follows
+        robot, path = _uncompiled(tmp_path / "cell.yaml").robots[0], mrts.load_motion(tmp_path / "motion.yaml")
+        tip = path.position[0] + path.rotation[0] @ robot.T_object_tip.p
+        R = path.rotation[0] @ robot.T_object_tip.R
+        wrist = tip - R @ robot.T_base_tip.R.T @ (robot.T_base_tip.p - robot.points[2]) - robot.T_world_base.p
+        lengths = np.linalg.norm(np.diff(robot.points, axis=0), axis=1)
+        missing = wrist * (1 - np.sum(lengths) / np.linalg.norm(wrist))
+        np.testing.assert_allclose(left.nearest.off, missing, atol=SEARCHED)
+        assert left.nearest.turn < 10 * SEARCHED
+
+
+def _uncompiled(path):
+    from mrts.cell.generation import read_without_generating  # noqa: PLC0415
+    from mrts.cell.uncompiled import uncompiled_cell  # noqa: PLC0415
+
+    return uncompiled_cell(read_without_generating(path)[0], path.parent)
+
+
+def test_a_proposed_move_lets_the_compiled_cell_follow(dual_ur5, tmp_path):
+    cell, motion = sound()
+    cell["robots"][0]["base"]["xyz"] = [-1.1, -0.1, 0.1]
+    paths = written(tmp_path, cell, motion)
+    left, right = mrts.check(*paths).arms
+    assert right.follows
+    assert left.shift is not None
+    far = dual_ur5.with_base("left", xyz=[-1.1, -0.1, 0.1])
+    path = mrts.load_motion(paths[1])
+    with pytest.raises(mrts.MotionError) as caught:
+        mrts.follow_object(far, path)
+    assert str(caught.value) == left.failure
+    mrts.follow_object(dual_ur5.with_base("left", xyz=(np.array([-1.1, -0.1, 0.1]) + left.shift).tolist()), path)
+
+
+def test_cells_that_are_not_compiled_follow_as_those_that_are(planar_cell, dual_ur5, lift):
+    for cell, file, motion in (
+        (planar_cell, DATA / "cell.yaml", lift),
+        (dual_ur5, UR5 / "cell.yaml", mrts.load_motion(UR5 / "lift_and_turn.yaml")),
+    ):
+        ours, theirs = mrts.follow_object(_uncompiled(file), motion), mrts.follow_object(cell, motion)
+        for name in ("q", "dq", "ddq"):
+            np.testing.assert_allclose(getattr(ours, name), getattr(theirs, name), rtol=1e-9, atol=1e-9)
+
+
+def test_given_joints_are_checked_as_they_are(tmp_path, dual_ur5):
+    path = mrts.load_motion(UR5 / "lift_and_turn.yaml")
+    q = mrts.follow_object(dual_ur5, path).q
+    names = [f"q.{robot.name}/{joint}" for robot in dual_ur5.robots for joint in robot.joints]
+    for off, status in ((0.0, "fine"), (0.1, "impossible")):
+        rows = np.column_stack([path.time, q + off * np.linspace(0, 1, q.shape[1])])
+        table = tmp_path / "joints.csv"
+        np.savetxt(table, rows, delimiter=",", header=",".join(["t", *names]), comments="", fmt="%.17g")
+        found = mrts.check(UR5 / "cell.yaml", table)
+        assert found.status == status, found.mistakes
+        assert bool(found.problem) == (status == "impossible")
