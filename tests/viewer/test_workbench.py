@@ -268,7 +268,7 @@ def test_files_are_replaced_only_when_asked_and_links_never(files):
     [
         ("a: 1  # one\nb: [1, 2]\n", ("b",), [3.5, 4.0]),
         ("a: 1  # one\nb: [1, 2]\n", ("c", "d"), 1e-3),
-        ("r:\n  - name: x\n    base:\n      xyz:\n        - 1\n        - 2  # two\n  - {a: y}\n", ("r", 0, "base", "xyz"), [5.0]),
+        ("r:\n  - base:\n      xyz:\n        - 1\n        - 2  # two\n  - {a: y}\n", ("r", 0, "base", "xyz"), [5.0]),
         ("r:\n  - name: x\n  - {name: y}  # why\n", ("r", 1, "base", "xyz"), [1.0, 2.0]),
         ("r:\n  - name: x  # end", ("r", 0, "posture"), [0.1, None]),
     ],
