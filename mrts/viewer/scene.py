@@ -119,6 +119,7 @@ class ViewerScene:
         self.size, self.colours = self._view.size, arm_colours(cell)
         self.metres_per_newton = self.metres_per_newton_metre = 1.0
         self._look()
+        self.show_shadows(visible=False)
         self._draw_surroundings()
         radius = THICKNESS * self.size
         self._arms = [
@@ -235,6 +236,10 @@ class ViewerScene:
         """Show or hide what is written in the scene."""
         for label in (*self._names, *self._end_names):
             label.visible = visible
+
+    def show_shadows(self, *, visible: bool) -> None:
+        """Cast shadows, or none: without a good graphics card they cost most of the frames."""
+        self._scene.configure_default_lights(enabled=True, cast_shadow=visible)
 
     def darken(self, *, dark: bool) -> None:
         """Draw the floor for a dark page, or for a light one."""

@@ -347,22 +347,6 @@ def test_the_motion_plays_and_stops(chromium):
         assert page.problems == []
 
 
-def test_another_configuration_can_be_played(chromium):
-    with (
-        running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (_, url),
-        open_page(chromium, url) as page,
-    ):
-        page.get_by_role("button", name="Rank all configurations").click()
-        menu = page.get_by_role("combobox", name="configuration")
-        menu.click()
-        page.get_by_role("option", name="2: ").click()
-        page.wait_for_function("!document.querySelector('[data-text=outcome]').innerText.includes('[0, 3.062]')")
-        chosen = menu.input_value()
-        assert chosen.startswith("2: left")
-        assert chosen.split("= ")[1] in numbers(page, "outcome")
-        assert page.problems == []
-
-
 def test_an_infeasible_motion_opens_with_real_arms(chromium, tmp_path):
     path = cell_of_real_arms(tmp_path)
     description = yaml.safe_load(path.read_text())

@@ -220,7 +220,56 @@ BAD_VALUES = {
     "loop": ["no", 2, None, 0.5, []],
     "configuration": ["1: left 1", 0, None],
     "Play": ["yes", None, 7, {}],
+    "mass [kg]": [float("nan"), "1", None, True],
+    "profile": ["fast", 0, None],
+    "change": ["Remove", 1, None],
+    "frames": ["on", 3],
 }
+
+
+GIZMO = {"type": "TransformControlsUpdateMessage", "name": "/gizmo", "wxyz": [1, 0, 0, 0], "position": [0.1, 0, 0]}
+BAD_GIZMO = [
+    {"name": "/object"},
+    {"name": "/gizmo/x"},
+    {"owner": "3"},
+    {"wxyz": [0, 0, 0, 0]},
+    {"wxyz": [float("nan"), 0, 0, 1]},
+    {"wxyz": [1, 0, 0]},
+    {"position": [float("inf"), 0, 0]},
+    {"position": [1e9, 0, 0]},
+    {"position": "here"},
+]
+
+
+def test_a_gizmo_moves_only_while_it_is_seen_and_to_a_place(viewer):
+    """What is let through has a quaternion of length 1; the base follows it in the plane of the cell."""
+    guard, menu = viewer.server.guard, viewer.controls["move"][1]
+    assert guard.checked(pack(GIZMO)) is None  # hidden
+    menu.value = "left base"
+    viewer.settle()
+    for bad in BAD_GIZMO:
+        assert guard.checked(pack(GIZMO | bad)) is None, bad
+    turned = msgspec.msgpack.decode(guard.checked(pack(GIZMO | {"wxyz": [2, 0, 0, 2]})))
+    np.testing.assert_allclose(turned["wxyz"], [np.sqrt(0.5), 0, 0, np.sqrt(0.5)])
+    with connected(viewer) as opened:
+        opened.send(pack({"type": "TransformControlsDragStartMessage", "name": "/gizmo"}))
+        opened.send(pack(GIZMO | {"position": [-0.02, 0.01, 0.7]}))
+        opened.send(pack({"type": "TransformControlsDragEndMessage", "name": "/gizmo"}))
+        assert opened.ping().wait(PATIENCE)
+        for _ in range(100):
+            viewer.settle()
+            if viewer.shown.bench.choices.bases:
+                break
+    np.testing.assert_allclose(viewer.shown.bench.choices.bases["left"].p, [-0.02, 0.01, 0.0], atol=1e-6)
+    viewer.shown.bench.undo()
+    menu.value = "nothing"
+    viewer.settle()
+    assert not viewer.shown.bench.choices.bases
+
+
+@pytest.mark.parametrize("text", ["../evil.yaml\n", "a" * 201, "\x1b[31m", 3, None])
+def test_a_text_field_takes_a_short_line(viewer, text):
+    assert viewer.server.guard.checked(update(viewer, "cell file", text)) is None
 
 
 def test_what_no_control_can_send_is_ignored(viewer):
