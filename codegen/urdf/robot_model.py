@@ -109,7 +109,7 @@ def build_robot_model(
 
     Args:
         path: The URDF file, for messages.
-        urdf: What `read_urdf` returned.
+        urdf: What `parse_urdf` returned.
         base_link: First link; None takes the URDF's root.
         tip_link: Last link.
         held: Joints that stand still, with their positions, as from `held_positions`.
