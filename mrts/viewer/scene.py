@@ -14,8 +14,9 @@ from mrts.base.errors import InputError
 from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.cell.robot import Robot
 from mrts.drawing.arm_meshes import arm_meshes
-from mrts.drawing.cell_shapes import body_poses, contact_forces, joint_points, object_box
+from mrts.drawing.cell_shapes import body_poses, contact_forces, joint_points
 from mrts.drawing.cell_view import FIELD_OF_VIEW, CellView, look_at_cell
+from mrts.drawing.object_surface import object_surface
 from mrts.viewer.player_state import PlayerState
 
 ARM, JOINT, OBJECT = (150, 160, 172), (70, 80, 95), (230, 185, 90)
@@ -72,7 +73,10 @@ class ViewerScene:
             else _SimpleArm(self._scene, robot, THICKNESS * view.size)
             for robot in result.cell.robots
         ]
-        self._box = self._scene.add_box("/object", color=OBJECT, dimensions=object_box(result.cell), opacity=0.85)
+        surface = object_surface(result.cell)
+        self._box = self._scene.add_mesh_simple(
+            "/object", *surface, color=OBJECT, opacity=0.85, flat_shading=True, side="double"
+        )
         nothing = np.zeros((0, 2, 3))
         thin = 0.4 * THICKNESS * view.size
         self._forces, self._moments = (

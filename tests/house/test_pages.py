@@ -19,6 +19,7 @@ DOCS = ROOT / "docs"
     ("name", "blocks"),
     [
         ("tutorial", 13),
+        ("gallery", 9),
         ("own_cell", 8),
         ("own_robot", 4),
         ("check", 5),
