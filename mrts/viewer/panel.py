@@ -14,7 +14,7 @@ from mrts.samples.range_status import RangeStatus
 from mrts.viewer.player_state import Bar, PlayerState
 from mrts.viewer.workbench.unreached import Unreached
 
-WITHIN, OVER, PASSED = "#0072B2", "#D40000", "#B36B00"
+WITHIN, OVER, PASSED = "#0072B2", "var(--mrts-over)", "#B36B00"
 """Colours of a value within its limit, beyond it, and beyond a limit that is only reported."""
 
 Colour = tuple[int, int, int]
@@ -36,6 +36,8 @@ HEIGHTS = {"speed": "min-height:32px", "moment": "min-height:32px"}
 """Of texts that change as a slider moves; they stand below all sliders, and are as long as they are."""
 
 STYLE = """<style>
+:root { --mrts-over: #D40000; }
+:root[data-mantine-color-scheme="dark"] { --mrts-over: #FF7B7B; }
 [data-text] { overflow-wrap: anywhere; }
 [data-bars] td { overflow-wrap: anywhere; vertical-align: top; }
 [data-bars] .track { background: #8883; }

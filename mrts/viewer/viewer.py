@@ -132,7 +132,8 @@ class Viewer:
             self._take_answers()
             self._changes.follow(elapsed, self._speed_wish(), self._held())
             self._follow_player(elapsed)
-            self._view.follow()
+            if self._view.follow():
+                self._show_moment(read=False)
             self._scene.follow_windows()
             for part in self.parts:
                 part.step(elapsed)
@@ -175,7 +176,7 @@ class Viewer:
         moved = self._time.value != self._shown_time
         if moved:
             self._shown_time = self._time.value
-            self._share = self._shown_time / self._duration()
+            self._share = min(self._shown_time / self._duration(), 1.0)  # which was rounded
         if self._playing:
             self._advance(elapsed)
             self._unread += elapsed

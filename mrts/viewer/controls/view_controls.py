@@ -26,11 +26,11 @@ class ViewControls:
         fit.on_click(self._fit)
         self._shown = (False, True, False, False)
 
-    def follow(self) -> None:
-        """Do what was changed since the last call."""
+    def follow(self) -> bool:
+        """Do what was changed since the last call; whether anything was."""
         wanted = (self._frames.value, self._names.value, self._shadows.value, self._dark.value)
         if wanted == self._shown:
-            return
+            return False
         frames, names, shadows, dark = wanted
         self._scene.show_frames(visible=frames)
         self._scene.show_names(visible=names)
@@ -42,6 +42,7 @@ class ViewControls:
             )
             self._scene.darken(dark=dark)
         self._shown = wanted
+        return True
 
     def _fit(self, event: viser.GuiEvent[viser.GuiButtonHandle]) -> None:
         if event.client is not None:

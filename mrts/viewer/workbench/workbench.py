@@ -99,16 +99,6 @@ class Workbench:
         return self._latest
 
     @property
-    def can_undo(self) -> bool:
-        """Whether there are choices before these."""
-        return bool(self._past)
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether there are choices that were undone."""
-        return bool(self._future)
-
-    @property
     def waits(self) -> bool:
         """Whether something was asked that is not answered yet, or not taken."""
         with self._changed:
