@@ -6,8 +6,10 @@ from pathlib import Path
 import numpy as np
 from mrts_codegen.urdf.robot_model import build_robot_model, check_tree
 from mrts_codegen.urdf.shared_joints import root_in_base
-from mrts_codegen.urdf.urdf_file import read_urdf
+from mrts_codegen.urdf.urdf_elements import Urdf
+from mrts_codegen.urdf.urdf_file import parse_urdf
 from mrts_codegen.urdf.urdf_joint import NO_LIMIT
+from mrts_codegen.urdf_reference import FileReference
 
 from mrts.base.formats.urdf_tree import ArmChain, JointEnds, UrdfTree
 
@@ -21,7 +23,7 @@ def urdf_tree(path: Path) -> UrdfTree:
     Raises:
         InputError: If it is no URDF, or no tree.
     """
-    urdf = read_urdf(path)
+    urdf = _read(path)
     links = tuple(link.name for link in urdf.links)
     check_tree(path, dict.fromkeys(links), urdf.joints)
     joints = {
@@ -42,7 +44,7 @@ def arm_chain(path: Path, base_link: str | None, tip_link: str) -> ArmChain:
     Raises:
         InputError: If there is no such chain, or it breaks a rule of cells.
     """
-    urdf = read_urdf(path)
+    urdf = _read(path)
     model = build_robot_model(path, urdf, base_link, tip_link)
     *frames, tip = model.zero_frames()
     pairs = list(zip(frames, model.joints, strict=True))
@@ -64,3 +66,7 @@ def arm_chain(path: Path, base_link: str | None, tip_link: str) -> ArmChain:
         T_base_tip=tip,
         T_root_base=root_in_base(path, urdf, model.base_link, {}).inverse(),
     )
+
+
+def _read(path: Path) -> Urdf:
+    return parse_urdf(path, FileReference(str(path.absolute())).content(path, path.parent))
