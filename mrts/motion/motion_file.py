@@ -132,6 +132,22 @@ def load_motion(path: Path | str) -> ObjectMotion | JointTable:
         raise InputError(path, error.rule, key=error.where) from None
 
 
+def described_motion(path: Path | str) -> MotionDescription | None:
+    """The description of a motion from pose to pose or through waypoints; None of a table or a bag.
+
+    Args:
+        path: As in `load_motion`.
+
+    Raises:
+        InputError: If a motion file breaks a rule.
+    """
+    path = as_path("path", path)
+    if is_bag(path) or path.suffix.lower() == ".csv":
+        return None
+    description = read_model(path, MotionDescription, "motion file")
+    return description if description.profile is not None else None
+
+
 def sample_motion(description: MotionDescription) -> ObjectMotion:
     """Samples of a motion from pose to pose or through waypoints.
 
