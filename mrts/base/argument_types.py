@@ -28,6 +28,7 @@ WORDS = {
     "ObjectMotion": "motion of the object, as from mrts.load_motion",
     "PathLike": "a Path",
     "Remark": "a remark, as of a cell",
+    "RetimingResult": "one of mrts.retime",
     "Robot": "a robot, as from mrts.load_cell",
     "ScalingResult": "a result of mrts.scale",
     "Study": "a study, as from mrts.read_study",

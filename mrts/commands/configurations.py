@@ -12,7 +12,7 @@ from mrts.commands.options.common import (
     add_reserve,
     between_option,
     limited_cell_option,
-    require,
+    plot_form,
     sharing_option,
 )
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
@@ -48,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
     from mrts.solvers import DEFAULT_SOLVER
     from mrts.studies.configurations import rank_configurations
 
-    require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
+    options.plot_format = plot_form(options)
     if options.show < 0:
         raise InputError("--show", "must be at least 0.", value=options.show)
     check_outputs({"--json": options.json}, {"--plot": options.plot})

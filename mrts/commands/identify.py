@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 
 from mrts.base.errors import InputError
-from mrts.commands.options.common import add_plot, cell_option, require
+from mrts.commands.options.common import add_plot, cell_option, plot_form
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
@@ -37,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
     from mrts.identification.identify import identify
     from mrts.motion.joint_recording import load_recording
 
-    require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
+    options.plot_format = plot_form(options)
     check_outputs({"--output": options.output}, {"--plot": options.plot})
     cell = cell_option(options.cell)
     with working(f"reading {options.recording}"):

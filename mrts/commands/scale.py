@@ -17,6 +17,7 @@ from mrts.commands.options.common import (
     closure_option,
     limited_cell_option,
     numbers_option,
+    plot_form,
     require,
     sharing_option,
 )
@@ -96,7 +97,7 @@ def run(options: argparse.Namespace) -> int:
     """Scale a motion."""
     from mrts.motion.motion_file import load_motion
 
-    require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
+    options.plot_format = plot_form(options)
     require("plotly", "--report", "report", wanted=options.report is not None)
     for name, form, path in _trajectory_files(options):
         if form.needs:

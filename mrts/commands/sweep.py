@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrts.base.errors import InputError
-from mrts.commands.options.common import add_plot, require
+from mrts.commands.options.common import add_plot, plot_form
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
     from mrts.studies.study_folder import require_pyarrow
     from mrts.sweeps.worker_pools import check_workers
 
-    require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
+    options.plot_format = plot_form(options)
     try:
         check_workers(options.workers, options.scheduler)
     except InputError as error:

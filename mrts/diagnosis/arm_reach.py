@@ -8,12 +8,14 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.diagnosis.nearest_hold import NearestHold, nearest_hold
 from mrts.inverse_kinematics.branches import branches_at_start
 from mrts.inverse_kinematics.grasp_tracking import TrackingFailure, track_grasps
 from mrts.inverse_kinematics.joint_limits import POSITION_TOLERANCE, within_limits
+from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_triangles
 from mrts.inverse_kinematics.reach import ArmPlaces, arm_reach
 from mrts.inverse_kinematics.starting_positions import further_starts
 from mrts.motion.object_motion import ObjectMotion
@@ -35,7 +37,7 @@ SHIFT_DIGITS = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class ArmMargin:
+class ArmMargin(InNotebooks):
     """What an arm that follows keeps free.
 
     Attributes:
@@ -54,7 +56,7 @@ class ArmMargin:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ArmReach:
+class ArmReach(InNotebooks):
     """How far one arm follows the motion.
 
     Attributes:
@@ -134,14 +136,8 @@ def following(arm: Cell, motion: CoordinatedMotion) -> ArmReach:
     (robot,) = arm.robots
     room = np.minimum(motion.q - robot.position_lower, robot.position_upper - motion.q)
     sample, joint = np.unravel_index(int(np.argmin(room)), room.shape)
-    reach, base, grasp = arm_reach(robot), robot.T_world_base, robot.T_object_tip
-    stretch = None
-    if reach is not None:
-        places = ArmPlaces(base.R, base.p, grasp.R, grasp.p)
-        furthest = np.max(reach.distance(places, motion.object.position, motion.object.rotation))
-        stretch = reach.longest - float(furthest)
     margin = ArmMargin(
-        stretch=stretch,
+        stretch=_stretch(arm, motion.object),
         joint=robot.joints[joint] if np.isfinite(room[sample, joint]) else None,
         to_limit=float(room[sample, joint]),
         unit=robot.position_units[joint],
@@ -151,13 +147,23 @@ def following(arm: Cell, motion: CoordinatedMotion) -> ArmReach:
     return ArmReach(robot=robot.name, samples=motion.samples, followed=motion.samples, time=time, margin=margin)
 
 
+def _stretch(arm: Cell, motion: ObjectMotion) -> float | None:
+    """Least distance of an arm to full stretch along a motion [m]; None where its links do not tell."""
+    (robot,) = arm.robots
+    base, grasp = robot.T_world_base, robot.T_object_tip
+    places = ArmPlaces(base.R, base.p, grasp.R, grasp.p)
+    if has_closed_form(arm, robot):
+        triangles = planar_triangles(arm, robot, places, motion.position, motion.rotation)
+        return float(np.sum(triangles.lengths) - np.max(np.linalg.norm(triangles.wrist, axis=-1)))
+    reach = arm_reach(robot)
+    if reach is None:
+        return None
+    return reach.longest - float(np.max(reach.distance(places, motion.position, motion.rotation)))
+
+
 def follows(arm: Cell, motion: ObjectMotion) -> bool:
-    """Whether an arm follows the object from some posture: its own, or any way to hold the grasp at t = 0."""
-    try:
-        follow_object(arm, motion)
-    except MotionError:
-        return None in _ways(arm, motion)[1]
-    return True
+    """Whether an arm follows the object from some way to hold the grasp at t = 0."""
+    return None in _ways(arm, motion)[1]
 
 
 def _ways(arm: Cell, motion: ObjectMotion) -> tuple[Array, list[TrackingFailure | None]]:

@@ -3,9 +3,11 @@
 
 from dataclasses import dataclass
 
+from mrts.base.notebook.in_notebooks import InNotebooks
+
 
 @dataclass(frozen=True)
-class Hint:
+class Hint(InNotebooks):
     """What may be meant instead.
 
     Attributes:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, apply
+from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.inverse_kinematics.grasp_tracking import pose_error
 from mrts.motion.object_motion import ObjectMotion
@@ -28,7 +29,7 @@ LEAST_GAIN = 1e-7
 
 
 @dataclass(frozen=True)
-class NearestHold:
+class NearestHold(InNotebooks):
     """The nearest that a hand comes.
 
     Attributes:

@@ -7,7 +7,8 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.drawing.cell_shapes import joint_points, object_box
+from mrts.drawing.cell_shapes import joint_points
+from mrts.drawing.held_body import held_body
 
 FIELD_OF_VIEW = np.deg2rad(45.0)
 """From the lower to the upper edge of the picture [rad]."""
@@ -55,7 +56,7 @@ def look_at_cell(cell: Cell, q: Array, position: Array) -> CellView:
     """
     slices = cell.joint_slices
     lines = [joint_points(robot, q[:, slices[robot.name]]).reshape(-1, 3) for robot in cell.robots]
-    reach = np.linalg.norm(object_box(cell)) / 2
+    reach = np.linalg.norm(held_body(cell).vertices, axis=1).max()
     points = np.concatenate([*lines, position - reach, position + reach])
     middle = (np.min(points, axis=0) + np.max(points, axis=0)) / 2
     size = float(np.max(np.linalg.norm(points - middle, axis=1)))

@@ -2,7 +2,6 @@
 """The carried object as a body that hands are seen to hold, as triangles in its own frame."""
 
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.drawing.cell_shapes import object_box
+from mrts.drawing.object_surface import CORNERS, TRIANGLES, object_surface
 
 WAIST = 0.4
 """A side of the box is drawn as short as this share of what its inertia gives it, so that a hand is at its surface."""
@@ -19,14 +19,6 @@ REACHED = 0.02
 
 HANDLE = 0.04
 """Half width of a bar from the box to a contact beside it, as a share of the box's diagonal."""
-
-FACES = np.array(
-    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4],
-     [1, 5, 7], [1, 7, 3]]
-)  # fmt: skip
-"""Triangles of a box over its corners in the order of `product`, counterclockwise seen from outside, Shape (12, 3)."""
-
-CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +41,7 @@ class HeldBody:
 
 
 def held_body(cell: Cell) -> HeldBody:
-    """The object as it is drawn: a box with about its inertia that its hands touch, or hold by handles.
+    """The object as it is drawn: its shape, else a box with about its inertia that hands touch, or hold by handles.
 
     A box that reaches beyond a contact is drawn narrower, so that the hand is at its surface; a contact beside the box
     is joined to it by a bar.
@@ -57,10 +49,12 @@ def held_body(cell: Cell) -> HeldBody:
     Args:
         cell: The cell.
     """
+    if cell.object_shape is not None:
+        return HeldBody(*object_surface(cell))
     contacts = np.array([robot.T_object_tip.p for robot in cell.robots])
     half = _narrowed(object_box(cell) / 2, contacts)
     size = 2 * float(np.linalg.norm(half))
-    body = HeldBody(CORNERS * 2 * half, FACES)
+    body = HeldBody(CORNERS * 2 * half, TRIANGLES)
     for contact in contacts:
         nearest = np.clip(contact, -half, half)
         if np.linalg.norm(contact - nearest) > REACHED * size:
@@ -85,4 +79,4 @@ def _bar(start: Array, end: Array, half_width: float) -> HeldBody:
     across = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
     across = across / np.linalg.norm(across)
     axes = np.stack([2 * half_width * across, 2 * half_width * np.cross(along, across), end - start])
-    return HeldBody((start + end) / 2 + CORNERS @ axes, FACES)
+    return HeldBody((start + end) / 2 + CORNERS @ axes, TRIANGLES)

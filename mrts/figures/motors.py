@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from mrts.base.argument_types import as_path
 from mrts.drawing.colours import COLOURS
-from mrts.figures.style import NotebookFigure, finish, plain, plain_text, write_figures
+from mrts.figures.style import NotebookFigure, check_form, finish, plain, plain_text, write_figures
 from mrts.identification.identified_motors import ArmMotors, MotorIdentification
 
 ROW_INCHES = 2.0
@@ -101,5 +101,6 @@ def write_motor_figures(found: MotorIdentification, folder: Path | str, form: st
     Raises:
         InputError: If there is no such format, or a file cannot be written.
     """
+    check_form(form)
     figures = {f"motors_{arm.robot.name}": motor_figure(arm) for arm in found.arms}
     write_figures(figures, as_path("folder", folder), form)

@@ -9,7 +9,7 @@ from mrts.figures.loads import study_figure
 from mrts.figures.phase_plane import phase_plane_figure
 from mrts.figures.power import power_figure
 from mrts.figures.rates import rates_figure
-from mrts.figures.style import NotebookFigure, write_figures
+from mrts.figures.style import NotebookFigure, check_form, write_figures
 from mrts.figures.trajectory import trajectory_figure
 from mrts.retiming.result import RetimingResult
 from mrts.scaling.limit_use import limited_rate_kinds
@@ -34,6 +34,7 @@ def write_result_figures(result: ScalingResult | RetimingResult, folder: Path | 
     """
     check_type("result", result, ScalingResult, RetimingResult)
     folder = as_path("folder", folder)
+    check_form(form)
     if isinstance(result, RetimingResult):
         figures = result_figures(result.retimed or result.constant)
         if result.pieces:

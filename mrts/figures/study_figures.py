@@ -15,7 +15,7 @@ from mrts.drawing.study_table import StudyTable, read_study_table
 from mrts.drawing.study_words import SHARES, best_rows, managed, managed_texts
 from mrts.figures.study_lines import parallel_coordinates_figure
 from mrts.figures.study_maps import study_map_figure, study_title
-from mrts.figures.style import NotebookFigure, finish, in_lines, plain_text, write_figures
+from mrts.figures.style import NotebookFigure, check_form, finish, in_lines, plain_text, write_figures
 
 FEWEST_BINS, MOST_BINS = 4, 60
 """Of a histogram: about the square root of the number of values."""
@@ -148,5 +148,6 @@ def write_study_figures(study: StudyTable | Path | str, to: Path | str, form: st
         InputError: If there is no study, none of its variants is solved, there is no such format, or a file
             cannot be written.
     """
+    check_form(form)
     table = study if isinstance(study, StudyTable) else read_study_table(as_path("study", study))
     write_figures(study_figures(table), as_path("to", to), form)

@@ -169,6 +169,20 @@ def figure_writer(figure: Figure) -> Write:
     return write
 
 
+def check_form(form: str) -> None:
+    """Check the format of figures before they are drawn.
+
+    Args:
+        form: What was asked for.
+
+    Raises:
+        InputError: If there is no such format.
+    """
+    check_type("form", form, str)
+    if form not in FORMATS:
+        raise InputError("form", f"figures are written as one of {', '.join(FORMATS)}.", value=form)
+
+
 def write_figures(figures: Mapping[str, Figure], folder: Path, form: str) -> None:
     """Write figures into a folder, all or none.
 
@@ -178,8 +192,6 @@ def write_figures(figures: Mapping[str, Figure], folder: Path, form: str) -> Non
         form: One of `FORMATS`.
 
     Raises:
-        InputError: If there is no such format, or a file cannot be written.
+        InputError: If a file cannot be written.
     """
-    if form not in FORMATS:
-        raise InputError("form", f"figures are written as one of {', '.join(FORMATS)}.", value=form)
     write_together({folder / f"{name}.{form}": figure_writer(figure) for name, figure in figures.items()})

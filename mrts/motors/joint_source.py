@@ -3,9 +3,11 @@
 
 from dataclasses import dataclass
 
+from mrts.base.notebook.in_notebooks import InNotebooks
+
 
 @dataclass(frozen=True, kw_only=True)
-class JointSource:
+class JointSource(InNotebooks):
     """One joint of a cell.
 
     Attributes:

@@ -49,6 +49,7 @@ def test_a_likely_mistake_is_named_and_nothing_else(damage, tmp_path):
     assert not found.mistakes
 
 
+@pytest.mark.quick
 def test_all_that_is_wrong_is_told_at_once(tmp_path):
     rng = np.random.default_rng(19)
     for _ in range(draws(25)):

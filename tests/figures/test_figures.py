@@ -171,6 +171,29 @@ def test_the_command_line_draws_the_ranking(tmp_path, capsys):
     assert (tmp_path / "out" / "configurations.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_figures_are_written_in_the_format_that_is_asked_for(planar_cell, lift, tmp_path, capsys):
+    """An infeasible timing has figures as well: those of the best constant factor."""
+    infeasible = mrts.retime(planar_cell.with_mass(60.0), lift)
+    for form, start in (("svg", b"<?xml"), ("pdf", b"%PDF")):
+        for folder in ("once", "again"):
+            write_result_figures(infeasible, tmp_path / folder, form)
+        texts = {(tmp_path / folder / f"c2_range.{form}").read_bytes() for folder in ("once", "again")}
+        assert len(texts) == 1  # no date, no identifiers of chance
+        assert texts.pop().startswith(start)
+    assert {path.name for path in (tmp_path / "once").iterdir()} == {"c2_range.svg", "c2_range.pdf"}
+    with pytest.raises(mrts.InputError, match="one of png, svg, pdf"):
+        write_result_figures(infeasible, tmp_path / "once", "gif")
+    files = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
+    command = ["configurations", *files, "--plot", str(tmp_path / "out"), "--plot-format", "svg"]
+    assert main(command) == 0
+    assert (tmp_path / "out" / "configurations.svg").read_bytes().startswith(b"<?xml")
+    with pytest.raises(SystemExit):
+        main([*command[:-1], "gif"])
+    assert "--plot-format" in capsys.readouterr().err
+    assert main(["scale", *files, "--plot-format", "svg"]) == 2
+    assert "give --plot DIR too" in capsys.readouterr().err
+
+
 def test_a_missing_matplotlib_is_named_before_any_work(tmp_path):
     script = (
         "import importlib.util, sys; found = importlib.util.find_spec;"

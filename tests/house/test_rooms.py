@@ -34,6 +34,7 @@ ROOMS = (
     "sweeps",
     "layout",
     "drawing",
+    "starting",
     "output",
     "figures",
     "report",

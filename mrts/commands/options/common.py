@@ -31,7 +31,21 @@ def add_plot(verb: argparse.ArgumentParser, what: str) -> None:
         what: Which figures, for its help.
     """
     verb.add_argument("--plot", type=Path, metavar="DIR", help=f"write {what} (needs the extra 'plot')")
-    verb.add_argument("--plot-format", choices=("png", "svg", "pdf"), default="png", help="of --plot (default: png)")
+    verb.add_argument("--plot-format", choices=("png", "svg", "pdf"), help="of --plot (default: png)")
+
+
+def plot_form(options: argparse.Namespace) -> str:
+    """The format of `--plot`, before any work.
+
+    Raises:
+        InputError: If there is no `--plot` to have one, or its package is missing.
+    """
+    if options.plot_format is not None and options.plot is None:
+        raise InputError(
+            "--plot-format", "says how --plot writes figures: give --plot DIR too.", value=options.plot_format
+        )
+    require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
+    return options.plot_format or "png"
 
 
 def add_closure(verb: argparse.ArgumentParser) -> None:
