@@ -6,22 +6,23 @@ from pathlib import Path
 import numpy as np
 from mrts_codegen.urdf.robot_model import build_robot_model, check_tree
 from mrts_codegen.urdf.shared_joints import root_in_base
-from mrts_codegen.urdf.urdf_file import read_urdf
+from mrts_codegen.urdf.urdf_file import parse_urdf
 from mrts_codegen.urdf.urdf_joint import NO_LIMIT
 
 from mrts.base.formats.urdf_tree import ArmChain, JointEnds, UrdfTree
 
 
-def urdf_tree(path: Path) -> UrdfTree:
+def urdf_tree(path: Path, content: bytes) -> UrdfTree:
     """Links and joints of a URDF.
 
     Args:
-        path: The file.
+        path: The file, for messages.
+        content: Its bytes.
 
     Raises:
         InputError: If it is no URDF, or no tree.
     """
-    urdf = read_urdf(path)
+    urdf = parse_urdf(path, content)
     links = tuple(link.name for link in urdf.links)
     check_tree(path, dict.fromkeys(links), urdf.joints)
     joints = {
@@ -31,18 +32,19 @@ def urdf_tree(path: Path) -> UrdfTree:
     return UrdfTree(next(link for link in links if link not in joints), links, joints)
 
 
-def arm_chain(path: Path, base_link: str | None, tip_link: str) -> ArmChain:
+def arm_chain(path: Path, content: bytes, base_link: str | None, tip_link: str) -> ArmChain:
     """The chain of a URDF from a base link to a tip link.
 
     Args:
-        path: The file.
+        path: The file, for messages.
+        content: Its bytes.
         base_link: Where it begins; None is the root.
         tip_link: Where it ends.
 
     Raises:
         InputError: If there is no such chain, or it breaks a rule of cells.
     """
-    urdf = read_urdf(path)
+    urdf = parse_urdf(path, content)
     model = build_robot_model(path, urdf, base_link, tip_link)
     *frames, tip = model.zero_frames()
     pairs = list(zip(frames, model.joints, strict=True))

@@ -290,10 +290,11 @@ def surveyed_urdf(where: Path, folder: Path, reference: str) -> "tuple[Path, Urd
         InputError: If it is missing, or no URDF; the survey, if there is no such chain, or it breaks a rule of cells.
     """
     from mrts_codegen.urdf.urdf_survey import arm_chain, urdf_tree  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.urdf_reference import resolve_urdf  # noqa: PLC0415
+    from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
 
-    path: Path = resolve_urdf(where, folder, reference)
-    return path, urdf_tree(path), partial(arm_chain, path)
+    named = FileReference(reference)
+    path, content = named.path(where, folder), named.content(where, folder)
+    return path, urdf_tree(path, content), partial(arm_chain, path, content)
 
 
 def cell_file_in(manifest: Manifest, folder: Path, beside: Path | None) -> str:

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """How far each arm follows a motion, what stops it, and what would let it go on."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,11 +25,20 @@ HELD = 1e-5
 MOST_TRACKS = 16
 """Ways to hold the grasp that are followed, nearest to the posture first: an arm of six joints has no more."""
 
-MOST_SHIFTS = 6
-"""Times that a base is moved by what is missing, until the arm follows."""
+FEW_TRACKS = 4
+"""The same of an arm that was moved to see whether it follows."""
 
-SPARE = 0.01
-"""Metres that a base is moved further than what is missing: an arm at full stretch is singular."""
+STARTS = 48
+"""Random ones for an arm without an analytic inverse: ways that few of them lead to are not near any posture."""
+
+MOST_SHIFTS = 6
+"""Times that a base is moved by what is missing, until nothing is."""
+
+SPARES = (0.01, 0.05)
+"""Metres that a base is then moved further, one after the other: an arm at full stretch is singular."""
+
+LOOKED_AT = 5
+"""Samples at which is looked whether something is missing."""
 
 SHIFT_DIGITS = 3
 """A move of a base is rounded to millimetres before it is tried out."""
@@ -107,7 +115,7 @@ def reach_of(arm: Cell, motion: ObjectMotion, *, seek: bool = True) -> ArmReach:
         failure = str(error)
     (robot,) = arm.robots
     count = len(motion.time)
-    starts, failures = _ways(arm, motion)
+    starts, failures = _ways(arm, motion, MOST_TRACKS)
     good = [start for start, ended in zip(starts, failures, strict=True) if ended is None]
     reached = [count if ended is None else ended.sample or 0 for ended in failures]
     followed = max(reached, default=0)
@@ -163,24 +171,24 @@ def _stretch(arm: Cell, motion: ObjectMotion) -> float | None:
 
 def follows(arm: Cell, motion: ObjectMotion) -> bool:
     """Whether an arm follows the object from some way to hold the grasp at t = 0."""
-    return None in _ways(arm, motion)[1]
+    return None in _ways(arm, motion, FEW_TRACKS)[1]
 
 
-def _ways(arm: Cell, motion: ObjectMotion) -> tuple[Array, list[TrackingFailure | None]]:
-    """Every way of an arm to hold its grasp at t = 0, and why it ends.
+def _ways(arm: Cell, motion: ObjectMotion, most: int) -> tuple[Array, list[TrackingFailure | None]]:
+    """Ways of an arm to hold its grasp at t = 0, as many at most, and why they end.
 
     Returns:
         Joint positions, Shape (count, n_i) [rad or m], nearest to the posture first, and their failures.
     """
     (robot,) = arm.robots
     try:
-        found = branches_at_start(arm, 0, motion)
+        found = branches_at_start(arm, 0, motion, STARTS)
     except MotionError:  # of a planar arm with a closed form: out of reach
         found = np.empty((0, len(robot.joints)))
     if not len(found):
         return found, []
     order = np.argsort(np.max(np.abs(found - robot.posture), axis=1), kind="stable")
-    found = found[order][:MOST_TRACKS]
+    found = found[order][:most]
     tracks = track_grasps(arm, motion, found)
     ended = [failures[robot.name] for failures in tracks.failures]
     return found, [_first_failure(arm, q, failure) for q, failure in zip(tracks.q, ended, strict=True)]
@@ -202,26 +210,21 @@ def _shift(arm: Cell, motion: ObjectMotion, nearest: NearestHold) -> Array | Non
     """A move of the base that lets the arm follow; None where moving it by what is missing does not lead to one."""
     if nearest.gap <= HELD:
         return None
-    for shift in _shifts(arm, motion, nearest):
-        if follows(_moved(arm, shift), motion):
-            return shift
-    return None
-
-
-def _shifts(arm: Cell, motion: ObjectMotion, nearest: NearestHold) -> Iterator[Array]:
-    """Moves of the base by what is missing at the first sample that is not reached, summed up until all are."""
     (robot,) = arm.robots
-    total = np.zeros(3)
+    total = nearest.off
     starts = further_starts(robot, robot.posture)
+    samples = np.linspace(0, len(motion.time) - 1, LOOKED_AT).astype(int)
     for _ in range(MOST_SHIFTS):
-        total = total + nearest.off
-        rounded: Array = np.round(total * (1 + SPARE / max(float(np.linalg.norm(total)), SPARE)), SHIFT_DIGITS)
-        yield rounded
-        moved = _moved(arm, rounded)
-        far = [nearest_hold(moved, motion, sample, starts) for sample in (0, len(motion.time) // 2, -1)]
-        nearest = max(far, key=lambda hold: hold.gap)
-        if nearest.gap <= HELD:
-            return
+        moved = _moved(arm, total)
+        worst = max((nearest_hold(moved, motion, int(k), starts) for k in samples), key=lambda hold: hold.gap)
+        if worst.gap <= HELD:
+            break
+        total = total + worst.off
+    for spare in SPARES:
+        further: Array = np.round(total * (1 + spare / float(np.linalg.norm(total))), SHIFT_DIGITS)
+        if follows(_moved(arm, further), motion):
+            return further
+    return None
 
 
 def _moved(arm: Cell, shift: Array) -> Cell:

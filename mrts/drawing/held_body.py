@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.formats.surface_text import MOST_DRAWN
 from mrts.cell.cell import Cell
 from mrts.drawing.cell_shapes import object_box
 from mrts.drawing.object_surface import CORNERS, TRIANGLES, object_surface
@@ -40,17 +41,18 @@ class HeldBody:
         )
 
 
-def held_body(cell: Cell) -> HeldBody:
-    """The object as it is drawn: its shape, else a box with about its inertia that hands touch, or hold by handles.
+def held_body(cell: Cell, most: int = MOST_DRAWN) -> HeldBody:
+    """The object as it is drawn: its shape, or a box with about its inertia that its hands touch, or hold by handles.
 
-    A box that reaches beyond a contact is drawn narrower, so that the hand is at its surface; a contact beside the box
+    Such a box that reaches beyond a contact is drawn narrower, so that the hand is at its surface; a contact beside it
     is joined to it by a bar.
 
     Args:
         cell: The cell.
+        most: Triangles of a mesh, which is drawn coarser than it is known where it has more.
     """
     if cell.object_shape is not None:
-        return HeldBody(*object_surface(cell))
+        return HeldBody(*object_surface(cell, most))
     contacts = np.array([robot.T_object_tip.p for robot in cell.robots])
     half = _narrowed(object_box(cell) / 2, contacts)
     size = 2 * float(np.linalg.norm(half))

@@ -16,6 +16,7 @@ from matplotlib.transforms import ScaledTranslation
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import Write, write_atomically, write_together
 from mrts.base.errors import InputError
+from mrts.base.formats.figure_formats import FIGURE_FORMATS
 from mrts.base.printable import printable
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.labels import LONGEST_LABEL, shortened
@@ -38,9 +39,6 @@ SIDE_BY_SIDE = 2
 
 Draw = Callable[[Axes, ScalingResult, str], None]
 """What draws something of one robot, by its name, into axes."""
-
-FORMATS = ("png", "svg", "pdf")
-"""Of figures that are written into a folder."""
 
 
 class NotebookFigure(Figure):
@@ -179,8 +177,8 @@ def check_form(form: str) -> None:
         InputError: If there is no such format.
     """
     check_type("form", form, str)
-    if form not in FORMATS:
-        raise InputError("form", f"figures are written as one of {', '.join(FORMATS)}.", value=form)
+    if form not in FIGURE_FORMATS:
+        raise InputError("form", f"figures are written as one of {', '.join(FIGURE_FORMATS)}.", value=form)
 
 
 def write_figures(figures: Mapping[str, Figure], folder: Path, form: str) -> None:
@@ -189,7 +187,7 @@ def write_figures(figures: Mapping[str, Figure], folder: Path, form: str) -> Non
     Args:
         figures: By the file's name without its ending.
         folder: Made if missing.
-        form: One of `FORMATS`.
+        form: One of `FIGURE_FORMATS`.
 
     Raises:
         InputError: If a file cannot be written.

@@ -98,7 +98,7 @@ def document(
 <header>
 <button id="theme" type="button" hidden>Dark</button>
 {html(head)}
-<p id="drawing" class="note">Plots are drawn by a browser of 2023 or later that may run scripts.</p>
+<p id="drawing" class="note">Plots are drawn by a browser of 2024 or later that may run scripts.</p>
 </header>
 {contents(pieces)}
 <main>

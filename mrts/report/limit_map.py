@@ -49,7 +49,7 @@ def limit_map(result: ScalingResult, limiting: LimitingRows) -> Plot:
     time = result.trajectory.time
     reached = shares >= 1 - AT_LIMIT
     percents = np.where(reached, REACHED, np.minimum(100 * shares, BELOW))
-    percents[reached & limiting.at_end[:, None]] = SETTING
+    percents[reached & limiting.forced] = SETTING
     most = np.max(shares, axis=0)
     order = sorted(range(len(names)), key=lambda row: (names[row] not in limiting.setting, -most[row]))[:MOST_ROWS]
     edges, columns = _columns(time, percents[:, order])

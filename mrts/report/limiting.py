@@ -12,7 +12,7 @@ from mrts.retiming.profile_limits import BINDING
 from mrts.retiming.result import RetimingResult
 from mrts.retiming.smooth_piece import BINDING as AT_LIMIT
 from mrts.scaling.limit_use import limit_courses, rate_uses
-from mrts.scaling.range import RangeEnd
+from mrts.scaling.range import SPEEDS, RangeEnd
 from mrts.scaling.result import ScalingResult
 
 AT_END_RETIMED = 1e-2
@@ -27,12 +27,13 @@ class LimitingRows:
     Attributes:
         setting: Rows that set the speed, each with when.
         reached: Others that are at their limit, each with why.
-        at_end: At which samples c² is at an end of what they admit, Shape (N,).
+        forced: At which samples the speed keeps a row at its limit, of those of `limit_courses`, Shape (N, r): c² is at
+            an end of what the sample admits, and the row sets it, or may have to be there with those that do.
     """
 
     setting: dict[RowName, str]
     reached: dict[RowName, str]
-    at_end: NDArray[np.bool_]
+    forced: NDArray[np.bool_]
 
 
 def limiting_rows(result: ScalingResult, timing: RetimingResult | None) -> LimitingRows:
@@ -46,23 +47,20 @@ def limiting_rows(result: ScalingResult, timing: RetimingResult | None) -> Limit
         timing: The timing whose retimed motion it is, if known.
     """
     names, shares = limit_courses(result)
-    at_end = _at_end(result)
+    forced, binding = _forced(result, names)
     rates = [use.name for use in rate_uses(result.trajectory, result.rule.rates)] if result.trajectory else []
     setting = (
         _of_timing(timing, [*names, *rates]) if timing is not None and timing.retimed is not None else _of_range(result)
     )
     if result.origin and timing is None:  # read from a file: what the timing was is not known
-        rows = {
-            row.name for sample in np.flatnonzero(at_end).tolist() for row in result.range.samples.upper_rows[sample]
-        }
-        setting = dict.fromkeys(rows & set(names), "sets the speed")
+        setting = {name: "sets the speed" for name in names if name in binding}
     reached = {}
     for place in np.flatnonzero(np.any(shares >= 1 - AT_LIMIT, axis=0)).tolist():
         where = shares[:, place] >= 1 - AT_LIMIT
         if names[place] not in setting:
-            forced = bool(np.any(where & at_end))
-            reached[names[place]] = "reached where the speed is set" if forced else "reached through the distribution"
-    return LimitingRows(setting, reached, at_end)
+            kept = bool(np.any(where & forced[:, place]))
+            reached[names[place]] = "reached where the speed is set" if kept else "reached through the distribution"
+    return LimitingRows(setting, reached, forced)
 
 
 def _of_timing(timing: RetimingResult, names: Sequence[RowName]) -> dict[RowName, str]:
@@ -94,15 +92,34 @@ def _words(end: RangeEnd, word: str) -> str:
     return f"sets {word} at {end.time:.4g} s of the given motion{load}"
 
 
-def _at_end(result: ScalingResult) -> NDArray[np.bool_]:
-    """At which samples c² is at an end of what they admit, Shape (N,)."""
+def _forced(result: ScalingResult, names: tuple[RowName, ...]) -> tuple[NDArray[np.bool_], set[RowName]]:
+    """`LimitingRows.forced`, and all rows that set an end at which c² is.
+
+    Where velocities alone set the end, no torque or wrench has to be at a limit; else all that are may have to be.
+    """
+    samples = result.range.samples
+    at_lower, at_upper = _at_ends(result)
+    forced, rows = np.zeros((len(samples.time), len(names)), dtype=bool), set()
+    for sample in np.flatnonzero(at_lower | at_upper).tolist():
+        binding = {row.name for row in samples.upper_rows[sample] if at_upper[sample]}
+        binding |= {row.name for row in samples.lower_rows[sample] if at_lower[sample]}
+        of_load = any(name.kind not in SPEEDS for name in binding)
+        forced[sample] = [of_load or name in binding for name in names]
+        rows |= binding
+    return forced, rows
+
+
+def _at_ends(result: ScalingResult) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """At which samples c² is at the lower and at the upper end of what they admit, gaps included, each Shape (N,)."""
     done, samples = result.trajectory, result.range.samples
     assert done is not None  # noqa: S101 (its caller has a trajectory)
     near = AT_END_RETIMED if result.origin else BINDING
-    at = (samples.upper <= done.c2 * (1 + near)) | ((samples.lower > 0) & (samples.lower >= done.c2 * (1 - near)))
+    at_lower = (samples.lower > 0) & (samples.lower >= done.c2 * (1 - near))
+    at_upper = samples.upper <= done.c2 * (1 + near)
     for gap in samples.gaps:
-        at[gap.sample] |= _near(done.c2, gap.lower) or _near(done.c2, gap.upper)
-    return at
+        at_upper[gap.sample] |= _near(done.c2, gap.lower)
+        at_lower[gap.sample] |= _near(done.c2, gap.upper)
+    return at_lower, at_upper
 
 
 def _near(c2: float, end: float) -> bool:

@@ -11,8 +11,9 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.drawing.cell_shapes import contact_forces, joint_points
 from mrts.drawing.colours import COLOURS
+from mrts.drawing.held_body import held_body
 from mrts.drawing.labels import shortened
-from mrts.drawing.object_surface import object_edges, object_surface
+from mrts.drawing.object_surface import object_edges
 from mrts.report.markup import plot_text
 from mrts.report.plots import numbers
 from mrts.scaling.result import ScalingResult
@@ -84,7 +85,8 @@ def player(result: ScalingResult, way: Array | None = None) -> Player:
     arms = [
         joint_points(robot, q[:, joints]) for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True)
     ]
-    vertices, triangles = object_surface(cell, MOST_TRIANGLES)
+    held = held_body(cell, MOST_TRIANGLES)
+    vertices, triangles = held.vertices, held.faces
     box = given.position[frames, None] + np.einsum("nij,kj->nki", given.rotation[frames], vertices)
     holds = [np.stack([given.position[frames], arm[:, -1]], axis=1) for arm in arms]
     segments = [box[:, edge] for edge in object_edges(vertices, triangles)] + holds

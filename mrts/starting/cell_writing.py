@@ -37,10 +37,9 @@ def cell_file(proposal: Proposal) -> str:
         InputError: If YAML cannot hold a path.
     """
     request, cell = proposal.request, proposal.cell
-    arms = f"{len(request.arms)} arms carry" if len(request.arms) > 1 else "One arm carries"
     sides = " x ".join(f"{side:g}" for side in proposal.layout.sides)
     lines = [
-        f"# {arms} a box: begun by mrts new.",
+        f"# {len(request.arms)} arms carry a box: begun by mrts new.",
         "# What the URDFs do not say was proposed or assumed; change what you know better.",
         "# Lengths in m, angles in rad, masses in kg, torques in N m (N of prismatic joints).",
         f"name: {cell['name']}",

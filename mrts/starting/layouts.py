@@ -55,8 +55,8 @@ def layouts(scene: Scene) -> list[Layout]:
     given = [each.posture for each in scene.request.arms]
     if all(posture is not None for posture in given):
         return [_held_here(scene)]
-    fixed = len(scene.arms) > 1 and all(each.base is not None for each in scene.request.arms)
-    found = _between_standing(scene) if fixed else _around(scene)
+    standing = all(each.base is not None for each in scene.request.arms)
+    found = _between_standing(scene) if standing else _around(scene)
     if not found:
         raise MotionError(
             "no posture was found in which every arm holds one box and lifts it. Give the postures that you know "
@@ -79,8 +79,8 @@ def _out(scene: Scene) -> Array:
     """From the object to each hand, where arms may stand anywhere, Shape (arms, 3)."""
     count = len(scene.arms)
     first = np.eye(3)[1] if scene.request.plane == "yz" else np.eye(3)[0]
-    if count <= 2 or scene.request.plane is not None:  # noqa: PLR2004 (a pair)
-        return np.array([-first if index % 2 == 0 else first for index in range(count)])
+    if count == 2:  # noqa: PLR2004 (a pair)
+        return np.array([-first, first])
     second = np.cross(scene.up, first)
     angles = np.pi + 2 * np.pi * np.arange(count) / count
     return np.asarray(np.outer(np.cos(angles), first) + np.outer(np.sin(angles), second), dtype=np.float64)
@@ -111,14 +111,11 @@ def _around(scene: Scene) -> list[Layout]:
 def _placed_around(scene: Scene, spots: Sequence[Spot], out: Array) -> Layout:
     position = float(spots[0].p @ scene.up) * scene.up
     stands = []
-    for each, spot, direction in zip(scene.request.arms, spots, out, strict=True):
+    for spot, direction in zip(spots, out, strict=True):
         turn = np.eye(3) if scene.request.plane else _turn(scene.up, spot.facing, -direction)
         base = np.round(position + scene.width / 2 * direction - turn @ spot.p, METRES) + 0.0
         tip = RigidTransform(_clean(turn @ spot.R), position + scene.width / 2 * direction)
         stands.append(Stand(RigidTransform(_clean(turn), base), tip, spot.q))
-        if each.base is not None:  # a single arm that stands already
-            stands = [Stand(each.base, each.base @ stands[0].T_world_base.inverse() @ tip, spot.q)]
-            position = stands[0].T_world_tip.p + scene.width / 2 * spot.facing
     sides = _sides(scene, out[0], scene.width)
     score = min(spot.score for spot in spots)
     in_floor = bool(np.any(scene.force)) and (position - sides / 2) @ scene.up < 0
@@ -300,11 +297,9 @@ def _held_here(scene: Scene) -> Layout:
         bases.append(each.base or _base_around(scene, tip, facing, width / 2 * direction))
     held = [T @ tip for T, tip in zip(bases, tips, strict=True)]
     position = np.array([T.p for T in held]).mean(axis=0)
-    if standing and len(held) > 1:
+    if standing:
         width = max(float(np.linalg.norm(b.p - a.p)) for a, b in pairwise(held))
         out = np.array([held[0].p - position])
-    elif len(held) == 1:
-        position = held[0].p + width / 2 * (bases[0].R @ facings[0])
     stands = [
         Stand(T, tip, each.posture)
         for T, tip, each in zip(bases, held, request.arms, strict=True)

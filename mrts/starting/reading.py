@@ -125,6 +125,8 @@ def request_of(given: Given, folder: Path, choose: Choose = refuse) -> Request:
         chain = survey(arm.survey, first_link(arm.tree, [fellow.tip for fellow in fellows]), arm.tip)
         arms.append(_arm_request(given, index, arm, make_arm(names[index], chain), folder, fixed=len(fellows) > 1))
     plane = plane_of([each.arm for each in arms])
+    if plane is not None and len(arms) > len(SIDES) and not given.bases:
+        raise InputError(BASE, "is needed for each of more than two arms that move in one plane.")
     for each in arms:
         count, needed = len(each.arm.chain.joints), SPATIAL_JOINTS if plane is None else FEWEST_JOINTS
         if count < needed:

@@ -36,7 +36,7 @@ class Request:
 
     Attributes:
         name: Of the cell.
-        arms: Its arms.
+        arms: Its arms, two or more.
         one_machine: Whether they are arms of one machine, whose bases stay where the URDF has them.
         plane: Of a planar cell, as in a cell file.
         gravity: World, Shape (3,) [m/s²].

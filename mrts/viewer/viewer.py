@@ -24,6 +24,9 @@ from mrts.viewer.controls.view_controls import ViewControls
 from mrts.viewer.offered_speeds import Speeds
 from mrts.viewer.panel import STYLE, error_html, moment_html, outcome_html, speed_html, unreached_html
 from mrts.viewer.player_state import PlayerState
+from mrts.viewer.plots.film_controls import FilmControls
+from mrts.viewer.plots.other_result import Others, other_results
+from mrts.viewer.plots.plot_panel import PlotPanel
 from mrts.viewer.readings import Readings
 from mrts.viewer.scene import ViewerScene
 from mrts.viewer.scene_arms import Urdfs
@@ -57,6 +60,7 @@ class Viewer:
         bench: What.
         urdfs: URDF and base link by robot, for their meshes; empty draws simple shapes.
         warn: Told which arm is drawn without its meshes, and why.
+        others: Results to show beside it, each with its name; the plots compare with the first.
 
     Attributes:
         server: As given.
@@ -64,7 +68,14 @@ class Viewer:
         parts: What follows the scene and the panel; more may be added before `run`.
     """
 
-    def __init__(self, server: viser.ViserServer, bench: Workbench, urdfs: Urdfs, warn: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        bench: Workbench,
+        urdfs: Urdfs,
+        warn: Callable[[str], None],
+        others: Others = (),
+    ) -> None:
         self.server, self.bench = server, bench
         self.parts: list[ViewerPart] = []
         self._scene = ViewerScene(server, bench.answer, urdfs, warn)
@@ -76,7 +87,7 @@ class Viewer:
         server.gui.main_panel.dock_right()
         server.gui.main_panel.set_width(PANEL)
         self._add_player()
-        self._add_tabs()
+        self._add_tabs(urdfs, others)
         self._show_answer(bench.answer)
 
     @property
@@ -203,11 +214,13 @@ class Viewer:
         {"Undo": self.bench.undo, "Redo": self.bench.redo, "Reset": self.bench.reset}[which]()
         self._changes.show()
 
-    def _add_tabs(self) -> None:
+    def _add_tabs(self, urdfs: Urdfs, others: Others) -> None:
         gui = self.server.gui
         tabs = gui.add_tab_group()
         with tabs.add_tab("Readings"):
             self._readings = Readings(gui, self._scene)
+        with tabs.add_tab("Plots"):
+            self.parts.append(PlotPanel(gui, others))
         with tabs.add_tab("Change"):
             self._changes = ChangeControls(self.server, self.bench, self._scene.size, self._todo.put)
         with tabs.add_tab("View"):
@@ -216,8 +229,10 @@ class Viewer:
                 self._pace = gui.add_dropdown("pace", tuple(PACES), initial_value=next(slow_enough, [*PACES][-1]))
                 self._loop = gui.add_checkbox("loop", initial_value=True)
             self._view = ViewControls(self.server, self._scene)
+            self.parts += other_results(self.server, others)
         with tabs.add_tab("Save"):
             SaveControls(gui, self.bench, self._todo.put)
+            self.parts.append(FilmControls(gui, urdfs, others))
 
     def _show_answer(self, answer: Answer) -> None:
         """Show all that depends on choices and speed, and the moment."""
@@ -277,9 +292,14 @@ class Viewer:
 
     def _move_time_slider(self) -> None:
         duration = self._duration()
-        digits = max(0, 3 - floor(log10(duration)))
+        digits = time_digits(duration)
         self._shown_time = round(self._share * duration, digits)
         set_slider(self._time, (0.0, round(duration, digits)), digits, self._shown_time)
+
+
+def time_digits(duration: float) -> int:
+    """Decimal places of times along a motion, four digits of which tell them apart."""
+    return max(0, 3 - floor(log10(duration)))
 
 
 def set_slider(slider: viser.GuiSliderHandle[float], ends: tuple[float, float], digits: int, value: float) -> None:

@@ -38,6 +38,7 @@ ROOMS = (
     "output",
     "figures",
     "report",
+    "film",
     "viewer",
     "console",
     "commands",

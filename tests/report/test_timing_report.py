@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import DATA
 from headless_browser import browser, page  # noqa: F401 (fixtures)
 from report_pages import data_of
 
@@ -82,8 +83,19 @@ def test_limits_that_set_the_speed_stand_first_and_the_others_are_told_apart(lif
     orange = np.array(map_of["z"]) == SETTING
     names, shares = limit_courses(lifted)
     assert [bool(row.any()) for row in orange] == [True] * len(end.rows) + [False] * (len(names) - len(end.rows))
-    assert orange[:, 1:].any() == (np.count_nonzero(found.at_end) > 2)
+    assert orange[:, 1:].any() == (np.count_nonzero(found.forced.any(axis=1)) > 2)
     assert shares.shape == (lifted.motion.samples, len(names))
+
+
+def test_where_a_velocity_sets_the_speed_torques_and_wrenches_are_at_their_limits_through_the_distribution(dual_ur5):
+    found = mrts.scale(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml"))
+    (fastest,) = {row.name for row in found.range.upper.rows}
+    assert fastest.kind == "velocity"
+    told = limiting_rows(found, None)
+    assert set(told.setting) == {fastest}
+    names, _ = limit_courses(found)
+    assert {names[place] for place in np.flatnonzero(told.forced.any(axis=0))} == {fastest}
+    assert set(told.reached.values()) <= {"reached through the distribution"}
 
 
 def test_of_a_saved_timing_what_sets_the_speed_is_still_told(timing):

@@ -188,6 +188,7 @@ def test_arms_too_far_apart_hold_nothing():
         ([UR5], {"tips": ["wrist_1"]}, "has 4 joints, and holding an object takes 6, or 3"),
         ([UR5], {"bases": [RigidTransform.identity()]}, "--base = 1: give it once for each robot, in their order: 2"),
         ([BAXTER, UR5], {}, "--base: is needed for each robot where one has several arms"),
+        ([PLANAR] * 3, {}, "--base: is needed for each of more than two arms that move in one plane"),
         ([UR5], {"postures": [np.zeros(6)]}, "--posture = 1: give it once for each arm"),
         ([UR5], {"postures": [np.zeros(5)] * 2}, "must have 6 values, one for each of shoulder_pan"),
         ([UR5], {"postures": [np.full(6, 90.0)] * 2}, "these seem to be degrees. Say --degrees"),

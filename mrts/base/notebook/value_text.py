@@ -56,7 +56,7 @@ def _inner(value: object) -> str:
         return _array(value) if isinstance(value, np.ndarray) else f"{len(value)} {type(value).__name__} entries"
     if value is None or isinstance(value, bool | int | float | np.generic | str | Path | Enum):
         return _text(value)
-    return str(value) if has_words(type(value)) else type(value).__name__
+    return str(value).removeprefix("<").removesuffix(">") if has_words(type(value)) else type(value).__name__
 
 
 def has_words(kind: type) -> bool:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrts.base.errors import InputError
+from mrts.base.formats.figure_formats import FIGURE_FORMATS
 from mrts.console.progress import working
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def add_plot(verb: argparse.ArgumentParser, what: str) -> None:
         what: Which figures, for its help.
     """
     verb.add_argument("--plot", type=Path, metavar="DIR", help=f"write {what} (needs the extra 'plot')")
-    verb.add_argument("--plot-format", choices=("png", "svg", "pdf"), help="of --plot (default: png)")
+    verb.add_argument("--plot-format", choices=FIGURE_FORMATS, help=f"of --plot (default: {FIGURE_FORMATS[0]})")
 
 
 def plot_form(options: argparse.Namespace) -> str:
@@ -45,7 +46,7 @@ def plot_form(options: argparse.Namespace) -> str:
             "--plot-format", "says how --plot writes figures: give --plot DIR too.", value=options.plot_format
         )
     require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
-    return options.plot_format or "png"
+    return options.plot_format or FIGURE_FORMATS[0]
 
 
 def add_closure(verb: argparse.ArgumentParser) -> None:
