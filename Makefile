@@ -10,7 +10,7 @@ BEFORE ?=
 VARIANTS ?= 20000
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo quick test fuzz wheel docs check bench instructions embedded-counts generate clean
+.PHONY: help install demo quick test fuzz wheel docs check bench instructions embedded-counts generate figures clean
 .NOTPARALLEL:  # one pip at a time in .venv
 
 help:  ## show this list
@@ -117,6 +117,10 @@ generate: install  ## regenerate the committed C of the shipped cells
 	$(BIN)/mrts generate mrts/data/planar_dual_arm/cell.yaml -o generated/planar_dual_arm
 	$(BIN)/mrts generate mrts/data/dual_ur5/cell.yaml -o generated/dual_ur5
 	$(BIN)/mrts export mrts/data/planar_dual_arm/cell.yaml -o generated/embedded/planar_dual_arm
+
+figures: install  ## draw the film of the README anew
+	$(BIN)/mrts view mrts/data/dual_ur5/cell.yaml mrts/data/dual_ur5/lift_and_turn.yaml --video docs/lift.gif \
+	  --side-by-side given,fastest,smooth --rates 11.5
 
 clean:  ## remove what the other verbs made
 	rm -rf $(VENV) build *.egg-info .pytest_cache .mypy_cache .ruff_cache

@@ -19,7 +19,7 @@ PLACES = (Path.home() / ".pyenv" / "versions",)
 COMMANDS = (
     ("demo", "-q", "-o", "example"),
     ("scale", "example/planar_dual_arm/cell.yaml", "example/planar_dual_arm/lift.yaml", "--save", "result.npz"),
-    ("scale", "example/squeeze/cell.yaml", "example/squeeze/lift_and_turn.yaml", "--profile", "optimal"),
+    ("scale", "example/upper_body/cell.yaml", "example/upper_body/lift.yaml", "--profile", "optimal"),
     ("generate", "example/planar_dual_arm/cell.yaml", "-o", "generated"),
     ("export", "example/planar_dual_arm/cell.yaml", "-o", "embedded"),
 )

@@ -7,10 +7,12 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from mrts_codegen.hand_file import MOST_CONTACTS, ContactDescription
 from mrts_codegen.motors_block import MotorsDescription
+from mrts_codegen.object_shape import ShapeDescription
+from mrts_codegen.urdf_reference import FileReference, is_xacro, mesh_reference
 from pydantic import Field, model_validator
 
 from mrts.base.arrays import Array
-from mrts.base.formats.pose import Angle, Finite, Name, Pose, Positive, Vector3
+from mrts.base.formats.pose import Angle, Finite, GraspPose, Name, Pose, Positive, Vector3
 from mrts.base.formats.strict_model import StrictModel, broken_rule
 from mrts.base.input_file import plain, read_model, validated
 from mrts.base.load_box import PARAMETERS, range_problem
@@ -24,6 +26,9 @@ DESCRIBED = Path("cell description")
 ROBOT_NAMES_TAKEN = frozenset({"time", "components"})
 """Keys that stand beside the robots' names in the JSON result."""
 
+
+MOST_ARGUMENTS = 100
+"""Of a xacro."""
 
 Range = Annotated[list[Finite], Field(min_length=2, max_length=2)]
 """Least and largest value."""
@@ -94,26 +99,34 @@ class ObjectDescription(StrictModel):
 
     Attributes:
         mass: [kg].
-        inertia: At the com in the object frame: principal moments, Shape (3,), or matrix, Shape (3, 3) [kg m²].
+        inertia: At the com in the object frame: principal moments, Shape (3,), or matrix, Shape (3, 3) [kg m²]; None is
+            that of a uniform body of its shape.
+        shape: What it looks like.
         variation: What is uncertain of it.
         velocity: How fast it may move.
     """
 
     mass: Positive
-    inertia: Annotated[list[Finite | Vector3], Field(min_length=3, max_length=3)]
+    inertia: Annotated[list[Finite | Vector3], Field(min_length=3, max_length=3)] | None = None
+    shape: ShapeDescription | None = None
     variation: VariationDescription | None = None
     velocity: ObjectVelocity = ObjectVelocity()
 
-    def inertia_matrix(self) -> Array:
-        """Inertia at the com in the object frame, Shape (3, 3) [kg m²]."""
+    def inertia_matrix(self) -> Array | None:
+        """Inertia at the com in the object frame, Shape (3, 3) [kg m²]; None where it is that of its shape."""
+        if self.inertia is None:
+            return None
         inertia = np.array(self.inertia, dtype=float)
         return inertia if inertia.ndim == 2 else np.diag(inertia)  # noqa: PLR2004 (a matrix)
 
     @model_validator(mode="after")
     def _physical(self) -> Self:
-        if len({isinstance(entry, list) for entry in self.inertia}) > 1:
+        if len({isinstance(entry, list) for entry in self.inertia or ()}) > 1:
             raise broken_rule("its inertia must be three moments or three rows of three values")
-        problem = inertia_problem(self.inertia_matrix())
+        inertia = self.inertia_matrix()
+        if inertia is None and self.shape is None:
+            raise broken_rule("its 'inertia' is required, or its 'shape', from which that of a uniform body follows")
+        problem = "" if inertia is None else inertia_problem(inertia)
         if problem:
             raise broken_rule(f"its inertia {problem}")
         return self
@@ -124,10 +137,11 @@ class RobotDescription(StrictModel):
 
     name: Name
     urdf: Annotated[str, Field(min_length=1)]
+    xacro_args: dict[str, str | bool | int | Finite] = Field(default_factory=dict, max_length=MOST_ARGUMENTS)
     base_link: str | None = None
     tip_link: str
     base: Pose = Pose()
-    grasp: Pose = Pose()
+    grasp: GraspPose = GraspPose()
     posture: Annotated[list[Angle], Field(min_length=1)]
     torque: Annotated[list[Finite], Field(min_length=1)] | TorqueBounds | None = None
     wrench: Bounds = Bounds()
@@ -135,6 +149,21 @@ class RobotDescription(StrictModel):
     contact: list[ContactDescription] = Field(default_factory=list, max_length=MOST_CONTACTS)
     fixed: dict[str, Angle] = Field(default_factory=dict)
     motors: MotorsDescription = MotorsDescription()
+
+    def reference(self, key: str) -> FileReference:
+        """What it says of its URDF.
+
+        Args:
+            key: Where that stands in the cell file.
+        """
+        arguments = {name: _xacro_text(value) for name, value in self.xacro_args.items()}
+        return FileReference(self.urdf, arguments, key=key)
+
+    @model_validator(mode="after")
+    def _arguments_of_a_xacro(self) -> Self:
+        if self.xacro_args and not is_xacro(Path(self.urdf)):
+            raise broken_rule("'xacro_args' are of a xacro: name its .xacro file in 'urdf'")
+        return self
 
 
 class CellDescription(StrictModel):
@@ -145,6 +174,18 @@ class CellDescription(StrictModel):
     plane: Literal["xy", "xz", "yz"] | None = None
     object: ObjectDescription
     robots: Annotated[list[RobotDescription], Field(min_length=1)]
+
+    @property
+    def references(self) -> list[FileReference]:
+        """What it says of all files that it names."""
+        shape = self.object.shape
+        meshes = [mesh_reference(shape.mesh)] if shape is not None and shape.mesh is not None else []
+        return [*self.urdf_references, *meshes]
+
+    @property
+    def urdf_references(self) -> list[FileReference]:
+        """What it says of the URDF of each robot."""
+        return [robot.reference(f"robots[{index}] ({robot.name}).urdf") for index, robot in enumerate(self.robots)]
 
     @model_validator(mode="after")
     def _robots_differ(self) -> Self:
@@ -174,6 +215,11 @@ def cell_description(data: object) -> CellDescription:
     """
     where = str(DESCRIBED)
     return validated(DESCRIBED, plain(where, data), CellDescription, where)
+
+
+def _xacro_text(value: str | float) -> str:
+    """A value of YAML as a xacro's argument: what a shell would hand it."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def inertia_problem(inertia: Array, *, triangle: float = INERTIA_TOLERANCE, rods: bool = False) -> str:

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from mrts_codegen.cell_file import ObjectDescription, read_cell_description
+from mrts_codegen.cell_file import read_cell_description
 from mrts_codegen.cell_model import CellModel, CellRobot, build_cell_model
 
 from mrts.base.manifest import (
@@ -65,22 +65,24 @@ def cell_manifest(cell: CellModel, chains: ChainsRecord) -> Manifest:
         plane=description.plane,
         wrench_components=list(cell.wrench_components),  # type: ignore[arg-type]  # the manifest checks them
         gravity=list(description.gravity),
-        object=_object_record(description.object),
+        object=_object_record(cell),
         robots=[_robot_record(robot) for robot in cell.robots],
         machines=list(cell.machines),
         remarks=[RemarkRecord(code=remark.code, text=remark.text) for remark in cell.remarks],
     ).sealed()
 
 
-def _object_record(carried: ObjectDescription) -> ObjectRecord:
+def _object_record(cell: CellModel) -> ObjectRecord:
+    carried = cell.description.object
     variation = carried.variation
     return ObjectRecord(
         mass=carried.mass,
-        inertia=carried.inertia_matrix().tolist(),
+        inertia=cell.inertia.tolist(),
         variation={} if variation is None else variation.ranges(),
         outer_hull=variation is not None and variation.hull is not None,
         linear_velocity=carried.velocity.linear,
         angular_velocity=carried.velocity.angular,
+        shape=cell.shape,
     )
 
 
@@ -103,6 +105,7 @@ def _robot_record(robot: CellRobot) -> RobotRecord:
     return RobotRecord(
         name=robot.name,
         urdf=robot.urdf,
+        xacro_args=dict(robot.xacro_args),
         urdf_sha256=robot.urdf_sha256,
         base_link=robot.model.base_link,
         tip_link=robot.model.tip_link,

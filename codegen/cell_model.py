@@ -7,22 +7,26 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from mrts_codegen.cell_file import CellDescription, RobotDescription, TorqueBounds
+from mrts_codegen.cell_file import (
+    CellDescription,
+    ObjectDescription,
+    RobotDescription,
+    TorqueBounds,
+    inertia_problem,
+)
 from mrts_codegen.hand_file import build_contacts
 from mrts_codegen.motors_block import build_motors
+from mrts_codegen.object_shape import build_shape
 from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS, check_plane_kept
 from mrts_codegen.urdf.robot_model import Joint, RobotModel, build_robot_model
 from mrts_codegen.urdf.shared_joints import check_machines, root_in_base
-from mrts_codegen.urdf.urdf_file import read_urdf
+from mrts_codegen.urdf.urdf_file import parse_urdf
 from mrts_codegen.urdf.urdf_joint import NO_LIMIT
-from mrts_codegen.urdf_reference import resolve_urdf
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
-from mrts.base.input_file import MAX_URDF_BYTES
-from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
-from mrts.base.regular_file import read_regular
+from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS, ShapeRecord
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
 from mrts.hands.contact import Contact
@@ -39,7 +43,8 @@ class CellRobot:
         name: Name in the cell file.
         model: The chain.
         urdf: As the cell file gives it.
-        urdf_sha256: Hash of the URDF's bytes.
+        xacro_args: Where it is a xacro, values of its arguments.
+        urdf_sha256: Hash of the URDF's bytes, of a xacro those that it becomes.
         held: Joints that are held still, and what moves with them, with their positions [rad or m].
         T_world_base: Base link in the world.
         T_base_root: Root of the URDF in the base link, joints in between held or at zero.
@@ -58,6 +63,7 @@ class CellRobot:
     name: str
     model: RobotModel
     urdf: str
+    xacro_args: Mapping[str, str]
     urdf_sha256: str
     held: Mapping[str, float]
     T_world_base: RigidTransform
@@ -84,6 +90,9 @@ class CellModel:
         wrench_components: Their names.
         robots: The arms in the order of the cell file.
         machines: Names of each two that are arms of one machine.
+        inertia: Of the object at the com in its frame, Shape (3, 3) [kg m²].
+        shape: What the object looks like, None where that is not known.
+        object_remarks: What to know of the object.
     """
 
     description: CellDescription
@@ -91,12 +100,15 @@ class CellModel:
     wrench_components: tuple[str, ...]
     robots: tuple[CellRobot, ...]
     machines: tuple[tuple[str, str], ...]
+    inertia: Array
+    shape: ShapeRecord | None
+    object_remarks: tuple[Remark, ...]
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
-        """What to know of the URDFs, each thing once."""
+        """What to know of the object and the URDFs, each thing once."""
         said = (remark for robot in self.robots for remark in (*robot.model.remarks, *robot.remarks))
-        return tuple(dict.fromkeys(said))
+        return tuple(dict.fromkeys((*self.object_remarks, *said)))
 
 
 def build_cell_model(path: Path, description: CellDescription, folder: Path | None = None) -> CellModel:
@@ -117,10 +129,29 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
     robots, urdfs = [], []
     for index, robot in enumerate(description.robots):
         with mistakes.noted():
-            robots.append(build_robot(path, f"robots[{index}] ({robot.name})", robot, description.plane, folder))
-            urdfs.append(read_urdf(resolve_urdf(path, folder, robot.urdf)))
+            key = f"robots[{index}] ({robot.name})"
+            robots.append(build_robot(path, key, robot, description.plane, folder))
+            reference = robot.reference(f"{key}.urdf")
+            urdfs.append(parse_urdf(reference.path(path, folder), reference.content(path, folder)))
+    with mistakes.noted():
+        carried = _build_object(path, folder, description.object)
     mistakes.raise_noted()
-    return CellModel(description, components, names, tuple(robots), check_machines(path, robots, urdfs))
+    return CellModel(description, components, names, tuple(robots), check_machines(path, robots, urdfs), *carried)
+
+
+def _build_object(
+    path: Path, folder: Path, carried: ObjectDescription
+) -> tuple[Array, ShapeRecord | None, tuple[Remark, ...]]:
+    """Inertia, shape and what to know of the object."""
+    given = carried.inertia_matrix()
+    if carried.shape is None:
+        assert given is not None  # noqa: S101 (an object has one or the other)
+        return given, None, ()
+    shape, inertia, remarks = build_shape(path, folder, carried.shape, carried.mass, given)
+    problem = inertia_problem(inertia)
+    if problem:
+        raise InputError(path, f"the inertia of a uniform body of this shape {problem}", key="object.shape")
+    return inertia, shape, remarks
 
 
 def build_robot(path: Path, key: str, robot: RobotDescription, plane: str | None, folder: Path) -> CellRobot:
@@ -136,14 +167,15 @@ def build_robot(path: Path, key: str, robot: RobotDescription, plane: str | None
     Raises:
         InputError: If the URDF or an array of the robot breaks a rule; carries all that do.
     """
-    urdf_path = resolve_urdf(path, folder, robot.urdf)
-    urdf = read_urdf(urdf_path)
+    reference = robot.reference(f"{key}.urdf")
+    urdf_path, content = reference.path(path, folder), reference.content(path, folder)
+    urdf = parse_urdf(urdf_path, content)
     components = tuple(WRENCH_COMPONENTS[component] for component in PLANE_COMPONENTS[plane])
     held = held_positions(path, f"{key}.fixed", urdf_path, urdf, robot.fixed)
     model = build_robot_model(urdf_path, urdf, robot.base_link, robot.tip_link, held)
     joints = [joint.name for joint in model.joints]
-    T_world_base = RigidTransform.from_xyz_rpy(robot.base.xyz, robot.base.rpy)
-    T_object_tip = RigidTransform.from_xyz_rpy(robot.grasp.xyz, robot.grasp.rpy)
+    T_world_base = robot.base.transform
+    T_object_tip = robot.grasp.transform
     bounds = robot.wrench
     mistakes = Mistakes()
     with mistakes.noted():
@@ -159,14 +191,16 @@ def build_robot(path: Path, key: str, robot: RobotDescription, plane: str | None
         )
     with mistakes.noted():
         if plane is not None:
-            check_plane_kept(path, key, plane, T_world_base, T_object_tip, model)
+            rotation_keys = robot.base.rotation_key, robot.grasp.rotation_key
+            check_plane_kept(path, key, plane, T_world_base, T_object_tip, model, rotation_keys)
         contacts = build_contacts(path, f"{key}.contact", robot.contact, components, T_object_tip.R)
     mistakes.raise_noted()
     return CellRobot(
         name=robot.name,
         model=model,
         urdf=robot.urdf,
-        urdf_sha256=hashlib.sha256(read_regular(urdf_path, "URDF", MAX_URDF_BYTES)).hexdigest(),
+        xacro_args=reference.xacro_args,
+        urdf_sha256=hashlib.sha256(content).hexdigest(),
         held=held,
         T_world_base=T_world_base,
         T_base_root=root_in_base(urdf_path, urdf, model.base_link, held),

@@ -9,8 +9,8 @@ from mrts_codegen.cell_file import CellDescription, RobotDescription
 from mrts_codegen.cell_model import CellModel, build_cell_model, build_robot
 from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS
 from mrts_codegen.urdf.robot_model import build_robot_model
-from mrts_codegen.urdf.urdf_file import read_urdf
-from mrts_codegen.urdf_reference import resolve_urdf
+from mrts_codegen.urdf.urdf_file import parse_urdf
+from mrts_codegen.urdf_reference import FileReference
 
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.input_file import read_data, validated
@@ -74,8 +74,9 @@ def _read_chain(path: Path, entry: dict[str, Any]) -> None:
     """Check the URDF of a robot that says something wrong besides."""
     reference, base_link, tip_link = (entry.get(key) for key in ("urdf", "base_link", "tip_link"))
     if isinstance(reference, str) and reference:
-        file = resolve_urdf(path, path.resolve().parent, reference)
-        urdf = read_urdf(file)
+        named, folder = FileReference(reference), path.resolve().parent
+        file = named.path(path, folder)
+        urdf = parse_urdf(file, named.content(path, folder))
         if isinstance(tip_link, str) and isinstance(base_link, str | None):
             build_robot_model(file, urdf, base_link, tip_link)
 

@@ -9,10 +9,11 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mrts_codegen.urdf_reference import resolve_urdf
+from mrts_codegen.urdf_reference import FileReference, mesh_reference, robot_reference
 
 from mrts.base import version
-from mrts.base.input_file import MAX_URDF_BYTES
+from mrts.base.errors import InputError
+from mrts.base.manifest import Manifest
 from mrts.base.regular_file import read_regular
 from mrts.base.yaml_parser import MAX_YAML_BYTES
 
@@ -33,31 +34,35 @@ def text_key(path: Path) -> str:
     return hashlib.sha256(emitter_key().encode() + text).hexdigest()
 
 
-def urdf_hash(path: Path, reference: str) -> str:
-    """Hash of a URDF's bytes.
+def is_as_made(path: Path, manifest: Manifest) -> bool:
+    """Whether the files that a cell file names hold what a manifest was made from.
 
     Args:
         path: The cell file.
-        reference: What it says of where the URDF is.
-
-    Raises:
-        InputError: If the URDF cannot be read.
+        manifest: Of a cell file of the same text.
     """
-    urdf = resolve_urdf(path, path.resolve().parent, reference)
-    return hashlib.sha256(read_regular(urdf, "URDF", MAX_URDF_BYTES)).hexdigest()
+    folder, shape = path.resolve().parent, manifest.object.shape
+    known = [(robot_reference(robot), robot.urdf_sha256) for robot in manifest.robots]
+    if shape is not None and shape.mesh is not None:
+        known.append((mesh_reference(shape.mesh.file), shape.mesh.sha256))
+    try:
+        return all(reference.sha256(path, folder) == made for reference, made in known)
+    except InputError:
+        return False
 
 
-def content_key(path: Path, references: Iterable[str]) -> str:
-    """Hash of all that a generated cell depends on: cell file, URDFs, this package and CasADi's version.
+def content_key(path: Path, references: Iterable[FileReference]) -> str:
+    """Hash of all that a generated cell depends on: cell file, URDFs, mesh, this package and CasADi's version.
 
     Args:
         path: The cell file.
-        references: What it says of where its URDFs are.
+        references: What it says of where its URDFs and its mesh are.
 
     Raises:
         InputError: If a file cannot be read.
     """
-    parts = [text_key(path), *(urdf_hash(path, reference) for reference in references)]
+    folder = path.resolve().parent
+    parts = [text_key(path), *(reference.sha256(path, folder) for reference in references)]
     return hashlib.sha256("".join(parts).encode()).hexdigest()
 
 

@@ -1,36 +1,79 @@
 # SPDX-License-Identifier: MIT
-"""Where the URDF of a robot is."""
+"""Files that a cell file names, where they are and what they say: URDFs, xacros that become one, a mesh."""
 
-import re
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from mrts.base.errors import InputError
-from mrts.base.input_file import IDENTIFIER
+from mrts.base.formats.package_uri import file_of_uri, is_uri
+from mrts.base.input_file import MAX_FILE_BYTES, MAX_URDF_BYTES
+from mrts.base.manifest import RobotRecord
+from mrts.base.regular_file import read_regular
 
 
-def resolve_urdf(cell_path: Path, folder: Path, reference: str) -> Path:
-    """Path of a robot's URDF: relative to the cell file, absolute, or `package://NAME/…` of an installed package.
+@dataclass(frozen=True)
+class FileReference:
+    """What a cell file says of a file.
 
-    Args:
-        cell_path: The cell file, for messages.
-        folder: Where it stands, absolute.
-        reference: What it says.
-
-    Raises:
-        InputError: If a `package://` name is not an installed Python package.
+    Attributes:
+        text: A path, relative to the cell file or absolute, or `package://NAME/…`.
+        xacro_args: Values of a xacro's arguments, by name.
+        key: Where it stands in the cell file.
     """
-    match = re.fullmatch(r"package://([^/]+)/(.+)", reference)
-    if not match:
-        return folder / reference
-    from importlib.util import find_spec  # noqa: PLC0415 (only for package:// references)
 
-    package, inside = match.groups()
-    spec = find_spec(package) if re.fullmatch(IDENTIFIER, package) else None
-    if spec is None or not spec.submodule_search_locations:
-        raise InputError(
-            cell_path,
-            f"'{package}' is not an installed Python package. Install it, or give a file path.",
-            key="robots[].urdf",
-            value=reference,
-        )
-    return Path(next(iter(spec.submodule_search_locations))) / inside
+    text: str
+    xacro_args: Mapping[str, str] = field(default_factory=dict)
+    key: str = "robots[].urdf"
+
+    def path(self, cell_path: Path, folder: Path) -> Path:
+        """Where the file is.
+
+        Args:
+            cell_path: The cell file, for messages.
+            folder: That paths are relative to, absolute.
+
+        Raises:
+            InputError: If no package holds a `package://` file.
+        """
+        if is_uri(self.text):
+            return file_of_uri(cell_path, self.text, folder / cell_path.name, key=self.key)
+        return folder / self.text
+
+    def content(self, cell_path: Path, folder: Path) -> bytes:
+        """The file's bytes; of a xacro, the URDF that it becomes with all that it includes.
+
+        Args:
+            cell_path: The cell file, for messages.
+            folder: That paths are relative to, absolute.
+
+        Raises:
+            InputError: If the file cannot be read, or the xacro cannot be expanded.
+        """
+        path = self.path(cell_path, folder)
+        if is_xacro(path):
+            from mrts_codegen.urdf.xacro_file import expanded  # noqa: PLC0415 (only for xacros)
+
+            return expanded(path, self.xacro_args)
+        if self.key.endswith("urdf"):
+            return read_regular(path, "URDF", MAX_URDF_BYTES)
+        return read_regular(path, "mesh", MAX_FILE_BYTES)
+
+    def sha256(self, cell_path: Path, folder: Path) -> str:
+        """Hash of the content; arguments and errors as `content`."""
+        return hashlib.sha256(self.content(cell_path, folder)).hexdigest()
+
+
+def mesh_reference(text: str) -> FileReference:
+    """What a cell file says of the mesh of its object."""
+    return FileReference(text, key="object.shape.mesh")
+
+
+def robot_reference(robot: RobotRecord) -> FileReference:
+    """What an entry of a manifest says of its URDF."""
+    return FileReference(robot.urdf, robot.xacro_args)
+
+
+def is_xacro(path: Path) -> bool:
+    """Whether a file is a xacro, by its name."""
+    return path.suffix.lower() == ".xacro"

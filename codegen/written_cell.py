@@ -9,19 +9,22 @@ import numpy as np
 from mrts_codegen.cell_file import CellDescription
 from mrts_codegen.cell_manifest import cell_manifest
 from mrts_codegen.cell_model import build_cell_model
-from mrts_codegen.urdf.urdf_file import read_urdf
+from mrts_codegen.urdf.urdf_file import parse_urdf
 from mrts_codegen.urdf.urdf_joint import friction
-from mrts_codegen.urdf_reference import resolve_urdf
+from mrts_codegen.urdf_reference import mesh_reference, robot_reference
 
 from mrts.base.errors import InputError
+from mrts.base.formats.package_uri import is_uri
 from mrts.base.input_file import validated
-from mrts.base.manifest import ChainsRecord, Manifest, PoseRecord, RobotRecord
+from mrts.base.manifest import ChainsRecord, Manifest, PoseRecord, RobotRecord, ShapeRecord
 from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.yaml_parser import parse_yaml, yaml_text
 
 COMPARED = ("name", "plane", "gravity", "object", "robots")
 """What a cell file says of a manifest."""
 
+FILES = frozenset({"urdf", "file"})
+"""Keys that say where a file is, which need not be alike: its hash is compared."""
 
 SAME_ROTATION = 1e-12
 """Largest difference of an entry of a rotation that comes back from its angles: rounding, or a matrix of other make."""
@@ -39,30 +42,43 @@ def cell_file_text(manifest: Manifest, folder: Path, beside: Path | None) -> str
         InputError: If a cell file cannot hold the cell, or a URDF is not there as it was.
     """
     where = Path(f"cell '{manifest.name}'")
-    urdfs = [resolve_urdf(where, folder, robot.urdf) for robot in manifest.robots]
-    references = [_reference(robot.urdf, urdf, beside) for robot, urdf in zip(manifest.robots, urdfs, strict=True)]
-    robots = [
-        _described_robot(where, robot, reference, urdf)
-        for robot, reference, urdf in zip(manifest.robots, references, urdfs, strict=True)
-    ]
-    text = yaml_text(_described(manifest, robots))
+    robots = []
+    for robot in manifest.robots:
+        reference = robot_reference(robot)
+        file = reference.path(where, folder)
+        urdf = file, parse_urdf(file, reference.content(where, folder))
+        robots.append(_described_robot(where, robot, _reference(robot.urdf, file, beside), urdf))
+    shape = manifest.object.shape
+    described_shape = None if shape is None else _described_shape(where, shape, folder, beside)
+    text = yaml_text(_described(manifest, described_shape, robots))
     description = validated(where, parse_yaml(text), CellDescription, "cell file")
     chains = ChainsRecord(**{name: getattr(manifest, name) for name in ChainsRecord.model_fields})
     _check_same(where, manifest, cell_manifest(build_cell_model(where, description, beside or folder), chains))
     return text
 
 
-def _reference(given: str, urdf: Path, beside: Path | None) -> str:
-    """How the file names a URDF: as an installed package's, relative to the file, or absolute."""
-    if given.startswith("package://"):
+def _reference(given: str, file: Path, beside: Path | None) -> str:
+    """How the cell file names a file: as a package's, relative to itself, or absolute."""
+    if is_uri(given):
         return given
-    resolved = urdf.resolve()
+    resolved = file.resolve()
     if beside is not None and resolved.is_relative_to(beside):
         return resolved.relative_to(beside).as_posix()
     return resolved.as_posix()
 
 
-def _described(manifest: Manifest, robots: list[dict[str, Any]]) -> dict[str, Any]:
+def _described_shape(where: Path, shape: ShapeRecord, folder: Path, beside: Path | None) -> dict[str, Any]:
+    described: dict[str, Any] = {"box": shape.box}
+    if shape.cylinder is not None:
+        described["cylinder"] = shape.cylinder.model_dump()
+    if shape.mesh is not None:
+        file = mesh_reference(shape.mesh.file).path(where, folder)
+        described |= {"mesh": _reference(shape.mesh.file, file, beside), "scale": shape.mesh.scale}
+    pose = _pose(shape.pose)
+    return _known(described | {"pose": pose if any(pose["xyz"]) or any(pose["rpy"]) else None})
+
+
+def _described(manifest: Manifest, shape: dict[str, Any] | None, robots: list[dict[str, Any]]) -> dict[str, Any]:
     carried = manifest.object
     inertia = carried.inertia
     diagonal = not any(inertia[row][column] for row in range(3) for column in range(3) if row != column)
@@ -73,6 +89,7 @@ def _described(manifest: Manifest, robots: list[dict[str, Any]]) -> dict[str, An
     thing = {
         "mass": carried.mass,
         "inertia": [inertia[axis][axis] for axis in range(3)] if diagonal else inertia,
+        "shape": shape,
         "variation": variation or None,
         "velocity": speeds or None,
     }
@@ -80,7 +97,7 @@ def _described(manifest: Manifest, robots: list[dict[str, Any]]) -> dict[str, An
     return _known(whole) | {"robots": robots}
 
 
-def _described_robot(where: Path, robot: RobotRecord, reference: str, urdf: Path) -> dict[str, Any]:
+def _described_robot(where: Path, robot: RobotRecord, reference: str, urdf: tuple[Path, Any]) -> dict[str, Any]:
     lower = [joint.torque_lower for joint in robot.joints]
     upper = [joint.torque_upper for joint in robot.joints]
     symmetric = all(least == -most for least, most in zip(lower, upper, strict=True))
@@ -99,6 +116,7 @@ def _described_robot(where: Path, robot: RobotRecord, reference: str, urdf: Path
         {
             "name": robot.name,
             "urdf": reference,
+            "xacro_args": robot.xacro_args or None,
             "base_link": robot.base_link,
             "tip_link": robot.tip_link,
             "base": _pose(robot.world_base),
@@ -118,18 +136,18 @@ def _pose(pose: PoseRecord) -> dict[str, list[float]]:
     return {"xyz": pose.position, "rpy": rpy_from_rotation(np.array(pose.rotation))}
 
 
-def _fixed(robot: RobotRecord, urdf: Path) -> dict[str, float]:
+def _fixed(robot: RobotRecord, urdf: tuple[Path, Any]) -> dict[str, float]:
     """Joints that are held by themselves; others follow them."""
-    followers = {joint.name for joint in read_urdf(urdf).joints if joint.mimic is not None}
+    followers = {joint.name for joint in urdf[1].joints if joint.mimic is not None}
     return {name: position for name, position in robot.held.items() if name not in followers}
 
 
-def _motors(robot: RobotRecord, urdf: Path) -> dict[str, Any]:
+def _motors(robot: RobotRecord, urdf: tuple[Path, Any]) -> dict[str, Any]:
     """What is known of them; friction is left out where it is that of the URDF."""
     motors = robot.motors
     described: dict[str, Any] = {"armature": motors.armature} if any(motors.armature) else {}
-    joints = {joint.name: joint for joint in read_urdf(urdf).joints}
-    of_urdf = [friction(urdf, joints[joint.name]) for joint in robot.joints]
+    joints = {joint.name: joint for joint in urdf[1].joints}
+    of_urdf = [friction(urdf[0], joints[joint.name]) for joint in robot.joints]
     if of_urdf != list(zip(motors.coulomb, motors.viscous, strict=True)):
         some = any(motors.coulomb) or any(motors.viscous)
         described["friction"] = {"coulomb": motors.coulomb, "viscous": motors.viscous} if some else "none"
@@ -165,7 +183,8 @@ def _check_same(where: Path, ours: Manifest, read: Manifest) -> None:
 def _difference(ours: Any, theirs: Any, key: str = "") -> tuple[str, Any, Any] | None:
     """The first number, text or length in which two values of JSON differ; rotations come back to rounding."""
     if isinstance(ours, dict) and isinstance(theirs, dict) and ours.keys() == theirs.keys():
-        pairs = [(f"{key}.{name}".lstrip("."), value, theirs[name]) for name, value in ours.items() if name != "urdf"]
+        named = [name for name in ours if name not in FILES]
+        pairs = [(f"{key}.{name}".lstrip("."), ours[name], theirs[name]) for name in named]
     elif isinstance(ours, list) and isinstance(theirs, list) and len(ours) == len(theirs):
         pairs = [(f"{key}[{place}]", *both) for place, both in enumerate(zip(ours, theirs, strict=True))]
     else:

@@ -65,6 +65,7 @@ if TYPE_CHECKING:
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
     from mrts.scaling.what_if import ChangedAnswer, SpeedAnswer, WhatIf
     from mrts.smooth.rate_limits import RateLimits
+    from mrts.starting.hold import hold_here
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
     from mrts.studies.study import Study
     from mrts.studies.study_file import read_study
@@ -143,6 +144,7 @@ _HOMES = {
     "check": "diagnosis.check",
     "follow_object": "coordination.coordinated_motion",
     "gripper_contact": "hands.gripper",
+    "hold_here": "starting.hold",
     "identify": "identification.identify",
     "load_cell": "cell.loading",
     "load_motion": "motion.motion_file",
@@ -237,6 +239,7 @@ __all__ = [
     "check",
     "follow_object",
     "gripper_contact",
+    "hold_here",
     "identify",
     "load_cell",
     "load_motion",

@@ -35,6 +35,7 @@ from mrts.console.terminal import (
 
 VERBS = {
     "demo": "run the paper's examples",
+    "new": "begin a cell from URDFs alone: hands, bases, a motion that can be played",
     "check": "all that is wrong, assumed, or out of reach in a cell and a motion, at once, without a compiler",
     "generate": "generate the C of a cell",
     "scale": "find the range of c², choose c², distribute the torques",

@@ -17,7 +17,7 @@ def held_positions(path: Path, key: str, urdf_path: Path, urdf: Any, fixed: dict
         path: The cell file, for messages.
         key: Of the joints in it, likewise.
         urdf_path: The URDF, likewise.
-        urdf: What `read_urdf` returned.
+        urdf: What `parse_urdf` returned.
         fixed: Position by joint, as the cell file gives it.
 
     Raises:

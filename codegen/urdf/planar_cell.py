@@ -19,15 +19,25 @@ def check_plane_kept(
     T_world_base: RigidTransform,
     T_object_tip: RigidTransform,
     model: RobotModel,
+    rotation_keys: tuple[str, str],
 ) -> None:
     """Check that base, joints and grasp of an arm stay in the plane of the cell.
+
+    Args:
+        path: The cell file, for messages.
+        key: Of the robot, likewise.
+        plane: Of the cell.
+        T_world_base: Base link in the world.
+        T_object_tip: Tip link in the object frame.
+        model: The chain.
+        rotation_keys: What gives the rotation of base and grasp, for messages.
 
     Raises:
         InputError: If the base or the tip is tilted, or a joint leaves the plane.
     """
     problem = base_leaves(plane, T_world_base.R)
     if problem:
-        raise InputError(path, problem, key=f"{key}.base.rpy")
+        raise InputError(path, problem, key=f"{key}.base.{rotation_keys[0]}")
     normal = plane_normal(plane)
     *frames, T_base_tip = model.zero_frames()
     for joint, frame in zip(model.joints, frames, strict=True):
@@ -42,4 +52,4 @@ def check_plane_kept(
             )
     problem = grasp_leaves(plane, T_object_tip.R, T_base_tip.R, model.tip_link)
     if problem:
-        raise InputError(path, problem, key=f"{key}.grasp.rpy")
+        raise InputError(path, problem, key=f"{key}.grasp.{rotation_keys[1]}")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """One arm as a chain of moving bodies, taken from a URDF."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -109,7 +109,7 @@ def build_robot_model(
 
     Args:
         path: The URDF file, for messages.
-        urdf: What `read_urdf` returned.
+        urdf: What `parse_urdf` returned.
         base_link: First link; None takes the URDF's root.
         tip_link: Last link.
         held: Joints that stand still, with their positions, as from `held_positions`.
@@ -121,7 +121,7 @@ def build_robot_model(
     held = held or {}
     links = {link.name: link for link in urdf.links}
     joint_above = {joint.child: joint for joint in urdf.joints}
-    _check_tree(path, links, urdf.joints)
+    check_tree(path, links, urdf.joints)
     base_link = base_link or next(name for name in links if name not in joint_above)
     chain = _chain(path, links, joint_above, base_link, tip_link)
     bodies = _Bodies(path, links, urdf.joints, held)
@@ -198,7 +198,17 @@ def _chain(path: Path, links: dict[str, Any], joint_above: dict[str, Any], base_
     return chain[::-1]
 
 
-def _check_tree(path: Path, links: dict[str, Any], joints: list[Any]) -> None:
+def check_tree(path: Path, links: Mapping[str, Any], joints: Sequence[Any]) -> None:
+    """Check that joints make a tree of links.
+
+    Args:
+        path: The URDF, for messages.
+        links: By name.
+        joints: All of the URDF.
+
+    Raises:
+        InputError: If a link is not there, hangs twice, or in a loop.
+    """
     parents: dict[str, str] = {}
     for joint in joints:
         for end in (joint.parent, joint.child):

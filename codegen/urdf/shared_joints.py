@@ -26,7 +26,7 @@ def check_machines(path: Path, robots: Sequence["CellRobot"], urdfs: Sequence[An
     Args:
         path: The cell file, for messages.
         robots: The arms.
-        urdfs: What `read_urdf` returned for each.
+        urdfs: What `parse_urdf` returned for each.
 
     Returns:
         Names of each two robots that are arms of one machine.
@@ -48,7 +48,7 @@ def root_in_base(path: Path, urdf: Any, base_link: str, held: Mapping[str, float
 
     Args:
         path: The URDF, for messages.
-        urdf: What `read_urdf` returned.
+        urdf: What `parse_urdf` returned.
         base_link: The link.
         held: Positions of joints that stand still [rad or m].
     """

@@ -14,7 +14,7 @@ from lxml import etree
 from mrts_codegen.urdf.urdf_elements import INERTIA_KEYS, Link, Urdf, UrdfJoint, joint_of, link_of
 
 from mrts.base.errors import InputError, Mistakes
-from mrts.base.input_file import LARGEST_NUMBER, MAX_URDF_BYTES, read_text
+from mrts.base.input_file import LARGEST_NUMBER, text_of
 
 FILES_KEPT = 16
 """URDFs that are not parsed again while their text stays the same: many cells are made of a few."""
@@ -28,19 +28,20 @@ _HARMLESS = ("NS_ERR_UNDEFINED_NAMESPACE", "ERR_UNKNOWN_VERSION")
 _JOINT_CHILDREN = ("parent", "child", "origin", "axis", "limit", "mimic", "dynamics")
 
 
-def read_urdf(path: Path) -> Urdf:
+def parse_urdf(path: Path, content: bytes) -> Urdf:
     """Parse a URDF.
 
     Args:
-        path: The file.
+        path: The file, for messages.
+        content: Its bytes.
 
     Returns:
         Its links and joints.
 
     Raises:
-        InputError: If it is missing, not XML, not a URDF, an unexpanded xacro, or holds a value that is no number.
+        InputError: If it is not XML, not a URDF, an unexpanded xacro, or holds a value that is no number.
     """
-    return _parsed(path, read_text(path, "URDF", MAX_URDF_BYTES))
+    return _parsed(path, text_of(path, "URDF", content))
 
 
 @lru_cache(maxsize=FILES_KEPT)
@@ -78,7 +79,7 @@ def _parse(path: Path, text: str) -> Any:
         if str(element.tag).startswith(("xacro:", f"{{{XACRO_NAMESPACE}}}")) or any(
             mark in value for value in element.attrib.values() for mark in ("${", "$(")
         ):
-            raise InputError(path, "is an unexpanded xacro. Expand it first: `xacro robot.urdf.xacro > robot.urdf`.")
+            raise InputError(path, "is an unexpanded xacro. Call it NAME.xacro, and mrts expands it (extra 'xacro').")
     return root
 
 

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+_VALUES = reprlib.Repr()
+_VALUES.maxstring = _VALUES.maxother = 120  # a name whole; of a longer path its middle is left out
+
+
 class MrtsError(Exception):
     """Root of every exception that mrts raises on purpose.
 
@@ -113,7 +117,7 @@ def _shown(value: object) -> str:
     if getattr(value, "shape", None) == ():  # a number of numpy
         value = cast("Any", value).item()
     try:
-        shown = reprlib.repr(value)
+        shown = _VALUES.repr(value)
     except ValueError:  # Python writes no whole number of more than some thousand digits
         return f"a {type(value).__name__} too long to show"
     return " ".join(line.strip() for line in shown.splitlines())

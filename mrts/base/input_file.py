@@ -51,8 +51,17 @@ def read_text(path: Path, what: str, most: int = MAX_FILE_BYTES) -> str:
     Raises:
         InputError: If it is missing, no regular file, unreadable, too large, or not UTF-8.
     """
+    return text_of(path, what, read_regular(path, what, most))
+
+
+def text_of(path: Path, what: str, content: bytes) -> str:
+    """Text of an input file's bytes, with Unix line ends; arguments as `read_text`.
+
+    Raises:
+        InputError: If it is not UTF-8.
+    """
     try:
-        text = read_regular(path, what, most).decode()
+        text = content.decode()
     except UnicodeDecodeError:
         raise InputError(path, f"this {what} is not UTF-8 text.") from None
     return text.replace("\r\n", "\n").replace("\r", "\n")

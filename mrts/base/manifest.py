@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self
 
 from mrts.base.errors import InputError
 from mrts.base.formats.broken_record import BrokenRecordError, broken_record
-from mrts.base.formats.pose import Name
+from mrts.base.formats.pose import Name, Positive
 from mrts.base.formats.record import Record, Rule, read_json
 from mrts.base.input_file import IDENTIFIER, read_text
 
@@ -17,7 +17,7 @@ MANIFEST_NAME, CHAINS_NAME = "manifest.json", "chains.json"
 GEOMETRY = "geometry"
 """Name of the last input of functions that hold no numbers of a cell file."""
 
-FORMAT = 7
+FORMAT = 8
 """Version of this file's layout; a change that old code cannot read raises it."""
 
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
@@ -117,6 +117,7 @@ class RobotRecord(Record):
 
     name: Name
     urdf: str
+    xacro_args: dict[str, str]
     urdf_sha256: str
     base_link: str
     tip_link: str
@@ -159,10 +160,66 @@ class FunctionRecord(Record):
     outputs: Annotated[list[ArgumentRecord], Rule(min_length=1, max_length=MOST)]
 
 
+class CylinderRecord(Record):
+    """A cylinder about the z axis of its frame, its middle at the origin [m]."""
+
+    radius: Positive
+    length: Positive
+
+
+class MeshRecord(Record):
+    """A surface from a file: what of it is drawn, and the hash of the file's bytes.
+
+    Attributes:
+        file: As the cell file gives it.
+        scale: Metres of one unit of the file.
+        sha256: Of the file's bytes.
+        vertices: Of the surface that is drawn, in the shape's frame [m] (`mrts.base.formats.surface_text`).
+        triangles: Likewise.
+    """
+
+    file: str
+    scale: Positive
+    sha256: Annotated[str, Rule(pattern="^[0-9a-f]{64}$")]
+    vertices: str
+    triangles: str
+
+    def problem(self) -> str:
+        """The rule that its surface breaks; empty if none."""
+        from mrts.base.formats.surface_text import unpacked_surface  # noqa: PLC0415 (numpy, for cells with a mesh)
+
+        try:
+            unpacked_surface(self.vertices, self.triangles)
+        except ValueError as error:
+            return f"its surface {error}"
+        return ""
+
+
+class ShapeRecord(Record):
+    """What the object looks like: a box, a cylinder or a mesh.
+
+    Attributes:
+        box: Sides along the axes of its frame, its middle at the origin, Shape (3,) [m].
+        cylinder: A cylinder.
+        mesh: A mesh.
+        pose: The shape's frame in the object frame.
+    """
+
+    box: Annotated[list[Positive], Rule(min_length=3, max_length=3)] | None
+    cylinder: CylinderRecord | None
+    mesh: MeshRecord | None
+    pose: PoseRecord
+
+    def problem(self) -> str:
+        """The rule that its kinds break; empty if none."""
+        given = [kind for kind in (self.box, self.cylinder, self.mesh) if kind is not None]
+        return "" if len(given) == 1 else "it must be one of box, cylinder, mesh"
+
+
 class ObjectRecord(Record):
     """Nominal load: kg, and kg m² at the com in the object frame; ranges of what may vary (docs/uncertain_load.md).
 
-    Velocity limits are in m/s and rad/s, None is unbounded.
+    Velocity limits are in m/s and rad/s, None is unbounded; a shape of None is not known.
     """
 
     mass: Annotated[float, Rule(gt=0)]
@@ -171,6 +228,7 @@ class ObjectRecord(Record):
     outer_hull: bool
     linear_velocity: float | None
     angular_velocity: float | None
+    shape: ShapeRecord | None
 
 
 class RemarkRecord(Record):

@@ -15,7 +15,7 @@ from mrts.base.arrays import Array, freeze_array
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.load_box import LoadBox
-from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS
+from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS, ShapeRecord
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.remark import Remark
 from mrts.cell.cell_check import check_generated, check_placement
@@ -43,6 +43,7 @@ class Cell(InNotebooks):
         remarks: What to know of how its files were read.
         reserve: Share of every limit that is kept free, 0 or more and below 1.
         folder: That the URDFs of its cell file are relative to; None where that is not known.
+        object_shape: What the object looks like, None where that is not known; for pictures alone.
 
     All but names, joints and plane can be changed in Python, by methods of this class or `dataclasses.replace`. Where
     the functions are baked (`mrts generate --bake`), they hold gravity, bases and grasps as numbers, and these cannot.
@@ -64,11 +65,13 @@ class Cell(InNotebooks):
     remarks: tuple[Remark, ...] = ()
     reserve: float = 0.0
     folder: Path | None = None
+    object_shape: ShapeRecord | None = None
 
     def __post_init__(self) -> None:
         check_type("cell: functions", self.functions, CellFunctions)
         check_type("cell: load_box", self.load_box, LoadBox, NoneType)
         check_type("cell: folder", self.folder, Path, NoneType)
+        check_type("cell: object_shape", self.object_shape, ShapeRecord, NoneType)
         check_type("cell: enforces_velocity_limits", self.enforces_velocity_limits, bool)
         for key, kind in (("wrench_components", str), ("robots", Robot), ("remarks", Remark)):
             check_list(f"cell: {key}", getattr(self, key), kind)

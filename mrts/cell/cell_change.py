@@ -31,7 +31,7 @@ LARGEST_STEP = 0.9
 """Of a step: a larger one is another cell."""
 
 
-_Named = tuple[ChangeKind, str, str]
+Changed = tuple[ChangeKind, str, str]
 """Kind, robot and element of what is changed."""
 
 
@@ -146,14 +146,14 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
         cell: The cell.
         steps: How far.
     """
-    named: list[_Named] = [*_limits(cell), ("mass", "", "")]
+    named: list[Changed] = [*limit_names(cell), ("mass", "", "")]
     if cell.reserve:
         named.append(("reserve", "", ""))
     shares = [(entry, steps.share) for entry in named]
     along, around = _axes(cell)
     for kind in POSES:
         for robot in cell.robots:
-            if kind == "base" and _machine(cell, robot.name)[0] != robot.name:
+            if kind == "base" and machine_of(cell, robot.name)[0] != robot.name:
                 continue
             shares += [((kind, robot.name, axis), steps.shift) for axis in along]
             shares += [((kind, robot.name, f"about {axis}"), steps.turn) for axis in around]
@@ -164,8 +164,12 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
     )
 
 
-def _limits(cell: Cell) -> Iterator[_Named]:
-    """Kind, robot and element of every limit that bounds something."""
+def limit_names(cell: Cell) -> Iterator[Changed]:
+    """Kind, robot and element of every limit that bounds something.
+
+    Args:
+        cell: The cell.
+    """
     for robot in cell.robots:
         yield from _bounded("torque", robot.name, robot.joints, robot.torque_lower, robot.torque_upper)
     for robot in cell.robots:
@@ -181,7 +185,7 @@ def _limits(cell: Cell) -> Iterator[_Named]:
         yield from (("motor speed", robot.name, joint) for joint, curve in curves if curve is not None)
 
 
-def _bounded(kind: ChangeKind, robot: str, elements: Sequence[str], lower: Array, upper: Array) -> Iterator[_Named]:
+def _bounded(kind: ChangeKind, robot: str, elements: Sequence[str], lower: Array, upper: Array) -> Iterator[Changed]:
     """Elements with a limit on some side, unless they are held at one number."""
     is_limit = (lower < upper) & (np.isfinite(lower) | np.isfinite(upper))
     yield from ((kind, robot, element) for element, limited in zip(elements, is_limit.tolist(), strict=True) if limited)
@@ -269,7 +273,7 @@ def _velocity(cell: Cell, change: CellChange) -> Cell:
     return _of_robot(cell, change, changed)
 
 
-def _machine(cell: Cell, name: str) -> list[str]:
+def machine_of(cell: Cell, name: str) -> list[str]:
     """Arms of the machine that a robot is an arm of, in the order of the cell; of most robots itself alone."""
     fellows = {one for pair in cell.functions.manifest.machines if name in pair for one in pair} | {name}
     return [robot.name for robot in cell.robots if robot.name in fellows]
@@ -285,7 +289,7 @@ def _moved(change: CellChange, pose: RigidTransform, about: Array) -> RigidTrans
 
 
 def _base(cell: Cell, change: CellChange) -> Cell:
-    machine = _machine(cell, change.robot)
+    machine = machine_of(cell, change.robot)
     about = next(robot.T_world_base.p for robot in cell.robots if robot.name == change.robot)
     robots = (
         replace(robot, T_world_base=_moved(change, robot.T_world_base, about)) if robot.name in machine else robot

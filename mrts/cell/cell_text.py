@@ -73,6 +73,7 @@ def manifest_of(cell: Cell) -> Manifest:
         "outer_hull": box is not None and box.outer_hull,
         "linear_velocity": linear,
         "angular_velocity": angular,
+        "shape": None if cell.object_shape is None else cell.object_shape.model_dump(),
     }
     try:
         robots = [robot_record(robot, record) for robot, record in zip(cell.robots, generated.robots, strict=True)]

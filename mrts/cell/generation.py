@@ -4,10 +4,11 @@
 This is the only place where the run time calls the build time (`mrts_codegen`).
 """
 
+import hashlib
 from collections.abc import Callable
 from functools import cache, lru_cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
@@ -25,6 +26,7 @@ from mrts.kernel.cache_folder import cache_folder, only_ours
 
 if TYPE_CHECKING:
     from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
+    from mrts.base.formats.urdf_tree import Survey, UrdfTree
     from mrts.motors.joint_source import JointSource
 
 CACHED_STEM = "cell"
@@ -44,12 +46,12 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     Raises:
         InputError: If the cell file or a URDF breaks a rule.
     """
-    from mrts_codegen.content_key import text_key  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.content_key import is_as_made, text_key  # noqa: PLC0415 (build time, on demand)
 
     text = text_key(path)
     described = cache_folder("cells", text) / MANIFEST_NAME
     manifest = _if_sound(described, partial(verified_manifest, described))
-    if manifest is not None and _has_urdfs(path, manifest):
+    if manifest is not None and is_as_made(path, manifest):
         source = _source_in_cache(manifest)
         if _is_source(source, manifest):
             return manifest, source
@@ -62,16 +64,6 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     return manifest, _source_in_cache(manifest)
 
 
-def _has_urdfs(path: Path, manifest: Manifest) -> bool:
-    """Whether the URDFs of a cell file are those that a manifest was made from."""
-    from mrts_codegen.content_key import urdf_hash  # noqa: PLC0415 (build time, on demand)
-
-    try:
-        return all(urdf_hash(path, robot.urdf) == robot.urdf_sha256 for robot in manifest.robots)
-    except InputError:
-        return False
-
-
 def _content_key(path: Path) -> str:
     """Hash of all that a generated cell depends on.
 
@@ -81,7 +73,7 @@ def _content_key(path: Path) -> str:
     from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.content_key import content_key  # noqa: PLC0415
 
-    return content_key(path, [robot.urdf for robot in read_cell_description(path).robots])
+    return content_key(path, read_cell_description(path).references)
 
 
 def described_in_cache(description: object, folder: Path) -> tuple[Manifest, Path, Callable[[], dict[str, Any]]]:
@@ -237,20 +229,72 @@ def comes_with_tests(parts: tuple[str, ...]) -> bool:
     return not parts or is_whole(parts)
 
 
-def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
-    """URDF and base link (None is its root) of every robot of a cell file, by name.
+class NamedFiles(NamedTuple):
+    """Where the files are that a cell file names: URDFs or xacros of its robots in their order, mesh of its object."""
+
+    urdfs: tuple[Path, ...]
+    mesh: Path | None
+
+
+def named_files(path: Path) -> NamedFiles:
+    """Where the files are that a cell file names.
 
     Args:
         path: The cell file.
 
     Raises:
-        InputError: If the cell file breaks a rule.
+        InputError: If the cell file breaks a rule or a package is missing.
     """
     from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.urdf_reference import resolve_urdf  # noqa: PLC0415
 
-    robots = read_cell_description(path).robots
-    return {robot.name: (resolve_urdf(path, path.resolve().parent, robot.urdf), robot.base_link) for robot in robots}
+    description = read_cell_description(path)
+    found = [reference.path(path, path.resolve().parent) for reference in description.references]
+    robots = len(description.robots)
+    return NamedFiles(tuple(found[:robots]), next(iter(found[robots:]), None))
+
+
+def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
+    """URDF and base link (None is its root) of every robot of a cell file, by name; of a xacro a URDF in the cache.
+
+    Args:
+        path: The cell file.
+
+    Raises:
+        InputError: If the cell file breaks a rule, a package is missing, or a xacro cannot be expanded.
+    """
+    from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf_reference import is_xacro  # noqa: PLC0415
+
+    folder, found, description = path.resolve().parent, {}, read_cell_description(path)
+    for robot, reference in zip(description.robots, description.urdf_references, strict=True):
+        file = reference.path(path, folder)
+        if is_xacro(file):
+            from mrts_codegen.urdf.xacro_file import with_found_meshes  # noqa: PLC0415 (only for xacros)
+
+            text = with_found_meshes(file, reference.content(path, folder)).decode()
+            file = cache_folder("urdfs", hashlib.sha256(text.encode()).hexdigest()) / f"{robot.name}.urdf"
+            write_text_atomically(file, text, private=True)
+        found[robot.name] = file, robot.base_link
+    return found
+
+
+def surveyed_urdf(where: Path, folder: Path, reference: str) -> "tuple[Path, UrdfTree, Survey]":
+    """Path of a URDF, what is in it, and what gives its chain from a base link (None is its root) to a tip link.
+
+    Args:
+        where: What names it, for messages.
+        folder: That it is relative to, absolute.
+        reference: As in a cell file.
+
+    Raises:
+        InputError: If it is missing, or no URDF; the survey, if there is no such chain, or it breaks a rule of cells.
+    """
+    from mrts_codegen.urdf.urdf_survey import arm_chain, urdf_tree  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
+
+    named = FileReference(reference)
+    path, content = named.path(where, folder), named.content(where, folder)
+    return path, urdf_tree(path, content), partial(arm_chain, path, content)
 
 
 def cell_file_in(manifest: Manifest, folder: Path, beside: Path | None) -> str:

@@ -81,6 +81,7 @@ def cell_from_manifest(manifest: Manifest, functions: CellFunctions, folder: Pat
         load=load_vector(carried.mass, np.zeros(3), inertia),
         load_box=LoadBox(carried.mass, inertia, carried.variation, carried.outer_hull) if carried.variation else None,
         object_velocity_limit=with_infinity([carried.linear_velocity, carried.angular_velocity], np.inf),
+        object_shape=carried.shape,
         robots=functions.robots if manifest is functions.manifest else tuple(map(robot_from_record, manifest.robots)),
         functions=functions,
         remarks=tuple(Remark(record.code, record.text) for record in manifest.remarks),

@@ -36,6 +36,20 @@ def vector(where: str, key: str, value: object) -> Array:
     return np.array(_given(where, key, value, Vector3))
 
 
+def pose_from(where: str, xyz: Numbers, rpy: Numbers) -> RigidTransform:
+    """A pose as a cell file has it.
+
+    Args:
+        where: What it belongs to, for messages.
+        xyz: Position, Shape (3,) [m].
+        rpy: Roll, pitch, yaw in URDF's convention, Shape (3,) [rad].
+
+    Raises:
+        InputError: If a value breaks a rule of the cell file.
+    """
+    return RigidTransform(rotation_from_rpy(*_given(where, "rpy", rpy, Angles3)), vector(where, "xyz", xyz))
+
+
 def posed(robot: Robot, key: str, T: RigidTransform, xyz: Numbers | None, rpy: Numbers | None) -> RigidTransform:
     """A pose with another position, another rotation, or both.
 

@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
         warn("the figures need matplotlib: pip install 'mrts[plot]'")
     folder = options.output / "planar_dual_arm"
     figures = "figures 4 to 8, the uncertain load, and " if drawn else ""
-    say(f"Written to {options.output}: {figures}the example's files. Try next:")
+    say(f"Written to {options.output}: {figures}the files of the examples, a folder each. Try next:")
     plot = f" --plot {options.output}" if drawn else ""
     say(f"  {_command()} scale {folder / 'cell.yaml'} {folder / 'lift.yaml'}{plot}")
     return FEASIBLE

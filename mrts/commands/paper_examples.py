@@ -23,7 +23,9 @@ from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
 from mrts.solvers import DEFAULT_SOLVER
 
-EXAMPLE_FILES = ("cell.yaml", "lift.yaml", "fast_lift.yaml", "planar_arm.urdf")
+NO_EXAMPLE = ("identified_cell.yaml",)
+"""Files of the folders of examples that are part of the paper's comparison alone."""
+
 NOTE = """\
 The deviations are not tuned away. The paper leaves the size of the object, the direction of the last link and the
 signs of the elbows unstated; docs/paper.md says how each is read here and why 6.4, whose worst load is
@@ -146,7 +148,7 @@ def _four_digits(value: float) -> str:
 
 
 def write_demo_files(folder: Path, rows: list[DemoRow]) -> bool:
-    """Write the figures 4 to 8, the one of the uncertain load, and a copy of the example's input files to start from.
+    """Write the figures 4 to 8, the one of the uncertain load, and the files of every example cell to start from.
 
     Args:
         folder: Made if missing; it gets all files or none.
@@ -158,8 +160,11 @@ def write_demo_files(folder: Path, rows: list[DemoRow]) -> bool:
     Raises:
         InputError: If the folder cannot be written.
     """
-    texts = {name: (files("mrts") / "data" / "planar_dual_arm" / name).read_text("utf-8") for name in EXAMPLE_FILES}
-    writers = {folder / "planar_dual_arm" / name: text_writer(text) for name, text in texts.items()}
+    writers = {}
+    with as_file(files("mrts") / "data") as data:
+        for path in sorted(data.glob("*/*")):
+            if path.suffix in {".yaml", ".urdf"} and path.name not in NO_EXAMPLE:
+                writers[folder / path.relative_to(data)] = text_writer(path.read_text("utf-8"))
     figures = _figure_writers(rows)
     write_together(writers | {folder / name: write for name, write in figures.items()})
     return bool(figures)

@@ -6,11 +6,11 @@ import os
 import signal
 import sys
 import webbrowser
-from contextlib import suppress
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING
 
-from mrts.base.regular_file import is_folder
+from mrts.commands.films import add_films, write_films, writes_films
 from mrts.commands.options.common import (
-    add_cell_and_motion,
     add_closure,
     add_reserve,
     closure_option,
@@ -18,14 +18,26 @@ from mrts.commands.options.common import (
     require,
     sharing_option,
 )
+from mrts.commands.shown import add_shown, is_saved, played, shown_files, shown_urdfs
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.progress import working
 from mrts.console.terminal import say, warn
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mrts.viewer.guard import GuardedServer
+    from mrts.viewer.plots.other_result import Others
+    from mrts.viewer.plots.saved_viewer import SavedViewer
+    from mrts.viewer.viewer import Viewer
+
 EXAMPLES = """\
 examples:
   mrts view cell.yaml motion.yaml
-  mrts view cell.yaml motion.yaml --port 0 --no-open"""
+  mrts view cell.yaml motion.yaml --port 0 --no-open
+  mrts view cell.yaml motion.yaml --png moment.png --at 0.2
+  mrts view cell.yaml motion.yaml --video lift.gif --side-by-side given,fastest,smooth --rates 11.5
+  mrts view study.yaml --variant 3 --png variant.png"""
 
 LOCAL = ("127.0.0.1", "localhost", "::1")
 """Where nobody else can reach the viewer."""
@@ -33,12 +45,13 @@ LOCAL = ("127.0.0.1", "localhost", "::1")
 
 def add(view: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
-    add_cell_and_motion(view)
+    add_shown(view)
     add_closure(view)
     add_reserve(view)
     view.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
     view.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
     view.add_argument("--no-velocity-limits", action="store_true", help="report velocity limits only")
+    add_films(view)
     view.add_argument("--host", default=LOCAL[0], help="address to listen at (default: %(default)s, this machine only)")
     view.add_argument("--port", type=int, default=8080, help="port; 0 takes any free one (default: %(default)s)")
     view.add_argument("--no-open", action="store_true", help="do not open a browser")
@@ -46,37 +59,82 @@ def add(view: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Show the viewer until Ctrl-C; the exit code is that of the outcome."""
+    """Show the viewer until Ctrl-C, or write what it shows; the exit code is that of the outcome."""
+    films = writes_films(options)
+    with shown_files(options):
+        return write_films(options) if films else _serve(options)
+
+
+def _serve(options: argparse.Namespace) -> int:
     require("viser", "mrts view", "view", wanted=True)
-    from mrts.base.manifest import MANIFEST_NAME
-    from mrts.cell.generation import urdf_files
-    from mrts.motion.motion_file import load_motion
-    from mrts.viewer.player_state import PlayerState
-    from mrts.viewer.server import Viewer, close_server, open_server
+    others = [(path.stem, played(path)) for path in options.others]
+    if is_saved(options):
+        return _serve_saved(options, others)
+    from mrts.motion.motion_file import described_motion, load_motion
+    from mrts.viewer.viewer import Viewer
+    from mrts.viewer.workbench.choices import Given
+    from mrts.viewer.workbench.workbench import Workbench
 
     motion = load_motion(options.motion)
     sharing, closure = sharing_option(options.share), closure_option(options.closure)
     cell = limited_cell_option(options)
-    urdfs = {} if is_folder(options.cell) or options.cell.name == MANIFEST_NAME else urdf_files(options.cell)
-    server = open_server(options.host, options.port, f"mrts: {cell.name}")
-    try:
+    urdfs = shown_urdfs(options)
+    given = Given(
+        cell=cell,
+        motion=motion,
+        description=described_motion(options.motion),
+        cell_path=options.cell if urdfs else None,
+        motion_path=options.motion,
+        sharing=sharing,
+        closure=closure,
+    )
+    with _server(options, cell.name) as server:
         with working(f"scaling {options.motion}") as progress:
-            state = PlayerState(cell, motion, sharing=sharing, closure=closure, progress=progress)
-        viewer = Viewer(server, state, urdfs, warn)
-        if options.host not in LOCAL:
-            warn(f"everyone who reaches {options.host} and knows the address can watch and steer this viewer")
-        say(f"{cell.name}: {state.result.summary()}")
-        say(f"viewer at {server.url} (Ctrl-C ends it)")
-        sys.stdout.flush()
-        if not options.no_open and _has_display():
-            with suppress(webbrowser.Error):
-                webbrowser.open(server.url)
-        before = signal.signal(signal.SIGINT, signal.default_int_handler)  # here Ctrl-C is how one leaves
-        viewer.run()
-        signal.signal(signal.SIGINT, before)
+            bench = Workbench(given, progress)
+        first = bench.answer
+        viewer = Viewer(server, bench, urdfs, warn, others)
+        outcome = first.message if first.state is None else first.state.result.summary()
+        _follow(options, server, viewer, f"{cell.name}: {outcome}")
+    return FEASIBLE if first.state is not None and first.state.result.status.admits_motion else INFEASIBLE
+
+
+def _serve_saved(options: argparse.Namespace, others: "Others") -> int:
+    """Show a saved result, which takes neither its cell's files nor a compiler."""
+    from mrts.viewer.plots.saved_state import SavedState
+    from mrts.viewer.plots.saved_viewer import SavedViewer
+
+    result = played(options.cell)
+    with _server(options, result.cell.name) as server:
+        viewer = SavedViewer(server, SavedState(result), warn, others)
+        _follow(options, server, viewer, f"{result.cell.name}: {result.summary()}")
+    return FEASIBLE
+
+
+@contextmanager
+def _server(options: argparse.Namespace, name: str) -> "Iterator[GuardedServer]":
+    """A server where the options want it, as long as it is needed."""
+    from mrts.viewer.server import close_server, open_server
+
+    server = open_server(options.host, options.port, f"mrts: {name}")
+    try:
+        yield server
     finally:
         close_server(server)
-    return FEASIBLE if state.result.status.admits_motion else INFEASIBLE
+
+
+def _follow(options: argparse.Namespace, server: "GuardedServer", viewer: "Viewer | SavedViewer", outcome: str) -> None:
+    """Say where the viewer is, and follow its controls until Ctrl-C."""
+    if options.host not in LOCAL:
+        warn(f"everyone who reaches {options.host} and knows the address can watch and steer this viewer")
+    say(outcome)
+    say(f"viewer at {server.url} (Ctrl-C ends it)")
+    sys.stdout.flush()
+    if not options.no_open and _has_display():
+        with suppress(webbrowser.Error):
+            webbrowser.open(server.url)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # here Ctrl-C is how one leaves
+    viewer.run()
+    signal.signal(signal.SIGINT, before)
 
 
 def _has_display() -> bool:

@@ -15,7 +15,7 @@ def columns_by_joint(cell: Cell, path: Path, columns: Sequence[str]) -> dict[str
         cell: The cell.
         path: The file, for the message.
         columns: "robot/joint" each; a first name that is no robot's may stand for it where one robot alone has such a
-            joint.
+            joint, or where the joint is called robot_joint, as in a machine of two equal arms.
 
     Returns:
         Joint "robot/joint" of the cell to its column; joints without one are left out.
@@ -28,10 +28,12 @@ def columns_by_joint(cell: Cell, path: Path, columns: Sequence[str]) -> dict[str
     found = {name: name for name in columns if name in joints}
     for name in columns:
         prefix, _, joint = name.rpartition("/")
-        owners = [robot for robot in robots if joint in robots[robot]]
+        owners = [f"{robot}/{joint}" for robot in robots if joint in robots[robot]] or [
+            f"{robot}/{own}" for robot in robots for own in robots[robot] if joint == f"{robot}_{own}"
+        ]
         if name in found or prefix in robots or len(owners) != 1:
             continue
-        meant = f"{owners[0]}/{joint}"
+        meant = owners[0]
         if found.get(meant) == meant:
             continue  # another robot's joint of the same name
         if meant in found:

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """How far each arm follows a motion, what stops it, and what would let it go on."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +14,7 @@ from mrts.diagnosis.nearest_hold import NearestHold, nearest_hold
 from mrts.inverse_kinematics.branches import branches_at_start
 from mrts.inverse_kinematics.grasp_tracking import TrackingFailure, track_grasps
 from mrts.inverse_kinematics.joint_limits import POSITION_TOLERANCE, within_limits
+from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_triangles
 from mrts.inverse_kinematics.reach import ArmPlaces, arm_reach
 from mrts.inverse_kinematics.starting_positions import further_starts
 from mrts.motion.object_motion import ObjectMotion
@@ -25,11 +25,20 @@ HELD = 1e-5
 MOST_TRACKS = 16
 """Ways to hold the grasp that are followed, nearest to the posture first: an arm of six joints has no more."""
 
-MOST_SHIFTS = 6
-"""Times that a base is moved by what is missing, until the arm follows."""
+FEW_TRACKS = 4
+"""The same of an arm that was moved to see whether it follows."""
 
-SPARE = 0.01
-"""Metres that a base is moved further than what is missing: an arm at full stretch is singular."""
+STARTS = 48
+"""Random ones for an arm without an analytic inverse: ways that few of them lead to are not near any posture."""
+
+MOST_SHIFTS = 6
+"""Times that a base is moved by what is missing, until nothing is."""
+
+SPARES = (0.01, 0.05)
+"""Metres that a base is then moved further, one after the other: an arm at full stretch is singular."""
+
+LOOKED_AT = 5
+"""Samples at which is looked whether something is missing."""
 
 SHIFT_DIGITS = 3
 """A move of a base is rounded to millimetres before it is tried out."""
@@ -106,7 +115,7 @@ def reach_of(arm: Cell, motion: ObjectMotion, *, seek: bool = True) -> ArmReach:
         failure = str(error)
     (robot,) = arm.robots
     count = len(motion.time)
-    starts, failures = _ways(arm, motion)
+    starts, failures = _ways(arm, motion, MOST_TRACKS)
     good = [start for start, ended in zip(starts, failures, strict=True) if ended is None]
     reached = [count if ended is None else ended.sample or 0 for ended in failures]
     followed = max(reached, default=0)
@@ -135,14 +144,8 @@ def following(arm: Cell, motion: CoordinatedMotion) -> ArmReach:
     (robot,) = arm.robots
     room = np.minimum(motion.q - robot.position_lower, robot.position_upper - motion.q)
     sample, joint = np.unravel_index(int(np.argmin(room)), room.shape)
-    reach, base, grasp = arm_reach(robot), robot.T_world_base, robot.T_object_tip
-    stretch = None
-    if reach is not None:
-        places = ArmPlaces(base.R, base.p, grasp.R, grasp.p)
-        furthest = np.max(reach.distance(places, motion.object.position, motion.object.rotation))
-        stretch = reach.longest - float(furthest)
     margin = ArmMargin(
-        stretch=stretch,
+        stretch=_stretch(arm, motion.object),
         joint=robot.joints[joint] if np.isfinite(room[sample, joint]) else None,
         to_limit=float(room[sample, joint]),
         unit=robot.position_units[joint],
@@ -152,30 +155,40 @@ def following(arm: Cell, motion: CoordinatedMotion) -> ArmReach:
     return ArmReach(robot=robot.name, samples=motion.samples, followed=motion.samples, time=time, margin=margin)
 
 
+def _stretch(arm: Cell, motion: ObjectMotion) -> float | None:
+    """Least distance of an arm to full stretch along a motion [m]; None where its links do not tell."""
+    (robot,) = arm.robots
+    base, grasp = robot.T_world_base, robot.T_object_tip
+    places = ArmPlaces(base.R, base.p, grasp.R, grasp.p)
+    if has_closed_form(arm, robot):
+        triangles = planar_triangles(arm, robot, places, motion.position, motion.rotation)
+        return float(np.sum(triangles.lengths) - np.max(np.linalg.norm(triangles.wrist, axis=-1)))
+    reach = arm_reach(robot)
+    if reach is None:
+        return None
+    return reach.longest - float(np.max(reach.distance(places, motion.position, motion.rotation)))
+
+
 def follows(arm: Cell, motion: ObjectMotion) -> bool:
-    """Whether an arm follows the object from some posture: its own, or any way to hold the grasp at t = 0."""
-    try:
-        follow_object(arm, motion)
-    except MotionError:
-        return None in _ways(arm, motion)[1]
-    return True
+    """Whether an arm follows the object from some way to hold the grasp at t = 0."""
+    return None in _ways(arm, motion, FEW_TRACKS)[1]
 
 
-def _ways(arm: Cell, motion: ObjectMotion) -> tuple[Array, list[TrackingFailure | None]]:
-    """Every way of an arm to hold its grasp at t = 0, and why it ends.
+def _ways(arm: Cell, motion: ObjectMotion, most: int) -> tuple[Array, list[TrackingFailure | None]]:
+    """Ways of an arm to hold its grasp at t = 0, as many at most, and why they end.
 
     Returns:
         Joint positions, Shape (count, n_i) [rad or m], nearest to the posture first, and their failures.
     """
     (robot,) = arm.robots
     try:
-        found = branches_at_start(arm, 0, motion)
+        found = branches_at_start(arm, 0, motion, STARTS)
     except MotionError:  # of a planar arm with a closed form: out of reach
         found = np.empty((0, len(robot.joints)))
     if not len(found):
         return found, []
     order = np.argsort(np.max(np.abs(found - robot.posture), axis=1), kind="stable")
-    found = found[order][:MOST_TRACKS]
+    found = found[order][:most]
     tracks = track_grasps(arm, motion, found)
     ended = [failures[robot.name] for failures in tracks.failures]
     return found, [_first_failure(arm, q, failure) for q, failure in zip(tracks.q, ended, strict=True)]
@@ -197,26 +210,21 @@ def _shift(arm: Cell, motion: ObjectMotion, nearest: NearestHold) -> Array | Non
     """A move of the base that lets the arm follow; None where moving it by what is missing does not lead to one."""
     if nearest.gap <= HELD:
         return None
-    for shift in _shifts(arm, motion, nearest):
-        if follows(_moved(arm, shift), motion):
-            return shift
-    return None
-
-
-def _shifts(arm: Cell, motion: ObjectMotion, nearest: NearestHold) -> Iterator[Array]:
-    """Moves of the base by what is missing at the first sample that is not reached, summed up until all are."""
     (robot,) = arm.robots
-    total = np.zeros(3)
+    total = nearest.off
     starts = further_starts(robot, robot.posture)
+    samples = np.linspace(0, len(motion.time) - 1, LOOKED_AT).astype(int)
     for _ in range(MOST_SHIFTS):
-        total = total + nearest.off
-        rounded: Array = np.round(total * (1 + SPARE / max(float(np.linalg.norm(total)), SPARE)), SHIFT_DIGITS)
-        yield rounded
-        moved = _moved(arm, rounded)
-        far = [nearest_hold(moved, motion, sample, starts) for sample in (0, len(motion.time) // 2, -1)]
-        nearest = max(far, key=lambda hold: hold.gap)
-        if nearest.gap <= HELD:
-            return
+        moved = _moved(arm, total)
+        worst = max((nearest_hold(moved, motion, int(k), starts) for k in samples), key=lambda hold: hold.gap)
+        if worst.gap <= HELD:
+            break
+        total = total + worst.off
+    for spare in SPARES:
+        further: Array = np.round(total * (1 + spare / float(np.linalg.norm(total))), SHIFT_DIGITS)
+        if follows(_moved(arm, further), motion):
+            return further
+    return None
 
 
 def _moved(arm: Cell, shift: Array) -> Cell:

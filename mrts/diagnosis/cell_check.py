@@ -13,7 +13,7 @@ from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
-from mrts.base.notebook.in_notebooks import InNotebooks
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.diagnosis.arm_reach import HELD, ArmMargin, ArmReach
@@ -68,13 +68,19 @@ class CellCheck(InNotebooks):
         return printable("\n".join(self.lines()), lines=True)
 
     def notebook_words(self) -> list[str]:
-        """The outcome, every mistake, what may be meant instead."""
-        return [
-            self.outcome(),
-            *map(str, self.mistakes),
-            *(hint.text for hint in self.hints),
-            *filter(None, [self.problem]),
-        ]
+        """The outcome, what is wrong, and hints."""
+        said = [*map(str, self.mistakes), *([self.problem] if self.problem else [])]
+        return [self.outcome(), *said, *(f"hint: {hint.text}" for hint in self.hints)]
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """How far every arm follows, what is known of its joints, and what is assumed."""
+        if self.arms:
+            rows = [(arm.robot, " ".join(map(str.strip, arm_lines(arm)))) for arm in self.arms]
+            yield NotebookTable(("arm", "reach"), rows)
+        if self.joints:
+            head, *joints = joint_rows(self.joints)
+            yield NotebookTable(head, joints)
+            yield NotebookTable(("assumed",), [(text,) for text in self.assumed])
 
     def lines(self) -> Iterator[str]:
         """The answer for people, the outcome first."""
@@ -214,16 +220,16 @@ def _margin(margin: ArmMargin | None) -> str:
         parts.append(
             f"{margin.to_limit:.3g} {margin.unit} from the limit of '{margin.joint}' at t = {margin.time:.3g} s"
         )
-    return ", ".join(parts) or "nothing limits its reach"
+    return ", ".join(parts) or "no joint has a position limit"
 
 
-def joint_table(joints: tuple[JointSource, ...]) -> Iterator[str]:
-    """What is known of every joint, as aligned lines.
+def joint_rows(joints: tuple[JointSource, ...]) -> list[tuple[str, ...]]:
+    """What is known of every joint, the titles of the columns first.
 
     Args:
         joints: Of all arms in order.
     """
-    rows = [("arm", "joint", "position", "velocity", "torque", "from", "friction", "armature")]
+    rows: list[tuple[str, ...]] = [("arm", "joint", "position", "velocity", "torque", "from", "friction", "armature")]
     for joint in joints:
         force, speed = ("N", "m/s") if joint.unit == "m" else ("N m", "rad/s")
         lower, upper = joint.torque
@@ -232,7 +238,7 @@ def joint_table(joints: tuple[JointSource, ...]) -> Iterator[str]:
             (
                 joint.robot,
                 joint.joint,
-                f"{joint.position[0]:.4g} … {joint.position[1]:.4g} {joint.unit}",
+                _range(joint),
                 "no limit" if joint.velocity is None else f"{joint.velocity:.4g} {speed}",
                 f"{limits} {force}",
                 joint.torque_from,
@@ -240,9 +246,24 @@ def joint_table(joints: tuple[JointSource, ...]) -> Iterator[str]:
                 "none given" if joint.armature is None else f"{joint.armature:.4g}",
             )
         )
+    return rows
+
+
+def joint_table(joints: tuple[JointSource, ...]) -> Iterator[str]:
+    """What is known of every joint, as aligned lines.
+
+    Args:
+        joints: Of all arms in order.
+    """
+    rows = joint_rows(joints)
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+
+
+def _range(joint: JointSource) -> str:
+    low, high = (f"{value:.4g}" if np.isfinite(value) else "any" for value in joint.position)
+    return "no limit" if low == high == "any" else f"{low} … {high} {joint.unit}"
 
 
 def _arm_json(arm: ArmReach) -> dict[str, Any]:

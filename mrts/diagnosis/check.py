@@ -115,7 +115,7 @@ def _angles_written(model: Any, motion: Path | None) -> Iterator[Hint]:
     """Hints on angles of poses that are written in degrees."""
     for index, robot in enumerate(model.description.robots):
         for key in ("base", "grasp"):
-            yield from written_degrees(f"robots[{index}] ({robot.name}).{key}.rpy", getattr(robot, key).rpy)
+            yield from written_degrees(f"robots[{index}] ({robot.name}).{key}.rpy", getattr(robot, key).rpy or [])
     data = read_data(motion, "motion file") if motion is not None and motion.suffix in {".yaml", ".yml"} else {}
     for key in ("start", "end"):
         yield from written_degrees(f"the motion's {key}.rpy", (data.get(key) or {}).get("rpy") or [])

@@ -46,6 +46,11 @@ def posture_off(arm: Cell, motion: ObjectMotion) -> float:
     return float(np.linalg.norm(_held(arm).p - motion.position[0]))
 
 
+def posture_turned(arm: Cell, motion: ObjectMotion) -> float:
+    """How far the posture of an arm turns the object from how it starts [rad]; arguments as `posture_off`."""
+    return float(angles_of_rotations((motion.rotation[0].T @ _held(arm).R)[None])[0])
+
+
 def _held(arm: Cell) -> RigidTransform:
     """Where the posture of an arm holds the object."""
     (robot,) = arm.robots

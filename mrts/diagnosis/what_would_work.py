@@ -13,7 +13,7 @@ from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy, rpy_fro
 from mrts.cell.cell import Cell
 from mrts.diagnosis.arm_reach import follows
 from mrts.diagnosis.hint import Hint
-from mrts.diagnosis.postures_at_start import posture_off
+from mrts.diagnosis.postures_at_start import posture_off, posture_turned
 from mrts.motion.object_motion import ObjectMotion
 
 OTHER_SIDES = {
@@ -73,7 +73,7 @@ def _posed(arm: Cell, place: str, pose: RigidTransform) -> Cell:
 
 
 def _other_side(arm: Cell, motion: ObjectMotion) -> Iterator[Hint]:
-    """A hint where the hand could hold the object from the other side."""
+    """A hint where the hand could hold the object from the other side, as its posture does rather."""
     (robot,) = arm.robots
     for axis, turn in OTHER_SIDES.items():
         R: Array = robot.T_object_tip.R @ rotation_from_rpy(*turn)
@@ -81,7 +81,7 @@ def _other_side(arm: Cell, motion: ObjectMotion) -> Iterator[Hint]:
             turned = _posed(arm, "T_object_tip", RigidTransform(R, robot.T_object_tip.p))
         except InputError:  # out of the plane of a planar cell
             continue
-        if follows(turned, motion):
+        if posture_turned(turned, motion) < posture_turned(arm, motion) / 2 and follows(turned, motion):
             shown = ", ".join(f"{angle:.6g}" for angle in rpy_from_rotation(turned.robots[0].T_object_tip.R))
             yield Hint(
                 "other-side",

@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: MIT
 """The visual meshes of an arm from its URDF, each with the body that carries it."""
 
-import re
 from collections import deque
 from collections.abc import Mapping
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mrts.base.errors import InputError, MrtsError
+from mrts.base.formats.package_uri import file_of_uri, is_uri
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
@@ -76,16 +75,18 @@ def _bodies(joints: list[Any], base_link: str, chain: tuple[str, ...], held: Map
 
 
 def _mesh_file(urdf: Path, fname: str) -> str:
-    """Path of a mesh: as a ROS workspace, an installed Python package or a folder beside the URDF would have it."""
-    match = re.fullmatch(r"(?:package|model)://([^/]+)/(.+)", fname)
-    if match:
-        package, inside = match.groups()
-        folders = [folder for above in urdf.resolve().parents for folder in (above / package, above)]
-        spec = find_spec(package) if package.isidentifier() else None
-        folders += [Path(folder) for folder in (spec.submodule_search_locations or ())] if spec else []
-    else:
-        inside, folders = fname.removeprefix("file://"), [urdf.resolve().parent]
-    for folder in folders:
-        if (folder / inside).is_file():
-            return str(folder / inside)
+    """Path of a mesh: of a package, relative to the URDF, or in a package that stands there under another name."""
+    inside = fname.removeprefix("file://")
+    if is_uri(fname):
+        inside = fname.partition("://")[2].partition("/")[2]
+        try:
+            return str(file_of_uri(urdf, fname, urdf))
+        except InputError as error:
+            for above in urdf.resolve().parents:
+                if (above / inside).is_file():
+                    return str(above / inside)
+            raise InputError(urdf, f"its mesh '{fname}' is not found: {error.rule}") from None
+    file = urdf.resolve().parent / inside
+    if file.is_file():
+        return str(file)
     raise InputError(urdf, f"its mesh '{fname}' is not found.")

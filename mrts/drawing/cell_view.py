@@ -7,17 +7,14 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.drawing.cell_shapes import joint_points, object_box
+from mrts.drawing.cell_shapes import joint_points
+from mrts.drawing.held_body import held_body
 
 FIELD_OF_VIEW = np.deg2rad(45.0)
 """From the lower to the upper edge of the picture [rad]."""
 
 ELEVATION, AZIMUTH = np.deg2rad(15.0), np.deg2rad(25.0)
 """From the front, so that depth shows: moments of a planar cell point at the viewer [rad]."""
-
-ASIDE = 0.35
-"""How far right of the cell's middle the camera looks, as a share of the cell's size: there the panel covers it."""
 
 
 @dataclass(frozen=True)
@@ -26,30 +23,41 @@ class CellView:
 
     Attributes:
         up: Unit vector against gravity, Shape (3,).
-        camera: Position, Shape (3,) [m].
-        target: The point looked at, right of the cell's middle, Shape (3,) [m].
+        direction: Unit vector from the target to the camera, Shape (3,).
+        target: The point looked at, the middle of all parts at all times, Shape (3,) [m].
         floor: A point below all bases, at the height of the lowest, Shape (3,) [m].
         size: Radius of a ball that holds all parts at all times [m].
     """
 
     up: Array
-    camera: Array
+    direction: Array
     target: Array
     floor: Array
     size: float
 
+    def camera(self, aspect: float = 1.0) -> Array:
+        """Where to look from so that all parts are in the picture, Shape (3,) [m].
 
-def look_at_cell(cell: Cell, motion: CoordinatedMotion) -> CellView:
+        Args:
+            aspect: Width of the picture by its height.
+        """
+        half = FIELD_OF_VIEW / 2
+        narrower = min(half, np.arctan(np.tan(half) * aspect))
+        return np.asarray(self.target + self.size / np.sin(narrower) * self.direction)
+
+
+def look_at_cell(cell: Cell, q: Array, position: Array) -> CellView:
     """Look at a cell from the front: along the level line that is normal to its widest extent.
 
     Args:
         cell: The cell.
-        motion: Its motion.
+        q: Joint positions along its motion, Shape (N, m) [rad or m].
+        position: Of the object, Shape (N, 3) [m].
     """
     slices = cell.joint_slices
-    lines = [joint_points(robot, motion.q[:, slices[robot.name]]).reshape(-1, 3) for robot in cell.robots]
-    reach = np.linalg.norm(object_box(cell)) / 2
-    points = np.concatenate([*lines, motion.object.position - reach, motion.object.position + reach])
+    lines = [joint_points(robot, q[:, slices[robot.name]]).reshape(-1, 3) for robot in cell.robots]
+    reach = np.linalg.norm(held_body(cell).vertices, axis=1).max()
+    points = np.concatenate([*lines, position - reach, position + reach])
     middle = (np.min(points, axis=0) + np.max(points, axis=0)) / 2
     size = float(np.max(np.linalg.norm(points - middle, axis=1)))
     up = _up(cell)
@@ -59,8 +67,7 @@ def look_at_cell(cell: Cell, motion: CoordinatedMotion) -> CellView:
     direction = np.cos(ELEVATION) * level + np.sin(ELEVATION) * up
     bases = np.array([robot.T_world_base.p for robot in cell.robots])
     floor = middle + up * (np.min(bases @ up) - middle @ up)
-    target = middle + ASIDE * size * np.cross(up, level)
-    return CellView(up, target + size / np.sin(FIELD_OF_VIEW / 2) * direction, target, floor, size)
+    return CellView(up, direction, middle, floor, size)
 
 
 def _up(cell: Cell) -> Array:

@@ -22,13 +22,14 @@ SAME_BRANCH = 1e-6
 """Joint positions closer than this, whole turns aside, are one branch [rad or m]."""
 
 
-def branches_at_start(cell: Cell, index: int, motion: ObjectMotion) -> Array:
+def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int = MULTI_STARTS) -> Array:
     """Joint positions of one arm that hold its grasp at t = 0 inside its limits, each branch once, Shape (count, n_i).
 
     Args:
         cell: The cell.
         index: Of the arm.
         motion: Motion of the object.
+        starts: Random ones, for an arm without an analytic inverse.
 
     Raises:
         MotionError: If a planar arm of three joints cannot reach its grasp.
@@ -44,7 +45,7 @@ def branches_at_start(cell: Cell, index: int, motion: ObjectMotion) -> Array:
         guesses = np.array([branch[0] for branch in planar_branches(cell, robot, first)])
     else:
         found = six_joint_branches(cell, robot, motion)
-        guesses = found if found is not None and len(found) else _random_starts(robot)
+        guesses = found if found is not None and len(found) else _random_starts(robot, starts)
     start = np.tile(posture, (len(guesses), 1))
     start[:, joints] = guesses
     held = solve_grasps(cell, motion, 0, start, STARTING_STEPS, np.tile(starting_reference(cell), (len(guesses), 1)))
@@ -60,11 +61,11 @@ def branches_at_start(cell: Cell, index: int, motion: ObjectMotion) -> Array:
     return np.array(distinct).reshape(-1, len(robot.joints))
 
 
-def _random_starts(robot: Robot) -> Array:
+def _random_starts(robot: Robot, count: int) -> Array:
     rng = np.random.default_rng(SEED)
     low = np.where(np.isfinite(robot.position_lower), np.maximum(robot.position_lower, -np.pi), -np.pi)
     high = np.where(np.isfinite(robot.position_upper), np.minimum(robot.position_upper, np.pi), np.pi)
-    starts = rng.uniform(low, high, (MULTI_STARTS, len(robot.joints)))
+    starts = rng.uniform(low, high, (count, len(robot.joints)))
     starts[0] = robot.posture
     return starts
 

@@ -24,8 +24,8 @@ SAME_PLACE = 1e-9
 """Largest difference of numbers that are the same after rounding [m, rad]."""
 
 NOT_A_LAYOUT = (
-    "is no number of a layout. What mrts place moves are base, grasp and posture of robots; leave it out, or compare "
-    "its values by mrts sweep."
+    "is no number of a layout. What mrts place moves are base, grasp and posture of robots, poses by xyz and rpy; "
+    "leave it out, or compare its values by mrts sweep."
 )
 
 
@@ -74,7 +74,7 @@ class LayoutNumbers:
         offset, slope = given.copy(), np.zeros((len(given), len(study.parameters)))
         for column, parameter in enumerate(study.parameters):
             for target in parameter.targets:
-                row = _row(cell, target.keys)
+                row = None if _looks(study, target.keys) else _row(cell, target.keys)
                 if row is None:
                     raise InputError(study.path, NOT_A_LAYOUT, key=f"vary: {target.path}")
                 offset[row], slope[row, column] = target.offset, target.factor
@@ -135,6 +135,14 @@ def _rotation(rpy: Any) -> Any:
         ca.horzcat(sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
         ca.horzcat(-sp, cp * sr, cp * cr),
     )
+
+
+def _looks(study: Study, keys: Keys) -> bool:
+    """Whether a number is of a grasp that looks at a point, and so turns the tip as it moves."""
+    match keys:
+        case ("cell", "robots", int(robot), "grasp", *_):
+            return (study.cell["robots"][robot].get("grasp") or {}).get("look_at") is not None
+    return False
 
 
 def _bounds(study: Study, parameter: Parameter) -> tuple[float, float]:

@@ -12,7 +12,6 @@ from mrts.base.formats.broken_record import BrokenRecordError, broken_record
 from mrts.base.formats.pose import Pose
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import read_model
-from mrts.base.rigid_transform import rotation_from_rpy
 from mrts.motion.csv_motion import MAX_SAMPLES, read_joint_table, read_object_table, read_table
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_courses import geodesic_motion, waypoint_motion
@@ -40,6 +39,12 @@ KINDS = {
 }
 """The four kinds of motion, by the key that chooses one, and the keys that each needs."""
 
+OF_A_BAG = {"topic", "trajectory"}
+"""Keys that may stand beside 'joints' where it is a bag."""
+
+MOST_TRAJECTORIES = 100_000
+"""Of a bag."""
+
 
 class MotionDescription(Record):
     """A validated motion file; see docs/cell_file.md.
@@ -53,6 +58,8 @@ class MotionDescription(Record):
         waypoints: Object frames in the world that the path goes through.
         file: CSV table of the object's motion, relative to the motion file.
         joints: CSV table or ROS 2 bag of the joints' motion, relative to the motion file.
+        topic: Of the bag, that is read alone.
+        trajectory: Of the bag's topics, which one is read, from 0.
 
     Raises:
         InputError: If a value breaks a rule.
@@ -66,6 +73,8 @@ class MotionDescription(Record):
     waypoints: Annotated[list[Pose], Rule(min_length=2)] | None = None
     file: str | None = None
     joints: str | None = None
+    topic: str | None = None
+    trajectory: Annotated[int, Rule(ge=0, le=MOST_TRAJECTORIES)] | None = None
 
     def __init__(self, **keys: Any) -> None:
         try:
@@ -83,7 +92,7 @@ class MotionDescription(Record):
         needed = KINDS[chosen[0]]
         if missing := needed - given:
             return f"this key is required with '{chosen[0]}': {', '.join(sorted(missing))}"
-        if extra := given - needed:
+        if extra := given - needed - (OF_A_BAG if chosen[0] == "joints" else set()):
             return f"'{chosen[0]}' does not go with: {', '.join(sorted(extra))}"
         return ""
 
@@ -111,11 +120,32 @@ def load_motion(path: Path | str) -> ObjectMotion | JointTable:
         return read_object_table(path.parent / description.file, description.samples)
     if description.joints is not None:
         joints = path.parent / description.joints
-        return (read_joint_trajectories if is_bag(joints) else read_joint_table)(joints, description.samples)
+        if is_bag(joints):
+            return read_joint_trajectories(joints, description.samples, description.topic, description.trajectory)
+        for key in sorted(OF_A_BAG):
+            if getattr(description, key) is not None:
+                raise InputError(path, f"is of a ROS 2 bag, but {description.joints} is none.", key=key)
+        return read_joint_table(joints, description.samples)
     try:
         return sample_motion(description)
     except InputError as error:
         raise InputError(path, error.rule, key=error.where) from None
+
+
+def described_motion(path: Path | str) -> MotionDescription | None:
+    """The description of a motion from pose to pose or through waypoints; None of a table or a bag.
+
+    Args:
+        path: As in `load_motion`.
+
+    Raises:
+        InputError: If a motion file breaks a rule.
+    """
+    path = as_path("path", path)
+    if is_bag(path) or path.suffix.lower() == ".csv":
+        return None
+    description = read_model(path, MotionDescription, "motion file")
+    return description if description.profile is not None else None
 
 
 def sample_motion(description: MotionDescription) -> ObjectMotion:
@@ -131,7 +161,7 @@ def sample_motion(description: MotionDescription) -> ObjectMotion:
     through = waypoint_motion if description.waypoints else geodesic_motion
     return through(
         np.array([pose.xyz for pose in poses]),
-        np.array([rotation_from_rpy(*pose.rpy) for pose in poses]),
+        np.array([pose.rotation() for pose in poses]),
         PROFILES[description.profile],
         description.duration,
         description.samples or DEFAULT_SAMPLES,

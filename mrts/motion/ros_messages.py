@@ -38,12 +38,12 @@ def joint_column(topic: str, joint: str) -> str:
     return f"{topic.strip('/').partition('/')[0]}/{joint}"
 
 
-def bag_messages(path: Path, kind: str) -> dict[str, list[tuple[int, Any]]]:
-    """All messages of one type.
+def bag_messages(path: Path, *kinds: str) -> dict[str, list[tuple[int, Any]]]:
+    """All messages of some types; of types that ROS 2 itself does not have, as the bag defines them.
 
     Args:
         path: Folder of a bag, or one of its files by itself.
-        kind: The type, such as "sensor_msgs/msg/JointState".
+        *kinds: The types, such as "sensor_msgs/msg/JointState".
 
     Returns:
         By topic in the order of their names: when each was recorded [ns], and the message.
@@ -60,16 +60,42 @@ def bag_messages(path: Path, kind: str) -> dict[str, list[tuple[int, Any]]]:
     try:
         with Reader(path) as bag:
             topics = sorted(bag.topics)
-            wanted = [connection for connection in bag.connections if connection.msgtype == kind]
+            wanted = [connection for connection in bag.connections if connection.msgtype in kinds]
+            types = {connection.id: _types_of(path, connection) for connection in wanted}
             for connection, stamp, data in bag.messages(wanted) if wanted else ():
-                message = message_types().deserialize_cdr(data, kind)
+                message = types[connection.id].deserialize_cdr(data, connection.msgtype)
                 found.setdefault(connection.topic, []).append((stamp, message))
+    except InputError:
+        raise
     except Exception as error:  # noqa: BLE001 (what the reader raises of damaged bags is no short list)
         reason = " ".join(str(error).split()) or type(error).__name__  # a YAML error draws where it is
         raise InputError(path, f"cannot be read as a ROS 2 bag: {reason}") from None
     if not found:
-        raise InputError(path, f"holds no message {kind}; its topics are {', '.join(topics) or 'none'}.")
+        raise InputError(path, f"holds no message {' or '.join(kinds)}; its topics are {', '.join(topics) or 'none'}.")
     return dict(sorted(found.items()))
+
+
+def _types_of(path: Path, connection: Any) -> Any:
+    """The types to read the messages of a connection with.
+
+    Raises:
+        InputError: If they are not those of ROS 2 itself, and the bag does not define them.
+    """
+    if connection.msgtype in message_types().types:
+        return message_types()
+    from rosbags.interfaces import MessageDefinitionFormat  # noqa: PLC0415 (an extra, needed when a bag is)
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore  # noqa: PLC0415
+
+    if connection.msgdef.format != MessageDefinitionFormat.MSG:
+        raise InputError(
+            path,
+            f"does not define {connection.msgtype}, as bags of ROS 2 before Iron in SQLite do not. Record it in MCAP: "
+            "`ros2 bag record --storage mcap`, or convert it: `ros2 bag convert`.",
+            key=connection.topic,
+        )
+    types = get_typestore(Stores.EMPTY)  # all of them as the bag has them: those of another release may differ
+    types.register(get_types_from_msg(connection.msgdef.data, connection.msgtype))
+    return types
 
 
 def _check_files(path: Path) -> None:

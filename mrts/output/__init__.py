@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A result as files and text. A new format of the trajectory is one file and one line in `TRAJECTORY_FORMATS`.
 
-May import base to drawing. Start at `saved_result.py`.
+May import base to starting. Start at `saved_result.py`.
 """
 
 from dataclasses import dataclass

@@ -229,7 +229,7 @@ def _player_section(scene: Player, *, given: bool) -> Html:
         "Motion",
         element(
             "p",
-            f"{what} Arms are lines through their joints, the object is the box with its mass and inertia.",
+            f"{what} Arms are lines through their joints; an object of unknown shape is the box of its inertia.",
             class_="note",
         ),
         element("div", joined(controls), class_="controls"),

@@ -2,21 +2,25 @@
 """The motion in three dimensions, frame by frame: arms, object and contact forces."""
 
 from dataclasses import dataclass
-from itertools import product
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.drawing.cell_shapes import contact_forces, joint_points, object_box
+from mrts.drawing.cell_shapes import contact_forces, joint_points
 from mrts.drawing.colours import COLOURS
+from mrts.drawing.held_body import held_body
 from mrts.drawing.labels import shortened
+from mrts.drawing.object_surface import object_edges
 from mrts.report.markup import plot_text
 from mrts.report.plots import numbers
 from mrts.scaling.result import ScalingResult
 
 MOST_FRAMES = 160
+MOST_TRIANGLES = 250
+"""Of the object: the page holds its corners frame by frame."""
 
 LONGEST_ARROW = 0.22
 """The largest force, as a share of the scene."""
@@ -40,13 +44,6 @@ SHORTEST_PLAY = 3.0
 """Playing takes at least this long at the speed that is chosen first [s]."""
 
 SPEEDS = (1.0, 0.5, 0.25, 0.1, 0.05, 0.02, 0.01)
-
-CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
-EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if np.sum(CORNERS[a] != CORNERS[b]) == 1]
-TRIANGLES = (
-    (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
-    (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3),
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -88,10 +85,11 @@ def player(result: ScalingResult, way: Array | None = None) -> Player:
     arms = [
         joint_points(robot, q[:, joints]) for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True)
     ]
-    sides = CORNERS * object_box(cell)
-    box = given.position[frames, None] + np.einsum("nij,kj->nki", given.rotation[frames], sides)
+    held = held_body(cell, MOST_TRIANGLES)
+    vertices, triangles = held.vertices, held.faces
+    box = given.position[frames, None] + np.einsum("nij,kj->nki", given.rotation[frames], vertices)
     holds = [np.stack([given.position[frames], arm[:, -1]], axis=1) for arm in arms]
-    segments = [box[:, list(edge)] for edge in EDGES] + holds
+    segments = [box[:, edge] for edge in object_edges(vertices, triangles)] + holds
     edges = np.concatenate([np.insert(segment, 2, np.nan, axis=1) for segment in segments], axis=1)
     solid = np.concatenate([*arms, box], axis=1).reshape(-1, 3)
     arrows, largest = _force_arrows(result, frames, LONGEST_ARROW * float(np.max(np.ptp(solid, axis=0))))
@@ -99,7 +97,7 @@ def player(result: ScalingResult, way: Array | None = None) -> Player:
         (arm, _arm_trace(robot.name, index, arm.shape[1]))
         for index, (robot, arm) in enumerate(zip(cell.robots, arms, strict=True))
     ]
-    moving += [(box, _box_trace()), (edges, _line_trace("object", "#555", 3, legend=False))]
+    moving += [(box, _object_trace(triangles)), (edges, _line_trace("object", "#555", 3, legend=False))]
     if largest > NO_FORCE:
         moving.append((arrows, _line_trace("force on the object", "#000", 5)))
     path = _line_trace("path of the object", "#888", 2) | _coordinates(given.position[frames])
@@ -167,8 +165,8 @@ def _arm_trace(name: str, index: int, points: int) -> dict[str, Any]:
     }
 
 
-def _box_trace() -> dict[str, Any]:
-    i, j, k = (list(corner) for corner in zip(*TRIANGLES, strict=True))
+def _object_trace(triangles: NDArray[np.int64]) -> dict[str, Any]:
+    i, j, k = triangles.T.tolist()
     return {
         "type": "mesh3d",
         "name": "object",

@@ -23,6 +23,8 @@ NEED_NOT_BE_GIVEN = frozenset({"linear", "angular", "torque_rate", "jerk", "rate
 BY_KEY = {
     "xyz": "m",
     "rpy": "rad",
+    "look_at": "m",
+    "turn": "rad",
     "duration": "s",
     "gravity": "m/s²",
     "inertia": "kg m²",
@@ -31,6 +33,8 @@ BY_KEY = {
     "mass": "kg",
     "half_width": "m",
     "radius": "m",
+    "length": "m",
+    "box": "m",
     "force": "N",
     "holding_force": "N",
 }

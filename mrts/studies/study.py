@@ -2,9 +2,9 @@
 """A study: a cell and a motion of which numbers vary, and what is asked of each variant."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from copy import deepcopy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -15,7 +15,8 @@ from mrts.base.argument_types import as_path, check_type
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_atomically, write_together
 from mrts.base.errors import InputError, as_array
-from mrts.base.input_file import MAX_URDF_BYTES
+from mrts.base.formats.package_uri import is_uri
+from mrts.base.input_file import MAX_FILE_BYTES
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.regular_file import read_regular
@@ -108,18 +109,26 @@ class StudyQuestion:
 
 
 @dataclass(frozen=True)
-class UrdfText:
-    """The URDF of a robot, so that a study can be solved where its files are not.
+class StudyFile:
+    """A URDF or a mesh that a cell file names, so that a study can be solved where its files are not.
 
     Attributes:
         reference: As the cell file gives it.
-        path: Where it was read.
+        path: Where it was read; of a xacro, the URDF that it became.
         content: Its bytes.
+        origin: Where the file is that the reference means.
+        xacro_args: Values of a xacro's arguments, as the cell file gives them.
     """
 
     reference: str
     path: str
     content: bytes
+    origin: str
+    xacro_args: Mapping[str, Any] = field(default_factory=dict)
+
+    def named_in(self, folder: Path) -> str:
+        """How a cell file in a folder names it."""
+        return self.reference if is_uri(self.reference) else _reference(Path(self.origin), folder)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -138,6 +147,7 @@ class Study(InNotebooks):
         motion: Keys and values of the motion file, likewise; a table's are where it is.
         table: The motion, where it is a table: no number of it varies.
         urdfs: The robots' URDFs, in the order of the cell file.
+        mesh: That of the object, None where it has none.
         joints: Names of each robot's joints, base to tip, by robot.
         digest: Hash of all that the answers depend on.
     """
@@ -152,7 +162,8 @@ class Study(InNotebooks):
     cell: dict[str, Any]
     motion: dict[str, Any]
     table: ObjectMotion | JointTable | None
-    urdfs: tuple[UrdfText, ...]
+    urdfs: tuple[StudyFile, ...]
+    mesh: StudyFile | None
     joints: dict[str, tuple[str, ...]]
     digest: str
 
@@ -218,14 +229,16 @@ class Study(InNotebooks):
 
         It is itself where they still are; elsewhere, or where one has changed, they are written into the user's cache.
         """
-        if all(_holds(Path(urdf.path), urdf.content) for urdf in self.urdfs):
+        if all(_holds(Path(file.path), file.content) for file in (*self.urdfs, self.mesh) if file is not None):
             return self
         folder = cache_folder("studies", self.digest)
         cell = deepcopy(self.cell)
         for index, (robot, urdf) in enumerate(zip(cell["robots"], self.urdfs, strict=True)):
             robot["urdf"] = f"{index}.urdf"
-            if not _holds(folder / robot["urdf"], urdf.content):
-                write_atomically(folder / robot["urdf"], partial(_write_bytes, content=urdf.content), private=True)
+            _keep(folder / robot["urdf"], urdf.content)
+        if self.mesh is not None:
+            cell["object"]["shape"]["mesh"] = f"object{Path(self.mesh.path).suffix}"
+            _keep(folder / cell["object"]["shape"]["mesh"], self.mesh.content)
         return replace(self, folder=folder, cell=cell)
 
     def write_variant(self, index: int, folder: Path | str) -> tuple[Path, Path]:
@@ -261,13 +274,22 @@ class Study(InNotebooks):
 
         Args:
             keys: Its keys and values, as from `descriptions`.
-            folder: Where it is to stand: paths of URDFs are relative to it.
+            folder: Where it is to stand: paths of its files are relative to it.
         """
         robots = [dict(robot) for robot in keys["robots"]]
         for robot, urdf in zip(robots, self.urdfs, strict=True):
-            if not urdf.reference.startswith("package://"):
-                robot["urdf"] = _reference(Path(urdf.path), folder)
-        return yaml_text(keys | {"robots": robots})
+            robot["urdf"] = urdf.named_in(folder)
+            if urdf.xacro_args:
+                robot["xacro_args"] = dict(urdf.xacro_args)
+        carried = keys["object"]
+        if self.mesh is not None:
+            carried = carried | {"shape": carried["shape"] | {"mesh": self.mesh.named_in(folder)}}
+        return yaml_text(keys | {"object": carried, "robots": robots})
+
+
+def _keep(path: Path, content: bytes) -> None:
+    if not _holds(path, content):
+        write_atomically(path, partial(_write_bytes, content=content), private=True)
 
 
 def _write_bytes(path: Path, content: bytes) -> None:
@@ -277,7 +299,7 @@ def _write_bytes(path: Path, content: bytes) -> None:
 def _holds(path: Path, content: bytes) -> bool:
     """Whether a file is there with a content."""
     try:
-        return read_regular(path, "URDF", MAX_URDF_BYTES) == content
+        return read_regular(path, "input file", MAX_FILE_BYTES) == content
     except InputError:
         return False
 

@@ -11,14 +11,15 @@ from pydantic import Field, field_validator
 
 from mrts.base.argument_types import as_path
 from mrts.base.errors import InputError
-from mrts.base.formats.pose import Finite
+from mrts.base.formats.pose import Finite, Pose
 from mrts.base.formats.strict_model import StrictModel
-from mrts.base.input_file import MAX_URDF_BYTES, read_model, read_text
+from mrts.base.input_file import MAX_FILE_BYTES, MAX_URDF_BYTES, read_model, read_text
 from mrts.base.regular_file import is_folder, open_regular, read_regular
+from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.version import __version__
 from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
 from mrts.cell.cell import Cell
-from mrts.cell.generation import all_cell_keys, urdf_files
+from mrts.cell.generation import all_cell_keys, named_files, urdf_files
 from mrts.cell.loading import load_cell
 from mrts.cell.robot import Robot
 from mrts.limits import LIMITS
@@ -30,7 +31,7 @@ from mrts.refinement.excess import checked_tolerance
 from mrts.scaling.uncertain_load import mass_grid
 from mrts.studies.knobs import read_parameters
 from mrts.studies.sampling import MOST_HYPERCUBE_NUMBERS, MOST_VARIANTS, SampleName, grid_size
-from mrts.studies.study import Parameter, Study, StudyQuestion, UrdfText
+from mrts.studies.study import Parameter, Study, StudyFile, StudyQuestion
 
 MAX_BAG_FILE_BYTES = 10**10
 """Of one file of a ROS 2 bag; as large as its reader can bear."""
@@ -95,22 +96,22 @@ def read_study(path: Path | str) -> Study:
     motion = load_motion(motion_path)
     _check_question(path, described, cell)
     given = {"cell": _given_keys(cell_path, "cell file"), "motion": _given_motion(motion_path, motion)}
+    _angles_for_quaternions(given)
     poses = _is_path_of_poses(given["motion"])
     filled = {
         "cell": _filled_cell(cell_path, given["cell"], cell),
         "motion": _filled_motion(given["motion"]) if poses else {},
     }
     parameters = read_parameters(path, described.vary, described.sample, given, filled, cell)
-    urdfs = tuple(
-        UrdfText(robot["urdf"], str(file.absolute()), read_regular(file, "URDF", MAX_URDF_BYTES))
-        for robot, (file, _) in zip(given["cell"]["robots"], urdf_files(cell_path).values(), strict=True)
-    )
+    urdfs, mesh = _study_files(cell_path, given["cell"])
     question = StudyQuestion(described.profile, described.load, described.torques, described.reserve, described.between)
     variants, seed = _variants(path, described, parameters), described.seed or 0
     asked = [__version__, repr((parameters, described.sample, variants, seed, question, tuple(LIMITS)))]
     asked += [json.dumps(given["cell"])]
-    asked += [json.dumps(given["motion"] if poses else given["motion"].get("samples"))]
-    parts = [_hash(text.encode()) for text in asked] + [_hash(urdf.content) for urdf in urdfs]
+    where = {"file", "joints"}  # what such a table says is hashed
+    asked += [json.dumps({key: value for key, value in given["motion"].items() if key not in where})]
+    files = [*urdfs, *([] if mesh is None else [mesh])]
+    parts = [_hash(text.encode()) for text in asked] + [_hash(file.content) for file in files]
     parts += [] if poses else _table_hashes(given["motion"])
     return Study(
         path=path.absolute(),
@@ -124,9 +125,30 @@ def read_study(path: Path | str) -> Study:
         motion=given["motion"],
         table=None if poses else motion,
         urdfs=urdfs,
+        mesh=mesh,
         joints={robot.name: robot.joints for robot in cell.robots},
         digest=_hash(b"".join(parts)).hex(),
     )
+
+
+def _study_files(path: Path, given: dict[str, Any]) -> tuple[tuple[StudyFile, ...], StudyFile | None]:
+    """The files that a cell file names; where that is a xacro, the URDF that it became takes its place in the keys.
+
+    Args:
+        path: The cell file.
+        given: Its keys and values; changed.
+    """
+    urdfs, files = [], named_files(path)
+    for robot, (file, _), origin in zip(given["robots"], urdf_files(path).values(), files.urdfs, strict=True):
+        content = read_regular(file, "URDF", MAX_URDF_BYTES)
+        arguments = robot.pop("xacro_args", None) or {}
+        urdfs.append(StudyFile(robot["urdf"], str(file.absolute()), content, str(origin.absolute()), arguments))
+        if file != origin:
+            robot["urdf"] = str(file)
+    if files.mesh is None:
+        return tuple(urdfs), None
+    content, where = read_regular(files.mesh, "mesh", MAX_FILE_BYTES), str(files.mesh.absolute())
+    return tuple(urdfs), StudyFile(given["object"]["shape"]["mesh"], where, content, where)
 
 
 def _described(path: Path) -> StudyDescription:
@@ -165,6 +187,22 @@ def _given_keys(path: Path, what: str) -> dict[str, Any]:
     return unshared
 
 
+def _angles_for_quaternions(files: dict[str, dict[str, Any]]) -> None:
+    """Give poses by roll, pitch and yaw, of which each can vary by itself; one that looks at a point goes on doing so.
+
+    Args:
+        files: Keys and values of the "cell" file, and maybe of the "motion" file; changed.
+    """
+    motion = files.get("motion", {})
+    holders = [*files["cell"]["robots"], motion]
+    poses = [holder.get(key) for holder in holders for key in ("base", "grasp", "start", "end")]
+    for pose in filter(None, [*poses, *(motion.get("waypoints") or [])]):
+        if any(name.startswith("quaternion") for name in pose):
+            read = Pose.model_validate(dict(pose))
+            pose.clear()
+            pose.update(xyz=read.xyz, rpy=rpy_from_rotation(read.rotation()))
+
+
 def _filled_cell(path: Path, given: dict[str, Any], cell: Cell) -> dict[str, Any]:
     """A cell file's keys with all that it leaves out, and limits that it does not give as empty places.
 
@@ -177,6 +215,7 @@ def _filled_cell(path: Path, given: dict[str, Any], cell: Cell) -> dict[str, Any
         InputError: If the file breaks a rule.
     """
     filled = all_cell_keys(path)
+    _angles_for_quaternions({"cell": filled})
     for robot, arm, as_given in zip(filled["robots"], cell.robots, given["robots"], strict=True):
         _fill_robot(robot, arm, len(cell.wrench_components))
         robot["contact"] = deepcopy(as_given.get("contact") or [])

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from http import HTTPStatus
 from ipaddress import ip_address
-from math import isfinite
+from math import hypot, isfinite
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -30,6 +30,15 @@ LARGEST_MESSAGE = 16_384
 
 HEADERS = {"Referrer-Policy": "no-referrer", "X-Frame-Options": "DENY", "Cache-Control": "no-store"}
 """The address holds the token: it goes to no other site, and no other site shows the page in a frame."""
+
+LONGEST_TEXT = 200
+"""Of a text field: a name of a file."""
+
+FARTHEST = 1e3
+"""Where a gizmo can be dragged to along an axis [m]."""
+
+SMALLEST_QUATERNION = 1e-3
+"""Length below which a quaternion has no direction; a browser sends them with length 1."""
 
 Value = bool | int | float | str
 Point = tuple[float, float, float]
@@ -65,7 +74,38 @@ class _Camera(msgspec.Struct, tag="ViewerCameraMessage", tag_field="type"):
         return all(map(isfinite, (*numbers, *self.wxyz, *self.position, *self.look_at, *self.up_direction)))
 
 
-_READ = msgspec.msgpack.Decoder(_GuiUpdate | _Camera)
+class _GizmoMoved(msgspec.Struct, tag="TransformControlsUpdateMessage", tag_field="type"):
+    """Where a gizmo was dragged to."""
+
+    name: str
+    wxyz: tuple[float, float, float, float]
+    position: Point
+    owner: str = ""
+
+    def checked(self) -> "_GizmoMoved | None":
+        """With a quaternion of length 1; None for what is no pose near the scene."""
+        size = hypot(*self.wxyz)
+        if not isfinite(size) or size < SMALLEST_QUATERNION or not all(abs(x) <= FARTHEST for x in self.position):
+            return None
+        w, x, y, z = (part / size for part in self.wxyz)
+        return _GizmoMoved(self.name, (w, x, y, z), self.position)
+
+
+class _GizmoTaken(msgspec.Struct, tag="TransformControlsDragStartMessage", tag_field="type"):
+    """A gizmo was taken hold of."""
+
+    name: str
+    owner: str = ""
+
+
+class _GizmoLeft(msgspec.Struct, tag="TransformControlsDragEndMessage", tag_field="type"):
+    """A gizmo was let go."""
+
+    name: str
+    owner: str = ""
+
+
+_READ = msgspec.msgpack.Decoder(_GuiUpdate | _Camera | _GizmoMoved | _GizmoTaken | _GizmoLeft)
 
 
 class GuardedServer(viser.ViserServer):
@@ -81,10 +121,14 @@ class GuardedServer(viser.ViserServer):
     """
 
     def __init__(self, host: str, port: int, label: str) -> None:
-        guard = self.guard = ViewerGuard(host, self._control)
+        guard = self.guard = ViewerGuard(host, self._control, self._has_gizmo)
         with guard.serving():
             super().__init__(host, port, label, verbose=False)
-        if not guard.is_set or not isinstance(getattr(self.gui, "_gui_input_handle_from_uuid", None), dict):
+        registers = (
+            getattr(self.gui, "_gui_input_handle_from_uuid", None),
+            getattr(self.scene, "_handle_from_transform_controls_name", None),
+        )
+        if not guard.is_set or not all(isinstance(register, dict) for register in registers):
             self.stop()
             raise InputError(
                 "viser",
@@ -104,8 +148,18 @@ class GuardedServer(viser.ViserServer):
         """Viser's handles of all controls, by the identifier that a browser calls each by."""
         return self.gui._gui_input_handle_from_uuid  # noqa: SLF001 (viser tells it no other way)
 
+    @property
+    def gizmos(self) -> dict[str, Any]:
+        """Viser's handles of all gizmos, by name."""
+        return self.scene._handle_from_transform_controls_name  # noqa: SLF001 (likewise)
+
     def _control(self, uuid: str) -> object:
         return self.controls.get(uuid)
+
+    def _has_gizmo(self, name: str) -> bool:
+        """Whether there is such a gizmo to be seen."""
+        gizmo = self.gizmos.get(name)
+        return gizmo is not None and bool(gizmo.visible)
 
 
 class ViewerGuard:
@@ -114,6 +168,7 @@ class ViewerGuard:
     Args:
         host: Where the viewer listens.
         control: The control with an identifier of viser's, None if there is none.
+        has_gizmo: Whether a gizmo of a name can be dragged.
 
     Attributes:
         host: As given.
@@ -121,11 +176,13 @@ class ViewerGuard:
         is_set: Whether a server is guarded.
     """
 
-    def __init__(self, host: str, control: Callable[[str], object]) -> None:
+    def __init__(
+        self, host: str, control: Callable[[str], object], has_gizmo: Callable[[str], bool] = lambda _name: False
+    ) -> None:
         self.host = host
         self.token = secrets.token_urlsafe(16)
         self.is_set = False
-        self._control = control
+        self._control, self._has_gizmo = control, has_gizmo
 
     @contextmanager
     def serving(self) -> Iterator[None]:
@@ -221,6 +278,11 @@ class ViewerGuard:
             return None
         if isinstance(read, _Camera):
             return msgspec.msgpack.encode(read) if read.is_finite() else None
+        if not isinstance(read, _GuiUpdate):
+            if read.owner or not self._has_gizmo(read.name):
+                return None
+            moved = read.checked() if isinstance(read, _GizmoMoved) else read
+            return None if moved is None else msgspec.msgpack.encode(moved)
         value = _possible(self._control(read.uuid), read.updates.value)
         return None if value is None else msgspec.msgpack.encode(_GuiUpdate(read.uuid, _NewValue(value)))
 
@@ -230,8 +292,10 @@ def _possible(control: object, value: Value) -> Value | None:
     match control:
         case viser.GuiSliderHandle(disabled=False) if not isinstance(value, str | bool) and isfinite(value):
             return min(max(float(value), control.min), control.max)
-        case viser.GuiDropdownHandle(disabled=False) if value in control.options:
-            return value
+        case viser.GuiDropdownHandle(disabled=False) | viser.GuiButtonGroupHandle(disabled=False):
+            return value if value in control.options else None
+        case viser.GuiTextHandle(disabled=False) if isinstance(value, str):
+            return value if len(value) <= LONGEST_TEXT and value.isprintable() else None
         case viser.GuiCheckboxHandle(disabled=False) | viser.GuiButtonHandle(disabled=False) if value in {True, False}:
             return bool(value)
     return None

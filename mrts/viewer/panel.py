@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What a player says of its state, as HTML: outcome, speed, time, and bars against the limits."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -11,8 +12,9 @@ from mrts.base.printable import html_text
 from mrts.limits.rows import ActiveRow
 from mrts.samples.range_status import RangeStatus
 from mrts.viewer.player_state import Bar, PlayerState
+from mrts.viewer.workbench.unreached import Unreached
 
-WITHIN, OVER, PASSED = "#0072B2", "#D40000", "#B36B00"
+WITHIN, OVER, PASSED = "#0072B2", "var(--mrts-over)", "#B36B00"
 """Colours of a value within its limit, beyond it, and beyond a limit that is only reported."""
 
 Colour = tuple[int, int, int]
@@ -27,18 +29,49 @@ SPLIT = 1 / FULL / 2
 ROUNDING = 1e-9
 """What is less is shown as 0: it is left over from sums of much larger terms."""
 
-HEIGHTS = {"outcome": "max-height:80px", "speed": "height:80px", "moment": "height:64px"}
-"""Of texts that may be long, or change as a slider moves: what is below them must stay where it is."""
+MOST_NAMED = 5
+"""Limits named that are passed; the worst come first."""
+
+HEIGHTS = {"speed": "min-height:32px", "moment": "min-height:32px"}
+"""Of texts that change as a slider moves; they stand below all sliders, and are as long as they are."""
+
+STYLE = """<style>
+:root { --mrts-over: #D40000; }
+:root[data-mantine-color-scheme="dark"] { --mrts-over: #FF7B7B; }
+[data-text] { overflow-wrap: anywhere; }
+[data-bars] td { overflow-wrap: anywhere; vertical-align: top; }
+[data-bars] .track { background: #8883; }
+[data-bars] .limit { background: #888; }
+@media (max-width: 36em) {
+  div:has(> .mantine-Paper-root [data-mrts]) > div:has(canvas) { height: 45% !important; }
+  .mantine-Paper-root:has([data-mrts]) { width: 100% !important; height: 55%; max-height: 55% !important; }
+  .mantine-Paper-root:has([data-mrts]) div[style*="20em"] { width: 100% !important; }
+}
+</style><span data-mrts></span>"""
+"""Of the page. On a narrow window viser lays the panel over the scene; here it stands below, and covers nothing."""
 
 
 def outcome_html(state: PlayerState) -> str:
     """The outcome in a sentence; red where no speed is admissible."""
     result = state.result
-    text = html_text(result.sentence())
+    text = html_text(state.sentence())
     if result.load is not None:
         text += f" Torques are those of the nominal load of {result.cell.mass:.4g} kg."
-    colour = "inherit" if result.status.admits_motion else OVER
-    return _paragraph("outcome", text, colour)
+    admits = result.status.admits_motion and not state.refusal
+    return _paragraph("outcome", text, "inherit" if admits else OVER)
+
+
+def unreached_html(unreached: Unreached) -> str:
+    """Why the arms cannot follow, and how far from the motion's samples they stay."""
+    text = f"<b>No motion:</b> {html_text(unreached.message)}"
+    lost = [
+        f"{html_text(robot.name)} at {int(np.count_nonzero(~reached))} of {len(reached)} samples, by up to "
+        f"{1000 * float(np.max(gap)):.3g} mm"
+        for robot, reached, gap in zip(unreached.cell.robots, unreached.reached.T, unreached.gap.T, strict=True)
+        if not np.all(reached)
+    ]
+    text += f" Red in the scene is what is missing: {'; '.join(lost)}." if lost else ""
+    return _paragraph("outcome", text, OVER)
 
 
 def speed_html(state: PlayerState) -> str:
@@ -54,9 +87,12 @@ def speed_html(state: PlayerState) -> str:
     if over == 0:
         load = ", though the load shown keeps all limits" if state.result.load is not None else ""
         return _paragraph("speed", f"{text}no torques are guaranteed{load}.", OVER)
-    worst = int(np.argmax(state.excess))
-    text += f"{over} of {samples} samples pass a limit (red), by at most "
-    text += f"{_percent(state.excess[worst])} (at {done.time[worst]:.3g} s). "
+    text += f"{over} of {samples} samples pass a limit (red): "
+    passed = state.violations()
+    text += "; ".join(
+        f"{html_text(one.name.short)} by {_percent(one.excess)} at {one.time:.3g} s" for one in passed[:MOST_NAMED]
+    )
+    text += f"; and {len(passed) - MOST_NAMED} more. " if len(passed) > MOST_NAMED else ". "
     if state.result.rule.sharing is not None or len(state.result.cell.robots) == 1:
         text += "The torques follow from the motion alone."
     else:
@@ -101,26 +137,36 @@ def note_html(text: str) -> str:
     return _paragraph("note", html_text(text))
 
 
+def saved_html(text: str) -> str:
+    """What was saved."""
+    return _paragraph("saved", html_text(text))
+
+
 def error_html(text: str) -> str:
     """Why the last wish was not granted."""
     return _paragraph("error", html_text(text), OVER)
 
 
-def bars_html(kind: str, groups: dict[str, list[Bar]], *, kept: bool = True) -> str:
+def bars_html(
+    kind: str, groups: dict[str, list[Bar]], colours: Mapping[str, Colour] = MappingProxyType({}), *, kept: bool = True
+) -> str:
     """Bars about zero, a group a robot; the thin lines are the limits.
 
     Args:
         kind: "torque", "wrench", or "velocity".
         groups: Bars by robot.
+        colours: Of the arms, by name, as the scene draws them.
         kept: Whether the limits are kept, or reported only.
     """
     colour = OVER if kept else PASSED
     rows = []
     for robot, bars in groups.items():
-        rows.append(f'<tr><td colspan="3" style="padding-top:2px"><b>{html_text(robot)}</b></td></tr>')
+        mark = f'<span style="color:rgb{colours[robot]}">■</span> ' if robot in colours else ""
+        rows.append(f'<tr><td colspan="3" style="padding-top:2px">{mark}<b>{html_text(robot)}</b></td></tr>')
         rows += [_bar_row(kind, robot, bar, colour) for bar in bars]
     return (
-        '<table style="width:100%;border-collapse:collapse;font-size:11px;line-height:14px;table-layout:fixed">'
+        '<table data-bars style="width:100%;border-collapse:collapse;font-size:11px;'
+        'line-height:14px;table-layout:fixed">'
         '<colgroup><col style="width:34%"><col style="width:29%"><col style="width:37%"></colgroup>'
         f"{''.join(rows)}</table>"
     )
@@ -143,15 +189,14 @@ def _bar_row(kind: str, robot: str, bar: Bar, over: str) -> str:
     place = f"position:absolute;top:2px;bottom:2px;left:{left:.2f}%;width:{width:.2f}%"
     drawn = f'<div style="{place};background:{colour}"></div>'
     marks = [50.0] if bar.share is None else [50 - 100 * SPLIT, 50.0, 50 + 100 * SPLIT]
-    line = "position:absolute;top:0;height:100%;width:1px;background:#555"
-    drawn += "".join(f'<div style="{line};left:{at:.1f}%"></div>' for at in marks)
+    line = "position:absolute;top:0;height:100%;width:1px"
+    drawn += "".join(f'<div class="limit" style="{line};left:{at:.1f}%"></div>' for at in marks)
     weight = f";color:{over};font-weight:bold" if bar.over else ""
-    cut = "overflow:hidden;text-overflow:ellipsis;white-space:nowrap"
     return (
         f'<tr data-bar="{kind} {html_text(f"{robot}/{bar.name}")}" data-over="{str(bar.over).lower()}">'
-        f'<td style="{cut}" title="{html_text(bar.name)}">{html_text(bar.name)}</td>'
-        f'<td><div style="position:relative;height:12px;background:#eee">{drawn}</div></td>'
-        f'<td style="{cut};text-align:right{weight}">{_value(bar)}</td></tr>'
+        f"<td>{html_text(bar.name)}</td>"
+        f'<td><div class="track" style="position:relative;height:12px">{drawn}</div></td>'
+        f'<td style="text-align:right{weight}">{_value(bar)}</td></tr>'
     )
 
 
@@ -168,5 +213,5 @@ def _number(value: float) -> str:
 
 
 def _paragraph(name: str, text: str, colour: str = "inherit") -> str:
-    style = f"font-size:12px;line-height:16px;padding:0 9px;overflow-y:auto;{HEIGHTS.get(name, '')};color:{colour}"
+    style = f"font-size:12px;line-height:16px;padding:0 9px;{HEIGHTS.get(name, '')};color:{colour}"
     return f'<div data-text="{name}" style="{style}">{text}</div>'

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""What a player of a motion shows: the chosen configuration, speed and time, and all that follows from them."""
+"""What a player of a motion shows: the chosen speed and time, and all that follows from them."""
 
 import re
+from copy import copy
 from dataclasses import dataclass
-from math import ceil, floor, isfinite, log10, sqrt
+from math import isfinite, sqrt
+from typing import Any, Literal
 
 import numpy as np
 
@@ -13,8 +15,12 @@ from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.coordination.grasp_closure import ClosureBound
 from mrts.limits import all_rows, limit_rows
+from mrts.limits.rows import RowName
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
+from mrts.refinement.excess import BETWEEN
+from mrts.retiming.result import RetimingResult
+from mrts.retiming.retime import retime
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.reserve import TORQUES
 from mrts.samples.torque_distribution import torque_weights
@@ -22,56 +28,18 @@ from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.smooth.rate_limits import Rates
 from mrts.solvers import DEFAULT_SOLVER
-from mrts.studies.configurations import ConfigurationStudy, rank_configurations
+from mrts.viewer.offered_speeds import OF_TIMINGS, Speeds, offered_speeds
 from mrts.viewer.widened_limits import widened_torques
-
-BEYOND = 1.2
-"""Speeds are offered up to this factor beyond an end of the range, so that one sees what forbids them."""
-
-FASTEST_INFEASIBLE, FASTEST_UNBOUNDED = 2.0, 3.0
-"""Largest offered c where no end gives one."""
-
-SLOWEST = 0.02
-"""Least offered c, as a share of the largest, where the cell may stand still."""
 
 DIRECTION = re.compile(r" ([+-][ab]?|[ab]|\d+)$")
 """The end of a contact's row that tells it from others of its kind: `+a` of "pad friction +a"."""
 
+Profile = Literal["constant", "optimal", "smooth"]
+
 OWN_BARS = ("torque", "wrench", "velocity")
 """Kinds of limits that have bars of their own; others stand below them."""
-
-STEPS = 400
-"""Least number of speeds on offer."""
-
-
-@dataclass(frozen=True)
-class Speeds:
-    """The speeds that are offered.
-
-    Attributes:
-        ends: c² of "c⁻" and "c⁺", and of the ends of slower intervals, as far as they are finite and > 0.
-        lower: Least c on offer.
-        upper: Largest.
-        step: Between neighbours, a power of ten; `lower` and `upper` are multiples of it.
-        start: First choice.
-    """
-
-    ends: dict[str, float]
-    lower: float
-    upper: float
-    step: float
-    start: float
-
-    @property
-    def digits(self) -> int:
-        """Decimal places that tell neighbours apart."""
-        return max(0, -round(log10(self.step)))
-
-    def c2(self, c: float) -> float:
-        """The c² that a c on offer stands for: the exact end where the end lies within half a step."""
-        near = [c2 for c2 in self.ends.values() if abs(sqrt(c2) - c) <= self.step / 2]
-        return near[-1] if near else c * c
 
 
 @dataclass(frozen=True)
@@ -114,6 +82,21 @@ class Bar:
         return max(self.lower - self.value, self.value - self.upper) > LIMIT_TOLERANCE * size
 
 
+@dataclass(frozen=True)
+class Violation:
+    """A limit that is passed.
+
+    Attributes:
+        name: Of the limit.
+        excess: Beyond it at most, as a share of it.
+        time: When that is, at the chosen speed [s].
+    """
+
+    name: RowName
+    excess: float
+    time: float
+
+
 class PlayerState:
     """A motion at a chosen speed, at a chosen time: at first the fastest admissible one, or c = 1 if there is none.
 
@@ -123,22 +106,27 @@ class PlayerState:
         sharing: A fixed distribution of the load; None leaves it to the quadratic program.
         solver: Name in the registry.
         closure: As in `mrts.scale`.
+        profile: One factor of speed, the fastest timing, or a smooth one.
+        rates: Of the smooth profile, as in `mrts.retime`.
+        between: As in `mrts.scale`.
         progress: Told how far the work on an uncertain load is.
 
     Attributes:
-        result: The range, of the chosen configuration.
+        result: The range, or of a timing what is played, whose c² = 1 is the timing itself.
+        timing: The timing that was found; None of the constant profile, and where there is none.
+        refusal: Why there is no timing though one was asked for, in a sentence; empty if there is one.
         speeds: On offer.
         trajectory: The motion at the chosen speed.
         excess: Share by which a limit is overstepped at most at each sample, 0 for rounding, Shape (N,).
         sample: Index of the chosen time.
-        study: The configurations, once they are ranked.
-        configuration: Index of the chosen one in the ranking; None is the one that the cell file gives.
 
     Raises:
         MrtsError: As `mrts.scale`; an infeasible motion is no error.
     """
 
     result: ScalingResult
+    timing: RetimingResult | None
+    refusal: str
     speeds: Speeds
     trajectory: ScaledTrajectory
     excess: Array
@@ -151,21 +139,54 @@ class PlayerState:
         sharing: LoadSharing | None = None,
         closure: ClosureBound | None = None,
         solver: str = DEFAULT_SOLVER,
+        profile: Profile = "constant",
+        rates: Rates = False,
+        between: float | None = BETWEEN,
         progress: Progress = lambda _done, _total: None,
     ) -> None:
-        self.sample = 0
-        self.study: ConfigurationStudy | None = None
-        self.configuration: int | None = None
-        self._cell, self._motion, self._sharing, self._solver = cell, motion, sharing, solver
-        self._progress, self._closure = progress, closure
-        self._play(cell)
+        self.sample, self.profile, self._solver = 0, profile, solver
+        self.timing, self.refusal = None, ""
+        asked: dict[str, Any] = {"sharing": sharing, "closure": closure, "between": between, "progress": progress}
+        if profile == "constant":
+            self.result = _scaled(cell, motion, solver, asked)
+            self.speeds = offered_speeds(self.result.range)
+        else:
+            found = retime(cell, motion, rates=rates if profile == "smooth" else False, **asked)
+            self._take_timing(found)
+        self.trajectory, self.excess = self._distribute(self.speeds.c2(self.speeds.start))
+        self._rows = all_rows(self.result.cell, self.result.motion)
+
+    def _take_timing(self, found: RetimingResult) -> None:
+        if found.retimed is None:
+            self.refusal, self.result = found.sentence(), found.factor.bare
+            self.speeds = offered_speeds(self.result.range)
+        else:
+            self.timing, self.result, self.speeds = found, found.retimed, OF_TIMINGS
 
     @property
-    def fixed_configuration(self) -> str:
-        """Why there are no other configurations to choose; empty if there are."""
-        if isinstance(self._motion, JointTable):
-            return "A table of joint motion fixes the configuration; only an object's motion leaves a choice."
-        return ""
+    def given_duration(self) -> float:
+        """Of the motion before any timing [s]."""
+        motion = self.result.motion if self.timing is None else self.timing.motion
+        return float(motion.object.time[-1])
+
+    def sentence(self) -> str:
+        """The outcome in a sentence."""
+        found = self.result if self.timing is None else self.timing
+        return self.refusal or found.sentence()
+
+    def at_speed(self, c: float) -> "PlayerState":
+        """The same outcome played at another speed: torques are distributed anew; this state stays as it is.
+
+        Args:
+            c: As in `choose_speed`.
+
+        Raises:
+            InputError: As `choose_speed`.
+            SolverError: If no solver answers.
+        """
+        other = copy(self)
+        other.choose_speed(c)
+        return other
 
     @property
     def time(self) -> float:
@@ -179,7 +200,9 @@ class PlayerState:
 
     @property
     def admissible(self) -> bool:
-        """Whether the chosen speed is in the range."""
+        """Whether the chosen speed is in the range; a smooth timing keeps its rates at its own speed only."""
+        if self.timing is not None and self.trajectory.c2 == 1:
+            return True
         return _admits(self.result.range, self.trajectory.c2)
 
     def choose_time(self, time: float) -> None:
@@ -199,40 +222,7 @@ class PlayerState:
         least = 1e-3 * self.speeds.lower  # far below, c² and what is divided by it leave the range of numbers
         if not (isfinite(c) and c >= least):
             raise InputError("c", f"must be finite and >= {least:.3g}.", value=c)
-        self.trajectory, self.excess = self._distribute(self.result, self.speeds.c2(c))
-
-    def rank(self) -> None:
-        """Compare all configurations; takes seconds.
-
-        Raises:
-            MrtsError: As `rank_configurations`.
-        """
-        if isinstance(self._motion, ObjectMotion):
-            self.study = rank_configurations(self._cell, self._motion, sharing=self._sharing, solver=self._solver)
-
-    def configuration_labels(self) -> list[str]:
-        """One a ranked configuration, such as "1: left 1, right 1, c²⁺ = 26.35"."""
-        labels = []
-        for rank, configuration in enumerate(self.study.ranked if self.study else (), start=1):
-            branches = ", ".join(f"{branch.robot} {branch.number}" for branch in configuration.branches)
-            c2, status = configuration.c2_upper, configuration.range.status.value
-            labels.append(f"{rank}: {branches}, " + (f"c²⁺ = {c2:.4g}" if isfinite(c2) else status))
-        return labels
-
-    def choose_configuration(self, index: int | None) -> None:
-        """Play the motion in another configuration, from its start, at its own first choice of speed.
-
-        Args:
-            index: In the ranking; None takes the configuration of the cell file.
-
-        Raises:
-            MrtsError: As `mrts.scale`; nothing changes then.
-        """
-        if index is None or self.study is None:
-            self._play(self._cell)
-        else:
-            self._play(self._cell.with_postures(self.study.ranked[index].postures()))
-        self.configuration = index
+        self.trajectory, self.excess = self._distribute(self.speeds.c2(c))
 
     def torque_bars(self) -> dict[str, list[Bar]]:
         """Joint torques at the chosen time, by robot."""
@@ -250,6 +240,18 @@ class PlayerState:
         """What limits beside those of a cell file bound at the chosen time, by kind and robot."""
         kinds = dict.fromkeys(name.kind for name in self._rows.names if name.kind not in OWN_BARS)
         return {kind: self._contact_bars() if kind == "contact" else self._bars(kind) for kind in kinds}
+
+    def violations(self) -> list[Violation]:
+        """Limits that are passed at some sample, the worst first."""
+        done = self.trajectory
+        excess = self._rows.excess(self._rows.value(done.torque, done.wrench, 0.0, done.c))
+        worst, samples = np.max(excess, axis=0), np.argmax(excess, axis=0)
+        found = [
+            Violation(name, float(share), float(done.time[sample]))
+            for name, share, sample in zip(self._rows.names, worst, samples, strict=True)
+            if share > LIMIT_TOLERANCE
+        ]
+        return sorted(found, key=lambda one: -one.excess)
 
     def joints_beyond_velocity(self) -> int:
         """How many joints pass their velocity limit at some time."""
@@ -287,67 +289,32 @@ class PlayerState:
             bars.setdefault(robot, []).append(Bar(what, 100 * used, -np.inf, 100.0, "%"))
         return bars
 
-    def _play(self, cell: Cell) -> None:
-        try:
-            result = scale(
-                cell,
-                self._motion,
-                sharing=self._sharing,
-                solver=self._solver,
-                closure=self._closure,
-                progress=self._progress,
-            )
-        except SelectionError as error:  # the cell can only hold still, or c = 1 is too slow where nothing is too fast
-            if error.result is None:
-                raise
-            result = error.result
-        speeds = offered_speeds(result.range)
-        trajectory, excess = self._distribute(result, speeds.c2(speeds.start))
-        self.result, self.speeds, self.sample = result, speeds, 0
-        self.trajectory, self.excess = trajectory, excess
-        self._rows = all_rows(result.cell, result.motion)
-
-    def _distribute(self, result: ScalingResult, c2: float) -> tuple[ScaledTrajectory, Array]:
+    def _distribute(self, c2: float) -> tuple[ScaledTrajectory, Array]:
+        result, solver = self.result, self._solver
         cell, motion, rule = result.cell, result.motion, result.rule
-        if _admits(result.range, c2):
+        if self.timing is not None and c2 == 1:
+            assert result.trajectory is not None  # noqa: S101 (a timing has torques)
+            torque, wrench = result.trajectory.torque, result.trajectory.wrench
+        elif _admits(result.range, c2):
             W = torque_weights(rule.weights, motion.q.shape[1])
             distribute = TORQUES[rule.distribute]
-            torque, wrench, _ = distribute(cell, motion, rule.formulation, rule.sharing, self._solver, c2, W)
+            torque, wrench, _ = distribute(cell, motion, rule.formulation, rule.sharing, solver, c2, W)
         else:
-            torque, wrench = widened_torques(cell, motion, rule, c2, self._solver)
+            torque, wrench = widened_torques(cell, motion, rule, c2, solver)
         rows = limit_rows(cell, motion)
         excess = np.max(rows.excess(rows.value(torque, wrench, 0.0, sqrt(c2))), axis=1, initial=0.0)
         excess[excess <= LIMIT_TOLERANCE] = 0.0
         return ScaledTrajectory(cell, motion, c2, torque, wrench), excess
 
 
-def offered_speeds(found: ScalingRange) -> Speeds:
-    """Speeds around a range of c²: slightly beyond both ends.
-
-    Args:
-        found: The range; without an admissible speed, the motion as given is the first choice.
-    """
-    both = [end.c2 for end in (found.lower, found.upper) if end is not None]
-    slowest = found.intervals[0][0].c2 if found.intervals else both[0] if both else 0.0
-    named = list(zip(("c⁻", "c⁺"), both, strict=False))
-    for number, interval in enumerate(found.intervals[:-1], start=1):
-        named += [(f"c{side} of interval {number}", end.c2) for side, end in zip("⁻⁺", interval, strict=True)]
-    ends = {name: c2 for name, c2 in named if isfinite(c2) and c2 > 0}
-    of_ends = [sqrt(c2) for c2 in ends.values()]
-    least = sqrt(slowest)
-    moves = found.status.admits_motion and both[1] > 0
-    if moves and isfinite(both[1]):
-        start = upper = sqrt(both[1])
-        upper *= BEYOND
-    else:
-        start = max(1.0, sqrt(both[0])) if moves else 1.0
-        upper = FASTEST_UNBOUNDED if moves else FASTEST_INFEASIBLE
-        upper = max([upper, *(BEYOND * c for c in of_ends)])
-    lower = min([start, *of_ends]) / BEYOND if least > 0 else SLOWEST * upper
-    power = floor(log10((upper - lower) / STEPS))
-    step = 10.0**power
-    lower, upper = (round(count * step, -power) for count in (max(floor(lower / step), 1), ceil(upper / step)))
-    return Speeds(ends, lower, upper, step, start)
+def _scaled(cell: Cell, motion: ObjectMotion | JointTable, solver: str, asked: dict[str, Any]) -> ScalingResult:
+    """The range; where nothing is selected too."""
+    try:
+        return scale(cell, motion, solver=solver, **asked)
+    except SelectionError as error:  # the cell can only hold still, or c = 1 is too slow where nothing is too fast
+        if error.result is None:
+            raise
+        return error.result
 
 
 def _admits(found: ScalingRange, c2: float) -> bool:

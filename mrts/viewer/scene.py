@@ -1,24 +1,30 @@
 # SPDX-License-Identifier: MIT
-"""The cell in a viser scene: arms, object, contact wrenches; needs the extra 'view'."""
+"""The cell in a viser scene: arms, the body they hold, its path, contact wrenches, gaps; needs the extra 'view'."""
 
-from collections.abc import Callable, Mapping
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import viser
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
-from mrts.base.rigid_transform import quaternions_from_rotations
+from mrts.base.rigid_transform import RigidTransform
+from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.drawing.arm_meshes import arm_meshes
-from mrts.drawing.cell_shapes import body_poses, contact_forces, joint_points, object_box
-from mrts.drawing.cell_view import FIELD_OF_VIEW, CellView, look_at_cell
+from mrts.drawing.cell_shapes import body_poses, contact_forces
+from mrts.drawing.cell_view import FIELD_OF_VIEW, look_at_cell
+from mrts.drawing.colours import COLOURS
+from mrts.drawing.held_body import held_body
 from mrts.viewer.player_state import PlayerState
+from mrts.viewer.scene_arms import Rgb, Urdfs, drawn_arm, wxyz, z_along
+from mrts.viewer.workbench.unreached import Unreached
+from mrts.viewer.workbench.workbench import Answer
 
-ARM, JOINT, OBJECT = (150, 160, 172), (70, 80, 95), (230, 185, 90)
+OBJECT = (236, 178, 60)
+PATH, PASSED, GAP = (70, 70, 80), (212, 0, 0), (212, 0, 0)
+"""Of the path where limits are kept, where one is passed, and of what is between a tip and a grasp out of its reach."""
+
 FORCE, MOMENT = (190, 50, 0), (0, 110, 80)
 """Colours, 0 to 255; those of the arrows are darker than they look in the scene's light."""
 
@@ -34,75 +40,164 @@ ROUNDED_DOWN = 1e-9
 SHORTEST = 1e-3
 """Arrows below this share of the cell's size have no direction worth drawing."""
 
+GHOST = 0.18
+"""Opacity of the object at the start and at the end of its path."""
+
+FRAME = 0.12
+"""Length of a frame's axes, as a share of the cell's size."""
+
+LINE = 0.25
+"""Radius of the object's path, as a share of an arm's; it is drawn as arrows without heads."""
+
+NO_LINES = np.zeros((0, 2, 3), dtype=np.float32)
+
+ASPECT_CHANGE = 0.03
+"""By which share a picture's aspect changes before the view is fitted to it again."""
+
+MOVED_AWAY = 0.02
+"""How far a camera is from where it was put, as a share of its distance, once somebody moved it."""
+
+
+def arm_colours(cell: Cell) -> dict[str, Rgb]:
+    """The colour of each arm, by name."""
+    chosen = [COLOURS[index % (len(COLOURS) - 1)] for index in range(len(cell.robots))]
+    parts = [tuple(int(colour[at : at + 2], 16) for at in (1, 3, 5)) for colour in chosen]
+    return {robot.name: (r, g, b) for robot, (r, g, b) in zip(cell.robots, parts, strict=True)}
+
+
+@dataclass(frozen=True, eq=False)
+class ShownCourse:
+    """Poses along a motion, as far as a scene is concerned; k of them.
+
+    Attributes:
+        cell: The cell.
+        q: Joint positions, Shape (k, m) [rad or m].
+        position: Of the object, Shape (k, 3) [m].
+        rotation: Of the object, Shape (k, 3, 3).
+        passed: Where a limit is passed, or an arm does not reach, Shape (k,).
+    """
+
+    cell: Cell
+    q: Array
+    position: Array
+    rotation: Array
+    passed: NDArray[np.bool_]
+
+
+def course_of(shown: PlayerState | Unreached) -> ShownCourse:
+    """The poses of what is shown."""
+    if isinstance(shown, Unreached):
+        passed = ~np.all(shown.reached, axis=1)
+        return ShownCourse(shown.cell, shown.q, shown.position, shown.rotation, passed)
+    motion = shown.result.motion
+    return ShownCourse(shown.result.cell, motion.q, motion.object.position, motion.object.rotation, shown.excess > 0)
+
 
 class ViewerScene:
-    """Draws a state and follows it.
+    """Draws answers and moments.
 
     Args:
         server: Where.
-        state: What.
+        answer: The first.
         urdfs: URDF and base link by robot, as far as there are any.
         warn: Told which arm is drawn without its meshes, and why.
 
     Attributes:
+        colours: Of the arms, by name.
+        size: Radius of a ball that holds all parts at all times [m].
         metres_per_newton: Length of a force's arrow for 1 N, 1, 2 or 5 times a power of ten [m].
         metres_per_newton_metre: Likewise of a moment's.
     """
 
-    def __init__(
-        self,
-        server: viser.ViserServer,
-        state: PlayerState,
-        urdfs: Mapping[str, tuple[Path, str | None]],
-        warn: Callable[[str], None],
-    ) -> None:
-        self._scene, self._state = server.scene, state
-        result = state.result
-        view = look_at_cell(result.cell, result.motion)
-        self._size = view.size
-        self._scene.set_up_direction(view.up)
-        server.initial_camera.up = view.up
-        server.initial_camera.position = view.camera
-        server.initial_camera.look_at = view.target
-        server.initial_camera.fov = FIELD_OF_VIEW
-        self._draw_surroundings(view)
+    def __init__(self, server: viser.ViserServer, answer: Answer, urdfs: Urdfs, warn: Callable[[str], None]) -> None:
+        self._server, self._scene = server, server.scene
+        shown = answer.state or answer.unreached
+        assert shown is not None  # noqa: S101 (a workbench starts with one)
+        self._course = course_of(shown)
+        cell = self._course.cell
+        self._view = look_at_cell(cell, self._course.q, self._course.position)
+        self.size, self.colours = self._view.size, arm_colours(cell)
+        self.metres_per_newton = self.metres_per_newton_metre = 1.0
+        self._look()
+        self.show_shadows(visible=False)
+        self._draw_surroundings()
+        radius = THICKNESS * self.size
         self._arms = [
-            _MeshArm(self._scene, robot, meshes)
-            if (meshes := _meshes(robot, urdfs, warn))
-            else _SimpleArm(self._scene, robot, THICKNESS * view.size)
-            for robot in result.cell.robots
+            drawn_arm(self._scene, robot, urdfs, self.colours[robot.name], radius, warn) for robot in cell.robots
         ]
-        self._box = self._scene.add_box("/object", color=OBJECT, dimensions=object_box(result.cell), opacity=0.85)
-        nothing = np.zeros((0, 2, 3))
-        thin = 0.4 * THICKNESS * view.size
+        self._names = [
+            self._scene.add_label(f"/names/{robot.name}", robot.name, anchor="top-center") for robot in cell.robots
+        ]
+        self._hands = [
+            self._scene.add_icosphere(f"/hands/{robot.name}", 1.7 * radius, self.colours[robot.name])
+            for robot in cell.robots
+        ]
+        self._frames = self._scene.add_batched_axes(
+            "/frames",
+            np.zeros((0, 4)),
+            np.zeros((0, 3)),
+            axes_length=FRAME * self.size,
+            axes_radius=0.04 * FRAME * self.size,
+            visible=False,
+        )
+        thin = 0.4 * radius
         self._forces, self._moments = (
             self._scene.add_arrows(
-                name, nothing, colour, shaft_radius=thin, head_radius=2.2 * thin, head_length=5 * thin
+                name, NO_LINES, colour, shaft_radius=thin, head_radius=2.2 * thin, head_length=5 * thin
             )
             for name, colour in (("/forces", FORCE), ("/moments", MOMENT))
         )
-        self.metres_per_newton = self.metres_per_newton_metre = 1.0
-        self.rescale()
+        self._gaps = self._scene.add_arrows(
+            "/gaps", NO_LINES, GAP, shaft_radius=thin, head_radius=2.2 * thin, head_length=3 * thin
+        )
+        self._path = self._scene.add_arrows(
+            "/path", NO_LINES, PATH, shaft_radius=LINE * radius, head_radius=LINE * radius, head_length=LINE * radius
+        )
+        self._gap_names = [
+            self._scene.add_label(f"/gap_names/{robot.name}", "", visible=False, anchor="bottom-center")
+            for robot in cell.robots
+        ]
+        self._body_key: bytes = b""
+        self._fitted: dict[int, tuple[float, Array]] = {}
+        self.show_answer(answer)
 
-    def rescale(self) -> None:
-        """Choose the arrows' lengths for the trajectory as it is now."""
-        done, cell = self._state.trajectory, self._state.result.cell
+    def show_answer(self, answer: Answer) -> None:
+        """Draw what does not move along the motion: the body that is held, its path, its ends, where arms stand.
+
+        Args:
+            answer: With a state or with what is not reached; one without either leaves the scene as it is.
+        """
+        shown = answer.state or answer.unreached
+        if shown is None:
+            return
+        course = self._course = course_of(shown)
+        self._draw_body(course)
+        for name, robot in zip(self._names, course.cell.robots, strict=True):
+            name.position = robot.T_world_base.p
+        for ghost, at in zip(self._ghosts, (0, -1), strict=True):
+            ghost.position, ghost.wxyz = course.position[at], wxyz(course.rotation[at])
+        for label, at in zip(self._end_names, (0, -1), strict=True):
+            label.position = course.position[at]
+        steps = np.stack([course.position[:-1], course.position[1:]], axis=1).astype(np.float32)
+        passed = course.passed[:-1] | course.passed[1:]
+        colours = np.where(passed[:, None], np.array(PASSED), np.array(PATH)).astype(np.uint8)
+        self._path.points, self._path.colors = steps, colours
+
+    def rescale(self, state: PlayerState) -> None:
+        """Choose the arrows' lengths for a trajectory as it is now."""
+        done, cell = state.trajectory, state.result.cell
         forces = np.array([unit == "N" for unit in cell.wrench_units] * len(cell.robots))
         largest = [float(np.max(np.abs(done.wrench[:, part]), initial=0.0)) for part in (forces, ~forces)]
         self.metres_per_newton, self.metres_per_newton_metre = (
-            _round_down(ARROW * self._size / value) if value > 0 else 1.0 for value in largest
+            round_down(ARROW * self.size / value) if value > 0 else 1.0 for value in largest
         )
 
-    def update(self) -> None:
-        """Draw the chosen sample."""
-        state, cell = self._state, self._state.result.cell
-        motion, at = state.result.motion, slice(state.sample, state.sample + 1)
-        position, rotation = motion.object.position[at], motion.object.rotation[at]
-        for arm, joints in zip(self._arms, cell.joint_slices.values(), strict=True):
-            arm.update(motion.q[at, joints])
-        self._box.position, self._box.wxyz = position[0], _wxyz(rotation[0])
+    def show_moment(self, state: PlayerState) -> None:
+        """Draw the chosen sample of a state."""
+        course, cell, at = self._course, state.result.cell, slice(state.sample, state.sample + 1)
+        self._pose(course, state.sample)
         contacts = [
-            contact_forces(cell, robot, position, rotation, state.trajectory.wrench[at, part])
+            contact_forces(cell, robot, course.position[at], course.rotation[at], state.trajectory.wrench[at, part])
             for robot, part in zip(cell.robots, cell.wrench_slices.values(), strict=True)
         ]
         points = np.concatenate([contact.point for contact in contacts])
@@ -110,97 +205,157 @@ class ViewerScene:
         moments = np.concatenate([contact.moment for contact in contacts])
         self._forces.points = self._arrows(points, forces * self.metres_per_newton)
         self._moments.points = self._arrows(points, moments * self.metres_per_newton_metre)
+        self._show_gaps(NO_LINES, [])
+
+    def held_pose(self, sample: int) -> RigidTransform:
+        """The object in the world at a sample of what is shown."""
+        return RigidTransform(self._course.rotation[sample], self._course.position[sample])
+
+    def show_gap(self, unreached: Unreached, sample: int) -> None:
+        """Draw how near the arms come to their grasps at one of the samples looked at."""
+        course = self._course
+        tips = self._pose(course, sample)
+        grasps = [
+            course.position[sample] + course.rotation[sample] @ robot.T_object_tip.p for robot in course.cell.robots
+        ]
+        lost = [index for index, reached in enumerate(unreached.reached[sample]) if not reached]
+        lines = np.array([[tips[index], grasps[index]] for index in lost], dtype=np.float32).reshape(-1, 2, 3)
+        named = []
+        for index in lost:
+            gap, robot = unreached.gap[sample, index], course.cell.robots[index]
+            words = f"{robot.name}: {1000 * gap:.0f} mm short" if gap >= SHORTEST else f"{robot.name}: cannot turn so"
+            named.append((index, words, (tips[index] + grasps[index]) / 2))
+        self._forces.points = self._moments.points = NO_LINES
+        self._show_gaps(lines, named)
+
+    def show_frames(self, *, visible: bool) -> None:
+        """Show or hide the frames of bases, tips and the object."""
+        self._frames.visible = visible
+
+    def show_names(self, *, visible: bool) -> None:
+        """Show or hide what is written in the scene."""
+        for label in (*self._names, *self._end_names):
+            label.visible = visible
+
+    def show_shadows(self, *, visible: bool) -> None:
+        """Cast shadows, or none: without a good graphics card they cost most of the frames."""
+        self._scene.configure_default_lights(enabled=True, cast_shadow=visible)
+
+    def darken(self, *, dark: bool) -> None:
+        """Draw the floor for a dark page, or for a light one."""
+        self._floor.cell_color, self._floor.section_color = ((60,) * 3, (90,) * 3) if dark else ((220,) * 3, (180,) * 3)
+
+    def fit(self, client: viser.ClientHandle) -> None:
+        """Let a browser look at the whole cell, whatever the shape of its picture."""
+        camera, view = client.camera, self._view
+        self._fitted[client.client_id] = (camera.aspect, view.camera(camera.aspect))
+        with client.atomic():
+            camera.up_direction = view.up
+            camera.position = view.camera(camera.aspect)  # which takes the point looked at along
+            camera.look_at = view.target
+
+    def follow_windows(self) -> None:
+        """Fit the view of browsers that are new, or whose window changed its shape, unless somebody moved it."""
+        clients = self._server.get_clients()
+        for client_id, client in clients.items():
+            if client_id not in self._fitted:
+                self.fit(client)
+                continue
+            aspect, position = self._fitted[client_id]
+            away = np.linalg.norm(client.camera.position - position)
+            moved = away > MOVED_AWAY * np.linalg.norm(position - self._view.target)
+            if not moved and abs(client.camera.aspect / aspect - 1) > ASPECT_CHANGE:
+                self.fit(client)
+        self._fitted = {client_id: fitted for client_id, fitted in self._fitted.items() if client_id in clients}
+
+    def _pose(self, course: ShownCourse, sample: int) -> list[Array]:
+        """Move all that moves to a sample; where the tips are, each Shape (3,) [m]."""
+        cell, at = course.cell, slice(sample, sample + 1)
+        position, rotation = course.position[sample], course.rotation[sample]
+        tips, rotations = [], []
+        for arm, robot, joints in zip(self._arms, cell.robots, cell.joint_slices.values(), strict=True):
+            arm.update(robot, course.q[at, joints])
+            R, tip = tip_pose(robot, course.q[at, joints])
+            tips.append(tip)
+            rotations.append(R)
+        self._body.position, self._body.wxyz = position, wxyz(rotation)
+        for hand, tip in zip(self._hands, tips, strict=True):
+            hand.position = tip
+        if self._frames.visible:
+            bases = [robot.T_world_base for robot in cell.robots]
+            turns = np.array([rotation, *rotations, *(base.R for base in bases)])
+            self._frames.batched_wxyzs = np.array([wxyz(R) for R in turns], dtype=np.float32)
+            places = np.array([position, *tips, *(base.p for base in bases)])
+            self._frames.batched_positions = places.astype(np.float32)
+        return tips
 
     def _arrows(self, start: Array, step: Array) -> NDArray[np.float32]:
-        long = np.linalg.norm(step, axis=1) > SHORTEST * self._size
+        long = np.linalg.norm(step, axis=1) > SHORTEST * self.size
         return np.stack([start[long], start[long] + step[long]], axis=1).astype(np.float32)
 
-    def _draw_surroundings(self, view: CellView) -> None:
-        size = view.size
-        self._scene.add_frame("/world", axes_length=0.2 * size, axes_radius=0.006 * size, origin_radius=0.0)
-        cell_size = _round_down(size / 4)
-        self._scene.add_grid(
+    def _show_gaps(self, lines: NDArray[np.float32], named: list[tuple[int, str, Array]]) -> None:
+        self._gaps.points = lines
+        words = {index: (text, place) for index, text, place in named}
+        for index, label in enumerate(self._gap_names):
+            label.visible = index in words
+            if index in words:
+                label.text, label.position = words[index]
+
+    def _draw_body(self, course: ShownCourse) -> None:
+        """The body that is held, and its ghosts at both ends; drawn anew where its shape changed."""
+        body = held_body(course.cell)
+        key = body.vertices.tobytes()
+        if key == self._body_key:
+            return
+        self._body_key = key
+        mesh = body.vertices.astype(np.float32), body.faces.astype(np.uint32)
+        self._body = self._scene.add_mesh_simple("/object", *mesh, color=OBJECT, opacity=0.9, flat_shading=True)
+        self._ghosts = [
+            self._scene.add_mesh_simple(
+                f"/{name}", *mesh, color=OBJECT, opacity=GHOST, flat_shading=True, cast_shadow=False
+            )
+            for name in ("start", "goal")
+        ]
+        self._end_names = [
+            self._scene.add_label("/start_name", "start", anchor="top-left"),
+            self._scene.add_label("/goal_name", "goal", anchor="bottom-right"),
+        ]
+
+    def _look(self) -> None:
+        camera, view = self._server.initial_camera, self._view
+        self._scene.set_up_direction(view.up)
+        camera.up, camera.position, camera.look_at = view.up, view.camera(), view.target
+        camera.fov = FIELD_OF_VIEW
+
+    def _draw_surroundings(self) -> None:
+        view, size = self._view, self.size
+        self._scene.add_frame("/world", axes_length=0.12 * size, axes_radius=0.004 * size, origin_radius=0.0)
+        cell_size = round_down(size / 4)
+        side = float(np.ceil(6 * size / cell_size) * cell_size)
+        self._floor = self._scene.add_grid(
             "/floor",
-            width=float(np.ceil(6 * size / cell_size) * cell_size),
-            height=float(np.ceil(6 * size / cell_size) * cell_size),
+            width=side,
+            height=side,
             cell_size=cell_size,
             section_size=5 * cell_size,
-            wxyz=_wxyz(_z_along(view.up)),
+            wxyz=wxyz(z_along(view.up)),
             position=view.floor,
         )
+        self.darken(dark=False)
 
 
-class _MeshArm:
-    """An arm with the meshes of its URDF: a frame for each body, which carries its meshes."""
+def tip_pose(robot: Robot, q: Array) -> tuple[Array, Array]:
+    """Rotation, Shape (3, 3), and position, Shape (3,) [m], of a tip in the world.
 
-    def __init__(self, scene: viser.SceneApi, robot: Robot, meshes: list[tuple[int, Any]]) -> None:
-        self._robot = robot
-        self._frames = [
-            scene.add_frame(f"/arms/{robot.name}/body{index}", show_axes=False)
-            for index in range(len(robot.joints) + 1)
-        ]
-        for number, (body, mesh) in enumerate(meshes):
-            scene.add_mesh_trimesh(f"/arms/{robot.name}/body{body}/mesh{number}", mesh)
-
-    def update(self, q: Array) -> None:
-        """Move to joint positions, Shape (1, n_i) [rad or m]."""
-        rotations, positions = body_poses(self._robot, q)
-        for frame, R, p in zip(self._frames, rotations[0], positions[0], strict=True):
-            frame.position, frame.wxyz = p, _wxyz(R)
+    Args:
+        robot: The arm.
+        q: Joint positions, Shape (1, n_i) [rad or m].
+    """
+    R, p = body_poses(robot, q)
+    return R[0, -1] @ robot.T_base_tip.R, p[0, -1] + R[0, -1] @ robot.T_base_tip.p
 
 
-class _SimpleArm:
-    """An arm as cylinders from joint to joint, with a ball at each."""
-
-    def __init__(self, scene: viser.SceneApi, robot: Robot, radius: float) -> None:
-        self._robot = robot
-        self._balls = [
-            scene.add_icosphere(f"/arms/{robot.name}/point{index}", 1.4 * radius, JOINT)
-            for index in range(len(robot.joints) + 2)
-        ]
-        self._links = [
-            scene.add_cylinder(f"/arms/{robot.name}/link{index}", radius, 1.0, ARM)
-            for index in range(len(robot.joints) + 1)
-        ]
-
-    def update(self, q: Array) -> None:
-        """Move to joint positions, Shape (1, n_i) [rad or m]."""
-        points = joint_points(self._robot, q)[0]
-        for ball, point in zip(self._balls, points, strict=True):
-            ball.position = point
-        for link, start, end in zip(self._links, points, points[1:], strict=False):
-            length = float(np.linalg.norm(end - start))
-            link.visible = length > 0
-            if length > 0:
-                link.position, link.wxyz = (start + end) / 2, _wxyz(_z_along((end - start) / length))
-                link.scale = (1.0, 1.0, length)
-
-
-def _meshes(
-    robot: Robot, urdfs: Mapping[str, tuple[Path, str | None]], warn: Callable[[str], None]
-) -> list[tuple[int, Any]]:
-    if robot.name not in urdfs:
-        return []
-    path, base_link = urdfs[robot.name]
-    try:
-        return arm_meshes(path, base_link, robot.joints, robot.held)
-    except InputError as error:
-        warn(f"robot '{robot.name}' is drawn with simple shapes: {error}")
-        return []
-
-
-def _round_down(value: float) -> float:
+def round_down(value: float) -> float:
     """1, 2 or 5 times a power of ten."""
     power = 10.0 ** np.floor(np.log10(value))
     return float(max(digit for digit in (1, 2, 5) if digit <= value / power * (1 + ROUNDED_DOWN)) * power)
-
-
-def _z_along(direction: Array) -> Array:
-    """A rotation that takes the z axis to a unit vector, Shape (3, 3)."""
-    x = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
-    x = x / np.linalg.norm(x)
-    return np.stack([x, np.cross(direction, x), direction], axis=1)
-
-
-def _wxyz(R: Array) -> Array:
-    return np.roll(quaternions_from_rotations(R), 1)

@@ -107,7 +107,7 @@ CELL_MISTAKES = {
     "missing urdf": (lambda d: d["robots"][0].update(urdf="nothing.urdf"), ["nothing.urdf", "no such URDF"]),
     "unknown package": (
         lambda d: d["robots"][0].update(urdf="package://no_such_thing/arm.urdf"),
-        ["no_such_thing", "not an installed Python package"],
+        ["robots[0] (left).urdf", "package://no_such_thing/arm.urdf'", "is not found", "AMENT_PREFIX_PATH"],
     ),
     "effort missing": (
         lambda d: d["robots"][0].pop("torque"),

@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 import yaml
 from mrts_codegen.content_key import content_key
+from mrts_codegen.urdf_reference import robot_reference
 from random_cells import (
     PLANES,
     Structure,
@@ -185,7 +186,7 @@ def structure_cell(name: str) -> mrts.Cell:
     with TemporaryDirectory() as folder:
         path = bare_cell(name, Path(folder))
         manifest, source = generated_in_cache(path)
-        key = content_key(path, [robot.urdf for robot in manifest.robots])
+        key = content_key(path, map(robot_reference, manifest.robots))
         stored = cache_folder("structures") / f"{key}.pickle"
         if not stored.is_file():
             made = pickle.dumps(virtual_machine_functions(path))

@@ -82,7 +82,7 @@ def test_relative_urdfs_are_looked_up_in_the_folder(tmp_path, monkeypatch):
         ),
         (
             lambda d: d["robots"][0].update(urdf="package://no_such_pkg/a.urdf"),
-            "robots.*not an install",
+            r"robots\[0\].*'no_such_pkg' is not found",
         ),
         (lambda d: d["robots"][0].update(wrench={"lower": [3, 0, 0], "upper": [2, 0, 0]}), r"wrench\[0\]: its lower"),
     ],

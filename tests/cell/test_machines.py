@@ -16,7 +16,7 @@ from mrts_codegen.equations.inverse_dynamics import inverse_dynamics
 from mrts_codegen.equations.kinematics import forward_kinematics
 from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.robot_model import build_robot_model
-from mrts_codegen.urdf.urdf_file import read_urdf
+from mrts_codegen.urdf.urdf_file import parse_urdf
 from published_robots import ROBOTS
 from random_cells import configuration
 from same_cells import same_cell
@@ -159,7 +159,7 @@ def test_what_cannot_be_held_is_refused(fixed, message, tmp_path):
 
 
 def test_a_follower_is_not_held_but_follows():
-    urdf = read_urdf(TALOS)
+    urdf = parse_urdf(TALOS, TALOS.read_bytes())
     with pytest.raises(mrts.InputError, match="it moves with 'gripper_left_joint'; hold that joint, and it follows"):
         held_positions(Path("cell.yaml"), "fixed", TALOS, urdf, {"gripper_left_inner_double_joint": 0.1})
     with pytest.raises(mrts.InputError, match=r"or hold 'gripper_left_joint' still: 'fixed' in the cell file"):
@@ -183,7 +183,7 @@ def test_a_follower_is_not_held_but_follows():
 )
 def test_held_joints_equal_pinocchios_locked_ones(path, tip, fixed):
     """On the chain, before it, beyond it, on a branch that hangs from it; what mimics a held joint has moved too."""
-    urdf = read_urdf(path)
+    urdf = parse_urdf(path, path.read_bytes())
     held = held_positions(Path("cell.yaml"), "fixed", path, urdf, fixed)
     arm = build_robot_model(path, urdf, None, tip, held)
     full = pin.buildModelFromUrdf(str(path))

@@ -11,7 +11,7 @@ from mrts_codegen.cell_file import read_cell_description
 from mrts_codegen.cell_model import build_cell_model
 from mrts_codegen.generate import generate_cell
 from mrts_codegen.urdf.robot_model import build_robot_model
-from mrts_codegen.urdf.urdf_file import read_urdf
+from mrts_codegen.urdf.urdf_file import parse_urdf
 from mrts_codegen.urdf.urdf_joint import NO_LIMIT
 from published_robots import ROBOTS
 
@@ -52,7 +52,7 @@ def refused(path, urdf, leaf):
 def test_every_published_chain_loads_or_is_refused_for_a_reason():
     loaded, seen = 0, set()
     for path in sorted(ROBOTS.rglob("*.urdf")):
-        urdf = read_urdf(path)
+        urdf = parse_urdf(path, path.read_bytes())
         parents = {joint.parent for joint in urdf.joints}
         for leaf in (link.name for link in urdf.links if link.name not in parents):
             refusal = refused(path, urdf, leaf)
@@ -69,16 +69,16 @@ def test_every_published_chain_loads_or_is_refused_for_a_reason():
 def test_a_follower_off_the_chain_is_told():
     """Panda's other finger stays where it is while the chain's moves."""
     path = ROBOTS / "panda_description/urdf/panda.urdf"
-    (remark,) = build_robot_model(path, read_urdf(path), None, "panda_leftfinger").remarks
+    (remark,) = build_robot_model(path, parse_urdf(path, path.read_bytes()), None, "panda_leftfinger").remarks
     assert remark.code == "follower-at-zero"
     assert remark.text.startswith("panda.urdf: 'panda_finger_joint2' would move with joint 'panda_finger_joint1'")
-    assert not build_robot_model(path, read_urdf(path), None, "panda_hand").remarks
+    assert not build_robot_model(path, parse_urdf(path, path.read_bytes()), None, "panda_hand").remarks
 
 
 def test_a_limit_beyond_any_joint_is_none():
     """Iris gives its rotors positions up to 1e16."""
     path = ROBOTS / "iris_description/robots/iris.urdf"
-    joint = build_robot_model(path, read_urdf(path), None, "iris__rotor_0").joints[0]
+    joint = build_robot_model(path, parse_urdf(path, path.read_bytes()), None, "iris__rotor_0").joints[0]
     assert (joint.lower, joint.upper) == (-np.inf, np.inf)
 
 

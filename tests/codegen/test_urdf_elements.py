@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from mrts_codegen.urdf.urdf_file import read_urdf
+from mrts_codegen.urdf.urdf_file import parse_urdf
 from published_robots import CASES, urdf_path
 from yourdfpy import URDF
 
@@ -13,7 +13,10 @@ SAME = 1e-15
 @pytest.mark.parametrize("name", CASES)
 def test_a_urdf_says_what_yourdfpy_reads(name):
     path = urdf_path(CASES[name][0])
-    ours, theirs = read_urdf(path), URDF.load(str(path), load_meshes=False, build_scene_graph=False).robot
+    ours, theirs = (
+        parse_urdf(path, path.read_bytes()),
+        URDF.load(str(path), load_meshes=False, build_scene_graph=False).robot,
+    )
     assert [link.name for link in ours.links] == [link.name for link in theirs.links]
     for one, other in zip(ours.links, theirs.links, strict=True):
         assert (one.inertial is None) == (other.inertial is None)

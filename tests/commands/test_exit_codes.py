@@ -254,9 +254,10 @@ def test_the_demo_without_matplotlib_claims_no_figures(tmp_path):
     done = run_with("import sys\nsys.modules['matplotlib'] = None", "demo", "-o", "out", cwd=tmp_path)
     assert done.returncode == 0
     assert done.stderr == "mrts: the figures need matplotlib: pip install 'mrts[plot]'\n"
-    assert "Written to out: the example's files. Try next:" in done.stdout
+    assert "Written to out: the files of the examples, a folder each. Try next:" in done.stdout
     assert "--plot" not in done.stdout
-    assert list((tmp_path / "out").iterdir()) == [tmp_path / "out" / "planar_dual_arm"]
+    folders = {path.name for path in (ROOT / "mrts" / "data").iterdir() if path.is_dir()}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == folders
 
 
 def test_paths_that_are_no_text(tmp_path, planar_cell):

@@ -231,6 +231,8 @@ def test_every_example_of_the_help_is_understood(tmp_path, monkeypatch):
     shutil.copy(DATA / "lift.yaml", tmp_path / "motion.yaml")
     cell = mrts.load_cell(tmp_path / "cell.yaml")
     (tmp_path / "study.yaml").write_text(STUDY, encoding="utf-8")
+    for name in ("arm", "left", "right"):
+        shutil.copy(UR5 / "ur5_class_arm.urdf", tmp_path / f"{name}.urdf")
     write_recording(tmp_path / "recorded.csv", *exact_recording(cell, random_motors(6), rate=200.0))
     monkeypatch.chdir(tmp_path)
     ran = 0

@@ -49,6 +49,7 @@ def test_a_likely_mistake_is_named_and_nothing_else(damage, tmp_path):
     assert not found.mistakes
 
 
+@pytest.mark.quick
 def test_all_that_is_wrong_is_told_at_once(tmp_path):
     rng = np.random.default_rng(19)
     for _ in range(draws(25)):
@@ -152,6 +153,24 @@ def test_a_proposed_move_lets_the_compiled_cell_follow(dual_ur5, tmp_path):
         mrts.follow_object(far, path)
     assert str(caught.value) == left.failure
     mrts.follow_object(dual_ur5.with_base("left", xyz=(np.array([-1.1, -0.1, 0.1]) + left.shift).tolist()), path)
+
+
+def test_a_posture_that_works_is_named_where_the_given_one_does_not(dual_ur5, tmp_path):
+    """A long way with a turn, which the arm's other elbow does not reach."""
+    cell, motion = sound()
+    motion["end"] = {"xyz": [0.1, 0.3, 0.6], "rpy": [0.2, 0, 1.2]}
+    cell["robots"][0]["base"]["xyz"] = [-0.7, 0, 0]
+    cell["robots"][0]["posture"] = [-3.1666, -1.6203, 1.7971, -0.1768, -4.7374, -1.5708]
+    paths = written(tmp_path, cell, motion)
+    left = mrts.check(*paths).arms[0]
+    path = mrts.load_motion(paths[1])
+    alone = dual_ur5.with_base("left", xyz=[-0.7, 0, 0]).with_base("right", xyz=[0.6, 0.3, 0])
+    given = cell["robots"][0]["posture"]
+    with pytest.raises(mrts.MotionError, match="robot 'left'") as caught:
+        mrts.follow_object(alone.with_postures({"left": given}), path)
+    assert str(caught.value) == left.failure
+    assert left.followed == left.samples
+    mrts.follow_object(alone.with_postures({"left": left.posture.tolist()}), path)
 
 
 def test_cells_that_are_not_compiled_follow_as_those_that_are(planar_cell, dual_ur5, lift):

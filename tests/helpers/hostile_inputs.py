@@ -27,12 +27,14 @@ def read(kind: str, path: Path) -> None:
         from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (not before it is needed)
         from mrts_codegen.content_key import content_key  # noqa: PLC0415
 
-        content_key(path, [robot.urdf for robot in read_cell_description(path).robots])
+        content_key(path, read_cell_description(path).references)
     elif kind == "urdf":
         from mrts_codegen.urdf.robot_model import build_robot_model  # noqa: PLC0415
-        from mrts_codegen.urdf.urdf_file import read_urdf  # noqa: PLC0415
+        from mrts_codegen.urdf.urdf_file import parse_urdf  # noqa: PLC0415
+        from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
 
-        build_robot_model(path, read_urdf(path), "base", "tip")
+        content = FileReference(path.name).content(path, path.parent)
+        build_robot_model(path, parse_urdf(path, content), "base", "tip")
     else:
         {"motion": load_motion, "result": load_result, "generated": mrts.load_cell}[kind](path)
 

@@ -19,9 +19,10 @@ DOCS = ROOT / "docs"
     ("name", "blocks"),
     [
         ("tutorial", 13),
+        ("gallery", 9),
         ("own_cell", 8),
         ("own_robot", 4),
-        ("check", 6),
+        ("check", 5),
         ("command_line", 4),
         ("ros2", 3),
         ("optimal_profile", 2),

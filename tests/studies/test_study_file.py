@@ -128,7 +128,7 @@ vary:
     assert [robot["base"]["xyz"] for robot in cell["robots"]] == [[-0.25, 0, 0], [2.75, 0, 0]]
     assert (motion["start"]["xyz"], motion["end"]["xyz"]) == ([1.75, 1.5, 0.5], [1.75, 2.0, 0.5])
     assert motion["end"]["rpy"] == [0.5, 0.5, 0.5]
-    assert cell["object"] == {"mass": 0.25, "inertia": [0.00025, 0.1, 0.1]}
+    assert (cell["object"]["mass"], cell["object"]["inertia"]) == (0.25, [0.00025, 0.1, 0.1])
     assert [each.unit for each in study.parameters] == ["m", "", ""]  # an end is a place and a rotation
 
 

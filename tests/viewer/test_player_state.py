@@ -13,8 +13,9 @@ from mrts.limits import limit_rows
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.trajectory_programs import motion_torques
 from mrts.scaling.range import intersect
+from mrts.viewer.offered_speeds import offered_speeds
 from mrts.viewer.panel import bars_html, moment_html, outcome_html, speed_html
-from mrts.viewer.player_state import Bar, PlayerState, offered_speeds
+from mrts.viewer.player_state import Bar, PlayerState
 from mrts.viewer.widened_limits import widened_torques
 
 UR5 = DATA.parent / "dual_ur5"
@@ -216,47 +217,6 @@ def test_a_change_of_speed_keeps_the_sample(planar_cell, lift):
     state.choose_speed(state.trajectory.c / 2)
     assert state.sample == sample
     assert state.time == pytest.approx(2 * time)
-
-
-def test_a_ranked_configuration_is_played(planar_cell, lift):
-    state = PlayerState(planar_cell, lift)
-    first = state.trajectory
-    assert state.configuration_labels() == []
-    state.rank()
-    labels = state.configuration_labels()
-    assert len(labels) == len(state.study.ranked) == 4
-    for index, configuration in enumerate(state.study.ranked):
-        state.choose_configuration(index)
-        assert state.result.range.upper.c2 == pytest.approx(configuration.c2_upper, rel=1e-9)
-        numbers = ", ".join(f"{branch.robot} {branch.number}" for branch in configuration.branches)
-        assert labels[index] == f"{index + 1}: {numbers}, c²⁺ = {configuration.c2_upper:.4g}"
-        starts = np.concatenate([branch.start for branch in configuration.branches])
-        np.testing.assert_allclose(state.trajectory.q[0], starts, atol=1e-8)
-    state.choose_configuration(None)
-    np.testing.assert_array_equal(state.trajectory.torque, first.torque)
-
-
-def test_a_configuration_that_cannot_be_played_changes_nothing(planar_cell, lift):
-    state = PlayerState(planar_cell, lift)
-    state.rank()
-    branch = replace(state.study.ranked[0].branches[0], start=np.array([0.0, 0.0]))
-    broken = replace(state.study.ranked[0], branches=(branch, state.study.ranked[0].branches[1]))
-    state.study = replace(state.study, ranked=(broken,))
-    before = state.trajectory
-    with pytest.raises(mrts.InputError, match="must hold 3 finite joint positions"):
-        state.choose_configuration(0)
-    assert state.trajectory is before
-    assert state.configuration is None
-
-
-def test_a_joint_table_fixes_the_configuration(planar_cell, lift, tmp_path):
-    followed = mrts.follow_object(planar_cell, lift)
-    names = [f"{robot.name}/{joint}" for robot in planar_cell.robots for joint in robot.joints]
-    columns = [dict(zip(names, part.T, strict=True)) for part in (followed.q, followed.dq, followed.ddq)]
-    state = PlayerState(planar_cell, mrts.JointTable(tmp_path / "joints.csv", lift.time, *columns))
-    assert "fixes the configuration" in state.fixed_configuration
-    state.rank()
-    assert state.study is None
 
 
 @pytest.mark.parametrize(

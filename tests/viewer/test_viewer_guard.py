@@ -12,13 +12,17 @@ import pytest
 import viser
 import viser.infra._infra as viser_server
 import websockets.asyncio.server
+from conftest import DATA
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import mrts
+from mrts.motion.motion_file import described_motion
 from mrts.viewer.guard import LARGEST_MESSAGE, ViewerGuard
-from mrts.viewer.player_state import PlayerState
-from mrts.viewer.server import Viewer, close_server, open_server
+from mrts.viewer.server import close_server, open_server
+from mrts.viewer.viewer import Viewer
+from mrts.viewer.workbench.choices import Given
+from mrts.viewer.workbench.workbench import Workbench
 
 PROTOCOL = [f"viser-v{viser.__version__}"]
 PATIENCE = 10.0
@@ -44,10 +48,11 @@ def viewer(planar_cell, lift):
     """A viewer whose steps the test makes: its server, state, and the identifiers of its controls by label."""
     server = open_server("127.0.0.1", 0, "test")
     try:
-        state = PlayerState(planar_cell, lift)
-        shown = Viewer(server, state, {}, pytest.fail)
+        description = described_motion(DATA / "lift.yaml")
+        given = Given(planar_cell, lift, description, DATA / "cell.yaml", DATA / "lift.yaml")
+        shown = Viewer(server, Workbench(given), {}, pytest.fail)
         controls = {getattr(handle, "label", ""): (uuid, handle) for uuid, handle in server.controls.items()}
-        yield SimpleNamespace(server=server, state=state, step=shown.step, controls=controls, url=server.url)
+        yield SimpleNamespace(server=server, shown=shown, settle=shown.settle, controls=controls, url=server.url)
     finally:
         close_server(server)
 
@@ -184,7 +189,9 @@ def test_what_is_no_request_is_refused_in_silence(viewer, capfd):
 
 
 def state_of(viewer):
-    return {label: handle.value for label, (_, handle) in viewer.controls.items()} | {"c": viewer.state.trajectory.c}
+    return {label: handle.value for label, (_, handle) in viewer.controls.items()} | {
+        "c": viewer.shown.state.trajectory.c
+    }
 
 
 BAD = {
@@ -213,7 +220,56 @@ BAD_VALUES = {
     "loop": ["no", 2, None, 0.5, []],
     "configuration": ["1: left 1", 0, None],
     "Play": ["yes", None, 7, {}],
+    "mass [kg]": [float("nan"), "1", None, True],
+    "profile": ["fast", 0, None],
+    "change": ["Remove", 1, None],
+    "frames": ["on", 3],
 }
+
+
+GIZMO = {"type": "TransformControlsUpdateMessage", "name": "/gizmo", "wxyz": [1, 0, 0, 0], "position": [0.1, 0, 0]}
+BAD_GIZMO = [
+    {"name": "/object"},
+    {"name": "/gizmo/x"},
+    {"owner": "3"},
+    {"wxyz": [0, 0, 0, 0]},
+    {"wxyz": [float("nan"), 0, 0, 1]},
+    {"wxyz": [1, 0, 0]},
+    {"position": [float("inf"), 0, 0]},
+    {"position": [1e9, 0, 0]},
+    {"position": "here"},
+]
+
+
+def test_a_gizmo_moves_only_while_it_is_seen_and_to_a_place(viewer):
+    """What is let through has a quaternion of length 1; the base follows it in the plane of the cell."""
+    guard, menu = viewer.server.guard, viewer.controls["move"][1]
+    assert guard.checked(pack(GIZMO)) is None  # hidden
+    menu.value = "left base"
+    viewer.settle()
+    for bad in BAD_GIZMO:
+        assert guard.checked(pack(GIZMO | bad)) is None, bad
+    turned = msgspec.msgpack.decode(guard.checked(pack(GIZMO | {"wxyz": [2, 0, 0, 2]})))
+    np.testing.assert_allclose(turned["wxyz"], [np.sqrt(0.5), 0, 0, np.sqrt(0.5)])
+    with connected(viewer) as opened:
+        opened.send(pack({"type": "TransformControlsDragStartMessage", "name": "/gizmo"}))
+        opened.send(pack(GIZMO | {"position": [-0.02, 0.01, 0.7]}))
+        opened.send(pack({"type": "TransformControlsDragEndMessage", "name": "/gizmo"}))
+        assert opened.ping().wait(PATIENCE)
+        for _ in range(100):
+            viewer.settle()
+            if viewer.shown.bench.choices.bases:
+                break
+    np.testing.assert_allclose(viewer.shown.bench.choices.bases["left"].p, [-0.02, 0.01, 0.0], atol=1e-6)
+    viewer.shown.bench.undo()
+    menu.value = "nothing"
+    viewer.settle()
+    assert not viewer.shown.bench.choices.bases
+
+
+@pytest.mark.parametrize("text", ["../evil.yaml\n", "a" * 201, "\x1b[31m", 3, None])
+def test_a_text_field_takes_a_short_line(viewer, text):
+    assert viewer.server.guard.checked(update(viewer, "cell file", text)) is None
 
 
 def test_what_no_control_can_send_is_ignored(viewer):
@@ -229,7 +285,7 @@ def test_what_no_control_can_send_is_ignored(viewer):
             hostile.send(message)
         wait = hostile.ping()
         assert wait.wait(PATIENCE)
-        viewer.step(0.01)
+        viewer.settle()
         assert state_of(viewer) == before
         set_speed(viewer, hostile, 0.5)  # still served
         set_speed(viewer, other, before["speed c"])
@@ -245,21 +301,21 @@ def set_speed(viewer, opened, value, shown=None):
             break
         opened.ping().wait(PATIENCE)
     assert handle.value == shown
-    viewer.step(0.01)
+    viewer.settle()
 
 
 def test_values_beyond_the_ends_are_the_ends(viewer):
-    state, speeds = viewer.state, viewer.state.speeds
+    speeds = viewer.shown.state.speeds
     before = viewer.controls["speed c"][1].value
     with connected(viewer) as opened:
         for value, shown in ((1e-300, speeds.lower), (-5, speeds.lower), (0, speeds.lower), (1e300, speeds.upper)):
             set_speed(viewer, opened, value, shown)
-            np.testing.assert_allclose(state.trajectory.c, shown)
+            np.testing.assert_allclose(viewer.shown.state.trajectory.c, shown)
         set_speed(viewer, opened, before)
         opened.send(update(viewer, "time [s]", 1e300))
         assert opened.ping().wait(PATIENCE)
-        viewer.step(0.0)
-        assert state.sample == len(state.trajectory.time) - 1
+        viewer.settle()
+        assert viewer.shown.state.sample == len(viewer.shown.state.trajectory.time) - 1
 
 
 def drain(opened):

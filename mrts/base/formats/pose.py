@@ -1,10 +1,22 @@
 # SPDX-License-Identifier: MIT
 """Kinds of values that formats share, and the pose."""
 
-from typing import Annotated
+from math import hypot
+from typing import Annotated, Any, Literal
 
+import numpy as np
+
+from mrts.base.arrays import Array
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import IDENTIFIER, LARGEST_NUMBER, LONGEST_NAME
+from mrts.base.rigid_transform import (
+    RigidTransform,
+    multiply,
+    rotation_from_rpy,
+    rotations_from_quaternions,
+    rotations_from_vectors,
+    snap_rotation,
+)
 
 Name = Annotated[str, Rule(pattern=IDENTIFIER, max_length=LONGEST_NAME)]
 """Of a cell or a robot: it stands in C text and in paths."""
@@ -16,13 +28,129 @@ Angles3 = Annotated[list[Angle], Rule(min_length=3, max_length=3)]
 Vector3 = Annotated[list[Finite], Rule(min_length=3, max_length=3)]
 
 
+Quaternion = Annotated[list[Finite], Rule(min_length=4, max_length=4)]
+
+ROTATIONS = ("rpy", "quaternion_wxyz", "quaternion_xyzw")
+"""Keys that give a rotation; a pose has one of them."""
+
+FEW_DIGITS = 1e-3
+"""Largest difference of a unit quaternion's length from 1: printed with few digits."""
+
+NO_DISTANCE = 1e-9
+"""Points closer than this are one: no direction leads from one to the other [m]."""
+
+OPPOSITE = 1e-12
+"""Sine of the angle between two directions that is as good as π: the turn's axis is rounding then."""
+
+
 class Pose(Record):
-    """A frame: position and URDF roll, pitch, yaw.
+    """A frame: position and rotation, which is none where none is given.
 
     Attributes:
         xyz: Position, Shape (3,) [m].
-        rpy: Rotation R = Rz(yaw) Ry(pitch) Rx(roll), Shape (3,) [rad].
+        rpy: Rotation R = Rz(yaw) Ry(pitch) Rx(roll), URDF's roll, pitch, yaw, Shape (3,) [rad].
+        quaternion_wxyz: Rotation as a unit quaternion, its real part first, Shape (4,).
+        quaternion_xyzw: The same with its real part last, as in ROS.
     """
 
     xyz: Vector3 = [0.0, 0.0, 0.0]  # noqa: RUF012 (each record has its own copy)
-    rpy: Angles3 = [0.0, 0.0, 0.0]  # noqa: RUF012 (likewise)
+    rpy: Angles3 | None = None
+    quaternion_wxyz: Quaternion | None = None
+    quaternion_xyzw: Quaternion | None = None
+
+    @property
+    def rotation_key(self) -> str:
+        """The key that gives its rotation."""
+        return next((key for key in ROTATIONS if getattr(self, key) is not None), "rpy")
+
+    @property
+    def transform(self) -> RigidTransform:
+        """The frame."""
+        if self.rpy is not None:
+            return RigidTransform.from_xyz_rpy(self.xyz, self.rpy)
+        return RigidTransform(self.rotation(), np.array(self.xyz, dtype=np.float64))
+
+    def rotation(self) -> Array:
+        """Of the frame, Shape (3, 3)."""
+        if self.rpy is not None:
+            return rotation_from_rpy(*self.rpy)
+        x_to_w = self._x_to_w()
+        return np.eye(3) if x_to_w is None else snap_rotation(rotations_from_quaternions(np.array(x_to_w)))
+
+    def problem(self) -> str:
+        """The rule that its keys break with each other; empty if none."""
+        given = [key for key in ROTATIONS if getattr(self, key) is not None]
+        if len(given) > 1:
+            return f"a rotation is given once, here by {' and '.join(given)}"
+        quaternion = self._x_to_w()
+        length = 1.0 if quaternion is None else hypot(*quaternion)
+        if abs(length - 1) > FEW_DIGITS:
+            return f"a quaternion of a rotation has the length 1; the length of {given[0]} is {length:.6g}"
+        return ""
+
+    def model_dump(self, *, include: set[str] | None = None, exclude: set[str] | None = None) -> dict[str, Any]:
+        """Keys that it has, and angles of 0 where no rotation is given; arguments as `Record.model_dump`."""
+        whole = super().model_dump(include=include, exclude=exclude)
+        known = {key: value for key, value in whole.items() if value is not None}
+        return known if len(known) > 1 or "xyz" not in known else known | {"rpy": [0.0, 0.0, 0.0]}
+
+    def _x_to_w(self) -> list[float] | None:
+        """Its quaternion, if it is given by one, the real part last."""
+        if self.quaternion_wxyz is not None:
+            return [*self.quaternion_wxyz[1:], self.quaternion_wxyz[0]]
+        return self.quaternion_xyzw
+
+
+class GraspPose(Pose):
+    """Where a tip is in the object frame, and how it is turned; also as a tip that looks at a point.
+
+    Attributes:
+        look_at: Point in the object frame at which an axis of the tip points, Shape (3,) [m].
+        axis: That axis of the tip; None is its z axis.
+        turn: The remaining turn about that axis, from the smallest rotation of the object's axes that makes it point
+            there (where it points the other way: half a turn, about z for x and y, about x for z); None is 0 [rad].
+    """
+
+    look_at: Vector3 | None = None
+    axis: Literal["x", "y", "z", "-x", "-y", "-z"] | None = None
+    turn: Angle | None = None
+
+    @property
+    def rotation_key(self) -> str:
+        """The key that gives its rotation."""
+        return super().rotation_key if self.look_at is None else "look_at"
+
+    def rotation(self) -> Array:
+        """Of the tip in the object frame, Shape (3, 3)."""
+        if self.look_at is None:
+            return super().rotation()
+        direction = np.subtract(self.look_at, self.xyz)
+        direction = direction / np.linalg.norm(direction)
+        axis = self.axis or "z"
+        own = np.eye(3)["xyz".index(axis[-1])] * (-1.0 if axis.startswith("-") else 1.0)
+        about = rotations_from_vectors((self.turn or 0.0) * direction)
+        return snap_rotation(multiply(about, _smallest_turn(own, direction)))
+
+    def problem(self) -> str:
+        """The rule that its keys break with each other; empty if none."""
+        if self.look_at is None:
+            beside = [key for key in ("axis", "turn") if getattr(self, key) is not None]
+            return f"'{beside[0]}' goes with 'look_at' only" if beside else super().problem()
+        given = [key for key in ROTATIONS if getattr(self, key) is not None]
+        if given:
+            return f"a rotation is given once, here by look_at and {given[0]}"
+        if hypot(*np.subtract(self.look_at, self.xyz).tolist()) <= NO_DISTANCE:
+            return "'look_at' is the tip's own place, 'xyz': it points nowhere"
+        return ""
+
+
+def _smallest_turn(start: Array, end: Array) -> Array:
+    """The rotation about the common normal of two unit vectors that takes the first to the second, Shape (3, 3)."""
+    cosine, normal = float(start @ end), np.cross(start, end)
+    square = float(normal @ normal)
+    if cosine < 0 and square <= OPPOSITE**2:
+        about = np.eye(3)[0 if abs(start[2]) > 0 else 2]
+        return 2 * np.outer(about, about) - np.eye(3)
+    across = np.array([[0, -normal[2], normal[1]], [normal[2], 0, -normal[0]], [-normal[1], normal[0], 0]])
+    factor = 1 / (1 + cosine) if cosine > 0 else (1 - cosine) / square  # the same; neither loses digits
+    return np.asarray(np.eye(3) + across + multiply(across, across) * factor)

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
-from mrts.base.rigid_transform import rotations_from_rpy
+from mrts.base.rigid_transform import rotations_from_rpy, rpy_from_rotation
 from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
 from mrts.studies.number_paths import Keys
 from mrts.studies.study import Study
 
@@ -79,10 +80,11 @@ def _places(keys: Keys, study: Study, cell: Cell) -> list[tuple[str, tuple[int, 
         case ("cell", "robots", int(robot), "posture" | "torque" | "wrench", *_):
             return _places_of_limits(keys[3:], cell, robot)
         case ("cell", "robots", int(robot), "base" | "grasp" as frame, "xyz" | "rpy" as part, int(axis)):
-            found = f"{frame}_{part}", (robot, axis)
+            looks = frame == "grasp" and _looks(study.cell["robots"][robot])  # then each number turns the tip
+            found = None if looks else (f"{frame}_{part}", (robot, axis))
         case ("cell", "gravity", int(axis)):
             found = "gravity", (axis,)
-        case ("cell", "object", "mass"):
+        case ("cell", "object", "mass") if study.cell["object"].get("inertia") is not None:
             found = "mass", ()
         case ("cell", "object", "inertia", int(axis)):
             found = "inertia", (axis, axis)
@@ -131,12 +133,25 @@ def base_numbers(study: Study, cell: Cell) -> dict[str, Array]:
     numbers |= {name: np.concatenate([getattr(robot, name) for robot in robots]) for name in LIMITS}
     for frame in ("base", "grasp"):
         poses = [robot.get(frame) or {} for robot in study.cell["robots"]]
+        if frame == "grasp":
+            placed = zip(poses, study.cell["robots"], robots, strict=True)
+            poses = [_with_angles(pose, ours) if _looks(robot) else pose for pose, robot, ours in placed]
         numbers |= {f"{frame}_{part}": _triples(poses, part) for part in ("xyz", "rpy")}
     if "duration" in study.motion and "waypoints" not in study.motion:
         numbers["duration"] = np.float64(study.motion["duration"])
         for pose in ("start", "end"):
             numbers |= {f"{pose}_{part}": _triples([study.motion.get(pose) or {}], part)[0] for part in ("xyz", "rpy")}
     return {name: np.array(value, dtype=np.float64)[None] for name, value in numbers.items()}
+
+
+def _looks(robot: Mapping[str, Any]) -> bool:
+    """Whether a robot's grasp is given by what its tip looks at."""
+    return (robot.get("grasp") or {}).get("look_at") is not None
+
+
+def _with_angles(pose: Mapping[str, Any], robot: Robot) -> dict[str, Any]:
+    """A grasp that looks at a point, by the angles that it has."""
+    return {"xyz": pose.get("xyz"), "rpy": rpy_from_rotation(robot.T_object_tip.R)}
 
 
 def _triples(poses: Sequence[Mapping[str, Any]], part: str) -> Array:

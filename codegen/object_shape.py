@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: MIT
+"""`object.shape` of the cell file: what the object looks like, and the inertia of a uniform body of that shape."""
+
+from pathlib import Path
+from typing import Annotated, Self
+
+import numpy as np
+from mrts_codegen.mesh_file import Mesh, read_mesh
+from mrts_codegen.urdf_reference import mesh_reference
+from pydantic import Field, model_validator
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.formats.pose import Pose, Positive
+from mrts.base.formats.strict_model import StrictModel, broken_rule
+from mrts.base.manifest import CylinderRecord, MeshRecord, PoseRecord, ShapeRecord
+from mrts.base.remark import Remark
+from mrts.base.rigid_transform import RigidTransform, multiply
+
+KINDS = ("box", "cylinder", "mesh")
+
+OFF_CENTRE = 0.01
+"""Share of its size by which a uniform body's centre may miss the origin of the object frame, the centre of mass: a CAD
+model's rounding. Its inertia is about its own centre all the same."""
+
+LARGE = 5.0
+"""Longest size of an object that arms carry, beyond which its unit is doubted [m]."""
+
+
+class CylinderDescription(StrictModel):
+    """A cylinder about its z axis.
+
+    Attributes:
+        radius: [m].
+        length: [m].
+    """
+
+    radius: Positive
+    length: Positive
+
+
+class ShapeDescription(StrictModel):
+    """What the object looks like, of one kind; see docs/cell_file.md.
+
+    Attributes:
+        box: Sides, Shape (3,) [m].
+        cylinder: A cylinder.
+        mesh: File of a surface, relative to the cell file.
+        scale: Metres of one unit of the mesh file.
+        pose: The shape's frame in the object frame.
+    """
+
+    box: Annotated[list[Positive], Field(min_length=3, max_length=3)] | None = None
+    cylinder: CylinderDescription | None = None
+    mesh: Annotated[str, Field(min_length=1)] | None = None
+    scale: Positive | None = None
+    pose: Pose = Pose()
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        given = [kind for kind in KINDS if getattr(self, kind) is not None]
+        if len(given) != 1:
+            here = f"here are {' and '.join(given)}" if given else "here is none of them"
+            raise broken_rule(f"a shape is one of {', '.join(KINDS)}; {here}")
+        if self.scale is not None and self.mesh is None:
+            raise broken_rule(f"'scale' is of a mesh's unit, and does not go with '{given[0]}', whose lengths are in m")
+        return self
+
+
+def build_shape(
+    path: Path, folder: Path, shape: ShapeDescription, mass: float, inertia: Array | None
+) -> tuple[ShapeRecord, Array, tuple[Remark, ...]]:
+    """The shape of an object, and the inertia that it gives it.
+
+    Args:
+        path: The cell file, for messages.
+        folder: That a mesh file is relative to, absolute.
+        shape: What the cell file says.
+        mass: Of the object [kg].
+        inertia: As it is given, object axes, Shape (3, 3) [kg m²]; None is that of a uniform body.
+
+    Returns:
+        The shape, the inertia, and what to know.
+
+    Raises:
+        InputError: If the mesh cannot be read, or, where the inertia is not given, encloses no volume or has its centre
+            elsewhere than in the origin of the object frame.
+    """
+    T = shape.pose.transform
+    mesh = None
+    if shape.mesh is not None:
+        reference = mesh_reference(shape.mesh)
+        content = reference.content(path, folder)
+        mesh = read_mesh(reference.path(path, folder), content, shape.scale or 1.0)
+    record = ShapeRecord(
+        box=shape.box,
+        cylinder=None if shape.cylinder is None else CylinderRecord(**shape.cylinder.model_dump()),
+        mesh=None if mesh is None else _mesh_record(shape, mesh),
+        pose=PoseRecord(rotation=T.R.tolist(), position=T.p.tolist()),
+    )
+    if inertia is None:
+        inertia = multiply(multiply(T.R, _inertia(path, shape, T, mass, mesh)), T.R.T)
+    return record, inertia, _remarks(path, _size(shape, mesh), mesh)
+
+
+def _mesh_record(shape: ShapeDescription, mesh: Mesh) -> MeshRecord:
+    return MeshRecord(
+        file=shape.mesh or "",
+        scale=shape.scale or 1.0,
+        sha256=mesh.sha256,
+        vertices=mesh.vertices,
+        triangles=mesh.triangles,
+    )
+
+
+def _inertia(path: Path, shape: ShapeDescription, T: RigidTransform, mass: float, mesh: Mesh | None) -> Array:
+    """Of a uniform body about its centre, axes of the shape, Shape (3, 3) [kg m²]."""
+    centre = np.zeros(3)
+    if shape.box is not None:
+        squares = np.square(shape.box)
+        inertia = np.diag(mass / 12 * (np.sum(squares) - squares))
+    elif shape.cylinder is not None:
+        radius, length = shape.cylinder.radius, shape.cylinder.length
+        across = mass / 12 * (3 * radius**2 + length**2)
+        inertia = np.diag([across, across, mass / 2 * radius**2])
+    else:
+        assert mesh is not None  # noqa: S101 (one kind is given)
+        centre, unit = mesh.solid("Close it, or give the object's 'inertia'.")
+        inertia = mass * unit
+    _check_centre(path, T, centre, _size(shape, mesh))
+    return np.asarray(inertia)
+
+
+def _check_centre(path: Path, T: RigidTransform, centre: Array, size: float) -> None:
+    off = T.R @ centre + T.p
+    if np.linalg.norm(off) <= OFF_CENTRE * size:
+        return
+    there, fitting = (", ".join(f"{value:.6g}" for value in place) for place in (off, T.p - off))
+    turned = ", …" if np.any(np.eye(3) != T.R) else ""
+    raise InputError(
+        path,
+        f"the centre of this shape is at [{there}] of the object frame, whose origin is the centre of mass, so the "
+        f"inertia does not follow. Give 'pose: {{xyz: [{fitting}]{turned}}}' in the shape to move it there (and "
+        "count the grasps anew), or give the object's 'inertia'.",
+        key="object.shape",
+    )
+
+
+def _size(shape: ShapeDescription, mesh: Mesh | None) -> float:
+    """Longest side of a box around the shape [m]."""
+    if mesh is not None:
+        return mesh.size
+    return max(shape.box) if shape.box else max(2 * shape.cylinder.radius, shape.cylinder.length)  # type: ignore[union-attr]  # one kind is given
+
+
+def _remarks(path: Path, size: float, mesh: Mesh | None) -> tuple[Remark, ...]:
+    if size <= LARGE:
+        return ()
+    advice = "give 'scale: 0.001' if its file is in millimetres" if mesh is not None else "lengths are in m"
+    return (Remark("large-shape", f"{path.name}: object.shape is {size:.4g} m long; {advice}."),)

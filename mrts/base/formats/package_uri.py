@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: MIT
+"""`package://` and `model://`: files of packages, found as ROS, Gazebo and Python's installers leave them."""
+
+import re
+import site
+import sys
+import warnings
+from collections.abc import Iterator
+from importlib.util import find_spec
+from pathlib import Path
+
+from mrts.base.errors import InputError
+from mrts.base.input_file import IDENTIFIER
+
+URI = re.compile(r"(?:package|model)://([^/]+)/(.+)")
+
+VARIABLES = ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH")
+"""That messages name; resolve-robotics-uri-py knows those of older simulators too."""
+
+LONGEST_MANIFEST = 100_000
+"""Bytes of a package.xml that are looked at."""
+
+
+def is_uri(reference: str) -> bool:
+    """Whether a reference to a file names a package."""
+    return reference.startswith(("package://", "model://"))
+
+
+def file_of_uri(where: Path | str, uri: str, near: Path, *, key: str = "") -> Path:
+    """The file that a `package://NAME/…` or `model://NAME/…` means.
+
+    Looked for in folders above the file that names it (the folder NAME, or one whose package.xml has that name); where
+    ROS and Gazebo look by their environment variables; in share folders of installed packages; in the installed Python
+    package NAME. The first that holds the file is taken.
+
+    Args:
+        where: The file that names it, for messages.
+        uri: The reference.
+        near: A file in whose package or workspace it may be.
+        key: Where it stands in the file, for messages.
+
+    Raises:
+        InputError: If no package holds it.
+    """
+    match = URI.fullmatch(uri)
+    if match is None:
+        raise InputError(where, "must be package://NAME/PATH: a package, and a file in it.", key=key, value=uri)
+    package, inside = match.groups()
+    folders = list(_package_folders(package, near))
+    found = next((folder / inside for folder in folders if (folder / inside).is_file()), None)
+    if found is not None:
+        return found
+    if folders:
+        there = ", ".join(dict.fromkeys(map(str, folders)))
+        raise InputError(
+            where, f"the package '{package}' is at {there}, but holds no file '{inside}'.", key=key, value=uri
+        )
+    looked = ", ".join(map(str, _share_folders())) or "no share folder"
+    raise InputError(
+        where,
+        f"the package '{package}' is not found. Looked in the folders above that file, where those of "
+        f"{', '.join(VARIABLES)} point to that are set, in {looked}, and among installed Python packages. Source the "
+        "workspace's setup file, install the package, or give a file path.",
+        key=key,
+        value=uri,
+    )
+
+
+def package_folder(package: str, near: Path) -> Path | None:
+    """The folder of a package, as `file_of_uri` finds it; None where there is none.
+
+    Args:
+        package: Its name.
+        near: A file in whose package or workspace it may be.
+    """
+    return next(_package_folders(package, near), None)
+
+
+def _package_folders(package: str, near: Path) -> Iterator[Path]:
+    if package in {".", ".."}:
+        return
+    for above in near.resolve().parents:
+        if (above / package).is_dir():
+            yield above / package
+        if _is_named(above, package):
+            yield above
+    from resolve_robotics_uri_py import resolve_robotics_uri  # noqa: PLC0415 (only for references to packages)
+
+    for exclude in (True, False):  # those of the environment first, then those that are installed beside Python
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # it tells of variables with folders that are missing, and of second finds
+            try:
+                shares = [] if exclude else [str(folder) for folder in _share_folders()]
+                yield Path(resolve_robotics_uri(f"package://{package}", shares, exclude_python_prefix=exclude))
+            except (FileNotFoundError, ValueError, OSError):
+                continue
+    spec = find_spec(package) if re.fullmatch(IDENTIFIER, package) else None
+    if spec is not None:
+        yield from map(Path, spec.submodule_search_locations or ())
+
+
+def _share_folders() -> list[Path]:
+    """Folders `share` of installed packages: Python's own, and those of cmeel, such as example-robot-data."""
+    installed = [Path(folder) for folder in (*sys.path, *site.getsitepackages()) if folder]
+    prefixes = [Path(sys.prefix), *(folder / "cmeel.prefix" for folder in installed)]
+    return [prefix / "share" for prefix in dict.fromkeys(prefixes) if (prefix / "share").is_dir()]
+
+
+def _is_named(folder: Path, package: str) -> bool:
+    """Whether a folder is a ROS package of a name."""
+    try:
+        with (folder / "package.xml").open(encoding="utf-8", errors="replace") as file:
+            text = file.read(LONGEST_MANIFEST)
+    except OSError:
+        return False
+    return re.search(rf"<name>\s*{re.escape(package)}\s*</name>", text) is not None

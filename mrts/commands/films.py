@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: MIT
+"""The pictures and films of `mrts view`, written without a display."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mrts.base.errors import InputError
+from mrts.commands.options.common import closure_option, limited_cell_option, require, sharing_option
+from mrts.commands.options.profile import rate_share, told_of
+from mrts.commands.shown import is_saved, played, shown_urdfs
+from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.console.output_files import Outputs, check_outputs
+from mrts.console.progress import working
+from mrts.console.terminal import say, warn
+
+if TYPE_CHECKING:
+    from mrts.film.stage import Take
+
+SIDES = ("given", "fastest", "optimal", "smooth")
+"""How a motion may be played: as given, by the fastest constant factor, at the fastest timing, at the smooth one."""
+
+MOST_SIDES = 4
+
+
+def add_films(view: argparse.ArgumentParser) -> None:
+    """Add the options that write files in place of the page."""
+    view.add_argument("--png", type=Path, metavar="FILE",
+                      help="write a picture and end; needs no display (extra 'film')")  # fmt: skip
+    view.add_argument("--at", type=float, metavar="SECONDS", help="the moment of the picture (default: the middle)")
+    view.add_argument("--video", type=Path, metavar="FILE",
+                      help="write a film, FILE.gif or FILE.mp4, and end; likewise")  # fmt: skip
+    view.add_argument("--side-by-side", metavar="SIDE,…",
+                      help="in pictures and films, the motion as it is played in several ways: "
+                      f"{', '.join(SIDES)} (default: fastest)")  # fmt: skip
+    view.add_argument("--rates", type=rate_share, nargs="?", const=True, default=True, metavar="SHARE",
+                      help="of the smooth side, as in mrts scale")  # fmt: skip
+
+
+def writes_films(options: argparse.Namespace) -> bool:
+    """Whether files are asked for in place of the page; what is wrong with their options is told now.
+
+    Raises:
+        InputError: If an option is wrong, or a file cannot be written.
+    """
+    wanted = options.png is not None or options.video is not None
+    given = {"--side-by-side": options.side_by_side is not None, "--at": options.at is not None}
+    if not wanted:
+        for name in (name for name, is_given in given.items() if is_given):
+            raise InputError(name, "goes with --png FILE or --video FILE.")
+        return False
+    for option, path in (("--png", options.png), ("--video", options.video)):
+        require("matplotlib", option, "film", wanted=path is not None)
+        require("PIL", option, "film", wanted=path is not None)
+    if given["--at"] and options.png is None:
+        raise InputError("--at", "is the moment of --png FILE.")
+    if options.png is not None and options.png.suffix.lower() != ".png":
+        raise InputError("--png", "writes a file that ends in .png.", value=str(options.png))
+    if options.video is not None:
+        from mrts.film.film import check_film
+
+        check_film(options.video)
+    check_outputs({"--png": options.png, "--video": options.video})
+    _sides(options)
+    return True
+
+
+def write_films(options: argparse.Namespace) -> int:
+    """Write what was asked for; the exit code is that of the outcome."""
+    from mrts.film.film import write_film, write_picture
+
+    takes, within = _takes(options)
+    outputs = Outputs()
+    if options.png is not None:
+        longest = max(take.trajectory.duration for take in takes)
+        at = longest / 2 if options.at is None else options.at
+        if not 0 <= at <= longest:
+            raise InputError("--at", f"must be a time of the motion, from 0 to {longest:.4g} s.", value=at)
+        with outputs.attempt(options.png), working(f"drawing {options.png}"):
+            write_picture(takes, options.png, at, warn=warn)
+    if options.video is not None:
+        with outputs.attempt(options.video), working(f"drawing {options.video}") as progress:
+            write_film(takes, options.video, warn=warn, progress=progress)
+    for line in outputs.lines():
+        say(line.lstrip("\n"))
+    return outputs.code(FEASIBLE if within else INFEASIBLE)
+
+
+def _sides(options: argparse.Namespace) -> list[str]:
+    """The sides that are asked for."""
+    if options.side_by_side is None:
+        return ["fastest"]
+    if is_saved(options):
+        raise InputError("--side-by-side", "goes with CELL MOTION; a saved result is played as it is.")
+    sides = [word.strip() for word in options.side_by_side.split(",")]
+    for side in sides:
+        if side not in SIDES:
+            raise InputError("--side-by-side", f"there is no such side; there are {', '.join(SIDES)}.", value=side)
+    if len(set(sides)) < len(sides):
+        raise InputError("--side-by-side", "names a side twice.", value=options.side_by_side)
+    return sides
+
+
+def _takes(options: argparse.Namespace) -> "tuple[list[Take], bool]":
+    """What is played, and whether all of it keeps its limits."""
+    from mrts.film.stage import Take
+
+    others = [Take(other.stem, done) for other in options.others for done in [played(other).trajectory] if done]
+    if is_saved(options):
+        done = played(options.cell).trajectory
+        assert done is not None  # noqa: S101 (what is played has one)
+        takes, within = [Take(options.cell.stem, done)], True
+    else:
+        takes, within = _played_sides(options)
+    if len(takes) + len(others) > MOST_SIDES:
+        raise InputError("--with", f"there is room for {MOST_SIDES} motions side by side.")
+    return [*takes, *others], within
+
+
+def _played_sides(options: argparse.Namespace) -> "tuple[list[Take], bool]":
+    from mrts.film.stage import Take
+    from mrts.motion.motion_file import load_motion
+    from mrts.retiming.retime import retime
+    from mrts.smooth.rate_limits import rate_limits
+    from mrts.viewer.player_state import PlayerState
+
+    motion = load_motion(options.motion)
+    sharing, closure = sharing_option(options.share), closure_option(options.closure)
+    cell, urdfs, sides = limited_cell_option(options), shown_urdfs(options), _sides(options)
+    takes, within = [], True
+    with working(f"scaling {options.motion}") as progress:
+        state = PlayerState(cell, motion, sharing=sharing, closure=closure, progress=progress)
+    for side in sides:
+        if side == "given":
+            state.choose_speed(1.0)
+            within &= state.admissible
+            takes.append(
+                Take("as given" if state.admissible else "as given: beyond its limits", state.trajectory, urdfs)
+            )
+        elif side == "fastest":
+            state.choose_speed(state.speeds.start)
+            if not state.admissible:
+                raise InputError("--side-by-side", f"no speed is admissible: {state.result.sentence()}", value=side)
+            takes.append(Take(f"constant factor {state.trajectory.c:.3g}", state.trajectory, urdfs))
+        else:
+            rates = options.rates if side == "smooth" else False
+            if rates:
+                with told_of("--rates"):
+                    rate_limits(cell, rates)
+            with working(f"timing {options.motion}") as progress:
+                found = retime(cell, motion, sharing=sharing, closure=closure, rates=rates, progress=progress)
+            if found.retimed is None or found.retimed.trajectory is None:
+                raise InputError("--side-by-side", f"there is no such timing: {found.sentence()}", value=side)
+            takes.append(Take(f"{'fastest' if side == 'optimal' else side} timing", found.retimed.trajectory, urdfs))
+    return takes, within

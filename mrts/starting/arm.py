@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: MIT
+"""An arm before its cell: where its joints and its hand are, what gravity asks of it, with nothing compiled."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from mrts.base.arrays import Array, cross
+from mrts.base.formats.urdf_tree import ArmChain
+from mrts.base.rigid_transform import PLANE_TOLERANCE, RigidTransform
+from mrts.cell.robot import Robot
+from mrts.drawing.cell_shapes import body_poses
+
+NO_LEVER = 1e-3
+"""A hand nearer to its last joint than this says nothing of where it points [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class ArmState:
+    """Arms at N sets of joint positions, base frame.
+
+    Attributes:
+        R: Of the tip, Shape (N, 3, 3).
+        p: Of the tip, Shape (N, 3) [m].
+        axes: Of the joints, Shape (N, n, 3).
+        points: On them, Shape (N, n, 3) [m].
+        jacobian: Of the tip, linear then angular, Shape (N, 6, n).
+        com: Of what each joint carries up to the next, Shape (N, n, 3) [m].
+    """
+
+    R: Array
+    p: Array
+    axes: Array
+    points: Array
+    jacobian: Array
+    com: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Arm:
+    """One arm and what its URDF says of it.
+
+    Attributes:
+        name: In the cell.
+        chain: From the URDF.
+        robot: The same as a cell has it: base and grasp are the identity, efforts that are missing are infinite.
+        approach: Where its hand points: unit vector in tip axes, Shape (3,).
+        reach: Length of the chain from the first joint to the tip [m].
+    """
+
+    name: str
+    chain: ArmChain
+    robot: Robot
+    approach: Array
+    reach: float
+
+    def at(self, q: Array) -> ArmState:
+        """The arm at joint positions, Shape (N, n) [rad or m]."""
+        R, p = body_poses(self.robot, q)
+        chain = self.chain
+        axes = np.einsum("nkij,kj->nki", R[:, :-1], chain.axes)
+        points = np.einsum("nkij,kj->nki", R[:, :-1], chain.points) + p[:, :-1]
+        com = np.einsum("nkij,kj->nki", R[:, 1:], chain.com) + p[:, 1:]
+        tip = p[:, -1] + R[:, -1] @ chain.T_base_tip.p
+        turns = np.array([kind == "revolute" for kind in chain.types])[:, None]
+        linear = np.where(turns, cross(axes, tip[:, None] - points), axes)
+        angular = np.where(turns, axes, 0.0)
+        jacobian = np.concatenate([linear, angular], axis=2).transpose(0, 2, 1)
+        return ArmState(R[:, -1] @ chain.T_base_tip.R, tip, axes, points, jacobian, com)
+
+    def torque(self, state: ArmState, gravity: Array, force: Array) -> Array:
+        """Torques that hold the arm still while its hand exerts a force, Shape (N, n) [N m or N].
+
+        Args:
+            state: Where it is.
+            gravity: Base axes, Shape (3,) [m/s²].
+            force: On the object at the tip, base axes, Shape (3,) [N].
+        """
+        mass = self.chain.mass
+        held = np.cumsum(mass[::-1])[::-1]
+        moments = np.cumsum((mass[:, None] * state.com)[:, ::-1], axis=1)[:, ::-1]  # Σ m c of all behind a joint
+        arms = moments - held[:, None] * state.points
+        turns = np.array([kind == "revolute" for kind in self.chain.types])
+        own = np.where(
+            turns,
+            np.einsum("nki,nki->nk", state.axes, cross(arms, np.broadcast_to(gravity, arms.shape))),
+            (state.axes @ gravity) * held,
+        )
+        wrench: Array = np.einsum("nij,i->nj", state.jacobian[:, :3], force)
+        return wrench - own
+
+    def middle(self) -> Array:
+        """The middle of the joint limits, 0 where there are none, Shape (n,) [rad or m]."""
+        both = np.isfinite(self.chain.lower) & np.isfinite(self.chain.upper)
+        return np.where(both, (np.where(both, self.chain.lower, 0) + np.where(both, self.chain.upper, 0)) / 2, 0.0)
+
+
+def make_arm(name: str, chain: ArmChain) -> Arm:
+    """An arm of a chain.
+
+    Args:
+        name: In the cell.
+        chain: From a URDF.
+    """
+    n = len(chain.joints)
+    effort = np.array([np.inf if effort is None else effort for effort in chain.effort])
+    robot = Robot(
+        name=name,
+        joints=chain.joints,
+        joint_types=chain.types,
+        axes=chain.axes,
+        points=chain.points,
+        T_base_tip=chain.T_base_tip,
+        position_lower=chain.lower,
+        position_upper=chain.upper,
+        velocity_limit=np.array([np.inf if limit is None else limit for limit in chain.velocity]),
+        T_world_base=RigidTransform.identity(),
+        T_object_tip=RigidTransform.identity(),
+        posture=np.zeros(n),
+        torque_lower=-effort,
+        torque_upper=effort,
+        wrench_lower=np.full(6, -np.inf),
+        wrench_upper=np.full(6, np.inf),
+    )
+    corners = [*chain.points, chain.T_base_tip.p]
+    reach = float(sum(np.linalg.norm(b - a) for a, b in pairwise(corners)))
+    return Arm(name, chain, robot, _approach(chain), reach)
+
+
+def _approach(chain: ArmChain) -> Array:
+    """The axis of the tip frame that points away from the last joint; where the two coincide, from the one before."""
+    T = chain.T_base_tip
+    for point in chain.points[::-1]:
+        away = T.R.T @ (T.p - point)
+        if np.linalg.norm(away) > NO_LEVER:
+            axis = int(np.argmax(np.abs(away)))
+            direction = np.zeros(3)
+            direction[axis] = np.sign(away[axis])
+            return direction
+    return np.array([0.0, 0.0, 1.0])
+
+
+def plane_of(arms: Sequence[Arm]) -> str | None:
+    """The plane in which all arms move; None if there is none, or it is no coordinate plane of the base.
+
+    Args:
+        arms: The arms.
+    """
+    for plane, normal in (("xz", 1), ("xy", 2), ("yz", 0)):
+        flat = all(
+            (abs(abs(axis[normal]) - 1) if kind == "revolute" else abs(axis[normal])) <= PLANE_TOLERANCE
+            for arm in arms
+            for kind, axis in zip(arm.chain.types, arm.chain.axes, strict=True)
+        )
+        if flat:
+            return plane
+    return None

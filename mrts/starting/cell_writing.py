@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: MIT
+"""The files of a proposal: a cell file and a motion file whose comments say what was read, proposed and assumed."""
+
+import json
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from mrts.base.errors import InputError
+from mrts.base.printable import printable
+from mrts.base.yaml_parser import parse_yaml
+from mrts.starting.arm import Arm
+from mrts.starting.proposal import Proposal
+from mrts.starting.request import ArmRequest
+
+PLAIN = re.compile(
+    r"(?!(?:true|false|yes|no|on|off|null|y|n)$)[A-Za-z./][A-Za-z0-9_./-]*[A-Za-z][A-Za-z0-9_./-]*", re.IGNORECASE
+)
+"""Text that needs no quotes in YAML; without a letter it may be a number."""
+
+COMMENT_AT = 50
+"""Column of the comments behind short values."""
+
+NAMES_SHOWN = 12
+"""Links that a comment names."""
+
+
+def cell_file(proposal: Proposal) -> str:
+    """Text of the cell file; it reads back to the keys that were tried.
+
+    Args:
+        proposal: The proposal.
+
+    Raises:
+        InputError: If YAML cannot hold a path.
+    """
+    request, cell = proposal.request, proposal.cell
+    sides = " x ".join(f"{side:g}" for side in proposal.layout.sides)
+    lines = [
+        f"# {len(request.arms)} arms carry a box: begun by mrts new.",
+        "# What the URDFs do not say was proposed or assumed; change what you know better.",
+        "# Lengths in m, angles in rad, masses in kg, torques in N m (N of prismatic joints).",
+        f"name: {cell['name']}",
+        _line(f"gravity: {flow(cell['gravity'])}", "world, m/s²"),
+    ]
+    if cell.get("plane"):
+        lines.append(_line(f"plane: {cell['plane']}", "all joints move in it: two forces and one moment a hand"))
+    lines += [
+        "object:",
+        _line(f"  mass: {cell['object']['mass']:g}", "assumed" if request.mass is None else "as asked for", proposal),
+        _line(f"  inertia: {flow(cell['object']['inertia'])}", f"assumed: a uniform box of {sides} m"),
+        "robots:",
+    ]
+    for each, robot in zip(request.arms, cell["robots"], strict=True):
+        lines += _robot(proposal, each, robot)
+    lines.append("    # nothing bounds yet what the hands exert on the object: see wrench and contact")
+    return _read_back("\n".join(lines) + "\n", cell)
+
+
+def motion_file(proposal: Proposal) -> str:
+    """Text of the motion file.
+
+    Args:
+        proposal: The proposal.
+    """
+    motion, lift = proposal.motion, float(np.linalg.norm(proposal.layout.lift))
+    lines = [
+        f"# The object goes up by {lift:g} m, from rest to rest: begun by mrts new.",
+        "# Poses are those of its centre of mass in the world; lengths in m, angles in rad.",
+        _line(f"duration: {motion['duration']:g}", "s; proposed: the cell may play it faster"),
+        _line(f"profile: {motion['profile']}", "or sinusoid, trapezoid, cubic"),
+        f"start: {flow(motion['start'])}",
+        _line(f"end: {flow(motion['end'])}", "with rpy: [0, 0, 0.3] it turns as well"),
+    ]
+    return _read_back("\n".join(lines) + "\n", motion)
+
+
+def flow(value: Any) -> str:
+    """A value in one line of YAML.
+
+    Args:
+        value: Dictionaries with plain keys, lists, texts, numbers.
+    """
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {flow(inside)}" for key, inside in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(flow, value)) + "]"
+    if isinstance(value, str):
+        return value if PLAIN.fullmatch(value) else json.dumps(value, ensure_ascii=False)
+    if isinstance(value, float) and value.is_integer() and abs(value) < 1 / np.finfo(float).eps:
+        return str(int(value))
+    return str(value)
+
+
+def _line(text: str, comment: str, proposal: Proposal | None = None) -> str:
+    """A line with a comment behind it; what a user wrote in it is made printable."""
+    if proposal is not None and proposal.request.mass not in {None, proposal.mass}:
+        comment = f"{proposal.request.mass:g} were asked for, which the motors cannot hold"
+    if not comment:
+        return text
+    if len(text) > COMMENT_AT:  # then the comment stands above
+        return f"{' ' * (len(text) - len(text.lstrip()))}# {printable(comment)}\n{text}"
+    return f"{text:<{COMMENT_AT}} # {printable(comment)}"
+
+
+def _robot(proposal: Proposal, each: ArmRequest, robot: dict[str, Any]) -> Iterator[str]:
+    chain, standing = each.arm.chain, each.base is not None
+    machine = proposal.request.one_machine
+    yield f"  - name: {robot['name']}"
+    yield f"    urdf: {flow(robot['urdf'])}"
+    yield _line(f"    base_link: {flow(robot['base_link'])}", "where the chain begins")
+    yield _line(f"    tip_link: {flow(robot['tip_link'])}", each.why and f"proposed: {each.why}")
+    whose = "where the URDF has it" if machine else "as asked for" if standing else "proposed"
+    yield _line(f"    base: {flow(robot['base'])}", f"base link in the world, {whose}")
+    yield _line(f"    grasp: {flow(robot['grasp'])}", "tip in the object, whose frame is in its centre of mass")
+    start = "as asked for" if each.posture is not None else "proposed"
+    yield f"    # at the start, {start}: {printable(', '.join(chain.joints))}"
+    yield f"    posture: {flow(robot['posture'])}"
+    yield from _limits(each.arm, robot, proposal.assumed.get(each.arm.name, ()))
+
+
+def _limits(arm: Arm, robot: dict[str, Any], assumed: tuple[str, ...]) -> Iterator[str]:
+    """What the URDF says of motors, or what stands in for it."""
+    chain = arm.chain
+    if assumed:
+        whose = "assumed" if len(assumed) == len(chain.joints) else f"assumed for {', '.join(assumed)}"
+        yield _line(
+            f"    torque: {flow(robot['torque'])}", f"{whose}: the URDF has no effort. Put the data sheet's here"
+        )
+    else:
+        efforts = [effort for effort in chain.effort if effort is not None]
+        yield _line(f"    # torque: {flow(efforts)}", "the URDF's efforts, which count; remove the # to set your own")
+    yield f"    # the URDF's velocity limits: {flow(['none' if each is None else each for each in chain.velocity])}"
+    if not np.any(chain.mass):
+        yield "    # its links have no mass: torques are those of the object alone, and speeds too high"
+
+
+def missing(arm: Arm) -> list[str]:
+    """What a URDF does not say, in sentences.
+
+    Args:
+        arm: The arm.
+    """
+    chain, told = arm.chain, []
+    without = [name for name, effort in zip(chain.joints, chain.effort, strict=True) if effort is None]
+    if without:
+        told.append(f"no effort limit of {_some(without, chain.joints)}: its torque is assumed in the cell file")
+    without = [name for name, limit in zip(chain.joints, chain.velocity, strict=True) if limit is None]
+    if without:
+        told.append(f"no velocity limit of {_some(without, chain.joints)}: nothing bounds its speed but torques")
+    if not np.any(chain.mass):
+        told.append("no link has a mass: the arm weighs nothing, so torques come out too small and speeds too high")
+    return told
+
+
+def _some(names: list[str], of: tuple[str, ...]) -> str:
+    """The first few of many names."""
+    if len(names) == len(of):
+        return "any joint"
+    shown = ", ".join(names[:NAMES_SHOWN])
+    return shown if len(names) <= NAMES_SHOWN else f"{shown} and {len(names) - NAMES_SHOWN} more"
+
+
+def _read_back(text: str, keys: dict[str, Any]) -> str:
+    """The text, if it means what it is to mean.
+
+    Raises:
+        InputError: If YAML cannot hold a name.
+    """
+    try:
+        same = parse_yaml(text) == keys
+    except ValueError:
+        same = False
+    if not same:
+        raise InputError("DIR", "a name or path of a URDF cannot stand in a YAML file; rename it.")
+    return text

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: MIT
+"""'Hold it here, now': grasps from where the hands are."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from mrts.base.argument_types import check_type
+from mrts.base.errors import InputError
+from mrts.base.rigid_transform import RigidTransform, snap_rotation
+from mrts.cell.cell import Cell
+from mrts.cell.robot_changes import Numbers, pose_from
+from mrts.drawing.cell_shapes import body_poses
+from mrts.starting.cell_writing import flow
+from mrts.starting.proposal import pose_keys
+
+
+def hold_here(cell: Cell, xyz: Numbers, rpy: Numbers = (0.0, 0.0, 0.0)) -> Cell:
+    """The same cell with every hand holding the object where the hand is now: at its robot's `posture`.
+
+    Args:
+        cell: The cell; its postures say where the hands are.
+        xyz: Where the object is: position of its frame in the world, Shape (3,) [m].
+        rpy: Roll, pitch, yaw in URDF's convention, Shape (3,) [rad].
+
+    Returns:
+        The cell with other grasps. With a motion that starts at this pose, the arms start at their postures.
+
+    Raises:
+        InputError: If a value breaks a rule of the cell file, or a hand of a planar cell is out of the plane.
+    """
+    check_type("cell", cell, Cell)
+    T_world_object = pose_from("hold_here", xyz, rpy)
+    robots = []
+    for robot in cell.robots:
+        R, p = body_poses(robot, robot.posture[None])
+        T_world_tip = RigidTransform(R[0, -1], p[0, -1]) @ robot.T_base_tip
+        held = T_world_object.inverse() @ T_world_tip
+        grasp = RigidTransform(snap_rotation(held.R), np.array(held.p))
+        robots.append(replace(robot, T_object_tip=grasp))
+    return replace(cell, robots=tuple(robots))
+
+
+def grasp_lines(cell: Cell) -> dict[str, str]:
+    """The `grasp` of each robot as a cell file has it, by its name.
+
+    Args:
+        cell: The cell.
+    """
+    return {robot.name: flow(pose_keys(robot.T_object_tip)) for robot in cell.robots}
+
+
+def with_grasps(path: Path, text: str, grasps: dict[str, str]) -> str:
+    """The text of a cell file with other grasps, all else as it stands, comments too.
+
+    Args:
+        path: The cell file, for messages.
+        text: Of a file that was read as a cell.
+        grasps: From `grasp_lines`.
+
+    Raises:
+        InputError: If a robot is repeated by an alias, so that two grasps stand in one place.
+    """
+    root: Any = yaml.compose(text, Loader=yaml.SafeLoader)
+    robots = next(value for key, value in root.value if key.value == "robots").value
+    changes: dict[tuple[int, int], str] = {}
+    for robot in robots:
+        keys = {key.value: (key, value) for key, value in robot.value}
+        line = grasps[keys["name"][1].value]
+        if "grasp" in keys:
+            value = keys["grasp"][1]
+            change = ((value.start_mark.index, _end(value)), line)
+        else:
+            change = _inserted(text, robot, keys["name"], line)
+        if change[0] in changes:
+            raise InputError(path, "two robots share one place in the file (an alias); write each out.", key="robots")
+        changes[change[0]] = change[1]
+    for (start, end), line in sorted(changes.items(), reverse=True):
+        text = text[:start] + line + text[end:]
+    return text
+
+
+def _end(node: Any) -> int:
+    """Where a value ends, without the comments behind a block."""
+    if getattr(node, "flow_style", True) or not node.value:
+        return int(node.end_mark.index)
+    last = node.value[-1]
+    return _end(last[1] if isinstance(last, tuple) else last)
+
+
+def _inserted(text: str, robot: Any, name: tuple[Any, Any], line: str) -> tuple[tuple[int, int], str]:
+    """The place for a grasp, behind the robot's name, and what to write there."""
+    if robot.flow_style:
+        at = int(name[1].end_mark.index)
+        return (at, at), f", grasp: {line}"
+    newline = text.find("\n", name[1].end_mark.index)
+    at = len(text) if newline < 0 else newline
+    return (at, at), f"\n{' ' * name[0].start_mark.column}grasp: {line}"

@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: MIT
+"""Postures in which an arm can hold something: far from its limits and singularities, and strong enough to lift it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array, apply
+from mrts.base.rigid_transform import vectors_from_rotations
+from mrts.starting.arm import Arm, ArmState
+
+SAMPLES = 4000
+"""Random postures of an arm that are looked at."""
+
+SETTLED_SAMPLES = 600
+"""Of these, the ones whose hands stand nearest to a wanted direction are moved to it."""
+
+SEED = 19
+
+SETTLING_STEPS = 40
+LIFTING_STEPS = 8
+LIFT_SAMPLES = 5
+"""Places along the lift that are looked at."""
+
+LONGEST_STEP = 0.3
+"""Of a joint in one step [rad or m]."""
+
+LEAST_DAMPING = 1e-9
+"""Keeps the normal equations regular where an arm is singular; far below the squares of singular values that pass."""
+
+REACHED = 1e-6
+"""Error of a pose that counts as reached [m, rad]: what is written is only where the search of the motion starts."""
+
+EDGE = 0.1
+"""Share of a joint's range at either end from which no posture is drawn."""
+
+FREE_TURN = np.pi
+"""A joint without limits, or with wider ones, is drawn from this far to either side of its middle [rad]."""
+
+FREE_SLIDE = 0.5
+"""Likewise of one that slides [m]."""
+
+EASY_MARGIN, EASY_CONDITION = 0.25, 0.15
+"""Share of a joint's range to its limit, and inverse condition number, beyond which more is hardly worth anything."""
+
+NEAREST, FARTHEST = 0.3, 0.75
+"""Distance from the first joint's axis to the hand, as a share of the reach, outside of which a posture is cramped."""
+
+BELOW_BASE = 0.05
+"""How far a joint may stand below the base, as a share of the reach: the floor."""
+
+
+@dataclass(frozen=True, eq=False)
+class Wanted:
+    """Where a hand may hold something, base frame; K directions.
+
+    Attributes:
+        rotations: Of the tip, Shape (K, 3, 3).
+        facing: Where the hand points in each, Shape (K, 3).
+        kinds: What tells directions apart that are no alternatives for one another, Shape (K,).
+        places: For positions, Shape (N, 3) [m], the nearest ones that are wanted, and which of several kinds each is.
+        rows: Of a twist that count, of a planar arm fewer.
+        gravity: Shape (3,) [m/s²].
+        force: Of the hand on the object, Shape (3,) [N].
+        lift: Where the hand goes from there, Shape (3,) [m].
+        stands: Whether the base stands on a floor, above which the arm should stay.
+    """
+
+    rotations: Array
+    facing: Array
+    kinds: NDArray[np.intp]
+    places: Callable[[Array], tuple[Array, NDArray[np.intp]]]
+    rows: list[int]
+    gravity: Array
+    force: Array
+    lift: Array
+    stands: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Spot:
+    """A posture that holds something in a wanted place.
+
+    Attributes:
+        q: Shape (n,) [rad or m].
+        R: Of the tip, base frame, Shape (3, 3).
+        p: Likewise, Shape (3,) [m].
+        facing: Where the hand points, Shape (3,).
+        score: From 0 to 1; the larger, the farther from all limits along the lift.
+        effort: Largest share of an effort limit that holding still takes there; 0 if none is known.
+    """
+
+    q: Array
+    R: Array
+    p: Array
+    facing: Array
+    score: float
+    effort: float
+
+
+def find_spots(arm: Arm, wanted: Wanted) -> dict[tuple[int, ...], Spot]:
+    """The best posture of each kind of place and direction.
+
+    Args:
+        arm: The arm.
+        wanted: Where it may hold.
+    """
+    q = drawn_postures(arm)
+    state = arm.at(q)
+    nearness = np.einsum("nij,kij->nk", state.R, wanted.rotations)  # the trace of Rᵀ R_k: 1 + 2 cos of the angle
+    kind = np.argmax(nearness, axis=1)
+    chosen = np.argsort(-np.max(nearness, axis=1), kind="stable")[:SETTLED_SAMPLES]
+    q, kind = q[chosen], kind[chosen]
+    R = wanted.rotations[kind]
+    p, places = wanted.places(state.p[chosen])
+    q, near = settle(arm, q, R, p, wanted.rows, SETTLING_STEPS)
+    score, effort = np.where(near, 1.0, 0.0), np.zeros(len(q))
+    along = q
+    for step in np.linspace(0, 1, LIFT_SAMPLES):
+        along, near = settle(arm, along, R, p + step * wanted.lift, wanted.rows, LIFTING_STEPS)
+        state = arm.at(along)
+        limited = np.max(np.abs(arm.torque(state, wanted.gravity, wanted.force)) / arm.robot.torque_upper, axis=1)
+        effort = np.maximum(effort, limited)
+        score = np.minimum(score, near * _ease(arm, along, state, wanted, wanted.facing[kind]))
+    score = score * np.clip(1.2 - effort, 0, 1)
+    found: dict[tuple[int, ...], Spot] = {}
+    for at in np.argsort(-score, kind="stable"):
+        key = (int(wanted.kinds[kind[at]]), *(int(place) for place in places[at]))
+        if score[at] > 0 and key not in found:
+            spot = Spot(q[at], R[at], p[at], wanted.facing[kind[at]], float(score[at]), float(effort[at]))
+            found[key] = spot
+    return found
+
+
+def settle(arm: Arm, q: Array, R: Array, p: Array, rows: list[int], steps: int) -> tuple[Array, NDArray[np.bool_]]:
+    """Joint positions moved until the tip has a pose, by damped Newton steps, and which came there within limits.
+
+    Args:
+        arm: The arm.
+        q: Where to start from, Shape (N, n) [rad or m].
+        R: Of the tip, base frame, Shape (N, 3, 3).
+        p: Likewise, Shape (N, 3) [m].
+        rows: Of a twist that count.
+        steps: How many.
+    """
+    q = q.copy()
+    for _ in range(steps):
+        state = arm.at(q)
+        error = _error(state, R, p)[:, rows]
+        J = state.jacobian[:, rows]
+        damping = (LEAST_DAMPING + 0.5 * np.sum(error**2, axis=1))[:, None, None] * np.eye(len(rows))
+        Jt = J.transpose(0, 2, 1)
+        step = apply(Jt, np.linalg.solve(J @ Jt + damping, error[:, :, None])[:, :, 0])
+        longest = np.max(np.abs(step), axis=1, keepdims=True)
+        q += step * np.minimum(1.0, LONGEST_STEP / np.maximum(longest, LONGEST_STEP))
+    near = np.max(np.abs(_error(arm.at(q), R, p)[:, rows]), axis=1) <= REACHED
+    q = _unwound(arm, q)
+    inside = np.all((q >= arm.chain.lower) & (q <= arm.chain.upper), axis=1)
+    return q, near & inside
+
+
+def _error(state: ArmState, R: Array, p: Array) -> Array:
+    return np.concatenate([p - state.p, vectors_from_rotations(R @ state.R.transpose(0, 2, 1))], axis=1)
+
+
+def _unwound(arm: Arm, q: Array) -> Array:
+    """The same positions of turning joints, as near to the middle as whole turns bring them."""
+    turns = np.array([kind == "revolute" for kind in arm.chain.types])
+    middle = arm.middle()
+    return np.asarray(np.where(turns, middle + (q - middle + np.pi) % (2 * np.pi) - np.pi, q), dtype=np.float64)
+
+
+def _half_range(arm: Arm) -> Array:
+    """How far joints may go from their middle, Shape (n,) [rad or m]."""
+    free = np.array([FREE_TURN if kind == "revolute" else FREE_SLIDE for kind in arm.chain.types])
+    span = arm.chain.upper - arm.chain.lower
+    half: Array = np.minimum(np.where(np.isfinite(span), span / 2, free), free)
+    return half
+
+
+def drawn_postures(arm: Arm) -> Array:
+    """Random postures, the same for the same arm, Shape (SAMPLES, n) [rad or m].
+
+    Args:
+        arm: The arm.
+    """
+    shares = np.random.default_rng(SEED).uniform(-1, 1, (SAMPLES, len(arm.chain.joints)))
+    drawn: Array = arm.middle() + (1 - EDGE) * shares * _half_range(arm)
+    return drawn
+
+
+def _ease(arm: Arm, q: Array, state: ArmState, wanted: Wanted, facing: Array) -> Array:
+    """How far from limits and singularities arms are, from 0 to 1, Shape (N,)."""
+    to_limit = np.minimum(q - arm.chain.lower, arm.chain.upper - q) / _half_range(arm)
+    margin = np.min(to_limit, axis=1, initial=1.0)
+    scale = np.array([1 / arm.reach] * 3 + [1.0] * 3)[wanted.rows]
+    values = np.linalg.svd(scale[:, None] * state.jacobian[:, wanted.rows], compute_uv=False)
+    condition = values[:, -1] / values[:, 0]
+    up = -wanted.gravity / max(float(np.linalg.norm(wanted.gravity)), 1.0)
+    level = facing - np.outer(facing @ up, up)
+    from_base = state.p - state.points[:, 0]
+    away = from_base - np.outer(from_base @ up, up)
+    distance = np.linalg.norm(away, axis=1) / arm.reach
+    cramped = np.clip(distance / NEAREST, 0.1, 1) * np.clip((1 - distance) / (1 - FARTHEST), 0.1, 1)
+    ease = np.clip(margin / EASY_MARGIN, 0, 1) ** 0.5 * np.clip(condition / EASY_CONDITION, 0, 1) ** 0.5 * cramped
+    beyond = np.einsum("nki,ni->nk", state.points - state.p[:, None], facing)
+    ease *= np.where(np.max(beyond, axis=1) > NEAREST * EDGE * arm.reach, 0.3, 1.0)  # a link where the object is
+    if wanted.stands:
+        outward = np.einsum("ni,ni->n", away, level) / np.maximum(np.linalg.norm(away, axis=1), EDGE * arm.reach)
+        ease *= np.clip(outward, 0.1, 1)
+        ease *= np.where(np.min(state.points @ up, axis=1) < -BELOW_BASE * arm.reach, 0.3, 1.0)
+    return np.asarray(ease, dtype=np.float64)

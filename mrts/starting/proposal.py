@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: MIT
+"""A first cell and a first motion that were tried: layouts, loads and durations until the range of c² has room."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import ceil, floor, inf, isfinite, log10
+from typing import Any
+
+import numpy as np
+
+from mrts.base.errors import MotionError, MrtsError
+from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
+from mrts.cell.cell import Cell
+from mrts.motion.motion_file import MotionDescription, sample_motion
+from mrts.refinement.excess import BETWEEN
+from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import scale
+from mrts.starting.arm import Arm
+from mrts.starting.layouts import layouts
+from mrts.starting.postures import drawn_postures
+from mrts.starting.request import ArmRequest, Layout, Request, Stand
+from mrts.starting.scene import scene_of
+
+LOAD_SHARE = 0.1
+"""Of the arms' own mass that the object has: an industrial arm carries a quarter of its mass or less."""
+
+LOADS = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
+"""Shares of the load that are tried, until the motors bear it."""
+
+LIFTS = (1.0, 0.5, 0.25)
+"""Shares of the lift that are tried."""
+
+TRIED_LAYOUTS = 4
+"""With each load."""
+
+FIRST_DURATION = 2.0
+"""[s]; then the one in which the motion may be played about twice as fast as given."""
+
+SPARE = 2.0
+"""How many times as fast as given the motion may be played at least."""
+
+DURATIONS = (1.0, 1.5, 2.0, 3.0, 5.0)
+"""First digits of durations."""
+
+SHORTEST, LONGEST = 0.1, 60.0
+"""Of the motion [s]."""
+
+STRONG = 2.0
+"""Torques that are assumed where a URDF says nothing: so many times what its worst posture takes at rest."""
+
+WEAKEST, WEAKEST_SHARE = 1.0, 0.1
+"""Least torque that is assumed [N m or N], and as a share of the largest of its arm: a wrist turns the load."""
+
+DIGITS = 6
+"""Decimals of postures, which are those at which the motion starts."""
+
+Tell = Callable[[int, int, str], None]
+"""To be told which of how many tries it is, and what is tried."""
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """A cell and a motion that can be played.
+
+    Attributes:
+        request: What was asked.
+        layout: Where everything is.
+        mass: Of the object [kg].
+        cell: Keys and values of the cell file.
+        motion: Likewise of the motion file.
+        assumed: Joints by robot whose torque limits are assumed, because the URDF says nothing.
+        result: What `mrts.scale` finds.
+    """
+
+    request: Request
+    layout: Layout
+    mass: float
+    cell: dict[str, Any]
+    motion: dict[str, Any]
+    assumed: dict[str, tuple[str, ...]]
+    result: ScalingResult
+
+
+def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) -> Proposal:
+    """A cell and a motion that can be played.
+
+    Args:
+        request: What is asked.
+        tell: Is told of each try.
+
+    Raises:
+        InputError: If two arms stand in one place.
+        MotionError: If nothing that was tried can be played: why the last could not.
+    """
+    first = _first_mass(request) if request.mass is None else request.mass
+    reason = ""
+    total = len(LIFTS) * len(LOADS)
+    for lift, share_of_lift in enumerate(LIFTS):
+        found: list[Layout] = []
+        for load, share_of_load in enumerate(LOADS):
+            mass = _two_digits(first * share_of_load)
+            tell(lift * len(LOADS) + load, total, f"{mass:g} kg")
+            try:
+                found = found or layouts(scene_of(request, mass, share_of_lift))
+            except MotionError as error:
+                reason = reason or str(error)
+                continue
+            for layout in found[:TRIED_LAYOUTS]:
+                tried = _tried(request, layout, mass)
+                if isinstance(tried, Proposal):
+                    return tried
+                reason = tried
+    raise MotionError(f"nothing was found that can be played. The last try: {reason}")
+
+
+def _first_mass(request: Request) -> float:
+    total = sum(float(np.sum(each.arm.chain.mass)) for each in request.arms)
+    return _two_digits(LOAD_SHARE * total) if total > 0 else 1.0
+
+
+def _two_digits(number: float) -> float:
+    return float(f"{number:.2g}")
+
+
+def _tried(request: Request, layout: Layout, mass: float) -> Proposal | str:
+    """The proposal of a layout, or why it cannot be played."""
+    keys, assumed = _cell_keys(request, layout, mass)
+    try:
+        first = _played(request, keys, _motion_keys(layout, FIRST_DURATION), None)
+        c2 = _upper(first)
+        if not c2 > 0:
+            return first.explanation() or first.sentence()
+        duration = FIRST_DURATION if not isfinite(c2) else _longer(FIRST_DURATION * SPARE / c2**0.5)
+        if duration > LONGEST:
+            return f"the motion would take {duration:.3g} s: the arms can hardly hold {mass:g} kg"
+        for each, robot, joints in zip(request.arms, keys["robots"], first.cell.joint_slices.values(), strict=True):
+            if each.posture is None:
+                robot["posture"] = (np.round(first.motion.q[0, joints], DIGITS) + 0.0).tolist()
+        motion = _motion_keys(layout, duration)
+        result = _played(request, keys, motion, BETWEEN)
+    except MrtsError as error:
+        return str(error)
+    if not _upper(result) > 1:
+        return result.explanation() or result.sentence()
+    return Proposal(request=request, layout=layout, mass=mass, cell=keys, motion=motion, assumed=assumed, result=result)
+
+
+def _played(request: Request, keys: dict[str, Any], motion: dict[str, Any], between: float | None) -> ScalingResult:
+    """What `mrts.scale` finds of the files that these keys will be."""
+    paths = [{"urdf": str(each.path)} for each in request.arms]
+    robots = [robot | path for robot, path in zip(keys["robots"], paths, strict=True)]
+    cell = Cell.from_description(keys | {"robots": robots}, folder=request.arms[0].path.parent)
+    return scale(cell, sample_motion(MotionDescription(**motion)), between=between)
+
+
+def _upper(result: ScalingResult) -> float:
+    """c²⁺; 0 where no c² is admissible."""
+    end = result.range.upper
+    return 0.0 if result.trajectory is None or end is None else end.c2
+
+
+def _longer(duration: float) -> float:
+    """The next longer duration of one or two digits [s]."""
+    power = 10.0 ** floor(log10(max(duration, SHORTEST)))
+    return round(next(digit * power for digit in (*DURATIONS, 10.0) if digit * power >= max(duration, SHORTEST)), 3)
+
+
+def _motion_keys(layout: Layout, duration: float) -> dict[str, Any]:
+    start, end = (np.round(place, 6) + 0.0 for place in (layout.position, layout.position + layout.lift))
+    return {
+        "duration": duration,
+        "profile": "quintic",
+        "start": {"xyz": start.tolist()},
+        "end": {"xyz": end.tolist()},
+    }
+
+
+def _cell_keys(request: Request, layout: Layout, mass: float) -> tuple[dict[str, Any], dict[str, tuple[str, ...]]]:
+    """Keys of the cell file, and by robot the joints whose torque limits are assumed."""
+    squares = layout.sides**2
+    inertia = [_digits(mass / 12 * (float(np.sum(squares)) - float(square)), 3) for square in squares]
+    robots, assumed = [], {}
+    for each, stand in zip(request.arms, layout.stands, strict=True):
+        robot, joints = _robot_keys(request, each, stand, layout, mass)
+        robots.append(robot)
+        if joints:
+            assumed[each.arm.name] = joints
+    whole = {"name": request.name, "gravity": request.gravity.tolist(), "plane": request.plane}
+    carried = {"mass": mass, "inertia": inertia}
+    return {key: value for key, value in whole.items() if value is not None} | {
+        "object": carried,
+        "robots": robots,
+    }, assumed
+
+
+def _digits(number: float, digits: int) -> float:
+    return float(f"{number:.{digits}g}")
+
+
+def _robot_keys(
+    request: Request, each: ArmRequest, stand: Stand, layout: Layout, mass: float
+) -> tuple[dict[str, Any], tuple[str, ...]]:
+    chain = each.arm.chain
+    T = RigidTransform(stand.T_world_tip.R, stand.T_world_tip.p - layout.position)
+    robot: dict[str, Any] = {"name": each.arm.name, "urdf": each.urdf}
+    robot |= {"base_link": chain.base_link, "tip_link": chain.tip_link}
+    robot |= {"base": pose_keys(stand.T_world_base), "grasp": pose_keys(T), "posture": stand.posture.tolist()}
+    missing = tuple(name for name, effort in zip(chain.joints, chain.effort, strict=True) if effort is None)
+    if missing:
+        known = np.array([inf if effort is None else effort for effort in chain.effort])
+        robot["torque"] = np.where(np.isfinite(known), known, _assumed_torque(request, each.arm, mass)).tolist()
+    return robot, missing
+
+
+def _assumed_torque(request: Request, arm: Arm, mass: float) -> Any:
+    """Torques for joints whose URDF gives none, Shape (n,) [N m or N]."""
+    share = mass * float(np.linalg.norm(request.gravity)) / len(request.arms)
+    state = arm.at(drawn_postures(arm))
+    pulls = [arm.torque(state, sign * axis * 9.81, -sign * share * axis) for axis in np.eye(3) for sign in (1, -1)]
+    worst = np.max(np.abs(pulls), axis=(0, 1))
+    least = max(WEAKEST, WEAKEST_SHARE * float(np.max(worst)))
+    return np.array([_up_to_two_digits(max(STRONG * each, least)) for each in worst])
+
+
+def _up_to_two_digits(number: float) -> float:
+    step = 10.0 ** (floor(log10(number)) - 1)
+    return _digits(ceil(number / step) * step, 2)
+
+
+def pose_keys(T: RigidTransform) -> dict[str, list[float]]:
+    """A pose as a cell file has it: `rpy` only where it turns.
+
+    Args:
+        T: The pose.
+    """
+    xyz = (np.round(T.p, 9) + 0.0).tolist()
+    if np.array_equal(T.R, np.eye(3)):
+        return {"xyz": xyz}
+    return {"xyz": xyz, "rpy": rpy_from_rotation(T.R)}
+
+
+def renamed(proposal: Proposal, urdfs: list[str]) -> Proposal:
+    """The same with other names of the URDFs in the cell file.
+
+    Args:
+        proposal: The proposal.
+        urdfs: By arm.
+    """
+    robots = [robot | {"urdf": urdf} for robot, urdf in zip(proposal.cell["robots"], urdfs, strict=True)]
+    return replace(proposal, cell=proposal.cell | {"robots": robots})

@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: MIT
+"""From the names of URDFs to a request: which chains are arms, what they are called, and what goes together."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from os.path import relpath
+from pathlib import Path
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.formats.urdf_tree import ArmChain, Survey, UrdfTree
+from mrts.base.rigid_transform import RigidTransform
+from mrts.cell.generation import surveyed_urdf
+from mrts.inverse_kinematics.joint_limits import DEGREES_SUSPECTED
+from mrts.starting.arm import Arm, make_arm, plane_of
+from mrts.starting.request import ArmRequest, Request
+from mrts.starting.tips import FEWEST_JOINTS, SIDES, Hand, first_link, hands, moved_by
+
+SPATIAL_JOINTS = 6
+"""What holding an object takes in space; in a plane `FEWEST_JOINTS`."""
+
+MOST_HANDS = 2
+"""Of a URDF that are taken without asking."""
+
+MOST_STEPS_UP = 3
+"""Folders that a relative path may climb; a URDF farther away is named by its whole path."""
+
+ROBOT, TIP, BASE, POSTURE = "--robot", "--tip", "--base", "--posture"
+"""Whose values they are, for messages."""
+
+Choose = Callable[[str, UrdfTree, list[Hand]], list[str]]
+"""Asks which tips of a URDF are the arms', where names do not say it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """What a user says of a cell that is begun.
+
+    Attributes:
+        name: Of the cell.
+        robots: URDFs, as in a cell file or relative to the current folder.
+        tips: Of each robot, or several of a single one; none where they are to be found.
+        bases: Of each robot: where the root of its URDF is in the world; none where they are to be proposed.
+        postures: Of each arm [rad or m]; none where they are to be found.
+        mass: Of the object [kg].
+        gravity: World, Shape (3,) [m/s²].
+        degrees: Whether the postures of joints that turn are in degrees.
+    """
+
+    name: str
+    robots: Sequence[str]
+    tips: Sequence[str]
+    bases: Sequence[RigidTransform]
+    postures: Sequence[Array]
+    mass: float | None
+    gravity: Array
+    degrees: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class _Chosen:
+    """One arm: the URDF that it is of, as it was named and as it was read, and its tip."""
+
+    robot: int
+    reference: str
+    path: Path
+    tree: UrdfTree
+    survey: Survey
+    tip: str
+    why: str
+
+
+def refuse(name: str, tree: UrdfTree, found: list[Hand]) -> list[str]:
+    """Ask nobody: say which tips there are.
+
+    Args:
+        name: Of the URDF.
+        tree: What is in it.
+        found: The hands that it seems to have.
+
+    Raises:
+        InputError: Always.
+    """
+    ends = [hand.link for hand in found] or [link for link in tree.links if len(moved_by(tree, link)) >= FEWEST_JOINTS]
+    if not ends:
+        rule = f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm."
+        raise InputError(name, rule)
+    listed = ", ".join(f"{link} ({len(moved_by(tree, link))} joints)" for link in ends)
+    seems = f"seems to have {len(found)} hands" if found else "does not say which link holds the object"
+    raise InputError(name, f"{seems}: choose with --tip, once an arm. There are {listed}.")
+
+
+def request_of(given: Given, folder: Path, choose: Choose = refuse) -> Request:
+    """The request that a user's words are.
+
+    Args:
+        given: What the user says.
+        folder: Where the cell file will stand.
+        choose: Asks for tips.
+
+    Raises:
+        InputError: If a URDF or a value breaks a rule.
+    """
+    chosen = _chosen(given, choose)
+    standing = 1 + max(arm.robot for arm in chosen)
+    if given.bases and len(given.bases) != standing:
+        rule = f"give it once for each robot, in their order: {standing} times, or not at all."
+        raise InputError(BASE, rule, value=len(given.bases))
+    if given.postures and len(given.postures) != len(chosen):
+        rule = f"give it once for each arm, in their order: {len(chosen)} times, or not at all."
+        raise InputError(POSTURE, rule, value=len(given.postures))
+    machines = {arm.path: fellows for arm in chosen if len(fellows := _machine(chosen, arm)) > 1}
+    alone = len(machines) == 1 and all(arm.path in machines for arm in chosen)
+    if machines and not alone and not given.bases:
+        rule = "is needed for each robot where one has several arms: they cannot be moved about by themselves."
+        raise InputError(BASE, rule)
+    names = _names([arm.tip for arm in chosen])
+    survey = cache(lambda read, base_link, tip: read(base_link, tip))  # two of a kind have one chain
+    arms = []
+    for index, arm in enumerate(chosen):
+        fellows = _machine(chosen, arm)
+        chain = survey(arm.survey, first_link(arm.tree, [fellow.tip for fellow in fellows]), arm.tip)
+        arms.append(_arm_request(given, index, arm, make_arm(names[index], chain), folder, fixed=len(fellows) > 1))
+    plane = plane_of([each.arm for each in arms])
+    if plane is not None and len(arms) > len(SIDES) and not given.bases:
+        raise InputError(BASE, "is needed for each of more than two arms that move in one plane.")
+    for each in arms:
+        count, needed = len(each.arm.chain.joints), SPATIAL_JOINTS if plane is None else FEWEST_JOINTS
+        if count < needed:
+            rule = (
+                f"the chain to '{each.arm.chain.tip_link}' has {count} joint{'s' * (count > 1)}, and holding an object "
+                f"takes {SPATIAL_JOINTS}, or {FEWEST_JOINTS} where all move in one plane. Choose another tip or robot."
+            )
+            raise InputError(each.urdf, rule)
+    return Request(given.name, tuple(arms), alone and not given.bases, plane, given.gravity, given.mass)
+
+
+def _chosen(given: Given, choose: Choose) -> list[_Chosen]:
+    """The arms, in the order of the robots."""
+    files = {robot: surveyed_urdf(Path(ROBOT), Path.cwd(), robot) for robot in given.robots}
+    read = [files[robot] for robot in given.robots]  # two of a kind have one survey
+    if given.tips:
+        places = [0] * len(given.tips) if len(read) == 1 else list(range(len(read)))
+        if len(places) != len(given.tips):
+            rule = f"give it once for each --robot, in their order: {len(read)} times, or not at all."
+            raise InputError(TIP, rule, value=list(given.tips))
+        found = [_Chosen(at, given.robots[at], *read[at], tip, "") for at, tip in zip(places, given.tips, strict=True)]
+        for arm in found:
+            if arm.tip not in arm.tree.links:
+                rule = f"there is no such link in {arm.path.name}; its links are {', '.join(arm.tree.links)}."
+                raise InputError(TIP, rule, value=arm.tip)
+    else:
+        found = []
+        for at, (_, tree, _) in enumerate(read):
+            seen = sorted(hands(tree), key=lambda hand: hand.side)
+            if not 1 <= len(seen) <= MOST_HANDS or (len(seen) == MOST_HANDS and len({h.joints for h in seen}) > 1):
+                tips = [(tip, "") for tip in choose(given.robots[at], tree, seen)]
+            else:
+                tips = [(hand.link, hand.why) for hand in seen]
+            found += [_Chosen(at, given.robots[at], *read[at], *tip) for tip in tips]
+    return [found[0], replace(found[0], robot=1)] if len(found) == 1 else found  # two of a kind
+
+
+def _machine(chosen: list[_Chosen], arm: _Chosen) -> list[_Chosen]:
+    """The arms of the machine that an arm is of: those of one URDF whose tips differ, itself first."""
+    same = [other for other in chosen if other.path == arm.path]
+    tips = [other.tip for other in same]
+    return same if len({*tips}) == len(tips) and len(same) > 1 else [arm]
+
+
+def _names(tips: list[str]) -> list[str]:
+    """What arms are called: by the sides in the names of their tips, or left and right, or by number."""
+    sides = [next((side for side in SIDES if side in tip.lower()), "") for tip in tips]
+    if len(tips) > len(SIDES):
+        return [f"arm_{index + 1}" for index in range(len(tips))]
+    return sides if {*sides} == {*SIDES} else list(SIDES)[: len(tips)]
+
+
+def _arm_request(given: Given, index: int, chosen: _Chosen, arm: Arm, folder: Path, *, fixed: bool) -> ArmRequest:
+    """One arm with what was said of it.
+
+    Args:
+        given: What the user says.
+        index: Of the arm.
+        chosen: Its URDF.
+        arm: Its chain, named.
+        folder: Where the cell file will stand.
+        fixed: Whether its base is where the URDF has it, beside the other arms of its machine.
+    """
+    chain = arm.chain
+    base = given.bases[chosen.robot] @ chain.T_root_base if given.bases else chain.T_root_base if fixed else None
+    posture = _posture(given, given.postures[index], chain) if given.postures else None
+    return ArmRequest(
+        arm=arm,
+        urdf=_reference(chosen.reference, chosen.path, folder),
+        path=chosen.path.absolute(),
+        why=chosen.why,
+        base=base,
+        posture=posture,
+    )
+
+
+def _posture(given: Given, posture: Array, chain: ArmChain) -> Array:
+    """A posture in rad and m, inside the joint limits.
+
+    Raises:
+        InputError: If it is none of this arm.
+    """
+    if len(posture) != len(chain.joints):
+        rule = f"must have {len(chain.joints)} values, one for each of {', '.join(chain.joints)}."
+        raise InputError(POSTURE, rule, value=posture.tolist())
+    turns = np.array([kind == "revolute" for kind in chain.types])
+    if given.degrees:
+        posture = np.where(turns, np.radians(posture), posture)
+    elif np.any(np.abs(posture[turns]) > DEGREES_SUSPECTED):
+        rule = "is more than two turns: these seem to be degrees. Say --degrees, or give radians."
+        raise InputError(POSTURE, rule, value=posture.tolist())
+    for name, position, lower, upper in zip(chain.joints, posture, chain.lower, chain.upper, strict=True):
+        if not lower <= position <= upper:
+            rule = f"joint '{name}' must be within its limits, [{lower:.6g}, {upper:.6g}]."
+            raise InputError(POSTURE, rule, value=float(position))
+    return posture
+
+
+def _reference(given: str, path: Path, folder: Path) -> str:
+    """How the cell file names a URDF."""
+    if given.startswith("package://"):
+        return given
+    near = Path(relpath(path.absolute(), folder.absolute()))
+    return near.as_posix() if near.parts.count("..") <= MOST_STEPS_UP else path.absolute().as_posix()

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: MIT
+"""The hands of a URDF, found by the names of its links and by where its chains part."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mrts.base.formats.urdf_tree import JointEnds, UrdfTree
+
+MOVING = ("revolute", "continuous", "prismatic")
+ON_CHAINS = (*MOVING, "fixed")
+"""Types of joints that may stand between base and tip."""
+
+FEWEST_JOINTS = 3
+"""Of a chain that may be an arm: a planar one."""
+
+SIDES = {"left": ("left", "l"), "right": ("right", "r")}
+"""Words that say which arm it is."""
+
+LEGS = frozenset({"foot", "feet", "sole", "ankle", "leg", "toe", "hip", "knee", "wheel", "thigh", "calf"})
+"""Words in names of joints and links of a chain that is no arm."""
+
+NEVER = frozenset({
+    "finger", "fingertip", "thumb", "index", "middle", "ring", "pinky", "little", "knuckle", "jaw", "mover",
+    "motor", "screw", "camera", "optical", "depth", "rgb", "imu", "sensor", "led", "accelerometer", "range",
+    "visual", "collision", "shape", "skin", "dh", "safety", "head", "eye", "gaze", "itb", "torso", "chest", "logo",
+    "balancing",
+})  # fmt: skip
+"""Words in names of links that are no hand, or only a part of one."""
+
+TOOLS = (
+    ({"tcp"}, {"tool", "0"}, {"tool", "center"}, {"grasping", "frame"}, {"tool", "frame"}, {"gripper", "frame"}),
+    ({"flange"}, {"end", "effector"}, {"eef"}, {"ee"}, {"effector"}, {"tool"}, {"contact"}),
+    ({"gripper"}, {"palm"}, {"hand"}, {"nub"}),
+    ({"wrist"},),
+)  # fmt: skip
+"""Words that name a hand, the best first; all words of a set stand in the name."""
+
+BARE = frozenset({"link", "base", "frame", "rubber", "stator", "left", "right", "l", "r"})
+"""Words that may stand beside those of the last two ranks: `left_hand_link`, but not `left_hand_cover`."""
+
+WHOLE_NAMES = 2
+"""From this rank on, other words than `BARE` say that it is something else."""
+
+
+@dataclass(frozen=True)
+class Hand:
+    """A link that may hold the object.
+
+    Attributes:
+        link: The link.
+        why: Why it is proposed, to stand behind its name.
+        joints: How many joints move it.
+        side: "left" or "right" where its name says so, else empty.
+    """
+
+    link: str
+    why: str
+    joints: int
+    side: str
+
+
+def words(name: str) -> list[str]:
+    """The words of a name, in small letters: `LArm_effector` has l, arm, effector."""
+    return [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)]
+
+
+def moved_by(tree: UrdfTree, link: str) -> list[JointEnds]:
+    """Joints that move a link, from the root on."""
+    return [joint for joint in tree.chain(link) if joint.type in MOVING]
+
+
+def first_link(tree: UrdfTree, tips: Sequence[str]) -> str:
+    """Where the chains of the arms of one machine begin: past what they share, and past what no chain may hold.
+
+    Args:
+        tree: The URDF.
+        tips: Its arms; the whole chain belongs to a single one.
+    """
+    first = tree.root
+    chains = [tree.chain(tip) for tip in tips]
+    for joint in chains[0]:
+        shared = len(chains) > 1 and joint.type in MOVING and all(joint in chain for chain in chains)
+        if shared or joint.type not in ON_CHAINS:
+            first = joint.child
+    return first
+
+
+def hands(tree: UrdfTree) -> list[Hand]:
+    """The hands that a URDF seems to have, one an arm; none where it says nothing.
+
+    Args:
+        tree: The URDF.
+    """
+    named = [(link, rank) for link in _candidates(tree) if (rank := _rank(link)) is not None]
+    found = []
+    for limb in _limbs(tree, [link for link, _ in named]):
+        best = min(rank for link, rank in named if link in limb)
+        link = max((link for link, rank in named if link in limb and rank == best), key=lambda at: len(tree.chain(at)))
+        found.append(_hand(tree, link, "named as a hand or tool"))
+    return found or _ends(tree)
+
+
+def _ends(tree: UrdfTree) -> list[Hand]:
+    """Where names say nothing: the last link that all ends of a limb share."""
+    above = {joint.parent for joint in tree.joints.values()}
+    ends = [link for link in _candidates(tree) if link not in above]
+    if not ends:  # a URDF whose only end has the name of a finger
+        ends = [link for link in tree.links if link not in above and len(moved_by(tree, link)) >= FEWEST_JOINTS]
+    found = []
+    for limb in _limbs(tree, ends):
+        chains = [tree.chain(link) for link in limb]
+        shared = [joint for joint in chains[0] if all(joint in chain for chain in chains)]
+        why = "the only link at the end of the chain" if len(limb) == 1 else "the last link before the chain parts"
+        found.append(_hand(tree, shared[-1].child, why))
+    return found
+
+
+def _candidates(tree: UrdfTree) -> list[str]:
+    """Links that enough joints move, each by a motor of its own, and whose names do not say something else."""
+    found = []
+    for link in tree.links:
+        moving = moved_by(tree, link)
+        own = not any(joint.follows for joint in moving)
+        leg = any(LEGS.intersection(words(joint.name) + words(joint.child)) for joint in moving)
+        if len(moving) >= FEWEST_JOINTS and own and not leg and not NEVER.intersection(words(link)):
+            found.append(link)
+    return found
+
+
+def _rank(link: str) -> int | None:
+    given = {*words(link)}
+    for rank, names in enumerate(TOOLS):
+        beside = any(name <= given and (rank < WHOLE_NAMES or given - name <= _beside(name)) for name in names)
+        if beside:
+            return rank
+    return None
+
+
+def _beside(name: set[str]) -> frozenset[str]:
+    """Words that may stand beside a name: numbers, and what says nothing."""
+    others = {word for kinds in TOOLS[WHOLE_NAMES:] for kind in kinds for word in kind}
+    return BARE | (others - name)
+
+
+def _limbs(tree: UrdfTree, links: list[str]) -> list[list[str]]:
+    """Links by arm: those that share more than half of the joints that move them."""
+    limbs: list[list[str]] = []
+    for link in links:
+        own = moved_by(tree, link)
+        for limb in limbs:
+            other = moved_by(tree, limb[0])
+            if 2 * len([joint for joint in own if joint in other]) > max(len(own), len(other)):
+                limb.append(link)
+                break
+        else:
+            limbs.append([link])
+    return limbs
+
+
+def _hand(tree: UrdfTree, link: str, why: str) -> Hand:
+    side = next((side for side, names in SIDES.items() if {*names} & {*words(link)}), "")
+    return Hand(link, why, len(moved_by(tree, link)), side)

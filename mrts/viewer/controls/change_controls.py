@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: MIT
+"""All that changes a workbench's choices: numbers, places by gizmo and by sliders, configurations; extra 'view'."""
+
+from collections.abc import Callable
+
+import viser
+
+from mrts.base.rigid_transform import RigidTransform
+from mrts.studies.configurations import ConfigurationStudy
+from mrts.viewer.controls.bound_control import assign
+from mrts.viewer.controls.edit_controls import EditControls, OffsetControls
+from mrts.viewer.controls.gizmo import PlaceGizmo
+from mrts.viewer.controls.places import places
+from mrts.viewer.panel import note_html
+from mrts.viewer.workbench.choices import Choices
+from mrts.viewer.workbench.workbench import Workbench
+
+SETTLED = 0.4
+"""A control that rests so long is let go: the next change is another step to undo [s]."""
+
+NOWHERE = "nothing"
+AS_GIVEN = "as in the cell file"
+CONFIGURATIONS_SHOWN = 200
+"""A longer menu is no help; the best come first."""
+
+
+class ChangeControls:
+    """The controls, in the container that is open.
+
+    Args:
+        server: Where.
+        bench: What they change.
+        size: Of the cell [m], for the gizmo.
+        later: Takes work for the thread that follows the controls.
+    """
+
+    def __init__(
+        self, server: viser.ViserServer, bench: Workbench, size: float, later: Callable[[Callable[[], None]], None]
+    ) -> None:
+        self._bench, gui = bench, server.gui
+        self._still, self._draft = 0.0, False
+        self._study: ConfigurationStudy | None = None
+        self._gizmo = PlaceGizmo(server, bench.given, size)
+        self._edits = EditControls(gui, bench.given)
+        self._places = {str(place): place for place in places(bench.given)}
+        with gui.add_folder("Places"):
+            self._place = gui.add_dropdown(
+                "move", (NOWHERE, *self._places), hint="with the gizmo in the scene, or with the sliders below"
+            )
+            self._offsets = OffsetControls(gui, bench.given)
+        self._shown_place = NOWHERE
+        with gui.add_folder("Configuration"):
+            self._add_configurations(gui, later)
+        self.show()
+
+    @property
+    def unsettled(self) -> bool:
+        """Whether a change waits for its last answer."""
+        return self._draft
+
+    def follow(self, elapsed: float, speed: float | None, held: RigidTransform) -> None:
+        """Take over what was changed since the last call, and ask for its answer.
+
+        Args:
+            elapsed: Since then [s].
+            speed: To play at; None is the first choice.
+            held: Of the object in the world, at the moment that is shown.
+
+        Raises:
+            InputError: If a value breaks a rule.
+        """
+        bench = self._bench
+        self._choose_place(held)
+        changed = self._edits.changed(bench.choices) or self._offsets.changed(bench.choices)
+        by_gizmo, let_go = self._gizmo.moved(bench.choices)
+        if by_gizmo is not None:
+            changed = (by_gizmo, str(self._gizmo.place))
+        elif changed is None:
+            changed = self._chosen_configuration()
+        self._still += elapsed
+        if changed is not None:
+            choices, gesture = changed
+            self._still, self._draft = 0.0, True
+            if choices is not bench.choices:
+                bench.edit(choices, gesture, draft=True, speed=speed)
+            self.show()
+            self.follow_gizmo(held)
+        elif self._draft and (let_go or (self._still > SETTLED and not self._gizmo.dragged)):
+            self._draft = False
+            bench.end_gesture()
+            if bench.choices.profile != "constant":
+                bench.ask(speed)
+
+    def follow_gizmo(self, held: RigidTransform) -> None:
+        """Let the gizmo stand where its place is."""
+        self._gizmo.follow(self._bench.choices, held)
+
+    def show(self) -> None:
+        """Show the choices as they are."""
+        choices = self._bench.choices
+        self._edits.show(choices)
+        self._offsets.show(choices)
+        if self._menu is not None:
+            wanted = choices.configuration or AS_GIVEN
+            if wanted in self._menu.options:
+                assign(self._menu, wanted)
+                self._shown_configuration = wanted
+
+    def show_study(self) -> None:
+        """Offer the configurations, once they are ranked."""
+        study, menu = self._bench.study, self._menu
+        if menu is None or study is self._study:
+            if menu is not None and self._rank.disabled and not self._bench.waits:
+                self._rank.disabled, self._rank.label = False, "Rank all configurations"
+            return
+        self._study = study
+        menu.options = (AS_GIVEN, *self._bench.configuration_labels()[:CONFIGURATIONS_SHOWN])
+        menu.visible, self._rank.disabled, self._rank.label = True, False, "Rank them again"
+        self.show()
+
+    def _choose_place(self, held: RigidTransform) -> None:
+        if self._place.value == self._shown_place:
+            return
+        self._shown_place = self._place.value
+        place = self._places.get(self._shown_place)
+        self._gizmo.choose(place)
+        self._offsets.choose(place, self._bench.choices)
+        self.follow_gizmo(held)
+
+    def _add_configurations(self, gui: viser.GuiApi, later: Callable[[Callable[[], None]], None]) -> None:
+        self._menu: viser.GuiDropdownHandle[str] | None = None
+        if fixed := self._bench.fixed_configuration:
+            gui.add_html(note_html(fixed))
+            return
+        self._rank: viser.GuiButtonHandle = gui.add_button(
+            "Rank all configurations", hint="of the cell as it is now; takes seconds"
+        )
+        self._rank.on_click(lambda _: later(self._ask_for_ranks))
+        self._menu = gui.add_dropdown("configuration", (AS_GIVEN,), visible=False)
+        self._shown_configuration = AS_GIVEN
+
+    def _ask_for_ranks(self) -> None:
+        self._rank.disabled, self._rank.label = True, "Ranking …"
+        self._bench.rank()
+
+    def _chosen_configuration(self) -> tuple[Choices, str] | None:
+        menu, bench = self._menu, self._bench
+        if menu is None or menu.value == self._shown_configuration:
+            return None
+        self._shown_configuration = menu.value
+        return bench.with_configuration(menu.value if menu.value != AS_GIVEN else ""), "configuration"

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: MIT
+"""Choices saved as a cell file and a motion file: what was edited and nothing else, or not at all."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mrts.base.arrays import Array, without_infinity
+from mrts.base.atomic_file import text_writer, write_together
+from mrts.base.errors import InputError
+from mrts.base.input_file import read_text
+from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
+from mrts.base.yaml_parser import parse_yaml
+from mrts.cell.cell import Cell
+from mrts.cell.loading import load_cell
+from mrts.cell.robot import Robot
+from mrts.viewer.workbench.choices import Choices, Given
+from mrts.viewer.workbench.edited_yaml import Key, edited_yaml
+
+SUFFIXES = {".yaml", ".yml"}
+LONGEST_NAME = 100
+SAME = 1e-12
+"""Numbers of a saved cell that differ by no more from the wanted ones are these: angles pass through cosines."""
+
+Edits = dict[tuple[Key, ...], Any]
+
+
+def saving_folder(given: Given) -> Path | None:
+    """The folder that choices are saved in, that of the cell file; None where the cell is from none."""
+    return None if given.cell_path is None else given.cell_path.resolve().parent
+
+
+def save_choices(
+    given: Given, choices: Choices, cell_name: str, motion_name: str, *, overwrite: bool
+) -> tuple[list[Path], str]:
+    """Write the cell and, where it is described by poses, the motion as they were chosen; both or none.
+
+    Args:
+        given: What was given.
+        choices: The choices.
+        cell_name: Of the cell file, without a folder.
+        motion_name: Of the motion file; empty leaves it out.
+        overwrite: Whether files that exist may be replaced.
+
+    Returns:
+        The files, and a remark, empty where there is none.
+
+    Raises:
+        InputError: If a name is no name of a file, a file exists, or cannot be written.
+    """
+    folder = saving_folder(given)
+    if folder is None or given.cell_path is None:
+        raise InputError("saving", "takes a cell file; this cell is from generated files.")
+    texts: dict[Path, str] = {}
+    target = _target(folder, "cell file", cell_name)
+    texts[target], remark = _cell_text(given, choices, given.cell_path, target)
+    if motion_name:
+        motion = _target(folder, "motion file", motion_name)
+        if motion == target:
+            raise InputError("motion file", "has the name of the cell file.", value=motion_name)
+        texts[motion] = _motion_text(given, choices)
+    for path in texts:
+        if not overwrite and (path.exists() or path.is_symlink()):
+            raise InputError(path, "exists already: choose another name, or allow to replace it.")
+        if path.is_symlink() or (path.exists() and not path.is_file()):
+            raise InputError(path, "is a link or no file: choose another name.")
+    write_together({path: text_writer(text) for path, text in texts.items()})
+    return list(texts), remark
+
+
+def _target(folder: Path, where: str, name: str) -> Path:
+    """The path of a file in the folder, and nowhere else."""
+    is_name = name.isprintable() and Path(name).name == name and not name.startswith(".") and "\\" not in name
+    if not is_name or Path(name).suffix.lower() not in SUFFIXES or len(name) > LONGEST_NAME:
+        rule = f"must be a name of at most {LONGEST_NAME} characters that ends in .yaml, without a folder."
+        raise InputError(where, rule, value=name)
+    return folder / name
+
+
+def _cell_text(given: Given, choices: Choices, path: Path, target: Path) -> tuple[str, str]:
+    """The original text with the edited keys; where that does not read back to the cell, a text written anew."""
+    original = load_cell(path)
+    wanted = choices.saved_cell(replace(given, cell=original))
+    text = edited_yaml(read_text(path, "cell file"), _cell_edits(original, wanted, choices))
+    try:
+        if _same(Cell.from_description(parse_yaml(text), folder=target.parent), wanted):
+            return text, ""
+    except InputError:
+        pass
+    remark = "The cell file was written anew, without the comments of the original: it gives an edited value in a "
+    return wanted.to_yaml(), remark + "form that is not edited in place."
+
+
+def _cell_edits(original: Cell, wanted: Cell, choices: Choices) -> Edits:
+    edits: Edits = {} if choices.mass is None else {("object", "mass"): choices.mass}
+    for index, (before, after) in enumerate(zip(original.robots, wanted.robots, strict=True)):
+        for key, old, new in (
+            ("base", before.T_world_base, after.T_world_base),
+            ("grasp", before.T_object_tip, after.T_object_tip),
+        ):
+            edits |= _pose_edits(("robots", index, key), old, new)
+        for key, limits in (("torque", _torque), ("wrench", _wrench)):
+            if limits(before) != limits(after):
+                edits[("robots", index, key)] = limits(after)
+        if not np.array_equal(before.posture, after.posture):
+            edits[("robots", index, "posture")] = after.posture.tolist()
+    return edits
+
+
+def _pose_edits(keys: tuple[Key, ...], old: RigidTransform, new: RigidTransform) -> Edits:
+    edits: Edits = {}
+    if not np.array_equal(old.p, new.p):
+        edits[(*keys, "xyz")] = new.p.tolist()
+    if not np.array_equal(old.R, new.R):
+        edits[(*keys, "rpy")] = rpy_from_rotation(new.R)
+    return edits
+
+
+def _torque(robot: Robot) -> list[float] | dict[str, list[float]]:
+    if np.array_equal(robot.torque_lower, -robot.torque_upper):
+        return list(robot.torque_upper.tolist())
+    return {"lower": robot.torque_lower.tolist(), "upper": robot.torque_upper.tolist()}
+
+
+def _wrench(robot: Robot) -> dict[str, list[float | None]]:
+    return {"lower": without_infinity(robot.wrench_lower), "upper": without_infinity(robot.wrench_upper)}
+
+
+def _numbers(cell: Cell) -> Mapping[str, Array]:
+    found = {"geometry": cell.geometry, "load": cell.load}
+    for robot in cell.robots:
+        for key in ("posture", "torque_lower", "torque_upper", "wrench_lower", "wrench_upper", "velocity_limit"):
+            found[f"{robot.name} {key}"] = getattr(robot, key)
+        for contact in robot.contacts:
+            found |= {f"{robot.name} {contact.name}": np.concatenate([contact.lower, contact.upper])}
+    return found
+
+
+def _same(one: Cell, other: Cell) -> bool:
+    """Whether two cells of the same chains have the same numbers."""
+    ours, theirs = _numbers(one), _numbers(other)
+    return ours.keys() == theirs.keys() and all(
+        np.allclose(ours[key], theirs[key], rtol=SAME, atol=SAME) for key in ours
+    )
+
+
+def _motion_text(given: Given, choices: Choices) -> str:
+    described = choices.description(given)
+    if described is None or given.motion_path is None:
+        raise InputError("motion file", "a motion from a table has no ends that could have moved: save the cell alone.")
+    last = len(described.waypoints or ()) - 1
+    places: dict[str, tuple[Key, ...]] = {"start": ("start",), "end": ("end",)}
+    if described.waypoints:
+        places = {"start": ("waypoints", 0), "end": ("waypoints", last)}
+    edits: Edits = {}
+    for name, keys in places.items():
+        pose = choices.start if name == "start" else choices.end
+        if pose is not None:
+            edits[(*keys, "xyz")] = pose.p.tolist()
+            edits[(*keys, "rpy")] = rpy_from_rotation(pose.R)
+    return edited_yaml(read_text(given.motion_path, "motion file"), edits)

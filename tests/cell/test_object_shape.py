@@ -1,0 +1,180 @@
+"""The shape of the object: what it weighs where nothing is said of its inertia, and that it stays with the cell."""
+
+import pickle
+
+import numpy as np
+import pytest
+import trimesh
+import yaml
+from conftest import DATA
+from scipy.spatial.transform import Rotation
+
+import mrts
+from mrts.cell.generation import generate_to
+from mrts.drawing.cell_shapes import object_box
+from mrts.drawing.object_surface import object_edges, object_surface
+from mrts.studies.at_once.variant_numbers import varied_entries
+
+ROUNDING = 1e-12
+FLOAT32 = 1e-6  # vertices are drawn, and kept, in single precision
+MASS = 1.5
+
+
+def described(shape, **keys):
+    given = yaml.safe_load((DATA / "cell.yaml").read_text(encoding="utf-8"))
+    return given | {"object": {"mass": MASS, "shape": shape} | keys}
+
+
+def shaped(folder, shape, **keys):
+    """The planar cell with another object."""
+    given = described(shape, **keys)
+    for robot in given["robots"]:
+        robot["urdf"] = str(DATA / "planar_arm.urdf")
+    return mrts.Cell.from_description(given, folder=folder)
+
+
+def tetrahedron_inertia(mass, corners):
+    """About its centre; Tonon, Explicit exact formulas for the 3-D tetrahedron inertia tensor, 2004, in matrix form."""
+    about = corners - corners.mean(axis=0)
+    second = mass / 20 * about.T @ about  # of mass times x xᵀ; the sum of the corners is 0
+    return np.trace(second) * np.eye(3) - second
+
+
+def test_a_uniform_body_has_the_inertia_of_its_shape(tmp_path):
+    box = shaped(tmp_path, {"box": [0.3, 0.2, 0.1]})
+    np.testing.assert_allclose(box.inertia, MASS / 12 * np.diag([0.05, 0.1, 0.13]), rtol=ROUNDING)
+    can = shaped(tmp_path, {"cylinder": {"radius": 0.1, "length": 0.4}})
+    across = MASS * (3 * 0.01 + 0.16) / 12
+    np.testing.assert_allclose(can.inertia, np.diag([across, across, MASS * 0.01 / 2]), rtol=ROUNDING)
+    corners = np.array([[0, 0, 0], [300, 20, 0], [50, 200, 10], [10, 40, 150.0]])
+    centre = corners.mean(axis=0) / 1000
+    for ending, faces in (
+        ("stl", [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]),
+        ("obj", [[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]]),
+    ):
+        trimesh.Trimesh(corners, faces, process=False).export(tmp_path / f"part.{ending}")  # the second inside out
+        R = Rotation.from_euler("xyz", [0.4, -0.3, 1.1])
+        pose = {"xyz": (-R.apply(centre)).tolist(), "rpy": [0.4, -0.3, 1.1]}
+        part = shaped(tmp_path, {"mesh": f"part.{ending}", "scale": 0.001, "pose": pose})
+        turned = R.as_matrix() @ tetrahedron_inertia(MASS, corners / 1000) @ R.as_matrix().T
+        np.testing.assert_allclose(part.inertia, turned, rtol=0, atol=FLOAT32 * turned.max())
+    given = shaped(tmp_path, {"mesh": "part.obj"}, inertia=[1.0, 1.0, 1.0])
+    np.testing.assert_array_equal(given.inertia, np.eye(3))
+    assert "0.001" in given.remarks[0].text
+    assert given.remarks[0].code == "large-shape"
+
+
+MISTAKES = {
+    "two kinds": ({"box": [1, 1, 1], "cylinder": {"radius": 1, "length": 1}}, "here are box and cylinder"),
+    "no kind": ({}, "here is none of them"),
+    "flat": ({"box": [1, 0, 1]}, r"object\.shape\.box\[1\] = 0: must be > 0"),
+    "scaled box": ({"box": [1, 1, 1], "scale": 0.001}, "'scale' is of a mesh's unit"),
+    "aside": ({"box": [1, 1, 1], "pose": {"xyz": [0, 0.3, 0]}}, r"at \[0, 0\.3, 0\] .* 'pose: \{xyz: \[0, 0, 0\]\}'"),
+    "no file": ({"mesh": "nothing.stl"}, "there is no such mesh"),
+    "open": ({"mesh": "open.stl"}, r"open\.stl: this mesh is not closed"),
+    "sheet": ({"mesh": "sheet.obj"}, "encloses no volume"),
+    "other format": ({"mesh": "part.step"}, "is a file of stl, obj, ply, off"),
+    "no mesh": ({"mesh": "text.stl"}, r"text\.stl: "),
+    "points": ({"mesh": "points.obj"}, "must have triangles"),
+    "package": ({"mesh": "package://nowhere/part.stl"}, r"object\.shape\.mesh = .*the package 'nowhere' is not found"),
+}
+
+
+@pytest.fixture(scope="module")
+def broken(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("meshes")
+    box = trimesh.creation.box((0.3, 0.2, 0.1))
+    trimesh.Trimesh(box.vertices, box.faces[:-1]).export(folder / "open.stl")
+    (folder / "sheet.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 2 1\n")
+    (folder / "points.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n")
+    (folder / "text.stl").write_text("hello")
+    (folder / "part.step").write_text("hello")
+    return folder
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_mistakes_in_a_shape(mistake, broken):
+    shape, rule = MISTAKES[mistake]
+    with pytest.raises(mrts.InputError, match=rule):
+        shaped(broken, shape)
+
+
+def test_an_object_needs_an_inertia_or_a_shape(tmp_path):
+    with pytest.raises(mrts.InputError, match="'inertia' is required, or its 'shape'"):
+        mrts.Cell.from_description(described(None), folder=tmp_path)
+
+
+def volume(vertices, triangles):
+    """Of a closed surface whose triangles run counterclockwise from outside; every side must lie between two."""
+    sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    assert np.all(np.unique(sides, axis=0, return_counts=True)[1] == 2)
+    return np.einsum("ti,ti->", vertices[triangles[:, 0]], np.cross(*np.moveaxis(vertices[triangles[:, 1:]], 1, 0))) / 6
+
+
+def test_what_is_drawn_is_the_shape(tmp_path, planar_cell):
+    box = shaped(tmp_path, {"box": [0.3, 0.2, 0.1]})
+    assert volume(*object_surface(box)) == pytest.approx(0.006)
+    assert len(object_edges(*object_surface(box))) == 12
+    can = shaped(tmp_path, {"cylinder": {"radius": 0.1, "length": 0.4}})
+    assert volume(*object_surface(can)) == pytest.approx(np.pi * 0.004, rel=0.01)
+    assert len(object_edges(*object_surface(can))) == 64
+    nothing = planar_cell.with_mass(1.0)
+    object.__setattr__(nothing, "object_shape", None)
+    assert volume(*object_surface(nothing)) == pytest.approx(np.prod(object_box(nothing)))
+    fine = trimesh.creation.icosphere(subdivisions=5, radius=0.2)
+    fine.export(tmp_path / "ball.ply")
+    ball = shaped(tmp_path, {"mesh": "ball.ply", "pose": {"xyz": [0.0, 0.001, 0.0]}})
+    vertices, triangles = object_surface(ball)
+    assert len(fine.faces) > 20_000
+    assert 500 < len(triangles) <= 2000
+    assert np.linalg.norm(vertices - [0, 0.001, 0], axis=1) == pytest.approx(0.2, rel=0.05)
+
+
+def test_it_stays_with_the_cell(tmp_path):
+    """In a cell file written from it, a generated folder, another process, a saved result, and with more mass."""
+    trimesh.creation.box((0.3, 0.2, 0.1)).export(tmp_path / "part.stl")
+    pose = {"quaternion_wxyz": [0.7071, 0, 0, 0.7071]}
+    path = tmp_path / "cell.yaml"
+    given = described({"mesh": "part.stl", "pose": pose})
+    for robot in given["robots"]:
+        robot["urdf"] = str(DATA / "planar_arm.urdf")
+    path.write_text(yaml.safe_dump(given), encoding="utf-8")
+    cell = mrts.load_cell(path)
+    surface = object_surface(cell)
+    cell.to_yaml(tmp_path / "again.yaml")
+    written = yaml.safe_load((tmp_path / "again.yaml").read_text(encoding="utf-8"))["object"]["shape"]
+    assert (written["mesh"], written["pose"]["rpy"]) == ("part.stl", [0.0, 0.0, np.pi / 2])
+    generate_to(path, tmp_path / "generated")
+    result = mrts.scale(cell, mrts.load_motion(DATA / "lift.yaml"), between=None)
+    mrts.save_result(result, tmp_path / "result.npz")
+    for other in (
+        mrts.load_cell(tmp_path / "again.yaml"),
+        mrts.load_cell(tmp_path / "generated"),
+        pickle.loads(pickle.dumps(cell)),  # noqa: S301 (our own)
+        mrts.load_result(tmp_path / "result.npz").cell,
+        cell.with_mass(2.0),
+    ):
+        for ours, theirs in zip(surface, object_surface(other), strict=True):
+            np.testing.assert_allclose(theirs, ours, rtol=0, atol=ROUNDING)
+    trimesh.creation.box((0.3, 0.2, 0.2)).export(tmp_path / "part.stl")  # the cache has the old one
+    assert mrts.load_cell(path).inertia[0, 0] == pytest.approx(MASS / 12 * (0.09 + 0.04))
+
+
+def test_a_study_of_the_mass_takes_the_inertia_along(tmp_path):
+    """One variant at a time, wherever the study is solved; the mesh goes with it."""
+    trimesh.creation.box((0.3, 0.2, 0.1)).export(tmp_path / "part.stl")
+    given = described({"mesh": "part.stl"})
+    for robot in given["robots"]:
+        robot["urdf"] = str(DATA / "planar_arm.urdf")
+    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
+    (tmp_path / "study.yaml").write_text(
+        f"cell: cell.yaml\nmotion: {DATA / 'lift.yaml'}\nvary: {{object.mass: [1, 3]}}\n"
+    )
+    study = mrts.read_study(tmp_path / "study.yaml")
+    assert varied_entries(study, mrts.load_cell(tmp_path / "cell.yaml")) is None
+    study.write_variant(1, tmp_path / "variant")
+    assert mrts.load_cell(tmp_path / "variant" / "cell.yaml").inertia[2, 2] == pytest.approx(3 / 12 * 0.13)
+    (tmp_path / "part.stl").unlink()
+    moved = study.at_hand()
+    cell = mrts.Cell.from_description(moved.descriptions(study.points(1, 2)[0])[0], folder=moved.folder)
+    assert cell.inertia[2, 2] == pytest.approx(3 / 12 * 0.13)

@@ -1,0 +1,121 @@
+"""`mrts new`: files that run, questions at a terminal, nothing overwritten, nothing left behind."""
+
+import re
+import shutil
+import sys
+
+import pytest
+import yaml
+from command_line import mrts_command
+from conftest import DATA
+from terminal_session import at_terminal
+
+UR5 = DATA.parent / "dual_ur5" / "ur5_class_arm.urdf"
+MRTS = (sys.executable, "-m", "mrts")
+
+
+@pytest.fixture(scope="module")
+def begun(dual_ur5, tmp_path_factory):
+    """A cell begun from an arm whose chains are compiled already."""
+    folder = tmp_path_factory.mktemp("begun")
+    assert dual_ur5.functions.backend == "compiled"
+    shutil.copy(UR5, folder / "my arm.urdf")
+    done = mrts_command("new", "first cell", "--robot", "my arm.urdf", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return folder, done
+
+
+def test_what_it_tells_is_enough_to_go_on(begun):
+    folder, done = begun
+    assert "left and right: ../my arm.urdf, base_link to tool0 (proposed: named as a hand or tool)" in done.stdout
+    assert re.search(r"shoulder_pan\s+-6\.28 … 6\.28 rad\s+\d+ N m\s+[\d.]+ rad/s", done.stdout)
+    assert "you may play it up to" in done.stdout
+    *_, next_line = done.stdout.splitlines()
+    assert next_line == "  mrts scale 'first cell/cell.yaml' 'first cell/motion.yaml'"
+    scaled = mrts_command("scale", "first cell/cell.yaml", "first cell/motion.yaml", cwd=folder)
+    assert scaled.returncode == 0
+    assert scaled.stdout.startswith("first_cell: c² ∈ [0, ")
+    assert yaml.safe_load((folder / "first cell" / "cell.yaml").read_text())["name"] == "first_cell"
+
+
+def test_files_that_are_there_stay(begun):
+    folder, _ = begun
+    cell = folder / "first cell" / "cell.yaml"
+    before = cell.read_bytes()
+    done = mrts_command("new", "first cell", "--robot", "my arm.urdf", cwd=folder)
+    assert (done.returncode, cell.read_bytes()) == (2, before)
+    assert "first cell/cell.yaml: is there already; --force overwrites it" in done.stderr
+
+
+def test_a_copy_stands_beside_the_cell_file_and_force_overwrites(begun, tmp_path):
+    folder, _ = begun
+    target = tmp_path / "moved"
+    target.mkdir()
+    (target / "cell.yaml").write_text("mine")
+    line = ("new", target, "--robot", folder / "my arm.urdf", "--copy", "--force", "--name", "other", "-q")
+    done = mrts_command(*line)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    keys = yaml.safe_load((target / "cell.yaml").read_text())
+    assert [keys["name"], *(robot["urdf"] for robot in keys["robots"])] == ["other", *["my arm.urdf"] * 2]
+    assert (target / "my arm.urdf").read_bytes() == UR5.read_bytes()
+    assert mrts_command("new", target, "--robot", UR5, "--copy").returncode == 2
+
+
+def test_hold_prints_grasps_and_writes_them_only_with_force(begun, tmp_path):
+    folder, _ = begun
+    shutil.copytree(folder / "first cell", tmp_path / "cell")
+    shutil.copy(UR5, tmp_path / "my arm.urdf")
+    cell, motion = tmp_path / "cell" / "cell.yaml", tmp_path / "cell" / "motion.yaml"
+    motion.write_text(motion.read_text().replace("start: {xyz: [0, 0, ", "start: {xyz: [0.02, 0.01, "))
+    before = cell.read_text()
+    done = mrts_command("new", "--hold", cell, motion)
+    assert (done.returncode, cell.read_text()) == (0, before)
+    assert mrts_command("new", "--hold", cell, motion, "--force").returncode == 0
+    written = {robot["name"]: robot["grasp"]["xyz"] for robot in yaml.safe_load(cell.read_text())["robots"]}
+    assert len(re.findall(r"grasp: \{xyz: ", done.stdout)) == len(written) == 2
+    old = {robot["name"]: robot["grasp"]["xyz"] for robot in yaml.safe_load(before)["robots"]}
+    for name, xyz in written.items():
+        assert xyz == pytest.approx([old[name][0] - 0.02, -0.01, 0], abs=2e-3)  # postures have four decimals
+    assert [line for line in before.splitlines() if "grasp: {" not in line] == [
+        line for line in cell.read_text().splitlines() if "grasp: {" not in line
+    ]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ([], "DIR: is missing"),
+        (["x"], "--robot: is missing: the URDF of a robot"),
+        (["x", "--robot", UR5, "--base", "1,2"], "--base = '1,2': must be 3 or 6 numbers"),
+        (["x", "--robot", UR5, "--base=0,0,0", "--base=0,0,nan"], "--base = '0,0,nan': must be numbers with commas"),
+        (["x", "--robot", UR5, "--base=0,0,0", "--base=0,0,0"], "--base: two arms stand in one place"),
+        (["x", "--robot", UR5, "--posture=0,-70,90,0,0,0", "--posture=0,0,0,0,0,0"], "these seem to be degrees"),
+        (["x", "--robot", UR5, "--mass", "-3"], "--mass = -3.0: must be a number > 0, in kg"),
+        (["x", "--robot", UR5, "--mass", "nan"], "--mass = nan: must be a number > 0, in kg"),
+        (["x", "--robot", UR5, "--gravity", "9.81"], "--gravity = '9.81': must be 3 numbers"),
+        (["x", "--robot", UR5, "--name", "a b"], "--name = 'a b': must be letters, digits and single underscores"),
+        (["x", "--robot", DATA / "lift.yaml"], "is not well-formed XML"),
+        (["x", "--hold", DATA / "cell.yaml", DATA / "lift.yaml"], "--hold: takes a cell that is there"),
+        (["--hold", DATA, DATA / "lift.yaml"], "is a folder; --hold takes a cell file"),
+    ],
+)
+def test_bad_input_is_named_and_nothing_is_made(words, said, tmp_path):
+    done = mrts_command("new", *words, cwd=tmp_path)
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_at_a_terminal_it_asks(begun, tmp_path):
+    folder, _ = begun
+    answers = [("Folder", f"{tmp_path / 'asked'}\r"), ("first robot", f"{folder / 'my arm.urdf'}\r"), ("another", "\r")]
+    done = at_terminal([*MRTS, "new"], keys=answers)
+    assert done.code == 0, done.shown
+    assert (tmp_path / "asked" / "cell.yaml").is_file()
+
+
+def test_ctrl_c_at_a_question_leaves_nothing(tmp_path):
+    done = at_terminal([*MRTS, "new"], keys=[("Folder", f"{tmp_path / 'asked'}\r"), ("first robot", "\x03")])
+    assert done.code == 130
+    assert "interrupted" in done.shown
+    assert [*tmp_path.iterdir()] == []

@@ -1,0 +1,124 @@
+"""`mrts view` without a page: pictures of motions, saved results and variants, and what does not go together."""
+
+import shutil
+
+import numpy as np
+import pytest
+from conftest import DATA
+from PIL import Image
+
+import mrts
+from mrts.cli import main
+from mrts.film import film
+
+CELL, LIFT = str(DATA / "cell.yaml"), str(DATA / "lift.yaml")
+
+STUDY = """\
+cell: cell.yaml
+motion: lift.yaml
+vary:
+  object.mass: [1.0, 2.0, 4.0]
+"""
+
+
+def drawn(monkeypatch):
+    """What is asked to be drawn, in place of drawing it."""
+    asked = []
+    monkeypatch.setattr(film, "write_picture", lambda takes, path, at, **_: asked.append((takes, path, at)))
+    return asked
+
+
+def test_a_picture_and_a_film_of_sides(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(film, "SHORTEST", 0.2)
+    picture, video = tmp_path / "lift.png", tmp_path / "lift.gif"
+    assert main(["view", CELL, LIFT, "--png", str(picture), "--at", "0.1", "--video", str(video)]) == 0
+    assert str(picture) in capsys.readouterr().out
+    with Image.open(picture) as still, Image.open(video) as moving:
+        assert still.size == moving.size
+        assert moving.n_frames > 3
+
+
+def test_sides_are_what_scale_and_retime_find(planar_cell, lift, monkeypatch, tmp_path):
+    asked = drawn(monkeypatch)
+    sides = "given,fastest,optimal,smooth"
+    command = ["view", CELL, LIFT, "--png", str(tmp_path / "x.png"), "--side-by-side", sides, "--rates", "20"]
+    assert main(command) == 0
+    ((takes, path, at),) = asked
+    assert path == tmp_path / "x.png"
+    given, fastest, optimal, smooth = (take.trajectory for take in takes)
+    assert given.c2 == 1
+    assert fastest.c2 == pytest.approx(mrts.scale(planar_cell, lift).range.upper.c2)
+    assert optimal.duration == pytest.approx(mrts.retime(planar_cell, lift).duration)
+    assert smooth.duration == pytest.approx(mrts.retime(planar_cell, lift, rates=20.0).duration, rel=1e-6)
+    assert at == given.duration / 2
+    assert [take.title.split(" ")[0] for take in takes] == ["as", "constant", "fastest", "smooth"]
+
+
+def test_what_is_given_may_be_too_fast(monkeypatch, tmp_path):
+    asked = drawn(monkeypatch)
+    command = ["view", CELL, str(DATA / "fast_lift.yaml"), "--png", str(tmp_path / "x.png"), "--side-by-side", "given"]
+    assert main(command) == 1
+    (take,) = asked[0][0]
+    assert take.title == "as given: beyond its limits"
+
+
+def test_a_saved_result_takes_no_compiler(lifted, monkeypatch, tmp_path):
+    asked = drawn(monkeypatch)
+    mrts.save_result(lifted, tmp_path / "fast.npz")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    fast = str(tmp_path / "fast.npz")
+    assert main(["view", fast, "--png", str(tmp_path / "x.png"), "--with", fast]) == 0
+    first, second = asked[0][0]
+    assert first.title == second.title == "fast"
+    np.testing.assert_array_equal(first.trajectory.torque, lifted.trajectory.torque)
+
+
+@pytest.mark.parametrize("named", ["study.yaml", "swept"])
+def test_a_variant_is_that_of_the_study(named, monkeypatch, tmp_path):
+    for name in ("cell.yaml", "lift.yaml", "planar_arm.urdf"):
+        shutil.copy(DATA / name, tmp_path)
+    (tmp_path / "study.yaml").write_text(STUDY, encoding="utf-8")
+    if named == "swept":
+        assert main(["sweep", str(tmp_path / "study.yaml"), "-o", str(tmp_path / "swept"), "-q"]) == 0
+    asked = drawn(monkeypatch)
+    path = str(tmp_path / named)
+    assert main(["view", path, "--variant", "2", "--png", str(tmp_path / "x.png")]) == 0
+    ((take,), _, _) = asked[0]
+    assert take.cell.mass == 4.0
+    assert main(["view", path, "--variant", "3", "--png", str(tmp_path / "x.png")]) == 2
+    if named == "swept":
+        assert main(["view", path, "--png", str(tmp_path / "x.png")]) == 2
+        (tmp_path / "study.yaml").write_text(STUDY.replace("4.0", "5.0"), encoding="utf-8")
+        assert main(["view", path, "--variant", "2", "--png", str(tmp_path / "x.png")]) == 2
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ([CELL], "MOTION: is needed"),
+        ([CELL, LIFT, "--at", "1"], "--at: goes with --png"),
+        ([CELL, LIFT, "--side-by-side", "given"], "goes with --png FILE or --video FILE"),
+        ([CELL, LIFT, "--png", "x.jpg"], "ends in .png"),
+        ([CELL, LIFT, "--png", "x.png", "--at", "9"], "from 0 to 0.2992 s"),
+        ([CELL, LIFT, "--png", "x.png", "--at", "nan"], "from 0 to 0.2992 s"),
+        ([CELL, LIFT, "--video", "x.avi"], "ends in .gif or .mp4"),
+        ([CELL, LIFT, "--video", "x.gif", "--at", "0.1"], "the moment of --png"),
+        ([CELL, LIFT, "--png", "x.png", "--side-by-side", "given,slow"], "there are given, fastest, optimal, smooth"),
+        ([CELL, LIFT, "--png", "x.png", "--side-by-side", "given,given"], "names a side twice"),
+        ([CELL, LIFT, "--png", "x.png", "--side-by-side", "smooth"], "limits no rate"),
+        ([CELL, LIFT, "--png", "x.png", "--with", "no.npz"], "no.npz"),
+        (["no.npz", "--png", "x.png"], "no.npz"),
+        (["no.npz", LIFT, "--png", "x.png"], "MOTION: does not go with .npz"),
+        ([CELL, LIFT, "--variant", "1"], "does not go with --variant"),
+        ([CELL, "--variant", "1", "--png", "x.png"], "cell.yaml"),
+    ],
+)
+def test_what_does_not_go_is_told(words, said, monkeypatch, tmp_path, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["view", *words]) == 2
+    told = capsys.readouterr().err
+    assert said in told
+    assert "internal error" not in told
+    assert list(tmp_path.iterdir()) == []

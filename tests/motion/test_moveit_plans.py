@@ -1,0 +1,108 @@
+"""Plans as MoveIt leaves them in bags: RobotTrajectory and DisplayTrajectory, as the bag itself defines them."""
+
+import sqlite3
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+from moveit_bags import display, robot_trajectory, with_moveit, write_plans
+from ros_bags import message, trajectory, write_bag
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.typesys import Stores
+
+import mrts
+
+TOPIC = "/display_planned_path"
+
+
+@pytest.fixture(scope="module")
+def followed(dual_ur5):
+    return mrts.follow_object(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml"))
+
+
+@pytest.fixture(scope="module")
+def whole(dual_ur5, followed):
+    """One trajectory of both arms, whose joints are called as in a machine of two equal arms."""
+    parts = [
+        trajectory(robot, followed, part)
+        for robot, part in zip(dual_ur5.robots, dual_ur5.joint_slices.values(), strict=True)
+    ]
+    names = [f"{robot.name}_{joint}" for robot in dual_ur5.robots for joint in robot.joints]
+    rows = [
+        [one[0], *(np.concatenate(both) for both in zip(one[1:], other[1:], strict=True))]
+        for one, other in zip(parts[0][1], parts[1][1], strict=True)
+    ]
+    return names, rows
+
+
+def described(folder, **keys):
+    path = folder / "motion.yaml"
+    path.write_text(yaml.safe_dump(keys), encoding="utf-8")
+    return path
+
+
+def test_a_plan_is_a_motion(dual_ur5, followed, whole, tmp_path):
+    """Either kind, either storage, types of another release: the very joints, and those of a gripper passed over."""
+    names, rows = whole
+    gripped = [*names, "finger"], [[stamp, *(np.append(part, 0.0) for part in parts)] for stamp, *parts in rows]
+    write_plans(tmp_path / "shown", [(TOPIC, display(robot_trajectory(*gripped)))])
+    write_plans(tmp_path / "planned", [("/plan", robot_trajectory(*whole))], StoragePlugin.SQLITE3)
+    newer = with_moveit(Stores.ROS2_JAZZY)
+    write_plans(tmp_path / "newer", [(TOPIC, display(robot_trajectory(*whole)))], types=newer)
+    for name in ("shown", "planned", "newer"):
+        motion = mrts.load_motion(tmp_path / name)
+        table = mrts.scale(dual_ur5, motion, between=None).motion
+        np.testing.assert_array_equal(table.q, followed.q)
+        np.testing.assert_array_equal(table.ddq, followed.ddq)
+
+
+def test_which_trajectory_is_named(whole, tmp_path):
+    names, rows = whole
+    short = names, rows[:40]
+    part = [robot_trajectory(*short), robot_trajectory(*whole)]
+    write_plans(tmp_path / "plans", [(TOPIC, display(*part)), (TOPIC, display(robot_trajectory(names, rows[:7])))])
+    with pytest.raises(mrts.InputError, match=r"3 trajectories.*'joints: plans' and 'trajectory: 0' to 2") as told:
+        mrts.load_motion(tmp_path / "plans")
+    assert "0: 40 points of 12 joints" in str(told.value)
+    counts = [len(mrts.load_motion(described(tmp_path, joints="plans", trajectory=which)).time) for which in range(3)]
+    assert counts == [40, len(rows), 7]
+    with pytest.raises(mrts.InputError, match=r"display_planned_path: holds 3 .*there is no trajectory 3"):
+        mrts.load_motion(described(tmp_path, joints="plans", trajectory=3))
+    with pytest.raises(mrts.InputError, match="trajectory = -1: must be >= 0"):
+        mrts.load_motion(described(tmp_path, joints="plans", trajectory=-1))
+    (tmp_path / "table.csv").write_text("t,q.a/b\n0,1\n1,1\n")
+    with pytest.raises(mrts.InputError, match=r"trajectory: is of a ROS 2 bag, but table\.csv is none"):
+        mrts.load_motion(described(tmp_path, joints="table.csv", trajectory=0))
+    with pytest.raises(mrts.InputError, match="'file' does not go with: trajectory"):
+        mrts.load_motion(described(tmp_path, file="table.csv", trajectory=0))
+
+
+def test_what_a_controller_plays_comes_before_what_a_planner_shows(whole, tmp_path):
+    names, rows = whole
+    messages = [(TOPIC, display(robot_trajectory(*whole))), ("/both/joint_trajectory", message(names, rows[:30]))]
+    write_plans(tmp_path / "both", messages)
+    assert len(mrts.load_motion(tmp_path / "both").time) == 30
+    assert len(mrts.load_motion(described(tmp_path, joints="both", topic=TOPIC)).time) == len(rows)
+    with pytest.raises(mrts.InputError, match=r"topic = '/plan': has no trajectories .* in /both/.*, /display_planned"):
+        mrts.load_motion(described(tmp_path, joints="both", topic="/plan"))
+
+
+def test_mistakes_in_plans(whole, tmp_path):
+    drives = robot_trajectory(*whole, floating=["base\x1b"])
+    for name, content, rule in (
+        ("drives", display(drives), r"joints of several degrees of freedom \(base\\u001b\)"),
+        ("none", display(), "holds 0 trajectories"),
+        ("empty", display(robot_trajectory(whole[0], [])), "has 0 points; a motion has at least 2"),
+    ):
+        write_plans(tmp_path / name, [(TOPIC, content)])
+        with pytest.raises(mrts.InputError, match=rule):
+            mrts.load_motion(tmp_path / name)
+    write_plans(tmp_path / "old", [(TOPIC, display(robot_trajectory(*whole)))], StoragePlugin.SQLITE3)
+    with sqlite3.connect(tmp_path / "old" / "old.db3") as store:
+        store.execute("DELETE FROM message_definitions")
+    store.close()
+    with pytest.raises(mrts.InputError, match=r"does not define moveit_msgs/msg/DisplayTrajectory.*--storage mcap"):
+        mrts.load_motion(tmp_path / "old")
+    write_bag(tmp_path / "known", [("/a/joint_trajectory", message(*whole))], storage=StoragePlugin.SQLITE3)
+    assert len(mrts.load_motion(tmp_path / "known").time) == len(whole[1])

@@ -1,0 +1,112 @@
+"""Hands of published URDFs, found by name or by where their chains part; chains between them and their bases."""
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from conftest import DATA
+from published_robots import ROBOTS
+
+from mrts.cell.generation import surveyed_urdf
+from mrts.starting.arm import make_arm, plane_of
+from mrts.starting.tips import first_link, hands, words
+
+EXACT = 1e-12
+"""Two ways to add up the same few numbers."""
+
+FOUND = {
+    "ur_description/urdf/ur10_robot.urdf": ("world", ["tool0"]),
+    "panda_description/urdf/panda.urdf": ("panda_link0", ["panda_hand_tcp"]),
+    "xarm_description/urdf/xarm7.urdf": ("world", ["link_eef"]),
+    "kinova_description/robots/kinova.urdf": ("base", ["j2s6s200_end_effector"]),
+    "z1_description/urdf/z1.urdf": ("world", ["gripperStator"]),
+    "baxter_description/urdf/baxter.urdf": ("base", ["left_gripper", "right_gripper"]),
+    "tiago_description/robots/tiago.urdf": ("base_footprint", ["hand_grasping_frame"]),
+    "tiago_description/robots/tiago_dual.urdf": (
+        "torso_lift_link",
+        ["hand_left_grasping_frame", "hand_right_grasping_frame"],
+    ),
+    "talos_data/robots/talos_reduced.urdf": ("torso_2_link", ["wrist_left_ft_tool_link", "wrist_right_ft_tool_link"]),
+    "romeo_description/urdf/romeo.urdf": ("torso", ["l_gripper", "r_gripper"]),
+    "centauro_description/urdf/centauro.urdf": ("torso_2", ["ball1", "ball2"]),
+}
+"""Where the chains begin, and the hands: with fingers, cameras and feet in the same file."""
+
+
+def tree_of(path):
+    return surveyed_urdf(Path("here"), Path("/"), str(path))[1]
+
+
+def arm_of(path, tip):
+    return make_arm("arm", surveyed_urdf(Path("here"), Path("/"), str(path))[2](None, tip))
+
+
+@pytest.mark.parametrize("urdf", FOUND)
+def test_hands_are_found_among_fingers_cameras_and_feet(urdf):
+    tree = tree_of(ROBOTS / urdf)
+    tips = sorted(hand.link for hand in hands(tree))
+    assert (first_link(tree, tips), tips) == FOUND[urdf]
+
+
+@pytest.mark.parametrize(
+    ("ends", "hand", "why"),
+    [
+        (["end"], "end", "the only link at the end of the chain"),
+        (["one", "two"], "part3", "the last link before the chain parts"),
+    ],
+)
+def test_a_hand_without_a_name_is_where_the_chain_ends_or_parts(tmp_path, ends, hand, why):
+    chain = ["part0", "part1", "part2", "part3"]
+    pairs = [*pairwise(chain), *((chain[-1], end) for end in ends)]
+    links = "".join(f'<link name="{link}"/>' for link in (*chain, *ends))
+    joints = "".join(
+        f'<joint name="to_{b}" type="continuous"><parent link="{a}"/><child link="{b}"/></joint>' for a, b in pairs
+    )
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{links}{joints}</robot>')
+    [found] = hands(tree_of(tmp_path / "arm.urdf"))
+    assert (found.link, found.why) == (hand, why)
+
+
+def test_names_are_taken_apart_at_capitals_digits_and_signs():
+    assert words("LArm_effector") == ["l", "arm", "effector"]
+    assert words("j2s6-Tool0") == ["j", "2", "s", "6", "tool", "0"]
+
+
+@pytest.mark.parametrize(
+    ("urdf", "tip"),
+    [
+        ("panda_description/urdf/panda.urdf", "panda_hand_tcp"),
+        ("tiago_description/robots/tiago.urdf", "hand_grasping_frame"),
+    ],
+)
+def test_places_jacobians_and_torques_at_rest_are_those_of_pinocchio(urdf, tip):
+    """Also of a chain with a joint that slides."""
+    path = ROBOTS / urdf
+    arm = arm_of(path, tip)
+    model = pin.buildModelFromUrdf(str(path))
+    data, frame = model.createData(), model.getFrameId(tip)
+    places = [model.joints[model.getJointId(name)].idx_v for name in arm.chain.joints]
+    q = np.random.default_rng(3).uniform(-1, 1, (3, len(places)))
+    state = arm.at(q)
+    force = np.array([3.0, -2.0, 5.0])
+    torque = arm.torque(state, np.array([0, 0, -9.81]), force)
+    for sample, joints in enumerate(q):
+        whole = pin.neutral(model)
+        for name, position in zip(arm.chain.joints, joints, strict=True):
+            whole[model.joints[model.getJointId(name)].idx_q] = position
+        pin.framesForwardKinematics(model, data, whole)
+        jacobian = pin.computeFrameJacobian(model, data, whole, frame, pin.LOCAL_WORLD_ALIGNED)[:, places]
+        wanted = pin.computeGeneralizedGravity(model, data, whole)[places] + jacobian[:3].T @ force
+        assert state.p[sample] == pytest.approx(data.oMf[frame].translation, abs=EXACT)
+        assert state.R[sample] == pytest.approx(data.oMf[frame].rotation, abs=EXACT)
+        assert state.jacobian[sample] == pytest.approx(jacobian, abs=EXACT)
+        assert torque[sample] == pytest.approx(wanted, abs=1e3 * EXACT)
+
+
+def test_a_plane_is_that_in_which_all_joints_move():
+    flat = arm_of(DATA / "planar_arm.urdf", "contact")
+    spatial = arm_of(DATA.parent / "dual_ur5" / "ur5_class_arm.urdf", "tool0")
+    assert plane_of([flat, flat]) == "xy"
+    assert plane_of([flat, spatial]) is None

@@ -1,0 +1,85 @@
+"""'Hold it here, now': grasps from postures, in Python and in the text of a cell file."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+
+import mrts
+from mrts.base.errors import InputError
+from mrts.starting.hold import grasp_lines, hold_here, with_grasps
+
+START = [0.03, 0.15, 0.4]
+TURN = [0.1, -0.2, 0.3]
+
+SAME = 1e-9
+"""Rounding of poses; nothing is searched."""
+
+ROBOTS = """
+robots:
+  - name: left   # the first
+    grasp:       # as measured
+      xyz: [0, 0,
+            0]   # in the middle
+      rpy: [0, 0, 0]
+    posture: [1]
+  - {name: right, posture: [2]}
+  - name: third
+    posture: [3]
+  - posture: [4]
+    grasp: {xyz: [9, 9, 9]} # kept
+    name: fourth
+"""
+
+
+def test_the_arms_start_at_their_postures(dual_ur5):
+    """Where the compiled kinematics, not the ones that found the grasps, have the hands."""
+    held = hold_here(dual_ur5, START, TURN)
+    q = np.concatenate([robot.posture for robot in held.robots])
+    keys = {"xyz": START, "rpy": TURN}
+    motion = mrts.sample_motion(
+        mrts.MotionDescription(start=keys, end={"xyz": [0.03, 0.15, 0.41], "rpy": TURN}, duration=1.0, profile="cubic")
+    )
+    assert mrts.follow_object(held, motion).q[0] == pytest.approx(q, abs=SAME)
+    assert [robot.T_world_base for robot in held.robots] == [robot.T_world_base for robot in dual_ur5.robots]
+
+
+def test_a_planar_cell_stays_in_its_plane(planar_cell, lift):
+    held = hold_here(planar_cell, lift.position[0])
+    start = mrts.follow_object(held, lift).q[0]
+    assert start == pytest.approx(np.concatenate([robot.posture for robot in planar_cell.robots]), abs=SAME)
+
+
+def test_grasps_are_put_into_the_text_and_nothing_else_changes():
+    grasps = {name: f"{{xyz: [{index}, 0, 0]}}" for index, name in enumerate(("left", "right", "third", "fourth"))}
+    text = with_grasps(Path("cell.yaml"), ROBOTS, grasps)
+    read = {robot["name"]: robot for robot in yaml.safe_load(text)["robots"]}
+    for index, name in enumerate(grasps):
+        assert read[name] == {"name": name, "grasp": {"xyz": [index, 0, 0]}, "posture": [index + 1]}
+    assert "# the first" in text
+    assert "# kept" in text
+
+
+def test_robots_that_are_one_in_the_file_are_refused():
+    text = "robots:\n  - &one {name: left, grasp: {xyz: [0, 0, 0]}}\n  - *one\n"
+    with pytest.raises(InputError, match="two robots share one place"):
+        with_grasps(Path("cell.yaml"), text, {"left": "{xyz: [1, 0, 0]}"})
+
+
+def test_lines_of_grasps_are_those_of_a_cell_file(planar_cell):
+    robot = planar_cell.robots[1]
+    line = yaml.safe_load(grasp_lines(planar_cell)[robot.name])
+    again = planar_cell.with_grasp(robot.name, **line)
+    assert again.robots[1].T_object_tip.p == pytest.approx(robot.T_object_tip.p, abs=SAME)
+    assert pytest.approx(robot.T_object_tip.R, abs=SAME) == again.robots[1].T_object_tip.R
+    assert yaml.safe_load((DATA / "cell.yaml").read_text())["robots"][1]["grasp"]["xyz"] == line["xyz"]
+
+
+def test_a_hand_out_of_the_plane_is_refused(planar_cell):
+    with pytest.raises(InputError, match="tilted"):
+        hold_here(planar_cell, [1.25, 0.95, 0.0], [0.3, 0.0, 0.0])
+    with pytest.raises(InputError, match=r"hold_here: xyz"):
+        hold_here(replace(planar_cell), [1.25, np.nan, 0.0])

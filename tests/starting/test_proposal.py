@@ -1,0 +1,219 @@
+"""Proposed cells: hands at the sides of the box, facing it; what is written has room; what is assumed is said."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+import yaml
+from conftest import DATA
+from published_robots import ROBOTS
+
+import mrts
+from mrts.base.errors import InputError, MotionError
+from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
+from mrts.starting.cell_writing import cell_file, missing, motion_file
+from mrts.starting.layouts import layouts
+from mrts.starting.proposal import propose
+from mrts.starting.reading import Given, request_of
+from mrts.starting.scene import scene_of
+
+UR5 = DATA.parent / "dual_ur5" / "ur5_class_arm.urdf"
+PLANAR = DATA / "planar_arm.urdf"
+BAXTER = ROBOTS / "baxter_description" / "urdf" / "baxter.urdf"
+
+PLACED = 1e-5
+"""Of a hand [m, rad]: postures are written with six decimals."""
+
+GRAVITY = np.array([0, 0, -9.81])
+
+
+def given(*robots, **others):
+    said = {"name": "cell", "tips": [], "bases": [], "postures": [], "mass": None, "gravity": GRAVITY} | others
+    return Given(robots=[str(robot) for robot in robots], **said)
+
+
+def requested(*robots, folder=DATA, **others):
+    return request_of(given(*robots, **others), folder)
+
+
+@pytest.fixture(scope="module")
+def two_ur5(dual_ur5):
+    assert dual_ur5.functions.backend == "compiled"  # the chains of the proposal, which need no other compilation
+    return propose(requested(UR5, tips=["tool0", "tool0"], mass=4.0))
+
+
+def test_both_hands_face_the_box_from_its_two_sides(two_ur5):
+    """Positions by Pinocchio from what the files say, not by the search's own kinematics."""
+    keys = yaml.safe_load(cell_file(two_ur5))
+    start = np.array(yaml.safe_load(motion_file(two_ur5))["start"]["xyz"])
+    model = pin.buildModelFromUrdf(str(UR5))
+    data, frame = model.createData(), model.getFrameId("tool0")
+    sides = []
+    for robot in keys["robots"]:
+        pin.framesForwardKinematics(model, data, np.array(robot["posture"]))
+        base = pin.SE3(rotation_from_rpy(*robot["base"].get("rpy", [0, 0, 0])), np.array(robot["base"]["xyz"]))
+        tip = base * data.oMf[frame]
+        held = pin.SE3(rotation_from_rpy(*robot["grasp"].get("rpy", [0, 0, 0])), start + robot["grasp"]["xyz"])
+        assert np.max(np.abs(pin.log6(tip.actInv(held)).vector)) < PLACED
+        side = tip.translation - start
+        assert tip.rotation[:, 2] @ side == pytest.approx(-np.linalg.norm(side), rel=PLACED)  # z of tool0 is its tool
+        sides.append(side)
+        assert base.translation[2] == 0
+        assert (base.translation - start)[:2] @ side[:2] > 0  # each arm stands on the side of its hand
+    assert sides[0] == pytest.approx(-sides[1], abs=PLACED)
+    assert two_ur5.layout.sides[0] == pytest.approx(np.linalg.norm(sides[0] - sides[1]), rel=0.05)
+
+
+def test_what_is_written_is_what_was_tried_and_has_room(two_ur5, tmp_path):
+    cell, motion = tmp_path / "cell.yaml", tmp_path / "motion.yaml"
+    text = cell_file(two_ur5)
+    cell.write_text(text.replace(two_ur5.cell["robots"][0]["urdf"], str(UR5)), encoding="utf-8")
+    motion.write_text(motion_file(two_ur5), encoding="utf-8")
+    result = mrts.scale(mrts.load_cell(cell), mrts.load_motion(motion))
+    assert result.range.upper.c2 == pytest.approx(two_ur5.result.range.upper.c2, rel=1e-9)
+    assert result.range.upper.c2 >= 4  # twice as fast
+    assert result.cell.mass == 4.0
+    assert not {warning.code for warning in result.warnings} & {"other-start", "factor-above-10"}
+    assert mrts.load_motion(motion).position[-1, 2] > mrts.load_motion(motion).position[0, 2]
+    assert "# as asked for" in text
+    assert "shoulder_pan" in text
+    assert all(ord(letter) < 0x250 for letter in text)
+
+
+def test_the_arms_start_where_the_file_says(two_ur5):
+    start = two_ur5.result.motion.q[0]
+    written = np.concatenate([robot["posture"] for robot in two_ur5.cell["robots"]])
+    assert start == pytest.approx(written, abs=1e-6)
+
+
+def test_too_heavy_a_load_gives_way_and_the_file_says_so(dual_ur5):
+    assert dual_ur5.functions.backend == "compiled"
+    proposal = propose(requested(UR5, mass=400.0))
+    assert proposal.mass < 400
+    assert proposal.result.range.upper.c2 > 1
+    assert "# 400 were asked for, which the motors cannot hold" in cell_file(proposal)
+
+
+def test_a_planar_arm_without_efforts_gets_torques_that_hold_it(planar_cell):
+    """Twice its worst torque at rest: more than the arm and its share of the load take at the start."""
+    assert planar_cell.functions.backend == "compiled"
+    request = requested(PLANAR, gravity=np.array([0, -9.81, 0]))
+    assert request.plane == "xy"
+    proposal = propose(request)
+    text = cell_file(proposal)
+    assert "# assumed: the URDF has no effort. Put the data sheet's here" in text
+    assert any("no effort limit of" in sentence for sentence in missing(request.arms[0].arm))
+    assert proposal.assumed == dict.fromkeys(("left", "right"), request.arms[0].arm.chain.joints)
+    assert proposal.result.range.upper.c2 >= 4
+    sides = [robot["grasp"]["xyz"][0] for robot in proposal.cell["robots"]]
+    assert sides[0] == -sides[1] != 0
+
+
+def test_efforts_that_are_known_stay_beside_one_that_is_assumed(planar_cell, tmp_path):
+    """The chains are those of the shipped arm: limits are no part of what is compiled."""
+    assert planar_cell.functions.backend == "compiled"
+    text = PLANAR.read_text()
+    assert text.count("<limit ") == 0
+    limit = '<limit lower="-3" upper="3" effort="{}" velocity="4"/>'
+    for joint, effort in (("shoulder", 900), ("elbow", 33), ("wrist", 0)):
+        start = text.index("</joint>", text.index(f'<joint name="{joint}"'))
+        text = text[:start] + limit.format(effort) + text[start:]
+    path = tmp_path / "arm.urdf"
+    path.write_text(text)
+    proposal = propose(requested(path, folder=tmp_path))
+    for robot in proposal.cell["robots"]:
+        assert robot["torque"][:2] == [900, 33]
+        assert robot["torque"][2] > 0
+    assert "assumed for wrist: the URDF has no effort" in cell_file(proposal)
+
+
+def test_postures_that_are_given_are_kept_and_held(dual_ur5):
+    """'Hold it here, now': the hands are at their grasps without a step of inverse kinematics."""
+    assert dual_ur5.functions.backend == "compiled"
+    postures = [np.array([0.1, -1.3, 1.9, -0.7, 0.2, 0.3]), np.array([-0.4, -1.2, 1.8, -0.5, -0.2, 1.0])]
+    proposal = propose(requested(UR5, postures=postures))
+    for robot, posture in zip(proposal.cell["robots"], postures, strict=True):
+        assert robot["posture"] == posture.tolist()
+    assert proposal.result.motion.q[0] == pytest.approx(np.concatenate(postures), abs=1e-7)
+    assert max(abs(pose.p[2]) for pose in (stand.T_world_base for stand in proposal.layout.stands)) == 0
+
+
+def test_arms_of_one_machine_hold_in_front_of_it():
+    """Without a compiler: the layout alone. Left is left, and the bases are the URDF's."""
+    request = requested(BAXTER)
+    assert request.one_machine
+    best = layouts(scene_of(request, 2.0))[0]
+    assert best.position[0] > 0.2
+    left, right = best.stands
+    assert left.T_world_tip.p[1] > best.position[1] > right.T_world_tip.p[1]
+    model = pin.buildModelFromUrdf(str(BAXTER))
+    data, whole = model.createData(), pin.neutral(model)
+    for each, stand in zip(request.arms, best.stands, strict=True):
+        for joint, position in zip(each.arm.chain.joints, stand.posture, strict=True):
+            whole[model.joints[model.getJointId(joint)].idx_q] = position
+        assert np.all((stand.posture >= each.arm.chain.lower) & (stand.posture <= each.arm.chain.upper))
+    pin.framesForwardKinematics(model, data, whole)
+    for each, stand in zip(request.arms, best.stands, strict=True):
+        tip = data.oMf[model.getFrameId(each.arm.chain.tip_link)]
+        assert tip.translation == pytest.approx(stand.T_world_tip.p, abs=PLACED)
+        assert tip.rotation == pytest.approx(stand.T_world_tip.R, abs=PLACED)
+
+
+def test_bases_that_are_given_stay():
+    bases = [
+        RigidTransform.from_xyz_rpy([-0.6, 0.1, 0.3], [0, 0, 0.5]),
+        RigidTransform(np.eye(3), np.array([0.6, 0, 0.3])),
+    ]
+    found = layouts(scene_of(requested(UR5, bases=bases), 2.0))
+    for stand, base in zip(found[0].stands, bases, strict=True):
+        assert stand.T_world_base.p == pytest.approx(base.p)
+        assert np.allclose(stand.T_world_base.R, base.R)
+    assert len(found) > 1
+    assert found[0].score >= found[-1].score > 0
+
+
+def test_arms_too_far_apart_hold_nothing():
+    bases = [RigidTransform(np.eye(3), np.array([x, 0.0, 0.0])) for x in (-3, 3)]
+    with pytest.raises(MotionError, match="no posture was found"):
+        layouts(scene_of(requested(UR5, bases=bases), 2.0))
+
+
+@pytest.mark.parametrize(
+    ("robots", "others", "said"),
+    [
+        ([UR5], {"tips": ["tool"]}, r"--tip = 'tool': there is no such link in ur5_class_arm\.urdf; its links are"),
+        ([UR5, UR5], {"tips": ["tool0"] * 3}, "--tip.*: give it once for each --robot"),
+        ([UR5], {"tips": ["wrist_1"]}, "has 4 joints, and holding an object takes 6, or 3"),
+        ([UR5], {"bases": [RigidTransform.identity()]}, "--base = 1: give it once for each robot, in their order: 2"),
+        ([BAXTER, UR5], {}, "--base: is needed for each robot where one has several arms"),
+        ([PLANAR] * 3, {}, "--base: is needed for each of more than two arms that move in one plane"),
+        ([UR5], {"postures": [np.zeros(6)]}, "--posture = 1: give it once for each arm"),
+        ([UR5], {"postures": [np.zeros(5)] * 2}, "must have 6 values, one for each of shoulder_pan"),
+        ([UR5], {"postures": [np.full(6, 90.0)] * 2}, "these seem to be degrees. Say --degrees"),
+        ([UR5], {"postures": [np.full(6, 400.0)] * 2, "degrees": True}, "must be within its limits"),
+        ([ROBOTS / "a1_description" / "urdf" / "a1.urdf"], {}, "seems to have 4 hands: choose with --tip"),
+        ([ROBOTS / "hector_description" / "robots" / "quadrotor_base.urdf"], {}, "it is no arm"),
+        (["nowhere.urdf"], {}, "there is no such URDF"),
+    ],
+)
+def test_what_cannot_be_begun_says_what_to_do(robots, others, said):
+    with pytest.raises(InputError, match=said):
+        requested(*robots, **others)
+
+
+def test_a_urdf_is_named_from_where_the_cell_file_stands():
+    reference = requested(UR5, folder=DATA).arms[0].urdf
+    assert reference == "../dual_ur5/ur5_class_arm.urdf"
+    assert requested(UR5, folder=Path("/a/b/c/d/e/f/g/h")).arms[0].urdf == str(UR5)
+    installed = "package://mrts/data/dual_ur5/ur5_class_arm.urdf"
+    assert requested(installed).arms[0].urdf == installed
+
+
+@pytest.mark.parametrize("name", ['a "b" #c.urdf', "true", "1e3", "- x: {y}.urdf", "ü.urdf"])
+def test_paths_of_any_letters_come_back_from_the_file(two_ur5, name):
+    named = replace(
+        two_ur5, cell=two_ur5.cell | {"robots": [robot | {"urdf": name} for robot in two_ur5.cell["robots"]]}
+    )
+    assert [robot["urdf"] for robot in yaml.safe_load(cell_file(named))["robots"]] == [name] * 2

@@ -1,0 +1,112 @@
+"""The workbench in a real browser: every control of its panel, and where the panel is."""
+
+import shutil
+
+from conftest import DATA
+from viewer_browser import chromium, open_page, running_viewer
+
+assert chromium  # a fixture, imported for pytest
+
+WIDTHS = (1400, 900, 500)
+"""Of windows [pixels]."""
+
+OVERLAP = """() => {
+    const scene = document.querySelector('canvas').getBoundingClientRect();
+    const outcome = document.querySelector('[data-text=outcome]');
+    const panel = outcome.closest('.mantine-ScrollArea-root').getBoundingClientRect();
+    const texts = [...document.querySelectorAll('[data-text], [data-bars] td')];
+    return {
+        width: Math.min(scene.right, panel.right) - Math.max(scene.left, panel.left),
+        height: Math.min(scene.bottom, panel.bottom) - Math.max(scene.top, panel.top),
+        scene: [scene.width, scene.height],
+        cut: texts.filter(text => text.clientWidth && text.scrollWidth > text.clientWidth + 1)
+            .map(text => text.innerText),
+    };
+}"""
+
+
+def text(page, kind):
+    return page.locator(f'[data-text="{kind}"]').inner_text()
+
+
+def waits_for(page, kind, words):
+    """Until a text has some words; the page's own time limit applies."""
+    page.wait_for_function(
+        "([kind, words]) => document.querySelector(`[data-text=${kind}]`)?.innerText.includes(words)", arg=[kind, words]
+    )
+
+
+def pick(page, menu, option):
+    page.get_by_role("combobox", name=menu, exact=True).click()
+    page.get_by_role("option", name=option).first.click()
+
+
+def row(page, label):
+    """The slider beside a label."""
+    found = page.locator("div", has=page.get_by_text(label, exact=True)).filter(has=page.get_by_role("slider"))
+    return found.last.get_by_role("slider")
+
+
+def test_every_control_does_what_it_says(chromium, tmp_path):
+    folder = shutil.copytree(DATA, tmp_path / "cell")
+    cell = folder / "cell.yaml"
+    cell.write_text(cell.read_text().replace("  mass: 0.5 ", "  variation: {mass: [0.5, 2]}\n  mass: 0.5 "))
+    with running_viewer(cell, folder / "lift.yaml") as (_, url), open_page(chromium, url) as page:
+        first = text(page, "outcome")
+        page.get_by_role("tab", name="Change").click()
+        row(page, "mass [kg]").press("End")
+        waits_for(page, "outcome", "2 kg")
+        page.get_by_role("button", name="Undo").click()
+        page.wait_for_function("text => document.querySelector('[data-text=outcome]').innerText == text", arg=first)
+        page.get_by_role("button", name="Redo").click()
+        waits_for(page, "outcome", "2 kg")
+        page.get_by_role("button", name="Reset").click()
+        pick(page, "load", "mass × 2")
+        page.wait_for_function("text => document.querySelector('[data-text=outcome]').innerText != text", arg=first)
+        pick(page, "load", "every load")
+        page.wait_for_function("text => document.querySelector('[data-text=outcome]').innerText == text", arg=first)
+        row(page, "left wrenches [%]").press("End")
+        page.wait_for_function("text => document.querySelector('[data-text=outcome]').innerText != text", arg=first)
+        page.get_by_role("button", name="Reset").click()
+        pick(page, "profile", "optimal")
+        waits_for(page, "outcome", "fastest timing")
+        pick(page, "profile", "smooth")
+        waits_for(page, "outcome", "smooth timing")
+        pick(page, "profile", "constant")
+        page.get_by_role("checkbox", name="fixed shares of the load").click()
+        page.wait_for_function("text => document.querySelector('[data-text=outcome]').innerText != text", arg=first)
+        page.get_by_role("button", name="Reset").click()
+        pick(page, "move", "end of the motion")
+        row(page, "along y [mm]").press("End")
+        waits_for(page, "outcome", "No motion")
+        assert "cannot reach" in text(page, "outcome")
+        assert "Red in the scene" in text(page, "outcome")
+        page.get_by_role("button", name="Undo").click()
+        page.wait_for_function("text => document.querySelector('[data-text=outcome]').innerText == text", arg=first)
+        page.get_by_role("button", name="Rank all configurations").click()
+        pick(page, "configuration", "2: ")
+        page.wait_for_function("text => document.querySelector('[data-text=outcome]').innerText != text", arg=first)
+        page.get_by_role("tab", name="View").click()
+        for name in ("frames", "names", "shadows", "dark"):
+            page.get_by_role("checkbox", name=name).click()
+        page.wait_for_selector('[data-mantine-color-scheme="dark"]', state="attached")
+        page.get_by_role("button", name="Show the whole cell").click()
+        page.get_by_role("tab", name="Save").click()
+        page.get_by_role("button", name="Save").last.click()
+        waits_for(page, "saved", "configuration 2")
+        page.get_by_role("button", name="Save").last.click()
+        waits_for(page, "error", "exists already")
+        assert page.problems == []
+    assert "variation: {mass: [0.5, 2]}" in (folder / "changed_cell.yaml").read_text()
+    assert (folder / "changed_motion.yaml").read_text() == (folder / "lift.yaml").read_text()
+
+
+def test_the_panel_covers_no_scene_and_cuts_no_text(chromium):
+    with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (_, url), open_page(chromium, url) as page:
+        for width in WIDTHS:
+            page.set_viewport_size({"width": width, "height": 800})
+            page.wait_for_function(
+                f"() => {{ const found = ({OVERLAP})(); return found.cut.length == 0"
+                " && Math.min(found.width, found.height) <= 1 && Math.min(...found.scene) >= 300; }"
+            )
+        assert page.problems == []
