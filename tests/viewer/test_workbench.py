@@ -13,7 +13,7 @@ from conftest import DATA
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform
-from mrts.drawing.held_body import held_body
+from mrts.drawing.bodies.held_body import held_body
 from mrts.motion.motion_file import described_motion
 from mrts.viewer.controls.places import Place, in_plane, moved_by, offset_of, places
 from mrts.viewer.player_state import PlayerState
