@@ -9,8 +9,8 @@ import numpy as np
 import viser
 
 from mrts.base.rigid_transform import RigidTransform
-from mrts.drawing.cell_view import look_at_cell
-from mrts.drawing.held_body import held_body
+from mrts.drawing.bodies.cell_view import look_at_cell
+from mrts.drawing.bodies.held_body import held_body
 from mrts.drawing.labels import shortened
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
