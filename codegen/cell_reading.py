@@ -64,17 +64,17 @@ def _read_robots(path: Path, data: Any, mistakes: Mistakes) -> None:
             try:
                 robot = RobotDescription.read(path, entry)
             except InputError:  # it has been noted with its place in the file
-                _read_chain(path, entry)
+                _read_chain(path, index, entry)
             else:
                 if known:
                     build_robot(path, f"robots[{index}] ({robot.name})", robot, plane, path.resolve().parent)
 
 
-def _read_chain(path: Path, entry: dict[str, Any]) -> None:
+def _read_chain(path: Path, index: int, entry: dict[str, Any]) -> None:
     """Check the URDF of a robot that says something wrong besides."""
     reference, base_link, tip_link = (entry.get(key) for key in ("urdf", "base_link", "tip_link"))
     if isinstance(reference, str) and reference:
-        named, folder = FileReference(reference), path.resolve().parent
+        named, folder = FileReference(reference, key=f"robots[{index}].urdf"), path.resolve().parent
         file = named.path(path, folder)
         urdf = parse_urdf(file, named.content(path, folder))
         if isinstance(tip_link, str) and isinstance(base_link, str | None):

@@ -6,23 +6,22 @@ from pathlib import Path
 import numpy as np
 from mrts_codegen.urdf.robot_model import build_robot_model, check_tree
 from mrts_codegen.urdf.shared_joints import root_in_base
-from mrts_codegen.urdf.urdf_file import parse_urdf
+from mrts_codegen.urdf.urdf_elements import Urdf
 from mrts_codegen.urdf.urdf_joint import NO_LIMIT
 
 from mrts.base.formats.urdf_tree import ArmChain, JointEnds, UrdfTree
 
 
-def urdf_tree(path: Path, content: bytes) -> UrdfTree:
+def urdf_tree(path: Path, urdf: Urdf) -> UrdfTree:
     """Links and joints of a URDF.
 
     Args:
         path: The file, for messages.
-        content: Its bytes.
+        urdf: What `parse_urdf` returned.
 
     Raises:
-        InputError: If it is no URDF, or no tree.
+        InputError: If it is no tree.
     """
-    urdf = parse_urdf(path, content)
     links = tuple(link.name for link in urdf.links)
     check_tree(path, dict.fromkeys(links), urdf.joints)
     joints = {
@@ -32,19 +31,18 @@ def urdf_tree(path: Path, content: bytes) -> UrdfTree:
     return UrdfTree(next(link for link in links if link not in joints), links, joints)
 
 
-def arm_chain(path: Path, content: bytes, base_link: str | None, tip_link: str) -> ArmChain:
+def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> ArmChain:
     """The chain of a URDF from a base link to a tip link.
 
     Args:
         path: The file, for messages.
-        content: Its bytes.
+        urdf: What `parse_urdf` returned.
         base_link: Where it begins; None is the root.
         tip_link: Where it ends.
 
     Raises:
         InputError: If there is no such chain, or it breaks a rule of cells.
     """
-    urdf = parse_urdf(path, content)
     model = build_robot_model(path, urdf, base_link, tip_link)
     *frames, tip = model.zero_frames()
     pairs = list(zip(frames, model.joints, strict=True))

@@ -49,7 +49,7 @@ def open_regular(path: Path, what: str, most: int) -> Iterator[BinaryIO]:
             _require_regular(path, what, os.fstat(file.fileno()), most)
             yield file
     except FileNotFoundError:
-        raise InputError(path, f"there is no such {what}{_neighbour(path)}") from None
+        raise InputError(path, f"there is no such {what}{neighbour(path)}") from None
     except (OSError, ValueError) as error:  # ValueError: a null byte in the path
         raise InputError(path, f"this {what} cannot be read: {getattr(error, 'strerror', error)}.") from None
 
@@ -84,8 +84,8 @@ def _too_large(path: Path, what: str, most: int) -> InputError:
     return InputError(path, f"a {what} has at most {most} bytes.")
 
 
-def _neighbour(path: Path) -> str:
-    """End of the sentence that says that there is no such file."""
+def neighbour(path: Path) -> str:
+    """End of the sentence that says that there is no such file: one of nearly its name, or what to do."""
     try:
         names = [other.name for other in islice(path.parent.iterdir(), NEIGHBOURS)]
     except OSError:

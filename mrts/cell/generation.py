@@ -8,7 +8,7 @@ import hashlib
 from collections.abc import Callable
 from functools import cache, lru_cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
@@ -17,10 +17,10 @@ from mrts.base.manifest import (
     MANIFEST_NAME,
     ChainsRecord,
     Manifest,
-    check_source,
     read_generated,
     verified_manifest,
 )
+from mrts.cell.sound_files import if_sound, is_source
 from mrts.kernel.c_text import one_file
 from mrts.kernel.cache_folder import cache_folder, only_ours
 
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
 CACHED_STEM = "cell"
 """Names of generated functions in the cache begin so: cells of other names share them."""
-
-Record = TypeVar("Record", bound=ChainsRecord)
 
 
 def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
@@ -50,10 +48,10 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
 
     text = text_key(path)
     described = cache_folder("cells", text) / MANIFEST_NAME
-    manifest = _if_sound(described, partial(verified_manifest, described))
+    manifest = if_sound(described, partial(verified_manifest, described))
     if manifest is not None and is_as_made(path, manifest):
         source = _source_in_cache(manifest)
-        if _is_source(source, manifest):
+        if is_source(source, manifest):
             return manifest, source
     key = _content_key(path)
     manifest = _manifest(_model(path, key), partial(_chains, path, key))
@@ -110,8 +108,8 @@ def _manifest(cell: Any, generate: Callable[[], Any]) -> Manifest:
     from mrts_codegen.content_key import chains_key  # noqa: PLC0415
 
     folder = _chains_folder(chains_key(cell, CACHED_STEM, bake=False))
-    chains = _if_sound(folder / CHAINS_NAME, ChainsRecord.model_validate_json)
-    if chains is None or not _is_source(folder / chains.source, chains):
+    chains = if_sound(folder / CHAINS_NAME, ChainsRecord.model_validate_json)
+    if chains is None or not is_source(folder / chains.source, chains):
         made = generate()
         made.write(folder, private=True)
         chains = made.record
@@ -127,25 +125,6 @@ def _chains_folder(key: str) -> Path:
     from mrts_codegen.content_key import emitter_key  # noqa: PLC0415 (build time, on demand)
 
     return cache_folder("chains", key, emitter_key())
-
-
-def _if_sound(path: Path, read: Callable[[str], Record]) -> Record | None:
-    """What a file of the cache holds; None where it is missing or damaged."""
-    try:
-        return read(path.read_text(encoding="utf-8")) if only_ours(path) else None
-    except (InputError, ValueError):
-        return None
-
-
-def _is_source(path: Path, chains: ChainsRecord) -> bool:
-    """Whether a C file of the cache is there and whole."""
-    if not only_ours(path):
-        return False
-    try:
-        check_source(path, chains, path.read_text(encoding="utf-8"))
-    except (InputError, ValueError):
-        return False
-    return True
 
 
 def generate_to(path: Path, folder: Path | None, *, bake: bool = False) -> tuple[Manifest, Path]:
@@ -289,12 +268,14 @@ def surveyed_urdf(where: Path, folder: Path, reference: str) -> "tuple[Path, Urd
     Raises:
         InputError: If it is missing, or no URDF; the survey, if there is no such chain, or it breaks a rule of cells.
     """
-    from mrts_codegen.urdf.urdf_survey import arm_chain, urdf_tree  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf.urdf_file import parse_urdf  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf.urdf_survey import arm_chain, urdf_tree  # noqa: PLC0415
     from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
 
     named = FileReference(reference)
-    path, content = named.path(where, folder), named.content(where, folder)
-    return path, urdf_tree(path, content), partial(arm_chain, path, content)
+    path = named.path(where, folder)
+    urdf = parse_urdf(path, named.content(where, folder))
+    return path, urdf_tree(path, urdf), partial(arm_chain, path, urdf)
 
 
 def cell_file_in(manifest: Manifest, folder: Path, beside: Path | None) -> str:

@@ -83,6 +83,7 @@ def run(options: argparse.Namespace) -> int:
 def _begin(options: argparse.Namespace, folder: Path, request: "Request") -> int:
     from mrts.starting.proposal import propose, renamed
 
+    copies = _copies(request) if options.copy else {}
     _tell_arms(request)
     with working("trying layouts (the first time, compiling)") as progress:
         try:
@@ -90,7 +91,6 @@ def _begin(options: argparse.Namespace, folder: Path, request: "Request") -> int
         except MotionError as error:
             say(f"{folder}: nothing written: {error}", "bad")
             return INFEASIBLE
-    copies = _copies(request) if options.copy else {}
     if copies:
         proposal = renamed(proposal, [copies[each.path] for each in request.arms])
     _write(folder, proposal, copies, force=options.force)
@@ -250,9 +250,15 @@ def _tell_arms(request: "Request") -> None:
 
 
 def _copies(request: "Request") -> dict[Path, str]:
-    """Names in the new folder for copies of the URDFs, by where they are."""
+    """Names in the new folder for copies of the URDFs, by where they are.
+
+    Raises:
+        InputError: If one is a xacro.
+    """
     names: dict[Path, str] = {}
     for each in request.arms:
+        if each.path.suffix.lower() == ".xacro":
+            raise InputError("--copy", "does not go with a xacro, which includes other files.", value=each.urdf)
         if each.path not in names:
             taken = {*names.values()}
             stem, suffix = each.path.stem, each.path.suffix

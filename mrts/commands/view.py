@@ -9,7 +9,6 @@ import webbrowser
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
-from mrts.commands.films import add_films, write_films, writes_films
 from mrts.commands.options.common import (
     add_closure,
     add_reserve,
@@ -18,7 +17,8 @@ from mrts.commands.options.common import (
     require,
     sharing_option,
 )
-from mrts.commands.shown import add_shown, is_saved, played, shown_files, shown_urdfs
+from mrts.commands.showing.films import add_films, write_films, writes_films
+from mrts.commands.showing.shown import add_shown, is_saved, played, shown_files, shown_urdfs
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.progress import working
 from mrts.console.terminal import say, warn

@@ -8,9 +8,11 @@ from typing import Any
 
 from mrts.base.argument_types import Progress, as_path, check_callable
 from mrts.base.errors import InputError, Mistakes, MotionError
+from mrts.base.formats.pose import Pose
 from mrts.base.input_file import read_data
 from mrts.base.manifest import MANIFEST_NAME
 from mrts.base.regular_file import is_folder
+from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.generation import arms_alone_of, read_without_generating
 from mrts.cell.uncompiled import uncompiled_cell
@@ -104,7 +106,7 @@ def _with_reach(found: CellCheck, question: _Question, progress: Progress) -> Ce
         reaches.append(reach_of(arm, motion, seek=not hints))
     lost = [index for index, reach in enumerate(reaches) if not reach.follows and reach.posture is None]
     if lost and not hints:
-        hints += what_would_work(arms, lost, motion)
+        hints += what_would_work(arms, lost, motion, _other_orders(question.model))
     if not hints and any(not reach.follows for reach in reaches):
         hints += posture_hints(arms, motion)
     progress(len(arms), len(arms))
@@ -121,3 +123,17 @@ def _angles_written(model: Any, motion: Path | None) -> Iterator[Hint]:
         yield from written_degrees(f"the motion's {key}.rpy", (data.get(key) or {}).get("rpy") or [])
     for index, pose in enumerate(data.get("waypoints") or []):
         yield from written_degrees(f"the motion's waypoints[{index}].rpy", pose.get("rpy") or [])
+
+
+def _other_orders(model: Any) -> dict[int, dict[str, RigidTransform]]:
+    """By arm, its poses whose quaternion is written so that it may be meant in the other order."""
+    other = {"quaternion_wxyz": "quaternion_xyzw", "quaternion_xyzw": "quaternion_wxyz"}
+    found: dict[int, dict[str, RigidTransform]] = {}
+    for index, robot in enumerate(model.description.robots):
+        for key in ("base", "grasp"):
+            pose = getattr(robot, key)
+            if pose.rotation_key in other:
+                given = getattr(pose, pose.rotation_key)
+                meant = Pose(xyz=pose.xyz, **{other[pose.rotation_key]: given})
+                found.setdefault(index, {})[key] = meant.transform
+    return found

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Changes of a cell with which its arms would follow a motion, each tried out: what was perhaps meant."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -23,13 +23,20 @@ OTHER_SIDES = {
 """Half turns of a hand that then holds from the other side, by axis of the tip."""
 
 
-def what_would_work(arms: Sequence[Cell], failing: Sequence[int], motion: ObjectMotion) -> Iterator[Hint]:
+OtherOrders = Mapping[int, Mapping[str, RigidTransform]]
+"""By arm, and "base" or "grasp", its pose if its quaternion were written in the other order."""
+
+
+def what_would_work(
+    arms: Sequence[Cell], failing: Sequence[int], motion: ObjectMotion, orders: OtherOrders
+) -> Iterator[Hint]:
     """Hints on changes with which the arms that fail would follow, and those that follow still do.
 
     Args:
         arms: A cell of each arm.
         failing: Those that do not follow from any posture.
         motion: Of the object.
+        orders: Poses that quaternions may mean.
     """
     names = [arm.robots[0].name for arm in arms]
     for one, other in combinations(range(len(arms)), 2):
@@ -50,6 +57,7 @@ def what_would_work(arms: Sequence[Cell], failing: Sequence[int], motion: Object
             )
             return
     for index in failing:
+        yield from _other_order(arms[index], orders.get(index, {}), motion)
         yield from _other_side(arms[index], motion)
 
 
@@ -70,6 +78,22 @@ def _posed(arm: Cell, place: str, pose: RigidTransform) -> Cell:
     held = place == "T_object_tip"
     changed = replace(robot, T_object_tip=pose) if held else replace(robot, T_world_base=pose)
     return replace(arm, robots=(changed,))
+
+
+def _other_order(arm: Cell, poses: Mapping[str, RigidTransform], motion: ObjectMotion) -> Iterator[Hint]:
+    """A hint where a quaternion in the other order lets the arm follow."""
+    (robot,) = arm.robots
+    for what, pose in poses.items():
+        try:
+            meant = _posed(arm, "T_object_tip" if what == "grasp" else "T_world_base", pose)
+        except InputError:  # out of the plane of a planar cell
+            continue
+        if follows(meant, motion):
+            yield Hint(
+                "quaternion-order",
+                f"robot '{robot.name}' would follow with the quaternion of its {what} in the other order: "
+                "quaternion_wxyz has the real part first, quaternion_xyzw last.",
+            )
 
 
 def _other_side(arm: Cell, motion: ObjectMotion) -> Iterator[Hint]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.drawing.cell_view import FIELD_OF_VIEW
+from mrts.drawing.bodies.cell_view import FIELD_OF_VIEW
 from mrts.film.solids import Index
 
 MARGIN = 1.1

@@ -8,15 +8,17 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageColor
 
 from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError
 from mrts.base.printable import message_text
-from mrts.film.frames import Composition, Frame
-from mrts.film.stage import Take, Warn, silent
+from mrts.drawing.colours import COLOURS
+from mrts.film.frames import LIMIT_COLOUR, Composition, Frame
+from mrts.film.lettering import INK
+from mrts.film.stage import FORCE, Take, Warn, silent
 
 RATE = 20
 """Frames a second: a whole number of hundredths, which a GIF counts in."""
@@ -36,6 +38,9 @@ BEFORE, AFTER = 0.4, 1.2
 
 COLOURS_OF_GIF = 128
 """More make a GIF larger, and are hardly seen."""
+
+KEPT = [(255, 255, 255), INK, FORCE, LIMIT_COLOUR, *(ImageColor.getrgb(colour) for colour in COLOURS)]
+"""Colours that a GIF has as they are: of lines too thin to weigh among thousands of pixels."""
 
 LONGEST = 3600
 """Frames of a film: three minutes of a GIF."""
@@ -150,10 +155,11 @@ def _writers(path: Path) -> Writer:
 def _write_gif(path: Path, frames: Iterator[Frame], _size: tuple[int, int], rate: int) -> None:
     """One palette for all frames, so that what stands still is the same in all, and is stored once."""
     images = [Image.fromarray(frame) for frame in frames]
-    few = images[:: max(1, len(images) // 6)]
-    palette = Image.fromarray(np.concatenate([np.asarray(image) for image in few])).quantize(
-        COLOURS_OF_GIF, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE
-    )
+    few = Image.fromarray(np.concatenate(images[:: max(1, len(images) // 6)]))
+    kept = [channel for colour in KEPT for channel in colour]
+    found = few.quantize(COLOURS_OF_GIF - len(KEPT), Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).getpalette()
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(kept + (found or [])[: 3 * (COLOURS_OF_GIF - len(KEPT))])
     flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     lasting = [1000 // rate] * len(flat)
     lasting[0] += int(1000 * BEFORE)

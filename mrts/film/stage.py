@@ -14,10 +14,10 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.drawing.arm_meshes import arm_meshes
-from mrts.drawing.cell_shapes import body_poses, contact_forces, joint_points
-from mrts.drawing.cell_view import look_at_cell
-from mrts.drawing.held_body import held_body
+from mrts.drawing.bodies.arm_meshes import arm_meshes
+from mrts.drawing.bodies.cell_shapes import body_poses, contact_forces, joint_points
+from mrts.drawing.bodies.cell_view import look_at_cell
+from mrts.drawing.bodies.held_body import held_body
 from mrts.film.camera import framing_camera
 from mrts.film.raster import Picture, drawn, shaded_floor
 from mrts.film.solids import Colour, Solid, arrow, ball, faceted, tube

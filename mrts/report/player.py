@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.drawing.cell_shapes import contact_forces, joint_points
+from mrts.drawing.bodies.cell_shapes import contact_forces, joint_points
+from mrts.drawing.bodies.held_body import held_body
+from mrts.drawing.bodies.object_surface import object_edges
 from mrts.drawing.colours import COLOURS
-from mrts.drawing.held_body import held_body
 from mrts.drawing.labels import shortened
-from mrts.drawing.object_surface import object_edges
 from mrts.report.markup import plot_text
 from mrts.report.plots import numbers
 from mrts.scaling.result import ScalingResult

@@ -157,14 +157,19 @@
       const { xaxis, _size: size } = place._fullLayout;
       const x = xaxis.d2p(between(clocks[name], frame));
       cursor.hidden = !(x >= 0 && x <= size.w);
-      cursor.style.cssText = `left:${size.l + x}px;top:${size.t}px;height:${size.h}px`;
+      cursor.style.transform = `translateX(${x}px)`;
     }
+  }
+  function place({ place: { _fullLayout: { _size: size } }, cursor }) {
+    cursor.style.cssText = `left:${size.l}px;top:${size.t}px;height:${size.h}px`;
+    point(pointed);
   }
   for (const plot of timed) {
     plot.cursor = document.createElement("div");
     plot.cursor.className = "cursor";
     plot.place.append(plot.cursor);
-    plot.place.on("plotly_afterplot", () => point(pointed));
+    place(plot);
+    plot.place.on("plotly_afterplot", () => place(plot));
     plot.place.on("plotly_hover", ({ xvals }) => {
       if (tick !== null || typeof xvals?.[0] !== "number") return;
       const frame = frameAt(clocks[plot.clock], xvals[0]);

@@ -11,7 +11,7 @@ from mrts.base.arrays import Array, cross
 from mrts.base.formats.urdf_tree import ArmChain
 from mrts.base.rigid_transform import PLANE_TOLERANCE, RigidTransform
 from mrts.cell.robot import Robot
-from mrts.drawing.cell_shapes import body_poses
+from mrts.drawing.bodies.cell_shapes import body_poses
 
 NO_LEVER = 1e-3
 """A hand nearer to its last joint than this says nothing of where it points [m]."""

@@ -37,7 +37,6 @@ def cell_file(proposal: Proposal) -> str:
         InputError: If YAML cannot hold a path.
     """
     request, cell = proposal.request, proposal.cell
-    sides = " x ".join(f"{side:g}" for side in proposal.layout.sides)
     lines = [
         f"# {len(request.arms)} arms carry a box: begun by mrts new.",
         "# What the URDFs do not say was proposed or assumed; change what you know better.",
@@ -50,7 +49,7 @@ def cell_file(proposal: Proposal) -> str:
     lines += [
         "object:",
         _line(f"  mass: {cell['object']['mass']:g}", "assumed" if request.mass is None else "as asked for", proposal),
-        _line(f"  inertia: {flow(cell['object']['inertia'])}", f"assumed: a uniform box of {sides} m"),
+        _line(f"  shape: {flow(cell['object']['shape'])}", "assumed: a uniform box, which gives the inertia as well"),
         "robots:",
     ]
     for each, robot in zip(request.arms, cell["robots"], strict=True):

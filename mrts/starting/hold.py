@@ -13,7 +13,7 @@ from mrts.base.errors import InputError
 from mrts.base.rigid_transform import RigidTransform, snap_rotation
 from mrts.cell.cell import Cell
 from mrts.cell.robot_changes import Numbers, pose_from
-from mrts.drawing.cell_shapes import body_poses
+from mrts.drawing.bodies.cell_shapes import body_poses
 from mrts.starting.cell_writing import flow
 from mrts.starting.proposal import pose_keys
 

@@ -177,8 +177,6 @@ def _motion_keys(layout: Layout, duration: float) -> dict[str, Any]:
 
 def _cell_keys(request: Request, layout: Layout, mass: float) -> tuple[dict[str, Any], dict[str, tuple[str, ...]]]:
     """Keys of the cell file, and by robot the joints whose torque limits are assumed."""
-    squares = layout.sides**2
-    inertia = [_digits(mass / 12 * (float(np.sum(squares)) - float(square)), 3) for square in squares]
     robots, assumed = [], {}
     for each, stand in zip(request.arms, layout.stands, strict=True):
         robot, joints = _robot_keys(request, each, stand, layout, mass)
@@ -186,15 +184,11 @@ def _cell_keys(request: Request, layout: Layout, mass: float) -> tuple[dict[str,
         if joints:
             assumed[each.arm.name] = joints
     whole = {"name": request.name, "gravity": request.gravity.tolist(), "plane": request.plane}
-    carried = {"mass": mass, "inertia": inertia}
+    carried = {"mass": mass, "shape": {"box": layout.sides.tolist()}}
     return {key: value for key, value in whole.items() if value is not None} | {
         "object": carried,
         "robots": robots,
     }, assumed
-
-
-def _digits(number: float, digits: int) -> float:
-    return float(f"{number:.{digits}g}")
 
 
 def _robot_keys(
@@ -224,7 +218,7 @@ def _assumed_torque(request: Request, arm: Arm, mass: float) -> Any:
 
 def _up_to_two_digits(number: float) -> float:
     step = 10.0 ** (floor(log10(number)) - 1)
-    return _digits(ceil(number / step) * step, 2)
+    return _two_digits(ceil(number / step) * step)
 
 
 def pose_keys(T: RigidTransform) -> dict[str, list[float]]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
+from mrts.base.formats.package_uri import is_uri
 from mrts.base.formats.urdf_tree import ArmChain, Survey, UrdfTree
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.generation import surveyed_urdf
@@ -227,7 +228,7 @@ def _posture(given: Given, posture: Array, chain: ArmChain) -> Array:
 
 def _reference(given: str, path: Path, folder: Path) -> str:
     """How the cell file names a URDF."""
-    if given.startswith("package://"):
+    if is_uri(given):
         return given
     near = Path(relpath(path.absolute(), folder.absolute()))
     return near.as_posix() if near.parts.count("..") <= MOST_STEPS_UP else path.absolute().as_posix()

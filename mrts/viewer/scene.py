@@ -12,10 +12,10 @@ from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.drawing.cell_shapes import body_poses, contact_forces
-from mrts.drawing.cell_view import FIELD_OF_VIEW, look_at_cell
+from mrts.drawing.bodies.cell_shapes import body_poses, contact_forces
+from mrts.drawing.bodies.cell_view import FIELD_OF_VIEW, look_at_cell
+from mrts.drawing.bodies.held_body import held_body
 from mrts.drawing.colours import COLOURS
-from mrts.drawing.held_body import held_body
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.scene_arms import Rgb, Urdfs, drawn_arm, wxyz, z_along
 from mrts.viewer.workbench.unreached import Unreached

@@ -12,8 +12,8 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.cell.robot import Robot
-from mrts.drawing.arm_meshes import arm_meshes
-from mrts.drawing.cell_shapes import body_poses, joint_points
+from mrts.drawing.bodies.arm_meshes import arm_meshes
+from mrts.drawing.bodies.cell_shapes import body_poses, joint_points
 
 Rgb = tuple[int, int, int]
 """0 to 255."""

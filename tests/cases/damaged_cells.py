@@ -92,6 +92,11 @@ def other_side(cell, _motion, arm):
     cell["robots"][arm]["base"]["xyz"][0] = -0.95 * sign
 
 
+def quaternion_in_the_other_order(cell, _motion, _arm):
+    """Half a turn about z with the real part last, read as half a turn about y: the arm hangs upside down."""
+    cell["robots"][1]["base"] = {"xyz": [0.97, 0, 0], "quaternion_wxyz": [0.0, 0.0, 1.0, 0.0]}
+
+
 HINTS = {
     base_in_mm: "base-millimetres",
     grasp_in_mm: "grasp-millimetres",
@@ -107,6 +112,7 @@ HINTS = {
     bases_swapped: "swapped-bases",
     grasps_swapped: "swapped-grasps",
     other_side: "other-side",
+    quaternion_in_the_other_order: "quaternion-order",
 }
 """The hint that each mistake must lead to."""
 

@@ -64,8 +64,11 @@ def test_installed_packages(tmp_path):
 
 
 def test_what_is_not_found_says_where_it_was_looked_for(tmp_path):
-    put(tmp_path / "my_arm", "urdf/other.urdf")
-    with pytest.raises(InputError, match=r"package 'my_arm' is at .*my_arm, but holds no file 'urdf/arm\.urdf'"):
+    put(tmp_path / "my_arm", "urdf/arm_2.urdf")
+    with pytest.raises(
+        InputError,
+        match=r"package 'my_arm' is at .*my_arm, but holds no file 'urdf/arm\.urdf'; did you mean .*arm_2\.urdf",
+    ):
         found(tmp_path)
     with pytest.raises(InputError, match=r"AMENT_PREFIX_PATH, ROS_PACKAGE_PATH.*cmeel\.prefix/share") as told:
         found(tmp_path, "package://your_arm/urdf/arm.urdf")

@@ -5,7 +5,7 @@ import pytest
 from conftest import DATA
 
 import mrts
-from mrts.drawing.cell_shapes import contact_forces, joint_points, object_box
+from mrts.drawing.bodies.cell_shapes import contact_forces, joint_points, object_box
 
 pytestmark = pytest.mark.quick
 

@@ -112,7 +112,7 @@ def test_the_player_moves(result, tmp_path, page):  # noqa: F811
     np.testing.assert_allclose(end[-1], grasp, atol=1e-5)
     assert scene(page) != seen
     assert "0.299 s of 0.299 s" in page.locator("#now").text_content()
-    page.locator("#speed").select_option("0.05")
+    page.locator("#speed").select_option("0.02")
     page.locator("#play").click()  # from the end it starts again
     button = page.locator("#play")
     expect(button).to_have_text("Pause")

@@ -146,7 +146,7 @@ def test_one_cursor_goes_through_all_and_the_page_is_dark_or_printed(text, tmp_p
     clocks = data_of(text)["player"]["clocks"]
     at = page.evaluate("""() => Object.fromEntries([...document.querySelectorAll('.cursor')].map((cursor) => {
         const plot = cursor.parentElement;
-        return [plot.id, plot._fullLayout.xaxis.p2d(parseFloat(cursor.style.left) - plot._fullLayout._size.l)];
+        return [plot.id, plot._fullLayout.xaxis.p2d(parseFloat(cursor.style.transform.slice('translateX('.length)))];
     }))""")
     kinds = {name: plot["clock"] for name, plot in data_of(text)["plots"].items() if plot["clock"]}
     assert set(at) == set(kinds)

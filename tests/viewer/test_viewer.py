@@ -20,9 +20,9 @@ from viewer_browser import SIZE, chromium, interrupt, open_page, running_viewer
 import mrts
 from mrts.cell.generation import urdf_files
 from mrts.cli import main
-from mrts.drawing.arm_meshes import arm_meshes
-from mrts.drawing.cell_shapes import body_poses, joint_points
-from mrts.drawing.cell_view import FIELD_OF_VIEW, look_at_cell
+from mrts.drawing.bodies.arm_meshes import arm_meshes
+from mrts.drawing.bodies.cell_shapes import body_poses, joint_points
+from mrts.drawing.bodies.cell_view import FIELD_OF_VIEW, look_at_cell
 from mrts.viewer.scene import ViewerScene
 from mrts.viewer.server import close_server, open_server
 from mrts.viewer.viewer import Viewer

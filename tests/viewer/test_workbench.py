@@ -13,7 +13,7 @@ from conftest import DATA
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform
-from mrts.drawing.held_body import held_body
+from mrts.drawing.bodies.held_body import held_body
 from mrts.motion.motion_file import described_motion
 from mrts.viewer.controls.places import Place, in_plane, moved_by, offset_of, places
 from mrts.viewer.player_state import PlayerState
@@ -201,8 +201,9 @@ def test_poses_of_a_planar_cell_stay_in_its_plane(planar):
 
 def test_the_body_is_closed_and_spans_the_grasps(dual_ur5):
     """Each contact lies at the drawn body, even where the inertia says nothing of a handle there."""
-    far = dual_ur5.with_grasp("left", xyz=[-0.6, 0.1, 0.3]).with_grasp("right", xyz=[0.05, 0.02, 0.01])
-    for cell in (dual_ur5, far):
+    bare = replace(dual_ur5, object_shape=None)
+    far = bare.with_grasp("left", xyz=[-0.6, 0.1, 0.3]).with_grasp("right", xyz=[0.05, 0.02, 0.01])
+    for cell in (dual_ur5, bare, far):
         body = held_body(cell)
         mesh = trimesh.Trimesh(body.vertices, body.faces, process=False)
         assert mesh.is_watertight

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from mrts.base.errors import InputError
 from mrts.base.input_file import IDENTIFIER
+from mrts.base.regular_file import neighbour
 
 URI = re.compile(r"(?:package|model)://([^/]+)/(.+)")
 
@@ -52,9 +53,8 @@ def file_of_uri(where: Path | str, uri: str, near: Path, *, key: str = "") -> Pa
         return found
     if folders:
         there = ", ".join(dict.fromkeys(map(str, folders)))
-        raise InputError(
-            where, f"the package '{package}' is at {there}, but holds no file '{inside}'.", key=key, value=uri
-        )
+        rule = f"the package '{package}' is at {there}, but holds no file '{inside}'{neighbour(folders[0] / inside)}"
+        raise InputError(where, rule, key=key, value=uri)
     looked = ", ".join(map(str, _share_folders())) or "no share folder"
     raise InputError(
         where,

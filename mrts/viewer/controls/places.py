@@ -86,7 +86,8 @@ def end_of(description: MotionDescription, which: Literal["start", "end"]) -> Ri
     """Pose of the object at the start or the end of a motion that is described by poses."""
     waypoints = description.waypoints
     pose = getattr(description, which) if waypoints is None else waypoints[0 if which == "start" else -1]
-    return pose.transform
+    transform: RigidTransform = pose.transform
+    return transform
 
 
 def free_axes(cell: Cell) -> tuple[str, str]:

@@ -9,8 +9,8 @@ import numpy as np
 import viser
 
 from mrts.base.rigid_transform import RigidTransform
-from mrts.drawing.cell_view import look_at_cell
-from mrts.drawing.held_body import held_body
+from mrts.drawing.bodies.cell_view import look_at_cell
+from mrts.drawing.bodies.held_body import held_body
 from mrts.drawing.labels import shortened
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
@@ -64,11 +64,11 @@ class OtherResult:
         across = np.cross(view.up, view.direction)
         self.offset = APART * view.size * across / np.linalg.norm(across)
         self._robots = [replace(robot, name=f"{robot.name} of the other") for robot in cell.robots]
+        self._frames = [self._scene.add_frame(f"/arms/{robot.name}", show_axes=False) for robot in self._robots]
         self._arms = [
             drawn_arm(self._scene, robot, MappingProxyType({}), COLOUR, THICKNESS * view.size, lambda _text: None)
             for robot in self._robots
         ]
-        self._frames = [self._scene.add_frame(f"/arms/{robot.name}", show_axes=False) for robot in self._robots]
         body = held_body(cell)
         mesh = body.vertices.astype(np.float32), body.faces.astype(np.uint32)
         self.body = self._scene.add_mesh_simple("/other_object", *mesh, color=OBJECT, opacity=0.6, flat_shading=True)

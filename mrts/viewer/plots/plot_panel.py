@@ -32,7 +32,7 @@ class PlotPanel:
             if (done := result.trajectory) is not None:
                 self._other = PlottedMotion(name, done.time, done.c2, result.range, limit_shares(done))
         self._wanted: PlayerState | None = None
-        self._longest, self._since = 1.0, RENEWAL
+        self._longest, self._since, self._at = 1.0, RENEWAL, 0.0
 
     def show_answer(self, answer: Answer) -> None:
         """Plot an answer as soon as the last plots have been seen."""
@@ -41,8 +41,8 @@ class PlotPanel:
             self._plots.content = ""
 
     def show_moment(self, state: PlayerState) -> None:
-        """Move the cursor to the chosen sample."""
-        self.cursor.content = cursor_html(state.time / max(self._longest, state.trajectory.duration))
+        """Take the chosen sample; the cursor moves with the next step, apart from what the scene sends together."""
+        self._at = state.time / max(self._longest, state.trajectory.duration)
 
     def step(self, elapsed: float) -> None:
         """Plot what waits.
@@ -51,6 +51,11 @@ class PlotPanel:
             elapsed: Since the last call [s].
         """
         self._since += elapsed
+        self._plot()
+        if (style := cursor_html(self._at)) != self.cursor.content:
+            self.cursor.content = style
+
+    def _plot(self) -> None:
         if self._wanted is None or self._since < RENEWAL:
             return
         state, done = self._wanted, self._wanted.trajectory

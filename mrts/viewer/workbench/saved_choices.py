@@ -111,12 +111,14 @@ def _cell_edits(original: Cell, wanted: Cell, choices: Choices) -> Edits:
 
 
 def _pose_edits(keys: tuple[Key, ...], old: RigidTransform, new: RigidTransform) -> Edits:
-    edits: Edits = {}
-    if not np.array_equal(old.p, new.p):
-        edits[(*keys, "xyz")] = new.p.tolist()
+    """The whole pose where its rotation changed: a file may give it in another form."""
     if not np.array_equal(old.R, new.R):
-        edits[(*keys, "rpy")] = rpy_from_rotation(new.R)
-    return edits
+        return {keys: _pose(new)}
+    return {} if np.array_equal(old.p, new.p) else {(*keys, "xyz"): new.p.tolist()}
+
+
+def _pose(pose: RigidTransform) -> dict[str, list[float]]:
+    return {"xyz": pose.p.tolist(), "rpy": rpy_from_rotation(pose.R)}
 
 
 def _torque(robot: Robot) -> list[float] | dict[str, list[float]]:
@@ -159,6 +161,5 @@ def _motion_text(given: Given, choices: Choices) -> str:
     for name, keys in places.items():
         pose = choices.start if name == "start" else choices.end
         if pose is not None:
-            edits[(*keys, "xyz")] = pose.p.tolist()
-            edits[(*keys, "rpy")] = rpy_from_rotation(pose.R)
+            edits[keys] = _pose(pose)
     return edited_yaml(read_text(given.motion_path, "motion file"), edits)

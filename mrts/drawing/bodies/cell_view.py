@@ -7,8 +7,8 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.drawing.cell_shapes import joint_points
-from mrts.drawing.held_body import held_body
+from mrts.drawing.bodies.cell_shapes import joint_points
+from mrts.drawing.bodies.held_body import held_body
 
 FIELD_OF_VIEW = np.deg2rad(45.0)
 """From the lower to the upper edge of the picture [rad]."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from mrts.base.errors import InputError
 from mrts.commands.options.common import closure_option, limited_cell_option, require, sharing_option
 from mrts.commands.options.profile import rate_share, told_of
-from mrts.commands.shown import is_saved, played, shown_urdfs
+from mrts.commands.showing.shown import is_saved, played, shown_urdfs
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
