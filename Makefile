@@ -118,9 +118,12 @@ generate: install  ## regenerate the committed C of the shipped cells
 	$(BIN)/mrts generate mrts/data/dual_ur5/cell.yaml -o generated/dual_ur5
 	$(BIN)/mrts export mrts/data/planar_dual_arm/cell.yaml -o generated/embedded/planar_dual_arm
 
-figures: install  ## draw the film of the README anew
+figures: install  ## draw the film of the README and the gallery's pictures anew
 	$(BIN)/mrts view mrts/data/dual_ur5/cell.yaml mrts/data/dual_ur5/lift_and_turn.yaml --video docs/lift.gif \
 	  --side-by-side given,fastest,smooth --rates 11.5
+	for motion in planar_dual_arm/lift dual_ur5/lift_and_turn squeeze/lift_and_turn three_arms/lift_and_turn \
+	  redundant/lift upper_body/lift uncertain_load/lift_and_turn; do cell=$${motion%/*}; \
+	  $(BIN)/mrts view -q mrts/data/$$cell/cell.yaml mrts/data/$$motion.yaml --png docs/gallery/$$cell.png || exit 1; done
 
 clean:  ## remove what the other verbs made
 	rm -rf $(VENV) build *.egg-info .pytest_cache .mypy_cache .ruff_cache

@@ -153,7 +153,8 @@ def grasp_gaps(cell: Cell, given: ObjectMotion, tips: list[TipMotion]) -> GraspG
     """
     distances, angles = [], []
     for robot, tip in zip(cell.robots, tips, strict=True):
-        distances.append(np.linalg.norm(tip.position - given.position - given.rotation @ robot.T_object_tip.p, axis=1))
+        gap = tip.position - given.position - given.rotation @ robot.T_object_tip.p
+        distances.append(np.sqrt(np.einsum("ni,ni->n", gap, gap)))
         off = given.rotation @ robot.T_object_tip.R @ tip.rotation.transpose(0, 2, 1)
         angles.append(angles_of_rotations(off))
     return GraspGaps(np.array(distances), np.array(angles))
@@ -196,12 +197,12 @@ def slip(cell: Cell, given: ObjectMotion, tips: list[TipMotion], shares: tuple[f
         rates = zip(tip_rates(cell, robot, given), (tip.velocity, tip.acceleration), strict=True)
         for what, share, (expected, ours) in zip(("velocities", "accelerations"), shares, rates, strict=False):
             size = max(float(np.max(np.abs(expected))), float(np.max(np.abs(ours))))
-            off = np.max(np.abs(ours - expected), axis=1)
-            worst = int(np.argmax(off))
-            if off[worst] > max(share * size, rest):
+            off = np.abs(ours - expected)
+            if np.max(off) > max(share * size, rest):
+                worst, _ = np.unravel_index(int(np.argmax(off)), off.shape)
                 return (
                     f"the joint {what} do not fit the object's: at sample {worst} (t = {given.time[worst]:.6g} s) the "
-                    f"tip of '{robot.name}' slips on its grasp by {off[worst]:.3g} (m, rad per s or s²); the largest "
+                    f"tip of '{robot.name}' slips on its grasp by {np.max(off):.3g} (m, rad per s or s²); the largest "
                     f"is {size:.3g}. Check the {what}."
                 )
     return None

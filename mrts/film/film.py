@@ -155,7 +155,7 @@ def _writers(path: Path) -> Writer:
 def _write_gif(path: Path, frames: Iterator[Frame], _size: tuple[int, int], rate: int) -> None:
     """One palette for all frames, so that what stands still is the same in all, and is stored once."""
     images = [Image.fromarray(frame) for frame in frames]
-    few = Image.fromarray(np.concatenate(images[:: max(1, len(images) // 6)]))
+    few = Image.fromarray(np.concatenate([np.asarray(image) for image in images[:: max(1, len(images) // 6)]]))
     kept = [channel for colour in KEPT for channel in colour]
     found = few.quantize(COLOURS_OF_GIF - len(KEPT), Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).getpalette()
     palette = Image.new("P", (1, 1))

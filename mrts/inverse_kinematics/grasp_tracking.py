@@ -106,8 +106,9 @@ def tip_rates(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Ar
     a, dw = motion.acceleration[:, :3], motion.acceleration[:, 3:]
     R = robot.T_world_base.R
     rows = cell.wrench_rows
-    velocity = np.concatenate([(v + cross(w, r)) @ R, w @ R], axis=1)
-    linear = a + cross(dw, r) + cross(w, cross(w, r))
+    swing = cross(w, r)
+    velocity = np.concatenate([(v + swing) @ R, w @ R], axis=1)
+    linear = a + cross(dw, r) + cross(w, swing)
     acceleration = np.concatenate([linear @ R, dw @ R], axis=1)
     return velocity[:, rows], acceleration[:, rows]
 

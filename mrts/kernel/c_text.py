@@ -11,7 +11,7 @@ from mrts.base.manifest import GEOMETRY, Manifest
 
 PROGRAM_FILES = (
     *("linear_programs.c", "quadratic_programs.c", "batch.c"),
-    *(f"reachability/{name}.c" for name in ("corners", "projection", "regions")),
+    *(f"reachability/{name}.c" for name in ("corners", "projection", "lane_corners", "regions")),
 )
 """The programs, which need no cell."""
 
@@ -26,6 +26,16 @@ CELL_FILES = (
 
 SMOOTH_FILES = tuple(f"smooth/{name}.c" for name in ("smooth_rows", "smooth_second", "fronts", "interior_point"))
 """The programs of smooth timing, which need no cell either."""
+
+QUICKLY = """#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC push_options
+#pragma GCC optimize("O1")
+#endif
+{}
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC pop_options
+#endif"""
+"""Generated statements, which stand in a row without a loop: more than this gcc takes long over, and gains little."""
 
 INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.(?:h|inc))"\n', re.MULTILINE)
 
@@ -131,7 +141,7 @@ def cell_source(manifest: Manifest, generated: str) -> str:
     defined += "" if all(in_lanes) else "#define MRTS_NO_LANES\n"
     of = "#define MRTS_V_OF(value) ((mrts_lanes){0} + (value))\n"
     lanes = f"#if MRTS_LANES > 1\n{of}{''.join(in_lanes)}#endif\n" if all(in_lanes) else ""
-    return f"{generated}\n{defined}{one_text(CELL_FILES)}\n{lanes}"
+    return f"{QUICKLY.format(generated)}\n{defined}{one_text(CELL_FILES)}\n{lanes}"
 
 
 def function_of_lanes(generated: str, symbol: str, name: str, first: tuple[int, ...] = ()) -> str:

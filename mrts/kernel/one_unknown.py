@@ -123,3 +123,33 @@ class KnownWrenches:
             over_chunks(opened, self.samples, run)
         assert 1 not in failures  # noqa: S101 (generated functions of smooth expressions cannot fail)
         return not any(failures)
+
+
+def known_values(
+    compiled: CellLibrary, function: str, samples: int, inputs: dict[str, Array], c2: float
+) -> tuple[Array, Array]:
+    """Torques, Shape (N, m), without what motors give, and wrenches, Shape (N, n w), at a c².
+
+    Args:
+        compiled: The cell's library.
+        function: As in `KnownWrenches`.
+        samples: N.
+        inputs: Of the function, by name.
+        c2: One for all samples.
+    """
+    opened, record = compiled.opened, compiled.records[function]
+    given, strides = sample_inputs(record, samples, inputs)
+    torque, wrench = np.zeros((samples, compiled.joints)), np.zeros((samples, compiled.wrenches))
+    failed = opened.mrts_known_torques(
+        ctypes.c_longlong(samples),
+        pointers(given),
+        strides,
+        ctypes.c_double(c2),
+        ctypes.cast(getattr(opened, record.symbol), ctypes.c_void_p),
+        len(given),
+        pointer(torque),
+        pointer(wrench),
+        *Scratch(opened, record).pointers(),
+    )
+    assert failed == 0  # noqa: S101 (generated functions of smooth expressions cannot fail)
+    return torque, wrench

@@ -97,7 +97,8 @@ class Programs:
             )
 
         over_chunks(self._library, count, project)
-        return number, corners[np.arange(CORNERS) < number[:, None]], status
+        taken_corners = np.flatnonzero(np.arange(CORNERS) < number[:, None])
+        return number, corners.reshape(-1, 2).take(taken_corners, axis=0), status
 
     def effects(self, A: Array, rows: NDArray[np.int32]) -> Array:
         """The largest coefficient of each unknown in some rows, without its sign, Shape (N, k).

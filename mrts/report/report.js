@@ -168,6 +168,8 @@
     plot.cursor = document.createElement("div");
     plot.cursor.className = "cursor";
     plot.place.append(plot.cursor);
+  }
+  for (const plot of timed) {
     place(plot);
     plot.place.on("plotly_afterplot", () => place(plot));
     plot.place.on("plotly_hover", ({ xvals }) => {

@@ -135,12 +135,15 @@ def _piece(
     direction[moving] = rates[moving] / speed[moving, None]
     bend[moving] = (changes[moving] - direction[moving] * growth[moving, None]) / speed[moving, None] ** 2
     away = np.concatenate([[0.0], np.cumsum(step)])
-    continued = np.setdiff1d(np.arange(len(speed)), moving)
-    for near in continued:
-        of = moving[np.argmin(np.abs(moving - near))]
-        bend[near] = bend[of]
-        direction[near] = direction[of] + (away[near] - away[of]) * bend[of]
-    fast = np.isin(np.arange(len(step)), moving) & np.isin(np.arange(len(step)) + 1, moving)
+    moves = np.zeros(len(speed), dtype=bool)
+    moves[moving] = True
+    continued = np.flatnonzero(~moves)
+    after = np.searchsorted(moving, continued)
+    before, after = moving[np.maximum(after - 1, 0)], moving[np.minimum(after, len(moving) - 1)]
+    of = np.where(np.abs(continued - before) <= np.abs(after - continued), before, after)
+    bend[continued] = bend[of]
+    direction[continued] = direction[of] + (away[continued] - away[of])[:, None] * bend[of]
+    fast = moves[:-1] & moves[1:]
     arcs = _arcs(motion.q[part], direction[:, :joints])
     if motion.course is not None:  # velocities near rest are a spline's, the positions are what was given
         fast = arcs > 0
@@ -166,10 +169,14 @@ def closed_piece(cell: Cell, piece: PathPiece) -> PathPiece:
         cell: The cell.
         piece: A piece of a path of it.
     """
-    path, chosen = piece.path, np.union1d(piece.continued, [0, len(piece.speed) - 1])
+    path, is_continued = piece.path, np.zeros(len(piece.speed), dtype=bool)
+    is_continued[piece.continued] = True
+    taken = is_continued.copy()
+    taken[[0, -1]] = True
+    chosen = np.flatnonzero(taken)
     some = path.at(chosen)
     dq, ddq = path.dq.copy(), path.ddq.copy()
-    wrong = np.isin(chosen, piece.continued)
+    wrong = is_continued[chosen]
     dq[piece.continued], ddq[piece.continued] = (rates[wrong] for rates in nearest_rates(cell, some.object, some))
     return replace(piece, path=replace(path, dq=dq, ddq=ddq))
 
@@ -187,7 +194,7 @@ def by_turns(piece: PathPiece) -> PathPiece:
     """
     path, s = piece.path, piece.arc
     turn = np.sqrt(np.mean(np.diff(path.dq, axis=0) ** 2, axis=1))
-    moving = np.setdiff1d(np.arange(len(s)), piece.continued)
+    moving = np.delete(np.arange(len(s)), piece.continued)
     if len(moving) < FEWEST or np.max(turn) <= EVEN:
         return piece
     from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for paths that turn only)

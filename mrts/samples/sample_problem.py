@@ -251,26 +251,6 @@ def build_sample_problem(
     )
 
 
-def known_torques(cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, c2: float) -> tuple[Array, Array]:
-    """Torques, Shape (N, m), and wrenches, Shape (N, n w), where the object's balance or a sharing leaves nothing free.
-
-    Args:
-        cell: The cell, with its load.
-        motion: Its motion.
-        sharing: A fixed distribution of the load; None with one arm.
-        c2: Chosen c².
-
-    Raises:
-        InputError: If the sharing does not fit the cell.
-    """
-    inputs, name = motion.inputs(cell.load), "wrench_form"
-    if sharing is not None:
-        inputs, name = inputs | sharing.inputs(cell, motion), "fixed_distribution"
-    maps, motors = _maps(cell, name, motion.samples, inputs, varying=False), motor_terms(cell, motion)
-    torque, wrench = (maps[f"{kind}_map"][:, :, 0] * c2 + maps[f"{kind}_offset"] for kind in ("torque", "wrench"))
-    return torque if motors is None else torque + motors.torque(float(np.sqrt(c2))), wrench
-
-
 def _maps(cell: Cell, name: str, count: int, inputs: dict[str, Array], *, varying: bool) -> dict[str, Array]:
     """What a generated formulation gives; maps have Shape (count, rows, k), with the column of r̈ where speed varies.
 

@@ -1,10 +1,16 @@
 # SPDX-License-Identifier: MIT
-"""The redundant torques at a chosen c²: a strictly convex quadratic program at every sample."""
+"""The torques at a chosen c²: where they are redundant a strictly convex quadratic program at every sample."""
 
 import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
+from mrts.base.manifest import GEOMETRY
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.kernel.one_unknown import known_values
+from mrts.samples.load_sharing import LoadSharing
+from mrts.samples.motor_terms import motor_terms
 from mrts.samples.sample_problem import SampleProblem
 from mrts.solvers.convex_program import ConvexPrograms, require_verified, solve_programs
 
@@ -81,3 +87,27 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     answers = solve_programs(programs, solver)
     require_verified(answers, f"torques for c² = {np.min(c2):g}")
     return np.concatenate([answers.x, speed], axis=1), answers.fallbacks
+
+
+def known_torques(cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, c2: float) -> tuple[Array, Array]:
+    """Torques, Shape (N, m), and wrenches, Shape (N, n w), where the object's balance or a sharing leaves nothing free.
+
+    Args:
+        cell: The cell, with its load.
+        motion: Its motion.
+        sharing: A fixed distribution of the load; None with one arm.
+        c2: Chosen c².
+
+    Raises:
+        InputError: If the sharing does not fit the cell.
+    """
+    inputs, name = motion.inputs(cell.load), "wrench_form"
+    if sharing is not None:
+        inputs, name = inputs | sharing.inputs(cell, motion), "fixed_distribution"
+    motors, compiled = motor_terms(cell, motion), cell.functions.compiled
+    if compiled is None:
+        maps = cell.functions(name, motion.samples, inputs)
+        torque, wrench = (maps[f"{kind}_map"] * c2 + maps[f"{kind}_offset"] for kind in ("torque", "wrench"))
+    else:
+        torque, wrench = known_values(compiled, name, motion.samples, inputs | {GEOMETRY: cell.geometry}, c2)
+    return torque if motors is None else torque + motors.torque(float(np.sqrt(c2))), wrench

@@ -25,7 +25,7 @@ from mrts.samples.infeasibility import Conflict, find_conflicts
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.motor_terms import MotorTerms, motor_terms
 from mrts.samples.range_ends import Gap, KernelRows, TiedRows, gaps_of
-from mrts.samples.sample_problem import build_sample_problem, known_torques
+from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import (
     REST_TOLERANCE,
     SampleRanges,
@@ -34,7 +34,7 @@ from mrts.samples.sample_ranges import (
     with_end_rows,
     without_speed_at_rest,
 )
-from mrts.samples.torque_distribution import TORQUE_WIDENING, distribute_torques
+from mrts.samples.torque_distribution import TORQUE_WIDENING, distribute_torques, known_torques
 from mrts.solvers import DEFAULT_SOLVER, check_solver
 
 BLOCK = 4096

@@ -250,7 +250,7 @@ def test_a_misspelt_verb_or_file_gets_a_guess(tmp_path):
     done = mrts_command("scael", "x", "y")
     assert done.returncode == 2
     assert "there is no verb 'scael': did you mean 'scale'?" in done.stderr
-    assert "there are demo, generate, scale" in mrts_command("zzz").stderr
+    assert "there are demo, new, check, generate, scale" in mrts_command("zzz").stderr
     shutil.copy(DATA / "lift.yaml", tmp_path)
     guess = mrts_command("scale", DATA / "cell.yaml", tmp_path / "lifts.yaml")
     assert f"there is no such motion file; did you mean '{tmp_path / 'lift.yaml'}'?" in guess.stderr

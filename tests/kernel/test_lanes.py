@@ -16,7 +16,8 @@ from mrts.coordination.denser_motion import WHOLE_WAY, polynomial_weights
 from mrts.kernel.c_text import cell_source, function_of_lanes
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.compiler import FLAGS
-from mrts.kernel.motion_rows import path_places, widenings
+from mrts.kernel.motion_rows import path_places, path_rows, widenings
+from mrts.kernel.programs import OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits import limit_rows
 from mrts.retiming.path_pieces import PLACES
@@ -35,6 +36,9 @@ HALF_A_UNIT = 2.0**-53
 
 SOLVED = 1e-10
 """Of the largest widening or number of a motion: a linear program of rows that differ by rounding."""
+
+FINAL = 1e-8
+"""Of how far a projection reaches, relative and in limits: an edge is final if nothing lies 1e-9 outside."""
 
 ANGLES = """
 #include "lanes/lanes.c"
@@ -81,6 +85,7 @@ def ranges(request, tmp_path_factory):
     )
     inputs = motion.inputs(cell.load) | {GEOMETRY: cell.geometry}
 
+    W = rng.uniform(0.5, 2.0, size=motion.q.shape[1])
     c2 = np.repeat(rng.choice([0.5, 1.0, 2.0, 200.0], size=(SAMPLES + 19) // 20), 20)[:SAMPLES]
     units = np.where(size > 0, size, 1.0)
 
@@ -96,9 +101,29 @@ def ranges(request, tmp_path_factory):
         speeds = rng_of_speeds.random((2, len(PLACES) * (SAMPLES - 1)))
         weights = (PLACES, polynomial_weights(PLACES), WHOLE_WAY)
         places = path_places(opened, path, weights, tuple(speeds), cell.geometry, cell.wrench_rows)
-        return ranges, dense, places
+        many_weights = [np.eye(opened.joints), np.diag(W) + 0.1 * np.outer(W, W)]
+        least = [
+            opened.torques(SAMPLES, inputs, limits, one, np.full(SAMPLES, 0.9 * top), weight, 1e-9)
+            for weight in many_weights
+            for one, top in ((SampleTerms(), np.min(ranges[0].upper)), (terms, np.min(ranges[1].upper)))
+        ]
+        rows = path_rows(opened, SAMPLES, inputs, limits, units, SampleTerms(), np.zeros(motion.q.shape))
+        effect = np.max(np.abs(rows.A), axis=1)
+        scale = np.divide(1.0, effect, out=np.zeros_like(effect), where=effect > 0)
+        far = np.full((SAMPLES, 2), 1e5) * (scale[:, -2:] > 0)
+        projected = opened.programs.projections(
+            rows.A, rows.lower, rows.upper, scale, (np.column_stack([-far[:, 0], 0 * far[:, 1]]), far)
+        )
+        return ranges, dense, places, least, projected
 
     return found
+
+
+def reaches(number, corners):
+    """How far each projection reaches in some directions: two may differ by a corner that is none but for rounding."""
+    angle = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    directions = np.array([np.cos(angle), np.sin(angle)])
+    return [np.max(polygon @ directions, axis=0) for polygon in np.split(corners, np.cumsum(number)[:-1])]
 
 
 def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_single_samples(ranges):
@@ -107,6 +132,18 @@ def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_sing
         for one, other, alone in zip(wide[part], narrow[part], single[part], strict=True):
             np.testing.assert_array_equal(one, other)
             np.testing.assert_allclose(one, alone, rtol=SOLVED, atol=SOLVED * np.max(np.abs(alone)))
+    for one, other, alone in zip(wide[3], narrow[3], single[3], strict=True):
+        for of_wide, of_narrow, of_single in zip(one, other, alone, strict=True):
+            np.testing.assert_array_equal(of_wide, of_narrow)
+            np.testing.assert_allclose(of_wide, of_single, rtol=SOLVED, atol=SOLVED * np.max(of_single))
+        assert np.all(one[2] == OPTIMAL)
+        assert np.any(one[0] != alone[0]), "the lanes have not been at work"
+    for of_wide, of_narrow in zip(wide[4], narrow[4], strict=True):
+        np.testing.assert_array_equal(of_wide, of_narrow)
+    for one, other in zip(reaches(*wide[4][:2]), reaches(*single[4][:2]), strict=True):
+        np.testing.assert_allclose(one, other, rtol=FINAL, atol=FINAL)
+    assert np.all(wide[4][2] == OPTIMAL)
+    assert not np.array_equal(wide[4][1], single[4][1]), "the lanes have not been at work"
     for shares in wide[1]:
         assert np.any(shares == 0)
         assert np.max(shares) > 1e-2

@@ -37,9 +37,6 @@ def test_plots_follow_a_saved_result_and_its_picture_is_taken(chromium, lifted, 
         plots = page.locator("[data-plot]").evaluate_all("all => all.map(each => each.dataset.plot)")
         assert plots == ["compared", "c2", "torque", "wrench"]
         assert page.locator("[data-plot=compared]").inner_text().startswith("Shown: 0.2992 s, 2.47 × as fast as slow")
-        for width in (1400, 900, 500):
-            page.set_viewport_size({"width": width, "height": 700})
-            assert page.evaluate(CUT) == page.evaluate(OUTSIDE) == [], width
         assert page.evaluate(CURSOR) == 0
         page.get_by_role("button", name="Play", exact=True).click()
         seen = set()
@@ -58,4 +55,8 @@ def test_plots_follow_a_saved_result_and_its_picture_is_taken(chromium, lifted, 
         with Image.open(io.BytesIO(saved.value.path().read_bytes())) as picture:
             assert picture.size[0] == 960
         assert saved.value.suggested_filename == f"{planar_cell.name}.png"
+        page.get_by_role("tab", name="Plots").click()
+        for width in (1400, 900, 500):
+            page.set_viewport_size({"width": width, "height": 700})
+            assert page.evaluate(CUT) == page.evaluate(OUTSIDE) == [], width
         assert page.problems == []

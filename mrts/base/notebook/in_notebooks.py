@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 
-from mrts.base.notebook.value_text import has_words, value_text
+from mrts.base.notebook.value_text import value_text, words_of
 from mrts.base.printable import html_text
 
 MOST_ROWS = 24
@@ -38,10 +38,8 @@ class InNotebooks:
 
     def notebook_words(self) -> list[str]:
         """The answer, a paragraph each."""
-        kind = type(self)
-        if kind.__str__ is not object.__str__:
-            return [f"{kind.__name__}: {self}"]
-        return [repr(self).strip("<>") if has_words(kind) else kind.__name__]
+        name, words = type(self).__name__, words_of(self)
+        return [words if words.startswith(name) else ": ".join(filter(None, [name, words]))]
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """Tables below it."""

@@ -56,18 +56,21 @@ def _inner(value: object) -> str:
         return _array(value) if isinstance(value, np.ndarray) else f"{len(value)} {type(value).__name__} entries"
     if value is None or isinstance(value, bool | int | float | np.generic | str | Path | Enum):
         return _text(value)
-    return str(value).removeprefix("<").removesuffix(">") if has_words(type(value)) else type(value).__name__
+    return words_of(value) or type(value).__name__
 
 
-def has_words(kind: type) -> bool:
-    """Whether a class writes its values as words of its own, not as Python or as an address.
+def words_of(value: object) -> str:
+    """What a class writes of its values in words of its own, not as Python or as an address; empty without such words.
 
     Args:
-        kind: The class.
+        value: Any.
     """
+    kind = type(value)
+    if any("__str__" in vars(one) for one in kind.__mro__[:-1]):
+        return str(value)
     made = getattr(kind, "__dataclass_params__", None)
-    wanted = "__repr__" if made is not None and not made.repr else "__str__"
-    return any(name in vars(one) for one in kind.__mro__[:-1] for name in {"__str__", wanted})
+    own = made is not None and not made.repr and any("__repr__" in vars(one) for one in kind.__mro__[:-1])
+    return repr(value).removeprefix("<").removesuffix(">") if own else ""
 
 
 def _number(value: float) -> str:

@@ -16,17 +16,23 @@ static int mrts_rows_of_form(const double *rotation, const mrts_limits *limits, 
     return mrts_build_rows(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, form, limits, terms, rows);
 }
 
-/* Evaluates the wrench form of a sample and builds its rows: 1 if they are finite, 0 if not, -1 if the form failed. */
-static int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
-                               double *turned, const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows,
+/* Evaluates the wrench form of a sample alone; 0 if it failed. */
+static int mrts_form_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
                                const double **arg, double **res, long long *iw, double *w) {
-    const mrts_terms terms = mrts_terms_of_sample(all, sample, limits->rows);
     for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + sample * stride[i];
     res[0] = form->torque_map;
     res[1] = form->torque_offset;
     res[2] = form->wrench_map;
     res[3] = form->wrench_offset;
-    if (MRTS_WRENCH_FORM(arg, res, iw, w, 0)) return -1;
+    return MRTS_WRENCH_FORM(arg, res, iw, w, 0) == 0;
+}
+
+/* Evaluates the wrench form of a sample and builds its rows: 1 if they are finite, 0 if not, -1 if the form failed. */
+static int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
+                               double *turned, const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows,
+                               const double **arg, double **res, long long *iw, double *w) {
+    const mrts_terms terms = mrts_terms_of_sample(all, sample, limits->rows);
+    if (!mrts_form_of_sample(in, stride, sample, form, arg, res, iw, w)) return -1;
     mrts_add_motors(MRTS_UNKNOWNS, MRTS_JOINTS, &terms, form);
     return mrts_rows_of_form(arg[MRTS_ROTATION], limits, &terms, turned, form, rows);
 }
@@ -38,7 +44,7 @@ MRTS_EXPORT void mrts_ranges_work(int rows, long long *reals, long long *ints) {
 }
 
 MRTS_EXPORT void mrts_torques_work(int rows, long long *reals, long long *ints) {
-    *reals = MRTS_ROWS_WORK(MRTS_UNKNOWNS, rows) + MRTS_QP_WORK(MRTS_UNKNOWNS - 1);
+    *reals = MRTS_ROWS_WORK(MRTS_UNKNOWNS, rows) + MRTS_QP_WORK(MRTS_UNKNOWNS - 1) + MRTS_LANE_WORK(MRTS_UNKNOWNS, rows);
     *ints = MRTS_ROWS_IWORK(rows) + MRTS_QP_IWORK(MRTS_UNKNOWNS - 1, rows);
 }
 
@@ -244,6 +250,90 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
     return 0;
 }
 
+/* What the torques of one sample are found with. */
+typedef struct {
+    const mrts_limits *limits;
+    const double *weights;
+    double widening;
+    int is_diagonal; /* the weights */
+    mrts_form form;
+    double *turned; /* memory for the wrenches in object axes */
+    mrts_rows rows;
+    int active[MRTS_UNKNOWNS], active_count; /* the rows that bind, those of the sample before; -1 where nothing is known */
+    double *qp_work;
+    int *qp_iwork;
+} mrts_torque_search;
+
+/* Torques and wrenches of one sample, whose form is there with what motors give; a status of mrts_qp. */
+static int mrts_torques_of_sample(mrts_torque_search *of, const double *rotation, const mrts_terms *terms, double c2,
+                                  double *torque, double *wrench) {
+    enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1, M = MRTS_JOINTS, N = MRTS_WRENCHES };
+    double H[F * F + 1], g[F + 1], x[K], u[F + 1], column[K], weighted[M], at_rest[M], largest = 0;
+    mrts_form *form = &of->form;
+    mrts_rows *rows = &of->rows;
+    of->active_count = -1;
+    if (!mrts_rows_of_form(rotation, of->limits, terms, of->turned, form, rows)) return MRTS_STOPPED;
+    mrts_fix_speed(K, of->limits, c2, of->widening, rows);
+    mrts_scale_columns(F, rows, column);
+    mrts_free_unknowns(F, rows);
+    for (int j = 0; j < F; ++j) {
+        for (int i = 0; i < M; ++i) form->torque_map[j * M + i] *= column[j];
+        for (int i = 0; i < N; ++i) form->wrench_map[j * N + i] *= column[j];
+    }
+    for (int i = 0; i < M; ++i) at_rest[i] = form->torque_map[F * M + i] * c2 + form->torque_offset[i];
+    for (int j = 0; j < F; ++j) {
+        const double *map = form->torque_map + j * M;
+        for (int i = 0; i < M; ++i) {
+            weighted[i] = of->is_diagonal ? of->weights[i * M + i] * map[i] : mrts_dot(M, of->weights + i * M, map);
+        }
+        g[j] = mrts_dot(M, weighted, at_rest);
+        for (int l = 0; l <= j; ++l) {
+            H[j * F + l] = H[l * F + j] = mrts_dot(M, weighted, form->torque_map + l * M);
+            if (MRTS_ABS(H[j * F + l]) > largest) largest = MRTS_ABS(H[j * F + l]);
+        }
+    }
+    if (largest > 0) {
+        for (int i = 0; i < F * F; ++i) H[i] /= largest;
+        for (int j = 0; j < F; ++j) g[j] /= largest;
+    }
+    const int status = mrts_qp(F, rows->count, H, rows->A, rows->lower, rows->upper, g, x, of->active, u, &of->active_count,
+                               of->qp_work, of->qp_iwork);
+    if (status != MRTS_OPTIMAL) of->active_count = -1;
+    for (int i = 0; i < M; ++i) torque[i] = at_rest[i];
+    for (int i = 0; i < N; ++i) wrench[i] = form->wrench_map[F * N + i] * c2 + form->wrench_offset[i];
+    for (int j = 0; j < F; ++j) {
+        for (int i = 0; i < M; ++i) torque[i] += x[j] * form->torque_map[j * M + i];
+        for (int i = 0; i < N; ++i) wrench[i] += x[j] * form->wrench_map[j * N + i];
+    }
+    return status;
+}
+
+#if MRTS_LANES > 1
+/* The samples of a call in lanes. */
+typedef struct {
+    mrts_lane_functions functions;
+    mrts_lane_program program;
+    mrts_lane_inputs inputs;
+    mrts_lane_mask kept;
+} mrts_torque_lanes;
+
+/* Takes the samples from `first` on. */
+static void mrts_take_torques(const double *const *in, const long long *stride, long long first, long long count,
+                              const mrts_limits *limits, const mrts_terms *terms, const double *c2, int c2_stride,
+                              mrts_torque_lanes *lanes) {
+    mrts_lanes speed;
+    mrts_take_inputs(in, stride, first, count, first == 0, &lanes->inputs);
+    for (int lane = 0; lane < MRTS_LANES; ++lane) speed[lane] = c2[lanes->inputs.at[lane] * c2_stride];
+    lanes->functions.programs(lanes->inputs.arg, limits, terms, lanes->inputs.at, &speed, &lanes->program);
+}
+
+/* Looks which samples have the active rows of the one before. */
+static void mrts_try_active(const mrts_torque_search *of, mrts_torque_lanes *lanes) {
+    lanes->kept = (mrts_lane_mask){0};
+    if (of->active_count >= 0) lanes->functions.torques(&lanes->program, of->active, of->active_count, &lanes->kept);
+}
+#endif
+
 /* Torques and wrenches that minimise t'Wt at c2 (one value, or one a sample with c2_stride 1). Limits move outward by
  * `widening` of their unit where they are not equal; `terms` as in mrts_ranges. */
 MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const long long *stride,
@@ -252,61 +342,54 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
                              unsigned char *status, const double **arg, double **res, long long *iw, double *w,
                              double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1, M = MRTS_JOINTS, N = MRTS_WRENCHES };
-    double *qp_work = work + MRTS_ROWS_WORK(K, limits->rows);
-    int *qp_iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
-    double H[F * F + 1], g[F + 1], x[K], u[F + 1], column[K], weighted[M], at_rest[M];
-    int active[F + 1], active_count, is_diagonal = 1;
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
     double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
-    mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
-    mrts_rows rows;
     mrts_forms forms;
-    if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
-    mrts_begin_forms(in, stride, count, &forms);
-    for (int i = 0; i < M; ++i) {
-        for (int j = 0; j < M; ++j) is_diagonal &= i == j || weights[i * M + j] == 0;
-    }
+    mrts_torque_search search = {.limits = limits, .weights = weights, .widening = widening, .turned = turned};
+    search.form = mrts_form_in(K, M, N, memory);
+    search.qp_work = work + MRTS_ROWS_WORK(K, limits->rows);
+    search.qp_iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
+    search.is_diagonal = 1;
+    if (!mrts_rows_over(K, limits, work, iwork, &search.rows)) return 1;
+    for (int i = 0; i < M * M; ++i) search.is_diagonal &= i % (M + 1) == 0 || weights[i] == 0;
+#if MRTS_LANES > 1
+    mrts_torque_lanes lanes;
+    lanes.functions = mrts_lane_functions_here();
+    lanes.program.weights = weights;
+    lanes.program.widening = widening;
+    lanes.program.rows.of = &search.rows;
+    lanes.program.rows.A = (mrts_lanes *)(void *)(search.qp_work + MRTS_QP_WORK(F));
+    lanes.program.rows.lower = lanes.program.rows.A + search.rows.count * K;
+    lanes.program.rows.upper = lanes.program.rows.lower + search.rows.count + K;
+#endif
+    const int in_lanes = MRTS_LANES > 1 && F > 0 && !limits->base;
+    if (!in_lanes) mrts_begin_forms(in, stride, count, &forms);
     for (long long n = 0; n < count; ++n) {
-        const double speed = c2[n * c2_stride];
-        double largest = 0;
         const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
-        if (!mrts_next_form(&forms, n, &form, arg, res, iw, w)) return 1;
-        mrts_add_motors(K, M, &here, &form);
-        if (!mrts_rows_of_form(arg[MRTS_ROTATION], limits, &here, turned, &form, &rows)) {
-            status[n] = MRTS_STOPPED;
+        if (n % MRTS_CHUNK == 0) search.active_count = -1; /* so that chunks do not depend on each other */
+#if MRTS_LANES > 1
+        const int lane = (int)(n % MRTS_LANES);
+        if (lane == 0 && in_lanes) {
+            mrts_take_torques(in, stride, n, count, limits, terms, c2, c2_stride, &lanes);
+            mrts_try_active(&search, &lanes);
+        }
+        if (in_lanes && lanes.kept[lane]) {
+            mrts_take_lane(M, lanes.program.least_torque, lane, torque + n * M);
+            mrts_take_lane(N, lanes.program.its_wrench, lane, wrench + n * N);
+            status[n] = MRTS_OPTIMAL;
             continue;
         }
-        mrts_fix_speed(K, limits, speed, widening, &rows);
-        mrts_scale_columns(F, &rows, column);
-        mrts_free_unknowns(F, &rows);
-        for (int j = 0; j < F; ++j) {
-            for (int i = 0; i < M; ++i) form.torque_map[j * M + i] *= column[j];
-            for (int i = 0; i < N; ++i) form.wrench_map[j * N + i] *= column[j];
+#endif
+        if (!(in_lanes ? mrts_form_of_sample(in, stride, n, &search.form, arg, res, iw, w)
+                       : mrts_next_form(&forms, n, &search.form, arg, res, iw, w))) {
+            return 1;
         }
-        for (int i = 0; i < M; ++i) at_rest[i] = form.torque_map[F * M + i] * speed + form.torque_offset[i];
-        for (int j = 0; j < F; ++j) {
-            const double *map = form.torque_map + j * M;
-            for (int i = 0; i < M; ++i) {
-                weighted[i] = is_diagonal ? weights[i * M + i] * map[i] : mrts_dot(M, weights + i * M, map);
-            }
-            g[j] = mrts_dot(M, weighted, at_rest);
-            for (int l = 0; l <= j; ++l) {
-                H[j * F + l] = H[l * F + j] = mrts_dot(M, weighted, form.torque_map + l * M);
-                if (MRTS_ABS(H[j * F + l]) > largest) largest = MRTS_ABS(H[j * F + l]);
-            }
-        }
-        if (largest > 0) {
-            for (int i = 0; i < F * F; ++i) H[i] /= largest;
-            for (int j = 0; j < F; ++j) g[j] /= largest;
-        }
-        status[n] = (unsigned char)mrts_qp(F, rows.count, H, rows.A, rows.lower, rows.upper, g, x, active, u,
-                                           &active_count, qp_work, qp_iwork);
-        for (int i = 0; i < M; ++i) torque[n * M + i] = at_rest[i];
-        for (int i = 0; i < N; ++i) wrench[n * N + i] = form.wrench_map[F * N + i] * speed + form.wrench_offset[i];
-        for (int j = 0; j < F; ++j) {
-            for (int i = 0; i < M; ++i) torque[n * M + i] += x[j] * form.torque_map[j * M + i];
-            for (int i = 0; i < N; ++i) wrench[n * N + i] += x[j] * form.wrench_map[j * N + i];
-        }
+        mrts_add_motors(K, M, &here, &search.form);
+        status[n] = (unsigned char)mrts_torques_of_sample(&search, arg[MRTS_ROTATION], &here, c2[n * c2_stride], torque + n * M,
+                                                          wrench + n * N);
+#if MRTS_LANES > 1
+        if (in_lanes) mrts_try_active(&search, &lanes);
+#endif
     }
     return 0;
 }

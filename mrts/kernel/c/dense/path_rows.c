@@ -43,20 +43,14 @@ MRTS_EXPORT int mrts_path_rows(long long count, const double *const *in, const l
     double rates[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
     double turned[MRTS_TURNED_WORK(MRTS_PATH_UNKNOWNS, MRTS_WRENCHES)];
     mrts_form form = mrts_form_in(V, M, N, memory), by_rate = mrts_form_in(MRTS_UNKNOWNS, M, N, rates);
-    static const double still[MRTS_JOINTS > 6 ? MRTS_JOINTS : 6] = {0};
-    const double *rate_in[MRTS_INPUTS];
-    long long rate_stride[MRTS_INPUTS];
+    mrts_rate_inputs rate;
     mrts_forms forms, rate_forms;
     mrts_rows rows;
     if (!mrts_rows_over(V, limits, work, iwork, &rows) || rows.count < limits->rows) return 1;
     for (int i = 0; i < rows.count; ++i) rows.unit[i] = unit[i];
-    for (int i = 0; i < MRTS_INPUTS; ++i) {
-        const int of = i == MRTS_DDQ ? MRTS_DQ : i == MRTS_ACCELERATION ? MRTS_TWIST : i, stands = i == MRTS_DQ || i == MRTS_TWIST;
-        rate_in[i] = stands ? still : in[of];
-        rate_stride[i] = stands ? 0 : stride[of];
-    }
+    mrts_inputs_by_rate(in, stride, &rate);
     mrts_begin_forms(in, stride, count, &forms);
-    mrts_begin_forms(rate_in, rate_stride, count, &rate_forms);
+    mrts_begin_forms(rate.in, rate.stride, count, &rate_forms);
     for (long long n = 0; n < count; ++n) {
         const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
         if (!mrts_next_form(&rate_forms, n, &by_rate, arg, res, iw, w)) return 1;

@@ -3,6 +3,7 @@
  * Forms of several samples at a time.
  */
 #include "forms.h"
+#include "../trajectory.h"
 
 #if MRTS_LANES > 1
 MRTS_LOCAL void mrts_take_inputs(const double *const *in, const long long *stride, long long first, long long count,
@@ -11,10 +12,12 @@ MRTS_LOCAL void mrts_take_inputs(const double *const *in, const long long *strid
     mrts_lanes *next = lanes->numbers;
     for (int lane = 0; lane < MRTS_LANES; ++lane) lanes->at[lane] = first + lane < count ? first + lane : count - 1;
     for (int i = 0; i < MRTS_INPUTS; next += sizes[i++]) {
+        const double *own[MRTS_LANES];
         lanes->arg[i] = next;
-        for (int lane = 0; lane < MRTS_LANES && (all || stride[i]); ++lane) {
-            const double *own = in[i] + lanes->at[lane] * stride[i];
-            for (int number = 0; number < sizes[i]; ++number) next[number][lane] = own[number];
+        if (!all && !stride[i]) continue;
+        for (int lane = 0; lane < MRTS_LANES; ++lane) own[lane] = in[i] + lanes->at[lane] * stride[i];
+        for (int number = 0; number < sizes[i]; ++number) {
+            next[number] = (mrts_lanes){own[0][number], own[1][number], own[2][number], own[3][number]};
         }
     }
 }
@@ -33,6 +36,15 @@ MRTS_LOCAL void mrts_begin_forms(const double *const *in, const long long *strid
     forms->evaluate = mrts_lane_functions_here().form;
     if (count > 0) mrts_take_inputs(in, stride, 0, count, 1, &forms->inputs);
 #endif
+}
+
+MRTS_LOCAL void mrts_inputs_by_rate(const double *const *in, const long long *stride, mrts_rate_inputs *rate) {
+    static const double still[MRTS_JOINTS > 6 ? MRTS_JOINTS : 6] = {0};
+    for (int i = 0; i < MRTS_INPUTS; ++i) {
+        const int of = i == MRTS_DDQ ? MRTS_DQ : i == MRTS_ACCELERATION ? MRTS_TWIST : i, stands = i == MRTS_DQ || i == MRTS_TWIST;
+        rate->in[i] = stands ? still : in[of];
+        rate->stride[i] = stands ? 0 : stride[of];
+    }
 }
 
 MRTS_LOCAL int mrts_next_form(mrts_forms *forms, long long sample, mrts_form *form, const double **arg, double **res,

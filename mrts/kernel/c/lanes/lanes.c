@@ -13,15 +13,7 @@
 #define MRTS_ROUNDER 6755399441055744.0              /* 1.5 * 2^52: what is added to it is rounded to a whole number */
 #define MRTS_MOST_ANGLE 1e5                          /* a multiple of 33 bits is exact [rad] */
 
-#define MRTS_V mrts_lanes
-#define MRTS_V_OF(value) ((mrts_lanes){0} + (double)(value))
-#define MRTS_MASK mrts_lane_mask
-#define MRTS_ALL ((mrts_lane_mask){0} - 1)
-#define MRTS_CHOOSE(mask, a, b) \
-    ((mrts_lanes)(((mask) & (mrts_lane_mask)(a)) | (~(mask) & (mrts_lane_mask)(b))))
-#define MRTS_BOTH(a, b) ((a) & (b))
-#define MRTS_LARGER(a, b) MRTS_CHOOSE((a) > (b), a, b)
-#define MRTS_SIZE_OF(a) ((mrts_lanes)((mrts_lane_mask)(a) & ~(mrts_lane_mask)(-(mrts_lanes){0})))
+#include "lane_numbers.inc"
 #define MRTS_TAKE_PIVOT(k, c, row, side, B) (void)(side)
 #define MRTS_IS_NONE(value) 0
 #define MRTS_AT_ONCE MRTS_LANES
@@ -38,6 +30,7 @@
 #include "lane_angles.inc"
 #include "lane_samples.inc"
 #include "../dense/lane_widening.inc"
+#include "lane_torques.inc"
 #include "../dense/places.inc"
 
 #ifdef MRTS_WIDE
@@ -46,6 +39,7 @@
 #undef MRTS_FORM_IN_LANES
 #undef MRTS_RUN_KINEMATICS
 #undef MRTS_RUN_BIAS
+#include "wide_numbers.inc"
 #define MRTS_STATIC MRTS_WIDE static inline
 #define MRTS_OF(name) name##_wide
 #define MRTS_FORM_IN_LANES mrts_form_of_wide_lanes
@@ -55,29 +49,24 @@
 #include "lane_angles.inc"
 #include "lane_samples.inc"
 #include "../dense/lane_widening.inc"
+#include "lane_torques.inc"
 #include "../dense/places.inc"
 #endif
 
 MRTS_LOCAL mrts_lane_functions mrts_lane_functions_here(void) {
     const mrts_lane_functions anywhere = {mrts_lane_form_lanes, mrts_lane_rows_of_lanes, mrts_lane_end_lanes, mrts_dense_form_lanes,
-                                          mrts_dense_bound_lanes, mrts_dense_passed_lanes, mrts_some_places_lanes};
+                                          mrts_dense_bound_lanes, mrts_dense_passed_lanes, mrts_some_places_lanes,
+                                          mrts_lane_programs_lanes, mrts_lane_torques_lanes};
 #ifdef MRTS_WIDE
     const mrts_lane_functions wide = {mrts_lane_form_wide, mrts_lane_rows_of_wide, mrts_lane_end_wide, mrts_dense_form_wide, mrts_dense_bound_wide,
-                                      mrts_dense_passed_wide, mrts_some_places_wide};
+                                      mrts_dense_passed_wide, mrts_some_places_wide, mrts_lane_programs_wide, mrts_lane_torques_wide};
     if (__builtin_cpu_supports("avx2")) return wide;
 #endif
     return anywhere;
 }
 
+#include "no_lane_numbers.inc"
 #undef MRTS_STATIC
-#undef MRTS_V
-#undef MRTS_V_OF
-#undef MRTS_MASK
-#undef MRTS_ALL
-#undef MRTS_CHOOSE
-#undef MRTS_BOTH
-#undef MRTS_LARGER
-#undef MRTS_SIZE_OF
 #undef MRTS_OF
 #undef MRTS_TAKE_PIVOT
 #undef MRTS_IS_NONE

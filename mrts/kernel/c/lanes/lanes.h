@@ -10,19 +10,9 @@
 #include "../dense/places.h"
 #include "../dense/wrenches_before.h"
 #include "../rows.h"
+#include "lane_types.h"
 
-/* Samples at a time; without the vectors of GNU C one after the other. */
-#if defined(__GNUC__) && !defined(MRTS_NO_LANES)
-#define MRTS_LANES 4
-typedef double mrts_lanes __attribute__((vector_size(8 * MRTS_LANES), aligned(8)));
-typedef long long mrts_lane_mask __attribute__((vector_size(8 * MRTS_LANES), aligned(8)));
-#pragma GCC diagnostic ignored "-Wpsabi" /* between functions of ours only, of the same target */
-
-/* Wider registers than every x86-64 has, for machines that have them. */
-#if defined(__x86_64__) && !defined(MRTS_NARROW)
-#define MRTS_WIDE __attribute__((target("avx2")))
-#endif
-
+#if MRTS_LANES > 1
 /* Generated functions for lanes: every input is there, with sine and cosine of each of the first input's numbers, and every
  * output, of kinematics and bias acceleration those of the first arm alone. */
 #define MRTS_LANE_FUNCTION(name) void name(const mrts_lanes *const *arg, const mrts_lanes *sines, mrts_lanes *const *res)
@@ -59,6 +49,18 @@ typedef struct {
     mrts_lanes turn[9 * MRTS_ROBOTS]; /* from base axes to those of the object, where limits want them */
 } mrts_dense_lanes;
 
+/* The quadratic programs of the torques of several samples, over the scaled free wrenches. */
+typedef struct {
+    const double *weights; /* W, (MRTS_JOINTS, MRTS_JOINTS) */
+    double widening;       /* by which limits move outward where they are not equal, in their unit */
+    mrts_lane_rows rows;   /* over the wrenches and c^2, then over the scaled wrenches alone */
+    /* As those of mrts_dense_lanes, of the scaled wrenches; the column of c^2 is what there is without them. */
+    mrts_lanes torque[(MRTS_UNKNOWNS + 1) * MRTS_JOINTS], wrench[(MRTS_UNKNOWNS + 1) * MRTS_WRENCHES];
+    mrts_lanes H[MRTS_UNKNOWNS * MRTS_UNKNOWNS], g[MRTS_UNKNOWNS];
+    mrts_lanes L[MRTS_UNKNOWNS * MRTS_UNKNOWNS]; /* H = L L', on the diagonal the reciprocals */
+    mrts_lanes x[MRTS_UNKNOWNS], least_torque[MRTS_JOINTS], its_wrench[MRTS_WRENCHES]; /* the answer */
+} mrts_lane_program;
+
 /* What works on lanes. */
 typedef struct {
     /* The generated wrench form. */
@@ -79,13 +81,17 @@ typedef struct {
     void (*dense_passed)(const mrts_dense_lanes *at, const mrts_lanes *free, mrts_lanes *most, mrts_lane_mask *finite);
     /* Finds what is wanted at some places of a path. */
     int (*places)(const mrts_places *to, const mrts_lanes *geometry, const long long *places);
+    /* Evaluates the wrench form and makes the programs of the samples at the places `at`, each at its c2. */
+    void (*programs)(const mrts_lanes *const *arg, const mrts_limits *limits, const mrts_terms *terms, const long long *at,
+                     const mrts_lanes *c2, mrts_lane_program *program);
+    /* Of which samples the active rows, coded as those of mrts_qp, are those of the minimiser, verified as there. */
+    void (*torques)(mrts_lane_program *program, const int *active, int count, mrts_lane_mask *kept);
 } mrts_lane_functions;
 
 /* Those for this machine. */
 MRTS_LOCAL mrts_lane_functions mrts_lane_functions_here(void);
 
 #else
-#define MRTS_LANES 1
 #define MRTS_LANE_WORK(k, rows) 0
 #endif
 

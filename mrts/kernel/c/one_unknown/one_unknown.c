@@ -3,6 +3,7 @@
  * Samples whose wrenches the object's balance fixes, of one arm or by given shares of the load: every row is a line in c^2, or
  * in the acceleration u and the square x of a speed that varies, so there is no program to solve.
  */
+#include "../lanes/forms.h"
 #include "../trajectory.h"
 
 /* Rows bind together if their ends differ by no more than this share; `BINDING_TOLERANCE` of mrts/samples/range_ends.py. */
@@ -19,23 +20,35 @@ typedef struct {
     double **res;
     long long *iw;
     double *w;
+    int by_rate;  /* whether it is to give what u adds, in the place of c^2 */
+    int in_forms; /* whether it is the wrench form, which is evaluated for several samples at a time */
+    mrts_rate_inputs rate;
+    mrts_forms forms;
 } mrts_known;
 
-static const double mrts_still[MRTS_JOINTS + 6] = {0};
+/* The samples 0 .. count - 1 of a call; what else a function has for inputs than the wrench form follows those. */
+static void mrts_begin_known(long long count, int by_rate, mrts_known *known) {
+    known->by_rate = by_rate;
+    known->in_forms = MRTS_UNKNOWNS == 1 && known->run == MRTS_WRENCH_FORM;
+    if (by_rate) mrts_inputs_by_rate(known->in, known->stride, &known->rate);
+    if (!known->in_forms) return;
+    mrts_begin_forms(by_rate ? known->rate.in : known->in, by_rate ? known->rate.stride : known->stride, count, &known->forms);
+}
 
-/* Evaluates the function into column `column` of a form. At rest with the velocities as accelerations, `by_rate`, it gives
- * what u adds, and no offsets. */
-static int mrts_known_at(const mrts_known *known, long long sample, int by_rate, int column, const mrts_form *form) {
-    for (int i = 0; i < known->inputs; ++i) known->arg[i] = known->in[i] + sample * known->stride[i];
-    if (by_rate) {
-        known->arg[MRTS_DDQ] = known->arg[MRTS_DQ];
-        known->arg[MRTS_ACCELERATION] = known->arg[MRTS_TWIST];
-        known->arg[MRTS_DQ] = known->arg[MRTS_TWIST] = mrts_still;
+/* Evaluates the function at a sample, the next one, into column `column` of a form; 1 if it failed. */
+static int mrts_known_at(mrts_known *known, long long sample, int column, const mrts_form *form) {
+    mrts_form to = *form;
+    to.torque_map += column * MRTS_JOINTS;
+    to.wrench_map += column * MRTS_WRENCHES;
+    if (known->in_forms) return !mrts_next_form(&known->forms, sample, &to, known->arg, known->res, known->iw, known->w);
+    for (int i = 0; i < known->inputs; ++i) {
+        const int of_rate = known->by_rate && i < MRTS_INPUTS;
+        known->arg[i] = of_rate ? known->rate.in[i] + sample * known->rate.stride[i] : known->in[i] + sample * known->stride[i];
     }
-    known->res[0] = form->torque_map + column * MRTS_JOINTS;
-    known->res[1] = by_rate ? 0 : form->torque_offset;
-    known->res[2] = form->wrench_map + column * MRTS_WRENCHES;
-    known->res[3] = by_rate ? 0 : form->wrench_offset;
+    known->res[0] = to.torque_map;
+    known->res[1] = to.torque_offset;
+    known->res[2] = to.wrench_map;
+    known->res[3] = to.wrench_offset;
     return known->run(known->arg, known->res, known->iw, known->w, 0);
 }
 
@@ -90,19 +103,20 @@ MRTS_EXPORT int mrts_known_ranges(long long count, const double *const *in, cons
                                   double *low, double *high, double *effect, signed char *low_tied,
                                   signed char *high_tied, const double **arg, double **res, long long *iw, double *w,
                                   double *work, int *iwork) {
-    const mrts_known known = {run, inputs, in, stride, arg, res, iw, w};
+    mrts_known known = {.run = run, .inputs = inputs, .in = in, .stride = stride, .arg = arg, .res = res, .iw = iw, .w = w};
     double memory[MRTS_FORM_WORK(1, MRTS_JOINTS, MRTS_WRENCHES)], turned[MRTS_TURNED_WORK(1, MRTS_WRENCHES)];
     mrts_form form = mrts_form_in(1, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_row_ends ends;
     mrts_rows rows;
     if (!mrts_rows_over(1, limits, work, iwork, &rows)) return 1;
+    mrts_begin_known(count, 0, &known);
     ends.least = work + MRTS_ROWS_WORK(1, limits->rows);
     ends.most = ends.least + limits->rows;
     ends.least_side = (signed char *)(ends.most + limits->rows);
     ends.most_side = ends.least_side + limits->rows;
     for (long long n = 0; n < count; ++n) {
         const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
-        if (mrts_known_at(&known, n, 0, 0, &form)) return 1;
+        if (mrts_known_at(&known, n, 0, &form)) return 1;
         mrts_add_motors(1, MRTS_JOINTS, &here, &form);
         mrts_turn_wrenches(1, MRTS_ROBOTS, MRTS_SIZE, limits, arg[MRTS_ROTATION], 1, 3, turned, &form);
         low[n] = INFINITY;
@@ -145,15 +159,18 @@ MRTS_EXPORT int mrts_known_planes(long long count, const double *const *in, cons
                                   int (*run)(const double **, double **, long long *, double *, int), int inputs,
                                   double *effect, double *planes, const double **arg, double **res, long long *iw,
                                   double *w, double *work, int *iwork) {
-    const mrts_known known = {run, inputs, in, stride, arg, res, iw, w};
+    mrts_known known = {.run = run, .inputs = inputs, .in = in, .stride = stride, .arg = arg, .res = res, .iw = iw, .w = w};
+    mrts_known rates = known;
     double memory[MRTS_FORM_WORK(2, MRTS_JOINTS, MRTS_WRENCHES)], turned[MRTS_TURNED_WORK(2, MRTS_WRENCHES)];
     mrts_form form = mrts_form_in(2, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_rows rows;
     if (!mrts_rows_over(2, limits, work, iwork, &rows)) return 1;
+    mrts_begin_known(count, 0, &known);
+    mrts_begin_known(count, 1, &rates);
     for (long long n = 0; n < count; ++n) {
         const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
         const mrts_terms by_rate = mrts_terms_of_sample(rate_terms, n, limits->rows);
-        if (mrts_known_at(&known, n, 1, 0, &form) || mrts_known_at(&known, n, 0, 1, &form)) return 1;
+        if (mrts_known_at(&rates, n, 0, &form) || mrts_known_at(&known, n, 1, &form)) return 1; /* its offsets last */
         mrts_add_motors(2, MRTS_JOINTS, &here, &form);
         mrts_add_motors(1, MRTS_JOINTS, &by_rate, &form);
         mrts_turn_wrenches(2, MRTS_ROBOTS, MRTS_SIZE, limits, arg[MRTS_ROTATION], 1, 3, turned, &form);
@@ -172,6 +189,23 @@ MRTS_EXPORT int mrts_known_planes(long long count, const double *const *in, cons
         for (int i = 0; i < rows.count; ++i) {
             if (limits->lower[rows.which[i]] > -MRTS_INFINITY) planes = mrts_put_plane(&rows, i, -1, rows.lower[i], planes);
         }
+    }
+    return 0;
+}
+
+/* Torques and wrenches of samples 0 .. count - 1 at c2, without what motors give. `run` is as in mrts_known_ranges, as is what is
+ * returned. */
+MRTS_EXPORT int mrts_known_torques(long long count, const double *const *in, const long long *stride, double c2,
+                                   int (*run)(const double **, double **, long long *, double *, int), int inputs,
+                                   double *torque, double *wrench, const double **arg, double **res, long long *iw, double *w) {
+    mrts_known known = {.run = run, .inputs = inputs, .in = in, .stride = stride, .arg = arg, .res = res, .iw = iw, .w = w};
+    double memory[MRTS_FORM_WORK(1, MRTS_JOINTS, MRTS_WRENCHES)];
+    const mrts_form form = mrts_form_in(1, MRTS_JOINTS, MRTS_WRENCHES, memory);
+    mrts_begin_known(count, 0, &known);
+    for (long long n = 0; n < count; ++n) {
+        if (mrts_known_at(&known, n, 0, &form)) return 1;
+        for (int i = 0; i < MRTS_JOINTS; ++i) *torque++ = form.torque_map[i] * c2 + form.torque_offset[i];
+        for (int i = 0; i < MRTS_WRENCHES; ++i) *wrench++ = form.wrench_map[i] * c2 + form.wrench_offset[i];
     }
     return 0;
 }
