@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The cell in a viser scene: arms, the body they hold, its path, contact wrenches, gaps; needs the extra 'view'."""
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -249,7 +250,8 @@ class ViewerScene:
         """Let a browser look at the whole cell, whatever the shape of its picture."""
         camera, view = client.camera, self._view
         self._fitted[client.client_id] = (camera.aspect, view.camera(camera.aspect))
-        with client.atomic():
+        with warnings.catch_warnings(), client.atomic():
+            warnings.simplefilter("ignore", UserWarning)  # a browser may close meanwhile, and viser says so
             camera.up_direction = view.up
             camera.position = view.camera(camera.aspect)  # which takes the point looked at along
             camera.look_at = view.target
