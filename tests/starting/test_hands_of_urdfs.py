@@ -69,6 +69,7 @@ def test_a_hand_without_a_name_is_where_the_chain_ends_or_parts(tmp_path, ends, 
     assert (found.link, found.why) == (hand, why)
 
 
+@pytest.mark.quick
 def test_names_are_taken_apart_at_capitals_digits_and_signs():
     assert words("LArm_effector") == ["l", "arm", "effector"]
     assert words("j2s6-Tool0") == ["j", "2", "s", "6", "tool", "0"]
