@@ -108,12 +108,12 @@ def _as_ours(path: Path) -> Iterator[None]:
     def warning(*words: object, **_of_print: object) -> None:
         _warn_once(f"{path.name}: xacro warns: {' '.join(map(str, words))}")
 
-    before = packages.get_path, xacro.warning
-    packages.get_path, xacro.warning = folder, warning
+    before = packages.get_path, xacro.warning, xacro.print_location
+    packages.get_path, xacro.warning, xacro.print_location = folder, warning, lambda: None
     try:
         yield
     finally:
-        packages.get_path, xacro.warning = before
+        packages.get_path, xacro.warning, xacro.print_location = before
 
 
 @cache
