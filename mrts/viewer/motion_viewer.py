@@ -51,6 +51,7 @@ class MotionViewer:
     Attributes:
         server: As given.
         parts: What follows the scene and the panel.
+        playback: Its time.
     """
 
     def __init__(
@@ -100,7 +101,7 @@ class MotionViewer:
                 while True:
                     self._todo.get_nowait()()
             self._follow_choices(elapsed)
-            another, read = self._playback.follow(elapsed)
+            another, read = self.playback.follow(elapsed)
             if self._view.follow() or another:
                 self._show_moment(read=read)
             self._scene.follow_windows()
@@ -116,7 +117,7 @@ class MotionViewer:
         """Do what a viewer's own controls ask for."""
 
     def _add_player(self) -> None:
-        self._playback = Playback(self.server.gui, self._duration, self._todo.put)
+        self.playback = Playback(self.server.gui, self._duration, self._todo.put)
 
     def _add_texts(self) -> None:
         self._speed_text, self._moment_text = self.server.gui.add_html(""), self.server.gui.add_html("")
@@ -130,7 +131,7 @@ class MotionViewer:
             self.parts.append(PlotPanel(gui, self._others))
         self._add_changes(tabs)
         with tabs.add_tab("View"):
-            self._playback.add_pace(gui)
+            self.playback.add_pace(gui)
             self._view = ViewControls(self.server, self._scene, self._todo.put)
             self.parts += other_results(self.server, self._scene, self._others)
         with tabs.add_tab("Save"):
@@ -182,7 +183,7 @@ class MotionViewer:
         Args:
             read: Whether numbers are renewed too.
         """
-        answer, at = self._answer, self._playback.time
+        answer, at = self._answer, self.playback.time
         with self.server.atomic():
             if answer.state is not None:
                 answer.state.choose_time(at)
@@ -195,6 +196,6 @@ class MotionViewer:
                 self._scene.show_gap(answer.unreached, self._sample)
         if not read:
             return
-        self._playback.show()
+        self.playback.show()
         self._moment_text.content = "" if answer.state is None else moment_html(answer.state)
         self._readings.show_moment(answer.state)

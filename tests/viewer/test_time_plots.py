@@ -110,7 +110,7 @@ def test_a_saved_result_plays_without_a_compiler_beside_another(lifted, planar_c
     try:
         viewer = SavedViewer(server, state, said.append, [("slow", slow)])
         controls = {getattr(each, "label", ""): each for each in server.controls.values()}
-        viewer.toggle()
+        viewer.playback.toggle()
         viewer.step(1.0)
         before = state.sample
         for _ in range(4):
