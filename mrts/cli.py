@@ -60,8 +60,10 @@ QUIET_HELP = "print nothing but errors and what an option '-' asks for; files ar
 EPILOG = """\
 examples:
   mrts demo                                       the paper's examples, with files to start from
+  mrts new lift --robot arm.urdf                  a cell and a motion of your own robots, to start from
+  mrts check cell.yaml motion.yaml                what is wrong with files, or out of reach?
   mrts scale cell.yaml motion.yaml                how fast may this motion be played?
-  mrts scale cell.yaml motion.yaml --plot plots   the same with figures
+  mrts view cell.yaml motion.yaml                 the same in the browser, at any speed
   mrts VERB --help                                options and examples of a verb
 
 exit code: 0 feasible, 1 a named infeasible outcome, 2 bad input or an output that cannot be written,

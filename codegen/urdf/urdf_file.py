@@ -166,5 +166,5 @@ def _check_numbers(path: Path, where: str, element: Any) -> None:
         except ValueError:
             finite = False
         if not finite or len(words) != count:
-            wanted = "a finite number" if count == 1 else f"{count} finite numbers"
+            wanted = "a finite number" if count == 1 else f"{count} finite numbers with spaces between them"
             raise InputError(path, f"must be {wanted}.", key=f"{where}, <{element.tag}> {attribute}", value=text)

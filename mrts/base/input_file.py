@@ -33,6 +33,9 @@ KEYS_OF = {
 }
 """Keys that only one kind of file has."""
 
+XML = ("<?xml", "<robot", "<mujoco", "<sdf")
+"""How files of robots begin."""
+
 CLEARLY_OTHER = 2
 """Keys of another kind of file, and none of its own, that tell what a file is."""
 
@@ -87,8 +90,12 @@ def read_data(path: Path, what: str) -> Any:
     Raises:
         InputError: If the file is missing, or not YAML.
     """
+    text = read_text(path, what, MAX_YAML_BYTES)
+    if text.lstrip("\ufeff \n").startswith(XML):
+        rule = f"this is XML, and a {what} belongs here; `mrts new DIR --robot URDF` makes one of a URDF."
+        raise InputError(path, rule)
     try:
-        return parse_yaml(read_text(path, what, MAX_YAML_BYTES))
+        return parse_yaml(text)
     except ValueError as error:
         raise InputError(path, f"this {what} {error}.") from None
 

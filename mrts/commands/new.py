@@ -75,6 +75,9 @@ def run(options: argparse.Namespace) -> int:
     from mrts.starting.reading import refuse, request_of
 
     folder = options.folder or _asked_folder()
+    if folder.is_file():
+        rule = "is a file, and the folder for the new files belongs here; robots follow --robot."
+        raise InputError("DIR", rule, value=str(folder))
     files = {"cell": folder / "cell.yaml", "motion": folder / "motion.yaml"}
     for path in files.values():
         if path.exists() and not options.force:
@@ -248,6 +251,8 @@ def _asked_tips(name: str, tree: "UrdfTree", found: list["Hand"]) -> list[str]:
 
 def _tell_arms(request: "Request") -> None:
     """What was read: the chain of each arm, its joints and limits, and what is missing."""
+    from mrts.diagnosis.cell_check import position_range
+    from mrts.diagnosis.unit_hints import urdf_hints
     from mrts.starting.cell_writing import missing
 
     chains = {id(each.arm.chain): each for each in request.arms}
@@ -263,9 +268,11 @@ def _tell_arms(request: "Request") -> None:
             unit, torque = ("rad", "N m") if kind == "revolute" else ("m", "N")
             shown = "?" if effort is None else f"{effort:.4g} {torque}"
             speed = "?" if velocity is None else f"{velocity:.4g} {unit}/s"
-            say(f"  {name:<{width}} {f'{lower:.3g} … {upper:.3g} {unit}':>20} {shown:>10} {speed:>12}")
+            say(f"  {name:<{width}} {position_range(lower, upper, unit):>20} {shown:>10} {speed:>12}")
         for sentence in missing(each.arm):
             say(f"  missing: {sentence}", "note")
+        for hint in urdf_hints(each.arm.robot):
+            say(f"  hint: {hint.text}", "note")
     say("")
 
 

@@ -148,8 +148,9 @@ class RemarkHandler(logging.Handler):
     """Prints what the library logs as remarks."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Print a record."""
-        warn(record.getMessage())
+        """Print a record; not of the reader of meshes, which tells how it parses a URDF that mrts has read already."""
+        if not record.name.startswith("yourdfpy"):
+            warn(record.getMessage())
 
 
 def fail_raw(text: str) -> None:

@@ -240,7 +240,7 @@ def joint_rows(joints: tuple[JointSource, ...]) -> list[tuple[str, ...]]:
             (
                 joint.robot,
                 joint.joint,
-                _range(joint),
+                position_range(*joint.position, joint.unit),
                 "no limit" if joint.velocity is None else f"{joint.velocity:.4g} {speed}",
                 f"{limits} {force}",
                 joint.torque_from,
@@ -263,9 +263,16 @@ def joint_table(joints: tuple[JointSource, ...]) -> Iterator[str]:
         yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
 
 
-def _range(joint: JointSource) -> str:
-    low, high = (f"{value:.4g}" if np.isfinite(value) else "any" for value in joint.position)
-    return "no limit" if low == high == "any" else f"{low} … {high} {joint.unit}"
+def position_range(lower: float, upper: float, unit: str) -> str:
+    """Position limits in words.
+
+    Args:
+        lower: Lower limit, minus infinity if none [rad or m].
+        upper: Upper limit, likewise.
+        unit: "rad" or "m".
+    """
+    low, high = (f"{value:.4g}" if np.isfinite(value) else "any" for value in (lower, upper))
+    return "no limit" if low == high == "any" else f"{low} … {high} {unit}"
 
 
 def _arm_json(arm: ArmReach) -> dict[str, Any]:

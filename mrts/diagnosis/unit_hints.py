@@ -9,6 +9,7 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.diagnosis.hint import Hint
+from mrts.inverse_kinematics.joint_limits import DEGREES_SUSPECTED
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motors.joint_source import JointSource
 
@@ -54,16 +55,44 @@ def unit_hints(cell: Cell, joints: Sequence[JointSource], motion: ObjectMotion |
     yield from _gravity(cell.gravity)
     for robot in cell.robots:
         yield from _angles(robot)
-        length = arm_length(robot)
-        if length > LONGEST_ARM:
-            yield Hint(
-                "urdf-millimetres",
-                f"robot '{robot.name}' is {length:.4g} m long: the lengths of its URDF seem to be in mm, and must be "
-                "in m.",
-            )
+        yield from urdf_hints(robot)
+    if any(arm_length(robot) > LONGEST_ARM for robot in cell.robots):
+        return  # the rest compares with that length
     yield from _lengths(cell, motion)
     yield from _torques(cell, joints)
     yield from _load(cell)
+
+
+def urdf_hints(robot: Robot) -> Iterator[Hint]:
+    """Hints on the numbers of a robot's URDF.
+
+    Args:
+        robot: The robot.
+    """
+    length = arm_length(robot)
+    if length > LONGEST_ARM:
+        yield Hint(
+            "urdf-millimetres",
+            f"robot '{robot.name}' is {length:.4g} m long: the lengths of its URDF seem to be in mm, and must be in m.",
+        )
+    lower, upper = robot.position_lower, robot.position_upper
+    stuck = [name for name, least, most in zip(robot.joints, lower, upper, strict=True) if least == most]
+    if stuck:
+        yield Hint(
+            "limits-equal",
+            f"robot '{robot.name}' cannot move {', '.join(stuck)}: the upper position limit is the lower one, as "
+            "exporters write it that were told none. Give the joint's own limits, or the type 'continuous'; the cell "
+            "file's 'fixed' holds a joint on purpose.",
+        )
+    turning = np.array([kind == "revolute" for kind in robot.joint_types])
+    far = turning & np.isfinite(lower) & np.isfinite(upper) & (np.maximum(-lower, upper) > DEGREES_SUSPECTED)
+    if np.any(far):
+        worst = int(np.argmax(far))
+        yield Hint(
+            "limits-degrees",
+            f"robot '{robot.name}' may turn {robot.joints[worst]} from {lower[worst]:g} to {upper[worst]:g} rad: the "
+            "position limits of its URDF seem to be in degrees.",
+        )
 
 
 def arm_length(robot: Robot) -> float:

@@ -39,6 +39,9 @@ KINDS = {
 }
 """The four kinds of motion, by the key that chooses one, and the keys that each needs."""
 
+VALUES = {"profile": " (sinusoid, trapezoid, cubic or quintic)", "duration": " (in s)"}
+"""What is told of a key that is missing."""
+
 OF_A_BAG = {"topic", "trajectory"}
 """Keys that may stand beside 'joints' where it is a bag."""
 
@@ -91,7 +94,8 @@ class MotionDescription(Record):
             return f"a motion is given by one of: start and end, waypoints, file, joints; {here}"
         needed = KINDS[chosen[0]]
         if missing := needed - given:
-            return f"this key is required with '{chosen[0]}': {', '.join(sorted(missing))}"
+            told = [f"{key}{VALUES.get(key, '')}" for key in sorted(missing)]
+            return f"this key is required with '{chosen[0]}': {', '.join(told)}"
         if extra := given - needed - (OF_A_BAG if chosen[0] == "joints" else set()):
             return f"'{chosen[0]}' does not go with: {', '.join(sorted(extra))}"
         return ""

@@ -317,7 +317,7 @@ def _made_from(manifest: Manifest, *, baked: bool) -> dict[str, Any]:
 
 def _read(path: Path) -> tuple[Description, Arrays]:
     """Description and arrays of a file."""
-    with open_arrays(path, "saved result", "Save the result again.") as archive:
+    with open_arrays(path, "saved result", "`mrts scale CELL MOTION --save FILE.npz` writes one.") as archive:
         if "description" not in archive.names:
             raise InputError(path, "is no saved result of mrts: it holds no array 'description'.")
         most = max(DESCRIPTION_BYTES, DESCRIPTION_RATIO * archive.size)

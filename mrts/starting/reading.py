@@ -15,6 +15,7 @@ from mrts.base.formats.package_uri import is_uri, is_xacro
 from mrts.base.formats.urdf_tree import ArmChain, Survey, UrdfTree
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.generation import surveyed_urdf
+from mrts.diagnosis.unit_hints import urdf_hints
 from mrts.inverse_kinematics.joint_limits import DEGREES_SUSPECTED
 from mrts.starting.arm import Arm, make_arm, plane_of
 from mrts.starting.request import ArmRequest, Request
@@ -28,6 +29,9 @@ MOST_HANDS = 2
 
 MOST_STEPS_UP = 3
 """Folders that a relative path may climb; a URDF farther away is named by its whole path."""
+
+HOPELESS = ("urdf-millimetres", "limits-equal")
+"""Codes of hints on URDFs of which no cell can be made."""
 
 ROBOT, TIP, BASE, POSTURE, XACRO_ARG = "--robot", "--tip", "--base", "--posture", "--xacro-arg"
 """Whose values they are, for messages."""
@@ -137,7 +141,10 @@ def request_of(given: Given, folder: Path, choose: Choose = refuse) -> Request:
                 f"the chain to '{each.arm.chain.tip_link}' has {count} joint{'s' * (count > 1)}, and holding an object "
                 f"takes {SPATIAL_JOINTS}, or {FEWEST_JOINTS} where all move in one plane. Choose another tip or robot."
             )
-            raise InputError(each.urdf, rule)
+            raise InputError(each.path, rule)
+        for hint in urdf_hints(each.arm.robot):
+            if hint.code in HOPELESS:
+                raise InputError(each.path, hint.text)
     return Request(given.name, tuple(arms), alone and not given.bases, plane, given.gravity, given.mass)
 
 

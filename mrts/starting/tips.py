@@ -92,12 +92,18 @@ def hands(tree: UrdfTree) -> list[Hand]:
     Args:
         tree: The URDF.
     """
-    named = [(link, rank) for link in _candidates(tree) if (rank := _rank(link)) is not None]
+    candidates = _candidates(tree)
+    named = [(link, rank) for link in candidates if (rank := _rank(link)) is not None]
+    if not named:
+        named = [(link, WHOLE_NAMES) for link in candidates if _speaks_of_a_hand(link)]
     found = []
     for limb in _limbs(tree, [link for link, _ in named]):
         best = min(rank for link, rank in named if link in limb)
         link = max((link for link, rank in named if link in limb and rank == best), key=lambda at: len(tree.chain(at)))
-        found.append(_hand(tree, link, "named as a hand or tool"))
+        why = "named as a hand or tool"
+        if fingers := _hangs_on(tree, link):
+            why += f"; {fingers} hangs on it, so a link between fingers may be the better one"
+        found.append(_hand(tree, link, why))
     return found or _ends(tree)
 
 
@@ -147,6 +153,11 @@ def _rank(link: str) -> int | None:
     return None
 
 
+def _speaks_of_a_hand(link: str) -> bool:
+    """Whether a name has a word for a hand beside others, such as that of its maker: `LeftSakePalmLink`."""
+    return any(name <= {*words(link)} for name in TOOLS[WHOLE_NAMES])
+
+
 def _beside(name: set[str]) -> frozenset[str]:
     """Words that may stand beside a name: numbers, and what says nothing."""
     others = {word for kinds in TOOLS[WHOLE_NAMES:] for kind in kinds for word in kind}
@@ -171,3 +182,13 @@ def _limbs(tree: UrdfTree, links: list[str]) -> list[list[str]]:
 def _hand(tree: UrdfTree, link: str, why: str) -> Hand:
     side = next((side for side, names in SIDES.items() if {*names} & {*words(link)}), "")
     return Hand(link, why, len(moved_by(tree, link)), side)
+
+
+def _hangs_on(tree: UrdfTree, link: str) -> str:
+    """The first link of what is fixed to a link and has motors of its own; empty where there is none."""
+    count = len(tree.chain(link))
+    for end in tree.links:
+        beyond = tree.chain(end)[count:]
+        if beyond and beyond[0].parent == link and any(joint.type in MOVING for joint in beyond):
+            return beyond[0].child
+    return ""

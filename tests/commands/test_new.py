@@ -28,7 +28,7 @@ def begun(dual_ur5, tmp_path_factory):
 def test_what_it_tells_is_enough_to_go_on(begun):
     folder, done = begun
     assert "left and right: ../my arm.urdf, base_link to tool0 (proposed: named as a hand or tool)" in done.stdout
-    assert re.search(r"shoulder_pan\s+-6\.28 … 6\.28 rad\s+\d+ N m\s+[\d.]+ rad/s", done.stdout)
+    assert re.search(r"shoulder_pan\s+-6\.283 … 6\.283 rad\s+\d+ N m\s+[\d.]+ rad/s", done.stdout)
     assert "you may play it up to" in done.stdout
     *_, next_line = done.stdout.splitlines()
     assert next_line == "  mrts scale 'first cell/cell.yaml' 'first cell/motion.yaml'"
@@ -88,6 +88,7 @@ def test_hold_prints_grasps_and_writes_them_only_with_force(begun, tmp_path):
     [
         ([], "DIR: is missing"),
         (["x"], "--robot: is missing: the URDF of a robot"),
+        ([UR5], "is a file, and the folder for the new files belongs here; robots follow --robot"),
         (["x", "--robot", UR5, "--base", "1,2"], "--base = '1,2': must be 3 or 6 numbers"),
         (["x", "--robot", UR5, "--base=0,0,0", "--base=0,0,nan"], "--base = '0,0,nan': must be numbers with commas"),
         (["x", "--robot", UR5, "--base=0,0,0", "--base=0,0,0"], "--base: two arms stand in one place"),

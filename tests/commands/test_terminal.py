@@ -1,6 +1,7 @@
 """The command line at a terminal: progress, colours, Ctrl-C, --quiet, help, completion."""
 
 import json
+import logging
 import os
 import re
 import shutil
@@ -18,6 +19,7 @@ from terminal_session import at_terminal
 
 import mrts
 from mrts.cli import VERBS, main
+from mrts.console.terminal import RemarkHandler
 
 UR5 = DATA.parent / "dual_ur5"
 MRTS = (sys.executable, "-m", "mrts")
@@ -208,6 +210,13 @@ def test_quiet_also_silences_what_the_library_remarks(tmp_path):
 
 
 @pytest.mark.quick
+def test_how_the_reader_of_meshes_parses_is_not_told(capsys):
+    for name in ("yourdfpy.urdf", "mrts.cell"):
+        record = {"name": name, "msg": f"{name} remarks", "levelno": logging.ERROR}
+        RemarkHandler().handle(logging.makeLogRecord(record))
+    assert capsys.readouterr().err == "mrts: mrts.cell remarks\n"
+
+
 def test_help_has_examples_and_imports_nothing_heavy():
     script = (
         "import sys\nfrom mrts.cli import main\n"

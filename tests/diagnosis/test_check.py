@@ -1,6 +1,7 @@
 """`mrts.check`: what is wrong, assumed, and out of reach, against what was damaged on purpose."""
 
 import json
+import re
 
 import damaged_cells
 import numpy as np
@@ -12,6 +13,7 @@ from draws import draws
 from published_robots import CASES, single_arm_cell
 
 import mrts
+from mrts.starting.reading import HOPELESS, Given, request_of
 
 UR5 = DATA.parent / "dual_ur5"
 SHIPPED = [
@@ -47,6 +49,35 @@ def test_a_likely_mistake_is_named_and_nothing_else(damage, tmp_path):
     found = mrts.check(*written(tmp_path, *damaged(damage, int(rng.integers(2)))))
     assert [hint.code for hint in found.hints] == [HINTS[damage]]
     assert not found.mistakes
+
+
+WHOLE_TURNS = 'lower="-6.283185307179586" upper="6.283185307179586"'
+
+
+def in_mm(text):
+    numbers = re.compile('xyz="([^"]*)"')
+    return numbers.sub(lambda xyz: 'xyz="' + " ".join(f"{1000 * float(word)}" for word in xyz[1].split()) + '"', text)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "code"),
+    [
+        (in_mm, "urdf-millimetres"),
+        (lambda text: text.replace(WHOLE_TURNS, 'lower="0" upper="0"', 1), "limits-equal"),
+        (lambda text: text.replace(WHOLE_TURNS, 'lower="-360" upper="360"'), "limits-degrees"),
+    ],
+)
+def test_numbers_of_a_urdf_that_no_arm_has_are_named(wrong, code, tmp_path):
+    """And no cell is begun where none could move."""
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text(wrong((UR5 / "ur5_class_arm.urdf").read_text(encoding="utf-8")), encoding="utf-8")
+    assert [hint.code for hint in mrts.check(single_arm_cell(tmp_path, str(urdf), "tool0", 6)).hints] == [code]
+    given = Given("cell", [str(urdf)], [], [], [], None, np.array([0, 0, -9.81]))
+    if code in HOPELESS:
+        with pytest.raises(mrts.InputError, match=r"seem to be in mm|cannot move shoulder_pan: the upper"):
+            request_of(given, tmp_path)
+    else:
+        assert request_of(given, tmp_path).arms
 
 
 @pytest.mark.quick
@@ -107,6 +138,8 @@ def test_files_in_the_wrong_order_are_known_as_what_they_are():
         mrts.load_cell(UR5 / "lift_and_turn.yaml")
     with pytest.raises(mrts.InputError, match="this is a study file, and a motion file belongs here"):
         mrts.load_motion(UR5 / "study.yaml")
+    with pytest.raises(mrts.InputError, match="this is XML, and a cell file belongs here; `mrts new DIR"):
+        mrts.load_cell(UR5 / "ur5_class_arm.urdf")
 
 
 def test_the_gap_of_a_planar_arm_is_what_its_links_lack(tmp_path):

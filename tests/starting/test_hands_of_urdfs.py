@@ -31,6 +31,7 @@ FOUND = {
     "talos_data/robots/talos_reduced.urdf": ("torso_2_link", ["wrist_left_ft_tool_link", "wrist_right_ft_tool_link"]),
     "romeo_description/urdf/romeo.urdf": ("torso", ["l_gripper", "r_gripper"]),
     "centauro_description/urdf/centauro.urdf": ("torso_2", ["ball1", "ball2"]),
+    "alex_description/urdf/alex_sake_hands.urdf": ("Torso", ["LeftSakePalmLink", "RightSakePalmLink"]),
 }
 """Where the chains begin, and the hands: with fingers, cameras and feet in the same file."""
 
@@ -50,6 +51,20 @@ def test_hands_are_found_among_fingers_cameras_and_feet(urdf):
     assert (first_link(tree, tips), tips) == FOUND[urdf]
 
 
+CHAIN = ["part0", "part1", "part2", "part3"]
+
+
+def hands_beyond(tmp_path, pairs):
+    """The hands of a chain and of what hangs on it, every joint with a motor."""
+    pairs = [*pairwise(CHAIN), *pairs]
+    links = "".join(f'<link name="{link}"/>' for link in dict.fromkeys(link for pair in pairs for link in pair))
+    joints = "".join(
+        f'<joint name="to_{b}" type="continuous"><parent link="{a}"/><child link="{b}"/></joint>' for a, b in pairs
+    )
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{links}{joints}</robot>')
+    return hands(tree_of(tmp_path / "arm.urdf"))
+
+
 @pytest.mark.parametrize(
     ("ends", "hand", "why"),
     [
@@ -58,15 +73,17 @@ def test_hands_are_found_among_fingers_cameras_and_feet(urdf):
     ],
 )
 def test_a_hand_without_a_name_is_where_the_chain_ends_or_parts(tmp_path, ends, hand, why):
-    chain = ["part0", "part1", "part2", "part3"]
-    pairs = [*pairwise(chain), *((chain[-1], end) for end in ends)]
-    links = "".join(f'<link name="{link}"/>' for link in (*chain, *ends))
-    joints = "".join(
-        f'<joint name="to_{b}" type="continuous"><parent link="{a}"/><child link="{b}"/></joint>' for a, b in pairs
-    )
-    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{links}{joints}</robot>')
-    [found] = hands(tree_of(tmp_path / "arm.urdf"))
+    [found] = hands_beyond(tmp_path, [(CHAIN[-1], end) for end in ends])
     assert (found.link, found.why) == (hand, why)
+
+
+def test_a_gripper_on_a_flange_is_told(tmp_path):
+    pairs = [(CHAIN[-1], "tool0"), ("tool0", "gripper_base"), ("gripper_base", "jaw")]
+    [found] = hands_beyond(tmp_path, pairs)
+    assert found.link == "tool0"
+    assert found.why.startswith("named as a hand or tool; gripper_base hangs on it, so")
+    [bare] = hands_beyond(tmp_path, pairs[:1])
+    assert bare.why == "named as a hand or tool"
 
 
 @pytest.mark.quick
