@@ -43,12 +43,17 @@ def working(what: str) -> Iterator[Update]:
     timer = threading.Timer(PATIENCE, display.start)
     timer.daemon = True
     timer.start()
+    from mrts.solvers.held_interrupt import held_interrupt
+
     try:
         yield display.update
     finally:
-        timer.cancel()
-        timer.join()
-        display.stop()
+        with (
+            held_interrupt()
+        ):  # Ctrl-C comes again until it is obeyed: a bar that just begins is taken away all the same
+            timer.cancel()
+            timer.join()
+            display.stop()
 
 
 def _count(done: int, total: int, note: str) -> str:
