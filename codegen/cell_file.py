@@ -8,10 +8,11 @@ import numpy as np
 from mrts_codegen.hand_file import MOST_CONTACTS, ContactDescription
 from mrts_codegen.motors_block import MotorsDescription
 from mrts_codegen.object_shape import ShapeDescription
-from mrts_codegen.urdf_reference import FileReference, is_xacro, mesh_reference
+from mrts_codegen.urdf_reference import FileReference, mesh_reference
 from pydantic import Field, model_validator
 
 from mrts.base.arrays import Array
+from mrts.base.formats.package_uri import is_xacro
 from mrts.base.formats.pose import Angle, Finite, GraspPose, Name, Pose, Positive, Vector3
 from mrts.base.formats.strict_model import StrictModel, broken_rule
 from mrts.base.input_file import plain, read_model, validated
@@ -156,7 +157,7 @@ class RobotDescription(StrictModel):
         Args:
             key: Where that stands in the cell file.
         """
-        arguments = {name: _xacro_text(value) for name, value in self.xacro_args.items()}
+        arguments = {name: xacro_text(value) for name, value in self.xacro_args.items()}
         return FileReference(self.urdf, arguments, key=key)
 
     @model_validator(mode="after")
@@ -217,8 +218,12 @@ def cell_description(data: object) -> CellDescription:
     return validated(DESCRIBED, plain(where, data), CellDescription, where)
 
 
-def _xacro_text(value: str | float) -> str:
-    """A value of YAML as a xacro's argument: what a shell would hand it."""
+def xacro_text(value: str | float) -> str:
+    """A value of YAML as a xacro's argument: what a shell would hand it.
+
+    Args:
+        value: Text, a number, or a truth.
+    """
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 

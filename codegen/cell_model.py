@@ -21,6 +21,7 @@ from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS, check_plane_kept
 from mrts_codegen.urdf.robot_model import Joint, RobotModel, build_robot_model
 from mrts_codegen.urdf.shared_joints import check_machines, root_in_base
+from mrts_codegen.urdf.urdf_elements import Urdf
 from mrts_codegen.urdf.urdf_file import parse_urdf
 from mrts_codegen.urdf.urdf_joint import NO_LIMIT
 
@@ -129,10 +130,9 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
     robots, urdfs = [], []
     for index, robot in enumerate(description.robots):
         with mistakes.noted():
-            key = f"robots[{index}] ({robot.name})"
-            robots.append(build_robot(path, key, robot, description.plane, folder))
-            reference = robot.reference(f"{key}.urdf")
-            urdfs.append(parse_urdf(reference.path(path, folder), reference.content(path, folder)))
+            built, urdf = build_robot(path, f"robots[{index}] ({robot.name})", robot, description.plane, folder)
+            robots.append(built)
+            urdfs.append(urdf)
     with mistakes.noted():
         carried = _build_object(path, folder, description.object)
     mistakes.raise_noted()
@@ -154,7 +154,9 @@ def _build_object(
     return inertia, shape, remarks
 
 
-def build_robot(path: Path, key: str, robot: RobotDescription, plane: str | None, folder: Path) -> CellRobot:
+def build_robot(
+    path: Path, key: str, robot: RobotDescription, plane: str | None, folder: Path
+) -> tuple[CellRobot, Urdf]:
     """Read the URDF of a robot and check all that the cell file says of it against it.
 
     Args:
@@ -163,6 +165,9 @@ def build_robot(path: Path, key: str, robot: RobotDescription, plane: str | None
         robot: What it says.
         plane: Of the cell.
         folder: That URDFs are relative to, absolute.
+
+    Returns:
+        The robot, and its URDF.
 
     Raises:
         InputError: If the URDF or an array of the robot breaks a rule; carries all that do.
@@ -195,7 +200,7 @@ def build_robot(path: Path, key: str, robot: RobotDescription, plane: str | None
             check_plane_kept(path, key, plane, T_world_base, T_object_tip, model, rotation_keys)
         contacts = build_contacts(path, f"{key}.contact", robot.contact, components, T_object_tip.R)
     mistakes.raise_noted()
-    return CellRobot(
+    built = CellRobot(
         name=robot.name,
         model=model,
         urdf=robot.urdf,
@@ -215,6 +220,7 @@ def build_robot(path: Path, key: str, robot: RobotDescription, plane: str | None
         contacts=contacts,
         contact_rate=_contact_rate(robot.contact_rate, components),
     )
+    return built, urdf
 
 
 def _torque_limits(

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from mrts_codegen.cell_file import CellDescription, RobotDescription
+from mrts_codegen.cell_file import CellDescription, RobotDescription, xacro_text
 from mrts_codegen.cell_model import CellModel, build_cell_model, build_robot
 from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS
 from mrts_codegen.urdf.robot_model import build_robot_model
@@ -71,14 +71,22 @@ def _read_robots(path: Path, data: Any, mistakes: Mistakes) -> None:
 
 
 def _read_chain(path: Path, index: int, entry: dict[str, Any]) -> None:
-    """Check the URDF of a robot that says something wrong besides."""
+    """Check the URDF of a robot that says something wrong besides, as far as what it says goes."""
     reference, base_link, tip_link = (entry.get(key) for key in ("urdf", "base_link", "tip_link"))
-    if isinstance(reference, str) and reference:
-        named, folder = FileReference(reference, key=f"robots[{index}].urdf"), path.resolve().parent
+    arguments = _xacro_arguments(entry.get("xacro_args", {}))
+    if isinstance(reference, str) and reference and arguments is not None:
+        named, folder = FileReference(reference, arguments, key=f"robots[{index}].urdf"), path.resolve().parent
         file = named.path(path, folder)
         urdf = parse_urdf(file, named.content(path, folder))
-        if isinstance(tip_link, str) and isinstance(base_link, str | None):
+        if isinstance(tip_link, str) and isinstance(base_link, str | None) and "fixed" not in entry:
             build_robot_model(file, urdf, base_link, tip_link)
+
+
+def _xacro_arguments(given: Any) -> dict[str, str] | None:
+    """Arguments of a xacro; None if they are none."""
+    if not isinstance(given, dict) or not all(isinstance(value, str | float | int) for value in given.values()):
+        return None
+    return {str(name): xacro_text(value) for name, value in given.items()}
 
 
 def _joint_sources(cell: CellModel) -> tuple[JointSource, ...]:

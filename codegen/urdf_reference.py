@@ -5,8 +5,9 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
-from mrts.base.formats.package_uri import file_of_uri, is_uri
+from mrts.base.formats.package_uri import file_of_uri, is_uri, is_xacro
 from mrts.base.input_file import MAX_FILE_BYTES, MAX_URDF_BYTES
 from mrts.base.manifest import RobotRecord
 from mrts.base.regular_file import read_regular
@@ -20,11 +21,13 @@ class FileReference:
         text: A path, relative to the cell file or absolute, or `package://NAME/…`.
         xacro_args: Values of a xacro's arguments, by name.
         key: Where it stands in the cell file.
+        what: What it is.
     """
 
     text: str
     xacro_args: Mapping[str, str] = field(default_factory=dict)
     key: str = "robots[].urdf"
+    what: Literal["URDF", "mesh"] = "URDF"
 
     def path(self, cell_path: Path, folder: Path) -> Path:
         """Where the file is.
@@ -51,13 +54,13 @@ class FileReference:
             InputError: If the file cannot be read, or the xacro cannot be expanded.
         """
         path = self.path(cell_path, folder)
+        if self.what == "mesh":
+            return read_regular(path, self.what, MAX_FILE_BYTES)
         if is_xacro(path):
             from mrts_codegen.urdf.xacro_file import expanded  # noqa: PLC0415 (only for xacros)
 
             return expanded(path, self.xacro_args)
-        if self.key.endswith("urdf"):
-            return read_regular(path, "URDF", MAX_URDF_BYTES)
-        return read_regular(path, "mesh", MAX_FILE_BYTES)
+        return read_regular(path, self.what, MAX_URDF_BYTES)
 
     def sha256(self, cell_path: Path, folder: Path) -> str:
         """Hash of the content; arguments and errors as `content`."""
@@ -66,14 +69,9 @@ class FileReference:
 
 def mesh_reference(text: str) -> FileReference:
     """What a cell file says of the mesh of its object."""
-    return FileReference(text, key="object.shape.mesh")
+    return FileReference(text, key="object.shape.mesh", what="mesh")
 
 
 def robot_reference(robot: RobotRecord) -> FileReference:
     """What an entry of a manifest says of its URDF."""
     return FileReference(robot.urdf, robot.xacro_args)
-
-
-def is_xacro(path: Path) -> bool:
-    """Whether a file is a xacro, by its name."""
-    return path.suffix.lower() == ".xacro"

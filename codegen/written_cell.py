@@ -169,8 +169,9 @@ def _check_same(where: Path, ours: Manifest, read: Manifest) -> None:
     if different is None:
         return
     key, value, found = different
-    if key.endswith(".urdf_sha256"):
-        raise InputError(where, "the URDF is another one than the cell was made from.", key=key.removesuffix("_sha256"))
+    if key.endswith("sha256"):
+        what = "mesh" if key.startswith("object.") else "URDF"
+        raise InputError(where, f"the {what} is another one than the cell was made from.", key=key[: -len("_sha256")])
     raise InputError(
         where,
         f"a cell file cannot hold this value, it would be read as {json.dumps(found)}: it is another one's to say (the "

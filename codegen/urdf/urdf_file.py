@@ -103,6 +103,8 @@ def _checked_joint(path: Path, joint: Any) -> UrdfJoint:
             raise InputError(path, f"a <{tag} link=…> element is needed.", key=where)
     for tag in ("parent", "child"):
         _attribute(path, joint.find(tag), "link", where)
+    if joint.find("mimic") is not None:
+        _attribute(path, joint.find("mimic"), "joint", f"{where}, <mimic>")
     return joint_of(joint)
 
 

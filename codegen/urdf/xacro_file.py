@@ -5,13 +5,17 @@ A xacro computes: its `${…}` are expressions of Python, without builtins but n
 trusted like a script.
 """
 
+import glob
+import logging
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from threading import Lock
 from typing import Any
+from xml.sax.saxutils import escape
 
 from lxml import etree
 
@@ -19,6 +23,8 @@ from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import file_of_uri, is_uri, package_folder
 from mrts.base.input_file import MAX_URDF_BYTES
 from mrts.base.regular_file import read_regular
+
+logger = logging.getLogger("mrts")
 
 ARGUMENT = re.compile(r"<xacro:arg\s[^>]*?name\s*=\s*[\"']([^\"']+)[\"']|\$\(arg\s+([^\s)]+)\s*\)|\barg\('([^']+)'\)")
 """Where a xacro declares or uses an argument."""
@@ -42,14 +48,14 @@ def expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
     if find_spec("xacrodoc") is None:
         raise InputError(path, "reading a xacro needs xacrodoc: pip install 'mrts[xacro]'.")
     read_regular(path, "xacro", MAX_URDF_BYTES)
-    with _ONE_AT_A_TIME, _packages_near(path):
+    with _ONE_AT_A_TIME, _as_ours(path):
         import xacro  # noqa: PLC0415 (an extra, needed when a xacro is)
         from xacrodoc import XacroDoc  # noqa: PLC0415
 
         xacro.all_includes.clear()
         try:
             # as an include, so that what it includes is relative to itself
-            document = XacroDoc.from_includes([str(path.absolute())], subargs=dict(arguments), resolve_packages=False)
+            document = XacroDoc.from_includes([_as_included(path)], subargs=dict(arguments), resolve_packages=False)
             text: bytes = document.dom.toxml().encode()
         except Exception as error:  # noqa: BLE001 (its expressions raise what Python has)
             reason = " ".join(str(error).split()) or type(error).__name__
@@ -81,10 +87,17 @@ def with_found_meshes(path: Path, content: bytes) -> bytes:
     return found
 
 
+def _as_included(path: Path) -> str:
+    """A path as an <xacro:include> has it: neither a pattern, nor an expression, nor XML."""
+    text = re.sub(r"(\$+[{(])", r"$\1", glob.escape(str(path.absolute())))
+    return escape(text, {'"': "&quot;"})
+
+
 @contextmanager
-def _packages_near(path: Path) -> Iterator[None]:
-    """Let xacrodoc find packages where URIs find them."""
-    from xacrodoc import packages  # noqa: PLC0415 (an extra, needed when a xacro is)
+def _as_ours(path: Path) -> Iterator[None]:
+    """Let xacrodoc find packages where URIs find them, and xacro warn as we do."""
+    import xacro  # noqa: PLC0415 (an extra, needed when a xacro is)
+    from xacrodoc import packages  # noqa: PLC0415
 
     def folder(package: str) -> str:
         found = package_folder(package, path)
@@ -92,17 +105,27 @@ def _packages_near(path: Path) -> Iterator[None]:
             raise packages.PackageNotFoundError(package)
         return str(found)
 
-    before, packages.get_path = packages.get_path, folder
+    def warning(*words: object, **_of_print: object) -> None:
+        _warn_once(f"{path.name}: xacro warns: {' '.join(map(str, words))}")
+
+    before = packages.get_path, xacro.warning, xacro.print_location
+    packages.get_path, xacro.warning, xacro.print_location = folder, warning, lambda: None
     try:
         yield
     finally:
-        packages.get_path = before
+        packages.get_path, xacro.warning, xacro.print_location = before
+
+
+@cache
+def _warn_once(text: str) -> None:
+    """Log a warning: a cell is read several times until it is compiled."""
+    logger.warning(text)
 
 
 def _missing_argument(error: Exception) -> str:
     """What to do where an argument has no value."""
     if type(error).__name__ == "ArgException" or "Undefined substitution argument" in str(error):
-        return " Give it in 'xacro_args: {NAME: VALUE}' of the robot."
+        return " Give it in 'xacro_args: {NAME: VALUE}' of the robot, to mrts new as --xacro-arg NAME=VALUE."
     return ""
 
 

@@ -62,6 +62,14 @@ def is_folder(path: Path) -> bool:
         return False
 
 
+def is_file(path: Path) -> bool:
+    """Whether a path that a user names is a file; one that no file can have is none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
 def read_regular(path: Path, what: str, most: int) -> bytes:
     """All of an input file; arguments and errors as `open_regular`."""
     with open_regular(path, what, most) as file:

@@ -5,13 +5,14 @@ This is the only place where the run time calls the build time (`mrts_codegen`).
 """
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache, lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
+from mrts.base.formats.package_uri import is_xacro
 from mrts.base.manifest import (
     CHAINS_NAME,
     MANIFEST_NAME,
@@ -242,7 +243,6 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
         InputError: If the cell file breaks a rule, a package is missing, or a xacro cannot be expanded.
     """
     from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.urdf_reference import is_xacro  # noqa: PLC0415
 
     folder, found, description = path.resolve().parent, {}, read_cell_description(path)
     for robot, reference in zip(description.robots, description.urdf_references, strict=True):
@@ -257,13 +257,14 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     return found
 
 
-def surveyed_urdf(where: Path, folder: Path, reference: str) -> "tuple[Path, UrdfTree, Survey]":
+def surveyed_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> "tuple[Path, UrdfTree, Survey]":
     """Path of a URDF, what is in it, and what gives its chain from a base link (None is its root) to a tip link.
 
     Args:
         where: What names it, for messages.
         folder: That it is relative to, absolute.
-        reference: As in a cell file.
+        urdf: As in a cell file.
+        args: Of a xacro, by name.
 
     Raises:
         InputError: If it is missing, or no URDF; the survey, if there is no such chain, or it breaks a rule of cells.
@@ -272,10 +273,10 @@ def surveyed_urdf(where: Path, folder: Path, reference: str) -> "tuple[Path, Urd
     from mrts_codegen.urdf.urdf_survey import arm_chain, urdf_tree  # noqa: PLC0415
     from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
 
-    named = FileReference(reference)
-    path = named.path(where, folder)
-    urdf = parse_urdf(path, named.content(where, folder))
-    return path, urdf_tree(path, urdf), partial(arm_chain, path, urdf)
+    reference = FileReference(urdf, args, key="")
+    path = reference.path(where, folder)
+    read = parse_urdf(path, reference.content(where, folder))
+    return path, urdf_tree(path, read), partial(arm_chain, path, read)
 
 
 def cell_file_in(manifest: Manifest, folder: Path, beside: Path | None) -> str:

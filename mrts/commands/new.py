@@ -32,6 +32,9 @@ examples:
 HOLD_FILES = 2
 """CELL and MOTION of --hold."""
 
+OF_A_NEW_CELL = ("folder", "robot", "xacro_arg", "tip", "base", "posture", "degrees", "mass", "gravity", "name", "copy")
+"""Arguments that --hold does without."""
+
 
 def add(verb: argparse.ArgumentParser) -> None:
     """Add the arguments of the verb."""
@@ -39,6 +42,8 @@ def add(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--robot", action="append", default=[], metavar="URDF",
                       help="once for each robot; a single arm stands twice, a machine with two arms once (asked for at "
                       "a terminal)")  # fmt: skip
+    verb.add_argument("--xacro-arg", action="append", default=[], metavar="NAME=VALUE",
+                      help="argument of the robots that are xacros; once for each")  # fmt: skip
     verb.add_argument("--tip", action="append", default=[], metavar="LINK",
                       help="link that holds the object, once for each robot, or several of a single one (default: "
                       "found by name)")  # fmt: skip
@@ -75,15 +80,14 @@ def run(options: argparse.Namespace) -> int:
         if path.exists() and not options.force:
             raise InputError(path, "is there already; --force overwrites it, another DIR leaves it.")
     check_outputs({f"DIR ({name})": path for name, path in files.items()})
-    given = _given(options, folder)
-    request = request_of(given, folder, _asked_tips if can_ask() else refuse)
+    request = request_of(_given(options, folder), folder, _asked_tips if can_ask() else refuse)
     return _begin(options, folder, request)
 
 
 def _begin(options: argparse.Namespace, folder: Path, request: "Request") -> int:
     from mrts.starting.proposal import propose, renamed
 
-    copies = _copies(request) if options.copy else {}
+    copies = _copies(request, folder, force=options.force) if options.copy else {}
     _tell_arms(request)
     with working("trying layouts (the first time, compiling)") as progress:
         try:
@@ -93,7 +97,7 @@ def _begin(options: argparse.Namespace, folder: Path, request: "Request") -> int
             return INFEASIBLE
     if copies:
         proposal = renamed(proposal, [copies[each.path] for each in request.arms])
-    _write(folder, proposal, copies, force=options.force)
+    _write(folder, proposal, copies)
     _tell_proposal(folder, proposal)
     return FEASIBLE
 
@@ -157,7 +161,23 @@ def _given(options: argparse.Namespace, folder: Path) -> "Given":
         mass=options.mass,
         gravity=gravity,
         degrees=options.degrees,
+        xacro_args=_xacro_arguments(options.xacro_arg),
     )
+
+
+def _xacro_arguments(given: list[str]) -> dict[str, str]:
+    """Values of a xacro's arguments by name.
+
+    Raises:
+        InputError: If one has no name, or no value, or stands twice.
+    """
+    arguments: dict[str, str] = {}
+    for text in given:
+        name, sign, value = text.partition("=")
+        if not name or not sign or name in arguments:
+            raise InputError("--xacro-arg", "must be NAME=VALUE, each name once.", value=text)
+        arguments[name] = value
+    return arguments
 
 
 def _numbers(option: str, text: str, counts: tuple[int, ...] = ()) -> "Array":
@@ -175,7 +195,7 @@ def _numbers(option: str, text: str, counts: tuple[int, ...] = ()) -> "Array":
         numbers = [float(word) for word in text.split(",")]
     except ValueError:
         numbers = []
-    if not numbers or not all(is_number(number, -LARGEST_NUMBER, LARGEST_NUMBER) for number in numbers):
+    if not numbers or "_" in text or not all(is_number(number, -LARGEST_NUMBER, LARGEST_NUMBER) for number in numbers):
         raise InputError(option, "must be numbers with commas between them, such as 0.5,0,-1.", value=text)
     if counts and len(numbers) not in counts:
         raise InputError(option, f"must be {' or '.join(map(str, counts))} numbers.", value=text)
@@ -209,9 +229,9 @@ def _asked_tips(name: str, tree: "UrdfTree", found: list["Hand"]) -> list[str]:
         InputError: If there is none to choose, or no answer.
     """
     from mrts.starting.reading import refuse
-    from mrts.starting.tips import FEWEST_JOINTS, moved_by
+    from mrts.starting.tips import FEWEST_JOINTS, moved_by, possible_tips
 
-    links = [hand.link for hand in found] or [link for link in tree.links if len(moved_by(tree, link)) >= FEWEST_JOINTS]
+    links = possible_tips(tree, found)
     if not links:
         return refuse(name, tree, found)
     say(f"{name} does not say which link holds the object. Links that {FEWEST_JOINTS} joints or more move:")
@@ -249,37 +269,40 @@ def _tell_arms(request: "Request") -> None:
     say("")
 
 
-def _copies(request: "Request") -> dict[Path, str]:
+def _copies(request: "Request", folder: Path, *, force: bool) -> dict[Path, str]:
     """Names in the new folder for copies of the URDFs, by where they are.
 
     Raises:
-        InputError: If one is a xacro.
+        InputError: If one is a xacro, or is there already.
     """
+    from mrts.base.formats.package_uri import is_xacro
+
     names: dict[Path, str] = {}
     for each in request.arms:
-        if each.path.suffix.lower() == ".xacro":
+        if is_xacro(each.path):
             raise InputError("--copy", "does not go with a xacro, which includes other files.", value=each.urdf)
         if each.path not in names:
-            taken = {*names.values()}
+            taken = {"cell.yaml", "motion.yaml", *names.values()}
             stem, suffix = each.path.stem, each.path.suffix
             choices = (f"{stem}{number}{suffix}" for number in ("", *range(2, len(request.arms) + 2)))
             names[each.path] = next(name for name in choices if name not in taken)
+    for name in names.values():
+        if (folder / name).exists() and not force:
+            raise InputError(folder / name, "is there already; --force overwrites it.")
     return names
 
 
-def _write(folder: Path, proposal: "Proposal", copies: dict[Path, str], *, force: bool) -> None:
+def _write(folder: Path, proposal: "Proposal", copies: dict[Path, str]) -> None:
     """Write the files, all or none.
 
     Raises:
-        InputError: If one cannot be written, or is there already.
+        InputError: If one cannot be written.
     """
     from mrts.base.atomic_file import Write, text_writer, write_together
     from mrts.starting.cell_writing import cell_file, motion_file
 
     files: dict[Path, Write] = {}
     for path, name in copies.items():
-        if (folder / name).exists() and not force:
-            raise InputError(folder / name, "is there already; --force overwrites it.")
         files[folder / name] = lambda copy, path=path: shutil.copyfile(path, copy)  # type: ignore[misc]  # its own path
     files[folder / "cell.yaml"] = text_writer(cell_file(proposal))
     files[folder / "motion.yaml"] = text_writer(motion_file(proposal))
@@ -307,26 +330,33 @@ def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
 def _hold(options: argparse.Namespace) -> int:
     """Print the grasps of a cell whose hands hold the object where they are, or write them into its file."""
     from mrts.base.atomic_file import write_text_atomically
-    from mrts.base.input_file import read_text
+    from mrts.base.input_file import text_of
+    from mrts.base.regular_file import is_folder, read_regular
     from mrts.base.rigid_transform import rpy_from_rotation
+    from mrts.base.yaml_parser import MAX_YAML_BYTES
     from mrts.commands.options.common import cell_option
     from mrts.motion.motion_file import load_motion
     from mrts.motion.object_motion import ObjectMotion
     from mrts.starting.hold import grasp_lines, hold_here, with_grasps
 
     cell_path, motion_path = options.hold
-    if options.folder is not None or options.robot:
-        raise InputError("--hold", "takes a cell that is there: neither DIR nor --robot goes with it.")
+    given = {name: getattr(options, name) for name in OF_A_NEW_CELL}
+    beside = [name for name, value in given.items() if value is not None and value is not False and value != []]
+    if beside:
+        word = "DIR" if "folder" in beside else f"--{beside[0].replace('_', '-')}"
+        raise InputError("--hold", f"takes a cell that is there, and its motion; {word} does not go with it.")
     motion = load_motion(motion_path)
     if not isinstance(motion, ObjectMotion):
         raise InputError(motion_path, "moves joints: only a motion of the object says where it starts.")
-    if cell_path.is_dir():
+    if is_folder(cell_path):
         raise InputError(cell_path, "is a folder; --hold takes a cell file.")
-    text = read_text(cell_path, "cell file")
+    content = read_regular(cell_path, "cell file", MAX_YAML_BYTES)
+    text = text_of(cell_path, "cell file", content)
     cell = hold_here(cell_option(cell_path), motion.position[0], rpy_from_rotation(motion.rotation[0]))
     grasps = grasp_lines(cell)
     if options.force:
-        write_text_atomically(cell_path, with_grasps(cell_path, text, grasps))
+        held = with_grasps(cell_path, text, grasps)
+        write_text_atomically(cell_path, held.replace("\n", "\r\n") if b"\r\n" in content else held)
     for name, line in grasps.items():
         say(f"{name}:", "strong")
         say(f"    grasp: {line}")

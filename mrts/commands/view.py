@@ -27,9 +27,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mrts.viewer.guard import GuardedServer
+    from mrts.viewer.motion_viewer import MotionViewer
     from mrts.viewer.plots.other_result import Others
-    from mrts.viewer.plots.saved_viewer import SavedViewer
-    from mrts.viewer.viewer import Viewer
 
 EXAMPLES = """\
 examples:
@@ -83,7 +82,7 @@ def _serve(options: argparse.Namespace) -> int:
         cell=cell,
         motion=motion,
         description=described_motion(options.motion),
-        cell_path=options.cell if urdfs else None,
+        cell_path=options.cell if urdfs and options.variant is None else None,
         motion_path=options.motion,
         sharing=sharing,
         closure=closure,
@@ -101,7 +100,7 @@ def _serve(options: argparse.Namespace) -> int:
 def _serve_saved(options: argparse.Namespace, others: "Others") -> int:
     """Show a saved result, which takes neither its cell's files nor a compiler."""
     from mrts.viewer.plots.saved_state import SavedState
-    from mrts.viewer.plots.saved_viewer import SavedViewer
+    from mrts.viewer.saved_viewer import SavedViewer
 
     result = played(options.cell)
     with _server(options, result.cell.name) as server:
@@ -122,7 +121,7 @@ def _server(options: argparse.Namespace, name: str) -> "Iterator[GuardedServer]"
         close_server(server)
 
 
-def _follow(options: argparse.Namespace, server: "GuardedServer", viewer: "Viewer | SavedViewer", outcome: str) -> None:
+def _follow(options: argparse.Namespace, server: "GuardedServer", viewer: "MotionViewer", outcome: str) -> None:
     """Say where the viewer is, and follow its controls until Ctrl-C."""
     if options.host not in LOCAL:
         warn(f"everyone who reaches {options.host} and knows the address can watch and steer this viewer")
@@ -133,8 +132,11 @@ def _follow(options: argparse.Namespace, server: "GuardedServer", viewer: "Viewe
         with suppress(webbrowser.Error):
             webbrowser.open(server.url)
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # here Ctrl-C is how one leaves
-    viewer.run()
-    signal.signal(signal.SIGINT, before)
+    try:
+        viewer.run()
+    finally:
+        viewer.close()
+        signal.signal(signal.SIGINT, before)
 
 
 def _has_display() -> bool:

@@ -2,6 +2,7 @@
 """What a check found, as text and as JSON."""
 
 import json
+import shlex
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -104,7 +105,8 @@ class CellCheck(InNotebooks):
         yield from map(str, self.remarks)
         if self.status == "fine":
             yield ""
-            yield f"next: mrts scale {self.cell} {self.motion or 'MOTION'}"
+            motion = "MOTION" if self.motion is None else shlex.quote(str(self.motion))
+            yield f"next: mrts scale {shlex.quote(str(self.cell))} {motion}"
 
     def outcome(self) -> str:
         """What came of it, in a line."""

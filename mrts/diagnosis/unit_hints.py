@@ -166,7 +166,8 @@ def _torques(cell: Cell, joints: Sequence[JointSource]) -> Iterator[Hint]:
             yield Hint(
                 "torque-millimetres",
                 f"the torque limits of robot '{robot.name}' ({source}) are around {float(np.median(turning)):.4g} N m, "
-                f"and {weight:.3g} N m hold the whole arm stretched out: they seem to be in N mm, and must be in N m.",
+                f"and {weight:.3g} N m hold the whole arm stretched out: they seem to be in N mm, and must be in N m, "
+                "or the links weigh more than their URDF says.",
             )
 
 

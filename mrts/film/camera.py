@@ -6,11 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.errors import InputError
 from mrts.drawing.bodies.cell_view import FIELD_OF_VIEW
 from mrts.film.solids import Index
 
 MARGIN = 1.1
 """How much farther away it stands than it must."""
+
+STEEPEST = 1e-2
+"""Length of the level part of a unit vector below which it points upward or downward."""
 
 HALVINGS = 30
 """Steps to the middle of what is seen, to a billionth of it."""
@@ -68,9 +72,18 @@ def framing_camera(points: Array, backward: Array, up: Array, size: tuple[int, i
         backward: From what is looked at to the camera, Shape (3,).
         up: Unit vector that is upward in the picture, Shape (3,).
         size: Width and height of the picture [pixels].
+
+    Raises:
+        InputError: If the direction is none.
     """
-    back = backward / np.linalg.norm(backward)
+    back = np.asarray(backward, dtype=np.float64)
+    if not (np.all(np.isfinite(back)) and np.linalg.norm(back) > 0):
+        raise InputError("backward", "must have a direction: look at the cell from somewhere.", value=back.tolist())
+    back = back / np.linalg.norm(back)
     right = np.cross(up, back)
+    if np.linalg.norm(right) < STEEPEST:
+        right = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])  # from right above any level axis will do
+        back = np.sign(back @ up) * up
     right /= np.linalg.norm(right)
     axes = np.stack([right, np.cross(back, right), -back])
     x, y, forward = (points @ axes.T).T

@@ -45,8 +45,6 @@ KEPT = [(255, 255, 255), INK, FORCE, LIMIT_COLOUR, *(ImageColor.getrgb(colour) f
 LONGEST = 3600
 """Frames of a film: three minutes of a GIF."""
 
-SUFFIXES = (".gif", ".mp4")
-
 
 def write_film(
     takes: Sequence[Take],

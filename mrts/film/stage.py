@@ -18,6 +18,7 @@ from mrts.drawing.bodies.arm_meshes import arm_meshes
 from mrts.drawing.bodies.cell_shapes import body_poses, contact_forces, joint_points
 from mrts.drawing.bodies.cell_view import look_at_cell
 from mrts.drawing.bodies.held_body import held_body
+from mrts.drawing.round_numbers import round_down
 from mrts.film.camera import framing_camera
 from mrts.film.raster import Picture, drawn, shaded_floor
 from mrts.film.solids import Colour, Solid, arrow, ball, faceted, tube
@@ -183,7 +184,7 @@ class Stage:
         ground = self.camera.position + rays[below] * away[below][:, None] - self._middle
         level = np.cross(self._up, np.eye(3)[np.argmin(np.abs(self._up))])
         level /= np.linalg.norm(level)
-        tile = _round_down(self._size / TILES)
+        tile = round_down(self._size / TILES)
         places = ground @ np.stack([level, np.cross(self._up, level)]).T
         near = np.clip(1 - np.linalg.norm(places, axis=1) / (FADING * self._size), 0, 1)[:, None].astype(np.float32)
         beside = np.abs(places / tile - np.round(places / tile)) * tile  # from the nearest line [m]
@@ -262,8 +263,3 @@ def _strongest(take: Take) -> float:
     forces = np.array([unit == "N" for unit in cell.wrench_units])
     sizes = [np.linalg.norm(done.wrench[:, part][:, forces], axis=1) for part in cell.wrench_slices.values()]
     return float(np.max(sizes, initial=0.0))
-
-
-def _round_down(value: float) -> float:
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(max(digit for digit in (1, 2, 5) if digit * power <= value) * power)

@@ -41,7 +41,7 @@ def cell_file(proposal: Proposal) -> str:
         f"# {len(request.arms)} arms carry a box: begun by mrts new.",
         "# What the URDFs do not say was proposed or assumed; change what you know better.",
         "# Lengths in m, angles in rad, masses in kg, torques in N m (N of prismatic joints).",
-        f"name: {cell['name']}",
+        f"name: {flow(cell['name'])}",
         _line(f"gravity: {flow(cell['gravity'])}", "world, m/s²"),
     ]
     if cell.get("plane"):
@@ -107,8 +107,10 @@ def _line(text: str, comment: str, proposal: Proposal | None = None) -> str:
 def _robot(proposal: Proposal, each: ArmRequest, robot: dict[str, Any]) -> Iterator[str]:
     chain, standing = each.arm.chain, each.base is not None
     machine = proposal.request.one_machine
-    yield f"  - name: {robot['name']}"
+    yield f"  - name: {flow(robot['name'])}"
     yield f"    urdf: {flow(robot['urdf'])}"
+    if "xacro_args" in robot:
+        yield f"    xacro_args: {flow(robot['xacro_args'])}"
     yield _line(f"    base_link: {flow(robot['base_link'])}", "where the chain begins")
     yield _line(f"    tip_link: {flow(robot['tip_link'])}", each.why and f"proposed: {each.why}")
     whose = "where the URDF has it" if machine else "as asked for" if standing else "proposed"

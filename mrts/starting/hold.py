@@ -11,6 +11,7 @@ import yaml
 from mrts.base.argument_types import check_type
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import RigidTransform, snap_rotation
+from mrts.base.yaml_parser import parse_yaml
 from mrts.cell.cell import Cell
 from mrts.cell.robot_changes import Numbers, pose_from
 from mrts.drawing.bodies.cell_shapes import body_poses
@@ -62,8 +63,10 @@ def with_grasps(path: Path, text: str, grasps: dict[str, str]) -> str:
         grasps: From `grasp_lines`.
 
     Raises:
-        InputError: If a robot is repeated by an alias, so that two grasps stand in one place.
+        InputError: If a robot is repeated by an alias, so that two grasps stand in one place, or the file would not say
+            the same with other grasps.
     """
+    before = text
     root: Any = yaml.compose(text, Loader=yaml.SafeLoader)
     robots = next(value for key, value in root.value if key.value == "robots").value
     changes: dict[tuple[int, int], str] = {}
@@ -80,7 +83,22 @@ def with_grasps(path: Path, text: str, grasps: dict[str, str]) -> str:
         changes[change[0]] = change[1]
     for (start, end), line in sorted(changes.items(), reverse=True):
         text = text[:start] + line + text[end:]
+    _check_rest(path, before, text, grasps)
     return text
+
+
+def _check_rest(path: Path, before: str, after: str, grasps: dict[str, str]) -> None:
+    """Refuse a text that says anything else than the one before with other grasps."""
+    wanted = parse_yaml(before)
+    for robot in wanted["robots"]:
+        robot["grasp"] = parse_yaml(grasps[robot["name"]])
+    try:
+        same = parse_yaml(after) == wanted
+    except ValueError:  # such as an alias of what was replaced
+        same = False
+    if not same:
+        rule = "grasps cannot be replaced where they stand (an alias?); write each out, or copy the ones printed."
+        raise InputError(path, rule, key="robots")
 
 
 def _end(node: Any) -> int:

@@ -197,6 +197,8 @@ def _robot_keys(
     chain = each.arm.chain
     T = RigidTransform(stand.T_world_tip.R, stand.T_world_tip.p - layout.position)
     robot: dict[str, Any] = {"name": each.arm.name, "urdf": each.urdf}
+    if each.xacro_args:
+        robot["xacro_args"] = dict(each.xacro_args)
     robot |= {"base_link": chain.base_link, "tip_link": chain.tip_link}
     robot |= {"base": pose_keys(stand.T_world_base), "grasp": pose_keys(T), "posture": stand.posture.tolist()}
     missing = tuple(name for name, effort in zip(chain.joints, chain.effort, strict=True) if effort is None)

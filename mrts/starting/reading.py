@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """From the names of URDFs to a request: which chains are arms, what they are called, and what goes together."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cache
 from os.path import relpath
 from pathlib import Path
@@ -11,14 +11,14 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.formats.package_uri import is_uri
+from mrts.base.formats.package_uri import is_uri, is_xacro
 from mrts.base.formats.urdf_tree import ArmChain, Survey, UrdfTree
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.generation import surveyed_urdf
 from mrts.inverse_kinematics.joint_limits import DEGREES_SUSPECTED
 from mrts.starting.arm import Arm, make_arm, plane_of
 from mrts.starting.request import ArmRequest, Request
-from mrts.starting.tips import FEWEST_JOINTS, SIDES, Hand, first_link, hands, moved_by
+from mrts.starting.tips import FEWEST_JOINTS, SIDES, Hand, first_link, hands, moved_by, possible_tips
 
 SPATIAL_JOINTS = 6
 """What holding an object takes in space; in a plane `FEWEST_JOINTS`."""
@@ -29,7 +29,7 @@ MOST_HANDS = 2
 MOST_STEPS_UP = 3
 """Folders that a relative path may climb; a URDF farther away is named by its whole path."""
 
-ROBOT, TIP, BASE, POSTURE = "--robot", "--tip", "--base", "--posture"
+ROBOT, TIP, BASE, POSTURE, XACRO_ARG = "--robot", "--tip", "--base", "--posture", "--xacro-arg"
 """Whose values they are, for messages."""
 
 Choose = Callable[[str, UrdfTree, list[Hand]], list[str]]
@@ -49,6 +49,7 @@ class Given:
         mass: Of the object [kg].
         gravity: World, Shape (3,) [m/s²].
         degrees: Whether the postures of joints that turn are in degrees.
+        xacro_args: Of all robots that are xacros, by name.
     """
 
     name: str
@@ -59,6 +60,7 @@ class Given:
     mass: float | None
     gravity: Array
     degrees: bool = False
+    xacro_args: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +87,7 @@ def refuse(name: str, tree: UrdfTree, found: list[Hand]) -> list[str]:
     Raises:
         InputError: Always.
     """
-    ends = [hand.link for hand in found] or [link for link in tree.links if len(moved_by(tree, link)) >= FEWEST_JOINTS]
+    ends = possible_tips(tree, found)
     if not ends:
         rule = f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm."
         raise InputError(name, rule)
@@ -141,7 +143,9 @@ def request_of(given: Given, folder: Path, choose: Choose = refuse) -> Request:
 
 def _chosen(given: Given, choose: Choose) -> list[_Chosen]:
     """The arms, in the order of the robots."""
-    files = {robot: surveyed_urdf(Path(ROBOT), Path.cwd(), robot) for robot in given.robots}
+    files = {robot: surveyed_urdf(Path(ROBOT), Path.cwd(), robot, given.xacro_args) for robot in given.robots}
+    if given.xacro_args and not any(is_xacro(path) for path, _, _ in files.values()):
+        raise InputError(XACRO_ARG, "no --robot is a xacro, whose name ends in .xacro.")
     read = [files[robot] for robot in given.robots]  # two of a kind have one survey
     if given.tips:
         places = [0] * len(given.tips) if len(read) == 1 else list(range(len(read)))
@@ -153,6 +157,8 @@ def _chosen(given: Given, choose: Choose) -> list[_Chosen]:
             if arm.tip not in arm.tree.links:
                 rule = f"there is no such link in {arm.path.name}; its links are {', '.join(arm.tree.links)}."
                 raise InputError(TIP, rule, value=arm.tip)
+        if len(read) == 1 and not _differ(found):  # several of a kind
+            found = [replace(arm, robot=index) for index, arm in enumerate(found)]
     else:
         found = []
         for at, (_, tree, _) in enumerate(read):
@@ -166,10 +172,14 @@ def _chosen(given: Given, choose: Choose) -> list[_Chosen]:
 
 
 def _machine(chosen: list[_Chosen], arm: _Chosen) -> list[_Chosen]:
-    """The arms of the machine that an arm is of: those of one URDF whose tips differ, itself first."""
+    """The arms of the machine that an arm is of: those of one URDF that other joints move, in their order."""
     same = [other for other in chosen if other.path == arm.path]
-    tips = [other.tip for other in same]
-    return same if len({*tips}) == len(tips) and len(same) > 1 else [arm]
+    return same if _differ(same) and len(same) > 1 else [arm]
+
+
+def _differ(arms: list[_Chosen]) -> bool:
+    """Whether no two arms of one URDF have the same joints."""
+    return len({tuple(moved_by(arm.tree, arm.tip)) for arm in arms}) == len(arms)
 
 
 def _names(tips: list[str]) -> list[str]:
@@ -201,6 +211,7 @@ def _arm_request(given: Given, index: int, chosen: _Chosen, arm: Arm, folder: Pa
         why=chosen.why,
         base=base,
         posture=posture,
+        xacro_args=given.xacro_args if is_xacro(chosen.path) else {},
     )
 
 

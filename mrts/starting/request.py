@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What is known when a cell is begun, and where its arms then stand."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from mrts.base.arrays import Array
@@ -20,6 +21,7 @@ class ArmRequest:
         why: Why its tip was chosen, to stand behind the name; empty where the user chose it.
         base: Of its base link in the world, where the user gave it.
         posture: Where the user gave it, Shape (n,) [rad or m].
+        xacro_args: Of a xacro, by name.
     """
 
     arm: Arm
@@ -28,6 +30,7 @@ class ArmRequest:
     why: str = ""
     base: RigidTransform | None = None
     posture: Array | None = None
+    xacro_args: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

@@ -101,6 +101,16 @@ def hands(tree: UrdfTree) -> list[Hand]:
     return found or _ends(tree)
 
 
+def possible_tips(tree: UrdfTree, found: Sequence[Hand]) -> list[str]:
+    """Links to choose a tip from: the hands that a URDF seems to have, or else all that enough joints move.
+
+    Args:
+        tree: The URDF.
+        found: From `hands`.
+    """
+    return [hand.link for hand in found] or [link for link in tree.links if len(moved_by(tree, link)) >= FEWEST_JOINTS]
+
+
 def _ends(tree: UrdfTree) -> list[Hand]:
     """Where names say nothing: the last link that all ends of a limb share."""
     above = {joint.parent for joint in tree.joints.values()}

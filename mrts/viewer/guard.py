@@ -28,7 +28,19 @@ from mrts.base.errors import InputError
 LARGEST_MESSAGE = 16_384
 """From a browser [bytes]: a control's new value or a camera takes some hundred. Who sends more is cut off."""
 
-HEADERS = {"Referrer-Policy": "no-referrer", "X-Frame-Options": "DENY", "Cache-Control": "no-store"}
+POLICY = (
+    "default-src 'self' data: blob: 'unsafe-inline' 'unsafe-eval'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+"""What the page may do: it is one file that compiles its scripts; nothing comes from another server or goes to one."""
+
+HEADERS = {
+    "Referrer-Policy": "no-referrer",
+    "X-Frame-Options": "DENY",
+    "X-Content-Type-Options": "nosniff",
+    "Content-Security-Policy": POLICY,
+    "Cache-Control": "no-store",
+}
 """The address holds the token: it goes to no other site, and no other site shows the page in a frame."""
 
 LONGEST_TEXT = 200
@@ -154,7 +166,9 @@ class GuardedServer(viser.ViserServer):
         return self.scene._handle_from_transform_controls_name  # noqa: SLF001 (likewise)
 
     def _control(self, uuid: str) -> object:
-        return self.controls.get(uuid)
+        """The control with an identifier, if it is to be seen."""
+        control = self.controls.get(uuid)
+        return control if control is not None and control.visible else None
 
     def _has_gizmo(self, name: str) -> bool:
         """Whether there is such a gizmo to be seen."""

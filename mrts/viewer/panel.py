@@ -32,8 +32,12 @@ ROUNDING = 1e-9
 MOST_NAMED = 5
 """Limits named that are passed; the worst come first."""
 
-HEIGHTS = {"speed": "min-height:32px", "moment": "min-height:32px"}
-"""Of texts that change as a slider moves; they stand below all sliders, and are as long as they are."""
+ROOM = {
+    "outcome": "padding-bottom:6px",
+    "speed": "min-height:32px",
+    "moment": "min-height:32px;padding-bottom:8px",
+}
+"""Around texts above sliders and tabs, and below those that change as a slider moves; they are as long as they are."""
 
 STYLE = """<style>
 :root { --mrts-over: #D40000; }
@@ -213,5 +217,5 @@ def _number(value: float) -> str:
 
 
 def _paragraph(name: str, text: str, colour: str = "inherit") -> str:
-    style = f"font-size:12px;line-height:16px;padding:0 9px;{HEIGHTS.get(name, '')};color:{colour}"
+    style = f"font-size:12px;line-height:16px;padding:0 9px;{ROOM.get(name, '')};color:{colour}"
     return f'<div data-text="{name}" style="{style}">{text}</div>'

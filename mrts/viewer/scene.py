@@ -3,7 +3,7 @@
 
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import viser
@@ -17,6 +17,7 @@ from mrts.drawing.bodies.cell_shapes import body_poses, contact_forces
 from mrts.drawing.bodies.cell_view import FIELD_OF_VIEW, look_at_cell
 from mrts.drawing.bodies.held_body import held_body
 from mrts.drawing.colours import COLOURS
+from mrts.drawing.round_numbers import round_down
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.scene_arms import Rgb, Urdfs, drawn_arm, wxyz, z_along
 from mrts.viewer.workbench.unreached import Unreached
@@ -34,9 +35,6 @@ THICKNESS = 0.02
 
 ARROW = 0.5
 """Longest arrow at the first choice of speed, as a share of the cell's size."""
-
-ROUNDED_DOWN = 1e-9
-"""A length below a round one by this share is that one: rounding of their quotient."""
 
 SHORTEST = 1e-3
 """Arrows below this share of the cell's size have no direction worth drawing."""
@@ -116,7 +114,7 @@ class ViewerScene:
         assert shown is not None  # noqa: S101 (a workbench starts with one)
         self._course = course_of(shown)
         cell = self._course.cell
-        self._view = look_at_cell(cell, self._course.q, self._course.position)
+        self._view = self._alone = look_at_cell(cell, self._course.q, self._course.position)
         self.size, self.colours = self._view.size, arm_colours(cell)
         self.metres_per_newton = self.metres_per_newton_metre = 1.0
         self._look()
@@ -157,6 +155,10 @@ class ViewerScene:
         self._gap_names = [
             self._scene.add_label(f"/gap_names/{robot.name}", "", visible=False, anchor="bottom-center")
             for robot in cell.robots
+        ]
+        self._end_names = [
+            self._scene.add_label("/start_name", "start", anchor="top-left"),
+            self._scene.add_label("/goal_name", "goal", anchor="bottom-right"),
         ]
         self._body_key: bytes = b""
         self._fitted: dict[int, tuple[float, Array]] = {}
@@ -270,6 +272,17 @@ class ViewerScene:
                 self.fit(client)
         self._fitted = {client_id: fitted for client_id, fitted in self._fitted.items() if client_id in clients}
 
+    def look_beside(self, offset: Array) -> None:
+        """Have in view what stands beside the cell too, unless somebody moved the view.
+
+        Args:
+            offset: From the cell to it, level in the picture, Shape (3,) [m]; zero looks at the cell alone.
+        """
+        alone = self._alone
+        self._view = replace(alone, target=alone.target + offset / 2, aside=float(np.linalg.norm(offset)) / 2)
+        self._look()
+        self._fitted = {client_id: (np.inf, position) for client_id, (_, position) in self._fitted.items()}
+
     def _pose(self, course: ShownCourse, sample: int) -> list[Array]:
         """Move all that moves to a sample; where the tips are, each Shape (3,) [m]."""
         cell, at = course.cell, slice(sample, sample + 1)
@@ -318,10 +331,6 @@ class ViewerScene:
             )
             for name in ("start", "goal")
         ]
-        self._end_names = [
-            self._scene.add_label("/start_name", "start", anchor="top-left"),
-            self._scene.add_label("/goal_name", "goal", anchor="bottom-right"),
-        ]
 
     def _look(self) -> None:
         camera, view = self._server.initial_camera, self._view
@@ -355,9 +364,3 @@ def tip_pose(robot: Robot, q: Array) -> tuple[Array, Array]:
     """
     R, p = body_poses(robot, q)
     return R[0, -1] @ robot.T_base_tip.R, p[0, -1] + R[0, -1] @ robot.T_base_tip.p
-
-
-def round_down(value: float) -> float:
-    """1, 2 or 5 times a power of ten."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(max(digit for digit in (1, 2, 5) if digit <= value / power * (1 + ROUNDED_DOWN)) * power)

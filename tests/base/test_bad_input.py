@@ -206,6 +206,10 @@ URDF_MISTAKES = {
         lambda text: text.replace('<origin xyz="1 0 0"/>', '<origin xyz="1 0 0"/><mimic joint="shoulder"/>', 1),
         ["joint 'elbow' mimic", "'shoulder'", "a motor of its own"],
     ),
+    "mimic of nothing": (
+        lambda text: text.replace('<origin xyz="1 0 0"/>', '<origin xyz="1 0 0"/><mimic multiplier="2"/>', 1),
+        ["joint 'elbow', <mimic>", "'joint' attribute"],
+    ),
     "python number": (lambda text: text.replace('value="5"', 'value="4_0"'), ["'4_0'", "finite number"]),
     "huge number": (lambda text: text.replace('value="5"', 'value="1e30"'), ["'1e30'", "finite number"]),
     "unknown joint type": (

@@ -10,6 +10,7 @@ from conftest import DATA
 from scipy.spatial.transform import Rotation
 
 import mrts
+from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface
 from mrts.cell.generation import generate_to
 from mrts.drawing.bodies.cell_shapes import object_box
 from mrts.drawing.bodies.object_surface import object_edges, object_surface
@@ -128,6 +129,16 @@ def test_what_is_drawn_is_the_shape(tmp_path, planar_cell):
     assert len(fine.faces) > 20_000
     assert 500 < len(triangles) <= 2000
     assert np.linalg.norm(vertices - [0, 0.001, 0], axis=1) == pytest.approx(0.2, rel=0.05)
+
+
+def test_of_small_bodies_far_apart_the_largest_triangles_are_drawn():
+    """Each lies in one cell of the grid that makes surfaces coarser."""
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.001)
+    points = np.concatenate([ball.vertices, ball.vertices + np.array([1, 0, 0])])
+    corners = np.concatenate([ball.faces, ball.faces + len(ball.vertices)])
+    coarse, few = coarser_surface(points, corners, MOST_DRAWN)
+    assert len(few) == MOST_DRAWN < len(corners)
+    assert np.ptp(coarse[few.ravel()][:, 0]) == pytest.approx(1.002, abs=0.001)
 
 
 def test_it_stays_with_the_cell(tmp_path):

@@ -71,8 +71,15 @@ def test_what_is_not_found_says_where_it_was_looked_for(tmp_path):
     ):
         found(tmp_path)
     with pytest.raises(InputError, match=r"AMENT_PREFIX_PATH, ROS_PACKAGE_PATH.*cmeel\.prefix/share") as told:
-        found(tmp_path, "package://your_arm/urdf/arm.urdf")
-    assert "robots[].urdf = 'package://your_arm/urdf/arm.urdf'" in str(told.value)
+        found(tmp_path, "package://their_arm/urdf/arm.urdf")
+    assert "robots[].urdf = 'package://their_arm/urdf/arm.urdf'" in str(told.value)
+    put(tmp_path / "your_arm")
+    for inside in ("../your_arm/urdf/arm.urdf", "urdf/../../your_arm/urdf/arm.urdf"):
+        with pytest.raises(InputError, match="leads out of the package 'my_arm'"):
+            found(tmp_path, f"package://my_arm/{inside}")
+    for uri in (f"package://{'a' * 300}/x", f"package://my_arm/{'a' * 300}", "package://my_arm//etc/passwd"):
+        with pytest.raises(InputError, match=r"is not found|holds no file"):
+            found(tmp_path, uri)
     for uri in ("package://", "package://arm", "model:///arm.urdf", "package://../arm.urdf"):
         with pytest.raises(InputError, match=r"must be package://NAME/PATH|is not found"):
             file_of_uri("cell.yaml", uri, Path(tmp_path / "cell.yaml"))

@@ -67,10 +67,12 @@ def test_hold_prints_grasps_and_writes_them_only_with_force(begun, tmp_path):
     shutil.copy(UR5, tmp_path / "my arm.urdf")
     cell, motion = tmp_path / "cell" / "cell.yaml", tmp_path / "cell" / "motion.yaml"
     motion.write_text(motion.read_text().replace("start: {xyz: [0, 0, ", "start: {xyz: [0.02, 0.01, "))
+    cell.write_bytes(cell.read_bytes().replace(b"\n", b"\r\n"))
     before = cell.read_text()
     done = mrts_command("new", "--hold", cell, motion)
     assert (done.returncode, cell.read_text()) == (0, before)
     assert mrts_command("new", "--hold", cell, motion, "--force").returncode == 0
+    assert cell.read_bytes().count(b"\r\n") == cell.read_bytes().count(b"\n") > 1
     written = {robot["name"]: robot["grasp"]["xyz"] for robot in yaml.safe_load(cell.read_text())["robots"]}
     assert len(re.findall(r"grasp: \{xyz: ", done.stdout)) == len(written) == 2
     old = {robot["name"]: robot["grasp"]["xyz"] for robot in yaml.safe_load(before)["robots"]}
@@ -90,12 +92,14 @@ def test_hold_prints_grasps_and_writes_them_only_with_force(begun, tmp_path):
         (["x", "--robot", UR5, "--base=0,0,0", "--base=0,0,nan"], "--base = '0,0,nan': must be numbers with commas"),
         (["x", "--robot", UR5, "--base=0,0,0", "--base=0,0,0"], "--base: two arms stand in one place"),
         (["x", "--robot", UR5, "--posture=0,-70,90,0,0,0", "--posture=0,0,0,0,0,0"], "these seem to be degrees"),
+        (["x", "--robot", UR5, "--xacro-arg", "a"], "--xacro-arg = 'a': must be NAME=VALUE"),
         (["x", "--robot", UR5, "--mass", "-3"], "--mass = -3.0: must be a number > 0, in kg"),
         (["x", "--robot", UR5, "--mass", "nan"], "--mass = nan: must be a number > 0, in kg"),
         (["x", "--robot", UR5, "--gravity", "9.81"], "--gravity = '9.81': must be 3 numbers"),
         (["x", "--robot", UR5, "--name", "a b"], "--name = 'a b': must be letters, digits and single underscores"),
         (["x", "--robot", DATA / "lift.yaml"], "is not well-formed XML"),
         (["x", "--hold", DATA / "cell.yaml", DATA / "lift.yaml"], "--hold: takes a cell that is there"),
+        (["--hold", DATA / "cell.yaml", DATA / "lift.yaml", "--mass", "0"], "--mass does not go with it"),
         (["--hold", DATA, DATA / "lift.yaml"], "is a folder; --hold takes a cell file"),
     ],
 )

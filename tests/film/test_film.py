@@ -13,6 +13,7 @@ import mrts
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.limit_shares import limit_shares
 from mrts.film import film
+from mrts.film.camera import framing_camera
 from mrts.film.film import write_film, write_picture
 from mrts.film.frames import Composition
 from mrts.film.lettering import fitting, font
@@ -142,3 +143,15 @@ def test_what_cannot_be_a_film_is_told(takes, tmp_path, monkeypatch):
     with pytest.raises(mrts.InputError, match=r"pip install 'mrts\[film\]'"):
         write_film(takes, tmp_path / "lift.mp4")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.quick
+def test_a_camera_may_look_from_right_above_but_from_somewhere():
+    points, size = np.random.default_rng(1).uniform(-1, 1, (50, 3)), (300, 200)
+    for backward in ([0, 0, 1], [1e-9, 0, 2], [0, 0, -1], [0.005, 0, 1], [1, 0.2, 0.1]):
+        seen = framing_camera(points, np.array(backward), np.array([0.0, 0.0, 1.0]), size).seen(points)
+        assert np.all(seen[:, 2] > 0), backward
+        assert np.all((seen[:, :2] > 0) & (seen[:, :2] < size)), backward
+    for backward in ([0, 0, 0], [np.nan, 0, 1]):
+        with pytest.raises(mrts.InputError, match="must have a direction"):
+            framing_camera(points, np.array(backward), np.array([0.0, 0.0, 1.0]), size)

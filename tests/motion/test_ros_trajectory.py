@@ -214,7 +214,7 @@ def test_what_is_no_bag_of_trajectories_is_refused(given, tmp_path):
     for path, words in (
         (tmp_path / "empty", r"folder holds no metadata\.yaml"),
         (tmp_path / "nothing.mcap", "there is no such bag"),
-        (UR5 / "cell.yaml", "missing|unknown key"),
+        (UR5 / "cell.yaml", "this is a cell file"),
     ):
         with pytest.raises(mrts.InputError, match=words):
             mrts.load_motion(path)

@@ -63,7 +63,7 @@ def path_terms(cell, description, load=None):
 def constant_speed(description, p):
     """The object's way from pose to pose at p in [0, 1], each of its rates constant."""
     start, end = (np.array(pose.xyz, dtype=float) for pose in (description.start, description.end))
-    first, last = (Rotation.from_euler("xyz", pose.rpy) for pose in (description.start, description.end))
+    first, last = (Rotation.from_matrix(pose.rotation()) for pose in (description.start, description.end))
     turn = (last * first.inv()).as_rotvec()
     rotation = (Rotation.from_rotvec(p[:, None] * turn) * first).as_matrix()
     twist = np.tile(np.concatenate([end - start, turn]), (len(p), 1))

@@ -197,7 +197,7 @@ def test_a_motion_that_moves_at_its_ends_is_timed_from_and_to_any_speed(planar_c
         ({"rates": True}, "rates = True: the cell 'planar_dual_arm' limits no rate. Give a robot of the cell file"),
         ({"weigh": {"time": 1}}, "weigh = {'time': 1}: needs limits of rates: give rates too."),
         ({"least_energy_in": 1.0}, "least_energy_in = 1.0: needs limits of rates"),
-        ({"start_torque": np.zeros(6)}, "start_torque = array([0., 0...., 0., 0., 0.]): needs limits of rates"),
+        ({"start_torque": np.zeros(6)}, "start_torque = array([0., 0., 0., 0., 0., 0.]): needs limits of rates"),
         ({"rates": 1, "weigh": {"tim": 1}}, "weigh = 'tim': may have the keys time and energy only."),
         ({"rates": 1, "weigh": {"time": -1}}, "weigh: time = -1: must be >= 0"),
         ({"rates": 1, "weigh": {"energy": 1}}, "weigh: time = 0.0: must be > 0: with the energy alone"),

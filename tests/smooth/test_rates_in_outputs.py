@@ -12,6 +12,7 @@ import mrts
 from mrts.cli import main
 from mrts.motors.joint_motors import JointMotors
 from mrts.output.summary_lines import scaling_lines
+from mrts.report.limiting import limiting_rows
 from mrts.report.tables import rates_table
 from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.result import fallbacks_text
@@ -74,8 +75,11 @@ def test_rates_that_are_kept_warn_of_nothing_but_steps_at_the_ends(kept, reporte
     assert rate_uses(kept.trajectory, kept.rule.rates)[0].share == pytest.approx(1, abs=1e-7)
     assert [one.code for one in kept.warnings] == ["step-at-ends"]
     assert "starts and ends at rest but accelerates there" in kept.warnings[0].text
-    assert "They are kept" in rates_table(kept)[1]
-    assert all(str(use.name) in rates_table(kept)[0] for use in rate_uses(kept.trajectory, kept.rule.rates))
+    assert "They are kept" in rates_table(kept, limiting_rows(kept, None))[1]
+    assert all(
+        str(use.name) in rates_table(kept, limiting_rows(kept, None))[0]
+        for use in rate_uses(kept.trajectory, kept.rule.rates)
+    )
 
 
 def test_a_quintic_profile_has_no_step_at_its_ends(planar_cell, lift):
@@ -88,7 +92,7 @@ def test_a_quintic_profile_has_no_step_at_its_ends(planar_cell, lift):
 def test_a_cell_without_rates_says_nothing_of_them(lifted, kept):
     assert lifted.to_json()["rates"] == []
     assert lifted.to_json()["kept_rates"] is None
-    assert rates_table(lifted) == []
+    assert rates_table(lifted, limiting_rows(lifted, None)) == []
     assert not any("rate" in line for line in scaling_lines(lifted))
     assert not any(one.code == "rate-passed" for one in lifted.warnings)
     assert "torque rate" in json.dumps(kept.to_json()["binding"]) or "jerk" in json.dumps(kept.to_json()["binding"])

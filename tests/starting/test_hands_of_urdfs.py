@@ -36,11 +36,11 @@ FOUND = {
 
 
 def tree_of(path):
-    return surveyed_urdf(Path("here"), Path("/"), str(path))[1]
+    return surveyed_urdf(Path("here"), Path("/"), str(path), {})[1]
 
 
 def arm_of(path, tip):
-    return make_arm("arm", surveyed_urdf(Path("here"), Path("/"), str(path))[2](None, tip))
+    return make_arm("arm", surveyed_urdf(Path("here"), Path("/"), str(path), {})[2](None, tip))
 
 
 @pytest.mark.parametrize("urdf", FOUND)

@@ -69,6 +69,12 @@ def test_robots_that_are_one_in_the_file_are_refused():
         with_grasps(Path("cell.yaml"), text, {"left": "{xyz: [1, 0, 0]}"})
 
 
+def test_a_grasp_that_something_else_repeats_is_not_replaced():
+    text = "robots:\n  - {name: left, grasp: &here {xyz: [0, 0, 0]}, base: *here}\n"
+    with pytest.raises(InputError, match="cannot be replaced where they stand"):
+        with_grasps(Path("cell.yaml"), text, {"left": "{xyz: [1, 0, 0]}"})
+
+
 def test_lines_of_grasps_are_those_of_a_cell_file(planar_cell):
     robot = planar_cell.robots[1]
     line = yaml.safe_load(grasp_lines(planar_cell)[robot.name])

@@ -171,6 +171,9 @@ def test_bases_that_are_given_stay():
         assert stand.T_world_base.p == pytest.approx(base.p)
         assert np.allclose(stand.T_world_base.R, base.R)
     assert len(found) > 1
+    for robots, tips in (([UR5], ["tool0", "tool0"]), ([UR5], ["tool0", "wrist_3"]), ([UR5] * 2, ["tool0", "wrist_3"])):
+        twice = requested(*robots, tips=tips, bases=bases)
+        assert [each.base.p.tolist() for each in twice.arms] == [base.p.tolist() for base in bases]
     assert found[0].score >= found[-1].score > 0
 
 
@@ -213,7 +216,7 @@ def test_a_urdf_is_named_from_where_the_cell_file_stands():
 
 @pytest.mark.parametrize("name", ['a "b" #c.urdf', "true", "1e3", "- x: {y}.urdf", "ü.urdf"])
 def test_paths_of_any_letters_come_back_from_the_file(two_ur5, name):
-    named = replace(
-        two_ur5, cell=two_ur5.cell | {"robots": [robot | {"urdf": name} for robot in two_ur5.cell["robots"]]}
-    )
+    robots = [robot | {"urdf": name} for robot in two_ur5.cell["robots"]]
+    named = replace(two_ur5, cell=two_ur5.cell | {"name": "yes", "robots": robots})
+    assert yaml.safe_load(cell_file(named))["name"] == "yes"
     assert [robot["urdf"] for robot in yaml.safe_load(cell_file(named))["robots"]] == [name] * 2

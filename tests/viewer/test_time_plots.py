@@ -9,7 +9,6 @@ import pytest
 import mrts
 from mrts.drawing.limit_shares import LimitShares, limit_shares
 from mrts.viewer.plots.saved_state import SavedState
-from mrts.viewer.plots.saved_viewer import SavedViewer
 from mrts.viewer.plots.time_plots import (
     BOTTOM,
     HEIGHT,
@@ -23,6 +22,7 @@ from mrts.viewer.plots.time_plots import (
     cursor_html,
     plots_html,
 )  # fmt: skip
+from mrts.viewer.saved_viewer import SavedViewer
 from mrts.viewer.server import close_server, open_server
 
 DRAWN = 0.1 / (HEIGHT - TOP - BOTTOM)
@@ -110,7 +110,7 @@ def test_a_saved_result_plays_without_a_compiler_beside_another(lifted, planar_c
     try:
         viewer = SavedViewer(server, state, said.append, [("slow", slow)])
         controls = {getattr(each, "label", ""): each for each in server.controls.values()}
-        viewer.toggle()
+        viewer.playback.toggle()
         viewer.step(1.0)
         before = state.sample
         for _ in range(4):

@@ -3,7 +3,7 @@
 import http.client
 import socket
 import time
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from types import SimpleNamespace
 from urllib.parse import urlsplit
 
@@ -13,11 +13,13 @@ import pytest
 import viser
 import viser.infra._infra as viser_server
 import websockets.asyncio.server
+import zstandard
 from conftest import DATA
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import mrts
+from mrts.film import film
 from mrts.motion.motion_file import described_motion
 from mrts.viewer.guard import LARGEST_MESSAGE, ViewerGuard
 from mrts.viewer.server import close_server, open_server
@@ -90,6 +92,7 @@ def test_the_page_is_at_the_whole_address_only(viewer):
     assert status == 200
     assert "<html" in text
     assert headers["Referrer-Policy"] == "no-referrer"
+    assert "default-src 'self'" in headers["Content-Security-Policy"]
     for wrong in (
         "/",
         "/index.html",
@@ -223,6 +226,7 @@ BAD_VALUES = {
     "Play": ["yes", None, 7, {}],
     "mass [kg]": [float("nan"), "1", None, True],
     "profile": ["fast", 0, None],
+    "torque rate [1/s]": [5.0],  # is hidden
     "change": ["Remove", 1, None],
     "frames": ["on", 3],
 }
@@ -270,6 +274,28 @@ def test_a_gizmo_moves_only_while_it_is_seen_and_to_a_place(viewer):
 @pytest.mark.parametrize("text", ["../evil.yaml\n", "a" * 201, "\x1b[31m", 3, None])
 def test_a_text_field_takes_a_short_line(viewer, text):
     assert viewer.server.guard.checked(update(viewer, "cell file", text)) is None
+
+
+def read_by_a_page(message):
+    """What a page unpacks of a message: behind two lengths, its parts, each packed by itself."""
+    return zstandard.ZstdDecompressor().decompressobj().decompress(message[16:])
+
+
+def test_a_film_comes_to_the_page_that_asked_for_it(viewer, monkeypatch):
+    monkeypatch.setattr(film, "RATE", 2)
+    monkeypatch.setattr(film, "SHORTEST", 0.2)
+    name = f"{viewer.shown.bench.given.cell.name}.gif".encode()
+    with connected(viewer) as other, connected(viewer) as asking:
+        asking.send(update(viewer, "Film (GIF)", value=True))
+        received, end = b"", time.monotonic() + PATIENCE
+        while name not in received and time.monotonic() < end:
+            viewer.settle()
+            with suppress(TimeoutError):
+                received = read_by_a_page(asking.recv(timeout=0.05))
+        assert name in received
+        with suppress(TimeoutError):
+            while True:
+                assert name not in read_by_a_page(other.recv(timeout=0.2))
 
 
 def test_what_no_control_can_send_is_ignored(viewer):

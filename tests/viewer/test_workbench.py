@@ -20,7 +20,7 @@ from mrts.viewer.player_state import PlayerState
 from mrts.viewer.scene import tip_pose
 from mrts.viewer.workbench.choices import Choices, Given
 from mrts.viewer.workbench.edited_yaml import edited_yaml
-from mrts.viewer.workbench.saved_choices import save_choices
+from mrts.viewer.workbench.saved_choices import motion_text, save_choices
 from mrts.viewer.workbench.workbench import Workbench
 
 UR5 = DATA.parent / "dual_ur5"
@@ -242,7 +242,10 @@ def test_saved_files_hold_what_was_changed_and_keep_the_rest(files):
 
 @pytest.mark.parametrize(
     "name",
-    ["../out.yaml", "/out.yaml", "a/b.yaml", ".hidden.yaml", "out.txt", "", "..", "x\n.yaml", "a\\b.yaml", "CON"],
+    [
+        *("../out.yaml", "/out.yaml", "a/b.yaml", ".hidden.yaml", "out.txt", "", "..", "x\n.yaml", "a\\b.yaml", "CON"),
+        "🦾" * 90 + ".yaml",
+    ],  # more bytes than a file system takes
 )
 def test_nothing_is_saved_elsewhere(files, name):
     given, before = of_files(files), sorted(os.walk(files[0].parent.parent))
@@ -263,6 +266,21 @@ def test_files_are_replaced_only_when_asked_and_links_never(files):
     (files[0].parent / "link.yaml").symlink_to(files[1])
     with pytest.raises(mrts.InputError, match="is a link"):
         save_choices(given, Choices(), "link.yaml", "", overwrite=True)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("which", ["start", "end"])
+def test_an_end_that_the_file_repeats_moves_alone(which, tmp_path):
+    """An alias is not where its value is written: such a file is written anew, and read here by `mrts`."""
+    path = tmp_path / "motion.yaml"
+    path.write_text("duration: 2\nprofile: sinusoid\nstart: &here {xyz: [1, 1, 0]}\nend: *here\n", encoding="utf-8")
+    given = Given(None, None, described_motion(path), None, path)
+    moved = RigidTransform(np.eye(3), np.array([1.0, 1.5, 0.0]))
+    text, remark = motion_text(given, Choices(**{which: moved}))
+    assert "motion file was written anew" in remark
+    path.write_text(text, encoding="utf-8")
+    ends = mrts.load_motion(path).position[[0, -1]]
+    np.testing.assert_allclose(ends, [[1, 1.5, 0], [1, 1, 0]] if which == "start" else [[1, 1, 0], [1, 1.5, 0]])
 
 
 @pytest.mark.parametrize(

@@ -8,12 +8,13 @@ import warnings
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
+from posixpath import normpath
 
 from mrts.base.errors import InputError
 from mrts.base.input_file import IDENTIFIER
-from mrts.base.regular_file import neighbour
+from mrts.base.regular_file import is_file, is_folder, neighbour
 
-URI = re.compile(r"(?:package|model)://([^/]+)/(.+)")
+URI = re.compile(r"(?:package|model)://([^/]+)/+([^/].*)")
 
 VARIABLES = ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH")
 """That messages name; resolve-robotics-uri-py knows those of older simulators too."""
@@ -25,6 +26,11 @@ LONGEST_MANIFEST = 100_000
 def is_uri(reference: str) -> bool:
     """Whether a reference to a file names a package."""
     return reference.startswith(("package://", "model://"))
+
+
+def is_xacro(path: Path) -> bool:
+    """Whether a file is a xacro, by its name."""
+    return path.suffix.lower() == ".xacro"
 
 
 def file_of_uri(where: Path | str, uri: str, near: Path, *, key: str = "") -> Path:
@@ -41,14 +47,17 @@ def file_of_uri(where: Path | str, uri: str, near: Path, *, key: str = "") -> Pa
         key: Where it stands in the file, for messages.
 
     Raises:
-        InputError: If no package holds it.
+        InputError: If no package holds it, or it would lead out of the package.
     """
     match = URI.fullmatch(uri)
     if match is None:
         raise InputError(where, "must be package://NAME/PATH: a package, and a file in it.", key=key, value=uri)
     package, inside = match.groups()
+    if normpath(inside).partition("/")[0] == "..":
+        rule = f"leads out of the package '{package}'. Name the package that holds the file, or give a file path."
+        raise InputError(where, rule, key=key, value=uri)
     folders = list(_package_folders(package, near))
-    found = next((folder / inside for folder in folders if (folder / inside).is_file()), None)
+    found = next((folder / inside for folder in folders if is_file(folder / inside)), None)
     if found is not None:
         return found
     if folders:
@@ -80,7 +89,7 @@ def _package_folders(package: str, near: Path) -> Iterator[Path]:
     if package in {".", ".."}:
         return
     for above in near.resolve().parents:
-        if (above / package).is_dir():
+        if is_folder(above / package):
             yield above / package
         if _is_named(above, package):
             yield above

@@ -85,4 +85,14 @@ def coarser_surface(
         _, first = np.unique(np.sort(few[apart], axis=1), axis=0, return_index=True)
         few = few[apart][first]
         cells = cells * 3 // 4
+    if not len(few):  # every triangle lies in one cell of the grid, as of two small bodies that are far apart
+        few = corners[np.argsort(_areas(points, corners), kind="stable")[-most:]]
+        used, few = np.unique(few, return_inverse=True)
+        coarse, few = points[used], few.reshape(-1, CORNERS)
     return coarse, few
+
+
+def _areas(points: Array, corners: NDArray[np.integer[Any]]) -> Array:
+    """Twice those of triangles, Shape (T,) [m²]."""
+    a, b, c = points[corners.T]
+    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1))

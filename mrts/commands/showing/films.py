@@ -22,6 +22,9 @@ SIDES = ("given", "fastest", "optimal", "smooth")
 
 MOST_SIDES = 4
 
+OF_FILMS = ("side_by_side", "at", "rates")
+"""Options that mean nothing without a picture or a film."""
+
 
 def add_films(view: argparse.ArgumentParser) -> None:
     """Add the options that write files in place of the page."""
@@ -33,7 +36,7 @@ def add_films(view: argparse.ArgumentParser) -> None:
     view.add_argument("--side-by-side", metavar="SIDE,…",
                       help="in pictures and films, the motion as it is played in several ways: "
                       f"{', '.join(SIDES)} (default: fastest)")  # fmt: skip
-    view.add_argument("--rates", type=rate_share, nargs="?", const=True, default=True, metavar="SHARE",
+    view.add_argument("--rates", type=rate_share, nargs="?", const=True, metavar="SHARE",
                       help="of the smooth side, as in mrts scale")  # fmt: skip
 
 
@@ -44,7 +47,7 @@ def writes_films(options: argparse.Namespace) -> bool:
         InputError: If an option is wrong, or a file cannot be written.
     """
     wanted = options.png is not None or options.video is not None
-    given = {"--side-by-side": options.side_by_side is not None, "--at": options.at is not None}
+    given = {f"--{name.replace('_', '-')}": getattr(options, name) is not None for name in OF_FILMS}
     if not wanted:
         for name in (name for name, is_given in given.items() if is_given):
             raise InputError(name, "goes with --png FILE or --video FILE.")
@@ -61,7 +64,8 @@ def writes_films(options: argparse.Namespace) -> bool:
 
         check_film(options.video)
     check_outputs({"--png": options.png, "--video": options.video})
-    _sides(options)
+    if "smooth" not in _sides(options) and given["--rates"]:
+        raise InputError("--rates", "is of the smooth side: give --side-by-side smooth too.")
     return True
 
 
@@ -143,7 +147,7 @@ def _played_sides(options: argparse.Namespace) -> "tuple[list[Take], bool]":
                 raise InputError("--side-by-side", f"no speed is admissible: {state.result.sentence()}", value=side)
             takes.append(Take(f"constant factor {state.trajectory.c:.3g}", state.trajectory, urdfs))
         else:
-            rates = options.rates if side == "smooth" else False
+            rates = (options.rates or True) if side == "smooth" else False
             if rates:
                 with told_of("--rates"):
                     rate_limits(cell, rates)

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 SAVED = ".npz"
 
+QUESTIONS = {"share": None, "closure": None, "reserve": 0.0, "no_wrench_limits": False, "no_velocity_limits": False}
+"""Options that change the answer, and their values where they are not given."""
+
 
 def add_shown(view: argparse.ArgumentParser) -> None:
     """Add the arguments that say what is shown."""
@@ -46,6 +49,10 @@ def shown_files(options: argparse.Namespace) -> Iterator[None]:
         if options.motion is not None or options.variant is not None:
             other = "MOTION" if options.motion is not None else "--variant"
             raise InputError(other, f"does not go with {SAVED}: a saved result holds its motion.")
+        for name, nothing in QUESTIONS.items():
+            if getattr(options, name) != nothing:
+                option = f"--{name.replace('_', '-')}"
+                raise InputError(option, f"does not go with {SAVED}: a saved result is played as it was found.")
         yield
     elif options.variant is not None:
         if options.motion is not None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from mrts.base.errors import InputError, MrtsError
 from mrts.base.formats.package_uri import file_of_uri, is_uri
+from mrts.base.regular_file import is_file
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
@@ -83,10 +84,10 @@ def _mesh_file(urdf: Path, fname: str) -> str:
             return str(file_of_uri(urdf, fname, urdf))
         except InputError as error:
             for above in urdf.resolve().parents:
-                if (above / inside).is_file():
+                if is_file(above / inside):
                     return str(above / inside)
             raise InputError(urdf, f"its mesh '{fname}' is not found: {error.rule}") from None
     file = urdf.resolve().parent / inside
-    if file.is_file():
+    if is_file(file):
         return str(file)
     raise InputError(urdf, f"its mesh '{fname}' is not found.")

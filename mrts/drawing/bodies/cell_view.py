@@ -27,6 +27,7 @@ class CellView:
         target: The point looked at, the middle of all parts at all times, Shape (3,) [m].
         floor: A point below all bases, at the height of the lowest, Shape (3,) [m].
         size: Radius of a ball that holds all parts at all times [m].
+        aside: How much farther to both sides of the target there is something to see [m].
     """
 
     up: Array
@@ -34,6 +35,7 @@ class CellView:
     target: Array
     floor: Array
     size: float
+    aside: float = 0.0
 
     def camera(self, aspect: float = 1.0) -> Array:
         """Where to look from so that all parts are in the picture, Shape (3,) [m].
@@ -42,8 +44,9 @@ class CellView:
             aspect: Width of the picture by its height.
         """
         half = FIELD_OF_VIEW / 2
-        narrower = min(half, np.arctan(np.tan(half) * aspect))
-        return np.asarray(self.target + self.size / np.sin(narrower) * self.direction)
+        sideways = np.arctan(np.tan(half) * aspect)
+        distance = max(self.size / np.sin(half), (self.size + self.aside) / np.sin(sideways))
+        return np.asarray(self.target + distance * self.direction)
 
 
 def look_at_cell(cell: Cell, q: Array, position: Array) -> CellView:

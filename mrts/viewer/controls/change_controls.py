@@ -58,12 +58,12 @@ class ChangeControls:
         """Whether a change waits for its last answer."""
         return self._draft
 
-    def follow(self, elapsed: float, speed: float | None, held: RigidTransform) -> None:
+    def follow(self, elapsed: float, speed_at: Callable[[Choices], float | None], held: RigidTransform) -> None:
         """Take over what was changed since the last call, and ask for its answer.
 
         Args:
             elapsed: Since then [s].
-            speed: To play at; None is the first choice.
+            speed_at: The speed to play choices at; None is the first one.
             held: Of the object in the world, at the moment that is shown.
 
         Raises:
@@ -82,14 +82,14 @@ class ChangeControls:
             choices, gesture = changed
             self._still, self._draft = 0.0, True
             if choices is not bench.choices:
-                bench.edit(choices, gesture, draft=True, speed=speed)
+                bench.edit(choices, gesture, draft=True, speed=speed_at(choices))
             self.show()
             self.follow_gizmo(held)
         elif self._draft and (let_go or (self._still > SETTLED and not self._gizmo.dragged)):
             self._draft = False
             bench.end_gesture()
             if bench.choices.profile != "constant":
-                bench.ask(speed)
+                bench.ask(speed_at(bench.choices))
 
     def follow_gizmo(self, held: RigidTransform) -> None:
         """Let the gizmo stand where its place is."""
@@ -101,10 +101,7 @@ class ChangeControls:
         self._edits.show(choices)
         self._offsets.show(choices)
         if self._menu is not None:
-            wanted = choices.configuration or AS_GIVEN
-            if wanted in self._menu.options:
-                assign(self._menu, wanted)
-                self._shown_configuration = wanted
+            self._show_configuration(self._menu, choices.configuration or AS_GIVEN)
 
     def show_study(self) -> None:
         """Offer the configurations, once they are ranked."""
@@ -114,9 +111,17 @@ class ChangeControls:
                 self._rank.disabled, self._rank.label = False, "Rank all configurations"
             return
         self._study = study
-        menu.options = (AS_GIVEN, *self._bench.configuration_labels()[:CONFIGURATIONS_SHOWN])
         menu.visible, self._rank.disabled, self._rank.label = True, False, "Rank them again"
         self.show()
+
+    def _show_configuration(self, menu: viser.GuiDropdownHandle[str], wanted: str) -> None:
+        """Show the chosen one among those that were ranked last; the numbers in its name may be those of before."""
+        labels = self._bench.configuration_labels()[:CONFIGURATIONS_SHOWN]
+        options = tuple(dict.fromkeys((AS_GIVEN, wanted, *labels)))
+        if options != menu.options:
+            menu.options = options
+        assign(menu, wanted)
+        self._shown_configuration = wanted
 
     def _choose_place(self, held: RigidTransform) -> None:
         if self._place.value == self._shown_place:

@@ -11,6 +11,8 @@ from mrts.viewer.panel import error_html, note_html, saved_html
 from mrts.viewer.workbench.saved_choices import save_choices, saving_folder
 from mrts.viewer.workbench.workbench import Workbench
 
+FIXED = "Only a cell file is written anew: this cell is from generated files, or a variant of a study."
+
 
 class SaveControls:
     """Names of the files, and the button that writes them.
@@ -26,7 +28,7 @@ class SaveControls:
         folder = saving_folder(bench.given)
         with gui.add_folder("Save as"):
             if folder is None:
-                gui.add_html(note_html("A cell of generated files is not written anew: open its cell file to save."))
+                gui.add_html(note_html(FIXED))
                 return
             gui.add_html(note_html(f"Into {folder}"))
             self._cell = gui.add_text("cell file", "changed_cell.yaml")

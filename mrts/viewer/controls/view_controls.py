@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Controls of how the scene and the page look; needs the extra 'view'."""
 
+from collections.abc import Callable
+from functools import partial
+
 import viser
 
 from mrts.viewer.scene import ViewerScene
@@ -12,9 +15,12 @@ class ViewControls:
     Args:
         server: Where.
         scene: What.
+        later: Takes work for the thread that follows the controls.
     """
 
-    def __init__(self, server: viser.ViserServer, scene: ViewerScene) -> None:
+    def __init__(
+        self, server: viser.ViserServer, scene: ViewerScene, later: Callable[[Callable[[], None]], None]
+    ) -> None:
         self._server, self._scene = server, scene
         gui = server.gui
         with gui.add_folder("Scene"):
@@ -23,7 +29,7 @@ class ViewControls:
             self._shadows = gui.add_checkbox("shadows", initial_value=False, hint="for a good graphics card")
             self._dark = gui.add_checkbox("dark", initial_value=False)
             fit = gui.add_button("Show the whole cell")
-        fit.on_click(self._fit)
+        fit.on_click(lambda event: later(partial(self._fit, event.client)))
         self._shown = (False, True, False, False)
 
     def follow(self) -> bool:
@@ -44,6 +50,6 @@ class ViewControls:
         self._shown = wanted
         return True
 
-    def _fit(self, event: viser.GuiEvent[viser.GuiButtonHandle]) -> None:
-        if event.client is not None:
-            self._scene.fit(event.client)
+    def _fit(self, client: viser.ClientHandle | None) -> None:
+        if client is not None:
+            self._scene.fit(client)

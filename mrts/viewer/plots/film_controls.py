@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: MIT
 """Pictures and films of what is shown, for the browser that asks; needs the extras 'view' and 'film'."""
 
+import re
 import tempfile
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from threading import Thread
 
 import numpy as np
 import viser
 
 from mrts.base.arrays import Array
-from mrts.base.errors import MrtsError
+from mrts.base.errors import InputError, MrtsError
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.viewer.panel import error_html, note_html
 from mrts.viewer.player_state import PlayerState
@@ -18,7 +21,14 @@ from mrts.viewer.plots.other_result import Others
 from mrts.viewer.scene_arms import Urdfs
 from mrts.viewer.workbench.workbench import Answer
 
-FORMATS = ("Picture (PNG)", "Film (GIF)", "Film (mp4)")
+PICTURE = "Picture (PNG)"
+FORMATS = {PICTURE: ".png", "Film (GIF)": ".gif", "Film (mp4)": ".mp4"}
+"""Endings of files, by what is on the button."""
+
+NO_LETTER = re.compile(r"[^A-Za-z0-9_-]+")
+"""What of a cell's name, which a saved result may hold as it likes, is not in the name of a file."""
+
+LONGEST_NAME = 60
 NEEDS = ("matplotlib", "PIL")
 
 
@@ -38,6 +48,8 @@ class FilmControls:
         self._others = [(name, done) for name, result in others if (done := result.trajectory) is not None]
         self._state: PlayerState | None = None
         self._worker: Thread | None = None
+        self._asked: SimpleQueue[tuple[viser.ClientHandle, str]] = SimpleQueue()
+        self._failed: Exception | None = None
         self._said = self._shown = ""
         with gui.add_folder("Pictures"):
             if lacking := [name for name in NEEDS if find_spec(name) is None]:
@@ -45,7 +57,7 @@ class FilmControls:
             self._buttons = [gui.add_button(name, disabled=bool(lacking)) for name in FORMATS]
             self._text = gui.add_html("")
         for button in self._buttons:
-            button.on_click(self._ask)
+            button.on_click(self._note)
 
     def show_answer(self, answer: Answer) -> None:
         """Take what is shown."""
@@ -56,20 +68,29 @@ class FilmControls:
         self._state = state
 
     def step(self, elapsed: float) -> None:  # noqa: ARG002 (what every part is told)
-        """Say how far a film is."""
+        """Begin what was asked for, and say how far it is."""
+        with suppress(Empty):
+            self._begin(*self._asked.get_nowait())
+        if self._failed is not None:
+            raise self._failed
         if self._said != self._shown:
             self._shown = self._said
             self._text.content = self._said
 
-    def _ask(self, event: viser.GuiEvent[viser.GuiButtonHandle]) -> None:
-        state, client = self._state, event.client
-        if client is None or (self._worker is not None and self._worker.is_alive()):
-            return
+    def _note(self, event: viser.GuiEvent[viser.GuiButtonHandle]) -> None:
+        """Keep what a browser asks for, for the thread that follows the controls."""
+        if event.client is not None:
+            self._asked.put((event.client, event.target.label))
+
+    def _begin(self, client: viser.ClientHandle, kind: str) -> None:
+        state = self._state
+        if self._worker is not None and self._worker.is_alive():
+            return  # it says how far it is
         if state is None:
             self._said = error_html("There is no motion to show.")
             return
         backward = np.asarray(client.camera.position) - np.asarray(client.camera.look_at)
-        done, at, kind = state.trajectory, state.time, event.target.label
+        done, at = state.trajectory, state.time
         work = (client, kind, done, at, backward)
         self._worker = Thread(target=self._make, args=work, name="mrts film", daemon=True)
         self._worker.start()
@@ -85,10 +106,10 @@ class FilmControls:
 
         try:
             self._said = note_html("Drawing …")
-            if kind == FORMATS[0]:
-                name, content = f"{done.cell.name}.png", picture_bytes(takes, at, backward)
+            name = f"{NO_LETTER.sub('_', done.cell.name)[:LONGEST_NAME]}{FORMATS[kind]}"
+            if kind == PICTURE:
+                content = picture_bytes(takes, at, backward)
             else:
-                name = f"{done.cell.name}.{'gif' if kind == FORMATS[1] else 'mp4'}"
                 with tempfile.TemporaryDirectory(prefix="mrts-film-") as folder:
                     write_film(takes, Path(folder) / name, backward, progress=tell)
                     content = (Path(folder) / name).read_bytes()
@@ -96,3 +117,7 @@ class FilmControls:
             self._said = note_html(f"{name} has {len(content) / 1e6:.2f} MB.")
         except MrtsError as error:
             self._said = error_html(str(error))
+        except OSError as error:
+            self._said = error_html(str(InputError(kind, f"cannot be written: {error.strerror}.")))
+        except Exception as error:  # noqa: BLE001 (raised again where the controls are followed)
+            self._failed = error

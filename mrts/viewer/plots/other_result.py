@@ -8,6 +8,7 @@ from types import MappingProxyType
 import numpy as np
 import viser
 
+from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
 from mrts.drawing.bodies.cell_view import look_at_cell
 from mrts.drawing.bodies.held_body import held_body
@@ -15,7 +16,7 @@ from mrts.drawing.labels import shortened
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.scene import OBJECT, THICKNESS
+from mrts.viewer.scene import OBJECT, THICKNESS, ViewerScene
 from mrts.viewer.scene_arms import Rgb, drawn_arm, wxyz
 from mrts.viewer.viewer_part import ViewerPart
 from mrts.viewer.workbench.workbench import Answer
@@ -33,14 +34,15 @@ COLOUR: Rgb = (140, 146, 156)
 """Of its arms."""
 
 
-def other_results(server: viser.ViserServer, others: Others) -> list[ViewerPart]:
+def other_results(server: viser.ViserServer, scene: ViewerScene, others: Others) -> list[ViewerPart]:
     """Show the first of some results in the scene; more have no room there.
 
     Args:
         server: Where; its control stands in the container that is open.
+        scene: Of the first.
         others: May be none.
     """
-    return [OtherResult(server, *other) for other in others[:1]]
+    return [OtherResult(server, scene, *other) for other in others[:1]]
 
 
 class OtherResult:
@@ -48,6 +50,7 @@ class OtherResult:
 
     Args:
         server: Where.
+        scene: Whose view has room for it.
         name: Of the result, for people.
         result: With a trajectory.
 
@@ -56,27 +59,28 @@ class OtherResult:
         offset: From where it stands over the first to where it stands beside it, Shape (3,) [m].
     """
 
-    def __init__(self, server: viser.ViserServer, name: str, result: ScalingResult) -> None:
+    def __init__(self, server: viser.ViserServer, scene: ViewerScene, name: str, result: ScalingResult) -> None:
         assert result.trajectory is not None  # noqa: S101 (what is read to be played has one)
         self._done: ScaledTrajectory = result.trajectory
-        self._scene, cell = server.scene, result.cell
+        self._view, drawing, cell = scene, server.scene, result.cell
         view = look_at_cell(cell, self._done.q, result.motion.object.position)
         across = np.cross(view.up, view.direction)
         self.offset = APART * view.size * across / np.linalg.norm(across)
         self._robots = [replace(robot, name=f"{robot.name} of the other") for robot in cell.robots]
-        self._frames = [self._scene.add_frame(f"/arms/{robot.name}", show_axes=False) for robot in self._robots]
+        self._frames = [drawing.add_frame(f"/arms/{robot.name}", show_axes=False) for robot in self._robots]
         self._arms = [
-            drawn_arm(self._scene, robot, MappingProxyType({}), COLOUR, THICKNESS * view.size, lambda _text: None)
+            drawn_arm(drawing, robot, MappingProxyType({}), COLOUR, THICKNESS * view.size, lambda _text: None)
             for robot in self._robots
         ]
         body = held_body(cell)
         mesh = body.vertices.astype(np.float32), body.faces.astype(np.uint32)
-        self.body = self._scene.add_mesh_simple("/other_object", *mesh, color=OBJECT, opacity=0.6, flat_shading=True)
-        self._label = self._scene.add_label("/other_name", shortened(name), anchor="bottom-center")
+        self.body = drawing.add_mesh_simple("/other_object", *mesh, color=OBJECT, opacity=0.6, flat_shading=True)
+        self._label = drawing.add_label("/other_name", shortened(name), anchor="bottom-center")
         self._above = 0.5 * view.size * view.up
         with server.gui.add_folder("Other result"):
             self._place = server.gui.add_dropdown("stands", PLACES, initial_value=BESIDE)
-        self._shown = ""
+        self._shown = BESIDE
+        scene.look_beside(self.offset)
         self._time = 0.0
 
     def show_answer(self, answer: Answer) -> None:
@@ -90,12 +94,17 @@ class OtherResult:
     def step(self, elapsed: float) -> None:  # noqa: ARG002 (what every part is told)
         """Stand where it is wanted."""
         if self._place.value != self._shown:
+            self._shown = self._place.value
             self._draw()
+            self._view.look_beside(self._offset())
+
+    def _offset(self) -> Array:
+        """From where it would stand over the first, Shape (3,) [m]."""
+        return self.offset if self._shown == BESIDE else np.zeros(3)
 
     def _draw(self) -> None:
-        self._shown = self._place.value
         visible = self._shown != HIDDEN
-        offset = self.offset if self._shown == BESIDE else np.zeros(3)
+        offset = self._offset()
         done, cell = self._done, self._done.cell
         sample = int(np.argmin(np.abs(done.time - self._time)))
         for arm, robot, joints in zip(self._arms, self._robots, cell.joint_slices.values(), strict=True):

@@ -17,6 +17,7 @@ from mrts.drawing.axis_reach import c2_reach
 from mrts.drawing.colours import COLOURS, END_COLOURS
 from mrts.drawing.labels import shortened
 from mrts.drawing.limit_shares import LimitShares
+from mrts.drawing.round_numbers import round_down
 from mrts.scaling.range import ScalingRange
 
 WIDTH, HEIGHT = 360, 104
@@ -215,8 +216,7 @@ def _round_ticks(high: float) -> list[float]:
     """0 and a round number in the upper half of the axis, and its half."""
     if not (isfinite(high) and high > 0):
         return [0.0]
-    power = 10.0 ** np.floor(np.log10(high))
-    top = max(step * power for step in (1.0, 2.0, 4.0, 5.0, 8.0) if step * power <= high)
+    top = round_down(high, (1, 2, 4, 5, 8))
     return [0.0, top / 2, top]
 
 

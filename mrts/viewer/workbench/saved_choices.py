@@ -7,23 +7,32 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import yaml
 
 from mrts.base.arrays import Array, without_infinity
 from mrts.base.atomic_file import text_writer, write_together
 from mrts.base.errors import InputError
 from mrts.base.input_file import read_text
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
-from mrts.base.yaml_parser import parse_yaml
+from mrts.base.yaml_parser import parse_yaml, yaml_text
 from mrts.cell.cell import Cell
 from mrts.cell.loading import load_cell
 from mrts.cell.robot import Robot
+from mrts.motion.motion_file import MotionDescription
 from mrts.viewer.workbench.choices import Choices, Given
 from mrts.viewer.workbench.edited_yaml import Key, edited_yaml
 
 SUFFIXES = {".yaml", ".yml"}
 LONGEST_NAME = 100
+"""Of a file, in bytes: file systems count these."""
+
 SAME = 1e-12
 """Numbers of a saved cell that differ by no more from the wanted ones are these: angles pass through cosines."""
+
+ANEW = (
+    "The {} file was written anew, without the comments of the original: it gives an edited value in a form that is "
+    "not edited in place."
+)
 
 Edits = dict[tuple[Key, ...], Any]
 
@@ -53,7 +62,7 @@ def save_choices(
     """
     folder = saving_folder(given)
     if folder is None or given.cell_path is None:
-        raise InputError("saving", "takes a cell file; this cell is from generated files.")
+        raise InputError("saving", "takes a cell file; this cell is from generated files, or a variant of a study.")
     texts: dict[Path, str] = {}
     target = _target(folder, "cell file", cell_name)
     texts[target], remark = _cell_text(given, choices, given.cell_path, target)
@@ -61,7 +70,8 @@ def save_choices(
         motion = _target(folder, "motion file", motion_name)
         if motion == target:
             raise InputError("motion file", "has the name of the cell file.", value=motion_name)
-        texts[motion] = _motion_text(given, choices)
+        texts[motion], further = motion_text(given, choices)
+        remark = " ".join(filter(None, [remark, further]))
     for path in texts:
         if not overwrite and (path.exists() or path.is_symlink()):
             raise InputError(path, "exists already: choose another name, or allow to replace it.")
@@ -74,8 +84,8 @@ def save_choices(
 def _target(folder: Path, where: str, name: str) -> Path:
     """The path of a file in the folder, and nowhere else."""
     is_name = name.isprintable() and Path(name).name == name and not name.startswith(".") and "\\" not in name
-    if not is_name or Path(name).suffix.lower() not in SUFFIXES or len(name) > LONGEST_NAME:
-        rule = f"must be a name of at most {LONGEST_NAME} characters that ends in .yaml, without a folder."
+    if not is_name or Path(name).suffix.lower() not in SUFFIXES or len(name.encode()) > LONGEST_NAME:
+        rule = f"must be a name of at most {LONGEST_NAME} bytes that ends in .yaml, without a folder."
         raise InputError(where, rule, value=name)
     return folder / name
 
@@ -84,14 +94,14 @@ def _cell_text(given: Given, choices: Choices, path: Path, target: Path) -> tupl
     """The original text with the edited keys; where that does not read back to the cell, a text written anew."""
     original = load_cell(path)
     wanted = choices.saved_cell(replace(given, cell=original))
-    text = edited_yaml(read_text(path, "cell file"), _cell_edits(original, wanted, choices))
+    before, edits = read_text(path, "cell file"), _cell_edits(original, wanted, choices)
     try:
+        text = edited_yaml(before, edits)
         if _same(Cell.from_description(parse_yaml(text), folder=target.parent), wanted):
             return text, ""
-    except InputError:
+    except (InputError, ValueError, yaml.YAMLError):
         pass
-    remark = "The cell file was written anew, without the comments of the original: it gives an edited value in a "
-    return wanted.to_yaml(), remark + "form that is not edited in place."
+    return wanted.to_yaml(), ANEW.format("cell")
 
 
 def _cell_edits(original: Cell, wanted: Cell, choices: Choices) -> Edits:
@@ -149,7 +159,19 @@ def _same(one: Cell, other: Cell) -> bool:
     )
 
 
-def _motion_text(given: Given, choices: Choices) -> str:
+def motion_text(given: Given, choices: Choices) -> tuple[str, str]:
+    """The original text with the edited ends; where that does not read back to the motion, a text written anew.
+
+    Args:
+        given: With a motion that is described by poses, and its file.
+        choices: The choices.
+
+    Returns:
+        The text, and a remark, empty where there is none.
+
+    Raises:
+        InputError: If the motion is from a table, or its file cannot be read.
+    """
     described = choices.description(given)
     if described is None or given.motion_path is None:
         raise InputError("motion file", "a motion from a table has no ends that could have moved: save the cell alone.")
@@ -162,4 +184,12 @@ def _motion_text(given: Given, choices: Choices) -> str:
         pose = choices.start if name == "start" else choices.end
         if pose is not None:
             edits[keys] = _pose(pose)
-    return edited_yaml(read_text(given.motion_path, "motion file"), edits)
+    before = read_text(given.motion_path, "motion file")
+    try:
+        text = edited_yaml(before, edits)
+        if MotionDescription(**parse_yaml(text)) == described:
+            return text, ""
+    except (InputError, ValueError, yaml.YAMLError):
+        pass
+    whole = {key: value for key, value in described.model_dump().items() if value is not None}
+    return yaml_text(whole), ANEW.format("motion")

@@ -85,7 +85,8 @@ class Workbench:
         self._ready: list[_News] = []
         self._known: Answer | None = None
         self._task: Callable[[], ConfigurationStudy] | None = None
-        self._busy = self._closed = False
+        self._at_work: _Wish | Callable[[], ConfigurationStudy] | None = None
+        self._closed = False
         self._changed = Condition()
         self._progress = progress
         self._worker: Thread | None = None
@@ -102,7 +103,14 @@ class Workbench:
     def waits(self) -> bool:
         """Whether something was asked that is not answered yet, or not taken."""
         with self._changed:
-            return self._busy or self._wish is not None or self._task is not None or bool(self._ready)
+            return any((self._at_work, self._wish, self._task, self._ready))
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether an answer is on its way, newer than what was taken."""
+        with self._changed:
+            on_its_way = isinstance(self._at_work, _Wish) or self._wish is not None
+            return on_its_way or any(isinstance(one, Answer) for one in self._ready)
 
     @property
     def fixed_configuration(self) -> str:
@@ -240,7 +248,7 @@ class Workbench:
                 self._wish = None
                 if wish is None:
                     self._task = None
-                self._busy = True
+                self._at_work = wish or task
             done: _News
             try:
                 if wish is not None:
@@ -251,7 +259,7 @@ class Workbench:
                 done = error
             with self._changed:
                 self._ready.append(done)
-                self._busy = False
+                self._at_work = None
 
     def _answered(self, wish: _Wish) -> Answer:
         begin = perf_counter()

@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: MIT
+"""The scene, the panel, and the player of a motion, whether it can be changed or not; needs the extra 'view' (viser).
+
+One thread, the caller's, reads the controls thirty times a second and draws what has changed, so that a fast hand on a
+slider never queues up work.
+"""
+
+import contextlib
+import time
+from collections.abc import Callable
+from queue import Empty, SimpleQueue
+
+import viser
+
+from mrts.base.errors import MrtsError
+from mrts.viewer.controls.view_controls import ViewControls
+from mrts.viewer.panel import STYLE, error_html, moment_html, outcome_html, speed_html, unreached_html
+from mrts.viewer.playback import Playback
+from mrts.viewer.player_state import PlayerState
+from mrts.viewer.plots.film_controls import FilmControls
+from mrts.viewer.plots.other_result import Others, other_results
+from mrts.viewer.plots.plot_panel import PlotPanel
+from mrts.viewer.readings import Readings
+from mrts.viewer.scene import ViewerScene
+from mrts.viewer.scene_arms import Urdfs
+from mrts.viewer.viewer_part import ViewerPart
+from mrts.viewer.workbench.workbench import Answer
+
+FRAME = 1 / 30
+"""Time between looks at the controls [s]."""
+
+PANEL = 400
+"""Width of the panel [pixels]; the scene has the rest of the window."""
+
+Later = Callable[[Callable[[], None]], None]
+"""Takes work for the thread that follows the controls."""
+
+
+class MotionViewer:
+    """The scene, and what every panel has: the outcome, the time, readings, plots, and files.
+
+    A viewer puts its own controls between these, then shows its first answer.
+
+    Args:
+        server: Where.
+        answer: The first, with a motion or with what is not reached.
+        urdfs: URDF and base link by robot, for their meshes; empty draws simple shapes.
+        warn: Told which arm is drawn without its meshes, and why.
+        others: Results to show beside it, each with its name; the plots compare with the first.
+
+    Attributes:
+        server: As given.
+        parts: What follows the scene and the panel.
+        playback: Its time.
+    """
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        answer: Answer,
+        urdfs: Urdfs,
+        warn: Callable[[str], None],
+        others: Others = (),
+    ) -> None:
+        self.server, self._answer, self._sample = server, answer, 0
+        self._urdfs, self._others = urdfs, others
+        self.parts: list[ViewerPart] = []
+        self._todo: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self._scene = ViewerScene(server, answer, urdfs, warn)
+        gui = server.gui
+        gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
+        gui.main_panel.dock_right()
+        gui.main_panel.set_width(PANEL)
+        gui.add_html(STYLE)
+        self._outcome, self._message = gui.add_html(""), gui.add_html("")
+
+    @property
+    def state(self) -> PlayerState | None:
+        """What is shown; None where arms do not reach."""
+        return self._answer.state
+
+    def run(self) -> None:
+        """Follow the controls until Ctrl-C."""
+        last = due = time.monotonic()
+        with contextlib.suppress(KeyboardInterrupt):
+            while True:
+                due = max(due + FRAME, time.monotonic())
+                time.sleep(max(0.0, due - time.monotonic()))
+                now = time.monotonic()
+                self.step(now - last)
+                last = now
+
+    def step(self, elapsed: float) -> None:
+        """Do what the controls ask for, show what is new, and play on.
+
+        Args:
+            elapsed: Since the last call [s].
+        """
+        try:
+            with contextlib.suppress(Empty):
+                while True:
+                    self._todo.get_nowait()()
+            self._follow_choices(elapsed)
+            another, read = self.playback.follow(elapsed)
+            if self._view.follow() or another:
+                self._show_moment(read=read)
+            self._scene.follow_windows()
+            for part in self.parts:
+                part.step(elapsed)
+        except MrtsError as error:
+            self._say(error)
+
+    def close(self) -> None:
+        """Leave nothing at work; the server stays."""
+
+    def _follow_choices(self, elapsed: float) -> None:
+        """Do what a viewer's own controls ask for."""
+
+    def _add_player(self) -> None:
+        self.playback = Playback(self.server.gui, self._duration, self._todo.put)
+
+    def _add_texts(self) -> None:
+        self._speed_text, self._moment_text = self.server.gui.add_html(""), self.server.gui.add_html("")
+
+    def _add_tabs(self) -> None:
+        gui = self.server.gui
+        tabs = gui.add_tab_group()
+        with tabs.add_tab("Readings"):
+            self._readings = Readings(gui, self._scene)
+        with tabs.add_tab("Plots"):
+            self.parts.append(PlotPanel(gui, self._others))
+        self._add_changes(tabs)
+        with tabs.add_tab("View"):
+            self.playback.add_pace(gui)
+            self._view = ViewControls(self.server, self._scene, self._todo.put)
+            self.parts += other_results(self.server, self._scene, self._others)
+        with tabs.add_tab("Save"):
+            self._add_saving()
+            self.parts.append(FilmControls(gui, self._urdfs, self._others))
+
+    def _add_changes(self, tabs: viser.GuiTabGroupHandle) -> None:
+        """Add a tab of what can be changed."""
+
+    def _add_saving(self) -> None:
+        """Add what saves changes, in the container that is open."""
+
+    def _say(self, error: MrtsError) -> None:
+        self._message.content = error_html(str(error))
+
+    def _duration(self) -> float:
+        answer = self._answer
+        if answer.state is not None:
+            return answer.state.trajectory.duration
+        assert answer.unreached is not None  # noqa: S101 (one of the two is shown)
+        return float(answer.unreached.time[-1])
+
+    def _show_answer(self, answer: Answer) -> None:
+        """Show all that depends on choices and speed, and the moment."""
+        others = answer.choices is not self._answer.choices or answer is self._answer
+        self._message.content = "" if answer.error is None else error_html(str(answer.error))
+        if answer.error is not None:
+            return  # what was shown before stays
+        self._answer = answer
+        with self.server.atomic():
+            if others:
+                self._scene.show_answer(answer)
+            if answer.state is not None:
+                if others:
+                    self._scene.rescale(answer.state)
+                self._outcome.content = outcome_html(answer.state)
+                self._speed_text.content = speed_html(answer.state)
+            elif answer.unreached is not None:
+                self._outcome.content = unreached_html(answer.unreached)
+                self._speed_text.content = ""
+            self._readings.show_answer(answer)
+            for part in self.parts:
+                part.show_answer(answer)
+            self._show_moment(read=True)
+
+    def _show_moment(self, *, read: bool) -> None:
+        """Show all that depends on the time.
+
+        Args:
+            read: Whether numbers are renewed too.
+        """
+        answer, at = self._answer, self.playback.time
+        with self.server.atomic():
+            if answer.state is not None:
+                answer.state.choose_time(at)
+                self._sample = answer.state.sample
+                self._scene.show_moment(answer.state)
+                for part in self.parts:
+                    part.show_moment(answer.state)
+            elif answer.unreached is not None:
+                self._sample = answer.unreached.nearest(at)
+                self._scene.show_gap(answer.unreached, self._sample)
+        if not read:
+            return
+        self.playback.show()
+        self._moment_text.content = "" if answer.state is None else moment_html(answer.state)
+        self._readings.show_moment(answer.state)

@@ -1,0 +1,93 @@
+"""Controls of the viewer without a browser: their values are set as a browser's messages set them."""
+
+import time
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+from conftest import DATA
+
+from mrts.motion.motion_file import described_motion
+from mrts.viewer.controls.bound_control import assign
+from mrts.viewer.server import close_server, open_server
+from mrts.viewer.viewer import Viewer
+from mrts.viewer.workbench.choices import Given
+from mrts.viewer.workbench.workbench import Workbench
+
+PATIENCE = 30.0
+
+
+@pytest.fixture(scope="module")
+def server():
+    opened = open_server("127.0.0.1", 0, "test")
+    yield opened
+    close_server(opened)
+
+
+@pytest.fixture
+def viewer(server, planar_cell, lift):
+    """The viewer, its workbench, and its controls by label."""
+    server.gui.reset()
+    bench = Workbench(Given(planar_cell, lift, described_motion(DATA / "lift.yaml")))
+    shown = Viewer(server, bench, {}, pytest.fail)
+    controls = {getattr(handle, "label", ""): handle for handle in server.controls.values()}
+    yield SimpleNamespace(shown=shown, bench=bench, controls=controls)
+    shown.close()
+
+
+def choose(viewer, **values):
+    """Set controls, and wait for the answer."""
+    for label, value in values.items():
+        assign(viewer.controls[label.replace("_", " ")], value)
+    viewer.shown.settle()
+
+
+def test_another_profile_is_played_at_its_own_speed(viewer):
+    """A chosen c is a factor of the given motion; of a timing it would be a share."""
+    choose(viewer, speed_c=0.5)
+    assert viewer.shown.state.trajectory.c == pytest.approx(0.5)
+    choose(viewer, profile="optimal")
+    assert viewer.shown.state.trajectory.c == 1
+    assert viewer.shown.state.admissible
+    choose(viewer, speed_c=0.5)
+    choose(viewer, profile="constant")
+    assert viewer.shown.state.trajectory.c == viewer.shown.state.speeds.start
+
+
+def test_a_hand_on_the_slider_is_not_pushed_back(viewer, monkeypatch):
+    """An answer to where the slider was comes after it has moved on."""
+    slider, bench = viewer.controls["speed c"], viewer.bench
+    slider.value = 0.5
+    viewer.shown.step(0.0)
+    slider.value = 0.7
+    end, news = time.monotonic() + PATIENCE, []
+    while not news and time.monotonic() < end:
+        news = bench.take()
+        time.sleep(0.001)
+    with monkeypatch.context() as just_ready:
+        just_ready.setattr(bench, "take", lambda: news)
+        viewer.shown.step(0.0)
+    assert viewer.shown.state.trajectory.c == pytest.approx(0.5)
+    assert slider.value == 0.7
+    viewer.shown.settle()
+    assert slider.value == 0.7
+    assert viewer.shown.state.trajectory.c == pytest.approx(0.7)
+
+
+def test_ranking_again_keeps_the_chosen_configuration(viewer):
+    bench, menu = viewer.bench, viewer.controls["configuration"]
+    bench.rank()
+    viewer.shown.settle()
+    second = menu.options[2]
+    choose(viewer, configuration=second)
+    postures = bench.choices.postures
+    bench.edit(replace(bench.choices, mass=2 * bench.given.cell.mass))
+    bench.rank()
+    viewer.shown.settle()
+    assert second not in bench.configuration_labels()  # its c²⁺ is another one
+    assert bench.choices.postures == postures
+    assert menu.value == second
+    choose(viewer, configuration=bench.configuration_labels()[0])
+    assert bench.choices.postures != postures
+    viewer.shown.step(0.0)
+    assert viewer.shown.state is not None
