@@ -239,9 +239,10 @@ def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch
     results = []
     for threads in (1, 2, 3):
         monkeypatch.setattr("mrts.kernel.foreign_arrays.MOST_THREADS", threads)
-        monkeypatch.setattr("os.cpu_count", lambda: 8)
+        monkeypatch.setattr("mrts.kernel.foreign_arrays._processors", lambda: 8)
         result = mrts.scale(cell, motion)
         assert result.fallbacks == 0
+        timed = mrts.retime(cell, motion, between=None)
         fast = compiled_trajectory(cell.without_velocity_limits(), motion, "wrench", None, "kernel")
         ends = cell.functions.compiled.ranges(
             motion.samples,
@@ -251,7 +252,10 @@ def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch
             np.full(motion.samples, np.inf),
         )
         results.append(
-            (ends.lower, ends.upper, ends.basis, ends.dual, result.trajectory.torque, result.trajectory.wrench)
+            (
+                *(ends.lower, ends.upper, ends.basis, ends.dual, result.trajectory.torque, result.trajectory.wrench),
+                *(timed.pieces[0].x, timed.retimed.trajectory.torque, timed.retimed.trajectory.wrench),
+            )
         )
     for other in results[1:]:
         for one, two in zip(results[0], other, strict=True):
@@ -309,7 +313,7 @@ def test_a_failing_thread_is_an_error_and_not_a_result(planar_cell, lift, monkey
         return work_arrays(*asked)
 
     monkeypatch.setattr("mrts.kernel.cell_library.work_arrays", fails_elsewhere)
-    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    monkeypatch.setattr("mrts.kernel.foreign_arrays._processors", lambda: 2)
     with pytest.raises(MemoryError):
         mrts.scale(planar_cell, whole, "nominal")
 

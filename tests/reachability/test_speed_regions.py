@@ -19,15 +19,24 @@ LARGEST = 50.0
 """u and x end where they move some row by this many limits."""
 
 
-def along_a_path(rng, count, arms, size):
-    """Rows over [F, u, x] that change slowly: A, lower, upper, scale, bounds."""
+def along_a_path(rng, count, arms, size, *, alone=False):
+    """Rows over [F, u, x] that change slowly: A, lower, upper, scale, bounds.
+
+    With `alone` wrenches that are unknowns have limits of their own, as those of a cell; u moves all rows without.
+    """
     A, lower, upper = cell_programs(rng, count, arms, size)
     wave = np.sin(np.linspace(0, 3, count))[:, None]
     of_u = rng.normal(size=A.shape[1]) + rng.normal(size=A.shape[1]) * wave
+    of_u[:, alone & bounds_one(A)] = 0
     A = np.concatenate([A[:, :, :-1], of_u[:, :, None], A[:, :, -1:]], axis=2)
     scale = 1 / np.max(np.abs(A), axis=1)
     bound = np.full((count, 2), LARGEST)
     return A, lower, upper, scale, (np.where([True, False], -bound, 0.0), bound)
+
+
+def bounds_one(A):
+    """Rows that bound one unknown at every sample, Shape (r,)."""
+    return np.all(np.count_nonzero(A, axis=2) == 1, axis=0)
 
 
 def at(given, samples):
@@ -48,7 +57,7 @@ def directions():
 @pytest.mark.parametrize(("arms", "size"), ARMS)
 @pytest.mark.parametrize("seed", range(4))
 def test_a_projection_does_not_depend_on_the_one_before(arms, size, seed):
-    given = along_a_path(np.random.default_rng([18, arms, size, seed]), 300, arms, size)
+    given = along_a_path(np.random.default_rng([18, arms, size, seed]), 300, arms, size, alone=seed % 2 == 1)
     kernel = default_programs()
     number, corners, status = kernel.projections(*given)
     assert np.all((status == OPTIMAL) == (number > 0))
@@ -61,6 +70,30 @@ def test_a_projection_does_not_depend_on_the_one_before(arms, size, seed):
             np.testing.assert_allclose(ours, theirs, rtol=SAME, atol=SAME)
             compared += 1
     assert compared > 100 or np.mean(status == INFEASIBLE) > 0.5
+
+
+@pytest.mark.quick
+def test_a_sample_without_a_projection_leaves_those_beside_it_as_they_are():
+    """No number where a row is said to bound one unknown, and sides that cross, each in the middle of four samples."""
+    given = along_a_path(np.random.default_rng(184), 1000, 2, 6, alone=True)
+    number, corners, status = default_programs().projections(*given)
+    assert np.all(status == OPTIMAL)
+    A, lower, upper, *rest = given
+    row = np.flatnonzero(bounds_one(A))[0]
+    unknown = int(np.argmax(A[0, row] == 0))
+    bad = np.arange(9, 1000, 9)  # in each of the four places
+    no_number, crossed = bad[::2], bad[1::2]
+    A, upper = A.copy(), upper.copy()
+    A[no_number, row, unknown] = np.nan
+    upper[crossed, row] = lower[crossed, row] - 1
+    found, places, answers = default_programs().projections(A, lower, upper, *rest)
+    np.testing.assert_array_equal(np.flatnonzero(found == 0), bad)
+    assert np.all(answers[crossed] == INFEASIBLE)
+    assert not np.any(np.isin(answers[no_number], [OPTIMAL, INFEASIBLE]))
+    for ours, clean in zip(polygons(found, places), polygons(number, corners), strict=True):
+        if len(ours):
+            reaches = [np.max(points @ directions(), axis=0) for points in (ours, clean)]
+            np.testing.assert_allclose(*reaches, rtol=SAME, atol=SAME)
 
 
 @pytest.mark.parametrize(("arms", "size"), ARMS)

@@ -121,7 +121,7 @@ def test_threads_change_no_bit(monkeypatch):
     answers = []
     for threads in (1, 2, 3):
         monkeypatch.setattr(foreign_arrays, "MOST_THREADS", threads)
-        monkeypatch.setattr(foreign_arrays.os, "cpu_count", lambda: 3)
+        monkeypatch.setattr(foreign_arrays, "_processors", lambda: 3)
         there = between_path_samples(cell, part, PLACES)
         answers.append((motion_widening(cell, motion, c2).tobytes(), there.ddq.tobytes(), there.object.twist.tobytes()))
     assert answers[0] == answers[1] == answers[2]

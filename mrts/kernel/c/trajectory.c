@@ -180,7 +180,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
             basis[0][0] = basis[1][0] = 0;
         }
 #if MRTS_LANES > 1
-        if (in_lanes) mrts_try_bases(basis, &lanes);
+        if (in_lanes && lane + 1 < MRTS_LANES) mrts_try_bases(basis, &lanes); /* for the samples beside this one */
 #endif
     }
     return 0;
@@ -388,7 +388,7 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
         status[n] = (unsigned char)mrts_torques_of_sample(&search, arg[MRTS_ROTATION], &here, c2[n * c2_stride], torque + n * M,
                                                           wrench + n * N);
 #if MRTS_LANES > 1
-        if (in_lanes) mrts_try_active(&search, &lanes);
+        if (in_lanes && lane + 1 < MRTS_LANES) mrts_try_active(&search, &lanes); /* likewise */
 #endif
     }
     return 0;
