@@ -116,8 +116,6 @@ SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scal
             ROOT / "tests" / "study_cases",
             DATA / "cell.yaml",
             DATA / "lift.yaml",
-            UR5 / "cell.yaml",
-            UR5 / "lift_and_turn.yaml",
         ],
         [SANITIZED_SCALING, DATA / "cell.yaml", DATA / "lift.yaml"],
         [SANITIZED_SCALING, UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml"],

@@ -18,7 +18,7 @@ from mrts.samples.sample_ranges import sample_ranges
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.samples.widening import widening_at
 
-CELLS = draws(40)
+CELLS = draws(20)
 END_TOLERANCE = 2e-6
 """Of c: HiGHS admits what misses a limit by 1e-9 of it, and c moves far for it where inertia balances friction."""
 
