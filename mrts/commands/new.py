@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from mrts.base.formats.urdf_tree import UrdfTree
     from mrts.starting.proposal import Proposal
     from mrts.starting.reading import Given
-    from mrts.starting.request import Request
+    from mrts.starting.request import ArmRequest, Request
     from mrts.starting.tips import Hand
 
 EXAMPLES = """\
@@ -255,7 +255,9 @@ def _tell_arms(request: "Request") -> None:
     from mrts.diagnosis.unit_hints import urdf_hints
     from mrts.starting.cell_writing import missing
 
-    chains = {id(each.arm.chain): each for each in request.arms}
+    chains: dict[int, ArmRequest] = {}
+    for each in request.arms:  # two of a kind have one chain, told under the name of the first
+        chains.setdefault(id(each.arm.chain), each)
     for each in chains.values():
         chain = each.arm.chain
         proposed = f" (proposed: {each.why})" if each.why else ""
