@@ -175,10 +175,9 @@ def _temporary_file(path: Path) -> Iterator[Path]:
     if path.is_dir():
         raise InputError(path, "cannot be written: it is a folder; name a file.")
     with _made(path.parent):
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix)
-        temporary = Path(name)
-        try:
-            os.close(handle)
+        temporary = path.parent / f".{path.stem}.{os.urandom(8).hex()}{path.suffix}"
+        try:  # first: Ctrl-C may come between the file and what takes it away
+            temporary.touch(mode=0o600, exist_ok=False)
             yield temporary
         finally:
             temporary.unlink(missing_ok=True)

@@ -19,7 +19,7 @@ from terminal_session import at_terminal
 
 import mrts
 from mrts.cli import VERBS, main
-from mrts.console.terminal import RemarkHandler
+from mrts.console.terminal import QUIET, RemarkHandler
 
 UR5 = DATA.parent / "dual_ur5"
 MRTS = (sys.executable, "-m", "mrts")
@@ -78,7 +78,8 @@ def uncertain(tmp_path_factory):
 
 
 def test_generation_shows_a_sign_of_life_that_goes_away(tmp_path):
-    done = at_terminal([*MRTS, "generate", UR5 / "cell.yaml", "-o", tmp_path / "out"], COLUMNS="200")
+    command = [sys.executable, "-c", SOON + MAIN, "generate", UR5 / "cell.yaml", "-o", tmp_path / "out"]
+    done = at_terminal(command, COLUMNS="200")
     assert done.code == 0, done.shown
     bar, answer = done.shown.rsplit(CLEARED, 1)
     assert f"generating {UR5 / 'cell.yaml'}" in bar
@@ -176,7 +177,8 @@ def test_control_c_ends_the_work_tidily(arguments, shows, uncertain, tmp_path, p
     words += ["--json", tmp_path / "answer.json"] if words[0] in {"scale", "configurations"} else []
     words = [tmp_path / word if word in {"generated", "embedded"} else word for word in words]
     cache = private_cache if uncertain in words else tmp_path / "cache"
-    done = at_terminal([*MRTS, *words], keys=[(shows, "\x03")], MRTS_CACHE_DIR=str(cache), COLUMNS="150")
+    command = [sys.executable, "-c", SOON + MAIN, *words]
+    done = at_terminal(command, keys=[(shows, "\x03")], MRTS_CACHE_DIR=str(cache), COLUMNS="150")
     assert done.code == 130, done.shown
     assert done.shown.endswith("mrts: interrupted\x1b[0m\r\n")
     assert "Traceback" not in done.shown
@@ -211,6 +213,7 @@ def test_quiet_also_silences_what_the_library_remarks(tmp_path):
 
 @pytest.mark.quick
 def test_how_the_reader_of_meshes_parses_is_not_told(capsys):
+    QUIET.set(False)  # as at a start: a test before may have asked for --quiet
     for name in ("yourdfpy.urdf", "mrts.cell"):
         record = {"name": name, "msg": f"{name} remarks", "levelno": logging.ERROR}
         RemarkHandler().handle(logging.makeLogRecord(record))
