@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Build the wheel and use it without a checkout: in an empty environment and folder of each Python that is here."""
+"""Build the wheel and use it without a checkout: in an empty environment and folder of each Python that is here.
+
+With --own of this one alone.
+"""
 
 import os
 import shutil
@@ -79,7 +82,7 @@ def main() -> None:
         pip = (sys.executable, "-m", "pip", "wheel", "--quiet", "--disable-pip-version-check", "--no-deps")
         run(*pip, "-w", folder, folder / "source", cwd=folder)
         (wheel,) = folder.glob("mrts-*.whl")
-        tried = pythons()
+        tried = [Path(sys.executable)] if "--own" in sys.argv else pythons()
         for place, python in enumerate(tried):
             (folder / str(place)).mkdir()
             version = run(python, "--version", cwd=folder).strip()

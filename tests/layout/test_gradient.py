@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import yaml
+from draws import draws
 from layouts import DATA, Layouts, shipped, write_study
 from published_robots import ROBOTS
 
@@ -115,7 +116,7 @@ def test_the_slope_is_that_of_scale(case, tmp_path):
     bounds = np.array([parameter.spread.bounds for parameter in layouts.study.parameters])
     rng = np.random.default_rng(5)
     slopes = []
-    while len(slopes) < 2:
+    while len(slopes) < draws(1):
         values = bounds[:, 0] + rng.uniform(0.2, 0.8, len(bounds)) * (bounds[:, 1] - bounds[:, 0])
         c2 = layouts.c2(values)
         around = np.array(
