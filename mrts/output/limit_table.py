@@ -9,7 +9,6 @@ from mrts.limits.rows import TORQUE_SPEED
 from mrts.scaling.limit_use import LimitUse, limit_uses
 
 if TYPE_CHECKING:
-    from mrts.limits.rows import RowName
     from mrts.scaling.result import ScalingResult
 
 OWN_KINDS = ("torque", "wrench", "velocity")
@@ -47,7 +46,8 @@ def limit_table(result: "ScalingResult") -> Iterator[str]:
     tables[""] = [use for use in limit_uses(result) if use.name.kind not in {*OWN_KINDS, *ELSEWHERE}]
     names = max(LEAST_NAME_WIDTH, *(len(_shown_name(use)) for uses in tables.values() for use in uses))
     yield f"{'':<{names}} {'least':>11} {'largest':>11} {'used':>6}  limits"
-    binding = binding_names(result)
+    chosen = None if result.trajectory is None else result.trajectory.c2
+    binding = set() if chosen is None else {row.name for _, end in result.range.ends_at(chosen) for row in end.rows}
     for kind, uses in tables.items():
         if uses:
             told = "" if kind != "velocity" or result.cell.enforces_velocity_limits else " (limits not enforced)"
@@ -73,19 +73,6 @@ def next_limits_line(result: "ScalingResult") -> Iterator[str]:
     if following:
         told = ", ".join(f"{use.name} has {100 * (1 - use.share):.3g} % left" for use in following)
         yield f"next limits as distributed here: {told}"
-
-
-def binding_names(result: "ScalingResult") -> "frozenset[RowName]":
-    """The limits that set the end of the range that was chosen; none where a value inside it was.
-
-    Args:
-        result: A result with a trajectory.
-    """
-    done = result.trajectory
-    ends = [end for end in (result.range.lower, result.range.upper) if end is not None]
-    if done is None:
-        return frozenset()
-    return frozenset(row.name for end in ends if end.c2 == done.c2 for row in end.rows)
 
 
 def _is_limited(use: LimitUse) -> bool:

@@ -79,12 +79,11 @@ def _told(name: RowName) -> str:
 
 
 def _of_range(result: ScalingResult) -> dict[RowName, str]:
-    setting: dict[RowName, str] = {}
-    for pair in result.range.intervals:
-        for end, word in zip(pair, ("c²⁻", "c²⁺"), strict=True):
-            if end.time is not None and result.trajectory is not None and _near(result.trajectory.c2, end.c2):
-                setting |= {row.name: _words(end, word) for row in end.rows}
-    return setting
+    if result.trajectory is None:
+        return {}
+    words = {"lower": "c²⁻", "upper": "c²⁺"}
+    ends = result.range.ends_at(result.trajectory.c2, BINDING)
+    return {row.name: _words(end, words[side]) for side, end in ends for row in end.rows}
 
 
 def _words(end: RangeEnd, word: str) -> str:

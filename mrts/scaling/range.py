@@ -116,6 +116,19 @@ class ScalingRange(InNotebooks):
                 return min(max(c2, low.c2), high.c2)
         return None
 
+    def ends_at(self, c2: float, tolerance: float = 0.0) -> Iterator[tuple[Side, RangeEnd]]:
+        """The ends of all intervals at which a c² is, and of which side each is; not those that nothing sets.
+
+        Args:
+            c2: c².
+            tolerance: Share of an end that is rounding.
+        """
+        sides: tuple[Side, Side] = ("lower", "upper")
+        for pair in self.intervals:
+            for side, end in zip(sides, pair, strict=True):
+                if end.time is not None and abs(c2 - end.c2) <= tolerance * end.c2:
+                    yield side, end
+
     def to_json(self) -> dict[str, Any]:
         """Status, both ends, all intervals and what sets them; None stands for an end that does not exist."""
         ends = {"lower": self.lower, "upper": self.upper}
