@@ -14,8 +14,6 @@ import yaml
 import mrts
 from mrts.base.arrays import Array
 from mrts.coordination.coordinated_motion import carried_by_first
-from mrts.retiming.fastest_timing import fastest_timing
-from mrts.scaling.with_torques import ChosenFactor
 
 DATA = Path(str(files("mrts") / "data"))
 DUAL = DATA / "dual_ur5"
@@ -87,16 +85,6 @@ def duration(grid: Array, x: Array) -> float:
     """Of a profile of speeds squared [s]."""
     speed = np.sqrt(np.maximum(x, 0.0))
     return float(np.sum(2 * np.diff(grid) / (speed[1:] + speed[:-1])))
-
-
-def timing_alone(constant: mrts.ScalingResult) -> float:
-    """Duration of the fastest timing from rows to profile: the answer without torques, comparison and dense check [s].
-
-    Args:
-        constant: Of the cell and the motion, found before.
-    """
-    found = fastest_timing(ChosenFactor(constant, None), "nominal", (0.0, 0.0), lambda _done, _total: None)
-    return float(sum(np.sum(piece.segment_times) for piece in found.pieces))
 
 
 def ring(folder: Path, arms: int) -> mrts.Cell:

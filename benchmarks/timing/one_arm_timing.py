@@ -33,8 +33,9 @@ from mrts.retiming.path_pieces import path_pieces
 from mrts.samples.sample_problem import build_sample_problem
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from cases import along, duration, model_with_box, one_arm, one_arm_path, timing_alone
+from cases import along, duration, model_with_box, one_arm, one_arm_path
 from interleaved import median_times, on_one_processor, show
+from timing_alone import timing_alone
 
 POINTS, REPEATS = 1000, 15
 REST = (0.0, 0.0)

@@ -17,8 +17,9 @@ import mrts
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "oracles"))
-from cases import shipped, timing_alone
+from cases import shipped
 from interleaved import median_times, on_one_processor, show
+from timing_alone import timing_alone
 from transcription import transcribed  # the check of the tests
 
 POINTS = (101, 201, 1000)

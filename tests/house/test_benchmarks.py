@@ -28,6 +28,7 @@ ELSEWHERE = {
     "cases.py": "what the others ask about",
     "range/pinocchio_cell.py": "the rival of range/ranges.py",
     "range/instructions.py": "needs valgrind",
+    "timing/timing_alone.py": "what two others time",
     "timing/whole_call_instructions.py": "needs valgrind; its calls are those of table.py",
     "closed_loop.py": "its trial is that of tests/smooth/test_closed_loop.py",
     "smooth_timing.py": "its paths and its rival are those of tests/smooth/test_against_copp.py",
