@@ -24,7 +24,7 @@ from mrts.viewer.readings import Readings
 from mrts.viewer.scene import ViewerScene
 from mrts.viewer.scene_arms import Urdfs
 from mrts.viewer.viewer_part import ViewerPart
-from mrts.viewer.workbench.workbench import Answer
+from mrts.viewer.workbench.answer import Answer
 
 FRAME = 1 / 30
 """Time between looks at the controls [s]."""
@@ -156,7 +156,7 @@ class MotionViewer:
 
     def _show_answer(self, answer: Answer) -> None:
         """Show all that depends on choices and speed, and the moment."""
-        others = answer.choices is not self._answer.choices or answer is self._answer
+        others = answer is self._answer or not _is_same_outcome(answer.state, self._answer.state)
         self._message.content = "" if answer.error is None else error_html(str(answer.error))
         if answer.error is not None:
             return  # what was shown before stays
@@ -167,7 +167,7 @@ class MotionViewer:
             if answer.state is not None:
                 if others:
                     self._scene.rescale(answer.state)
-                self._outcome.content = outcome_html(answer.state)
+                self._outcome.content = outcome_html(answer.state, coarse=answer.coarse)
                 self._speed_text.content = speed_html(answer.state)
             elif answer.unreached is not None:
                 self._outcome.content = unreached_html(answer.unreached)
@@ -199,3 +199,8 @@ class MotionViewer:
         self.playback.show()
         self._moment_text.content = "" if answer.state is None else moment_html(answer.state)
         self._readings.show_moment(answer.state)
+
+
+def _is_same_outcome(state: PlayerState | None, other: PlayerState | None) -> bool:
+    """Whether two states differ in speed and time alone."""
+    return state is not None and other is not None and state.result is other.result

@@ -55,10 +55,18 @@ STYLE = """<style>
 """Of the page. On a narrow window viser lays the panel over the scene; here it stands below, and covers nothing."""
 
 
-def outcome_html(state: PlayerState) -> str:
-    """The outcome in a sentence; red where no speed is admissible."""
+def outcome_html(state: PlayerState, *, coarse: bool = False) -> str:
+    """The outcome in a sentence; red where no speed is admissible.
+
+    Args:
+        state: With the outcome.
+        coarse: Whether another follows that also keeps the limits between the samples.
+    """
     result = state.result
     text = html_text(state.sentence())
+    if coarse:
+        samples = len(result.motion.object.time)
+        text = f"<b>Coarse, the whole answer follows</b> (limits are kept at {samples} samples only): {text}"
     if result.load is not None:
         text += f" Torques are those of the nominal load of {result.cell.mass:.4g} kg."
     admits = result.status.admits_motion and not state.refusal

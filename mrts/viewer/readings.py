@@ -6,7 +6,7 @@ import viser
 from mrts.viewer.panel import arrows_html, bars_html
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.scene import FORCE, MOMENT, ViewerScene
-from mrts.viewer.workbench.workbench import Answer
+from mrts.viewer.workbench.answer import Answer
 
 
 class Readings:

@@ -9,8 +9,8 @@ from mrts.viewer.motion_viewer import MotionViewer
 from mrts.viewer.panel import note_html
 from mrts.viewer.plots.other_result import Others
 from mrts.viewer.plots.saved_state import SavedState
+from mrts.viewer.workbench.answer import Answer
 from mrts.viewer.workbench.choices import Choices
-from mrts.viewer.workbench.workbench import Answer
 
 FIXED = "A saved result is played at the speed it was saved with. To change something, view its cell and motion."
 

@@ -20,8 +20,8 @@ from mrts.drawing.colours import COLOURS
 from mrts.drawing.round_numbers import round_down
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.scene_arms import Rgb, Urdfs, drawn_arm, wxyz, z_along
+from mrts.viewer.workbench.answer import Answer
 from mrts.viewer.workbench.unreached import Unreached
-from mrts.viewer.workbench.workbench import Answer
 
 OBJECT = (236, 178, 60)
 PATH, PASSED, GAP = (70, 70, 80), (212, 0, 0), (212, 0, 0)

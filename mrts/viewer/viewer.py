@@ -21,8 +21,9 @@ from mrts.viewer.playback import set_slider
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.plots.other_result import Others
 from mrts.viewer.scene_arms import Urdfs
+from mrts.viewer.workbench.answer import Answer
 from mrts.viewer.workbench.choices import Choices
-from mrts.viewer.workbench.workbench import Answer, Workbench
+from mrts.viewer.workbench.workbench import Workbench
 
 PATIENCE = 60.0
 """How long a script waits for answers [s]."""

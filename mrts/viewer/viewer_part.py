@@ -4,7 +4,7 @@
 from typing import Protocol
 
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.workbench.workbench import Answer
+from mrts.viewer.workbench.answer import Answer
 
 
 class ViewerPart(Protocol):

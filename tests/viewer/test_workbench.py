@@ -106,7 +106,7 @@ def test_the_newest_of_many_changes_is_answered_and_undone_at_once(planar):
     bench = Workbench(planar)
     first = bench.answer.state.result.range.upper.c2
     for mass in np.linspace(0.6, 2.0, 40):
-        bench.edit(replace(bench.choices, mass=float(mass)), "mass", draft=True)
+        bench.edit(replace(bench.choices, mass=float(mass)), "mass")
     assert answered(bench).choices.mass == 2.0
     bench.end_gesture()
     bench.edit(replace(bench.choices, mass=3.0), "mass")

@@ -18,6 +18,7 @@ from mrts.viewer.workbench.workbench import Workbench
 SETTLED = 0.4
 """A control that rests so long is let go: the next change is another step to undo [s]."""
 
+RANK, RANK_AGAIN = "Rank all configurations", "Rank them again"
 NOWHERE = "nothing"
 AS_GIVEN = "as in the cell file"
 CONFIGURATIONS_SHOWN = 200
@@ -38,7 +39,7 @@ class ChangeControls:
         self, server: viser.ViserServer, bench: Workbench, size: float, later: Callable[[Callable[[], None]], None]
     ) -> None:
         self._bench, gui = bench, server.gui
-        self._still, self._draft = 0.0, False
+        self._still, self._open = 0.0, False
         self._study: ConfigurationStudy | None = None
         self._gizmo = PlaceGizmo(server, bench.given, size)
         self._edits = EditControls(gui, bench.given)
@@ -55,8 +56,8 @@ class ChangeControls:
 
     @property
     def unsettled(self) -> bool:
-        """Whether a change waits for its last answer."""
-        return self._draft
+        """Whether a hand may still be on a control."""
+        return self._open
 
     def follow(self, elapsed: float, speed_at: Callable[[Choices], float | None], held: RigidTransform) -> None:
         """Take over what was changed since the last call, and ask for its answer.
@@ -80,16 +81,14 @@ class ChangeControls:
         self._still += elapsed
         if changed is not None:
             choices, gesture = changed
-            self._still, self._draft = 0.0, True
+            self._still, self._open = 0.0, True
             if choices is not bench.choices:
-                bench.edit(choices, gesture, draft=True, speed=speed_at(choices))
+                bench.edit(choices, gesture, speed=speed_at(choices))
             self.show()
             self.follow_gizmo(held)
-        elif self._draft and (let_go or (self._still > SETTLED and not self._gizmo.dragged)):
-            self._draft = False
+        elif self._open and (let_go or (self._still > SETTLED and not self._gizmo.dragged)):
+            self._open = False
             bench.end_gesture()
-            if bench.choices.profile != "constant":
-                bench.ask(speed_at(bench.choices))
 
     def follow_gizmo(self, held: RigidTransform) -> None:
         """Let the gizmo stand where its place is."""
@@ -104,15 +103,18 @@ class ChangeControls:
             self._show_configuration(self._menu, choices.configuration or AS_GIVEN)
 
     def show_study(self) -> None:
-        """Offer the configurations, once they are ranked."""
+        """Say how far the ranking is, and offer the configurations once they are ranked."""
         study, menu = self._bench.study, self._menu
-        if menu is None or study is self._study:
-            if menu is not None and self._rank.disabled and not self._bench.waits:
-                self._rank.disabled, self._rank.label = False, "Rank all configurations"
+        if menu is None:
             return
-        self._study = study
-        menu.visible, self._rank.disabled, self._rank.label = True, False, "Rank them again"
-        self.show()
+        ranked = self._bench.ranked
+        wanted = (RANK_AGAIN if study else RANK) if ranked is None else f"Stop ranking ({ranked[0]} of {ranked[1]})"
+        if self._rank.label != wanted:
+            self._rank.label = wanted
+        if study is not self._study:
+            self._study = study
+            menu.visible = True
+            self.show()
 
     def _show_configuration(self, menu: viser.GuiDropdownHandle[str], wanted: str) -> None:
         """Show the chosen one among those that were ranked last; the numbers in its name may be those of before."""
@@ -138,15 +140,17 @@ class ChangeControls:
             gui.add_html(note_html(fixed))
             return
         self._rank: viser.GuiButtonHandle = gui.add_button(
-            "Rank all configurations", hint="of the cell as it is now; takes seconds"
+            RANK, hint="of the cell as it is now; takes seconds, and everything else goes on"
         )
-        self._rank.on_click(lambda _: later(self._ask_for_ranks))
+        self._rank.on_click(lambda _: later(self._rank_or_stop))
         self._menu = gui.add_dropdown("configuration", (AS_GIVEN,), visible=False)
         self._shown_configuration = AS_GIVEN
 
-    def _ask_for_ranks(self) -> None:
-        self._rank.disabled, self._rank.label = True, "Ranking …"
-        self._bench.rank()
+    def _rank_or_stop(self) -> None:
+        if self._bench.ranked is None:
+            self._bench.rank()
+        else:
+            self._bench.stop_ranking()
 
     def _chosen_configuration(self) -> tuple[Choices, str] | None:
         menu, bench = self._menu, self._bench

@@ -19,7 +19,7 @@ from mrts.viewer.panel import error_html, note_html
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.plots.other_result import Others
 from mrts.viewer.scene_arms import Urdfs
-from mrts.viewer.workbench.workbench import Answer
+from mrts.viewer.workbench.answer import Answer
 
 PICTURE = "Picture (PNG)"
 FORMATS = {PICTURE: ".png", "Film (GIF)": ".gif", "Film (mp4)": ".mp4"}
@@ -47,6 +47,7 @@ class FilmControls:
         self._urdfs = urdfs
         self._others = [(name, done) for name, result in others if (done := result.trajectory) is not None]
         self._state: PlayerState | None = None
+        self._coarse = False
         self._worker: Thread | None = None
         self._asked: SimpleQueue[tuple[viser.ClientHandle, str]] = SimpleQueue()
         self._failed: Exception | None = None
@@ -61,16 +62,17 @@ class FilmControls:
 
     def show_answer(self, answer: Answer) -> None:
         """Take what is shown."""
-        self._state = answer.state
+        self._state, self._coarse = answer.state, answer.coarse
 
     def show_moment(self, state: PlayerState) -> None:
         """Take the moment."""
         self._state = state
 
     def step(self, elapsed: float) -> None:  # noqa: ARG002 (what every part is told)
-        """Begin what was asked for, and say how far it is."""
+        """Begin what was asked for, once the whole answer is there, and say how far it is."""
         with suppress(Empty):
-            self._begin(*self._asked.get_nowait())
+            if not self._coarse:
+                self._begin(*self._asked.get_nowait())
         if self._failed is not None:
             raise self._failed
         if self._said != self._shown:

@@ -19,7 +19,7 @@ from mrts.viewer.player_state import PlayerState
 from mrts.viewer.scene import OBJECT, THICKNESS, ViewerScene
 from mrts.viewer.scene_arms import Rgb, drawn_arm, wxyz
 from mrts.viewer.viewer_part import ViewerPart
-from mrts.viewer.workbench.workbench import Answer
+from mrts.viewer.workbench.answer import Answer
 
 Others = Sequence[tuple[str, ScalingResult]]
 """Results with a trajectory, each with its name for people."""

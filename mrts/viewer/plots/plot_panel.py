@@ -7,7 +7,7 @@ from mrts.drawing.limit_shares import limit_shares
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.plots.other_result import Others
 from mrts.viewer.plots.time_plots import PLOT_STYLE, PlottedMotion, cursor_html, plots_html
-from mrts.viewer.workbench.workbench import Answer
+from mrts.viewer.workbench.answer import Answer
 
 RENEWAL = 0.2
 """Time between new plots while a slider moves [s]: they are some ten thousand letters."""

@@ -23,6 +23,10 @@ TORQUE_RATE = 11.0
 """Of the smooth profile, where the cell gives none: a multiple of the torque limit per second [1/s]; a Panda's."""
 
 
+COARSE_SAMPLES = 101
+"""Most samples of a coarse answer, where the motion is described by poses."""
+
+
 @dataclass(frozen=True, eq=False)
 class Given:
     """What a workbench starts from.
@@ -113,13 +117,19 @@ class Choices:
             cell = cell.with_grasp(name, grasp.p, rpy_from_rotation(grasp.R))
         return cell if self.postures is None else cell.with_postures(dict(self.postures))
 
-    def motion(self, given: Given) -> ObjectMotion | JointTable:
+    def motion(self, given: Given, most: int | None = None) -> ObjectMotion | JointTable:
         """The motion as it was chosen.
+
+        Args:
+            given: What it was.
+            most: Samples; None leaves them, and a table keeps its own.
 
         Raises:
             InputError: If two waypoints became the same.
         """
         described = self.description(given)
+        if described is not None and most is not None and len(given.motion.time) > most:
+            return sample_motion(described.model_copy(update={"samples": most}))
         return given.motion if described is given.description or described is None else sample_motion(described)
 
     def description(self, given: Given) -> MotionDescription | None:

@@ -1,51 +1,30 @@
 # SPDX-License-Identifier: MIT
-"""The workbench: choices with undo, and answers to the newest of them, found beside the caller's work."""
+"""The workbench: choices with undo, and answers to the newest of them, found beside the caller's work.
+
+One thread finds them, one at a time. An answer that takes long comes twice, coarse and then whole; a newer question
+ends work on the whole one, and is answered between two configurations that are being ranked.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from math import isfinite
 from threading import Condition, Thread
 from time import perf_counter
 
 from mrts.base.argument_types import Progress
-from mrts.base.errors import InputError, MotionError, MrtsError
+from mrts.base.errors import InputError, MrtsError
 from mrts.motion.object_motion import ObjectMotion
-from mrts.refinement.excess import BETWEEN
 from mrts.studies.configurations import ConfigurationStudy, rank_configurations
-from mrts.viewer.player_state import PlayerState
+from mrts.viewer.player_state import Profile
+from mrts.viewer.workbench.answer import Answer, at_another_speed, find_answer
 from mrts.viewer.workbench.choices import Choices, Given
-from mrts.viewer.workbench.unreached import Unreached, find_unreached
 
 DEEPEST = 200
 """Choices that undo goes back."""
 
-
-@dataclass(frozen=True, eq=False)
-class Answer:
-    """What follows from choices.
-
-    Attributes:
-        choices: The choices.
-        state: The motion at its first choice of speed, or at the speed that was asked for; None where there is none.
-        unreached: Where arms do not reach; None where they do.
-        error: Why there is neither; None else.
-        seconds: That it took.
-        draft: Whether limits between the samples of a timing are left for the next answer.
-    """
-
-    choices: Choices
-    state: PlayerState | None
-    unreached: Unreached | None = None
-    error: MrtsError | None = None
-    seconds: float = 0.0
-    draft: bool = False
-
-    @property
-    def message(self) -> str:
-        """Why the motion cannot be played; empty if it can."""
-        if self.unreached is not None:
-            return self.unreached.message
-        return "" if self.error is None else str(self.error)
+QUICK = 0.15
+"""Where the whole answer took longer, a coarse one comes first the next time [s]: a hand on a slider waits for it."""
 
 
 _News = Answer | ConfigurationStudy | Exception
@@ -55,7 +34,11 @@ _News = Answer | ConfigurationStudy | Exception
 class _Wish:
     choices: Choices
     speed: float | None
-    draft: bool
+    has_coarse: bool = False
+
+
+class _Superseded(Exception):  # noqa: N818 (no error: nobody waits for it any more)
+    """Work that something newer ends."""
 
 
 class Workbench:
@@ -84,13 +67,13 @@ class Workbench:
         self._wish: _Wish | None = None
         self._ready: list[_News] = []
         self._known: Answer | None = None
-        self._task: Callable[[], ConfigurationStudy] | None = None
-        self._at_work: _Wish | Callable[[], ConfigurationStudy] | None = None
+        self._ranking: Choices | None = None
+        self._ranked = (0, 0)
+        self._whole_took: dict[Profile, float] = {}
         self._closed = False
         self._changed = Condition()
-        self._progress = progress
         self._worker: Thread | None = None
-        self._latest = self._answered(_Wish(self.choices, None, draft=False))
+        self._latest = self._answered(_Wish(self.choices, None), progress, coarse=False)
         if self._latest.error is not None:
             raise self._latest.error
 
@@ -103,13 +86,13 @@ class Workbench:
     def waits(self) -> bool:
         """Whether something was asked that is not answered yet, or not taken."""
         with self._changed:
-            return any((self._at_work, self._wish, self._task, self._ready))
+            return any((self._wish, self._ranking, self._ready))
 
     @property
     def is_asked(self) -> bool:
-        """Whether an answer is on its way, newer than what was taken."""
+        """Whether an answer to something newer is on its way than what was taken."""
         with self._changed:
-            on_its_way = isinstance(self._at_work, _Wish) or self._wish is not None
+            on_its_way = self._wish is not None and not self._wish.has_coarse
             return on_its_way or any(isinstance(one, Answer) for one in self._ready)
 
     @property
@@ -119,13 +102,12 @@ class Workbench:
             return ""
         return "A table of joint motion fixes the configuration; only an object's motion leaves a choice."
 
-    def edit(self, choices: Choices, gesture: str = "", *, draft: bool = False, speed: float | None = None) -> None:
+    def edit(self, choices: Choices, gesture: str = "", *, speed: float | None = None) -> None:
         """Take other choices and ask for their answer.
 
         Args:
             choices: The choices.
             gesture: What is being moved: changes of one gesture are one step to undo. Empty is a step of its own.
-            draft: Whether more of the gesture is to come: a timing then keeps its limits at the samples only.
             speed: To play at; None is the first choice.
         """
         if not gesture or gesture != self._gesture:
@@ -133,7 +115,7 @@ class Workbench:
         self._gesture = gesture
         self._future.clear()
         self.choices = choices
-        self.ask(speed, draft=draft)
+        self.ask(speed)
 
     def end_gesture(self) -> None:
         """The next change is a step of its own."""
@@ -159,30 +141,32 @@ class Workbench:
         self._gesture, self.choices = "", choices
         self.ask(None)
 
-    def ask(self, speed: float | None, *, draft: bool = False) -> None:
+    def ask(self, speed: float | None) -> None:
         """Ask for the answer to the choices as they are; what was asked before and is not begun is dropped.
 
         Args:
             speed: To play at; None is the first choice.
-            draft: As in `edit`.
         """
         with self._changed:
-            self._wish = _Wish(self.choices, speed, draft)
+            self._wish = _Wish(self.choices, speed)
             self._start()
 
     def rank(self) -> None:
-        """Ask for all configurations of the cell as it is; takes seconds."""
-        given, choices = self.given, self.choices
-
-        def ranked() -> ConfigurationStudy:
-            motion = choices.motion(given)
-            if not isinstance(motion, ObjectMotion):
-                raise InputError("configuration", self.fixed_configuration)
-            return rank_configurations(choices.cell(given), motion, sharing=choices.sharing())
-
+        """Ask for all configurations of the cell as it is; takes seconds, and answers come meanwhile."""
         with self._changed:
-            self._task = ranked
+            self._ranking, self._ranked = self.choices, (0, 0)
             self._start()
+
+    def stop_ranking(self) -> None:
+        """Rank no further; what was ranked before stays."""
+        with self._changed:
+            self._ranking = None
+
+    @property
+    def ranked(self) -> tuple[int, int] | None:
+        """How many of how many configurations are looked at; None where none are being ranked."""
+        with self._changed:
+            return None if self._ranking is None else self._ranked
 
     def configuration_labels(self) -> list[str]:
         """One a ranked configuration, such as "1: left 1, right 1, c²⁺ = 26.35"; none before they are ranked."""
@@ -241,59 +225,78 @@ class Workbench:
     def _work(self) -> None:
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._closed or self._wish is not None or self._task is not None)
+                self._changed.wait_for(lambda: self._closed or self._wish is not None or self._ranking is not None)
                 if self._closed:
                     return
-                wish, task = self._wish, self._task
-                self._wish = None
-                if wish is None:
-                    self._task = None
-                self._at_work = wish or task
-            done: _News
-            try:
-                if wish is not None:
-                    done = self._answered(wish)
-                elif task is not None:
-                    done = task()
-            except Exception as error:  # noqa: BLE001 (raised again where the answers are taken)
-                done = error
-            with self._changed:
-                self._ready.append(done)
-                self._at_work = None
+                choices = self._ranking
+            self._answer_wishes()
+            if choices is not None:
+                self._rank(choices)
 
-    def _answered(self, wish: _Wish) -> Answer:
-        begin = perf_counter()
-        found = self._found(wish)
+    def _answer_wishes(self) -> None:
+        """Answer what is asked, and what is asked meanwhile."""
+        while True:
+            with self._changed:
+                wish = self._wish
+                if wish is None or self._closed:
+                    return
+            coarse = not wish.has_coarse and self._whole_took.get(wish.choices.profile, QUICK) >= QUICK
+            done = self._tried(partial(self._answered, wish, self._giving_way(wish), coarse=coarse))
+            with self._changed:
+                if done is not None:
+                    self._ready.append(done)
+                if self._wish is wish:
+                    follows = isinstance(done, Answer) and done.coarse
+                    self._wish = replace(wish, has_coarse=True) if follows else None
+
+    def _giving_way(self, wish: _Wish) -> Progress:
+        """What ends work on a whole answer once something newer is asked; a first one is always found."""
+
+        def progress(_done: int, _total: int) -> None:
+            if wish.has_coarse and (self._wish is not wish or self._closed):
+                raise _Superseded
+
+        return progress
+
+    def _rank(self, choices: Choices) -> None:
+        """Rank the configurations, and answer between two of them what is asked."""
+        given = self.given
+
+        def progress(done: int, total: int) -> None:
+            self._answer_wishes()
+            if self._ranking is not choices or self._closed:
+                raise _Superseded
+            self._ranked = done, total
+
+        def ranked() -> ConfigurationStudy:
+            motion = choices.motion(given)
+            if not isinstance(motion, ObjectMotion):
+                raise InputError("configuration", self.fixed_configuration)
+            return rank_configurations(choices.cell(given), motion, sharing=choices.sharing(), progress=progress)
+
+        done = self._tried(ranked)
+        with self._changed:
+            if self._ranking is choices:
+                self._ranking = None
+            if done is not None:
+                self._ready.append(done)
+
+    def _tried(self, work: Callable[[], _News]) -> _News | None:
+        """What some work comes to: its defects too, which are raised where answers are taken; None if it was ended."""
+        try:
+            return work()
+        except _Superseded:
+            return None
+        except Exception as error:  # noqa: BLE001 (raised again by `take`)
+            return error
+
+    def _answered(self, wish: _Wish, progress: Progress, *, coarse: bool) -> Answer:
+        begin, known = perf_counter(), self._known
+        if known is not None and known.choices is wish.choices and (coarse or not known.coarse):
+            found = at_another_speed(known, wish.speed)
+        else:
+            found = find_answer(self.given, wish.choices, wish.speed, progress, coarse=coarse)
+            if found.state is not None and not coarse:
+                self._whole_took[wish.choices.profile] = perf_counter() - begin
         self._known = found if found.state is not None else None
         return replace(found, seconds=perf_counter() - begin)
-
-    def _found(self, wish: _Wish) -> Answer:
-        choices, given, known = wish.choices, self.given, self._known
-        try:
-            if known is not None and known.choices is choices and known.state is not None and not known.draft:
-                speed = known.state.speeds.start if wish.speed is None else wish.speed
-                return Answer(choices, known.state.at_speed(speed))
-            cell, motion = choices.cell(given), choices.motion(given)
-        except MrtsError as error:
-            return Answer(choices, None, error=error)
-        try:
-            state = PlayerState(
-                cell,
-                motion,
-                sharing=choices.sharing(),
-                closure=given.closure,
-                profile=choices.profile,
-                rates=choices.torque_rate,
-                between=None if wish.draft and choices.profile != "constant" else BETWEEN,
-                progress=self._progress,
-            )
-            if wish.speed is not None:
-                speeds = state.speeds
-                state.choose_speed(min(max(wish.speed, speeds.lower), speeds.upper))
-        except MotionError as error:
-            if not isinstance(motion, ObjectMotion):
-                return Answer(choices, None, error=error)
-            return Answer(choices, None, unreached=find_unreached(cell, motion, str(error)))
-        except MrtsError as error:
-            return Answer(choices, None, error=error)
-        return Answer(choices, state, draft=wish.draft and choices.profile != "constant")

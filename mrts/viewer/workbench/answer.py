@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: MIT
+"""What follows from choices: a motion that can be played, where arms do not reach, or why there is neither."""
+
+from dataclasses import dataclass
+
+from mrts.base.argument_types import Progress
+from mrts.base.errors import MotionError, MrtsError
+from mrts.motion.object_motion import ObjectMotion
+from mrts.refinement.excess import BETWEEN
+from mrts.viewer.player_state import PlayerState
+from mrts.viewer.workbench.choices import COARSE_SAMPLES, Choices, Given
+from mrts.viewer.workbench.unreached import Unreached, find_unreached
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What follows from choices.
+
+    Attributes:
+        choices: The choices.
+        state: The motion at its first choice of speed, or at the speed that was asked for; None where there is none.
+        unreached: Where arms do not reach; None where they do.
+        error: Why there is neither; None else.
+        seconds: That it took.
+        coarse: Whether it has few samples and keeps the limits at these alone; the whole answer follows.
+    """
+
+    choices: Choices
+    state: PlayerState | None
+    unreached: Unreached | None = None
+    error: MrtsError | None = None
+    seconds: float = 0.0
+    coarse: bool = False
+
+    @property
+    def message(self) -> str:
+        """Why the motion cannot be played; empty if it can."""
+        if self.unreached is not None:
+            return self.unreached.message
+        return "" if self.error is None else str(self.error)
+
+
+def find_answer(given: Given, choices: Choices, speed: float | None, progress: Progress, *, coarse: bool) -> Answer:
+    """Find what follows from choices.
+
+    Args:
+        given: What they change.
+        choices: The choices.
+        speed: To play at, or the nearest on offer; None is the first choice.
+        progress: Told how far the work is.
+        coarse: Whether to take few samples and keep the limits at these alone.
+    """
+    try:
+        cell, motion = choices.cell(given), choices.motion(given, COARSE_SAMPLES if coarse else None)
+    except MrtsError as error:
+        return Answer(choices, None, error=error)
+    try:
+        state = PlayerState(
+            cell,
+            motion,
+            sharing=choices.sharing(),
+            closure=given.closure,
+            profile=choices.profile,
+            rates=choices.torque_rate,
+            between=None if coarse else BETWEEN,
+            progress=progress,
+        )
+        if speed is not None:
+            state.choose_speed(min(max(speed, state.speeds.lower), state.speeds.upper))
+    except MotionError as error:
+        if not isinstance(motion, ObjectMotion):
+            return Answer(choices, None, error=error)
+        return Answer(choices, None, unreached=find_unreached(cell, motion, str(error)))
+    except MrtsError as error:
+        return Answer(choices, None, error=error)
+    return Answer(choices, state, coarse=coarse)
+
+
+def at_another_speed(answer: Answer, speed: float | None) -> Answer:
+    """An answer that has a state, played at another speed.
+
+    Args:
+        answer: The answer.
+        speed: On offer; None is the first choice.
+    """
+    assert answer.state is not None  # noqa: S101 (only such are kept)
+    try:
+        state = answer.state.at_speed(answer.state.speeds.start if speed is None else speed)
+    except MrtsError as error:
+        return Answer(answer.choices, None, error=error)
+    return Answer(answer.choices, state, coarse=answer.coarse)
