@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The scene, the panel, and the player of a motion, whether it can be changed or not; needs the extra 'view' (viser).
 
-One thread, the caller's, reads the controls thirty times a second and draws what has changed, so that a fast hand on a
+One thread, the caller's, reads the controls forty times a second and draws what has changed, so that a fast hand on a
 slider never queues up work.
 """
 
@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable
 from queue import Empty, SimpleQueue
 
+import numpy as np
 import viser
 
 from mrts.base.errors import MrtsError
@@ -26,8 +27,8 @@ from mrts.viewer.scene_arms import Urdfs
 from mrts.viewer.viewer_part import ViewerPart
 from mrts.viewer.workbench.answer import Answer
 
-FRAME = 1 / 30
-"""Time between looks at the controls [s]."""
+FRAME = 1 / 40
+"""Time between looks at the controls [s]: with room for late ones a motion plays at thirty frames a second."""
 
 PANEL = 400
 """Width of the panel [pixels]; the scene has the rest of the window."""
@@ -102,11 +103,14 @@ class MotionViewer:
                     self._todo.get_nowait()()
             self._follow_choices(elapsed)
             another, read = self.playback.follow(elapsed)
-            if self._view.follow() or another:
+            another = self._view.follow() or another
+            if another:
                 self._show_moment(read=read)
             self._scene.follow_windows()
             for part in self.parts:
                 part.step(elapsed)
+            if another:
+                self.server.flush()  # viser waits up to twice a sixtieth of a second for more to send
         except MrtsError as error:
             self._say(error)
 
@@ -177,6 +181,12 @@ class MotionViewer:
                 part.show_answer(answer)
             self._show_moment(read=True)
 
+    def _place(self, state: PlayerState, time: float) -> float:
+        """Where along the samples the picture is: at one of them, or between two while the motion plays."""
+        if not self.playback.plays:
+            return state.sample
+        return float(np.interp(time, state.trajectory.time, np.arange(len(state.trajectory.time))))
+
     def _show_moment(self, *, read: bool) -> None:
         """Show all that depends on the time.
 
@@ -188,7 +198,7 @@ class MotionViewer:
             if answer.state is not None:
                 answer.state.choose_time(at)
                 self._sample = answer.state.sample
-                self._scene.show_moment(answer.state)
+                self._scene.show_moment(answer.state, self._place(answer.state, at))
                 for part in self.parts:
                     part.show_moment(answer.state)
             elif answer.unreached is not None:

@@ -49,6 +49,11 @@ class Playback:
         """That is to be shown [s]."""
         return self._share * self._duration()
 
+    @property
+    def plays(self) -> bool:
+        """Whether the time goes on by itself."""
+        return self._playing
+
     def toggle(self) -> None:
         """Play, or stop playing."""
         self._playing, self._toggled = not self._playing, True

@@ -3,7 +3,7 @@
 
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import viser
@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
-from mrts.cell.robot import Robot
-from mrts.drawing.bodies.cell_shapes import body_poses, contact_forces
+from mrts.drawing.bodies.cell_shapes import contact_forces
 from mrts.drawing.bodies.cell_view import FIELD_OF_VIEW, look_at_cell
 from mrts.drawing.bodies.held_body import held_body
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.round_numbers import round_down
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.scene_arms import Rgb, Urdfs, drawn_arm, wxyz, z_along
+from mrts.viewer.shown_course import ShownCourse, ShownMoment, blended, course_of, tip_pose
 from mrts.viewer.workbench.answer import Answer
 from mrts.viewer.workbench.unreached import Unreached
 
@@ -62,34 +62,6 @@ def arm_colours(cell: Cell) -> dict[str, Rgb]:
     chosen = [COLOURS[index % (len(COLOURS) - 1)] for index in range(len(cell.robots))]
     parts = [tuple(int(colour[at : at + 2], 16) for at in (1, 3, 5)) for colour in chosen]
     return {robot.name: (r, g, b) for robot, (r, g, b) in zip(cell.robots, parts, strict=True)}
-
-
-@dataclass(frozen=True, eq=False)
-class ShownCourse:
-    """Poses along a motion, as far as a scene is concerned; k of them.
-
-    Attributes:
-        cell: The cell.
-        q: Joint positions, Shape (k, m) [rad or m].
-        position: Of the object, Shape (k, 3) [m].
-        rotation: Of the object, Shape (k, 3, 3).
-        passed: Where a limit is passed, or an arm does not reach, Shape (k,).
-    """
-
-    cell: Cell
-    q: Array
-    position: Array
-    rotation: Array
-    passed: NDArray[np.bool_]
-
-
-def course_of(shown: PlayerState | Unreached) -> ShownCourse:
-    """The poses of what is shown."""
-    if isinstance(shown, Unreached):
-        passed = ~np.all(shown.reached, axis=1)
-        return ShownCourse(shown.cell, shown.q, shown.position, shown.rotation, passed)
-    motion = shown.result.motion
-    return ShownCourse(shown.result.cell, motion.q, motion.object.position, motion.object.rotation, shown.excess > 0)
 
 
 class ViewerScene:
@@ -195,12 +167,18 @@ class ViewerScene:
             round_down(ARROW * self.size / value) if value > 0 else 1.0 for value in largest
         )
 
-    def show_moment(self, state: PlayerState) -> None:
-        """Draw the chosen sample of a state."""
-        course, cell, at = self._course, state.result.cell, slice(state.sample, state.sample + 1)
-        self._pose(course, state.sample)
+    def show_moment(self, state: PlayerState, place: float) -> None:
+        """Draw a moment of a state.
+
+        Args:
+            state: The state.
+            place: A sample of it, or between two while it plays.
+        """
+        cell, moment = state.result.cell, self._course.moment(place)
+        self._pose(moment)
+        wrench = blended(state.trajectory.wrench, place)[None]
         contacts = [
-            contact_forces(cell, robot, course.position[at], course.rotation[at], state.trajectory.wrench[at, part])
+            contact_forces(cell, robot, moment.position[None], moment.rotation[None], wrench[:, part])
             for robot, part in zip(cell.robots, cell.wrench_slices.values(), strict=True)
         ]
         points = np.concatenate([contact.point for contact in contacts])
@@ -217,7 +195,7 @@ class ViewerScene:
     def show_gap(self, unreached: Unreached, sample: int) -> None:
         """Draw how near the arms come to their grasps at one of the samples looked at."""
         course = self._course
-        tips = self._pose(course, sample)
+        tips = self._pose(course.moment(sample))
         grasps = [
             course.position[sample] + course.rotation[sample] @ robot.T_object_tip.p for robot in course.cell.robots
         ]
@@ -283,16 +261,15 @@ class ViewerScene:
         self._look()
         self._fitted = {client_id: (np.inf, position) for client_id, (_, position) in self._fitted.items()}
 
-    def _pose(self, course: ShownCourse, sample: int) -> list[Array]:
-        """Move all that moves to a sample; where the tips are, each Shape (3,) [m]."""
-        cell, at = course.cell, slice(sample, sample + 1)
-        position, rotation = course.position[sample], course.rotation[sample]
-        tips, rotations = [], []
-        for arm, robot, joints in zip(self._arms, cell.robots, cell.joint_slices.values(), strict=True):
-            arm.update(robot, course.q[at, joints])
-            R, tip = tip_pose(robot, course.q[at, joints])
+    def _pose(self, moment: ShownMoment) -> list[Array]:
+        """Move all that moves; where the tips are, each Shape (3,) [m]."""
+        cell, tips, rotations = self._course.cell, [], []
+        position, rotation = moment.position, moment.rotation
+        for arm, robot, (R, p) in zip(self._arms, cell.robots, moment.bodies, strict=True):
+            arm.update(robot, R, p)
+            turn, tip = tip_pose(robot, R, p)
             tips.append(tip)
-            rotations.append(R)
+            rotations.append(turn)
         self._body.position, self._body.wxyz = position, wxyz(rotation)
         for hand, tip in zip(self._hands, tips, strict=True):
             hand.position = tip
@@ -353,14 +330,3 @@ class ViewerScene:
             position=view.floor,
         )
         self.darken(dark=False)
-
-
-def tip_pose(robot: Robot, q: Array) -> tuple[Array, Array]:
-    """Rotation, Shape (3, 3), and position, Shape (3,) [m], of a tip in the world.
-
-    Args:
-        robot: The arm.
-        q: Joint positions, Shape (1, n_i) [rad or m].
-    """
-    R, p = body_poses(robot, q)
-    return R[0, -1] @ robot.T_base_tip.R, p[0, -1] + R[0, -1] @ robot.T_base_tip.p

@@ -13,13 +13,19 @@ from mrts.base.errors import InputError
 from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.cell.robot import Robot
 from mrts.drawing.bodies.arm_meshes import arm_meshes
-from mrts.drawing.bodies.cell_shapes import body_poses, joint_points
+from mrts.drawing.bodies.cell_shapes import points_on_bodies
 
 Rgb = tuple[int, int, int]
 """0 to 255."""
 
 JOINT_SHADE = 0.6
 """Of a joint's ball, as a share of the arm's colour."""
+
+UNTURNED = (1.0, 0.0, 0.0, 0.0)
+"""No rotation, as viser's quaternion."""
+
+SHORTEST_LINK = 1e-6
+"""Length that a link between joints at one point is drawn with [m]: without one it has no inverse on the page."""
 
 Urdfs = Mapping[str, tuple[Path, str | None]]
 """URDF and base link of arms, by name."""
@@ -28,8 +34,14 @@ Urdfs = Mapping[str, tuple[Path, str | None]]
 class DrawnArm(Protocol):
     """An arm in the scene."""
 
-    def update(self, robot: Robot, q: Array) -> None:
-        """Move to joint positions, Shape (1, n_i) [rad or m], of the robot where it stands now."""
+    def update(self, robot: Robot, R: Array, p: Array) -> None:
+        """Move the bodies.
+
+        Args:
+            robot: The arm.
+            R: As of `body_poses`, at one moment, Shape (n_i + 1, 3, 3).
+            p: Likewise, Shape (n_i + 1, 3) [m].
+        """
 
 
 def drawn_arm(
@@ -69,47 +81,53 @@ class _MeshArm:
             name = f"/arms/{robot.name}/body{body}/mesh{number}"
             scene.add_mesh_simple(name, mesh.vertices, mesh.faces, color=colour, flat_shading=False)
 
-    def update(self, robot: Robot, q: Array) -> None:
-        """Move to joint positions, Shape (1, n_i) [rad or m]."""
-        rotations, positions = body_poses(robot, q)
-        for frame, R, p in zip(self._frames, rotations[0], positions[0], strict=True):
-            frame.position, frame.wxyz = p, wxyz(R)
+    def update(self, robot: Robot, R: Array, p: Array) -> None:  # noqa: ARG002 (its meshes know where they are)
+        """Move the bodies."""
+        for frame, at, turn in zip(self._frames, p, wxyz(R), strict=True):
+            frame.position, frame.wxyz = at, turn
 
 
 class _SimpleArm:
-    """An arm as cylinders from joint to joint, with a ball at each."""
+    """An arm as cylinders from joint to joint, with a ball at each; two batches, so that a frame is a few messages."""
 
     def __init__(self, scene: viser.SceneApi, robot: Robot, radius: float, colour: Rgb) -> None:
+        from trimesh.creation import cylinder, icosphere  # noqa: PLC0415 (half a second, where there are no meshes)
+
         red, green, blue = (round(JOINT_SHADE * part) for part in colour)
-        self._balls = [
-            scene.add_icosphere(f"/arms/{robot.name}/point{index}", 1.4 * radius, (red, green, blue))
-            for index in range(len(robot.joints) + 2)
-        ]
-        self._links = [
-            scene.add_cylinder(f"/arms/{robot.name}/link{index}", radius, 1.0, colour)
-            for index in range(len(robot.joints) + 1)
-        ]
+        ball, link = icosphere(subdivisions=2, radius=1.4 * radius), cylinder(radius, 1.0, sections=24)
+        name, count = f"/arms/{robot.name}", len(robot.joints) + 2
+        self._scales = np.ones((count - 1, 3), dtype=np.float32)
+        self._balls = scene.add_batched_meshes_simple(
+            f"{name}/points", ball.vertices, ball.faces, np.tile(UNTURNED, (count, 1)), np.zeros((count, 3)),
+            batched_colors=(red, green, blue), lod="off",
+        )  # fmt: skip
+        self._links = scene.add_batched_meshes_simple(
+            f"{name}/links", link.vertices, link.faces, np.tile(UNTURNED, (count - 1, 1)), np.zeros((count - 1, 3)),
+            batched_scales=self._scales, batched_colors=colour, lod="off",
+        )  # fmt: skip
 
-    def update(self, robot: Robot, q: Array) -> None:
-        """Move to joint positions, Shape (1, n_i) [rad or m]."""
-        points = joint_points(robot, q)[0]
-        for ball, point in zip(self._balls, points, strict=True):
-            ball.position = point
-        for link, start, end in zip(self._links, points, points[1:], strict=False):
-            length = float(np.linalg.norm(end - start))
-            link.visible = length > 0
-            if length > 0:
-                link.position, link.wxyz = (start + end) / 2, wxyz(z_along((end - start) / length))
-                link.scale = (1.0, 1.0, length)
+    def update(self, robot: Robot, R: Array, p: Array) -> None:
+        """Move the bodies."""
+        points = points_on_bodies(robot, R[None], p[None])[0]
+        self._balls.batched_positions = points.astype(np.float32)
+        starts, steps = points[:-1], np.diff(points, axis=0)
+        lengths = np.linalg.norm(steps, axis=1, keepdims=True)
+        along = np.divide(steps, lengths, out=np.tile([0.0, 0.0, 1.0], (len(steps), 1)), where=lengths > 0)
+        self._links.batched_positions = (starts + steps / 2).astype(np.float32)
+        self._links.batched_wxyzs = wxyz(z_along(along)).astype(np.float32)
+        scales = np.hstack([np.ones((len(steps), 2)), np.maximum(lengths, SHORTEST_LINK)]).astype(np.float32)
+        if not np.allclose(scales, self._scales):
+            self._links.batched_scales = self._scales = scales
 
 
-def z_along(direction: Array) -> Array:
-    """A rotation that takes the z axis to a unit vector, Shape (3, 3)."""
-    x = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
-    x = x / np.linalg.norm(x)
-    return np.stack([x, np.cross(direction, x), direction], axis=1)
+def z_along(directions: Array) -> Array:
+    """Rotations that take the z axis to unit vectors, Shape (…, 3), each Shape (3, 3)."""
+    least = np.eye(3)[np.argmin(np.abs(directions), axis=-1)]
+    x = np.cross(directions, least)
+    x = x / np.linalg.norm(x, axis=-1, keepdims=True)
+    return np.stack([x, np.cross(directions, x), directions], axis=-1)
 
 
 def wxyz(R: Array) -> Array:
-    """A rotation as viser's quaternion, Shape (4,)."""
-    return np.roll(quaternions_from_rotations(R), 1)
+    """Rotations, Shape (…, 3, 3), as viser's quaternions, Shape (…, 4)."""
+    return np.roll(quaternions_from_rotations(R), 1, axis=-1)

@@ -17,7 +17,7 @@ class ViewerPart(Protocol):
         """Show the state's chosen sample."""
 
     def step(self, elapsed: float) -> None:
-        """Do what its own controls ask for, thirty times a second.
+        """Do what its own controls ask for, forty times a second.
 
         Args:
             elapsed: Since the last call [s].

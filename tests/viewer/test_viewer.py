@@ -33,6 +33,9 @@ assert chromium  # a fixture, imported for pytest
 
 UR5 = DATA.parent / "dual_ur5"
 UR5_URDF = ROBOTS / "ur_description" / "urdf" / "ur5_robot.urdf"
+SINGLE = 2e-6
+"""Of positions in a scene [m]: single precision of some metres, and links of no length are drawn with a micrometre."""
+
 SAME_PLACE = 1e-9
 """[m]; meshes pass through single precision nowhere, but yourdfpy's angles are its own."""
 
@@ -135,13 +138,21 @@ def test_an_arm_without_its_meshes_is_drawn_simply(spoil, tmp_path):
     server = open_server("127.0.0.1", 0, "test")
     try:
         Viewer(server, bench, urdf_files(path), warnings.append).step(0.0)
-        drawn = [server.scene.get_handle_by_name(f"/arms/{name}/link0") for name in ("left", "right")]
+        drawn = [server.scene.get_handle_by_name(f"/arms/{name}/links") for name in ("left", "right")]
     finally:
         close_server(server)
     assert all(handle is not None for handle in drawn)
     assert len(warnings) == 2
     assert all("is drawn with simple shapes" in warning and "arm.urdf" in warning for warning in warnings)
     assert spoil == "broken" or other in warnings[0]
+
+
+def assert_links_join(links, line):
+    """Each cylinder of length 1 along z, as the page scales, turns and moves it, ends at two neighbours of a line."""
+    turned = Rotation.from_quat(np.roll(links.batched_wxyzs, -1, axis=1))
+    for end, points in ((-0.5, line[:-1]), (0.5, line[1:])):
+        ends = turned.apply(links.batched_scales * [0, 0, end]) + links.batched_positions
+        np.testing.assert_allclose(ends, points, atol=SINGLE)
 
 
 @pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
@@ -158,13 +169,14 @@ def test_what_is_drawn_follows_the_time(make, arms, tmp_path):
         scene.rescale(state)
         for sample in (0, 4, 10):
             state.choose_time(float(state.trajectory.time[sample]))
-            scene.show_moment(state)
+            scene.show_moment(state, state.sample)
             arrows = server.scene.get_handle_by_name("/forces").points
             contacts = []
             for robot in state.result.cell.robots:
                 contacts.append(moved.position[sample] + moved.rotation[sample] @ robot.T_object_tip.p)
-                tip = server.scene.get_handle_by_name(f"/arms/{robot.name}/point{len(robot.joints) + 1}")
-                np.testing.assert_allclose(tip.position, contacts[-1], atol=1e-7)
+                line = server.scene.get_handle_by_name(f"/arms/{robot.name}/points").batched_positions
+                np.testing.assert_allclose(line[-1], contacts[-1], atol=SINGLE)
+                assert_links_join(server.scene.get_handle_by_name(f"/arms/{robot.name}/links"), line)
             assert all(np.min(np.linalg.norm(contacts - start, axis=1)) < 1e-6 for start in arrows[:, 0])
             box = server.scene.get_handle_by_name("/object")
             np.testing.assert_allclose(box.position, moved.position[sample])
@@ -182,7 +194,7 @@ def test_arrows_have_the_length_that_the_panel_states(dual_ur5):
         scene = ViewerScene(server, answer, {}, pytest.fail)
         scene.rescale(state)
         state.choose_time(0.5 * state.trajectory.duration)
-        scene.show_moment(state)
+        scene.show_moment(state, state.sample)
         arrows = {name: server.scene.get_handle_by_name(f"/{name}").points for name in ("forces", "moments")}
     finally:
         close_server(server)

@@ -3,18 +3,17 @@
 import http.client
 import socket
 import time
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, suppress
 from types import SimpleNamespace
 from urllib.parse import urlsplit
 
 import msgspec
 import numpy as np
 import pytest
-import viser
 import viser.infra._infra as viser_server
 import websockets.asyncio.server
-import zstandard
 from conftest import DATA
+from viewer_socket import CAMERA, PROTOCOL, connected, pack, unpacked
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
@@ -27,23 +26,10 @@ from mrts.viewer.viewer import Viewer
 from mrts.viewer.workbench.choices import Given
 from mrts.viewer.workbench.workbench import Workbench
 
-PROTOCOL = [f"viser-v{viser.__version__}"]
 PATIENCE = 10.0
 """[s]"""
 
 EVERYWHERE = "0.0.0.0"  # noqa: S104 (only asked about)
-
-CAMERA = {
-    "type": "ViewerCameraMessage",
-    "wxyz": [1, 0, 0, 0],
-    "position": [0, 0, 1.5],
-    "fov": 1,
-    "near": 0.1,
-    "far": 9.0,
-}
-CAMERA |= {"image_height": 700, "image_width": 1200, "look_at": [0, 0, 0], "up_direction": [0, 0, 1]}
-
-pack = msgspec.msgpack.encode
 
 
 @pytest.fixture(scope="module")
@@ -58,15 +44,6 @@ def viewer(planar_cell, lift):
         yield SimpleNamespace(server=server, shown=shown, settle=shown.settle, controls=controls, url=server.url)
     finally:
         close_server(server)
-
-
-@contextmanager
-def connected(viewer, **options):
-    """A raw websocket to the viewer's address, as a browser's page opens it."""
-    address = viewer.url.replace("http", "ws").rstrip("/")
-    with connect(address, subprotocols=PROTOCOL, max_size=None, **options) as opened:
-        opened.send(pack(CAMERA))
-        yield opened
 
 
 def update(viewer, label, value):
@@ -164,7 +141,7 @@ def test_whom_an_open_viewer_answers(listens, host, served):
 
 def test_a_websocket_takes_the_token_and_the_own_page(viewer):
     parts = urlsplit(viewer.url)
-    with connected(viewer, origin=f"http://{parts.netloc}") as opened:
+    with connected(viewer.url, origin=f"http://{parts.netloc}") as opened:
         assert opened.recv(timeout=PATIENCE)
     for address, origin in (
         (f"ws://{parts.netloc}", None),
@@ -256,7 +233,7 @@ def test_a_gizmo_moves_only_while_it_is_seen_and_to_a_place(viewer):
         assert guard.checked(pack(GIZMO | bad)) is None, bad
     turned = msgspec.msgpack.decode(guard.checked(pack(GIZMO | {"wxyz": [2, 0, 0, 2]})))
     np.testing.assert_allclose(turned["wxyz"], [np.sqrt(0.5), 0, 0, np.sqrt(0.5)])
-    with connected(viewer) as opened:
+    with connected(viewer.url) as opened:
         opened.send(pack({"type": "TransformControlsDragStartMessage", "name": "/gizmo"}))
         opened.send(pack(GIZMO | {"position": [-0.02, 0.01, 0.7]}))
         opened.send(pack({"type": "TransformControlsDragEndMessage", "name": "/gizmo"}))
@@ -276,26 +253,21 @@ def test_a_text_field_takes_a_short_line(viewer, text):
     assert viewer.server.guard.checked(update(viewer, "cell file", text)) is None
 
 
-def read_by_a_page(message):
-    """What a page unpacks of a message: behind two lengths, its parts, each packed by itself."""
-    return zstandard.ZstdDecompressor().decompressobj().decompress(message[16:])
-
-
 def test_a_film_comes_to_the_page_that_asked_for_it(viewer, monkeypatch):
     monkeypatch.setattr(film, "RATE", 2)
     monkeypatch.setattr(film, "SHORTEST", 0.2)
     name = f"{viewer.shown.bench.given.cell.name}.gif".encode()
-    with connected(viewer) as other, connected(viewer) as asking:
+    with connected(viewer.url) as other, connected(viewer.url) as asking:
         asking.send(update(viewer, "Film (GIF)", value=True))
         received, end = b"", time.monotonic() + PATIENCE
         while name not in received and time.monotonic() < end:
             viewer.settle()
             with suppress(TimeoutError):
-                received = read_by_a_page(asking.recv(timeout=0.05))
+                received = unpacked(asking.recv(timeout=0.05))
         assert name in received
         with suppress(TimeoutError):
             while True:
-                assert name not in read_by_a_page(other.recv(timeout=0.2))
+                assert name not in unpacked(other.recv(timeout=0.2))
 
 
 def test_what_no_control_can_send_is_ignored(viewer):
@@ -305,7 +277,7 @@ def test_what_no_control_can_send_is_ignored(viewer):
     messages = [*BAD.values()]
     messages += [pack({"type": "GuiUpdateMessage", "uuid": uuid, "updates": updates}) for updates in others]
     messages += [update(viewer, label, value) for label, values in BAD_VALUES.items() for value in values]
-    with connected(viewer) as other, connected(viewer) as hostile:
+    with connected(viewer.url) as other, connected(viewer.url) as hostile:
         for message in messages:
             assert viewer.server.guard.checked(message) is None, message[:40]
             hostile.send(message)
@@ -333,7 +305,7 @@ def set_slider(viewer, opened, label, value, shown=None):
 def test_values_beyond_the_ends_are_the_ends(viewer):
     speeds = viewer.shown.state.speeds
     before = viewer.controls["speed c"][1].value
-    with connected(viewer) as opened:
+    with connected(viewer.url) as opened:
         for value, shown in ((1e-300, speeds.lower), (-5, speeds.lower), (0, speeds.lower), (1e300, speeds.upper)):
             set_slider(viewer, opened, "speed c", value, shown)
             np.testing.assert_allclose(viewer.shown.state.trajectory.c, shown)
@@ -349,8 +321,8 @@ def drain(opened):
 
 
 def test_too_large_a_message_ends_its_connection_only(viewer):
-    with connected(viewer) as other:
-        with connected(viewer) as hostile:
+    with connected(viewer.url) as other:
+        with connected(viewer.url) as hostile:
             hostile.send(b"\0" * (LARGEST_MESSAGE + 1))
             with pytest.raises(ConnectionClosed, match="1009"):
                 drain(hostile)

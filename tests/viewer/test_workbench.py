@@ -13,11 +13,12 @@ from conftest import DATA
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform
+from mrts.drawing.bodies.cell_shapes import body_poses
 from mrts.drawing.bodies.held_body import held_body
 from mrts.motion.motion_file import described_motion
 from mrts.viewer.controls.places import Place, in_plane, moved_by, offset_of, places
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.scene import tip_pose
+from mrts.viewer.shown_course import tip_pose
 from mrts.viewer.workbench.choices import Choices, Given
 from mrts.viewer.workbench.edited_yaml import edited_yaml
 from mrts.viewer.workbench.saved_choices import motion_text, save_choices
@@ -141,7 +142,8 @@ def test_an_arm_that_does_not_reach_is_shown_as_near_as_it_comes(spatial):
     assert 0 < found.first < len(found.time) - 1
     for sample in (0, found.first, len(found.time) - 1):
         for index, (robot, part) in enumerate(zip(found.cell.robots, found.cell.joint_slices.values(), strict=True)):
-            _, tip = tip_pose(robot, found.q[sample : sample + 1, part])
+            R, p = body_poses(robot, found.q[sample : sample + 1, part])
+            _, tip = tip_pose(robot, R[0], p[0])
             grasp = found.position[sample] + found.rotation[sample] @ robot.T_object_tip.p
             assert np.linalg.norm(tip - grasp) == pytest.approx(found.gap[sample, index], abs=1e-9)
     assert np.max(found.gap[-1]) > 0.05

@@ -51,7 +51,17 @@ def joint_points(robot: Robot, q: Array) -> Array:
         robot: The arm.
         q: Joint positions, Shape (N, n_i) [rad or m].
     """
-    R, p = body_poses(robot, q)
+    return points_on_bodies(robot, *body_poses(robot, q))
+
+
+def points_on_bodies(robot: Robot, R: Array, p: Array) -> Array:
+    """As `joint_points`, of bodies that stand where `body_poses` has them, Shape (N, n_i + 2, 3) [m].
+
+    Args:
+        robot: The arm.
+        R: Shape (N, n_i + 1, 3, 3).
+        p: Shape (N, n_i + 1, 3) [m].
+    """
     # a joint's point moves with the body that it carries
     own = np.concatenate([np.zeros((1, 3)), robot.points])
     points = p + np.einsum("nbij,bj->nbi", R, own)

@@ -9,7 +9,7 @@ import numpy as np
 import viser
 
 from mrts.base.arrays import Array
-from mrts.base.rigid_transform import RigidTransform
+from mrts.drawing.bodies.cell_shapes import body_poses
 from mrts.drawing.bodies.cell_view import look_at_cell
 from mrts.drawing.bodies.held_body import held_body
 from mrts.drawing.labels import shortened
@@ -108,8 +108,8 @@ class OtherResult:
         done, cell = self._done, self._done.cell
         sample = int(np.argmin(np.abs(done.time - self._time)))
         for arm, robot, joints in zip(self._arms, self._robots, cell.joint_slices.values(), strict=True):
-            base = RigidTransform(robot.T_world_base.R, robot.T_world_base.p + offset)
-            arm.update(replace(robot, T_world_base=base), done.q[None, sample, joints])
+            R, p = body_poses(robot, done.q[None, sample, joints])
+            arm.update(robot, R[0], p[0] + offset)
         carried = done.motion.object
         self.body.position, self.body.wxyz = carried.position[sample] + offset, wxyz(carried.rotation[sample])
         self._label.position = carried.position[sample] + offset + self._above
