@@ -24,8 +24,8 @@ JOINT_SHADE = 0.6
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
 """No rotation, as viser's quaternion."""
 
-SHORTEST_LINK = 1e-6
-"""Length that a link between joints at one point is drawn with [m]: without one it has no inverse on the page."""
+SHORTEST_LINK = 1e-3
+"""Length that a link between joints at one point is drawn with [m], inside their balls: a page cannot shade none."""
 
 Urdfs = Mapping[str, tuple[Path, str | None]]
 """URDF and base link of arms, by name."""
