@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from mrts.commands.options.common import (
     add_closure,
     add_reserve,
+    cell_option,
     closure_option,
     limited_cell_option,
     require,
@@ -25,14 +26,17 @@ from mrts.console.terminal import say, warn
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
     from mrts.viewer.guard import GuardedServer
     from mrts.viewer.motion_viewer import MotionViewer
     from mrts.viewer.plots.other_result import Others
+    from mrts.viewer.workbench.choices import Given
 
 EXAMPLES = """\
 examples:
   mrts view cell.yaml motion.yaml
+  mrts view cell.yaml --no-open
   mrts view cell.yaml motion.yaml --port 0 --no-open
   mrts view cell.yaml motion.yaml --png moment.png --at 0.2
   mrts view cell.yaml motion.yaml --video lift.gif --side-by-side given,fastest,smooth --rates 11.5
@@ -69,32 +73,52 @@ def _serve(options: argparse.Namespace) -> int:
     others = [(path.stem, played(path)) for path in options.others]
     if is_saved(options):
         return _serve_saved(options, others)
-    from mrts.motion.motion_file import described_motion, load_motion
     from mrts.viewer.viewer import Viewer
-    from mrts.viewer.workbench.choices import Given
     from mrts.viewer.workbench.workbench import Workbench
 
-    motion = load_motion(options.motion)
-    sharing, closure = sharing_option(options.share), closure_option(options.closure)
-    cell = limited_cell_option(options)
     urdfs = shown_urdfs(options)
-    given = Given(
-        cell=cell,
-        motion=motion,
-        description=described_motion(options.motion),
-        cell_path=options.cell if urdfs and options.variant is None else None,
-        motion_path=options.motion,
-        sharing=sharing,
-        closure=closure,
-    )
-    with _server(options, cell.name) as server:
+    cell_path = options.cell if urdfs and options.variant is None else None
+    given = _given_cell(options, cell_path) if options.motion is None else _given(options, cell_path)
+    name = given.cell.name
+    with _server(options, name) as server:
         with working(f"scaling {options.motion}") as progress:
             bench = Workbench(given, progress)
         first = bench.answer
         viewer = Viewer(server, bench, urdfs, warn, others)
+        if given.stands and first.held is not None:
+            _follow(options, server, viewer, f"{name}: no motion was given, the cell stands at its posture")
+            return FEASIBLE if first.held.reached.all() else INFEASIBLE
         outcome = first.message if first.state is None else first.state.result.summary()
-        _follow(options, server, viewer, f"{cell.name}: {outcome}")
+        _follow(options, server, viewer, f"{name}: {outcome}")
     return FEASIBLE if first.state is not None and first.state.result.status.admits_motion else INFEASIBLE
+
+
+def _given(options: argparse.Namespace, cell_path: "Path | None") -> "Given":
+    """The cell and the motion that are named."""
+    from mrts.motion.motion_file import described_motion, load_motion
+    from mrts.viewer.workbench.choices import Given
+
+    motion = load_motion(options.motion)
+    sharing, closure = sharing_option(options.share), closure_option(options.closure)
+    return Given(
+        cell=limited_cell_option(options),
+        motion=motion,
+        description=described_motion(options.motion),
+        cell_path=cell_path,
+        motion_path=options.motion,
+        sharing=sharing,
+        closure=closure,
+    )
+
+
+def _given_cell(options: argparse.Namespace, cell_path: "Path | None") -> "Given":
+    """The cell alone, whose arms hold the object still; nothing is compiled for that."""
+    from mrts.cell.uncompiled import cell_to_compile
+    from mrts.viewer.workbench.choices import Given
+    from mrts.viewer.workbench.held_poses import still_motion
+
+    cell = cell_to_compile(options.cell) or cell_option(options.cell)
+    return Given(cell=cell, motion=still_motion(cell), cell_path=cell_path, stands=True)
 
 
 def _serve_saved(options: argparse.Namespace, others: "Others") -> int:

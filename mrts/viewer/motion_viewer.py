@@ -15,10 +15,11 @@ import viser
 
 from mrts.base.errors import MrtsError
 from mrts.viewer.controls.view_controls import ViewControls
-from mrts.viewer.panel import STYLE, error_html, moment_html, outcome_html, speed_html, unreached_html
+from mrts.viewer.panel import PANEL, STYLE, error_html, held_html, moment_html, outcome_html, speed_html
 from mrts.viewer.playback import Playback
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.plots.film_controls import FilmControls
+from mrts.viewer.plots.limit_table import LimitTable
 from mrts.viewer.plots.other_result import Others, other_results
 from mrts.viewer.plots.plot_panel import PlotPanel
 from mrts.viewer.readings import Readings
@@ -26,12 +27,10 @@ from mrts.viewer.scene import ViewerScene
 from mrts.viewer.scene_arms import Urdfs
 from mrts.viewer.viewer_part import ViewerPart
 from mrts.viewer.workbench.answer import Answer
+from mrts.viewer.workbench.held_poses import Unreached
 
 FRAME = 1 / 40
 """Time between looks at the controls [s]: with room for late ones a motion plays at thirty frames a second."""
-
-PANEL = 400
-"""Width of the panel [pixels]; the scene has the rest of the window."""
 
 Later = Callable[[Callable[[], None]], None]
 """Takes work for the thread that follows the controls."""
@@ -44,7 +43,7 @@ class MotionViewer:
 
     Args:
         server: Where.
-        answer: The first, with a motion or with what is not reached.
+        answer: The first, with a motion, or where the arms are without one.
         urdfs: URDF and base link by robot, for their meshes; empty draws simple shapes.
         warn: Told which arm is drawn without its meshes, and why.
         others: Results to show beside it, each with its name; the plots compare with the first.
@@ -64,8 +63,10 @@ class MotionViewer:
         others: Others = (),
     ) -> None:
         self.server, self._answer, self._sample = server, answer, 0
+        self._stands = answer.state is None and not isinstance(answer.held, Unreached)
         self._urdfs, self._others = urdfs, others
         self.parts: list[ViewerPart] = []
+        self._readings: Readings | None = None
         self._todo: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._scene = ViewerScene(server, answer, urdfs, warn)
         gui = server.gui
@@ -121,7 +122,7 @@ class MotionViewer:
         """Do what a viewer's own controls ask for."""
 
     def _add_player(self) -> None:
-        self.playback = Playback(self.server.gui, self._duration, self._todo.put)
+        self.playback = Playback(self.server.gui, self._duration, self._todo.put, visible=not self._stands)
 
     def _add_texts(self) -> None:
         self._speed_text, self._moment_text = self.server.gui.add_html(""), self.server.gui.add_html("")
@@ -129,18 +130,24 @@ class MotionViewer:
     def _add_tabs(self) -> None:
         gui = self.server.gui
         tabs = gui.add_tab_group()
-        with tabs.add_tab("Readings"):
-            self._readings = Readings(gui, self._scene)
-        with tabs.add_tab("Plots"):
-            self.parts.append(PlotPanel(gui, self._others))
+        if self._stands:
+            with tabs.add_tab("Limits"):
+                self.parts.append(LimitTable(gui, self._scene.colours))
+        else:
+            with tabs.add_tab("Readings"):
+                self._readings = Readings(gui, self._scene)
+            with tabs.add_tab("Plots"):
+                self.parts.append(PlotPanel(gui, self._others))
         self._add_changes(tabs)
         with tabs.add_tab("View"):
-            self.playback.add_pace(gui)
+            if not self._stands:
+                self.playback.add_pace(gui)
             self._view = ViewControls(self.server, self._scene, self._todo.put)
             self.parts += other_results(self.server, self._scene, self._others)
         with tabs.add_tab("Save"):
             self._add_saving()
-            self.parts.append(FilmControls(gui, self._urdfs, self._others))
+            if not self._stands:
+                self.parts.append(FilmControls(gui, self._urdfs, self._others))
 
     def _add_changes(self, tabs: viser.GuiTabGroupHandle) -> None:
         """Add a tab of what can be changed."""
@@ -155,8 +162,8 @@ class MotionViewer:
         answer = self._answer
         if answer.state is not None:
             return answer.state.trajectory.duration
-        assert answer.unreached is not None  # noqa: S101 (one of the two is shown)
-        return float(answer.unreached.time[-1])
+        assert answer.held is not None  # noqa: S101 (one of the two is shown)
+        return float(answer.held.time[-1])
 
     def _show_answer(self, answer: Answer) -> None:
         """Show all that depends on choices and speed, and the moment."""
@@ -173,10 +180,11 @@ class MotionViewer:
                     self._scene.rescale(answer.state)
                 self._outcome.content = outcome_html(answer.state, coarse=answer.coarse)
                 self._speed_text.content = speed_html(answer.state)
-            elif answer.unreached is not None:
-                self._outcome.content = unreached_html(answer.unreached)
+            elif answer.held is not None:
+                self._outcome.content = held_html(answer.held)
                 self._speed_text.content = ""
-            self._readings.show_answer(answer)
+            if self._readings is not None:
+                self._readings.show_answer(answer)
             for part in self.parts:
                 part.show_answer(answer)
             self._show_moment(read=True)
@@ -201,14 +209,15 @@ class MotionViewer:
                 self._scene.show_moment(answer.state, self._place(answer.state, at))
                 for part in self.parts:
                     part.show_moment(answer.state)
-            elif answer.unreached is not None:
-                self._sample = answer.unreached.nearest(at)
-                self._scene.show_gap(answer.unreached, self._sample)
+            elif answer.held is not None:
+                self._sample = answer.held.nearest(at)
+                self._scene.show_gap(answer.held, self._sample)
         if not read:
             return
         self.playback.show()
         self._moment_text.content = "" if answer.state is None else moment_html(answer.state)
-        self._readings.show_moment(answer.state)
+        if self._readings is not None:
+            self._readings.show_moment(answer.state)
 
 
 def _is_same_outcome(state: PlayerState | None, other: PlayerState | None) -> bool:

@@ -9,10 +9,11 @@ import numpy as np
 from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
 from mrts.base.printable import html_text
+from mrts.cell.cell import Cell
 from mrts.limits.rows import ActiveRow
 from mrts.samples.range_status import RangeStatus
 from mrts.viewer.player_state import Bar, PlayerState
-from mrts.viewer.workbench.unreached import Unreached
+from mrts.viewer.workbench.held_poses import HeldPoses, Unreached
 
 WITHIN, OVER, PASSED = "#0072B2", "var(--mrts-over)", "#B36B00"
 """Colours of a value within its limit, beyond it, and beyond a limit that is only reported."""
@@ -39,11 +40,19 @@ ROOM = {
 }
 """Around texts above sliders and tabs, and below those that change as a slider moves; they are as long as they are."""
 
+PANEL = 400
+"""Width of the panel beside the scene [pixels]; the scene has the rest of the window."""
+
+DOCKED = f'div[style*="position: absolute"][style*="width: {PANEL + 4}px"]'
+"""What holds the panel beside the scene, with its edges, as long as nobody draws it wider or closes it."""
+
 STYLE = """<style>
 :root { --mrts-over: #D40000; }
 :root[data-mantine-color-scheme="dark"] { --mrts-over: #FF7B7B; }
 [data-text] { overflow-wrap: anywhere; }
+[data-bars] { padding: 0 6px; }
 [data-bars] td { overflow-wrap: anywhere; vertical-align: top; }
+.mantine-Slider-label { display: none; }
 [data-bars] .track { background: #8883; }
 [data-bars] .limit { background: #888; }
 @media (max-width: 36em) {
@@ -51,8 +60,14 @@ STYLE = """<style>
   .mantine-Paper-root:has([data-mrts]) { width: 100% !important; height: 55%; max-height: 55% !important; }
   .mantine-Paper-root:has([data-mrts]) div[style*="20em"] { width: 100% !important; }
 }
-</style><span data-mrts></span>"""
-"""Of the page. On a narrow window viser lays the panel over the scene; here it stands below, and covers nothing."""
+@media (min-width: 36.01em) and (max-width: 50em) {
+  div:has(> DOCKED [data-mrts]) > div:has(> canvas) { inset: 0 0 55% 0 !important; }
+  DOCKED:has([data-mrts]) { top: 45% !important; width: 100% !important; }
+  DOCKED div[style*="width: EDGEDpx"] { width: 100% !important; }
+}
+</style><span data-mrts></span>""".replace("DOCKED", DOCKED).replace("EDGED", str(PANEL + 4))
+"""Of the page. On a narrow window viser lays the panel over the scene, on a wider one the panel leaves little of it;
+here it stands below, and covers nothing. A slider's value stands beside it, not above it as well."""
 
 
 def outcome_html(state: PlayerState, *, coarse: bool = False) -> str:
@@ -73,17 +88,51 @@ def outcome_html(state: PlayerState, *, coarse: bool = False) -> str:
     return _paragraph("outcome", text, "inherit" if admits else OVER)
 
 
-def unreached_html(unreached: Unreached) -> str:
-    """Why the arms cannot follow, and how far from the motion's samples they stay."""
-    text = f"<b>No motion:</b> {html_text(unreached.message)}"
+def held_html(held: HeldPoses) -> str:
+    """What the arms hold without a motion; of one that they cannot follow, why, and how far from its samples they stay.
+
+    Args:
+        held: Where the arms are.
+    """
+    stands = not isinstance(held, Unreached)
     lost = [
-        f"{html_text(robot.name)} at {int(np.count_nonzero(~reached))} of {len(reached)} samples, by up to "
-        f"{1000 * float(np.max(gap)):.3g} mm"
-        for robot, reached, gap in zip(unreached.cell.robots, unreached.reached.T, unreached.gap.T, strict=True)
+        f"{html_text(robot.name)}{'' if stands else f' at {np.count_nonzero(~reached)} of {len(reached)} samples'}, "
+        f"by up to {1000 * float(np.max(gap)):.3g} mm"
+        for robot, reached, gap in zip(held.cell.robots, held.reached.T, held.gap.T, strict=True)
         if not np.all(reached)
     ]
-    text += f" Red in the scene is what is missing: {'; '.join(lost)}." if lost else ""
-    return _paragraph("outcome", text, OVER)
+    missing = f" Red in the scene is what is missing: {'; '.join(lost)}." if lost else ""
+    if isinstance(held, Unreached):
+        return _paragraph("outcome", f"<b>No motion:</b> {html_text(held.message)}{missing}", OVER)
+    arms = ", ".join(f"{html_text(robot.name)} ({len(robot.joints)} joints)" for robot in held.cell.robots)
+    text = (
+        f"{html_text(held.cell.name)} stands where {html_text(held.cell.robots[0].name)} holds the object "
+        f"({held.cell.mass:.4g} kg) at its posture: {arms}. No motion was given: mrts view CELL MOTION plays one."
+    )
+    return _paragraph("outcome", text + missing, OVER if lost else "inherit")
+
+
+def limits_html(cell: Cell, colours: Mapping[str, Colour]) -> str:
+    """The limits of every arm, as they are now.
+
+    Args:
+        cell: The cell.
+        colours: Of the arms, by name, as the scene draws them.
+    """
+    rows = []
+    for robot in cell.robots:
+        rows.append(_robot_row(robot.name, colours, "torque", "velocity"))
+        for index, (joint, unit) in enumerate(zip(robot.joints, robot.torque_units, strict=True)):
+            speed = "m/s" if robot.joint_types[index] == "prismatic" else "rad/s"
+            torque = _both(robot.torque_lower[index], robot.torque_upper[index], unit)
+            velocity = _both(-robot.velocity_limit[index], robot.velocity_limit[index], speed)
+            rows.append(_limit_row(robot.name, joint, torque, velocity))
+        bounds = zip(cell.wrench_components, cell.wrench_units, robot.wrench_lower, robot.wrench_upper, strict=True)
+        for name, unit, lower, upper in bounds:
+            if np.isfinite(lower) or np.isfinite(upper):
+                rows.append(_limit_row(robot.name, f"wrench {name}", _both(lower, upper, unit), ""))
+        rows += [_limit_row(robot.name, f"contact {contact.name}", "by its rows", "") for contact in robot.contacts]
+    return _table(rows)
 
 
 def speed_html(state: PlayerState) -> str:
@@ -173,15 +222,40 @@ def bars_html(
     colour = OVER if kept else PASSED
     rows = []
     for robot, bars in groups.items():
-        mark = f'<span style="color:rgb{colours[robot]}">■</span> ' if robot in colours else ""
-        rows.append(f'<tr><td colspan="3" style="padding-top:2px">{mark}<b>{html_text(robot)}</b></td></tr>')
+        rows.append(_robot_row(robot, colours))
         rows += [_bar_row(kind, robot, bar, colour) for bar in bars]
+    return _table(rows)
+
+
+def _table(rows: Sequence[str]) -> str:
     return (
-        '<table data-bars style="width:100%;border-collapse:collapse;font-size:11px;'
+        '<table data-bars style="width:100%;border-spacing:0;font-size:11px;'
         'line-height:14px;table-layout:fixed">'
         '<colgroup><col style="width:34%"><col style="width:29%"><col style="width:37%"></colgroup>'
         f"{''.join(rows)}</table>"
     )
+
+
+def _robot_row(robot: str, colours: Mapping[str, Colour], *columns: str) -> str:
+    """The name of an arm in its colour, and those of the columns below."""
+    mark = f'<span style="color:rgb{colours[robot]}">■</span> ' if robot in colours else ""
+    cells = "".join(f'<td style="padding-top:2px">{column}</td>' for column in columns)
+    span = 3 - len(columns)
+    return f'<tr><td colspan="{span}" style="padding-top:2px">{mark}<b>{html_text(robot)}</b></td>{cells}</tr>'
+
+
+def _limit_row(robot: str, name: str, *values: str) -> str:
+    cells = "".join(f"<td>{html_text(value)}</td>" for value in values)
+    return f'<tr data-limit="{html_text(f"{robot}/{name}")}"><td>{html_text(name)}</td>{cells}</tr>'
+
+
+def _both(lower: float, upper: float, unit: str) -> str:
+    """A limit on both sides of zero, as short as it can be said."""
+    if not (np.isfinite(lower) or np.isfinite(upper)):
+        return "no limit"
+    if lower == -upper:
+        return f"± {_number(upper)} {unit}"
+    return interval_text(lower, upper, unit, 3)
 
 
 def _percent(share: float) -> str:

@@ -25,16 +25,22 @@ class Playback:
         gui: Where, in the container that is open.
         duration: Of the motion as it is shown [s].
         later: Takes work for the thread that follows the controls.
+        visible: Whether there is anything to play.
     """
 
     def __init__(
-        self, gui: viser.GuiApi, duration: Callable[[], float], later: Callable[[Callable[[], None]], None]
+        self,
+        gui: viser.GuiApi,
+        duration: Callable[[], float],
+        later: Callable[[Callable[[], None]], None],
+        *,
+        visible: bool = True,
     ) -> None:
         self._duration = duration
         self._playing, self._share, self._unread, self._shown = False, 0.0, 0.0, 0.0
         self._toggled = False
-        self._time = gui.add_slider("time [s]", 0.0, 1.0, 1.0, 0.0)
-        self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
+        self._time = gui.add_slider("time [s]", 0.0, 1.0, 1.0, 0.0, visible=visible)
+        self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, visible=visible)
         self._play.on_click(lambda _: later(self.toggle))
 
     def add_pace(self, gui: viser.GuiApi) -> None:

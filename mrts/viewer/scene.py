@@ -19,9 +19,9 @@ from mrts.drawing.colours import COLOURS
 from mrts.drawing.round_numbers import round_down
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.scene_arms import Rgb, Urdfs, drawn_arm, wxyz, z_along
-from mrts.viewer.shown_course import ShownCourse, ShownMoment, blended, course_of, tip_pose
+from mrts.viewer.shown_course import ShownCourse, ShownMoment, blended, course_of
 from mrts.viewer.workbench.answer import Answer
-from mrts.viewer.workbench.unreached import Unreached
+from mrts.viewer.workbench.held_poses import HeldPoses, tip_pose
 
 OBJECT = (236, 178, 60)
 PATH, PASSED, GAP = (70, 70, 80), (212, 0, 0), (212, 0, 0)
@@ -82,7 +82,7 @@ class ViewerScene:
 
     def __init__(self, server: viser.ViserServer, answer: Answer, urdfs: Urdfs, warn: Callable[[str], None]) -> None:
         self._server, self._scene = server, server.scene
-        shown = answer.state or answer.unreached
+        shown = answer.state or answer.held
         assert shown is not None  # noqa: S101 (a workbench starts with one)
         self._course = course_of(shown)
         cell = self._course.cell
@@ -133,6 +133,7 @@ class ViewerScene:
             self._scene.add_label("/goal_name", "goal", anchor="bottom-right"),
         ]
         self._body_key: bytes = b""
+        self._named = True
         self._fitted: dict[int, tuple[float, Array]] = {}
         self.show_answer(answer)
 
@@ -142,7 +143,7 @@ class ViewerScene:
         Args:
             answer: With a state or with what is not reached; one without either leaves the scene as it is.
         """
-        shown = answer.state or answer.unreached
+        shown = answer.state or answer.held
         if shown is None:
             return
         course = self._course = course_of(shown)
@@ -153,6 +154,7 @@ class ViewerScene:
             ghost.position, ghost.wxyz = course.position[at], wxyz(course.rotation[at])
         for label, at in zip(self._end_names, (0, -1), strict=True):
             label.position = course.position[at]
+        self._show_names()
         steps = np.stack([course.position[:-1], course.position[1:]], axis=1).astype(np.float32)
         passed = course.passed[:-1] | course.passed[1:]
         colours = np.where(passed[:, None], np.array(PASSED), np.array(PATH)).astype(np.uint8)
@@ -192,18 +194,18 @@ class ViewerScene:
         """The object in the world at a sample of what is shown."""
         return RigidTransform(self._course.rotation[sample], self._course.position[sample])
 
-    def show_gap(self, unreached: Unreached, sample: int) -> None:
+    def show_gap(self, held: HeldPoses, sample: int) -> None:
         """Draw how near the arms come to their grasps at one of the samples looked at."""
         course = self._course
         tips = self._pose(course.moment(sample))
         grasps = [
             course.position[sample] + course.rotation[sample] @ robot.T_object_tip.p for robot in course.cell.robots
         ]
-        lost = [index for index, reached in enumerate(unreached.reached[sample]) if not reached]
+        lost = [index for index, reached in enumerate(held.reached[sample]) if not reached]
         lines = np.array([[tips[index], grasps[index]] for index in lost], dtype=np.float32).reshape(-1, 2, 3)
         named = []
         for index in lost:
-            gap, robot = unreached.gap[sample, index], course.cell.robots[index]
+            gap, robot = held.gap[sample, index], course.cell.robots[index]
             words = f"{robot.name}: {1000 * gap:.0f} mm short" if gap >= SHORTEST else f"{robot.name}: cannot turn so"
             named.append((index, words, (tips[index] + grasps[index]) / 2))
         self._forces.points = self._moments.points = NO_LINES
@@ -215,8 +217,8 @@ class ViewerScene:
 
     def show_names(self, *, visible: bool) -> None:
         """Show or hide what is written in the scene."""
-        for label in (*self._names, *self._end_names):
-            label.visible = visible
+        self._named = visible
+        self._show_names()
 
     def show_shadows(self, *, visible: bool) -> None:
         """Cast shadows, or none: without a good graphics card they cost most of the frames."""
@@ -260,6 +262,15 @@ class ViewerScene:
         self._view = replace(alone, target=alone.target + offset / 2, aside=float(np.linalg.norm(offset)) / 2)
         self._look()
         self._fitted = {client_id: (np.inf, position) for client_id, (_, position) in self._fitted.items()}
+
+    def _show_names(self) -> None:
+        """Of start and goal where they are two."""
+        poses = np.hstack([self._course.position, self._course.rotation.reshape(-1, 9)])
+        moves = bool(np.any(np.ptp(poses, axis=0) > 0))
+        for label in self._names:
+            label.visible = self._named
+        for label in self._end_names:
+            label.visible = self._named and moves
 
     def _pose(self, moment: ShownMoment) -> list[Array]:
         """Move all that moves; where the tips are, each Shape (3,) [m]."""

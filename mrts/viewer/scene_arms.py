@@ -99,11 +99,11 @@ class _SimpleArm:
         self._scales = np.ones((count - 1, 3), dtype=np.float32)
         self._balls = scene.add_batched_meshes_simple(
             f"{name}/points", ball.vertices, ball.faces, np.tile(UNTURNED, (count, 1)), np.zeros((count, 3)),
-            batched_colors=(red, green, blue), lod="off",
+            batched_colors=_in_linear_light((red, green, blue)), lod="off",
         )  # fmt: skip
         self._links = scene.add_batched_meshes_simple(
             f"{name}/links", link.vertices, link.faces, np.tile(UNTURNED, (count - 1, 1)), np.zeros((count - 1, 3)),
-            batched_scales=self._scales, batched_colors=colour, lod="off",
+            batched_scales=self._scales, batched_colors=_in_linear_light(colour), lod="off",
         )  # fmt: skip
 
     def update(self, robot: Robot, R: Array, p: Array) -> None:
@@ -118,6 +118,14 @@ class _SimpleArm:
         scales = np.hstack([np.ones((len(steps), 2)), np.maximum(lengths, SHORTEST_LINK)]).astype(np.float32)
         if not np.allclose(scales, self._scales):
             self._links.batched_scales = self._scales = scales
+
+
+def _in_linear_light(colour: Rgb) -> Rgb:
+    """A colour as a page takes those of batches: all others it makes linear by itself (sRGB, IEC 61966-2-1)."""
+    share = np.array(colour) / 255
+    linear = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)  # noqa: PLR2004 (the standard's)
+    red, green, blue = (round(255 * part) for part in linear.tolist())
+    return red, green, blue
 
 
 def z_along(directions: Array) -> Array:

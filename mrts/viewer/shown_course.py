@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.cell.robot import Robot
 from mrts.drawing.bodies.cell_shapes import body_poses
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.workbench.unreached import Unreached
+from mrts.viewer.workbench.held_poses import HeldPoses
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,21 +82,10 @@ def blended(values: Array, place: float) -> Array:
     return here if share == 0 else here + share * (values[first + 1] - here)
 
 
-def course_of(shown: PlayerState | Unreached) -> ShownCourse:
+def course_of(shown: PlayerState | HeldPoses) -> ShownCourse:
     """The poses of what is shown."""
-    if isinstance(shown, Unreached):
+    if isinstance(shown, HeldPoses):
         passed = ~np.all(shown.reached, axis=1)
         return ShownCourse(shown.cell, shown.q, shown.position, shown.rotation, passed)
     motion = shown.result.motion
     return ShownCourse(shown.result.cell, motion.q, motion.object.position, motion.object.rotation, shown.excess > 0)
-
-
-def tip_pose(robot: Robot, R: Array, p: Array) -> tuple[Array, Array]:
-    """Rotation, Shape (3, 3), and position, Shape (3,) [m], of a tip in the world.
-
-    Args:
-        robot: The arm.
-        R: Of its bodies, Shape (n_i + 1, 3, 3).
-        p: Likewise, Shape (n_i + 1, 3) [m].
-    """
-    return R[-1] @ robot.T_base_tip.R, p[-1] + R[-1] @ robot.T_base_tip.p

@@ -53,7 +53,9 @@ class Viewer(MotionViewer):
     ) -> None:
         super().__init__(server, bench.answer, urdfs, warn, others)
         self.bench, gui = bench, server.gui
-        self._speed = gui.add_slider("speed c", 0.0, 1.0, 1.0, 0.0, marks=((0.0, ""),), hint="× as fast as given")
+        self._speed = gui.add_slider(
+            "speed c", 0.0, 1.0, 1.0, 0.0, marks=((0.0, ""),), hint="× as fast as given", visible=not self._stands
+        )
         self._shown_speed = self._speed.value
         self._add_player()
         steps = gui.add_button_group("change", ("Undo", "Redo", "Reset"))

@@ -27,7 +27,8 @@ def add_shown(view: argparse.ArgumentParser) -> None:
                       help="cell file, folder that `mrts generate` wrote, RESULT.npz of `mrts scale --save`, or, "
                       "with --variant, a study file or the folder of its sweep")  # fmt: skip
     view.add_argument("motion", type=Path, metavar="MOTION", nargs="?",
-                      help="motion file, CSV table, or ROS 2 bag with joint trajectories")  # fmt: skip
+                      help="motion file, CSV table, or ROS 2 bag with joint trajectories; without one the cell stands "
+                      "at its posture, and no compiler is needed")  # fmt: skip
     view.add_argument("--with", type=Path, action="append", default=[], dest="others", metavar="RESULT.npz",
                       help="a saved result to show beside it; may be given again")  # fmt: skip
     view.add_argument("--variant", type=int, metavar="N", help="of the study: its cell and its motion")
@@ -65,12 +66,21 @@ def shown_files(options: argparse.Namespace) -> Iterator[None]:
             yield
     else:
         if options.motion is None:
-            from mrts.studies.study_folder import STUDY_FILE
-
-            is_study = (options.cell / STUDY_FILE).exists()
-            rule = "is needed: which variant of the study?" if is_study else "is needed: mrts view CELL MOTION."
-            raise InputError("--variant" if is_study else "MOTION", rule)
+            _check_alone(options)
         yield
+
+
+def _check_alone(options: argparse.Namespace) -> None:
+    """A cell without a motion is looked at; what only a motion can have is refused."""
+    from mrts.studies.study_folder import STUDY_FILE
+
+    if (options.cell / STUDY_FILE).exists():
+        raise InputError("--variant", "is needed: which variant of the study?")
+    asked = [name for name, nothing in QUESTIONS.items() if getattr(options, name) != nothing]
+    asked += [name for name in ("png", "video") if getattr(options, name) is not None]
+    asked += ["with"] if options.others else []
+    if asked:
+        raise InputError("MOTION", f"is needed for --{asked[0].replace('_', '-')}: mrts view CELL MOTION.")
 
 
 def played(path: Path) -> "ScalingResult":

@@ -47,7 +47,7 @@ class EditControls:
         self._gui, self._given = gui, given
         self._bound: list[BoundControl] = []
         self._place: Place | None = None
-        with gui.add_folder("Timing"):
+        with gui.add_folder("Timing", visible=not given.stands):
             self._add_timing()
         with gui.add_folder("Load"):
             self._add_load()

@@ -9,7 +9,7 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.refinement.excess import BETWEEN
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.workbench.choices import COARSE_SAMPLES, Choices, Given
-from mrts.viewer.workbench.unreached import Unreached, find_unreached
+from mrts.viewer.workbench.held_poses import HeldPoses, Unreached, find_standing, find_unreached
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +19,7 @@ class Answer:
     Attributes:
         choices: The choices.
         state: The motion at its first choice of speed, or at the speed that was asked for; None where there is none.
-        unreached: Where arms do not reach; None where they do.
+        held: Where arms are without a motion that can be played: `Unreached`, or where none was given; None else.
         error: Why there is neither; None else.
         seconds: That it took.
         coarse: Whether it has few samples and keeps the limits at these alone; the whole answer follows.
@@ -27,16 +27,16 @@ class Answer:
 
     choices: Choices
     state: PlayerState | None
-    unreached: Unreached | None = None
+    held: HeldPoses | None = None
     error: MrtsError | None = None
     seconds: float = 0.0
     coarse: bool = False
 
     @property
     def message(self) -> str:
-        """Why the motion cannot be played; empty if it can."""
-        if self.unreached is not None:
-            return self.unreached.message
+        """Why the motion cannot be played; empty if it can, or none was given."""
+        if isinstance(self.held, Unreached):
+            return self.held.message
         return "" if self.error is None else str(self.error)
 
 
@@ -54,6 +54,8 @@ def find_answer(given: Given, choices: Choices, speed: float | None, progress: P
         cell, motion = choices.cell(given), choices.motion(given, COARSE_SAMPLES if coarse else None)
     except MrtsError as error:
         return Answer(choices, None, error=error)
+    if given.stands and isinstance(motion, ObjectMotion):
+        return Answer(choices, None, held=find_standing(cell, motion))
     try:
         state = PlayerState(
             cell,
@@ -70,7 +72,7 @@ def find_answer(given: Given, choices: Choices, speed: float | None, progress: P
     except MotionError as error:
         if not isinstance(motion, ObjectMotion):
             return Answer(choices, None, error=error)
-        return Answer(choices, None, unreached=find_unreached(cell, motion, str(error)))
+        return Answer(choices, None, held=find_unreached(cell, motion, str(error)))
     except MrtsError as error:
         return Answer(choices, None, error=error)
     return Answer(choices, state, coarse=coarse)

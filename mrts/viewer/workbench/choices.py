@@ -39,6 +39,7 @@ class Given:
         motion_path: File that the motion is from; likewise.
         sharing: A fixed distribution of the load; None leaves it free.
         closure: As in `mrts.scale`.
+        stands: Whether the motion is one of `still_motion`, because none was given: the cell is looked at.
     """
 
     cell: Cell
@@ -48,6 +49,7 @@ class Given:
     motion_path: Path | None = None
     sharing: LoadSharing | None = None
     closure: ClosureBound | None = None
+    stands: bool = False
 
     @property
     def shares(self) -> tuple[float, ...] | None:

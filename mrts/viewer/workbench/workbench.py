@@ -98,6 +98,8 @@ class Workbench:
     @property
     def fixed_configuration(self) -> str:
         """Why there are no other configurations to choose; empty if there are."""
+        if self.given.stands:
+            return "Configurations are ranked by how fast they can play a motion, and none was given."
         if isinstance(self.given.motion, ObjectMotion):
             return ""
         return "A table of joint motion fixes the configuration; only an object's motion leaves a choice."

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: MIT
+"""Arms that hold the object or come as near as they can: of a cell that stands, or along a motion out of reach."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.rigid_transform import RigidTransform
+from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
+from mrts.drawing.bodies.cell_shapes import body_poses
+from mrts.inverse_kinematics.grasp_tracking import POSE_TOLERANCE, solve_grasps
+from mrts.inverse_kinematics.starting_positions import FURTHER_STEPS
+from mrts.motion.object_motion import ObjectMotion
+
+MOST_SAMPLES = 41
+"""Samples that are looked at: a picture of where arms end needs no more."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class HeldPoses:
+    """Where arms are at some poses of the object.
+
+    Attributes:
+        cell: The cell.
+        time: Of the samples looked at, k of them, Shape (k,) [s].
+        position: Of the object there, Shape (k, 3) [m].
+        rotation: Likewise, Shape (k, 3, 3).
+        q: Joint positions that come nearest, Shape (k, m) [rad or m].
+        gap: What is left between tip and grasp, Shape (k, robots) [m].
+        reached: Whether an arm holds its grasp, Shape (k, robots); by itself, perhaps in another branch.
+    """
+
+    cell: Cell
+    time: Array
+    position: Array
+    rotation: Array
+    q: Array
+    gap: Array
+    reached: NDArray[np.bool_]
+
+    def nearest(self, time: float) -> int:
+        """Index of the sample looked at that is nearest to a time [s]."""
+        return int(np.argmin(np.abs(self.time - time)))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Unreached(HeldPoses):
+    """A motion that some arm cannot follow.
+
+    Attributes:
+        message: Why, with robot, sample and amount.
+    """
+
+    message: str
+
+    @property
+    def first(self) -> int | None:
+        """The first sample looked at where some arm does not reach; None where each could be reached by itself."""
+        lost = np.flatnonzero(~np.all(self.reached, axis=1))
+        return int(lost[0]) if lost.size else None
+
+
+def find_unreached(cell: Cell, motion: ObjectMotion, message: str) -> Unreached:
+    """How near the arms come to their grasps.
+
+    Args:
+        cell: The cell.
+        motion: Motion of the object, which the arms cannot follow.
+        message: Why.
+    """
+    return Unreached(**_held(cell, motion), message=message)
+
+
+def find_standing(cell: Cell, motion: ObjectMotion) -> HeldPoses:
+    """Where the arms are while the object stands still.
+
+    Args:
+        cell: The cell.
+        motion: That rests, as of `still_motion`.
+    """
+    return HeldPoses(**_held(cell, motion))
+
+
+def still_motion(cell: Cell) -> ObjectMotion:
+    """The object at rest where the first arm holds it at its posture.
+
+    Args:
+        cell: The cell.
+    """
+    robot = cell.robots[0]
+    R, p = body_poses(robot, robot.posture[None])
+    turn, tip = tip_pose(robot, R[0], p[0])
+    held = RigidTransform(turn, tip) @ robot.T_object_tip.inverse()
+    rest = np.zeros((2, 6))
+    return ObjectMotion(np.array([0.0, 1.0]), np.tile(held.p, (2, 1)), np.tile(held.R, (2, 1, 1)), rest, rest)
+
+
+def tip_pose(robot: Robot, R: Array, p: Array) -> tuple[Array, Array]:
+    """Rotation, Shape (3, 3), and position, Shape (3,) [m], of a tip in the world.
+
+    Args:
+        robot: The arm.
+        R: Of its bodies, Shape (n_i + 1, 3, 3).
+        p: Likewise, Shape (n_i + 1, 3) [m].
+    """
+    return R[-1] @ robot.T_base_tip.R, p[-1] + R[-1] @ robot.T_base_tip.p
+
+
+def _held(cell: Cell, motion: ObjectMotion) -> dict[str, Any]:
+    """The fields of `HeldPoses`."""
+    count = min(MOST_SAMPLES, len(motion.time))
+    samples = np.unique(np.linspace(0, len(motion.time) - 1, count).round().astype(np.intp))
+    start = np.concatenate([robot.posture for robot in cell.robots])
+    starts = np.tile(start, (len(samples), 1))
+    held = solve_grasps(cell, motion, samples, starts, FURTHER_STEPS, None)
+    return {
+        "cell": cell,
+        "time": motion.time[samples],
+        "position": motion.position[samples],
+        "rotation": motion.rotation[samples],
+        "q": held.q,
+        "gap": held.gap,
+        "reached": np.maximum(held.gap, held.turn) <= POSE_TOLERANCE,
+    }
