@@ -62,7 +62,7 @@ STYLE = """<style>
 }
 @media (min-width: 36.01em) and (max-width: 50em) {
   div:has(> DOCKED [data-mrts]) > div:has(> canvas) { inset: 0 0 55% 0 !important; }
-  DOCKED:has([data-mrts]) { top: 45% !important; width: 100% !important; }
+  div:has(> DOCKED [data-mrts]) > DOCKED { top: 45% !important; width: 100% !important; }
   DOCKED div[style*="width: EDGEDpx"] { width: 100% !important; }
 }
 </style><span data-mrts></span>""".replace("DOCKED", DOCKED).replace("EDGED", str(PANEL + 4))

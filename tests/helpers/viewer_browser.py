@@ -8,8 +8,11 @@ import subprocess
 import sys
 from contextlib import contextmanager
 
+import numpy as np
 import pytest
 from playwright.sync_api import sync_playwright
+
+from mrts.drawing.bodies.cell_view import FIELD_OF_VIEW
 
 SECONDS = 60
 SIZE = {"width": 1200, "height": 700}
@@ -71,3 +74,16 @@ def open_page(browser, url):
         yield page
     finally:
         page.close()
+
+
+def in_picture(view, points, aspect):
+    """Where points are on the picture, from -1 to 1 to either side; the camera looks along its own z."""
+    camera = view.camera(aspect)
+    forward = view.target - camera
+    forward = forward / np.linalg.norm(forward)
+    right = np.cross(forward, view.up)
+    right = right / np.linalg.norm(right)
+    away = (points - camera) @ np.stack([right, np.cross(right, forward), forward]).T
+    assert np.min(away[:, 2]) > 0
+    edge = np.tan(FIELD_OF_VIEW / 2) * away[:, 2]
+    return away[:, 0] / edge / aspect, away[:, 1] / edge

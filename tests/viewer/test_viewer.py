@@ -15,14 +15,14 @@ from conftest import DATA, ROOT
 from published_robots import ROBOTS
 from scipy.spatial.transform import Rotation
 from shown_results import as_if_generated
-from viewer_browser import SIZE, chromium, interrupt, open_page, running_viewer
+from viewer_browser import SIZE, chromium, in_picture, interrupt, open_page, running_viewer
 
 import mrts
 from mrts.cell.generation import urdf_files
 from mrts.cli import main
 from mrts.drawing.bodies.arm_meshes import arm_meshes
 from mrts.drawing.bodies.cell_shapes import body_poses, joint_points
-from mrts.drawing.bodies.cell_view import FIELD_OF_VIEW, look_at_cell
+from mrts.drawing.bodies.cell_view import look_at_cell
 from mrts.viewer.scene import ViewerScene
 from mrts.viewer.scene_arms import SHORTEST_LINK
 from mrts.viewer.server import close_server, open_server
@@ -210,19 +210,6 @@ def test_arrows_have_the_length_that_the_panel_states(dual_ur5):
         lengths = np.linalg.norm(arrows[name][:, 1] - arrows[name][:, 0], axis=1)
         np.testing.assert_allclose(lengths, np.linalg.norm(values, axis=1) * scale, rtol=1e-5)
         assert scale == float(f"{scale:.0e}")  # one digit
-
-
-def in_picture(view, points, aspect):
-    """Where points are on the picture, from -1 to 1 to either side; the camera looks along its own z."""
-    camera = view.camera(aspect)
-    forward = view.target - camera
-    forward = forward / np.linalg.norm(forward)
-    right = np.cross(forward, view.up)
-    right = right / np.linalg.norm(right)
-    away = (points - camera) @ np.stack([right, np.cross(right, forward), forward]).T
-    assert np.min(away[:, 2]) > 0
-    edge = np.tan(FIELD_OF_VIEW / 2) * away[:, 2]
-    return away[:, 0] / edge / aspect, away[:, 1] / edge
 
 
 @pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])

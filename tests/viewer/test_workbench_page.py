@@ -2,13 +2,26 @@
 
 import shutil
 
+import numpy as np
 from conftest import DATA
-from viewer_browser import chromium, open_page, running_viewer
+from viewer_browser import chromium, in_picture, open_page, running_viewer
+
+from mrts.drawing.bodies.cell_view import look_at_cell
+from mrts.viewer.controls.gizmo import ARM
 
 assert chromium  # a fixture, imported for pytest
 
-WIDTHS = (1400, 900, 500)
+WIDTHS = (1400, 900, 700, 577, 500)
 """Of windows [pixels]."""
+
+DRAGGED = 0.2
+"""Way of a gizmo [m]."""
+
+DRAWN = 500
+"""Between frames of a browser that draws without a graphics card, at most [ms]."""
+
+PIXEL = 0.02
+"""Three pixels of the scene at that size [m]: where a mouse can be."""
 
 OVERLAP = """() => {
     const scene = document.querySelector('canvas').getBoundingClientRect();
@@ -47,7 +60,48 @@ def row(page, label):
     return found.last.get_by_role("slider")
 
 
-def test_every_control_does_what_it_says(chromium, tmp_path):
+def drag_along_x(page, cell, motion, base, way):
+    """Take the gizmo's arrow at a base with the mouse, and move it so far that it goes some way along x [m]."""
+    edge = page.evaluate(
+        "() => { const at = document.querySelector('canvas').getBoundingClientRect();"
+        " return [at.left, at.top, at.width, at.height]; }"
+    )
+    view = look_at_cell(cell, motion.q, motion.object.position)
+    held = ARM * view.size * np.array([0.5, 0.0, 0.0])
+    points = np.array([base + held, base + held + [way, 0, 0]])
+    across, high = in_picture(view, points, edge[2] / edge[3])
+    start, end = np.column_stack([edge[0] + edge[2] * (1 + across) / 2, edge[1] + edge[3] * (1 - high) / 2])
+    page.mouse.move(*start)
+    page.wait_for_timeout(DRAWN)  # until the picture knows what is below the pointer
+    page.mouse.down()
+    page.mouse.move(*end, steps=8)
+    page.mouse.up()
+
+
+def drag_and_undo(page, cell, motion):
+    """The left base follows the mouse, its slider says how far, and one step of undo takes back the whole drag."""
+    first = text(page, "outcome")
+    pick(page, "move", "left base")
+    drag_along_x(page, cell, motion, cell.robots[0].T_world_base.p, DRAGGED)
+    slider = row(page, "along x [mm]").element_handle()
+    page.wait_for_function(
+        "([slider, way, near]) => Math.abs(slider.getAttribute('aria-valuenow') - way) < near",
+        arg=[slider, 1000 * DRAGGED, 1000 * PIXEL],
+    )
+    page.wait_for_function("text => document.querySelector('[data-text=outcome]').innerText != text", arg=first)
+    page.get_by_role("button", name="Undo").click()
+    page.wait_for_function("text => document.querySelector('[data-text=outcome]').innerText == text", arg=first)
+
+
+def change_view(page):
+    page.get_by_role("tab", name="View").click()
+    for name in ("frames", "names", "shadows", "dark"):
+        page.get_by_role("checkbox", name=name).click()
+    page.wait_for_selector('[data-mantine-color-scheme="dark"]', state="attached")
+    page.get_by_role("button", name="Show the whole cell").click()
+
+
+def test_every_control_does_what_it_says(chromium, planar_cell, lifted, tmp_path):
     folder = shutil.copytree(DATA, tmp_path / "cell")
     cell = folder / "cell.yaml"
     cell.write_text(cell.read_text().replace("  mass: 0.5 ", "  variation: {mass: [0.5, 2]}\n  mass: 0.5 "))
@@ -76,6 +130,8 @@ def test_every_control_does_what_it_says(chromium, tmp_path):
         page.get_by_role("checkbox", name="fixed shares of the load").click()
         page.wait_for_function("text => document.querySelector('[data-text=outcome]').innerText != text", arg=first)
         page.get_by_role("button", name="Reset").click()
+        page.wait_for_function("text => document.querySelector('[data-text=outcome]').innerText == text", arg=first)
+        drag_and_undo(page, planar_cell, lifted.motion)
         pick(page, "move", "end of the motion")
         row(page, "along y [mm]").press("End")
         waits_for(page, "outcome", "No motion")
@@ -86,11 +142,7 @@ def test_every_control_does_what_it_says(chromium, tmp_path):
         page.get_by_role("button", name="Rank all configurations").click()
         pick(page, "configuration", "2: ")
         page.wait_for_function("text => document.querySelector('[data-text=outcome]').innerText != text", arg=first)
-        page.get_by_role("tab", name="View").click()
-        for name in ("frames", "names", "shadows", "dark"):
-            page.get_by_role("checkbox", name=name).click()
-        page.wait_for_selector('[data-mantine-color-scheme="dark"]', state="attached")
-        page.get_by_role("button", name="Show the whole cell").click()
+        change_view(page)
         page.get_by_role("tab", name="Save").click()
         page.get_by_role("button", name="Save").last.click()
         waits_for(page, "saved", "configuration 2")
