@@ -122,15 +122,12 @@ def limits_html(cell: Cell, colours: Mapping[str, Colour]) -> str:
     rows = []
     for robot in cell.robots:
         rows.append(_robot_row(robot.name, colours, "torque", "velocity"))
-        for index, (joint, unit) in enumerate(zip(robot.joints, robot.torque_units, strict=True)):
-            speed = "m/s" if robot.joint_types[index] == "prismatic" else "rad/s"
-            torque = _both(robot.torque_lower[index], robot.torque_upper[index], unit)
-            velocity = _both(-robot.velocity_limit[index], robot.velocity_limit[index], speed)
+        for joint, _, torque, _, velocity in robot.joint_rows():
             rows.append(_limit_row(robot.name, joint, torque, velocity))
         bounds = zip(cell.wrench_components, cell.wrench_units, robot.wrench_lower, robot.wrench_upper, strict=True)
         for name, unit, lower, upper in bounds:
             if np.isfinite(lower) or np.isfinite(upper):
-                rows.append(_limit_row(robot.name, f"wrench {name}", _both(lower, upper, unit), ""))
+                rows.append(_limit_row(robot.name, f"wrench {name}", interval_text(lower, upper, unit), ""))
         rows += [_limit_row(robot.name, f"contact {contact.name}", "by its rows", "") for contact in robot.contacts]
     return _table(rows)
 
@@ -247,15 +244,6 @@ def _robot_row(robot: str, colours: Mapping[str, Colour], *columns: str) -> str:
 def _limit_row(robot: str, name: str, *values: str) -> str:
     cells = "".join(f"<td>{html_text(value)}</td>" for value in values)
     return f'<tr data-limit="{html_text(f"{robot}/{name}")}"><td>{html_text(name)}</td>{cells}</tr>'
-
-
-def _both(lower: float, upper: float, unit: str) -> str:
-    """A limit on both sides of zero, as short as it can be said."""
-    if not (np.isfinite(lower) or np.isfinite(upper)):
-        return "no limit"
-    if lower == -upper:
-        return f"± {_number(upper)} {unit}"
-    return interval_text(lower, upper, unit, 3)
 
 
 def _percent(share: float) -> str:

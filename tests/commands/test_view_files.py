@@ -97,7 +97,9 @@ def test_a_variant_is_that_of_the_study(named, monkeypatch, tmp_path):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ([CELL], "MOTION: is needed"),
+        ([CELL, "--png", "x.png"], "MOTION: is needed for --png"),
+        ([CELL, "--share", "equal"], "MOTION: is needed for --share"),
+        ([CELL, "--with", "x.npz"], "MOTION: is needed for --with"),
         ([CELL, LIFT, "--at", "1"], "--at: goes with --png"),
         ([CELL, LIFT, "--side-by-side", "given"], "goes with --png FILE or --video FILE"),
         ([CELL, LIFT, "--png", "x.jpg"], "ends in .png"),

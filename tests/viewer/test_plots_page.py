@@ -35,7 +35,7 @@ def test_plots_follow_a_saved_result_and_its_picture_is_taken(chromium, lifted, 
         page.get_by_role("tab", name="Plots").click()
         page.wait_for_selector("[data-plot=torque] polyline", state="attached")
         plots = page.locator("[data-plot]").evaluate_all("all => all.map(each => each.dataset.plot)")
-        assert plots == ["compared", "c2", "torque", "wrench"]
+        assert plots == ["compared", "c2", "torque", "wrench", "phase"]
         assert page.locator("[data-plot=compared]").inner_text().startswith("Shown: 0.2992 s, 2.47 × as fast as slow")
         assert page.evaluate(CURSOR) == 0
         page.get_by_role("button", name="Play", exact=True).click()

@@ -25,13 +25,15 @@ from mrts.viewer.plots.time_plots import (
 from mrts.viewer.saved_viewer import SavedViewer
 from mrts.viewer.server import close_server, open_server
 
+SUMMED = 5e-3
+"""Of the width or height of a plot: the way is a sum over samples, the timing knows it better."""
+
 DRAWN = 0.1 / (HEIGHT - TOP - BOTTOM)
 """A coordinate is written with one decimal."""
 
 
 def plotted(name, result):
-    done = result.trajectory
-    return PlottedMotion(name, done.time, done.c2, result.range, limit_shares(done))
+    return PlottedMotion.of(name, result.trajectory, result.range)
 
 
 def lines_of(page, kind):
@@ -49,7 +51,7 @@ def lines_of(page, kind):
 def test_lines_are_the_shares_of_limits(lifted):
     motion = plotted("lift", lifted)
     page = lxml.html.fromstring(f"<div>{plots_html(motion)}</div>")
-    assert [plot.get("data-plot") for plot in page.xpath("//div[@data-plot]")] == ["c2", "torque", "wrench"]
+    assert [plot.get("data-plot") for plot in page.xpath("//div[@data-plot]")] == ["c2", "torque", "wrench", "phase"]
     (of,) = (of for of in motion.shares if of.kind == "torque")
     drawn = lines_of(page, "torque")
     assert len(drawn) == len(of.labels)
@@ -95,6 +97,17 @@ def test_the_other_is_dashed_on_the_axis_of_the_longer(planar_cell, lift, lifted
     assert all(time[-1] == pytest.approx(1 / ratio, abs=1e-3) for time in others)
 
 
+def test_a_saved_timing_has_its_phase_plane(planar_cell, lift, tmp_path):
+    """The independent side is the profile that was found, along the arc length that the timing itself counts."""
+    found = mrts.retime(planar_cell, lift)
+    mrts.save_result(found.retimed, tmp_path / "timed.npz")
+    page = lxml.html.fromstring(f"<div>{plots_html(plotted('', mrts.load_result(tmp_path / 'timed.npz')))}</div>")
+    ((along, height),) = lines_of(page, "phase").values()
+    (piece,) = found.pieces
+    np.testing.assert_allclose(along, piece.arc / piece.arc[-1], atol=SUMMED)
+    np.testing.assert_allclose(height, piece.arc_speed / np.max(piece.arc_speed), atol=SUMMED)
+
+
 def test_a_saved_result_plays_without_a_compiler_beside_another(lifted, planar_cell, lift, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
@@ -118,7 +131,8 @@ def test_a_saved_result_plays_without_a_compiler_beside_another(lifted, planar_c
         assert state.sample > before
         assert controls["Play"].label == "Pause"
         longest = slow.trajectory.duration
-        assert viewer.parts[0].cursor.content == cursor_html(state.time / longest)
+        way = plotted("", fast).way
+        assert viewer.parts[0].cursor.content == cursor_html(state.time / longest, way[state.sample] / way[-1])
         other = viewer.parts[1]
         sample = int(np.argmin(np.abs(slow.trajectory.time - state.time)))
         place = slow.motion.object.position[sample]

@@ -136,7 +136,7 @@ def test_an_arm_that_does_not_reach_is_shown_as_near_as_it_comes(spatial):
     """The gap is the distance from the drawn tip to the grasp; the object still moves."""
     end = Place("end").given_pose(spatial)
     answer = changed(spatial, Choices(end=RigidTransform(end.R, end.p + np.array([0.0, 0.0, 0.6]))))
-    found = answer.unreached
+    found = answer.held
     assert answer.state is None
     assert "cannot reach" in answer.message
     assert 0 < found.first < len(found.time) - 1

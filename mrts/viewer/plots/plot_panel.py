@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The time plots in the viewer's panel; needs the extra 'view'."""
 
+import numpy as np
 import viser
 
-from mrts.drawing.limit_shares import limit_shares
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.plots.other_result import Others
 from mrts.viewer.plots.time_plots import PLOT_STYLE, PlottedMotion, cursor_html, plots_html
@@ -30,9 +30,10 @@ class PlotPanel:
         self._other = None
         for name, result in others[:1]:
             if (done := result.trajectory) is not None:
-                self._other = PlottedMotion(name, done.time, done.c2, result.range, limit_shares(done))
+                self._other = PlottedMotion.of(name, done, result.range)
         self._wanted: PlayerState | None = None
-        self._longest, self._since, self._at = 1.0, RENEWAL, 0.0
+        self._shown: PlottedMotion | None = None
+        self._since, self._at = RENEWAL, (0.0, 0.0)
 
     def show_answer(self, answer: Answer) -> None:
         """Plot an answer as soon as the last plots have been seen."""
@@ -42,7 +43,13 @@ class PlotPanel:
 
     def show_moment(self, state: PlayerState) -> None:
         """Take the chosen sample; the cursor moves with the next step, apart from what the scene sends together."""
-        self._at = state.time / max(self._longest, state.trajectory.duration)
+        if (shown := self._shown) is None:
+            return
+        both = (shown, self._other) if self._other else (shown,)
+        longest = max(state.trajectory.duration, *(one.duration for one in both))
+        farthest = max(float(one.way[-1]) for one in both)
+        way = float(np.interp(state.time, shown.time, shown.way))
+        self._at = state.time / longest, way / farthest if farthest > 0 else 0.0
 
     def step(self, elapsed: float) -> None:
         """Plot what waits.
@@ -52,15 +59,14 @@ class PlotPanel:
         """
         self._since += elapsed
         self._plot()
-        if (style := cursor_html(self._at)) != self.cursor.content:
+        if (style := cursor_html(*self._at)) != self.cursor.content:
             self.cursor.content = style
 
     def _plot(self) -> None:
         if self._wanted is None or self._since < RENEWAL:
             return
         state, done = self._wanted, self._wanted.trajectory
-        shown = PlottedMotion("shown", done.time, done.c2, state.result.range, limit_shares(done))
-        self._longest = max(shown.duration, self._other.duration if self._other else 0.0)
-        self._plots.content = plots_html(shown, self._other)
+        self._shown = PlottedMotion.of("shown", done, state.result.range)
+        self._plots.content = plots_html(self._shown, self._other)
         self._wanted, self._since = None, 0.0
         self.show_moment(state)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Plots along time as SVG: the range of c², and how much of each limit is used; all share one cursor.
+"""Plots along time as SVG: the range of c², and how much of each limit is used; and the speed along the path.
 
 The cursor is a line in every plot that stands where one number says, which a style sheet of a few letters sets: so it
 follows a motion at any rate, and the plots are sent only when they change.
@@ -7,6 +7,7 @@ follows a motion at any rate, and the plots are sent only when they change.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import isfinite
 
 import numpy as np
@@ -16,9 +17,10 @@ from mrts.base.printable import html_text
 from mrts.drawing.axis_reach import c2_reach
 from mrts.drawing.colours import COLOURS, END_COLOURS
 from mrts.drawing.labels import shortened
-from mrts.drawing.limit_shares import LimitShares
+from mrts.drawing.limit_shares import LimitShares, limit_shares
 from mrts.drawing.round_numbers import round_down
 from mrts.scaling.range import ScalingRange
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 WIDTH, HEIGHT = 360, 104
 """Of a plot, in its own units; it is drawn as wide as the panel."""
@@ -42,15 +44,17 @@ LETTERS = 26
 """Of a line's name."""
 
 OVER = "#F03E3E"
-CURSOR = "--mrts-cursor"
+CURSOR, ALONG = "--mrts-cursor", "--mrts-along"
+"""Where the cursor stands along time, and along the path."""
 
 PLOT_STYLE = f"""<style>
-:root {{ {CURSOR}: 0px; }}
+:root {{ {CURSOR}: 0px; {ALONG}: 0px; }}
 [data-plot] svg {{ display: block; width: 100%; height: auto; }}
 [data-plot] text {{ font: 9px sans-serif; fill: currentColor; }}
 [data-plot] .title {{ font-size: 12px; font-weight: bold; padding: 8px 9px 0; }}
 [data-plot] .names, [data-plot].names {{ font-size: 11px; line-height: 15px; padding: 0 9px; overflow-wrap: anywhere; }}
 [data-plot] .cursor {{ stroke: currentColor; stroke-width: 1.2; transform: translateX(var({CURSOR})); }}
+[data-plot] .cursor.along {{ transform: translateX(var({ALONG})); }}
 [data-plot] .grid {{ stroke: #8886; stroke-width: 0.7; }}
 [data-plot] .limit {{ stroke: {OVER}; stroke-width: 0.8; stroke-dasharray: 4 2; }}
 [data-plot] .line {{ fill: none; stroke-width: 1.4; stroke-linejoin: round; }}
@@ -69,6 +73,7 @@ class PlottedMotion:
         c2: That is chosen.
         range: Of the motion.
         shares: Of its limits.
+        speed: Along the path as it is played, the root mean square of the joints' speeds, Shape (N,) [rad/s or m/s].
     """
 
     name: str
@@ -76,6 +81,25 @@ class PlottedMotion:
     c2: float
     range: ScalingRange
     shares: Sequence[LimitShares]
+    speed: Array
+
+    @classmethod
+    def of(cls, name: str, done: ScaledTrajectory, found: ScalingRange) -> "PlottedMotion":
+        """A motion as it is played.
+
+        Args:
+            name: For people.
+            done: How it is played.
+            found: Its range.
+        """
+        speed = np.sqrt(np.mean(done.dq**2, axis=1))
+        return cls(name, done.time, done.c2, found, limit_shares(done), speed)
+
+    @cached_property
+    def way(self) -> Array:
+        """Along the path, from its start, Shape (N,) [rad or m]."""
+        steps = np.diff(self.time) * (self.speed[:-1] + self.speed[1:]) / 2
+        return np.concatenate([[0.0], np.cumsum(steps)])
 
     @property
     def duration(self) -> float:
@@ -83,13 +107,15 @@ class PlottedMotion:
         return float(self.time[-1])
 
 
-def cursor_html(share: float) -> str:
+def cursor_html(share: float, along: float) -> str:
     """Where the cursor stands in all plots.
 
     Args:
-        share: Of the width of a plot, 0 at its left edge.
+        share: Of the width of a plot along time, 0 at its left edge.
+        along: Of that along the path.
     """
-    return f"<style>:root {{ {CURSOR}: {share * (WIDTH - LEFT - RIGHT):.1f}px; }}</style>"
+    width = WIDTH - LEFT - RIGHT
+    return f"<style>:root {{ {CURSOR}: {share * width:.1f}px; {ALONG}: {along * width:.1f}px; }}</style>"
 
 
 def plots_html(motion: PlottedMotion, other: PlottedMotion | None = None) -> str:
@@ -105,6 +131,7 @@ def plots_html(motion: PlottedMotion, other: PlottedMotion | None = None) -> str
     for of in motion.shares:
         beside = (other, others[of.kind]) if other and of.kind in others else None
         parts.append(_share_plot(motion, of, beside, longest))
+    parts.append(_phase_plot(motion, other))
     compared = f'<div data-plot="compared" class="names">{_compared(motion, other)}</div>' if other else ""
     return f"{compared}{''.join(parts)}"
 
@@ -162,6 +189,19 @@ def _share_plot(
     return _plot(of.kind, f"{of.title}, share of the limit", ends, ticks, lines, text)
 
 
+def _phase_plot(motion: PlottedMotion, other: PlottedMotion | None) -> str:
+    """The phase plane: how fast the joints go, where along the path."""
+    both = [motion, other] if other else [motion]
+    reach = max(float(np.max(one.speed)) for one in both) or 1.0
+    ends = _Axes((0.0, max(float(one.way[-1]) for one in both) or 1.0), (0.0, ROOM * reach), "rad or m")
+    lines = [ends.line(motion.way, motion.speed, f'class="line" stroke="{COLOURS[0]}"', "speed along the path")]
+    if other is not None:
+        lines.append(ends.line(other.way, other.speed, 'class="line other"', f"{other.name}: speed along the path"))
+    ticks = [(value, f"{value:.3g}") for value in _round_ticks(reach)]
+    text = "Root mean square of the joints [rad/s or m/s], along the way that it makes"
+    return _plot("phase", "Phase plane: speed along the path", ends, ticks, lines, text)
+
+
 def _plot(
     name: str, title: str, ends: "_Axes", ticks: Sequence[tuple[float, str]], lines: Sequence[str], names: str
 ) -> str:
@@ -173,9 +213,10 @@ def _plot(
         drawn.append(f'<text x="{LEFT - 4}" y="{height + 3:.1f}" text-anchor="end">{text}</text>')
     for share, anchor in ((0.0, "start"), (0.5, "middle"), (1.0, "end")):
         across = LEFT + share * (WIDTH - LEFT - RIGHT)
-        text = f"{share * ends.longest:.3g} s"
+        text = f"{share * ends.longest:.3g} {ends.unit}"
         drawn.append(f'<text x="{across:.1f}" y="{HEIGHT - 5}" text-anchor="{anchor}">{text}</text>')
-    cursor = f'<line x1="{LEFT}" x2="{LEFT}" y1="{TOP}" y2="{bottom}" class="cursor"/>'
+    kind = "cursor" if ends.unit == "s" else "cursor along"
+    cursor = f'<line x1="{LEFT}" x2="{LEFT}" y1="{TOP}" y2="{bottom}" class="{kind}"/>'
     svg = f'<svg viewBox="0 0 {WIDTH} {HEIGHT}">{"".join(drawn)}{"".join(lines)}'
     return (
         f'<div data-plot="{html_text(name)}"><div class="title">{html_text(title)}</div>{svg}{cursor}</svg>'
@@ -184,10 +225,10 @@ def _plot(
 
 
 class _Axes:
-    """Where times and values are in a plot."""
+    """Where times, or ways along the path, and values are in a plot."""
 
-    def __init__(self, times: tuple[float, float], values: tuple[float, float]) -> None:
-        self.longest = times[1]
+    def __init__(self, times: tuple[float, float], values: tuple[float, float], unit: str = "s") -> None:
+        self.longest, self.unit = times[1], unit
         self.low, self.high = values
 
     def height(self, value: float) -> float:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Choices saved as a cell file and a motion file: what was edited and nothing else, or not at all."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from mrts.base.input_file import read_text
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.base.yaml_parser import parse_yaml, yaml_text
 from mrts.cell.cell import Cell
+from mrts.cell.functions import Backend
 from mrts.cell.loading import load_cell
 from mrts.cell.robot import Robot
 from mrts.motion.motion_file import MotionDescription
@@ -92,16 +93,36 @@ def _target(folder: Path, where: str, name: str) -> Path:
 
 def _cell_text(given: Given, choices: Choices, path: Path, target: Path) -> tuple[str, str]:
     """The original text with the edited keys; where that does not read back to the cell, a text written anew."""
-    original = load_cell(path)
+    backend: Backend = "vm" if given.stands else "auto"  # who looks at a cell may have no compiler
+    original = load_cell(path, backend=backend)
     wanted = choices.saved_cell(replace(given, cell=original))
-    before, edits = read_text(path, "cell file"), _cell_edits(original, wanted, choices)
+
+    def is_wanted(read: Any) -> bool:
+        return _same(Cell.from_description(read, folder=target.parent, backend=backend), wanted)
+
+    return _edited_or_anew("cell", path, _cell_edits(original, wanted, choices), is_wanted, wanted.to_yaml)
+
+
+def _edited_or_anew(
+    what: str, path: Path, edits: Edits, is_wanted: Callable[[Any], bool], anew: Callable[[], str]
+) -> tuple[str, str]:
+    """The original text with other values where these read back, else a text written anew; and a remark.
+
+    Args:
+        what: The file, for people: "cell" or "motion".
+        path: Of the original.
+        edits: Other values.
+        is_wanted: Whether what a text reads as is what was chosen.
+        anew: The text without the original.
+    """
+    before = read_text(path, f"{what} file")
     try:
         text = edited_yaml(before, edits)
-        if _same(Cell.from_description(parse_yaml(text), folder=target.parent), wanted):
+        if is_wanted(parse_yaml(text)):
             return text, ""
     except (InputError, ValueError, yaml.YAMLError):
         pass
-    return wanted.to_yaml(), ANEW.format("cell")
+    return anew(), ANEW.format(what)
 
 
 def _cell_edits(original: Cell, wanted: Cell, choices: Choices) -> Edits:
@@ -184,12 +205,11 @@ def motion_text(given: Given, choices: Choices) -> tuple[str, str]:
         pose = choices.start if name == "start" else choices.end
         if pose is not None:
             edits[keys] = _pose(pose)
-    before = read_text(given.motion_path, "motion file")
-    try:
-        text = edited_yaml(before, edits)
-        if MotionDescription(**parse_yaml(text)) == described:
-            return text, ""
-    except (InputError, ValueError, yaml.YAMLError):
-        pass
     whole = {key: value for key, value in described.model_dump().items() if value is not None}
-    return yaml_text(whole), ANEW.format("motion")
+    return _edited_or_anew(
+        "motion",
+        given.motion_path,
+        edits,
+        lambda read: MotionDescription(**read) == described,
+        lambda: yaml_text(whole),
+    )
