@@ -34,7 +34,7 @@ MOST_NAMED = 5
 """Limits named that are passed; the worst come first."""
 
 ROOM = {
-    "outcome": "padding-bottom:6px",
+    "outcome": "padding-bottom:10px",
     "speed": "min-height:32px",
     "moment": "min-height:32px;padding-bottom:8px",
 }
