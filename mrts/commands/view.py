@@ -81,7 +81,7 @@ def _serve(options: argparse.Namespace) -> int:
     given = _given_cell(options, cell_path) if options.motion is None else _given(options, cell_path)
     name = given.cell.name
     with _server(options, name) as server:
-        with working(f"scaling {options.motion}") as progress:
+        with working("looking at the cell" if given.stands else f"scaling {options.motion}") as progress:
             bench = Workbench(given, progress)
         first = bench.answer
         viewer = Viewer(server, bench, urdfs, warn, others)

@@ -29,6 +29,9 @@ from mrts.viewer.workbench.workbench import Workbench
 PATIENCE = 10.0
 """[s]"""
 
+FILM_PATIENCE = 60.0
+"""Of a film, which is drawn frame by frame [s]."""
+
 EVERYWHERE = "0.0.0.0"  # noqa: S104 (only asked about)
 
 
@@ -256,18 +259,19 @@ def test_a_text_field_takes_a_short_line(viewer, text):
 def test_a_film_comes_to_the_page_that_asked_for_it(viewer, monkeypatch):
     monkeypatch.setattr(film, "RATE", 2)
     monkeypatch.setattr(film, "SHORTEST", 0.2)
-    name = f"{viewer.shown.bench.given.cell.name}.gif".encode()
+    name, download = f"{viewer.shown.bench.given.cell.name}.gif".encode(), b"FileTransferStartDownload"
     with connected(viewer.url) as other, connected(viewer.url) as asking:
         asking.send(update(viewer, "Film (GIF)", value=True))
-        received, end = b"", time.monotonic() + PATIENCE
-        while name not in received and time.monotonic() < end:
+        received, end = b"", time.monotonic() + FILM_PATIENCE
+        while download not in received and time.monotonic() < end:
             viewer.settle()
             with suppress(TimeoutError):
                 received = unpacked(asking.recv(timeout=0.05))
+        assert download in received
         assert name in received
         with suppress(TimeoutError):
             while True:
-                assert name not in unpacked(other.recv(timeout=0.2))
+                assert download not in unpacked(other.recv(timeout=0.2))
 
 
 def test_what_no_control_can_send_is_ignored(viewer):
