@@ -14,7 +14,7 @@ from mrts.base.manifest import MANIFEST_NAME
 from mrts.base.regular_file import is_folder
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
-from mrts.cell.generation import arms_alone_of, read_without_generating
+from mrts.cell.source_files import arms_alone_of, read_without_generating
 from mrts.cell.uncompiled import uncompiled_cell
 from mrts.coordination.coordinate import coordinate
 from mrts.coordination.coordinated_motion import check_motion
