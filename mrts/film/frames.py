@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,8 @@ from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.limit_shares import limit_shares
-from mrts.film.lettering import FAINT, GRID, INK, font, put_text
-from mrts.film.stage import Stage, Take, Warn, silent
+from mrts.film.lettering import FAINT, GRID, INK, fitting, font, put_text
+from mrts.film.stage import ARMS, Stage, Take, Warn, silent
 
 FINER = 2
 """Pixels that are drawn for one that is shown, in both directions: edges become smooth."""
@@ -45,6 +46,9 @@ ROOM = 1.08
 """Upper edge of a plot whose shares keep their limits."""
 
 LIMIT_COLOUR = (200, 30, 30)
+
+KIND_COLOURS = tuple(COLOURS[place] for place in (2, 3, 6, 4, 5, 0, 1))
+"""Of lines, by kind of limit: last come the colours that the first two arms are near to."""
 
 Frame = NDArray[np.uint8]
 """Shape (height, width, 3)."""
@@ -114,6 +118,7 @@ class Composition:
         for number, take in enumerate(self.takes):
             scene = self._stage.picture(take, time)
             image.paste(Image.fromarray(scene.astype(np.uint8)), (number * self._column, HEADING))
+            self._put_arms(picture, number, take)
             self._put_cursor(picture, number, time)
         text = f"t = {min(time, self.duration):.2f} s"
         put_text(picture, (self._size[0] - RIGHT, self._size[1] - 22), text, SMALL, CLOCK, anchor="rs")
@@ -151,6 +156,16 @@ class Composition:
             put_text(picture, (here + 36, line), title, size, room)
             here += 68 + font(size).getlength(title)
         put_text(picture, (here, line), pace, size, room, colour=FAINT)
+
+    def _put_arms(self, picture: ImageDraw.ImageDraw, number: int, take: Take) -> None:
+        """The arms' names in a scene's upper corner, beside squares of their colours."""
+        here, line = number * self._column + float(RIGHT), HEADING + 1.6 * SMALL
+        room = (self._column - 2 * RIGHT) / len(take.cell.robots) - 2 * SMALL
+        for robot, colour in zip(take.cell.robots, cycle(ARMS)):
+            picture.rectangle([here, line - 0.8 * SMALL, here + 0.8 * SMALL, line], colour)
+            name, letters = fitting(printable(robot.name), SMALL, room)
+            picture.text((here + 1.1 * SMALL, line), name, fill=INK, font=letters, anchor="ls")
+            here += 2 * SMALL + letters.getlength(name)
 
     def _put_plot(self, picture: ImageDraw.ImageDraw, number: int) -> None:
         place = self._plot(number)
@@ -191,4 +206,4 @@ class Composition:
         return place.bottom - (place.bottom - place.top) * np.minimum(np.asarray(share) / self._highest, 1.0)
 
     def _colour(self, kind: str) -> str:
-        return COLOURS[self._kinds.index(kind) % len(COLOURS)]
+        return KIND_COLOURS[self._kinds.index(kind) % len(KIND_COLOURS)]
