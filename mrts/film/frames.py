@@ -30,6 +30,9 @@ SHAPE = 0.74
 HEADING, PLOT, FOOT = 100, 224, 60
 """Heights of the parts of a frame [drawn pixels]."""
 
+FIRST_LINE, SECOND_LINE = 42, 82
+"""Of the heading: where its letters stand [drawn pixels]."""
+
 TEXT, SMALL, TINY = 30, 24, 20
 """Of letters [drawn pixels]."""
 
@@ -118,7 +121,6 @@ class Composition:
         for number, take in enumerate(self.takes):
             scene = self._stage.picture(take, time)
             image.paste(Image.fromarray(scene.astype(np.uint8)), (number * self._column, HEADING))
-            self._put_arms(picture, number, take)
             self._put_cursor(picture, number, time)
         text = f"t = {min(time, self.duration):.2f} s"
         put_text(picture, (self._size[0] - RIGHT, self._size[1] - 22), text, SMALL, CLOCK, anchor="rs")
@@ -130,11 +132,12 @@ class Composition:
         picture = ImageDraw.Draw(image)
         for number, take in enumerate(self.takes):
             left, done, room = number * self._column + RIGHT, take.trajectory, self._column - 2 * RIGHT
-            put_text(picture, (left, 42), printable(take.title), TEXT, room, bold=True)
+            put_text(picture, (left, FIRST_LINE), printable(take.title), TEXT, room, bold=True)
             text = f"{done.duration:.3g} s"
             if number > 0:
                 text += f", {self.takes[0].trajectory.duration / done.duration:.3g} × as fast"
-            put_text(picture, (left, 82), text, SMALL, room, colour=FAINT)
+            put_text(picture, (left, SECOND_LINE), text, SMALL, room / 2, colour=FAINT)
+            self._put_arms(picture, left + room, take, room / 2)
             self._put_plot(picture, number)
         self._put_legend(picture)
         return image
@@ -157,15 +160,17 @@ class Composition:
             here += 68 + font(size).getlength(title)
         put_text(picture, (here, line), pace, size, room, colour=FAINT)
 
-    def _put_arms(self, picture: ImageDraw.ImageDraw, number: int, take: Take) -> None:
-        """The arms' names in a scene's upper corner, beside squares of their colours."""
-        here, line = number * self._column + float(RIGHT), HEADING + 1.6 * SMALL
-        room = (self._column - 2 * RIGHT) / len(take.cell.robots) - 2 * SMALL
-        for robot, colour in zip(take.cell.robots, cycle(ARMS)):
-            picture.rectangle([here, line - 0.8 * SMALL, here + 0.8 * SMALL, line], colour)
-            name, letters = fitting(printable(robot.name), SMALL, room)
-            picture.text((here + 1.1 * SMALL, line), name, fill=INK, font=letters, anchor="ls")
-            here += 2 * SMALL + letters.getlength(name)
+    def _put_arms(self, picture: ImageDraw.ImageDraw, right: float, take: Take, room: float) -> None:
+        """The arms' names beside squares of their colours, in the heading on the right."""
+        names = [printable(robot.name) for robot in take.cell.robots]
+        mark, free = 0.8 * SMALL, 0.9 * SMALL
+        each = room / len(names) - mark - 1.4 * free
+        shown = [fitting(name, SMALL, each) for name in names]
+        here = right - sum(letters.getlength(name) for name, letters in shown) - len(shown) * (mark + 1.4 * free) + free
+        for (name, letters), colour in zip(shown, cycle(ARMS)):
+            picture.rectangle([here, SECOND_LINE - mark, here + mark, SECOND_LINE], colour)
+            picture.text((here + mark + 0.4 * free, SECOND_LINE), name, fill=INK, font=letters, anchor="ls")
+            here += mark + 1.4 * free + letters.getlength(name)
 
     def _put_plot(self, picture: ImageDraw.ImageDraw, number: int) -> None:
         place = self._plot(number)

@@ -20,6 +20,12 @@ COLOURS_OF_GIF = 128
 KEPT = [(255, 255, 255), INK, FORCE, LIMIT_COLOUR, *(ImageColor.getrgb(colour) for colour in COLOURS)]
 """Colours that a GIF has as they are: of lines too thin to weigh among thousands of pixels."""
 
+STEP = 4
+"""Of 255: pillow looks for the nearest colour of a palette to a colour that is rounded down to such steps."""
+
+WEIGHT = 2 / 3
+"""Exponent of the pixels of a colour, for how much it counts: with 1 arms would get what the background leaves."""
+
 AS_BEFORE = COLOURS_OF_GIF - 1
 """Number of the colour that is none."""
 
@@ -44,14 +50,15 @@ def write_gif(path: Path, frames: Iterator[tuple[Frame, int]], some: Sequence[Fr
         some: A few of them, whose colours it has.
     """
     palette = _palette(some)
+    colours = _looked_up(palette)
     frame, wait = next(frames)
-    drawn = _numbers(frame, palette)
+    drawn = _numbers(frame, colours)
     with path.open("wb") as file:
         header, _ = GifImagePlugin.getheader(_image(drawn, palette), info={"loop": 0})
         file.writelines(header)
         part, corner = drawn, (0, 0)
         for frame, lasting in frames:
-            following = _numbers(frame, palette)
+            following = _numbers(frame, colours)
             changed = following != drawn
             if not np.any(changed) and wait + lasting <= LONGEST_WAIT:
                 wait += lasting
@@ -63,21 +70,31 @@ def write_gif(path: Path, frames: Iterator[tuple[Frame, int]], some: Sequence[Fr
         file.write(b";")
 
 
-def _palette(some: Sequence[Frame]) -> Image.Image:
-    """A picture with the palette of a film."""
+def _palette(some: Sequence[Frame]) -> list[int]:
+    """Red, green and blue of each colour of a film."""
     room = COLOURS_OF_GIF - len(KEPT) - 1
-    chosen = Image.fromarray(np.concatenate(some)).quantize(room, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    boxes, pixels = np.unique(np.concatenate(some).reshape(-1, 3) // STEP, axis=0, return_counts=True)
+    colours = boxes.astype(int) * STEP + STEP // 2
+    free = np.all([np.max(np.abs(colours - kept), axis=1) > STEP for kept in KEPT], axis=0)
+    weights = np.ceil(pixels[free] ** WEIGHT).astype(int)
+    weighed = np.repeat(colours[free], weights, axis=0).astype(np.uint8)
+    chosen = Image.fromarray(weighed[None]).quantize(room, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     found = (chosen.getpalette() or [])[: 3 * room]
     kept = [channel for colour in KEPT for channel in colour]
-    colours = [*kept, *found]
-    palette = Image.new("P", (1, 1))
-    palette.putpalette(colours + list(KEPT[0]) * (COLOURS_OF_GIF - len(colours) // 3))
-    return palette
+    rest = COLOURS_OF_GIF - (len(kept) + len(found)) // 3
+    return [*kept, *found, *rest * KEPT[0]]
 
 
-def _numbers(frame: Frame, palette: Image.Image) -> Numbers:
-    """A picture in the colours of a palette; none is `AS_BEFORE`, which looks like the first."""
-    numbers = np.array(Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE))
+def _looked_up(palette: list[int]) -> Image.Image:
+    """A picture whose palette finds the number of the nearest colour."""
+    image = Image.new("P", (1, 1))
+    image.putpalette([channel // STEP * STEP for channel in palette])
+    return image
+
+
+def _numbers(frame: Frame, colours: Image.Image) -> Numbers:
+    """A picture in numbers of colours; none is `AS_BEFORE`, which looks like the first."""
+    numbers = np.array(Image.fromarray(frame).quantize(palette=colours, dither=Image.Dither.NONE))
     numbers[numbers >= AS_BEFORE] = 0
     return numbers
 
@@ -91,9 +108,9 @@ def _changed_part(following: Numbers, changed: NDArray[np.bool_]) -> tuple[Numbe
     return np.where(changed[part], following[part], AS_BEFORE).astype(np.uint8), (int(columns[0]), int(rows[0]))
 
 
-def _image(numbers: Numbers, palette: Image.Image) -> Image.Image:
+def _image(numbers: Numbers, palette: list[int]) -> Image.Image:
     image = Image.fromarray(numbers, "L")
-    image.putpalette(palette.getpalette() or [])
+    image.putpalette(palette)
     return image
 
 
