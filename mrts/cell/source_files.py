@@ -10,12 +10,35 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_xacro
-from mrts.base.manifest import Manifest
+from mrts.base.manifest import MANIFEST_NAME, Manifest
+from mrts.base.regular_file import is_folder
 from mrts.kernel.cache_folder import cache_folder
 
 if TYPE_CHECKING:
     from mrts.base.formats.urdf_tree import Survey, UrdfTree
     from mrts.motors.joint_source import JointSource
+
+
+CELL_FILE = "cell.yaml"
+"""What `mrts new` and `mrts demo` call a cell file."""
+
+
+def is_generated(path: Path) -> bool:
+    """Whether a path is that of a generated cell, and not of a cell file.
+
+    Args:
+        path: A file, or a folder.
+
+    Raises:
+        InputError: If it is a folder that `mrts generate` did not write.
+    """
+    if is_folder(path) and not (path / MANIFEST_NAME).exists():
+        inside = path / CELL_FILE
+        named = f"the cell file in it: {inside}" if inside.exists() else "a cell file"
+        raise InputError(
+            path, f"is a folder without {MANIFEST_NAME}, so `mrts generate` did not write it; name {named}."
+        )
+    return is_folder(path) or path.name == MANIFEST_NAME
 
 
 class NamedFiles(NamedTuple):
