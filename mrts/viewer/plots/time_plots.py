@@ -178,7 +178,8 @@ def _share_plot(
         lines.append(ends.line(motion.time, of.share[:, line], style, label))
         if colour:
             dot = f'<span style="color:{colour}">●</span>'
-            names.append(f"{dot}&nbsp;{html_text(shortened(of.labels[line], LETTERS))} {_percent(most)}")
+            percent = _percent(most).replace(" ", "&nbsp;")
+            names.append(f"{dot}&nbsp;{html_text(shortened(of.labels[line], LETTERS))} {percent}")
     if beside is not None:
         lines.append(ends.line(beside[0].time, beside[1].largest, 'class="line other"', f"{beside[0].name}: largest"))
     height = ends.height(1.0)
