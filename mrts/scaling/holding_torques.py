@@ -21,6 +21,7 @@ from mrts.samples.reserve import TORQUES
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.torque_distribution import TORQUE_WIDENING
+from mrts.samples.trajectory_programs import motion_ranges
 from mrts.samples.widening import widening_at
 
 
@@ -68,7 +69,7 @@ class Holding(InNotebooks):
 def holding_at_ends(
     cell: Cell,
     motion: CoordinatedMotion,
-    samples: SampleRanges,
+    samples: SampleRanges | None,
     sharing: LoadSharing | None,
     formulation: FormulationName,
     weights: Array,
@@ -81,7 +82,7 @@ def holding_at_ends(
         cell: The cell, with its load.
         motion: Its motion.
         samples: The ranges of c²: where 0 is in none, the limits do not let the cell hold still. Dry friction does
-            not count for it.
+            not count for it. None where they are not known: those of the two ends are then found where they matter.
         sharing: A fixed distribution of the load, None for a free one.
         formulation: Unknowns of the programs.
         weights: W, Shape (m, m).
@@ -95,7 +96,14 @@ def holding_at_ends(
         SolverError: If no solver answers.
     """
     pushing, places = pushing_ends(motion.dq, motion.ddq), (0, motion.samples - 1)
-    free = [bool(samples.lower[place] <= 0) for place in places]
+    if samples is not None:
+        free = [bool(samples.lower[place] <= 0) for place in places]
+    elif any(pushing):
+        at_ends = np.array(places)
+        ends_alone = motion_ranges(cell, motion.at(at_ends), formulation, _of_samples(sharing, at_ends), solver)
+        free = (ends_alone.lower <= 0).tolist()
+    else:
+        free = [False, False]
     if any(np.any(robot.motors.coulomb) for robot in cell.robots) and any(pushing):
         still, shared = _still(motion, sharing, np.array(places))  # friction that opposes a motion does not hold
         problem = build_sample_problem(cell, still, formulation=formulation, sharing=shared)
@@ -135,8 +143,13 @@ def _still(
     motion: CoordinatedMotion, sharing: LoadSharing | None, chosen: NDArray[np.int_]
 ) -> tuple[CoordinatedMotion, LoadSharing | None]:
     """Some samples at which the joints stand, with the distribution there."""
-    internal = None if sharing is None else sharing.internal_wrench
-    if sharing is not None and internal is not None and np.ndim(internal) > 1:
-        sharing = replace(sharing, internal_wrench=np.asarray(internal)[chosen])
     stands = np.zeros((len(chosen), motion.q.shape[1]))
-    return replace(motion.at(chosen), dq=stands, ddq=stands, travel=None), sharing
+    return replace(motion.at(chosen), dq=stands, ddq=stands, travel=None), _of_samples(sharing, chosen)
+
+
+def _of_samples(sharing: LoadSharing | None, chosen: NDArray[np.int_]) -> LoadSharing | None:
+    """The distribution at some samples."""
+    internal = None if sharing is None else sharing.internal_wrench
+    if sharing is None or internal is None or np.ndim(internal) == 1:
+        return sharing
+    return replace(sharing, internal_wrench=np.asarray(internal)[chosen])
