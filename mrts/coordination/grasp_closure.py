@@ -155,7 +155,8 @@ def grasp_gaps(cell: Cell, given: ObjectMotion, tips: list[TipMotion]) -> GraspG
     for robot, tip in zip(cell.robots, tips, strict=True):
         gap = tip.position - given.position - given.rotation @ robot.T_object_tip.p
         distances.append(np.sqrt(np.einsum("ni,ni->n", gap, gap)))
-        off = given.rotation @ robot.T_object_tip.R @ tip.rotation.transpose(0, 2, 1)
+        held = (given.rotation.reshape(-1, 3) @ robot.T_object_tip.R).reshape(-1, 3, 3)
+        off = held @ tip.rotation.transpose(0, 2, 1)
         angles.append(angles_of_rotations(off))
     return GraspGaps(np.array(distances), np.array(angles))
 

@@ -10,9 +10,9 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, SolverError
 from mrts.base.load_box import LoadPoint
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.reachability.fastest_profile import Obstacle, SpeedProfile, fastest_profile, rising_profile
+from mrts.reachability.fastest_profile import Obstacle, fastest_profile, rising_profile
 from mrts.reachability.speed_conflict import sample_conflict, segment_conflict
-from mrts.reachability.speed_regions import SpeedRegions, intersect_regions, regions_of_planes, speed_regions
+from mrts.reachability.speed_regions import intersect_regions, regions_of_planes, speed_regions
 from mrts.reachability.successive_profiles import successive_profiles
 from mrts.retiming.path_pieces import NoPath, PathPiece, by_turns, closed_piece, path_pieces
 from mrts.retiming.result import Comparison, RetimingResult, RetimingStatus
@@ -140,9 +140,8 @@ class _Search:
             progress(len(self.points), len(self.points))
             if isinstance(steps, Obstacle):
                 return self._explained(steps)
-            return self._unusual(steps[-1].profile, steps[-1].regions) or fastest_piece(
-                self.piece, steps[-1].regions, steps[-1].profile
-            )
+            last = fastest_piece(self.piece, steps[-1].regions, steps[-1].profile)
+            return self._unusual(last) or last
         progress(len(self.points), len(self.points))
         regions = parts[0] if len(parts) == 1 else intersect_regions(parts)
         for sample in regions.undecided:
@@ -156,18 +155,21 @@ class _Search:
         found = fastest_profile(self.piece.step, regions, self.ends)
         if isinstance(found, Obstacle):
             return self._explained(found)
-        return self._unusual(found, regions) or fastest_piece(
-            self.piece, regions, rising_profile(found, self.piece.step, regions, self.ends)
-        )
+        timed = fastest_piece(self.piece, regions, found)
+        unusual = self._unusual(timed)
+        if unusual is not None:
+            return unusual
+        faster = rising_profile(found, self.piece.step, regions, self.ends, timed.segment_times)
+        return timed if faster is found else fastest_piece(self.piece, regions, faster)
 
-    def _unusual(self, found: SpeedProfile, regions: SpeedRegions) -> _Failure | None:
+    def _unusual(self, timed: FastestPiece) -> _Failure | None:
         """A profile that takes no time, or for ever."""
-        fastest = int(np.argmax(found.x))
-        if found.x[fastest] >= UNBOUNDED_SHARE * regions.bound:
+        fastest = int(np.argmax(timed.x))
+        if timed.x[fastest] >= UNBOUNDED_SHARE * timed.regions.bound:
             why = f"nothing limits the speed at {self._place(fastest)}. Give velocity limits."
             return _Failure((RetimingStatus.UNBOUNDED, why))
         with np.errstate(divide="ignore"):
-            times = fastest_piece(self.piece, regions, found).segment_times
+            times = timed.segment_times
         stuck = ~(times <= STUCK * np.median(times)) | np.isinf(times)
         if not np.any(stuck):
             return None

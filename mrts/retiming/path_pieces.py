@@ -2,6 +2,7 @@
 """The path of a motion without its timing: samples by arc length or by its turns, in pieces from stop to stop."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Literal
 
@@ -60,7 +61,7 @@ class PathPiece:
     rests: tuple[bool, bool]
     continued: NDArray[np.int_]
 
-    @property
+    @cached_property
     def step(self) -> Array:
         """Δσ of each segment, Shape (n - 1,)."""
         return np.diff(self.path.object.time)
@@ -154,7 +155,7 @@ def _piece(
         return NoPath("turn", first + int(np.argmax(back | (step <= 0))))
     path = given.played(s, direction[:, joints:], bend[:, joints:], part)
     rests = (bool(rest[first]), bool(rest[last]))
-    joined = CoordinatedMotion(path, motion.q[part], direction[:, :joints], bend[:, :joints])
+    joined = CoordinatedMotion.made(path, motion.q[part], direction[:, :joints], bend[:, :joints])
     return PathPiece(
         first=first, path=joined, arc=s, arc_speed=np.ones_like(s), speed=speed, rests=rests, continued=continued
     )
@@ -178,7 +179,7 @@ def closed_piece(cell: Cell, piece: PathPiece) -> PathPiece:
     dq, ddq = path.dq.copy(), path.ddq.copy()
     wrong = is_continued[chosen]
     dq[piece.continued], ddq[piece.continued] = (rates[wrong] for rates in nearest_rates(cell, some.object, some))
-    return replace(piece, path=replace(path, dq=dq, ddq=ddq))
+    return replace(piece, path=CoordinatedMotion.made(path.object, path.q, dq, ddq, path.travel))
 
 
 def by_turns(piece: PathPiece) -> PathPiece:
@@ -252,7 +253,7 @@ def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Ar
     dq, ddq = rates(path.dq, path.ddq)
     carried = given.played(sigma, *rates(given.twist, given.acceleration))
     travel = np.stack(travel_directions(path.dq, path.ddq)) if path.travel is None else path.travel
-    return CoordinatedMotion(carried, path.q, dq, ddq, travel=travel)
+    return CoordinatedMotion.made(carried, path.q, dq, ddq, travel)
 
 
 def _arcs(q: Array, direction: Array) -> Array:

@@ -124,13 +124,13 @@ def _jumps(motion: CoordinatedMotion) -> Array:
     """Steps of velocity at inner samples that no smooth motion has, others 0, Shape (N - 2, m) [rad/s or m/s]."""
     velocity = np.diff(motion.q, axis=0) / np.diff(motion.object.time)[:, None]
     step = np.abs(np.diff(velocity, axis=0))
-    if motion.samples < FEWEST_SAMPLES:
+    least = LEAST_STEP * np.max(np.abs(motion.dq), initial=0.0)
+    if motion.samples < FEWEST_SAMPLES or not np.any(step > least):
         return np.zeros_like(step)
     around = np.zeros_like(step)
     for distance in range(2, NEIGHBOURS + 1):
         around[distance:] = np.maximum(around[distance:], step[:-distance])
         around[:-distance] = np.maximum(around[:-distance], step[distance:])
-    least = LEAST_STEP * np.max(np.abs(motion.dq), initial=0.0)
     return np.where((step > JUMP * around) & (step > least), step, 0.0)
 
 
