@@ -20,7 +20,9 @@ from interleaved import median_times, on_one_processor, parts_of, show
 POINTS, REPEATS = 1000, 9
 
 PARTS = {
-    "mrts.retiming.retime:_best_constant": "best constant factor",
+    "mrts.retiming.retime:factor_question": "the given motion, its arms closed",
+    "mrts.retiming.retime:timing_remarks": "remarks, doubtful gaps",
+    "mrts.retiming.retime:check_held_between": "remarks, doubtful gaps",
     "mrts.retiming.fastest_timing:path_pieces": "path and its pieces",
     "mrts.retiming.fastest_timing:closed_piece": "path and its pieces",
     "mrts.retiming.fastest_timing:by_turns": "path and its pieces",
@@ -30,7 +32,7 @@ PARTS = {
     "mrts.retiming.fastest_timing:regions_of_planes": "regions",
     "mrts.retiming.fastest_timing:fastest_profile": "profile",
     "mrts.retiming.fastest_timing:rising_profile": "profile",
-    "mrts.retiming.retime:played_result": "plan: motion, its range, its torques",
+    "mrts.retiming.retime:played_result": "plan: motion and its torques",
     "mrts.retiming.retime:excess_by_segment": "check between the samples",
 }
 """Where the whole call calls what; a function that moves must be named anew here."""

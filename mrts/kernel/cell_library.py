@@ -339,7 +339,7 @@ class Scratch:
     """
 
     def __init__(self, library: ctypes.CDLL, record: FunctionRecord) -> None:
-        self.sizes = work_sizes(library, record)
+        self.sizes = work_sizes(library, record.symbol)
         self._allocate()
 
     def _allocate(self) -> None:

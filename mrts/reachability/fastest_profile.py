@@ -134,7 +134,11 @@ def segment_times(step: Array, profile: SpeedProfile) -> Array:
         step: Length of each segment, Shape (n - 1,).
         profile: Of the n samples.
     """
-    speed, share = np.sqrt(profile.x), _stop_share(step, profile)
+    speed = np.sqrt(profile.x)
+    if not np.any(profile.rise):
+        constant: Array = 2 * step / (speed[:-1] + speed[1:])
+        return constant
+    share = _stop_share(step, profile)
     z = np.sqrt(np.abs(share))
     longer = np.ones_like(z)
     for sign, inverse in ((share > 0, np.arctanh), (share < 0, np.arctan)):

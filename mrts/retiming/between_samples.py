@@ -135,7 +135,9 @@ def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:
         h, dq, ddq = np.diff(time)[:, None], motion.dq, motion.ddq
         steps = np.diff(motion.q, axis=0)
         missed = steps - h / 2 * (dq[1:] + dq[:-1]) - h**2 / 12 * (ddq[:-1] - ddq[1:])
-        doubtful = np.flatnonzero(np.max(np.abs(missed), axis=1) > BENT * np.max(np.abs(steps)))
+        allowed = BENT * np.max(np.abs(steps))
+        bent = np.max(np.abs(missed)) > allowed
+        doubtful = np.flatnonzero(np.any(np.abs(missed) > allowed, axis=1)) if bent else doubtful[:0]
     if len(doubtful):
         between_samples(cell, motion, (time[doubtful] + time[doubtful + 1]) / 2)
 
@@ -158,7 +160,7 @@ def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
         for load in loads:
             share = motion_widening(cell, played, np.ones(played.samples), sharing=sharing, load=load)
             segments = slice(part.piece.first, part.piece.first + len(part.piece.step))
-            shares[segments] = np.maximum(shares[segments], np.max(share.reshape(-1, len(PLACES)), axis=1))
+            shares[segments] = np.maximum(shares[segments], _worst_of_each(share))
             most = int(np.argmax(share))
             if share[most] > worst.share:
                 segment, place = divmod(most, len(PLACES))
@@ -167,6 +169,13 @@ def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
                 named = partial(_overstepped, cell, played.at(np.array([most, most])), sharing, load)
                 worst = Excess(float(share[most]), tolerance, at, named)
     return SegmentExcess(shares, worst)
+
+
+def _worst_of_each(share: Array) -> Array:
+    """The largest of the places of each segment, Shape (n - 1,): faster by places than by segments."""
+    by_place = np.ascontiguousarray(share.reshape(-1, len(PLACES)).T)
+    worst: Array = np.max(by_place, axis=0)
+    return worst
 
 
 def _overstepped(
