@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What a whole call of `mrts.retime` consists of, one arm and two, and what the check between the samples costs alone.
 
-No rivals: nobody else looks between the samples. The parts are taken by the library's own functions, in the call of
+No rivals: nobody else looks between the samples. Once more with the constant factor that the timing is compared with,
+which is found when it is first read. The parts are taken by the library's own functions, in the call of
 median time; with the rest they add up to it. One processor, CPU time.
 """
 
@@ -48,6 +49,7 @@ def show_parts(title: str, cell: mrts.Cell, motion: mrts.CoordinatedMotion, repe
     timed = mrts.retime(cell, motion)
     alone = {
         "mrts.retime: the whole call": lambda: mrts.retime(cell, motion),
+        "the whole call, and its constant factor read": lambda: mrts.retime(cell, motion).factor,
         "the check between the samples, alone": lambda: excess_by_segment(timed, BETWEEN),
     }
     show(median_times(alone, repeats), points, "point", {})
