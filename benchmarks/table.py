@@ -47,9 +47,9 @@ ROWS = {
     "range of c², two arms": Row(1.8, 0.5, "µs a sample", REPEATS),
     PROCESS: Row(350, 200, "ms", PROCESSES),
 }
-"""`mrts.retime` leaves the constant factor that its timing is compared with until it is read; the rows of "the same" read
-it, as every summary does, against the same bars. The bar of the range of two arms is one of instructions, 15 000 of
-28 900: here that share of 3.4 µs."""
+"""`mrts.retime` leaves the constant factor that its timing is compared with until it is read; the rows of "the same"
+read it, as every summary does, against the same bars. The bar of the range of two arms is one of instructions, 15 000
+of 28 900: here that share of 3.4 µs."""
 
 
 def questions(samples: int) -> dict[str, Callable[[], Any]]:
