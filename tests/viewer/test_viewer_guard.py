@@ -31,6 +31,9 @@ PROTOCOL = [f"viser-v{viser.__version__}"]
 PATIENCE = 10.0
 """[s]"""
 
+FILM_PATIENCE = 60.0
+"""Of a film, which is drawn frame by frame [s]."""
+
 EVERYWHERE = "0.0.0.0"  # noqa: S104 (only asked about)
 
 CAMERA = {
@@ -284,18 +287,19 @@ def read_by_a_page(message):
 def test_a_film_comes_to_the_page_that_asked_for_it(viewer, monkeypatch):
     monkeypatch.setattr(film, "RATE", 2)
     monkeypatch.setattr(film, "SHORTEST", 0.2)
-    name = f"{viewer.shown.bench.given.cell.name}.gif".encode()
+    name, download = f"{viewer.shown.bench.given.cell.name}.gif".encode(), b"FileTransferStartDownload"
     with connected(viewer) as other, connected(viewer) as asking:
         asking.send(update(viewer, "Film (GIF)", value=True))
-        received, end = b"", time.monotonic() + PATIENCE
-        while name not in received and time.monotonic() < end:
+        received, end = b"", time.monotonic() + FILM_PATIENCE
+        while download not in received and time.monotonic() < end:
             viewer.settle()
             with suppress(TimeoutError):
                 received = read_by_a_page(asking.recv(timeout=0.05))
+        assert download in received
         assert name in received
         with suppress(TimeoutError):
             while True:
-                assert name not in read_by_a_page(other.recv(timeout=0.2))
+                assert download not in read_by_a_page(other.recv(timeout=0.2))
 
 
 def test_what_no_control_can_send_is_ignored(viewer):
