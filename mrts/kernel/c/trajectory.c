@@ -94,13 +94,6 @@ static void mrts_range_of_sample(const mrts_limits *limits, mrts_rows *rows, dou
     }
 }
 
-/* Unknowns up to which torques are found in lanes: their programs stand on the stack, 10 kB times the square of the number of
- * arms, 1 MB here. */
-#ifndef MRTS_MOST_LANE_UNKNOWNS
-#define MRTS_MOST_LANE_UNKNOWNS 55
-#endif
-#define MRTS_TORQUE_LANES (MRTS_LANES > 1 && MRTS_UNKNOWNS <= MRTS_MOST_LANE_UNKNOWNS)
-
 #if MRTS_TORQUE_LANES
 /* The samples of a call in lanes. */
 typedef struct {
