@@ -28,7 +28,7 @@ from mrts.retiming.smooth_timing import SmoothQuestion
 from mrts.samples import DistributionName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.scaling.load_study import load_question
-from mrts.scaling.motion_remarks import timing_remarks
+from mrts.scaling.motion_remarks import interpolated_timing, timing_remarks
 from mrts.scaling.result import DistributionRule
 from mrts.scaling.scale import factor_question
 from mrts.smooth.program import Goal
@@ -147,7 +147,11 @@ def _fastest(
         return replace(found, retimed=played)
 
     first = timed(given, refined=False)
-    return refined_timing(first, timed, lambda one: excess_by_segment(one, tolerance), tolerance, adds=adds)
+    fastest = refined_timing(first, timed, lambda one: excess_by_segment(one, tolerance), tolerance, adds=adds)
+    if fastest.retimed is None or first.duration is None or fastest.duration is None:
+        return fastest
+    added = interpolated_timing(given, first.duration, fastest.duration)
+    return replace(fastest, retimed=replace(fastest.retimed, warnings=fastest.retimed.warnings + added))
 
 
 @dataclass(frozen=True)

@@ -224,6 +224,24 @@ def interpolated(motion: CoordinatedMotion, bare: ScalingRange, finer: ScalingRa
     return (Remark("between-samples", text),)
 
 
+def interpolated_timing(motion: CoordinatedMotion, bare: float, finer: float) -> tuple[Remark, ...]:
+    """That a timing is longer for what mrts itself makes of a table between its rows.
+
+    Args:
+        motion: As given.
+        bare: Duration with limits kept at the given samples [s].
+        finer: With those that were added [s].
+    """
+    if isinstance(motion.object.course, Geodesic | WaypointPath) or finer <= bare * (1 + REMARKED):
+        return ()
+    text = (
+        f"between the given samples the motion is the spline that mrts lays through them, known only as well as they "
+        f"are: limits kept there too make the timing {100 * (finer / bare - 1):.2g} % longer than {bare:.4g} s. Where "
+        "that matters, give more of them."
+    )
+    return (Remark("between-samples", text),)
+
+
 def _joint_names(cell: Cell) -> list[str]:
     return [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
 

@@ -8,6 +8,7 @@ import pytest
 
 import mrts
 from mrts.samples.trajectory_programs import motion_ranges
+from mrts.scaling.motion_remarks import REMARKED, interpolated_timing
 from mrts.scaling.range import intersect
 
 BETWEEN_SHARE = 1e-3  # samples that a comparison adds move a duration by what the segments between samples cost
@@ -85,6 +86,15 @@ def test_arms_that_cannot_hold_the_object_between_few_samples_are_told_at_once(p
     with pytest.raises(mrts.MotionError, match="between the samples"):
         mrts.retime(planar_cell, given)
     assert mrts.retime(planar_cell, given, between=None).status.admits_motion
+
+
+def test_what_a_spline_between_few_rows_costs_is_told(planar_cell, lift):
+    rows = mrts.ObjectMotion(lift.time, *lift.course(lift.time), smooth=False)
+    table, known = mrts.follow_object(planar_cell, rows), mrts.follow_object(planar_cell, lift)
+    (remark,) = interpolated_timing(table, 0.5, 0.51)
+    assert (remark.code, "2 % longer than 0.5 s" in remark.text) == ("between-samples", True)
+    assert not interpolated_timing(table, 0.5, 0.5 * (1 + REMARKED / 2))
+    assert not interpolated_timing(known, 0.5, 0.51)
 
 
 def test_a_question_that_the_cell_does_not_answer_is_refused_at_once(planar_cell, lift):
