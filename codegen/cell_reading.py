@@ -108,6 +108,7 @@ def _joint_sources(cell: CellModel) -> tuple[JointSource, ...]:
                     friction_from="cell file" if not of_urdf else "URDF" if some else "none given",
                     armature=float(motors.armature[index]) or None,
                     carried_mass=joint.body.mass,
+                    point_links=joint.point_links,
                 )
             )
     return tuple(sources)

@@ -13,7 +13,7 @@ import yaml
 
 from mrts.cli import main as mrts_main
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "helpers"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "helpers" / "embedded"))
 from embedded_target import FOLDER, code_size, cross_compile, missing_tools, run_on_target
 
 DATA = Path(str(files("mrts") / "data"))

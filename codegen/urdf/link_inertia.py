@@ -57,6 +57,16 @@ class Inertia:
         return Inertia(mass, com, at_com)
 
 
+def is_point(link: Any) -> bool:
+    """Whether a link of a URDF has a mass but no extent: no moment of inertia of its own.
+
+    Args:
+        link: Of a URDF.
+    """
+    body = link.inertial
+    return body is not None and body.mass > 0 and bool(np.max(np.abs(body.inertia)) <= body.mass * POINT_RADIUS**2)
+
+
 def link_inertia(path: Path, link: Any, remarks: list[Remark]) -> Inertia:
     """Mass properties of a link in its own frame; without mass there is no body.
 
@@ -79,7 +89,7 @@ def link_inertia(path: Path, link: Any, remarks: list[Remark]) -> Inertia:
             remarks.append(Remark("massless-inertia", text))
         return Inertia.zero()
     T_link_com: RigidTransform = inertial.origin
-    if np.max(np.abs(inertial.inertia)) <= inertial.mass * POINT_RADIUS**2:
+    if is_point(link):
         return Inertia(inertial.mass, np.zeros(3), np.zeros((3, 3))).seen_from(T_link_com)
     problem = inertia_problem(inertial.inertia, triangle=TRIANGLE_MARGIN, rods=True)
     if problem:

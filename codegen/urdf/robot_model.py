@@ -4,10 +4,10 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from mrts_codegen.urdf.link_inertia import Inertia, link_inertia
+from mrts_codegen.urdf.link_inertia import Inertia, is_point, link_inertia
 from mrts_codegen.urdf.urdf_joint import (
     MOVING_TYPES,
     friction,
@@ -41,6 +41,7 @@ class Joint:
         viscous: Likewise what grows with the velocity [N m s/rad or N s/m].
         placed_by_held: Whether the placement depends on where held joints stand.
         laden_by_held: Whether the body does.
+        point_links: Of the body's links those that have a mass but no extent.
     """
 
     name: str
@@ -56,6 +57,7 @@ class Joint:
     viscous: float
     placed_by_held: bool
     laden_by_held: bool
+    point_links: tuple[str, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,8 +138,8 @@ def build_robot_model(
             placement = placement @ joint_pose(path, urdf_joint, held.get(urdf_joint.name, 0.0))
             placed_by_held |= urdf_joint.name in held
             if urdf_joint.name in moving_names:
-                body, laden = bodies.carried(urdf_joint.child, stops)
-                joints.append(_joint(path, urdf_joint, placement, body, by_held=(placed_by_held, laden)))
+                body = bodies.carried(urdf_joint.child, stops)
+                joints.append(_joint(path, urdf_joint, placement, body, placed_by_held=placed_by_held))
                 placement, placed_by_held = RigidTransform.identity(), False
     bodies.mistakes.raise_noted()
     if not joints:
@@ -229,7 +231,7 @@ def check_tree(path: Path, links: Mapping[str, Any], joints: Sequence[Any]) -> N
         raise InputError(path, "has no <link>.")
 
 
-def _joint(path: Path, joint: Any, placement: RigidTransform, body: Inertia, *, by_held: tuple[bool, bool]) -> Joint:
+def _joint(path: Path, joint: Any, placement: RigidTransform, body: "_Carried", *, placed_by_held: bool) -> Joint:
     lower, upper = position_limits(path, joint)
     coulomb, viscous = friction(path, joint)
     return Joint(
@@ -237,16 +239,31 @@ def _joint(path: Path, joint: Any, placement: RigidTransform, body: Inertia, *, 
         kind="prismatic" if joint.type == "prismatic" else "revolute",
         axis=unit_axis(path, joint),
         placement=placement,
-        body=body,
+        body=body.inertia,
         lower=lower,
         upper=upper,
         effort=joint.limit.effort if joint.limit is not None and joint.limit.effort else None,
         velocity=velocity_limit(path, joint),
         coulomb=coulomb,
         viscous=viscous,
-        placed_by_held=by_held[0],
-        laden_by_held=by_held[1],
+        placed_by_held=placed_by_held,
+        laden_by_held=body.by_held,
+        point_links=body.point_links,
     )
+
+
+class _Carried(NamedTuple):
+    """All that a joint carries up to the next, in the frame of its first link.
+
+    Attributes:
+        inertia: Of all of it.
+        by_held: Whether held joints place any.
+        point_links: Links that have a mass but no extent.
+    """
+
+    inertia: Inertia
+    by_held: bool
+    point_links: tuple[str, ...]
 
 
 class _Bodies:
@@ -267,18 +284,19 @@ class _Bodies:
         self.remarks: list[Remark] = []
         self.mistakes = Mistakes()
 
-    def carried(self, first: str, stops: set[str]) -> tuple[Inertia, bool]:
-        """All that a joint carries up to the next, in the frame of its first link; whether held joints place any."""
-        total, by_held = Inertia.zero(), False
+    def carried(self, first: str, stops: set[str]) -> _Carried:
+        """All that a joint carries up to the next, from its first link to where other moving joints begin."""
+        total, by_held, points = Inertia.zero(), False, list[str]()
         pending = [(first, RigidTransform.identity())]
         while pending:
             link, T_body_link = pending.pop()
             with self.mistakes.noted():
                 total = total + link_inertia(self._path, self._links[link], self.remarks).seen_from(T_body_link)
+                points += [link] if is_point(self._links[link]) else []
             below = [joint for joint in self._below.get(link, []) if joint.child not in stops]
             by_held |= any(joint.name in self._held for joint in below)
             pending += [
                 (joint.child, T_body_link @ joint_pose(self._path, joint, self._held.get(joint.name, 0.0)))
                 for joint in below
             ]
-        return total, by_held
+        return _Carried(total, by_held, tuple(points))

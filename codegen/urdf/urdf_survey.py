@@ -60,6 +60,7 @@ def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> A
         ),
         velocity=tuple(joint.velocity for joint in model.joints),
         mass=np.array([joint.body.mass for joint in model.joints]),
+        point_links=tuple(joint.point_links for joint in model.joints),
         com=np.array([frame.p + frame.R @ joint.body.com for frame, joint in pairs]),
         T_base_tip=tip,
         T_root_base=root_in_base(path, urdf, model.base_link, {}).inverse(),

@@ -12,8 +12,8 @@ from mrts.base.errors import InputError
 from mrts.base.load_box import load_vector
 from mrts.base.manifest import Manifest
 from mrts.cell.cell import Cell
-from mrts.cell.generation import cell_file_in
 from mrts.cell.robot import robot_record
+from mrts.cell.source_files import cell_file_in
 
 
 def cell_text(cell: Cell, path: Path | str | None) -> str:

@@ -12,13 +12,14 @@ from mrts.base.argument_types import as_path, check_type
 from mrts.base.arrays import with_infinity
 from mrts.base.errors import InputError
 from mrts.base.load_box import LoadBox, load_vector
-from mrts.base.manifest import MANIFEST_NAME, Manifest, read_generated
+from mrts.base.manifest import Manifest, read_generated
 from mrts.base.regular_file import is_folder
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.functions import Backend, CellFunctions, bind_functions
 from mrts.cell.generation import described_in_cache, generated_in_cache, virtual_machine_functions
 from mrts.cell.robot import robot_from_record
+from mrts.cell.source_files import is_generated
 
 
 def load_cell(path: Path | str, *, backend: Backend = "auto") -> Cell:
@@ -35,7 +36,7 @@ def load_cell(path: Path | str, *, backend: Backend = "auto") -> Cell:
     """
     _check_backend(backend)
     path = as_path("path", path)
-    if is_folder(path) or path.name == MANIFEST_NAME:
+    if is_generated(path):
         manifest, source = read_generated(path if is_folder(path) else path.parent)
         return cell_from_manifest(manifest, bind_functions(manifest, source, backend, None))
     manifest, source = generated_in_cache(path)

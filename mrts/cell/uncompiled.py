@@ -5,12 +5,11 @@ from pathlib import Path
 from typing import Any
 
 from mrts.base.argument_types import as_path
-from mrts.base.manifest import MANIFEST_NAME
-from mrts.base.regular_file import is_folder
 from mrts.cell.cell import Cell
 from mrts.cell.functions import machine_functions
 from mrts.cell.generation import motion_functions_of, read_to_generate
 from mrts.cell.loading import cell_from_manifest
+from mrts.cell.source_files import is_generated
 
 
 def uncompiled_cell(model: Any, folder: Path) -> Cell:
@@ -34,7 +33,7 @@ def cell_to_compile(path: Path | str) -> Cell | None:
         InputError: If the cell file or a URDF breaks a rule.
     """
     path = as_path("path", path)
-    if is_folder(path) or path.name == MANIFEST_NAME:
+    if is_generated(path):
         return None
     model = read_to_generate(path)
     return None if model is None else uncompiled_cell(model, path.resolve().parent)

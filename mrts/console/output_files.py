@@ -44,7 +44,20 @@ def check_outputs(
             raise InputError(option, "names a file, but writes a folder.", value=str(path))
         if option in new_folders and path.exists():
             raise InputError(path, "exists already: a bag is written into a new folder. Remove it, or name another.")
-        check_writable(path if option in files else path / PROBE)
+        _check_writable(path, PROBE if option not in files else "")
+
+
+def _check_writable(path: Path, inside: str) -> None:
+    """Raise if an output cannot be written, in its own name.
+
+    Args:
+        path: As the user named it.
+        inside: A file in it that is tried, where it is a folder.
+    """
+    try:
+        check_writable(path / inside)
+    except InputError as error:
+        raise InputError(path, error.rule) from None
 
 
 class Outputs:

@@ -8,6 +8,15 @@ import numpy as np
 from mrts.cell.cell import Cell
 from mrts.motors.joint_source import JointSource
 
+WEIGHTLESS = "no mass in the URDF, so its links weigh nothing: torques come out too small, and speeds too high"
+"""Said of joints whose links have no mass."""
+
+POINT_MASSES = "a mass but no inertia in the URDF, so it counts as a point: turning it costs too little torque"
+"""Said of links."""
+
+NAMES_SHOWN = 12
+"""Joints or links that a sentence names."""
+
 
 def assumptions(cell: Cell, joints: Sequence[JointSource]) -> Iterator[str]:
     """A sentence for each thing that is assumed.
@@ -22,7 +31,7 @@ def assumptions(cell: Cell, joints: Sequence[JointSource]) -> Iterator[str]:
     rules: list[tuple[str, Callable[[JointSource], bool]]] = [
         ("no velocity limit, so none is kept", lambda joint: joint.velocity is None),
         ("no position limit, so none is kept", lambda joint: not np.any(np.isfinite(joint.position))),
-        ("no mass in the URDF, so its links weigh nothing", lambda joint: joint.carried_mass == 0),
+        (WEIGHTLESS, lambda joint: joint.carried_mass == 0),
         (
             "no friction given, so none counts: 'motors: {friction: …}'",
             lambda joint: joint.friction_from == "none given",
@@ -34,6 +43,12 @@ def assumptions(cell: Cell, joints: Sequence[JointSource]) -> Iterator[str]:
         concerned = [joint for joint in joints if applies(joint)]
         if concerned:
             yield f"{text} ({_named(concerned, joints)})"
+    points: dict[str, list[str]] = {}
+    for joint in joints:
+        points.setdefault(joint.robot, []).extend(joint.point_links)
+    if any(points.values()):
+        named = (f"{robot}: {first_few(links)}" for robot, links in points.items() if links)
+        yield f"{POINT_MASSES} ({'; '.join(named)})"
     yield "the object's centre of mass is the origin of its frame, and its inertia is about that"
     if not np.any(np.isfinite(cell.object_velocity_limit)):
         yield "the object may move at any speed: no 'object: {velocity: …}'"
@@ -44,6 +59,16 @@ def assumptions(cell: Cell, joints: Sequence[JointSource]) -> Iterator[str]:
     ]
     if free:
         yield f"hands hold whatever comes: no 'wrench' and no 'contact' ({', '.join(free)})"
+
+
+def first_few(names: Sequence[str]) -> str:
+    """The first of many names, and how many more there are.
+
+    Args:
+        names: Of joints or links.
+    """
+    shown = ", ".join(names[:NAMES_SHOWN])
+    return shown if len(names) <= NAMES_SHOWN else f"{shown} and {len(names) - NAMES_SHOWN} more"
 
 
 def _named(concerned: Sequence[JointSource], joints: Sequence[JointSource]) -> str:

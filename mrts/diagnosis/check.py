@@ -10,11 +10,9 @@ from mrts.base.argument_types import Progress, as_path, check_callable
 from mrts.base.errors import InputError, Mistakes, MotionError
 from mrts.base.formats.pose import Pose
 from mrts.base.input_file import read_data
-from mrts.base.manifest import MANIFEST_NAME
-from mrts.base.regular_file import is_folder
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
-from mrts.cell.generation import arms_alone_of, read_without_generating
+from mrts.cell.source_files import arms_alone_of, is_generated, read_without_generating
 from mrts.cell.uncompiled import uncompiled_cell
 from mrts.coordination.coordinate import coordinate
 from mrts.coordination.coordinated_motion import check_motion
@@ -49,7 +47,7 @@ def check(
     path = as_path("cell", cell)
     motion_path = None if motion is None else as_path("motion", motion)
     check_callable("progress", progress)
-    if is_folder(path) or path.name == MANIFEST_NAME:
+    if is_generated(path):
         raise InputError(path, "is generated; check the cell file that it was made from.")
     model, wrong, joints = read_without_generating(path)
     mistakes = Mistakes()

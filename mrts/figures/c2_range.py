@@ -23,6 +23,12 @@ FACT_LETTERS = 110
 
 LANE_INCHES = 0.21
 
+NAME_LETTERS = 72
+"""Letters of a row's name; beyond `LANE_LETTERS` they make the figure wider."""
+
+LETTER_INCHES = 0.075
+"""Width of a bold one."""
+
 HATCHED: dict[str, Any] = {"facecolor": "#e4e4e4", "edgecolor": "#9a9a9a", "hatch": "///", "linewidth": 0}
 """Where no c² keeps the limits."""
 
@@ -126,7 +132,7 @@ def _draw_lanes(axes: Axes, result: ScalingResult, lanes: list[Lane]) -> None:
     for end in (found.lower, found.upper):
         if end is not None and end.time is not None and end.c2 > 0:
             axes.axvline(end.time, color="black", linewidth=0.8, linestyle=":")
-    axes.set_yticks(range(len(lanes)), [plain(lane.label, LANE_LETTERS) for lane in lanes], fontsize="small")
+    axes.set_yticks(range(len(lanes)), [plain(lane.label, NAME_LETTERS) for lane in lanes], fontsize="small")
     for tick, lane in zip(axes.get_yticklabels(), lanes, strict=True):
         tick.set(color=END_COLOURS[lane.kind], fontweight="bold" if lane.sets else "normal")
     axes.set_ylim(len(lanes) - 0.4, -0.6)
@@ -144,7 +150,9 @@ def range_figure(result: ScalingResult) -> NotebookFigure:
     """
     lanes = binding_lanes(result.range)
     below = LANE_INCHES * len(lanes)
-    figure = NotebookFigure(figsize=(8.0, 4.2 + below + (0.5 if lanes else 0.0)), layout="constrained")
+    longest = min(max((len(lane.label) for lane in lanes), default=0), NAME_LETTERS)
+    width = 8.0 + LETTER_INCHES * max(longest - LANE_LETTERS, 0)
+    figure = NotebookFigure(figsize=(width, 4.2 + below + (0.5 if lanes else 0.0)), layout="constrained")
     facts = [f"{result.cell.name}: {result.status.value}", *range_facts(result.range)]
     title = "\n".join(textwrap.fill(fact, FACT_LETTERS, subsequent_indent="    ") for fact in facts)
     figure.suptitle(plain_text(title), fontsize="small", x=0.01, ha="left")

@@ -8,17 +8,16 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageColor
+from PIL import Image
 
 from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError
 from mrts.base.printable import message_text
-from mrts.drawing.colours import COLOURS
-from mrts.film.frames import LIMIT_COLOUR, Composition, Frame
-from mrts.film.lettering import INK
-from mrts.film.stage import FORCE, Take, Warn, silent
+from mrts.film.frames import Composition, Frame
+from mrts.film.gif import write_gif
+from mrts.film.stage import Take, Warn, silent
 
 RATE = 20
 """Frames a second: a whole number of hundredths, which a GIF counts in."""
@@ -36,14 +35,11 @@ PACES = {1.0: "real time", 0.5: "1/2 of real time", 0.2: "1/5 of real time", 0.1
 BEFORE, AFTER = 0.4, 1.2
 """What stands still before and after the motion [s]."""
 
-COLOURS_OF_GIF = 128
-"""More make a GIF larger, and are hardly seen."""
-
-KEPT = [(255, 255, 255), INK, FORCE, LIMIT_COLOUR, *(ImageColor.getrgb(colour) for colour in COLOURS)]
-"""Colours that a GIF has as they are: of lines too thin to weigh among thousands of pixels."""
+SAMPLES = 6
+"""Frames along a film in which the colours of a GIF are looked for."""
 
 LONGEST = 3600
-"""Frames of a film: three minutes of a GIF."""
+"""Frames of a film: three minutes of a GIF, and minutes to draw."""
 
 
 def write_film(
@@ -78,13 +74,45 @@ def write_film(
         raise InputError("--video", f"{rule} Cut the motion into parts.", value=str(path))
     composition = Composition(takes, PACES[pace], backward, warn)
     times = np.minimum(np.arange(frames) * pace / rate, longest)
+    reel = _Reel(composition, times, rate, progress)
+    write_atomically(path, lambda temporary: write(temporary, reel))
 
-    def drawn() -> Iterator[Frame]:
-        for number, time in enumerate(times):
-            progress(number, frames)
-            yield composition.frame(float(time))
 
-    write_atomically(path, lambda temporary: write(temporary, drawn(), composition.size, rate))
+class _Reel:
+    """The frames of a film, each drawn when it is asked for.
+
+    Args:
+        composition: What draws them.
+        times: Of the motion, one a frame [s].
+        rate: Frames a second.
+        progress: Told how many frames are drawn.
+
+    Attributes:
+        size: Width and height [pixels].
+        rate: As given.
+    """
+
+    def __init__(self, composition: Composition, times: Array, rate: int, progress: Progress) -> None:
+        self.size, self.rate = composition.size, rate
+        self._composition, self._times, self._progress = composition, times, progress
+        self._kept: dict[int, Frame] = {}
+
+    def frames(self) -> Iterator[tuple[Frame, float]]:
+        """All, with how long each stands [s]."""
+        last = len(self._times) - 1
+        for number in range(last + 1):
+            self._progress(number, last + 1)
+            stands = 1 / self.rate + BEFORE * (number == 0) + AFTER * (number == last)
+            yield (self._kept.pop(number) if number in self._kept else self._drawn(number)), stands
+
+    def some(self) -> list[Frame]:
+        """A few along the film, which are not drawn again."""
+        for number in np.unique(np.linspace(0, len(self._times) - 1, SAMPLES).astype(int)).tolist():
+            self._kept[number] = self._drawn(number)
+        return list(self._kept.values())
+
+    def _drawn(self, number: int) -> Frame:
+        return self._composition.frame(float(self._times[number]))
 
 
 def write_picture(
@@ -137,7 +165,7 @@ def check_film(path: Path) -> None:
     _writers(path)
 
 
-Writer = Callable[[Path, Iterator[Frame], tuple[int, int], int], None]
+Writer = Callable[[Path, _Reel], None]
 
 
 def _writers(path: Path) -> Writer:
@@ -150,35 +178,24 @@ def _writers(path: Path) -> Writer:
     raise InputError("--video", "writes a file that ends in .gif or .mp4.", value=str(path))
 
 
-def _write_gif(path: Path, frames: Iterator[Frame], _size: tuple[int, int], rate: int) -> None:
-    """One palette for all frames, so that what stands still is the same in all, and is stored once."""
-    images = [Image.fromarray(frame) for frame in frames]
-    few = Image.fromarray(np.concatenate([np.asarray(image) for image in images[:: max(1, len(images) // 6)]]))
-    kept = [channel for colour in KEPT for channel in colour]
-    found = few.quantize(COLOURS_OF_GIF - len(KEPT), Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).getpalette()
-    palette = Image.new("P", (1, 1))
-    palette.putpalette(kept + (found or [])[: 3 * (COLOURS_OF_GIF - len(KEPT))])
-    flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
-    lasting = [1000 // rate] * len(flat)
-    lasting[0] += int(1000 * BEFORE)
-    lasting[-1] += int(1000 * AFTER)
-    flat[0].save(path, "GIF", save_all=True, append_images=flat[1:], duration=lasting, loop=0, disposal=1)
+def _write_gif(path: Path, reel: _Reel) -> None:
+    some = reel.some()
+    write_gif(path, ((frame, round(1000 * stands)) for frame, stands in reel.frames()), some)
 
 
-def _write_mp4(path: Path, frames: Iterator[Frame], size: tuple[int, int], rate: int) -> None:
-    source = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{size[0]}x{size[1]}", "-r", str(rate), "-i", "pipe:"]
+def _write_mp4(path: Path, reel: _Reel) -> None:
+    (width, height), rate = reel.size, reel.rate
+    source = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(rate), "-i", "pipe:"]
     coded = ["-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"]
     target = ["-f", "mp4", "-movflags", "+faststart", "-y", f"file:{path}"]
     command = [_ffmpeg(), "-nostdin", "-loglevel", "error", *source, *coded, *target]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as coder:  # noqa: S603 (our words)
         assert coder.stdin is not None  # noqa: S101 (asked for)
-        frame, waits = b"", int(BEFORE * rate)
         with suppress(BrokenPipeError):  # it says why it ended
-            for each in frames:
-                frame = np.ascontiguousarray(each).tobytes()
-                coder.stdin.write(frame * waits)
-                waits = 1
-            coder.stdin.write(frame * int(AFTER * rate))
+            for frame, stands in reel.frames():
+                shown = np.ascontiguousarray(frame).tobytes()
+                for _ in range(round(stands * rate)):
+                    coder.stdin.write(shown)
         _, said = coder.communicate()
     if coder.returncode != 0:
         raise InputError(path, f"cannot be made: {message_text(said.decode(errors='replace'))}")

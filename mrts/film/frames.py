@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,8 @@ from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.limit_shares import limit_shares
-from mrts.film.lettering import FAINT, GRID, INK, font, put_text
-from mrts.film.stage import Stage, Take, Warn, silent
+from mrts.film.lettering import FAINT, GRID, INK, fitting, font, put_text
+from mrts.film.stage import ARMS, Stage, Take, Warn, silent
 
 FINER = 2
 """Pixels that are drawn for one that is shown, in both directions: edges become smooth."""
@@ -28,6 +29,9 @@ SHAPE = 0.74
 
 HEADING, PLOT, FOOT = 100, 224, 60
 """Heights of the parts of a frame [drawn pixels]."""
+
+FIRST_LINE, SECOND_LINE = 42, 82
+"""Of the heading: where its letters stand [drawn pixels]."""
 
 TEXT, SMALL, TINY = 30, 24, 20
 """Of letters [drawn pixels]."""
@@ -45,6 +49,9 @@ ROOM = 1.08
 """Upper edge of a plot whose shares keep their limits."""
 
 LIMIT_COLOUR = (200, 30, 30)
+
+KIND_COLOURS = tuple(COLOURS[place] for place in (2, 3, 6, 4, 5, 0, 1))
+"""Of lines, by kind of limit: last come the colours that the first two arms are near to."""
 
 Frame = NDArray[np.uint8]
 """Shape (height, width, 3)."""
@@ -125,11 +132,12 @@ class Composition:
         picture = ImageDraw.Draw(image)
         for number, take in enumerate(self.takes):
             left, done, room = number * self._column + RIGHT, take.trajectory, self._column - 2 * RIGHT
-            put_text(picture, (left, 42), printable(take.title), TEXT, room, bold=True)
+            put_text(picture, (left, FIRST_LINE), printable(take.title), TEXT, room, bold=True)
             text = f"{done.duration:.3g} s"
             if number > 0:
                 text += f", {self.takes[0].trajectory.duration / done.duration:.3g} × as fast"
-            put_text(picture, (left, 82), text, SMALL, room, colour=FAINT)
+            put_text(picture, (left, SECOND_LINE), text, SMALL, room / 2, colour=FAINT)
+            self._put_arms(picture, left + room, take, room / 2)
             self._put_plot(picture, number)
         self._put_legend(picture)
         return image
@@ -151,6 +159,18 @@ class Composition:
             put_text(picture, (here + 36, line), title, size, room)
             here += 68 + font(size).getlength(title)
         put_text(picture, (here, line), pace, size, room, colour=FAINT)
+
+    def _put_arms(self, picture: ImageDraw.ImageDraw, right: float, take: Take, room: float) -> None:
+        """The arms' names beside squares of their colours, in the heading on the right."""
+        names = [printable(robot.name) for robot in take.cell.robots]
+        mark, free = 0.8 * SMALL, 0.9 * SMALL
+        each = room / len(names) - mark - 1.4 * free
+        shown = [fitting(name, SMALL, each) for name in names]
+        here = right - sum(letters.getlength(name) for name, letters in shown) - len(shown) * (mark + 1.4 * free) + free
+        for (name, letters), colour in zip(shown, cycle(ARMS)):
+            picture.rectangle([here, SECOND_LINE - mark, here + mark, SECOND_LINE], colour)
+            picture.text((here + mark + 0.4 * free, SECOND_LINE), name, fill=INK, font=letters, anchor="ls")
+            here += mark + 1.4 * free + letters.getlength(name)
 
     def _put_plot(self, picture: ImageDraw.ImageDraw, number: int) -> None:
         place = self._plot(number)
@@ -191,4 +211,4 @@ class Composition:
         return place.bottom - (place.bottom - place.top) * np.minimum(np.asarray(share) / self._highest, 1.0)
 
     def _colour(self, kind: str) -> str:
-        return COLOURS[self._kinds.index(kind) % len(COLOURS)]
+        return KIND_COLOURS[self._kinds.index(kind) % len(KIND_COLOURS)]

@@ -58,18 +58,10 @@ def starting_positions(cell: Cell, motion: ObjectMotion) -> tuple[Array, tuple[R
             start[joints] = min(near, key=lambda q: float(np.max(np.abs(q - robot.posture))))
     held = _hold_first(cell, motion, start) if np.array_equal(start, reference) else None
     if held is None:
+        _require_reach(cell, motion)
         held = solve_grasps(cell, motion, 0, start[None], STARTING_STEPS, reference[None])
     found: Array = held.q[0].copy()
     lost = [index for index in range(len(cell.robots)) if not _holds(cell, motion, held, index)[0]]
-    for index in lost:
-        robot = cell.robots[index]
-        reach, base, grasp = arm_reach(robot), robot.T_world_base, robot.T_object_tip
-        if reach is None:
-            continue
-        places = ArmPlaces(base.R, base.p, grasp.R, grasp.p)
-        distance = reach.distance(places, motion.position[0], motion.rotation[0])
-        if reach.beyond(distance):
-            raise MotionError(reach.failure(robot, motion.time, float(distance)))
     if lost:
         starts = np.concatenate([further_starts(robot, robot.posture) for robot in cell.robots], axis=1)
         further = solve_grasps(cell, motion, 0, starts, FURTHER_STEPS, np.tile(reference, (len(starts), 1)))
@@ -77,6 +69,22 @@ def starting_positions(cell: Cell, motion: ObjectMotion) -> tuple[Array, tuple[R
             joints = cell.joint_slices[cell.robots[index].name]
             found[joints] = _nearest(cell, motion, held, further, index)
     return found, tuple(_other_start(cell.robots[index]) for index in lost)
+
+
+def _require_reach(cell: Cell, motion: ObjectMotion) -> None:
+    """Refuse a grasp at t = 0 that is farther away than an arm's links reach, before anything is searched.
+
+    Raises:
+        MotionError: Names the arm and what is missing.
+    """
+    for robot in cell.robots:
+        reach, base, grasp = arm_reach(robot), robot.T_world_base, robot.T_object_tip
+        if reach is None:
+            continue
+        places = ArmPlaces(base.R, base.p, grasp.R, grasp.p)
+        distance = reach.distance(places, motion.position[0], motion.rotation[0])
+        if reach.beyond(distance):
+            raise MotionError(reach.failure(robot, motion.time, float(distance)))
 
 
 def _hold_first(cell: Cell, motion: ObjectMotion, start: Array) -> HeldGrasps | None:

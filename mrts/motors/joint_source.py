@@ -21,6 +21,7 @@ class JointSource(InNotebooks):
         friction_from: "cell file", "URDF", or "none given", which counts as 0.
         armature: Rotor inertia on the joint side [kg m² or kg], None where none is given, which counts as 0.
         carried_mass: Of the links that it carries up to the next joint, 0 where the URDF gives none [kg].
+        point_links: Those of these links that have a mass but no inertia in the URDF.
     """
 
     robot: str
@@ -33,3 +34,4 @@ class JointSource(InNotebooks):
     friction_from: str
     armature: float | None
     carried_mass: float
+    point_links: tuple[str, ...]

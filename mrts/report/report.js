@@ -92,7 +92,10 @@
     document.body.classList.add("printing");
     for (const plot of painted()) {
       const { clientWidth: width, clientHeight: height } = plot.place;
-      paint(plot, false, plot === player ? { width, height, scene: { ...plot.layout.scene, aspectratio: fit(metres) } } : { width, height });
+      const size = plot === player ? { width, height, scene: { ...plot.layout.scene, aspectratio: fit(metres) } } : { width, height };
+      paint(plot, false, size);
+      const legend = plot.place._fullLayout.legend?._height; // may have more lines now; plotly makes room only later
+      if (legend && plot !== player) paint(plot, false, { ...size, margin: { ...plot.layout.margin, t: plot.layout.margin.t + legend } });
     }
     for (const drawn of player ? player.place.querySelectorAll("canvas") : []) {
       player.place._fullLayout.scene._scene.glplot.redraw();

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
 from mrts.limits import all_rows
 from mrts.limits.rows import TORQUE_SPEED, RowName
 from mrts.samples.motor_terms import motor_terms
@@ -35,10 +36,11 @@ class LimitUse:
         least: Its least value.
         largest: Its largest value.
         share: The largest share of a limit that is used; 1 is at the limit. Of a limit of zero, what 100 % is says
-            `LimitRows.units`.
+            `LimitRows.units`; without a limit it is 0.
         time: When that is [s].
         step: The largest change from one sample to the next.
         step_share: The same as a share of the limit, of its larger side.
+        limited: Whether there is a limit on some side.
     """
 
     name: RowName
@@ -50,6 +52,7 @@ class LimitUse:
     time: float
     step: float
     step_share: float
+    limited: bool
 
     def step_json(self) -> dict[str, str | float]:
         """Entry of "largest_step" in the JSON result."""
@@ -127,12 +130,19 @@ def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUs
         result: The result.
         kind: Only rows of one kind, as in `RowName`, in their own order and with those that have no limit.
     """
-    done = result.trajectory
-    if done is None:
-        return []
-    rows = all_rows(result.cell, result.motion)
-    of_kind = np.array([name.kind == kind for name in rows.names], dtype=bool)
-    rows = rows.bounded() if kind is None else rows.only(of_kind)
+    if kind is not None:
+        return [use for use in result.limit_uses if use.name.kind == kind]
+    return sorted((use for use in result.limit_uses if use.limited), key=lambda use: -use.share)
+
+
+def found_limit_uses(cell: Cell, done: "ScaledTrajectory") -> tuple[LimitUse, ...]:
+    """What a trajectory makes of all rows in their order, with those that have no limit.
+
+    Args:
+        cell: The cell, with the limits that count.
+        done: The trajectory.
+    """
+    rows = all_rows(cell, done.motion)
     value = rows.value(done.torque, done.wrench, 0.0, done.c)
     share = rows.share(value)
     at = np.argmax(share, axis=0)
@@ -143,7 +153,8 @@ def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUs
     at_use = moving[at, range(len(at))]
     lower = np.where(at_use > 0, -np.inf, rows.lower - at_use)
     upper = np.where(at_use < 0, np.inf, rows.upper - at_use)
-    uses = [
+    limited = np.isfinite(rows.lower) | np.isfinite(rows.upper)
+    return tuple(
         LimitUse(
             name=name,
             lower=float(lower[row]),
@@ -154,10 +165,10 @@ def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUs
             time=float(done.time[at[row]]),
             step=float(steps[row]),
             step_share=float(steps[row] / units[row]),
+            limited=bool(limited[row]),
         )
         for row, name in enumerate(rows.names)
-    ]
-    return uses if kind is not None else sorted(uses, key=lambda use: -use.share)
+    )
 
 
 def limit_courses(result: "ScalingResult") -> tuple[tuple[RowName, ...], Array]:

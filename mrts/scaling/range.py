@@ -16,7 +16,7 @@ from mrts.samples.end_rows import RowsWhenAsked
 from mrts.samples.range_ends import Gap, pieces
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
-from mrts.scaling.result_html import range_ends
+from mrts.scaling.result_tables import range_ends
 
 if TYPE_CHECKING:
     from mrts.smooth.constant_rates import RatedFactors, RatesAtEnd

@@ -27,10 +27,10 @@ from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.motor_terms import motor_terms
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.reserve import PlanReserve, plan_reserve
-from mrts.scaling.limit_use import largest_step, limit_uses, rate_uses
+from mrts.scaling.limit_use import LimitUse, found_limit_uses, largest_step, limit_uses, rate_uses
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange
-from mrts.scaling.result_html import result_rows
+from mrts.scaling.result_tables import limit_tables, result_rows
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.smooth.rate_limits import RateLimits
 from mrts.solvers import DEFAULT_SOLVER, check_solver
@@ -122,8 +122,15 @@ class ScalingResult(InNotebooks):
         return [f"{self.cell.name}: {self.sentence()}", *map(str, self.warnings)]
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
-        """Range, chosen speed, margins of the torques."""
+        """Range and chosen speed, then what is made of each limited quantity."""
         yield NotebookTable(("", ""), list(result_rows(self)))
+        for title, rows in limit_tables(self):
+            yield NotebookTable((title, "least", "largest", "used", "limits"), rows)
+
+    @cached_property
+    def limit_uses(self) -> tuple[LimitUse, ...]:
+        """What the trajectory makes of each quantity that can be limited; nothing without a trajectory."""
+        return () if self.trajectory is None else found_limit_uses(self.cell, self.trajectory)
 
     @property
     def status(self) -> RangeStatus:

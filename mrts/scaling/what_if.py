@@ -20,7 +20,7 @@ from mrts.limits.rows import ActiveRow
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.range import ScalingRange, intersect
-from mrts.scaling.result_html import changes_table
+from mrts.scaling.result_tables import changes_table
 from mrts.scaling.scale import AdmissibleRange, within_rate_limits
 from mrts.scaling.uncertain_load import range_at_samples
 

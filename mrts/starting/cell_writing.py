@@ -11,6 +11,7 @@ import numpy as np
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.base.yaml_parser import parse_yaml
+from mrts.diagnosis.assumptions import POINT_MASSES, WEIGHTLESS, first_few
 from mrts.starting.arm import Arm
 from mrts.starting.proposal import Proposal
 from mrts.starting.request import ArmRequest
@@ -22,9 +23,6 @@ PLAIN = re.compile(
 
 COMMENT_AT = 50
 """Column of the comments behind short values."""
-
-NAMES_SHOWN = 12
-"""Links that a comment names."""
 
 
 def cell_file(proposal: Proposal) -> str:
@@ -134,8 +132,8 @@ def _limits(arm: Arm, robot: dict[str, Any], assumed: tuple[str, ...]) -> Iterat
         efforts = [effort for effort in chain.effort if effort is not None]
         yield _line(f"    # torque: {flow(efforts)}", "the URDF's efforts, which count; remove the # to set your own")
     yield f"    # the URDF's velocity limits: {flow(['none' if each is None else each for each in chain.velocity])}"
-    if not np.any(chain.mass):
-        yield "    # its links have no mass: torques are those of the object alone, and speeds too high"
+    for sentence in _bodies(arm):
+        yield f"    # {printable(sentence)}"
 
 
 def missing(arm: Arm) -> list[str]:
@@ -151,17 +149,23 @@ def missing(arm: Arm) -> list[str]:
     without = [name for name, limit in zip(chain.joints, chain.velocity, strict=True) if limit is None]
     if without:
         told.append(f"no velocity limit of {_some(without, chain.joints)}: nothing bounds its speed but torques")
-    if not np.any(chain.mass):
-        told.append("no link has a mass: the arm weighs nothing, so torques come out too small and speeds too high")
-    return told
+    return [*told, *_bodies(arm)]
+
+
+def _bodies(arm: Arm) -> Iterator[str]:
+    """What a URDF does not say of masses and inertias."""
+    chain = arm.chain
+    weightless = [name for name, mass in zip(chain.joints, chain.mass, strict=True) if mass == 0]
+    if weightless:
+        yield f"{WEIGHTLESS} ({'all joints' if len(weightless) == len(chain.joints) else first_few(weightless)})"
+    points = [link for links in chain.point_links for link in links]
+    if points:
+        yield f"{POINT_MASSES} ({first_few(points)})"
 
 
 def _some(names: list[str], of: tuple[str, ...]) -> str:
     """The first few of many names."""
-    if len(names) == len(of):
-        return "any joint"
-    shown = ", ".join(names[:NAMES_SHOWN])
-    return shown if len(names) <= NAMES_SHOWN else f"{shown} and {len(names) - NAMES_SHOWN} more"
+    return "any joint" if len(names) == len(of) else first_few(names)
 
 
 def _read_back(text: str, keys: dict[str, Any]) -> str:

@@ -14,7 +14,7 @@ from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_uri, is_xacro
 from mrts.base.formats.urdf_tree import ArmChain, Survey, UrdfTree
 from mrts.base.rigid_transform import RigidTransform
-from mrts.cell.generation import surveyed_urdf
+from mrts.cell.source_files import surveyed_urdf
 from mrts.diagnosis.unit_hints import urdf_hints
 from mrts.inverse_kinematics.joint_limits import DEGREES_SUSPECTED
 from mrts.starting.arm import Arm, make_arm, plane_of

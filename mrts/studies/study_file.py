@@ -19,9 +19,9 @@ from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.version import __version__
 from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
 from mrts.cell.cell import Cell
-from mrts.cell.generation import all_cell_keys, named_files, urdf_files
 from mrts.cell.loading import load_cell
 from mrts.cell.robot import Robot
+from mrts.cell.source_files import all_cell_keys, named_files, urdf_files
 from mrts.limits import LIMITS
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion

@@ -255,7 +255,8 @@ def test_files_that_are_not_a_cell(text, expected, files, capsys):
 def test_missing_files(files, capsys):
     assert "no such cell file" in refused(capsys, "scale", files / "no.yaml", files / "lift.yaml")
     assert "no such motion file" in refused(capsys, "scale", files / "cell.yaml", files / "no.yaml")
-    assert "no such manifest" in refused(capsys, "scale", files, files / "lift.yaml")
+    for verb in ("scale", "check"):
+        assert f"name the cell file in it: {files / 'cell.yaml'}" in refused(capsys, verb, files, files / "lift.yaml")
     assert "no such cell file" in refused(capsys, "generate", files / "no.yaml")
 
 

@@ -19,7 +19,7 @@ from mrts.console.exit_codes import BAD_INPUT
 PATIENCE = 8.0
 """Processor time for a file [s]: what takes one on an idle machine, and a bomb would take minutes or for ever."""
 
-SCRIPT = ROOT / "tests" / "helpers" / "hostile_inputs.py"
+SCRIPT = ROOT / "tests" / "helpers" / "files" / "hostile_inputs.py"
 KINDS = ("cell", "motion", "result", "urdf", "generated")
 
 

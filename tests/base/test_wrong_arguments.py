@@ -100,7 +100,7 @@ def good(planar_cell):
     mrts.sweep(study, "swept", workers=1)
     plan = {"weights": None, "load": "auto", "distribute": "reserve", "reserve": None, "closure": None}
     smooth = {"start_speed": 0.0, "end_speed": 0.0, "rates": 11.5, "weigh": None, "least_energy_in": None}
-    smooth |= {"start_torque": None, "end_torque": None, "solver": "conic", "distribute": "least-torque"}
+    smooth |= {"start_torque": None, "end_torque": None, "solver": "kernel", "distribute": "least-torque"}
     return {
         "box_contact": {"lower": [0.0] * 6, "upper": [9.0] * 6, "frame": "tip"} | named,
         "gripper_contact": {"force": 50.0, "axis": [1, 0, 0]} | pressed | named,

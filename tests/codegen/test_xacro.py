@@ -11,7 +11,7 @@ from conftest import DATA
 from same_cells import same_cell
 
 import mrts
-from mrts.cell.generation import urdf_files
+from mrts.cell.source_files import urdf_files
 from mrts.starting import reading as mrts_new
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'

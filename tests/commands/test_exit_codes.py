@@ -207,6 +207,7 @@ def test_files_that_belong_together_are_written_all_or_none(tmp_path):
         ("scale", *FILES, "--json", "file/x.json"),
         ("scale", *FILES, "--csv", "folder"),
         ("scale", *FILES, "--plot", "file"),
+        ("scale", *FILES, "--plot", "/proc/nowhere"),
         ("scale", *FILES, "--report", "/proc/nowhere/x.html"),
         ("scale", *FILES, "--ros-bag", "folder"),
         ("scale", *FILES, "--save", "nul\udcff/../file/x.npz"),
@@ -228,6 +229,7 @@ def test_outputs_that_cannot_be_written_are_known_before_the_work(words, tmp_pat
     said = capsys.readouterr().err
     assert "none" not in said
     assert any(part in said for part in ("cannot be written", "names a file, but", "exists already"))
+    assert "mrts-probe" not in said
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder"]
 
 

@@ -13,6 +13,8 @@ from draws import draws
 from published_robots import CASES, single_arm_cell
 
 import mrts
+from mrts.diagnosis.assumptions import POINT_MASSES, WEIGHTLESS
+from mrts.starting.cell_writing import missing
 from mrts.starting.reading import HOPELESS, Given, request_of
 
 UR5 = DATA.parent / "dual_ur5"
@@ -51,6 +53,7 @@ def test_a_likely_mistake_is_named_and_nothing_else(damage, tmp_path):
     assert not found.mistakes
 
 
+NO_EXTENT = 'ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"'
 WHOLE_TURNS = 'lower="-6.283185307179586" upper="6.283185307179586"'
 
 
@@ -167,7 +170,7 @@ def test_the_gap_of_a_planar_arm_is_what_its_links_lack(tmp_path):
 
 
 def _uncompiled(path):
-    from mrts.cell.generation import read_without_generating  # noqa: PLC0415
+    from mrts.cell.source_files import read_without_generating  # noqa: PLC0415
     from mrts.cell.uncompiled import uncompiled_cell  # noqa: PLC0415
 
     return uncompiled_cell(read_without_generating(path)[0], path.parent)
@@ -227,3 +230,21 @@ def test_given_joints_are_checked_as_they_are(tmp_path, dual_ur5):
         found = mrts.check(UR5 / "cell.yaml", table)
         assert found.status == status, found.mistakes
         assert bool(found.problem) == (status == "impossible")
+
+
+def test_links_without_mass_and_points_are_told_in_the_same_words_as_for_a_new_cell(tmp_path):
+    text = (DATA / "planar_arm.urdf").read_text(encoding="utf-8")
+    weightless = re.sub(r'<mass value="4"/>\s*<inertia [^>]*>', f'<mass value="0"/><inertia {NO_EXTENT}/>', text)
+    (tmp_path / "arm.urdf").write_text(
+        re.sub(r'<mass value="0.5"/>\s*<inertia [^>]*>', f'<mass value="0.5"/><inertia {NO_EXTENT}/>', weightless)
+    )
+    cell = yaml.safe_load((DATA / "cell.yaml").read_text(encoding="utf-8"))
+    cell["robots"][0]["urdf"] = "arm.urdf"
+    cell["robots"][1]["urdf"] = str(DATA / "planar_arm.urdf")
+    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
+    found = mrts.check(tmp_path / "cell.yaml")
+    assert {f"{WEIGHTLESS} (left: elbow)", f"{POINT_MASSES} (left: hand)"} <= {*found.assumed}
+    given = Given("cell", [str(tmp_path / "arm.urdf")], [], [], [], None, np.array([0, -9.81, 0]))
+    told = missing(request_of(given, tmp_path).arms[0].arm)
+    assert told[-2:] == [f"{WEIGHTLESS} (elbow)", f"{POINT_MASSES} (hand)"]
+    assert not [text for text in mrts.check(DATA / "cell.yaml").assumed if "mass" in text and "URDF" in text]

@@ -9,10 +9,12 @@ import pytest
 from conftest import DATA
 from legible_figures import boxes_of_texts, check_legible, lines_of
 from matplotlib.figure import Figure
-from shown_results import KINDS, result_of
+from shown_results import KINDS, renamed, result_of
 
 import mrts
 from mrts.cli import main
+from mrts.drawing.labels import LANE_LETTERS
+from mrts.drawing.lanes import binding_lanes
 from mrts.figures import (
     draw_binding_rows,
     draw_contact_forces,
@@ -205,3 +207,15 @@ def test_a_missing_matplotlib_is_named_before_any_work(tmp_path):
     assert done.returncode == 2
     assert "pip install 'mrts[plot]'" in done.stderr
     assert done.stdout == ""
+
+
+def test_names_of_rows_are_whole_and_the_figure_as_wide_as_they_want(planar_cell, lift):
+    joints = tuple(f"left_robot_arm_{part}_rotation_joint" for part in ("shoulder_pan", "elbow", "wrist"))
+    long = renamed(planar_cell, "long", ("left_robot_arm", "right_robot_arm"), joints)
+    found = mrts.scale(long, lift)
+    figure = range_figure(found)
+    check_legible(figure)
+    shown = {label.get_text().strip() for label in figure.axes[-1].get_yticklabels()}
+    assert {lane.label for lane in binding_lanes(found.range)} == shown
+    assert max(map(len, shown)) > LANE_LETTERS
+    assert figure.get_figwidth() > range_figure(mrts.scale(planar_cell, lift)).get_figwidth()

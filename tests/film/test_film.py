@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import weakref
 from types import SimpleNamespace
 
 import imageio_ffmpeg
@@ -10,12 +11,12 @@ import pytest
 from PIL import Image
 
 import mrts
-from mrts.drawing.colours import COLOURS
 from mrts.drawing.limit_shares import limit_shares
 from mrts.film import film
 from mrts.film.camera import framing_camera
 from mrts.film.film import write_film, write_picture
-from mrts.film.frames import Composition
+from mrts.film.frames import KIND_COLOURS, Composition
+from mrts.film.gif import write_gif
 from mrts.film.lettering import fitting, font
 from mrts.film.stage import ARMS, FORCE, Stage, Take
 
@@ -24,6 +25,15 @@ FEW = 2
 
 ALIKE = 40
 """Of 255, how far a shaded colour's shares of red, green and blue may be off."""
+
+WATCHED_AT_ONCE = 3
+"""Frames: the one that is made, and what the writer and its caller still name."""
+
+
+class Watched(np.ndarray):
+    """A frame whose end can be seen."""
+
+    __hash__ = object.__hash__
 
 
 @pytest.fixture(scope="module")
@@ -94,7 +104,7 @@ def test_a_picture_has_arms_object_forces_and_lines_of_each_limit(takes, tmp_pat
         assert amount(picture[50:-150], colour) > 0.001, colour
     plots = picture[-150:]
     for place, _ in enumerate(limit_shares(takes[1].trajectory)):
-        colour = tuple(int(COLOURS[place][at : at + 2], 16) for at in (1, 3, 5))
+        colour = tuple(int(KIND_COLOURS[place][at : at + 2], 16) for at in (1, 3, 5))
         assert np.mean(np.all(np.abs(plots - colour) < ALIKE, axis=2)) > 0.0005
     assert {path.name for path in tmp_path.iterdir()} == {"moment.png"}
 
@@ -155,3 +165,32 @@ def test_a_camera_may_look_from_right_above_but_from_somewhere():
     for backward in ([0, 0, 0], [np.nan, 0, 1]):
         with pytest.raises(mrts.InputError, match="must have a direction"):
             framing_camera(points, np.array(backward), np.array([0.0, 0.0, 1.0]), size)
+
+
+def test_a_gif_keeps_no_frame_but_the_last_and_shows_each_for_its_time(tmp_path):
+    """However long a film is, it fits into memory: as many frames are alive with ten as with sixty."""
+    alive, most = weakref.WeakSet(), []
+
+    def frames(count):
+        for number in range(count):
+            frame = np.full((30, 40, 3), 255, dtype=np.uint8).view(Watched)
+            frame[5:15, 2 + number // 2 % 8 : 12 + number // 2 % 8] = FORCE  # as before in every second one
+            alive.add(frame)
+            most.append(len(alive))
+            yield frame, 40
+
+    for count in (10, 60):
+        most.clear()
+        expected = [frame.copy() for frame, _ in frames(count)]
+        most.clear()
+        write_gif(tmp_path / "film.gif", frames(count), expected[:2])
+        assert max(most) <= WATCHED_AT_ONCE
+        with Image.open(tmp_path / "film.gif") as opened:
+            lasts, shown = [], []
+            for number in range(opened.n_frames):
+                opened.seek(number)
+                lasts.append(opened.info["duration"])
+                shown.append(np.asarray(opened.convert("RGB")))
+        assert lasts == [80] * (count // 2)
+        for number, picture in enumerate(shown):
+            np.testing.assert_array_equal(picture, expected[2 * number])

@@ -82,7 +82,7 @@ def test_no_other_search_finds_better_on_the_planar_cell(tmp_path):
     assert found.after.c2 > layouts.c2(layouts.study.points(0, 1)[0])
 
 
-@pytest.mark.parametrize(("seed", "arms"), [(0, 2), (1, 3), (2, 1), (3, 2)])
+@pytest.mark.parametrize(("seed", "arms"), [(0, 2), (1, 3), (2, 1)][: draws(2)])
 def test_it_is_never_worse_than_its_best_start(seed, arms, tmp_path):
     rng = np.random.default_rng(seed)
     best = np.inf

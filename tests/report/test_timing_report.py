@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import DATA
-from headless_browser import browser, page  # noqa: F401 (fixtures)
+from headless_browser import NARROW, browser, page  # noqa: F401 (fixtures)
 from report_pages import data_of
 
 import mrts
@@ -164,12 +164,27 @@ def test_one_cursor_goes_through_all_and_the_page_is_dark_or_printed(text, tmp_p
     shown = clocks["played"][int(page.locator("#frame").input_value())]
     assert shown == pytest.approx(clocks["played"][-1] / 4, rel=0.05)
 
+    page.set_viewport_size(NARROW)
+    for _ in range(SLOW // 200):
+        if page.locator("#plot-phase-plane .main-svg").first.bounding_box()["width"] < NARROW["width"]:
+            break
+        page.wait_for_timeout(200)
     pictures = page.evaluate("""() => {
         dispatchEvent(new Event('beforeprint'));
         const picture = document.querySelector('#player canvas.picture');
         const pixels = picture.getContext('2d').getImageData(0, 0, picture.width, picture.height).data;
-        return { colours: new Set(new Uint32Array(pixels.buffer)).size, width: document.body.clientWidth };
+        const hidden = [...document.querySelectorAll('[id^=plot-]')].filter((plot) => {
+            const places = ['.legend .bg', '.nsewdrag'].map((part) => plot.querySelector(part));
+            const [legend, lines] = places.map((part) => part && part.getBoundingClientRect());
+            return legend && legend.bottom > lines.top + 1;
+        });
+        return {
+            colours: new Set(new Uint32Array(pixels.buffer)).size,
+            width: document.body.clientWidth,
+            hidden: hidden.map((plot) => plot.id),
+        };
     }""")
+    assert pictures["hidden"] == []  # no curve by a legend that takes more lines on paper
     assert pictures["colours"] > 50  # the scene, not an empty sheet
     assert look() | {"theme": "Dark"} == white
     page.evaluate("dispatchEvent(new Event('afterprint'))")

@@ -7,6 +7,7 @@ import pytest
 import yaml
 from cell_bank import compiled, drawn_until, random_planar_cell
 from conftest import DATA
+from draws import draws
 from gantries import along_x, gantries
 from one_arm import by_toppra, duration, one_arm
 from scipy.optimize import linprog
@@ -52,7 +53,7 @@ def test_most_random_paths_can_be_followed(tmp_path):
     assert sum(by_toppra(*one_arm(seed, tmp_path), grid) is not None for seed in range(50)) >= 40
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(draws(4)))
 @pytest.mark.parametrize("fast", [False, True])
 def test_one_arm_equals_toppra_as_a_user_calls_it(seed, fast, tmp_path):
     """On the arc length instead of the spline's parameter: both converge to the same duration."""
@@ -127,7 +128,7 @@ def best_constant_speed(case):
     return constant.trajectory if found else None
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(draws(15)))
 def test_it_is_never_slower_than_the_best_constant_speed(seed, tmp_path):
     rng = np.random.default_rng([31, seed])
     case, constant = drawn_until(

@@ -9,6 +9,7 @@ from cell_bank import random_spatial_cell
 from shown_results import renamed
 
 import mrts
+from mrts.output.limit_table import limit_table
 
 LONGEST = 2000
 """Characters of any of them; the longest says why a motion is infeasible."""
@@ -52,31 +53,50 @@ def test_they_say_what_matters(results, planar_cell, lift):
     assert repr(results["unbounded"].range) == "<ScalingRange unbounded: c² ∈ [0, ∞), 101 samples>"
 
 
-def table(result):
-    """Rows of the HTML table, parsed as XML."""
+def shown(result):
+    """Tables of the HTML by their first title, each as rows by name, parsed as XML; and the first paragraph."""
     html = ET.fromstring(result._repr_html_())  # noqa: S314 (our own text; notebooks' protocol)
-    return {row.find("th").text: row.find("td").text for row in html.find("table")}, html.find("p").text
+    tables = {}
+    for each in html.findall("table"):
+        rows = [["".join(cell.itertext()) for cell in row] for row in each]
+        tables[rows[0][0] if len(each[0].findall("th")) > 1 else ""] = {row[0]: row[1:] for row in rows}
+    return tables, html.find("p").text
 
 
-def test_the_table_has_outcome_range_speed_and_margins(results):
-    rows, said = table(results["feasible"])
+def test_the_tables_have_outcome_range_speed_and_what_is_made_of_each_limit(results):
+    tables, said = shown(results["feasible"])
     assert said.endswith(results["feasible"].summary())
-    assert (rows["outcome"], rows["range of c²"], rows["chosen c²"]) == ("feasible", "[0, 3.062]", "3.062")
-    assert rows["left/elbow"] == "margin 0 N m, limits [-80, 80] N m"
-    shoulder = np.max(np.abs(results["feasible"].torque["left"][:, 0]))
-    assert rows["left/shoulder"] == f"margin {100 - shoulder:.3g} N m, limits [-100, 100] N m"
-    assert table(results["infeasible"])[0] == {"outcome": "infeasible"}
-    assert set(table(results["possible"])[0]) == {"outcome", "range of c²"}
-    assert table(results["unbounded"])[0]["range of c²"] == "[0, ∞)"
+    assert [tables[""][key] for key in ("outcome", "range of c²", "chosen c²")] == [
+        ["feasible"],
+        ["[0, 3.062]"],
+        ["3.062"],
+    ]
+    assert tables["torque"]["left/elbow"][2:] == ["100 %", "[-80, 80] N m, binds"]
+    shoulder = results["feasible"].torque["left"][:, 0]
+    least, largest = float(np.min(shoulder)), float(np.max(shoulder))
+    used = f"{round(100 * max(-least, largest) / 100, 1):g} %"
+    assert tables["torque"]["left/shoulder"] == [f"{least:.4g}", f"{largest:.4g}", used, "[-100, 100] N m"]
+    for result in results.values():
+        tables, _ = shown(result)
+        assert ("torque" in tables) == (result.trajectory is not None)
+        listed = [row for row in limit_table(result) if "[" in row] if result.trajectory is not None else []
+        assert [row.split()[0] for row in listed] == [
+            name for title, rows in tables.items() if title for name, cells in rows.items() if "[" in cells[-1]
+        ], "as on the command line"
+    assert shown(results["infeasible"])[0] == {"": {"outcome": ["infeasible"]}}
+    assert set(shown(results["possible"])[0][""]) == {"outcome", "range of c²"}
+    assert shown(results["unbounded"])[0][""]["range of c²"] == ["[0, ∞)"]
 
 
 def test_sliding_joints_have_forces_and_names_are_escaped(tmp_path):
     case = random_spatial_cell(np.random.default_rng(2), tmp_path, 1)
     result = mrts.scale(case.cell, case.motion)
-    rows = table(result)[0]
-    assert rows["arm0/j2"].endswith("] N")
-    assert rows["arm0/j1"].endswith("] N m")
+    tables = shown(result)[0]
+    assert tables["torque"]["arm0/j2"][-1].split(", binds")[0].endswith("] N")
+    assert tables["torque"]["arm0/j1"][-1].split(", binds")[0].endswith("] N m")
+    assert {"arm0/fx", "arm0/nz"} <= {*tables["contact wrench"]}
+    assert "arm0/j1" in tables["velocity"]
     joints = ("<script>alert('&')</script>", *result.cell.robots[0].joints[1:])
     spiteful = replace(result, cell=renamed(result.cell, "arm", ("arm0",), joints))
     assert "<script>" not in spiteful._repr_html_()
-    assert "arm0/<script>alert('&')</script>" in table(spiteful)[0]
+    assert "arm0/<script>alert('&')</script>" in shown(spiteful)[0]["torque"]

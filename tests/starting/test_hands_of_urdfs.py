@@ -9,7 +9,7 @@ import pytest
 from conftest import DATA
 from published_robots import ROBOTS
 
-from mrts.cell.generation import surveyed_urdf
+from mrts.cell.source_files import surveyed_urdf
 from mrts.starting.arm import make_arm, plane_of
 from mrts.starting.tips import first_link, hands, words
 

@@ -18,7 +18,7 @@ from shown_results import as_if_generated
 from viewer_browser import SIZE, chromium, interrupt, open_page, running_viewer
 
 import mrts
-from mrts.cell.generation import urdf_files
+from mrts.cell.source_files import urdf_files
 from mrts.cli import main
 from mrts.drawing.bodies.arm_meshes import arm_meshes
 from mrts.drawing.bodies.cell_shapes import body_poses, joint_points

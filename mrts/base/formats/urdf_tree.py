@@ -71,6 +71,7 @@ class ArmChain:
         effort: What the URDF says of each motor, None where it says nothing or 0 [N m or N].
         velocity: Likewise [rad/s or m/s].
         mass: Of what each joint carries up to the next, Shape (n,) [kg].
+        point_links: Names of those of its links that have a mass but no inertia, by joint.
         com: Its centre of mass in the base frame, Shape (n, 3) [m].
         T_base_tip: Tip in the base frame.
         T_root_base: Base link in the URDF's root.
@@ -87,6 +88,7 @@ class ArmChain:
     effort: tuple[float | None, ...]
     velocity: tuple[float | None, ...]
     mass: Array
+    point_links: tuple[tuple[str, ...], ...]
     com: Array
     T_base_tip: RigidTransform
     T_root_base: RigidTransform

@@ -90,7 +90,7 @@ def played(path: Path) -> "ScalingResult":
 def shown_urdfs(options: argparse.Namespace) -> dict[str, tuple[Path, str | None]]:
     """URDF and base link by robot, whose meshes arms are drawn with; nothing where only generated code is at hand."""
     from mrts.base.manifest import MANIFEST_NAME
-    from mrts.cell.generation import urdf_files
+    from mrts.cell.source_files import urdf_files
 
     return {} if is_folder(options.cell) or options.cell.name == MANIFEST_NAME else urdf_files(options.cell)
 

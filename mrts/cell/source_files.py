@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: MIT
+"""What cell files and their URDFs say, as the build time reads them; nothing is generated."""
+
+import hashlib
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from mrts.base.atomic_file import write_text_atomically
+from mrts.base.errors import InputError
+from mrts.base.formats.package_uri import is_xacro
+from mrts.base.manifest import MANIFEST_NAME, Manifest
+from mrts.base.regular_file import is_folder
+from mrts.kernel.cache_folder import cache_folder
+
+if TYPE_CHECKING:
+    from mrts.base.formats.urdf_tree import Survey, UrdfTree
+    from mrts.motors.joint_source import JointSource
+
+
+CELL_FILE = "cell.yaml"
+"""What `mrts new` and `mrts demo` call a cell file."""
+
+
+def is_generated(path: Path) -> bool:
+    """Whether a path is that of a generated cell, and not of a cell file.
+
+    Args:
+        path: A file, or a folder.
+
+    Raises:
+        InputError: If it is a folder that `mrts generate` did not write.
+    """
+    if is_folder(path) and not (path / MANIFEST_NAME).exists():
+        inside = path / CELL_FILE
+        named = f"the cell file in it: {inside}" if inside.exists() else "a cell file"
+        raise InputError(
+            path, f"is a folder without {MANIFEST_NAME}, so `mrts generate` did not write it; name {named}."
+        )
+    return is_folder(path) or path.name == MANIFEST_NAME
+
+
+class NamedFiles(NamedTuple):
+    """Where the files are that a cell file names: URDFs or xacros of its robots in their order, mesh of its object."""
+
+    urdfs: tuple[Path, ...]
+    mesh: Path | None
+
+
+def named_files(path: Path) -> NamedFiles:
+    """Where the files are that a cell file names.
+
+    Args:
+        path: The cell file.
+
+    Raises:
+        InputError: If the cell file breaks a rule or a package is missing.
+    """
+    from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
+
+    description = read_cell_description(path)
+    found = [reference.path(path, path.resolve().parent) for reference in description.references]
+    robots = len(description.robots)
+    return NamedFiles(tuple(found[:robots]), next(iter(found[robots:]), None))
+
+
+def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
+    """URDF and base link (None is its root) of every robot of a cell file, by name; of a xacro a URDF in the cache.
+
+    Args:
+        path: The cell file.
+
+    Raises:
+        InputError: If the cell file breaks a rule, a package is missing, or a xacro cannot be expanded.
+    """
+    from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
+
+    folder, found, description = path.resolve().parent, {}, read_cell_description(path)
+    for robot, reference in zip(description.robots, description.urdf_references, strict=True):
+        file = reference.path(path, folder)
+        if is_xacro(file):
+            from mrts_codegen.urdf.xacro_file import with_found_meshes  # noqa: PLC0415 (only for xacros)
+
+            text = with_found_meshes(file, reference.content(path, folder)).decode()
+            file = cache_folder("urdfs", hashlib.sha256(text.encode()).hexdigest()) / f"{robot.name}.urdf"
+            write_text_atomically(file, text, private=True)
+        found[robot.name] = file, robot.base_link
+    return found
+
+
+def surveyed_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> "tuple[Path, UrdfTree, Survey]":
+    """Path of a URDF, what is in it, and what gives its chain from a base link (None is its root) to a tip link.
+
+    Args:
+        where: What names it, for messages.
+        folder: That it is relative to, absolute.
+        urdf: As in a cell file.
+        args: Of a xacro, by name.
+
+    Raises:
+        InputError: If it is missing, or no URDF; the survey, if there is no such chain, or it breaks a rule of cells.
+    """
+    from mrts_codegen.urdf.urdf_file import parse_urdf  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf.urdf_survey import arm_chain, urdf_tree  # noqa: PLC0415
+    from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
+
+    reference = FileReference(urdf, args, key="")
+    path = reference.path(where, folder)
+    read = parse_urdf(path, reference.content(where, folder))
+    return path, urdf_tree(path, read), partial(arm_chain, path, read)
+
+
+def cell_file_in(manifest: Manifest, folder: Path, beside: Path | None) -> str:
+    """Text of a cell file that reads back to the cell of a manifest.
+
+    Args:
+        manifest: Of the cell as it is now.
+        folder: That its URDFs are relative to, absolute.
+        beside: Folder for the file; None for one that stands anywhere.
+
+    Raises:
+        InputError: If a cell file cannot hold the cell, or a URDF is not there as it was.
+    """
+    from mrts_codegen.written_cell import cell_file_text  # noqa: PLC0415 (build time, on demand)
+
+    text: str = cell_file_text(manifest, folder, beside)
+    return text
+
+
+def all_cell_keys(path: Path) -> dict[str, Any]:
+    """Keys and values of a cell file, with the default of each key that it leaves out, None where there is none.
+
+    Args:
+        path: The cell file.
+
+    Raises:
+        InputError: If the cell file breaks a rule.
+    """
+    from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
+
+    return read_cell_description(path).model_dump()
+
+
+def read_without_generating(path: Path) -> "tuple[Any, tuple[InputError, ...], tuple[JointSource, ...]]":
+    """A cell with its URDFs (None if something is wrong), all that is wrong, and where what is known of joints is from.
+
+    Args:
+        path: The cell file.
+    """
+    from mrts_codegen.cell_reading import read_cell  # noqa: PLC0415 (build time, on demand)
+
+    found = read_cell(path)
+    return found.model, found.mistakes, found.joints
+
+
+def arms_alone_of(cell: Any) -> tuple[Any, ...]:
+    """A cell of each arm by itself.
+
+    Args:
+        cell: With its URDFs, as from `read_without_generating`.
+    """
+    from mrts_codegen.cell_reading import arms_alone  # noqa: PLC0415 (build time, on demand)
+
+    return tuple(arms_alone(cell))
