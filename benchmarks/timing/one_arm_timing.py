@@ -4,7 +4,7 @@
 One UR5-class arm carries the shipped box along the shipped lift. All have the same joint path at the same grid points,
 torque limits and nothing else, limits at both ends of every segment (interpolation scheme), rest at both ends. What
 lasts longer than one path (models, constraints' buffers, options) is made once for every candidate, outside the
-measured calls. Our whole call besides gives torques, the best constant factor and a check between the points.
+measured calls. Our whole call besides gives torques and a check between the points.
 
 copp is `copp-py` of PyPI. toppra's C++ core is measured where it is installed with headers (`cmake -DBUILD_TESTS=OFF`
 of the folder cpp of its repository): TOPPRA_PREFIX names the folder of its include/ and lib/.

@@ -5,7 +5,9 @@ import numpy as np
 
 import mrts
 from mrts.retiming.fastest_timing import fastest_timing
-from mrts.scaling.with_torques import ChosenFactor
+from mrts.retiming.result import Comparison
+from mrts.scaling.scale import FactorQuestion
+from mrts.solvers import DEFAULT_SOLVER
 
 
 def timing_alone(constant: mrts.ScalingResult) -> float:
@@ -14,5 +16,14 @@ def timing_alone(constant: mrts.ScalingResult) -> float:
     Args:
         constant: Of the cell and the motion, found before.
     """
-    found = fastest_timing(ChosenFactor(constant, None), "nominal", (0.0, 0.0), lambda _done, _total: None)
+    asked = FactorQuestion(
+        cell=constant.cell,
+        motion=constant.motion,
+        select="auto",
+        rule=constant.rule,
+        solver=DEFAULT_SOLVER,
+        question="nominal",
+        tolerance=None,
+    )
+    found = fastest_timing(Comparison(asked), constant.motion, (0.0, 0.0), lambda _done, _total: None)
     return float(sum(np.sum(piece.segment_times) for piece in found.pieces))

@@ -23,6 +23,17 @@ def apply(matrix: NDArray[np.floating[Any]], vector: Array) -> Array:
     return np.asarray(np.einsum("nrk,nk->nr", matrix, vector), dtype=np.float64)
 
 
+def row_products(first: Array, second: Array) -> Array:
+    """Scalar products row by row, of two of Shape (N, k): Shape (N,)."""
+    return np.asarray(np.einsum("nk,nk->n", first, second), dtype=np.float64)
+
+
+def rotated(rotation: Array, vector: Array) -> Array:
+    """One vector, Shape (3,), or matrix, Shape (3, k), turned by many rotations, Shape (N, 3, 3): Shape (N, 3, …)."""
+    turned: Array = (rotation.reshape(-1, 3) @ vector).reshape(len(rotation), 3, *vector.shape[1:])
+    return turned
+
+
 def cross(first: Array, second: Array) -> Array:
     """Cross products sample by sample, Shape (…, 3): the same numbers as numpy's, without its handling of axes."""
     a, b = np.moveaxis(first, -1, 0), np.moveaxis(second, -1, 0)

@@ -95,13 +95,31 @@ class CoordinatedMotion(InNotebooks):
         """Number of samples N."""
         return len(self.object.time)
 
+    @classmethod
+    def made(
+        cls, carried: ObjectMotion, q: Array, dq: Array, ddq: Array, travel: Array | None = None
+    ) -> "CoordinatedMotion":
+        """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then.
+
+        Args:
+            carried: Motion of the object, N samples.
+            q: As in the class, and so the others, each an array of finite numbers.
+            dq: Likewise.
+            ddq: Likewise.
+            travel: Likewise.
+        """
+        done = object.__new__(cls)
+        vars(done).update(object=carried, q=q, dq=dq, ddq=ddq, remarks=(), travel=travel, course=None)
+        freeze(done)
+        return done
+
     def at(self, samples: NDArray[np.int_]) -> "CoordinatedMotion":
         """Some samples, at least two, by themselves; their time only counts them."""
         of = self.object
         time = np.arange(len(samples), dtype=np.float64)
         some = of.played(time, of.twist[samples], of.acceleration[samples], samples)
         travel = None if self.travel is None else self.travel[:, samples]
-        return CoordinatedMotion(some, self.q[samples], self.dq[samples], self.ddq[samples], travel=travel)
+        return CoordinatedMotion.made(some, self.q[samples], self.dq[samples], self.ddq[samples], travel)
 
     def inputs(self, load: Array) -> dict[str, Array]:
         """Inputs of the generated functions of a moving sample.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mrts.base.argument_types import is_number
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, rotated, row_products
 from mrts.base.errors import InputError, MotionError
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.rigid_transform import angles_of_rotations
@@ -96,12 +96,13 @@ def tip_motions(cell: Cell, q: Array, dq: Array, ddq: Array) -> list[TipMotion]:
     tips = []
     for index, joints in enumerate(cell.joint_slices.values()):
         J = poses["jacobian"][:, :, joints]
+        rates = J @ np.stack([dq[:, joints], ddq[:, joints]], axis=2)
         tips.append(
             TipMotion(
                 positions[:, :, index],
                 poses["rotation"][:, :, 3 * index : 3 * index + 3],
-                np.einsum("nwj,nj->nw", J, dq[:, joints]),
-                np.einsum("nwj,nj->nw", J, ddq[:, joints]) + bias[:, :, index],
+                rates[:, :, 0],
+                rates[:, :, 1] + bias[:, :, index],
             )
         )
     return tips
@@ -153,9 +154,9 @@ def grasp_gaps(cell: Cell, given: ObjectMotion, tips: list[TipMotion]) -> GraspG
     """
     distances, angles = [], []
     for robot, tip in zip(cell.robots, tips, strict=True):
-        gap = tip.position - given.position - given.rotation @ robot.T_object_tip.p
-        distances.append(np.sqrt(np.einsum("ni,ni->n", gap, gap)))
-        off = given.rotation @ robot.T_object_tip.R @ tip.rotation.transpose(0, 2, 1)
+        gap = tip.position - given.position - rotated(given.rotation, robot.T_object_tip.p)
+        distances.append(np.sqrt(row_products(gap, gap)))
+        off = rotated(given.rotation, robot.T_object_tip.R) @ tip.rotation.transpose(0, 2, 1)
         angles.append(angles_of_rotations(off))
     return GraspGaps(np.array(distances), np.array(angles))
 

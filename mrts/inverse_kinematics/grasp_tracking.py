@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array, apply, cross
+from mrts.base.arrays import Array, apply, cross, rotated
 from mrts.base.errors import MotionError
 from mrts.base.rigid_transform import vectors_from_rotations
 from mrts.cell.cell import Cell
@@ -101,7 +101,7 @@ class Tracks:
 
 def tip_rates(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Array]:
     """Velocity and acceleration of a grasp in the robot's base axes, cell components, each Shape (N, w)."""
-    r = motion.rotation @ robot.T_object_tip.p
+    r = rotated(motion.rotation, robot.T_object_tip.p)
     v, w = motion.twist[:, :3], motion.twist[:, 3:]
     a, dw = motion.acceleration[:, :3], motion.acceleration[:, 3:]
     R = robot.T_world_base.R

@@ -339,7 +339,7 @@ class Scratch:
     """
 
     def __init__(self, library: ctypes.CDLL, record: FunctionRecord) -> None:
-        self.sizes = work_sizes(library, record)
+        self.sizes = work_sizes(library, record.symbol)
         self._allocate()
 
     def _allocate(self) -> None:
@@ -380,7 +380,7 @@ def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]
 
 def _by_rows(value: Array) -> Array:
     """An output by columns, Shape (N, columns, rows), as (N, rows, columns), or (N, rows) for a column."""
-    return value[:, 0, :] if value.shape[1] == 1 else np.ascontiguousarray(value.transpose(0, 2, 1))
+    return value[:, 0, :] if value.shape[1] == 1 else value.transpose(0, 2, 1)
 
 
 def pointers(arrays: list[Array], first: int = 0, strides: Any = None) -> Any:

@@ -5,6 +5,7 @@ import ctypes
 import os
 import threading
 from collections.abc import Callable
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -16,6 +17,10 @@ INFINITY = 1e300
 
 MOST_THREADS = 2
 """More than this gains little: the work of a sample is a few microseconds."""
+
+
+KNOWN_SIZES = 1024
+"""Sizes of work arrays that are kept, of the libraries asked last: each call would ask C for its own again."""
 
 
 def pointer(array: NDArray[Any]) -> ctypes.c_void_p:
@@ -31,9 +36,15 @@ def work_arrays(library: ctypes.CDLL, function: str, *sizes: int) -> list[NDArra
         function: Its name.
         sizes: What its `_work` takes.
     """
+    reals, ints = _work(library, function, sizes)
+    return [np.zeros(reals), np.zeros(ints, dtype=np.int32)]
+
+
+@lru_cache(maxsize=KNOWN_SIZES)
+def _work(library: ctypes.CDLL, function: str, sizes: tuple[int, ...]) -> tuple[int, int]:
     reals, ints = ctypes.c_longlong(), ctypes.c_longlong()
     getattr(library, f"{function}_work")(*sizes, ctypes.byref(reals), ctypes.byref(ints))
-    return [np.zeros(reals.value), np.zeros(ints.value, dtype=np.int32)]
+    return reals.value, ints.value
 
 
 def _processors() -> int:

@@ -2,10 +2,12 @@
 """Whether a cell's compiled functions are those that its manifest describes: C reads and writes where it is told to."""
 
 import ctypes
+from functools import lru_cache
 from pathlib import Path
 
 from mrts.base.errors import InputError
-from mrts.base.manifest import LOAD_ENTRIES, ArgumentRecord, FunctionRecord, Manifest, geometry_size
+from mrts.base.manifest import LOAD_ENTRIES, ArgumentRecord, Manifest, geometry_size
+from mrts.kernel.foreign_arrays import KNOWN_SIZES
 
 Shapes = list[tuple[int, int]]
 
@@ -40,21 +42,26 @@ def check_shapes(where: Path | str, manifest: Manifest, library: ctypes.CDLL) ->
         try:
             same = _compiled_shapes(library, record.symbol, "in") == _shapes(record.inputs)
             same = same and _compiled_shapes(library, record.symbol, "out") == _shapes(record.outputs)
-            work = work_sizes(library, record)
+            work = work_sizes(library, record.symbol)
         except (AttributeError, ValueError):  # ValueError: a null pointer
             raise InputError(where, f"the C file holds no such function. {ADVICE}", key=f"functions.{name}") from None
         if not same or not all(0 <= size <= LARGEST_WORK for size in work):
             raise InputError(where, f"the compiled function has other shapes. {ADVICE}", key=f"functions.{name}")
 
 
-def work_sizes(library: ctypes.CDLL, record: FunctionRecord) -> tuple[int, ...]:
+@lru_cache(maxsize=KNOWN_SIZES)
+def work_sizes(library: ctypes.CDLL, symbol: str) -> tuple[int, ...]:
     """Entries of the work arrays arg, res, iw and w that a generated function wants.
+
+    Args:
+        library: Holds it.
+        symbol: Its name there.
 
     Raises:
         AttributeError: If the library holds no such function.
     """
     sizes = [ctypes.c_longlong() for _ in range(4)]
-    getattr(library, f"{record.symbol}_work")(*(ctypes.byref(size) for size in sizes))
+    getattr(library, f"{symbol}_work")(*(ctypes.byref(size) for size in sizes))
     return tuple(size.value for size in sizes)
 
 

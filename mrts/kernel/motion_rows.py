@@ -72,7 +72,8 @@ def path_places(
     over_chunks(library.opened, count, run)
     for array in found:
         array.setflags(write=False)  # so that motions share them
-    return found
+    by_columns = found[4]  # as generated functions want them, so that nobody has to turn them over for those
+    return *found[:4], by_columns.transpose(0, 2, 1), *found[5:]
 
 
 def widenings(

@@ -112,8 +112,33 @@ class ObjectMotion(InNotebooks):
             if value.shape != (len(self.time), *SHAPES[name]) or not np.all(np.isfinite(value)):
                 raise InputError(name, f"must have Shape {(len(self.time), *SHAPES[name])} and be finite.")
 
+    @classmethod
+    def made(cls, time: Array, position: Array, rotation: Array, twist: Array, acceleration: Array) -> "ObjectMotion":
+        """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then.
+
+        Args:
+            time: As in the class, and so the others, each an array of finite numbers.
+            position: Likewise.
+            rotation: Likewise.
+            twist: Likewise.
+            acceleration: Likewise.
+        """
+        done = object.__new__(cls)
+        vars(done).update(
+            time=time, position=position, rotation=rotation, twist=twist, acceleration=acceleration, remarks=(),
+            course=None,
+        )  # fmt: skip
+        freeze(done)
+        return done
+
     def played(
-        self, time: Array, twist: Array, acceleration: Array, samples: NDArray[np.intp] | slice = slice(None)
+        self,
+        time: Array,
+        twist: Array,
+        acceleration: Array,
+        samples: NDArray[np.intp] | slice = slice(None),
+        *,
+        checked: bool = False,
     ) -> "ObjectMotion":
         """The same poses, or those of some samples, at other times with other rates, which are not compared with them.
 
@@ -122,18 +147,16 @@ class ObjectMotion(InNotebooks):
             twist: Shape (k, 6).
             acceleration: Shape (k, 6).
             samples: The k samples.
+            checked: Whether to look at times and rates, not only for what is thrown away again.
 
         Raises:
-            InputError: If times or rates break a rule.
+            InputError: If times or rates are checked and break a rule.
         """
-        done, whole = object.__new__(type(self)), isinstance(samples, slice) and samples == slice(None)
-        position, rotation = self.position, self.rotation
-        if not whole:
-            position, rotation = position[samples].copy(), rotation[samples].copy()
-        known = {"time": time, "position": position, "rotation": rotation, "twist": twist}
-        vars(done).update(known | {"acceleration": acceleration, "remarks": (), "course": None})
-        done._take(("time", "position", "twist", "acceleration"))
-        freeze(done)
+        done = object.__new__(type(self))
+        vars(done).update(vars(self.made(time, self.position[samples], self.rotation[samples], twist, acceleration)))
+        if checked:
+            done._take(("time", "position", "twist", "acceleration"))
+            freeze(done)
         return done
 
     def __setstate__(self, state: dict[str, Any]) -> None:

@@ -39,9 +39,9 @@ def pushing_ends(dq: "Array", ddq: "Array") -> tuple[bool, bool]:
         dq: Joint velocities, Shape (N, m).
         ddq: Joint accelerations, Shape (N, m).
     """
-    speed, change = np.max(np.abs(dq), axis=1), np.max(np.abs(ddq), axis=1)
-    pushes = (speed <= REST * np.max(speed)) & (change > REST * np.max(change))
-    return bool(pushes[0]), bool(pushes[-1])
+    (speed, fastest), (change, most) = ((np.max(of[[0, -1]], axis=1), np.max(of)) for of in (np.abs(dq), np.abs(ddq)))
+    pushes = (speed <= REST * fastest) & (change > REST * most)
+    return bool(pushes[0]), bool(pushes[1])
 
 
 def motion_rows(time: "Array", q: "Array", dq: "Array", ddq: "Array") -> slice:

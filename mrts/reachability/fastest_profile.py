@@ -90,7 +90,9 @@ def fastest_profile(
     return SpeedProfile(kernel.forward(steps, rise, regions.start, planes, lower, upper, first), lower, upper, rise)
 
 
-def rising_profile(found: SpeedProfile, step: Array, regions: SpeedRegions, ends: tuple[float, float]) -> SpeedProfile:
+def rising_profile(
+    found: SpeedProfile, step: Array, regions: SpeedRegions, ends: tuple[float, float], times: Array | None = None
+) -> SpeedProfile:
     """A profile that is faster than another, as s̈ rises on its segments as it did from one to the next.
 
     A constant s̈ that keeps the limits of both ends of a segment is the lesser of theirs: where the largest s̈ changes
@@ -103,8 +105,9 @@ def rising_profile(found: SpeedProfile, step: Array, regions: SpeedRegions, ends
         step: Length of each segment, Shape (n - 1,).
         regions: Regions of the n samples.
         ends: x at the first and the last sample.
+        times: Durations of the segments with that profile, Shape (n - 1,) [s], where they are known.
     """
-    times, rise = segment_times(step, found), _rises(step, found.x)
+    times, rise = segment_times(step, found) if times is None else times, _rises(step, found.x)
     lasts = float(np.sum(times))
     lost = times * np.abs(rise) * step / (found.x[1:] + found.x[:-1])
     if SUMMED * len(step) * float(np.sum(lost)) < WORTH * lasts:
@@ -131,7 +134,11 @@ def segment_times(step: Array, profile: SpeedProfile) -> Array:
         step: Length of each segment, Shape (n - 1,).
         profile: Of the n samples.
     """
-    speed, share = np.sqrt(profile.x), _stop_share(step, profile)
+    speed = np.sqrt(profile.x)
+    if not np.any(profile.rise):
+        constant: Array = 2 * step / (speed[:-1] + speed[1:])
+        return constant
+    share = _stop_share(step, profile)
     z = np.sqrt(np.abs(share))
     longer = np.ones_like(z)
     for sign, inverse in ((share > 0, np.arctanh), (share < 0, np.arctan)):

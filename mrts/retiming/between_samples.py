@@ -28,6 +28,13 @@ MOST_SAMPLES, MOST_TIMES = 1000, 4
 """Samples up to which more are added, or so many times those of the motion."""
 
 
+COARSE = 64
+"""Motions of fewer samples are looked at between all of them, as by `mrts.refinement.search.COARSE`."""
+
+BENT = 0.05
+"""Largest part of a joint's step that velocities and accelerations at its ends may miss: a change of branch is all."""
+
+
 @dataclass(frozen=True)
 class SegmentExcess:
     """Excess over limits inside the segments of a retimed path.
@@ -102,12 +109,37 @@ def with_excess(timed: RetimingResult, worst: Excess) -> RetimingResult:
 
 
 def _as_before(finer: RetimingResult, timed: RetimingResult, added: Array) -> RetimingResult:
-    """A timing with more samples that is compared with the same constant factor and warns of the same."""
+    """A timing with more samples that warns of the same."""
     played = finer.retimed
     if played is not None and timed.retimed is not None:
         warnings = moved_remarks(timed.retimed.warnings, timed.motion.object.time, added)
         played = replace(played, warnings=warnings)
-    return replace(finer, factor=timed.factor, retimed=played)
+    return replace(finer, retimed=played)
+
+
+def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:
+    """Check that the arms can hold the object between the samples of a motion, where that is in doubt.
+
+    In doubt are few samples, and steps of joints that their velocities do not lead along: a posture that changes there.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+
+    Raises:
+        MotionError: If they cannot.
+    """
+    time = motion.object.time
+    doubtful = np.arange(len(time) - 1)
+    if motion.samples >= COARSE:
+        h, dq, ddq = np.diff(time)[:, None], motion.dq, motion.ddq
+        steps = np.diff(motion.q, axis=0)
+        missed = steps - h / 2 * (dq[1:] + dq[:-1]) - h**2 / 12 * (ddq[:-1] - ddq[1:])
+        allowed = BENT * np.max(np.abs(steps))
+        bent = np.max(np.abs(missed)) > allowed
+        doubtful = np.flatnonzero(np.any(np.abs(missed) > allowed, axis=1)) if bent else doubtful[:0]
+    if len(doubtful):
+        between_samples(cell, motion, (time[doubtful] + time[doubtful + 1]) / 2)
 
 
 def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
@@ -121,14 +153,14 @@ def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
         SolverError: If no solver answers.
     """
     cell, motion, pieces, loads = timed.cell, timed.motion, timed.pieces, timed.loads
-    sharing = timed.factor.bare.rule.sharing
+    sharing = timed.rule.sharing
     worst, shares, time = Excess(0.0, tolerance), np.zeros(motion.samples - 1), motion.object.time
     for part in pieces:
         played = between_path_samples(cell, part, PLACES)
         for load in loads:
             share = motion_widening(cell, played, np.ones(played.samples), sharing=sharing, load=load)
             segments = slice(part.piece.first, part.piece.first + len(part.piece.step))
-            shares[segments] = np.maximum(shares[segments], np.max(share.reshape(-1, len(PLACES)), axis=1))
+            shares[segments] = np.maximum(shares[segments], _worst_of_each(share))
             most = int(np.argmax(share))
             if share[most] > worst.share:
                 segment, place = divmod(most, len(PLACES))
@@ -137,6 +169,13 @@ def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
                 named = partial(_overstepped, cell, played.at(np.array([most, most])), sharing, load)
                 worst = Excess(float(share[most]), tolerance, at, named)
     return SegmentExcess(shares, worst)
+
+
+def _worst_of_each(share: Array) -> Array:
+    """The largest of the places of each segment, Shape (n - 1,): faster by places than by segments."""
+    by_place = np.ascontiguousarray(share.reshape(-1, len(PLACES)).T)
+    worst: Array = np.max(by_place, axis=0)
+    return worst
 
 
 def _overstepped(

@@ -12,9 +12,8 @@ from mrts.cell.cell_change import ChangeSteps
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.following_again import following_again
 from mrts.retiming.fastest_timing import fastest_timing
-from mrts.retiming.result import RetimingResult
+from mrts.retiming.result import Comparison, RetimingResult
 from mrts.scaling.what_if import SpeedAnswer, WhatIf, ask_changes
-from mrts.scaling.with_torques import ChosenFactor
 
 
 def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress) -> WhatIf:
@@ -32,14 +31,13 @@ def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress
     if found.smooth is not None:
         rule = "within limits of rates it would be timed again for every change, seconds each. Ask without rates."
         raise InputError("what if", rule)
-    constant = replace(found.factor.bare, rule=replace(found.factor.bare.rule, rates=None))
-    constant = replace(constant, range=replace(constant.range, upper=None))  # it is that of the unchanged cell
-    question = "nominal" if constant.load is None else "guaranteed"
-    refined = found.motion.samples > constant.motion.samples
+    asked = found.compared.asked
+    refined = found.motion.samples > asked.motion.samples
+    asked = replace(asked, rule=replace(asked.rule, rates=None), tolerance=None)
 
     def answer(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
-        asked = ChosenFactor(replace(constant, cell=changed, motion=motion), None)
-        again = fastest_timing(asked, question, found.end_speeds, lambda _done, _total: None, refined=refined)
+        compared = Comparison(replace(asked, cell=changed, motion=motion))
+        again = fastest_timing(compared, motion, found.end_speeds, lambda _done, _total: None, refined=refined)
         return _of_timing(again)
 
     followed = following_again(found.cell, found.motion)

@@ -9,19 +9,18 @@ from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, SolverError
 from mrts.base.load_box import LoadPoint
-from mrts.reachability.fastest_profile import Obstacle, SpeedProfile, fastest_profile, rising_profile
+from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.reachability.fastest_profile import Obstacle, fastest_profile, rising_profile
 from mrts.reachability.speed_conflict import sample_conflict, segment_conflict
-from mrts.reachability.speed_regions import SpeedRegions, intersect_regions, regions_of_planes, speed_regions
+from mrts.reachability.speed_regions import intersect_regions, regions_of_planes, speed_regions
 from mrts.reachability.successive_profiles import successive_profiles
 from mrts.retiming.path_pieces import NoPath, PathPiece, by_turns, closed_piece, path_pieces
-from mrts.retiming.result import RetimingResult, RetimingStatus
+from mrts.retiming.result import Comparison, RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import FastestPiece, fastest_piece
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.trajectory_programs import motion_planes
 from mrts.scaling.guaranteed_range import effective_parameters
-from mrts.scaling.result import ScalingResult
-from mrts.scaling.with_torques import ChosenFactor
 
 UNBOUNDED_SHARE = 0.5
 """Speeds squared above this share of the bound of the regions are those that nothing limits."""
@@ -31,8 +30,8 @@ STUCK = 1e6
 
 
 def fastest_timing(
-    factor: ChosenFactor,
-    question: str,
+    compared: Comparison,
+    motion: CoordinatedMotion,
     end_speeds: tuple[float, float],
     progress: Progress,
     *,
@@ -41,23 +40,23 @@ def fastest_timing(
     """The fastest timing with limits kept at the samples of a motion.
 
     Args:
-        factor: The best constant factor of the motion.
-        question: That is asked of the load.
+        compared: What is asked, of cell and load, at a constant factor.
+        motion: The motion, with the samples that were added.
         end_speeds: ṙ at the start and at the end.
         progress: Told how many of how many loads are done.
         refined: Whether samples were added where limits were overstepped: the path is then timed by its arc length. A
             parameter by turns would be another one each round, uneven where samples were added.
     """
-    constant, (start_speed, end_speed) = factor.bare, end_speeds
-    cell, motion = constant.cell, constant.motion
+    asked, (start_speed, end_speed) = compared.asked, end_speeds
+    cell = asked.cell
     points: tuple[LoadPoint | None, ...] = (None,)
-    if question == "guaranteed" and cell.load_box is not None:
+    if asked.question == "guaranteed" and cell.load_box is not None:
         points = cell.load_box.corners(effective_parameters(cell, motion, cell.load_box, ("P", "Q", "S")))
     loads = tuple(cell.load if point is None else point.load for point in points)
     pieces = path_pieces(motion)
     if isinstance(pieces, NoPath):
         status, why = _no_path(pieces, motion.object.time)
-        return RetimingResult(cell, motion, status, why, factor, loads)
+        return RetimingResult(cell, motion, status, why, compared, loads)
     given = (("start_speed", start_speed, pieces[0].rests[0]), ("end_speed", end_speed, pieces[-1].rests[1]))
     for name, speed, rests in given:
         if speed > 0 and rests:
@@ -69,18 +68,18 @@ def fastest_timing(
             0.0 if rests else (speed * float(piece.given_rate[place])) ** 2
             for rests, speed, place in zip(piece.rests, (start_speed, end_speed), (0, -1), strict=True)
         )
-        search = _Search(constant, piece, points, (ends[0], ends[1]))
+        search = _Search(compared, motion.object.time, piece, points, (ends[0], ends[1]))
         progress(number, len(pieces))
         found = search.run(progress if len(pieces) == 1 else lambda _done, _total: None)
         if isinstance(found, _Failure):
-            return RetimingResult(cell, motion, *found.reason, factor, loads, conflict=found.conflict)
+            return RetimingResult(cell, motion, *found.reason, compared, loads, conflict=found.conflict)
         timed.append(found)
     return RetimingResult(
         cell=cell,
         motion=motion,
         status=RetimingStatus.OPTIMAL,
         explanation="",
-        factor=factor,
+        compared=compared,
         loads=loads,
         pieces=tuple(timed),
     )
@@ -114,7 +113,8 @@ class _Failure:
 class _Search:
     """The search for the profile of one piece, and for the reason if there is none."""
 
-    constant: ScalingResult
+    compared: Comparison
+    time: Array
     piece: PathPiece
     points: tuple[LoadPoint | None, ...]
     ends: tuple[float, float]
@@ -125,8 +125,8 @@ class _Search:
         for number, point in enumerate(self.points):
             progress(number, len(self.points))
             length = float(np.sum(self.piece.step))
-            load, sharing = None if point is None else point.load, self.constant.rule.sharing
-            known = motion_planes(self.constant.cell, self.piece.path, sharing, load)
+            load, sharing = None if point is None else point.load, self.compared.asked.rule.sharing
+            known = motion_planes(self.compared.asked.cell, self.piece.path, sharing, load)
             if known is not None:
                 parts.append(regions_of_planes(*known, length, self.ends))
                 continue
@@ -140,9 +140,8 @@ class _Search:
             progress(len(self.points), len(self.points))
             if isinstance(steps, Obstacle):
                 return self._explained(steps)
-            return self._unusual(steps[-1].profile, steps[-1].regions) or fastest_piece(
-                self.piece, steps[-1].regions, steps[-1].profile
-            )
+            last = fastest_piece(self.piece, steps[-1].regions, steps[-1].profile)
+            return self._unusual(last) or last
         progress(len(self.points), len(self.points))
         regions = parts[0] if len(parts) == 1 else intersect_regions(parts)
         for sample in regions.undecided:
@@ -156,23 +155,26 @@ class _Search:
         found = fastest_profile(self.piece.step, regions, self.ends)
         if isinstance(found, Obstacle):
             return self._explained(found)
-        return self._unusual(found, regions) or fastest_piece(
-            self.piece, regions, rising_profile(found, self.piece.step, regions, self.ends)
-        )
+        timed = fastest_piece(self.piece, regions, found)
+        unusual = self._unusual(timed)
+        if unusual is not None:
+            return unusual
+        faster = rising_profile(found, self.piece.step, regions, self.ends, timed.segment_times)
+        return timed if faster is found else fastest_piece(self.piece, regions, faster)
 
-    def _unusual(self, found: SpeedProfile, regions: SpeedRegions) -> _Failure | None:
+    def _unusual(self, timed: FastestPiece) -> _Failure | None:
         """A profile that takes no time, or for ever."""
-        fastest = int(np.argmax(found.x))
-        if found.x[fastest] >= UNBOUNDED_SHARE * regions.bound:
+        fastest = int(np.argmax(timed.x))
+        if timed.x[fastest] >= UNBOUNDED_SHARE * timed.regions.bound:
             why = f"nothing limits the speed at {self._place(fastest)}. Give velocity limits."
             return _Failure((RetimingStatus.UNBOUNDED, why))
         with np.errstate(divide="ignore"):
-            times = fastest_piece(self.piece, regions, found).segment_times
+            times = timed.segment_times
         stuck = ~(times <= STUCK * np.median(times)) | np.isinf(times)
         if not np.any(stuck):
             return None
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"
-        upper = self.constant.range.upper
+        upper = self.compared.factor.bare.range.upper
         why += "." if upper is None or upper.time is None else f"; c² is limited {upper.place()}."
         return _Failure((RetimingStatus.STANDSTILL, why))
 
@@ -210,18 +212,18 @@ class _Search:
 
     def _place(self, sample: int) -> str:
         sample += self.piece.first
-        return f"t = {self.constant.motion.object.time[sample]:.6g} s (sample {sample})"
+        return f"t = {self.time[sample]:.6g} s (sample {sample})"
 
     def _problem(self, point: LoadPoint | None) -> SampleProblem:
         load = None if point is None else point.load
-        cell, sharing = self.constant.cell, self.constant.rule.sharing
+        cell, sharing = self.compared.asked.cell, self.compared.asked.rule.sharing
         return build_sample_problem(cell, self.piece.path, sharing=sharing, load=load, varying=True)
 
     def _conflict(
         self, sample: int, reach: tuple[float, float] | None = None, x: float | None = None
     ) -> Conflict | None:
         """The limits that conflict at a sample, or on the segment from it into the reach, with the worst load."""
-        time = self.constant.motion.object.time[self.piece.first :]
+        time = self.time[self.piece.first :]
         worst: Conflict | None = None
         for point in self.points:
             if reach is None:

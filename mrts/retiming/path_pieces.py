@@ -2,13 +2,14 @@
 """The path of a motion without its timing: samples by arc length or by its turns, in pieces from stop to stop."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, row_products
 from mrts.cell.cell import Cell
 from mrts.coordination.closed_chain import nearest_rates
 from mrts.coordination.coordinated_motion import CoordinatedMotion
@@ -60,7 +61,7 @@ class PathPiece:
     rests: tuple[bool, bool]
     continued: NDArray[np.int_]
 
-    @property
+    @cached_property
     def step(self) -> Array:
         """Δσ of each segment, Shape (n - 1,)."""
         return np.diff(self.path.object.time)
@@ -94,7 +95,7 @@ def path_pieces(motion: CoordinatedMotion) -> list[PathPiece] | NoPath:
     Args:
         motion: The given motion, N samples.
     """
-    speed = np.sqrt(np.mean(motion.dq**2, axis=1))
+    speed = _root_mean_square(motion.dq)
     fastest = float(np.max(speed))
     if fastest == 0:
         return NoPath("zero length", 0)
@@ -113,7 +114,7 @@ def path_pieces(motion: CoordinatedMotion) -> list[PathPiece] | NoPath:
 
 
 def _piece(
-    motion: CoordinatedMotion, first: int, last: int, all_speeds: Array, rest: Array, fastest: float
+    motion: CoordinatedMotion, first: int, last: int, all_speeds: Array, rest: NDArray[np.bool_], fastest: float
 ) -> PathPiece | NoPath:
     part = slice(first, last + 1)
     given, speed = motion.object, all_speeds[part]
@@ -125,15 +126,16 @@ def _piece(
         moving = np.flatnonzero(speed > REST * fastest)
     if not moving.size:
         return NoPath("wait", first)
-    slowing = np.sqrt(np.mean(motion.ddq[part] ** 2, axis=1)) * np.where(np.arange(len(speed)) == 0, 1.0, -1.0)
+    slowing = _root_mean_square(motion.ddq[part]) * np.where(np.arange(len(speed)) == 0, 1.0, -1.0)
     safe = np.where(speed > 0, speed, 1.0)
-    growth = np.where(rest[part], slowing, np.mean(motion.dq[part] * motion.ddq[part], axis=1) / safe)
+    growth = np.where(rest[part], slowing, row_products(motion.dq[part], motion.ddq[part]) / joints / safe)
     h = np.diff(given.time[part])
     step = h / 2 * (speed[:-1] + speed[1:]) + h**2 / 12 * (growth[:-1] - growth[1:])
 
     direction, bend = np.zeros_like(rates), np.zeros_like(rates)
-    direction[moving] = rates[moving] / speed[moving, None]
-    bend[moving] = (changes[moving] - direction[moving] * growth[moving, None]) / speed[moving, None] ** 2
+    taken = slice(int(moving[0]), int(moving[-1]) + 1) if moving[-1] - moving[0] < len(moving) else moving
+    direction[taken] = rates[taken] / speed[taken, None]
+    bend[taken] = (changes[taken] - direction[taken] * growth[taken, None]) / speed[taken, None] ** 2
     away = np.concatenate([[0.0], np.cumsum(step)])
     moves = np.zeros(len(speed), dtype=bool)
     moves[moving] = True
@@ -149,12 +151,12 @@ def _piece(
         fast = arcs > 0
     step[fast] = arcs[fast]
     s = np.concatenate([[0.0], np.cumsum(step)])
-    back = np.sum(direction[1:, :joints] * direction[:-1, :joints], axis=1) <= 0
+    back = row_products(direction[1:, :joints], direction[:-1, :joints]) <= 0
     if np.any(back) or np.any(step <= 0):
         return NoPath("turn", first + int(np.argmax(back | (step <= 0))))
     path = given.played(s, direction[:, joints:], bend[:, joints:], part)
     rests = (bool(rest[first]), bool(rest[last]))
-    joined = CoordinatedMotion(path, motion.q[part], direction[:, :joints], bend[:, :joints])
+    joined = CoordinatedMotion.made(path, motion.q[part], direction[:, :joints], bend[:, :joints])
     return PathPiece(
         first=first, path=joined, arc=s, arc_speed=np.ones_like(s), speed=speed, rests=rests, continued=continued
     )
@@ -178,7 +180,7 @@ def closed_piece(cell: Cell, piece: PathPiece) -> PathPiece:
     dq, ddq = path.dq.copy(), path.ddq.copy()
     wrong = is_continued[chosen]
     dq[piece.continued], ddq[piece.continued] = (rates[wrong] for rates in nearest_rates(cell, some.object, some))
-    return replace(piece, path=replace(path, dq=dq, ddq=ddq))
+    return replace(piece, path=CoordinatedMotion.made(path.object, path.q, dq, ddq, path.travel))
 
 
 def by_turns(piece: PathPiece) -> PathPiece:
@@ -193,7 +195,7 @@ def by_turns(piece: PathPiece) -> PathPiece:
         piece: By arc length, n samples.
     """
     path, s = piece.path, piece.arc
-    turn = np.sqrt(np.mean(np.diff(path.dq, axis=0) ** 2, axis=1))
+    turn = _root_mean_square(np.diff(path.dq, axis=0))
     moving = np.delete(np.arange(len(s)), piece.continued)
     if len(moving) < FEWEST or np.max(turn) <= EVEN:
         return piece
@@ -252,7 +254,13 @@ def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Ar
     dq, ddq = rates(path.dq, path.ddq)
     carried = given.played(sigma, *rates(given.twist, given.acceleration))
     travel = np.stack(travel_directions(path.dq, path.ddq)) if path.travel is None else path.travel
-    return CoordinatedMotion(carried, path.q, dq, ddq, travel=travel)
+    return CoordinatedMotion.made(carried, path.q, dq, ddq, travel)
+
+
+def _root_mean_square(values: Array) -> Array:
+    """Of each row, Shape (N,)."""
+    found: Array = np.sqrt(row_products(values, values) / values.shape[1])
+    return found
 
 
 def _arcs(q: Array, direction: Array) -> Array:
@@ -260,8 +268,7 @@ def _arcs(q: Array, direction: Array) -> Array:
 
     They do not depend on the timing, which may have a kink between two samples.
     """
-    chord = np.sqrt(np.mean(np.diff(q, axis=0) ** 2, axis=1))
-    turn = np.sqrt(np.mean(np.diff(direction, axis=0) ** 2, axis=1))
+    chord, turn = _root_mean_square(np.diff(q, axis=0)), _root_mean_square(np.diff(direction, axis=0))
     half = np.arcsin(np.minimum(turn / 2, 1.0))
     arcs: Array = chord / np.sinc(half / np.pi)
     return arcs

@@ -2,43 +2,61 @@
 """A retimed motion with its torques, as a result of its own at c² = 1."""
 
 from collections.abc import Sequence
+from functools import partial
 
 from mrts.base.arrays import Array
+from mrts.base.remark import Remark
+from mrts.cell.cell import Cell
+from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.retiming.retimed_motion import TimedPiece, retimed_motion
 from mrts.samples.trajectory_programs import motion_ranges
-from mrts.scaling.motion_remarks import lasting
-from mrts.scaling.range import intersect
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.range import RangeWhenAsked, ScalingRange, intersect
+from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.with_torques import with_torques
 from mrts.solvers import DEFAULT_SOLVER
 
 
 def played_result(
-    constant: ScalingResult, pieces: Sequence[TimedPiece], what: str, given: tuple[Array, Array] | None = None
+    cell: Cell,
+    given: CoordinatedMotion,
+    rule: DistributionRule,
+    pieces: Sequence[TimedPiece],
+    what: str,
+    *,
+    warnings: tuple[Remark, ...],
+    torques: tuple[Array, Array] | None = None,
 ) -> ScalingResult:
     """The retimed motion with the torques of the quadratic program (31) to (34), or with given ones.
 
+    Its range of c², which only says what faster or slower would be, is found when it is read.
+
     Args:
-        constant: The given motion with its best constant factor.
+        cell: The cell.
+        given: The given motion.
+        rule: How torques are distributed.
         pieces: Its path with the timing.
         what: The timing is, for people.
-        given: Torques and wrenches that were distributed already, Shape (N, m) and (N, n w).
+        warnings: What to know of cell and motion.
+        torques: Torques and wrenches that were distributed already, Shape (N, m) and (N, n w).
 
     Raises:
         SolverError: If no solver answers, or the torques overstep a limit.
     """
-    cell, motion, rule = constant.cell, retimed_motion(constant.motion, pieces), constant.rule
-    found = intersect(motion_ranges(cell, motion, rule.formulation, rule.sharing, DEFAULT_SOLVER))
-    whole, duration = constant.motion.object.time[-1], motion.object.time[-1]
+    motion = retimed_motion(given, pieces)
+    whole, duration = given.object.time[-1], motion.object.time[-1]
     played = ScalingResult(
         cell=cell,
         motion=motion,
-        range=found,
+        range=RangeWhenAsked(partial(_range, cell, motion, rule)),
         trajectory=None,
-        fallbacks=found.samples.fallbacks,
+        fallbacks=0,
         load=None,
         rule=rule,
         origin=f"{what} of a path that was given {whole:.4g} s: {duration:.4g} s",
-        warnings=lasting(constant.warnings),
+        warnings=warnings,
     )
-    return with_torques(played, 1.0, found.samples, DEFAULT_SOLVER, given)
+    return with_torques(played, 1.0, None, DEFAULT_SOLVER, torques)
+
+
+def _range(cell: Cell, motion: CoordinatedMotion, rule: DistributionRule) -> ScalingRange:
+    return intersect(motion_ranges(cell, motion, rule.formulation, rule.sharing, DEFAULT_SOLVER))

@@ -28,7 +28,8 @@ from mrts.samples.infeasibility import Conflict
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.torque_distribution import torque_weights
 from mrts.scaling.motion_remarks import lasting
-from mrts.scaling.result import ScalingResult, kept_text
+from mrts.scaling.result import DistributionRule, ScalingResult, kept_text
+from mrts.scaling.scale import FactorQuestion, SelectionError
 from mrts.scaling.what_if import WhatIf
 from mrts.scaling.with_torques import OF_TORQUES, STEPS, ChosenFactor
 
@@ -78,6 +79,32 @@ OF_TRAJECTORY = (
 """Entries of the JSON result that are those of the retimed motion."""
 
 
+@dataclass(frozen=True)
+class Comparison:
+    """The constant factor that a timing is compared with, found when it is first read.
+
+    Attributes:
+        asked: What is asked of the given motion, cell and load.
+    """
+
+    asked: FactorQuestion
+
+    @cached_property
+    def factor(self) -> ChosenFactor:
+        """The best constant factor; without a c² where none moves the object, which a varying speed may.
+
+        Raises:
+            MotionError: If the arms cannot hold the object where the range is looked at between the samples.
+            SolverError: If no solver answers.
+        """
+        try:
+            return self.asked.answer()
+        except SelectionError as error:
+            if error.result is None:
+                raise
+            return ChosenFactor(error.result, None)
+
+
 @dataclass(frozen=True, repr=False)
 class RetimingResult(InNotebooks):
     """What `mrts.retime` found.
@@ -87,7 +114,7 @@ class RetimingResult(InNotebooks):
         motion: The given motion; its time is the path parameter r.
         status: The outcome.
         explanation: Why there is no profile; empty if there is one.
-        factor: The best constant factor, for comparison.
+        compared: What is compared with: the best constant factor.
         loads: Load vectors that the profile carries, each Shape (10,).
         pieces: The path from stop to stop with its fastest speed; empty if there is none.
         retimed: The motion at the fastest timing with its torques, as a result at c² = 1; None without a profile.
@@ -102,7 +129,7 @@ class RetimingResult(InNotebooks):
     motion: CoordinatedMotion
     status: RetimingStatus
     explanation: str
-    factor: ChosenFactor
+    compared: Comparison
     loads: tuple[Array, ...]
     pieces: tuple[TimedPiece, ...] = ()
     retimed: ScalingResult | None = None
@@ -132,10 +159,26 @@ class RetimingResult(InNotebooks):
             yield NotebookTable(("what limits the speed", "of the duration"), shares)
 
     @property
-    def constant(self) -> ScalingResult:
-        """The best constant factor, for comparison; its torques are distributed when it is asked for.
+    def rule(self) -> DistributionRule:
+        """How torques are distributed."""
+        return self.compared.asked.rule
+
+    @property
+    def factor(self) -> ChosenFactor:
+        """The best constant factor, for comparison; its range is found when it is first asked for.
 
         Raises:
+            MotionError: If the arms cannot hold the object where that range is looked at between the samples.
+            SolverError: If no solver answers.
+        """
+        return self.compared.factor
+
+    @property
+    def constant(self) -> ScalingResult:
+        """The best constant factor with its torques, found and distributed when it is first asked for.
+
+        Raises:
+            MotionError: As `factor`.
             SolverError: If no solver answers, or the torques overstep a limit.
         """
         return self.factor.whole
@@ -152,7 +195,7 @@ class RetimingResult(InNotebooks):
         done = None if self.retimed is None else self.retimed.trajectory
         if done is None:
             return None
-        W = torque_weights(self.factor.bare.rule.weights, done.torque.shape[1])
+        W = torque_weights(self.rule.weights, done.torque.shape[1])
         squares = np.einsum("ni,ij,nj->n", done.torque, W, done.torque)
         return float(np.sum(np.diff(done.time) * (squares[1:] + squares[:-1]) / 2))
 
@@ -176,7 +219,7 @@ class RetimingResult(InNotebooks):
         """What limits the speed, for which share of the duration, most first."""
         if self.smooth is not None:
             return binding_limits(smooth_pieces(self.pieces))
-        return profile_limits(self.cell, self.pieces, self.factor.bare.rule.sharing, self.loads)
+        return profile_limits(self.cell, self.pieces, self.rule.sharing, self.loads)
 
     @property
     def warnings(self) -> tuple[Remark, ...]:
@@ -228,7 +271,7 @@ class RetimingResult(InNotebooks):
             less = "less" if self.saving >= 0 else "more"
             text += f"; {100 * abs(self.saving):.3g} % {less} than {best.duration:.4g} s at the best constant c² = "
             text += f"{best.c2:.4g}"
-            if best.bare.rule.rates is not None and any(remark.code == STEPS for remark in self.constant.warnings):
+            if self.rule.rates is not None and any(remark.code == STEPS for remark in self.constant.warnings):
                 text += ", whose torques jump at its ends"
         if self.stops.size:
             text += f". It stops at t = {', '.join(f'{time:.4g}' for time in self.stops)} s of the given motion"
@@ -246,7 +289,7 @@ class RetimingResult(InNotebooks):
             "warnings": [warning.to_json() for warning in self.warnings],
             "status": self.status.value,
             "explanation": self.explanation or None,
-            "distribute": self.factor.bare.rule.distribute,
+            "distribute": self.rule.distribute,
             "kept_reserve": self.cell.reserve,
             "duration": self.duration,
             "saving": self.saving,

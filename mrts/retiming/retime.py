@@ -17,19 +17,20 @@ from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
-from mrts.refinement.excess import BETWEEN, checked_tolerance
-from mrts.retiming.between_samples import excess_by_segment, refined_timing
+from mrts.refinement.excess import BETWEEN
+from mrts.retiming.between_samples import check_held_between, excess_by_segment, refined_timing
 from mrts.retiming.fastest_timing import fastest_timing
 from mrts.retiming.held_wrenches import GivenTorques
 from mrts.retiming.played_result import played_result
-from mrts.retiming.result import RetimingResult
+from mrts.retiming.result import Comparison, RetimingResult
 from mrts.retiming.smooth_retiming import smooth_goal, smooth_retiming
 from mrts.retiming.smooth_timing import SmoothQuestion
 from mrts.samples import DistributionName
 from mrts.samples.load_sharing import LoadSharing
+from mrts.scaling.load_study import load_question
+from mrts.scaling.motion_remarks import interpolated_timing, timing_remarks
 from mrts.scaling.result import DistributionRule
-from mrts.scaling.scale import SelectionError, chosen_factor, load_question
-from mrts.scaling.with_torques import ChosenFactor
+from mrts.scaling.scale import factor_question
 from mrts.smooth.program import Goal
 from mrts.smooth.rate_limits import RateLimits, Rates, rate_limits
 from mrts.smooth.smooth_solvers import DEFAULT_SMOOTH_SOLVER, CheckedSolver, check_smooth_solver
@@ -104,24 +105,19 @@ def retime(
         start_torque=start_torque, end_torque=end_torque,
     )  # fmt: skip
     _check_held(cell, asked, question)
-    best = _best_constant(cell, motion, rule, question, reserve, closure, between, rates)
-
-    speeds, tolerance = (start_speed, end_speed), checked_tolerance(between)
-    adds, tolerance = tolerance is not None, BETWEEN if tolerance is None else tolerance
-
-    def timed(path: CoordinatedMotion, *, refined: bool = True) -> RetimingResult:
-        again = replace(best, bare=replace(best.bare, motion=path, rule=replace(best.bare.rule, rates=None)))
-        found = replace(fastest_timing(again, question, speeds, progress, refined=refined), end_speeds=speeds)
-        if not found.pieces:
-            return found
-        return replace(found, retimed=played_result(again.bare, found.pieces, "fastest timing"))
-
-    first = replace(timed(best.bare.motion, refined=False), factor=best)
-    fastest = refined_timing(first, timed, lambda one: excess_by_segment(one, tolerance), tolerance, adds=adds)
+    compared = Comparison(
+        factor_question(
+            cell, motion, "auto", rule, solver=DEFAULT_SOLVER, load=question, reserve=reserve, closure=closure,
+            between=between, rates=rates,
+        )
+    )  # fmt: skip
+    speeds, kept = (start_speed, end_speed), compared.asked.tolerance
+    adds, tolerance = kept is not None, BETWEEN if kept is None else kept
+    fastest = _fastest(compared, speeds, tolerance, progress, adds=adds)
     if asked is None:
         return fastest
     whole = SmoothQuestion(
-        factor=best,
+        compared=compared,
         loads=fastest.loads,
         rates=asked.rates,
         goal=asked.goal,
@@ -131,6 +127,31 @@ def retime(
         solver=CheckedSolver(solver),
     )
     return smooth_retiming(fastest, whole, tolerance, progress, adds=adds)
+
+
+def _fastest(
+    compared: Comparison, speeds: tuple[float, float], tolerance: float, progress: Progress, *, adds: bool
+) -> RetimingResult:
+    """The fastest timing without limits of rates, with its torques."""
+    asked = compared.asked
+    cell, given, rule = asked.cell, asked.motion, replace(asked.rule, rates=None)
+    if adds:
+        check_held_between(cell, given)
+    remarks = timing_remarks(cell, given, lambda: compared.factor.bare.range)
+
+    def timed(path: CoordinatedMotion, *, refined: bool = True) -> RetimingResult:
+        found = replace(fastest_timing(compared, path, speeds, progress, refined=refined), end_speeds=speeds)
+        if not found.pieces:
+            return found
+        played = played_result(cell, path, rule, found.pieces, "fastest timing", warnings=remarks)
+        return replace(found, retimed=played)
+
+    first = timed(given, refined=False)
+    fastest = refined_timing(first, timed, lambda one: excess_by_segment(one, tolerance), tolerance, adds=adds)
+    if fastest.retimed is None or first.duration is None or fastest.duration is None:
+        return fastest
+    added = interpolated_timing(given, first.duration, fastest.duration)
+    return replace(fastest, retimed=replace(fastest.retimed, warnings=fastest.retimed.warnings + added))
 
 
 @dataclass(frozen=True)
@@ -198,25 +219,3 @@ def _checked_question(
     if question not in {"guaranteed", "nominal"}:
         raise InputError("load", "must be guaranteed or nominal where the speed varies.", value=load)
     return question
-
-
-def _best_constant(
-    cell: Cell,
-    motion: ObjectMotion | JointTable | CoordinatedMotion,
-    rule: DistributionRule,
-    question: str,
-    reserve: float | None,
-    closure: ClosureBound | None,
-    between: float | None,
-    rates: Rates,
-) -> ChosenFactor:
-    """The best constant factor; without a c² where none moves the object, which a varying speed may."""
-    try:
-        return chosen_factor(
-            cell, motion, "auto", rule, solver=DEFAULT_SOLVER, load=question, reserve=reserve, closure=closure,
-            between=between, rates=rates,
-        )  # fmt: skip
-    except SelectionError as error:
-        if error.result is None:
-            raise
-        return ChosenFactor(error.result, None)

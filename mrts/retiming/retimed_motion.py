@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -42,7 +43,7 @@ class TimedPiece:
         """Speed along the arc length at the samples, Shape (n,)."""
         return self.along_arc(self.x)
 
-    @property
+    @cached_property
     def segment_times(self) -> Array:
         """Duration of each segment, 2 Δs / (ṡ_start + ṡ_end), Shape (n - 1,) [s].
 
@@ -93,7 +94,7 @@ class FastestPiece(TimedPiece):
     regions: SpeedRegions
     profile: SpeedProfile
 
-    @property
+    @cached_property
     def segment_times(self) -> Array:
         """Duration of each segment, Shape (n - 1,) [s]."""
         return segment_times(self.piece.step, self.profile)
@@ -143,7 +144,7 @@ def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> C
     time = np.concatenate([[0.0], np.cumsum(np.concatenate([part.segment_times for part in pieces]))])
     given = motion.object
     dq, ddq, twist, acceleration = (_joined([rates[index] for rates in played]) for index in range(4))
-    carried = given.played(time, twist, acceleration)
+    carried = given.played(time, twist, acceleration, checked=True)
     travel = np.stack([_joined([signs[place] for signs in directions]) for place in (0, 1)])
     return CoordinatedMotion(carried, motion.q, dq, ddq, travel=travel)
 
@@ -176,7 +177,7 @@ def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMot
         count = np.arange(len(part.piece.step), dtype=np.float64)
         there = given.played(count, given.twist[side], given.acceleration[side], side)
         travel = _directions(path)[:, side]
-        piece = CoordinatedMotion(there, path.q[side], path.dq[side], path.ddq[side], travel=travel)
+        piece = CoordinatedMotion.made(there, path.q[side], path.dq[side], path.ddq[side], travel)
         motions.append(_retimed(piece, np.sqrt(x[side]), x[side], rate))
     return motions[0], motions[1]
 
@@ -208,8 +209,7 @@ def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> Coordin
         cell.wrench_rows,
     )
     position, rotation, twist, acceleration = carried
-    there = ObjectMotion(s - s[0], position, rotation, twist, acceleration, smooth=False)
-    return CoordinatedMotion(there, q, dq, ddq)
+    return CoordinatedMotion.made(ObjectMotion.made(s - s[0], position, rotation, twist, acceleration), q, dq, ddq)
 
 
 def _retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> CoordinatedMotion:
@@ -217,7 +217,7 @@ def _retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> Co
     dq, ddq, twist, acceleration = _played(path, speed, x, rate)
     given = path.object
     carried = given.played(given.time, twist, acceleration)
-    return CoordinatedMotion(carried, path.q, dq, ddq, travel=path.travel)
+    return CoordinatedMotion.made(carried, path.q, dq, ddq, path.travel)
 
 
 def _played(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> tuple[Array, Array, Array, Array]:

@@ -19,6 +19,7 @@ from mrts.retiming.smooth_excess import smooth_excess
 from mrts.retiming.smooth_path import smooth_nodes
 from mrts.retiming.smooth_piece import SmoothAnswer, fastest_pieces, smooth_pieces
 from mrts.retiming.smooth_timing import SmoothQuestion, smooth_timing, torque_plan
+from mrts.scaling.motion_remarks import lasting
 from mrts.smooth.program import Goal
 
 NEAR = 0.3
@@ -96,8 +97,10 @@ def smooth_retiming(
         return found
     plan = torque_plan(question, found.pieces)
     answer, constant = _answer(question, fastest, found), question.constant
-    kept = replace(constant, motion=found.motion, rule=replace(constant.rule, rates=question.rates))
-    played = played_result(kept, found.pieces, answer.what, plan)
+    kept = replace(constant.rule, rates=question.rates)
+    played = played_result(
+        constant.cell, found.motion, kept, found.pieces, answer.what, warnings=lasting(constant.warnings), torques=plan
+    )
     played = replace(played, origin=f"{played.origin}. {answer}")
     return with_excess(replace(found, retimed=played, smooth=answer), found.excess)
 

@@ -12,7 +12,7 @@ from mrts.base.errors import InputError, SolverError
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.retiming.held_wrenches import GivenTorques, given_wrenches, stopped_wrenches, unheld
 from mrts.retiming.path_pieces import NoPath, closed_piece, path_pieces
-from mrts.retiming.result import RetimingResult, RetimingStatus
+from mrts.retiming.result import Comparison, RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import TimedPiece
 from mrts.retiming.smooth_path import SmoothPath, fine_motion, joined_at_stops, smooth_path
 from mrts.retiming.smooth_piece import SmoothPiece, smooth_pieces
@@ -20,7 +20,6 @@ from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.torque_distribution import torque_weights
 from mrts.scaling.result import ScalingResult
-from mrts.scaling.with_torques import ChosenFactor
 from mrts.smooth.path_program import path_program
 from mrts.smooth.program import Goal, SmoothProgram
 from mrts.smooth.rate_limits import RateLimits
@@ -45,7 +44,7 @@ class SmoothQuestion:
     """What is asked of a smooth timing.
 
     Attributes:
-        factor: The best constant factor, with the cell and the rule of distribution.
+        compared: The best constant factor, with the cell and the rule of distribution.
         loads: Load vectors that are to be carried, each Shape (10,).
         rates: Limits of rates.
         goal: What is the best.
@@ -55,7 +54,7 @@ class SmoothQuestion:
         solver: Solves the programs.
     """
 
-    factor: ChosenFactor
+    compared: Comparison
     loads: tuple[Array, ...]
     rates: RateLimits
     goal: Goal
@@ -67,7 +66,7 @@ class SmoothQuestion:
     @property
     def constant(self) -> ScalingResult:
         """The best constant factor with its torques."""
-        return self.factor.whole
+        return self.compared.factor.whole
 
     @property
     def usual(self) -> float:
@@ -138,7 +137,7 @@ def smooth_timing(
 
 
 def _none(question: SmoothQuestion, motion: CoordinatedMotion, status: RetimingStatus, why: str) -> RetimingResult:
-    return RetimingResult(question.constant.cell, motion, status, why, question.factor, question.loads)
+    return RetimingResult(question.constant.cell, motion, status, why, question.compared, question.loads)
 
 
 def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece]) -> list[_Part] | str:

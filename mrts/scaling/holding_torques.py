@@ -15,6 +15,7 @@ from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.motion.rows_at_rest import pushing_ends
+from mrts.refinement.motion_widening import motion_widening
 from mrts.samples import DistributionName, FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.reserve import TORQUES
@@ -22,6 +23,9 @@ from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.torque_distribution import TORQUE_WIDENING
 from mrts.samples.widening import widening_at
+
+WHAT = "whether the cell can hold still"
+"""What is found, for messages."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +72,7 @@ class Holding(InNotebooks):
 def holding_at_ends(
     cell: Cell,
     motion: CoordinatedMotion,
-    samples: SampleRanges,
+    samples: SampleRanges | None,
     sharing: LoadSharing | None,
     formulation: FormulationName,
     weights: Array,
@@ -81,7 +85,7 @@ def holding_at_ends(
         cell: The cell, with its load.
         motion: Its motion.
         samples: The ranges of c²: where 0 is in none, the limits do not let the cell hold still. Dry friction does
-            not count for it.
+            not count for it. None where they are not known: those of the two ends are then found where they matter.
         sharing: A fixed distribution of the load, None for a free one.
         formulation: Unknowns of the programs.
         weights: W, Shape (m, m).
@@ -95,11 +99,18 @@ def holding_at_ends(
         SolverError: If no solver answers.
     """
     pushing, places = pushing_ends(motion.dq, motion.ddq), (0, motion.samples - 1)
-    free = [bool(samples.lower[place] <= 0) for place in places]
-    if any(np.any(robot.motors.coulomb) for robot in cell.robots) and any(pushing):
+    if not any(pushing):
+        free = [False, False]
+    elif any(np.any(robot.motors.coulomb) for robot in cell.robots):
         still, shared = _still(motion, sharing, np.array(places))  # friction that opposes a motion does not hold
         problem = build_sample_problem(cell, still, formulation=formulation, sharing=shared)
-        free = (widening_at(problem, 0.0, solver, "whether the cell can hold still") <= TORQUE_WIDENING).tolist()
+        free = (widening_at(problem, 0.0, solver, WHAT) <= TORQUE_WIDENING).tolist()
+    elif samples is not None:
+        free = [bool(samples.lower[place] <= 0) for place in places]
+    else:
+        at_ends, shared = np.array(places), _of_samples(sharing, np.array(places))
+        widening = motion_widening(cell, motion, np.zeros(2), formulation=formulation, sharing=shared, samples=at_ends)
+        free = (widening <= TORQUE_WIDENING).tolist()
     ends = (pushing[0] and free[0], pushing[1] and free[1])
     remarks = tuple(
         Remark(
@@ -115,9 +126,8 @@ def holding_at_ends(
     if not held:
         nothing = np.zeros((2, motion.q.shape[1])), np.zeros((2, len(cell.robots) * len(cell.wrench_components)))
         return Holding.known(ends, *nothing), remarks
-    still, shared = _still(motion, sharing, np.array([held[0], held[-1]]))
-    asked = partial(TORQUES[distribute], cell, still, formulation, shared, solver, 0.0, weights)
-    return Holding(ends, partial(_held, asked, ends)), remarks
+    asked = partial(_still_torques, cell, motion, sharing, np.array([held[0], held[-1]]), formulation)
+    return Holding(ends, partial(_held, partial(asked, distribute, solver, weights), ends)), remarks
 
 
 def _both(torque: Array, wrench: Array) -> tuple[Array, Array]:
@@ -131,12 +141,32 @@ def _held(asked: Callable[[], tuple[Array, Array, int]], ends: tuple[bool, bool]
     return np.where(kept, torque, 0.0), np.where(kept, wrench, 0.0)
 
 
+def _still_torques(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    sharing: LoadSharing | None,
+    chosen: NDArray[np.int_],
+    formulation: FormulationName,
+    distribute: DistributionName,
+    solver: str,
+    weights: Array,
+) -> tuple[Array, Array, int]:
+    """Torques and wrenches at some samples at which the joints stand."""
+    still, shared = _still(motion, sharing, chosen)
+    return TORQUES[distribute](cell, still, formulation, shared, solver, 0.0, weights)
+
+
 def _still(
     motion: CoordinatedMotion, sharing: LoadSharing | None, chosen: NDArray[np.int_]
 ) -> tuple[CoordinatedMotion, LoadSharing | None]:
     """Some samples at which the joints stand, with the distribution there."""
-    internal = None if sharing is None else sharing.internal_wrench
-    if sharing is not None and internal is not None and np.ndim(internal) > 1:
-        sharing = replace(sharing, internal_wrench=np.asarray(internal)[chosen])
     stands = np.zeros((len(chosen), motion.q.shape[1]))
-    return replace(motion.at(chosen), dq=stands, ddq=stands, travel=None), sharing
+    return replace(motion.at(chosen), dq=stands, ddq=stands, travel=None), _of_samples(sharing, chosen)
+
+
+def _of_samples(sharing: LoadSharing | None, chosen: NDArray[np.int_]) -> LoadSharing | None:
+    """The distribution at some samples."""
+    internal = None if sharing is None else sharing.internal_wrench
+    if sharing is None or internal is None or np.ndim(internal) == 1:
+        return sharing
+    return replace(sharing, internal_wrench=np.asarray(internal)[chosen])

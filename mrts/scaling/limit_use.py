@@ -198,8 +198,10 @@ def rate_uses(done: "ScaledTrajectory", kept: RateLimits | None) -> list[RateUse
         kept: The limits that it keeps; None where it keeps none, and then those that the cell gives tell.
     """
     found = []
-    for names, signed, limits in _rates(done, kept):
-        rates = np.abs(signed)
+    for names, values, limits in _rate_quantities(done, kept):
+        if not np.any(np.isfinite(limits)):
+            continue
+        rates = np.abs(_steps(done, values))
         at = np.argmax(rates, axis=0)
         for place in np.flatnonzero(np.isfinite(limits)).tolist():
             largest, limit = float(rates[at[place], place]), float(limits[place])
@@ -207,14 +209,21 @@ def rate_uses(done: "ScaledTrajectory", kept: RateLimits | None) -> list[RateUse
     return sorted(found, key=lambda use: -use.share)
 
 
-def _rates(done: "ScaledTrajectory", kept: RateLimits | None) -> Iterator[tuple[tuple[RowName, ...], Array, Array]]:
-    """Torque rates, wrench rates and jerks: names, values between the samples, Shape (N - 1, k), limits, Shape (k,)."""
-    limits, steps = given_rate_limits(done.cell) if kept is None else kept, np.diff(done.time)[:, None]
+def _steps(done: "ScaledTrajectory", values: Array) -> Array:
+    """How fast values change between the samples, Shape (N - 1, k)."""
+    return np.asarray(np.diff(values, axis=0) / np.diff(done.time)[:, None])
+
+
+def _rate_quantities(
+    done: "ScaledTrajectory", kept: RateLimits | None
+) -> Iterator[tuple[tuple[RowName, ...], Array, Array]]:
+    """What torque rates, wrench rates and jerks are rates of: names, values, Shape (N, k), and limits, Shape (k,)."""
+    limits = given_rate_limits(done.cell) if kept is None else kept
     motors = motor_terms(done.cell, done.motion)
     torque = done.torque if motors is None else done.torque - motors.dry  # dry friction steps: no timing changes that
     quantities = (torque, limits.torque), (done.wrench, limits.wrench), (done.ddq, limits.jerk)
     for names, (values, of_kind) in zip(rate_names(done.cell), quantities, strict=True):
-        yield names, np.diff(values, axis=0) / steps, of_kind
+        yield names, values, of_kind
 
 
 def limited_rates(result: "ScalingResult", kind: str, robot: str) -> LimitedQuantities:
@@ -236,9 +245,11 @@ def limited_rates(result: "ScalingResult", kind: str, robot: str) -> LimitedQuan
     if result.trajectory is None:
         raise ValueError("there is no trajectory to draw")
     found = {
-        names[0].kind: (names, rates, limits) for names, rates, limits in _rates(result.trajectory, result.rule.rates)
+        names[0].kind: (names, values, limits)
+        for names, values, limits in _rate_quantities(result.trajectory, result.rule.rates)
     }
-    names, rates, limits = found[kind]
+    names, values, limits = found[kind]
+    rates = _steps(result.trajectory, values)
     own = [place for place, name in enumerate(names) if name.robot == robot]
     values = np.concatenate([rates, rates[-1:]])[:, own]
     upper = np.broadcast_to(limits[own], values.shape)
@@ -255,8 +266,8 @@ def limited_rate_kinds(result: "ScalingResult") -> list[str]:
     """
     if result.trajectory is None:
         return []
-    return list(dict.fromkeys(names[0].kind for names, _, limits in _rates(result.trajectory, result.rule.rates)
-                              if np.any(np.isfinite(limits))))  # fmt: skip
+    quantities = _rate_quantities(result.trajectory, result.rule.rates)
+    return list(dict.fromkeys(names[0].kind for names, _, limits in quantities if np.any(np.isfinite(limits))))
 
 
 def largest_step(result: "ScalingResult", kind: str) -> LimitUse | None:

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import Progress
+from mrts.base.argument_types import Progress, check_type
 from mrts.base.arrays import Array
+from mrts.base.errors import InputError
 from mrts.base.load_box import LoadBox, LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
@@ -22,6 +23,52 @@ from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.sample_ranges import SampleRanges, statuses, with_end_rows
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.range import ScalingRange, intersect
+
+
+def load_question(cell: Cell, load: str, select: object) -> str:
+    """The question that is asked of the load.
+
+    Args:
+        cell: The cell.
+        load: As in `scale`; "auto" asks for the guaranteed range where the load varies.
+        select: As in `scale`.
+
+    Raises:
+        InputError: If it is no text, leaves open what `select` needs, or the cell's load does not vary.
+    """
+    check_type("load", load, str)
+    if load == "auto":
+        return "nominal" if cell.load_box is None else "guaranteed"
+    if load == "possible" and select != "auto":
+        raise InputError(
+            "select",
+            "what is possible leaves open which load it is, so no c² and no torques are chosen. Ask for the guaranteed "
+            "range, or give the cell a known load.",
+            value=select,
+        )
+    if load != "nominal":
+        load_box(cell, load)
+    return load
+
+
+def load_box(cell: Cell, question: str) -> LoadBox:
+    """What the load is known within.
+
+    Args:
+        cell: The cell.
+        question: That is asked of it.
+
+    Raises:
+        InputError: If the cell's load does not vary.
+    """
+    if cell.load_box is None:
+        raise InputError(
+            "load",
+            "the cell says nothing of how its load varies: add 'variation' under 'object' in the cell file, such as "
+            "'variation: {mass: [0.5, 2.0]}'.",
+            value=question,
+        )
+    return cell.load_box
 
 
 @dataclass(frozen=True, repr=False)

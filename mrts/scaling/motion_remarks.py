@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What a user should know of a given motion before trusting the range that it has."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from mrts.base.arrays import Array
@@ -55,25 +57,43 @@ def motion_remarks(cell: Cell, motion: CoordinatedMotion, found: ScalingRange) -
         motion: Its motion, as given.
         found: The range of c².
     """
-    remarks = [*cell.remarks, *motion.remarks, *_not_at_rest(cell, motion)]
-    jumps = _jumps(motion)
-    few = 0 < np.count_nonzero(np.any(jumps > 0, axis=1)) <= MOST_JUMPS
-    noise: list[Remark] = []
-    if found.status.admits_motion and found.upper is not None:
-        noise = _noise(cell, motion, found.upper, many_jumps=bool(np.any(jumps)) and not few)
-    remarks += noise or ([_jump(cell, motion, jumps)] if few else [])
+    remarks = [*cell.remarks, *motion.remarks, *_not_at_rest(cell, motion), *_rough(cell, motion, lambda: found)]
     if found.status.admits_motion and found.upper is not None:
         remarks += _fast(found.upper)
     return tuple(remarks)
 
 
-def lasting(remarks: tuple[Remark, ...]) -> tuple[Remark, ...]:
+def timing_remarks(cell: Cell, motion: CoordinatedMotion, found: Callable[[], ScalingRange]) -> tuple[Remark, ...]:
     """Those that hold as well where the speed varies along the path, from rest to rest and at its fastest.
 
     Args:
-        remarks: Of the motion at a constant factor of speed.
+        cell: The cell.
+        motion: Its motion, as given.
+        found: Finds the range of c², which is asked for only where accelerations look like noise.
+    """
+    return (*cell.remarks, *motion.remarks, *_rough(cell, motion, found))
+
+
+def lasting(remarks: tuple[Remark, ...]) -> tuple[Remark, ...]:
+    """Those of a motion at a constant factor of speed that hold as well where the speed varies along the path.
+
+    Args:
+        remarks: Of the motion.
     """
     return tuple(remark for remark in remarks if remark.code not in OF_CONSTANT_FACTOR)
+
+
+def _rough(cell: Cell, motion: CoordinatedMotion, found: Callable[[], ScalingRange]) -> list[Remark]:
+    """Accelerations like noise where they set the range, or else single jumps of velocity."""
+    jumps = _jumps(motion)
+    jumping = int(np.count_nonzero(np.any(jumps > 0, axis=1)))
+    few = 0 < jumping <= MOST_JUMPS
+    joint = _noisy_joint(motion, many_jumps=jumping > MOST_JUMPS)
+    if joint is not None:
+        told = found()
+        if told.status.admits_motion and told.upper is not None and _set_by_torques(told.upper):
+            return [_noise(cell, motion, told.upper, joint)]
+    return [_jump(cell, motion, jumps)] if few else []
 
 
 def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
@@ -104,13 +124,13 @@ def _jumps(motion: CoordinatedMotion) -> Array:
     """Steps of velocity at inner samples that no smooth motion has, others 0, Shape (N - 2, m) [rad/s or m/s]."""
     velocity = np.diff(motion.q, axis=0) / np.diff(motion.object.time)[:, None]
     step = np.abs(np.diff(velocity, axis=0))
-    if motion.samples < FEWEST_SAMPLES:
+    least = LEAST_STEP * np.max(np.abs(motion.dq), initial=0.0)
+    if motion.samples < FEWEST_SAMPLES or not np.any(step > least):
         return np.zeros_like(step)
     around = np.zeros_like(step)
     for distance in range(2, NEIGHBOURS + 1):
         around[distance:] = np.maximum(around[distance:], step[:-distance])
         around[:-distance] = np.maximum(around[:-distance], step[distance:])
-    least = LEAST_STEP * np.max(np.abs(motion.dq), initial=0.0)
     return np.where((step > JUMP * around) & (step > least), step, 0.0)
 
 
@@ -126,22 +146,30 @@ def _jump(cell: Cell, motion: CoordinatedMotion, jumps: Array) -> Remark:
     return Remark("jump", text, sample)
 
 
-def _noise(cell: Cell, motion: CoordinatedMotion, end: RangeEnd, *, many_jumps: bool) -> list[Remark]:
-    """Accelerations that change from sample to sample like noise, where they set the upper end."""
-    if motion.samples < FEWEST_SAMPLES or end.time is None:
-        return []
+def _noisy_joint(motion: CoordinatedMotion, *, many_jumps: bool) -> int | None:
+    """The joint whose accelerations change most from sample to sample like noise; None if none do."""
+    if motion.samples < FEWEST_SAMPLES:
+        return None
     share = noise_share(motion.ddq)
     largest = np.max(np.abs(motion.ddq), axis=0)
     share[largest < SIGNIFICANT * np.max(largest)] = 0.0
     joint = int(np.argmax(share))
-    if (share[joint] < NOISY and not many_jumps) or all(row.name.kind == "velocity" for row in end.rows):
-        return []
+    return None if share[joint] < NOISY and not many_jumps else joint
+
+
+def _set_by_torques(end: RangeEnd) -> bool:
+    """Whether more than velocities sets an end of the range."""
+    return end.time is not None and not all(row.name.kind == "velocity" for row in end.rows)
+
+
+def _noise(cell: Cell, motion: CoordinatedMotion, end: RangeEnd, joint: int) -> Remark:
+    """Accelerations that change from sample to sample like noise, where they set the upper end."""
     text = (
         f"noise sets the range of c²: the acceleration of {_joint_names(cell)[joint]} goes up and down from sample to "
         "sample, as that of rounded or measured positions does when they are differentiated twice. Give more digits, "
         "smooth the table, or give fewer rows."
     )
-    return [Remark("noise", text, int(np.searchsorted(motion.object.time, end.time, side="right")) - 1)]
+    return Remark("noise", text, int(np.searchsorted(motion.object.time, end.time or 0.0, side="right")) - 1)
 
 
 def noise_share(values: Array) -> Array:
@@ -192,6 +220,24 @@ def interpolated(motion: CoordinatedMotion, bare: ScalingRange, finer: ScalingRa
         f"between the given samples the motion is the spline that mrts lays through them, known only as well as they "
         f"are: there c²⁺ is {100 * (1 - least / bare.upper.c2):.2g} % less than {bare.upper.c2:.4g} at the samples. "
         "Where that matters, give more of them."
+    )
+    return (Remark("between-samples", text),)
+
+
+def interpolated_timing(motion: CoordinatedMotion, bare: float, finer: float) -> tuple[Remark, ...]:
+    """That a timing is longer for what mrts itself makes of a table between its rows.
+
+    Args:
+        motion: As given.
+        bare: Duration with limits kept at the given samples [s].
+        finer: With those that were added [s].
+    """
+    if isinstance(motion.object.course, Geodesic | WaypointPath) or finer <= bare * (1 + REMARKED):
+        return ()
+    text = (
+        f"between the given samples the motion is the spline that mrts lays through them, known only as well as they "
+        f"are: limits kept there too make the timing {100 * (finer / bare - 1):.2g} % longer than {bare:.4g} s. Where "
+        "that matters, give more of them."
     )
     return (Remark("between-samples", text),)
 

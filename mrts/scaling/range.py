@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The admissible range of c² over the whole motion: the intersection of the ranges of all samples."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -168,6 +169,58 @@ class ScalingRange(InNotebooks):
         return (
             f"of c² ∈ {interval_text(lower, upper)} single samples leave nothing: {'; '.join(parts)}." if parts else ""
         )
+
+
+class RangeWhenAsked(ScalingRange):
+    """A range that is found when something of it is read.
+
+    Args:
+        find: Finds it.
+    """
+
+    def __init__(self, find: Callable[[], ScalingRange]) -> None:
+        object.__setattr__(self, "find", find)
+
+    @cached_property
+    def found(self) -> ScalingRange:
+        """The range.
+
+        Raises:
+            SolverError: If no solver answers.
+        """
+        found: ScalingRange = vars(self)["find"]()
+        return found
+
+    def __eq__(self, other: object) -> bool:
+        return self.found == (other.found if isinstance(other, RangeWhenAsked) else other)
+
+    def __hash__(self) -> int:
+        return hash(self.found)
+
+    @property
+    def status(self) -> RangeStatus:
+        """The outcome."""
+        return self.found.status
+
+    @property
+    def lower(self) -> RangeEnd | None:
+        """c²⁻, None if infeasible."""
+        return self.found.lower
+
+    @property
+    def upper(self) -> RangeEnd | None:
+        """c²⁺, None if infeasible."""
+        return self.found.upper
+
+    @property
+    def samples(self) -> SampleRanges:
+        """The ranges that were intersected."""
+        return self.found.samples
+
+    @property
+    def intervals(self) -> tuple[tuple[RangeEnd, RangeEnd], ...]:
+        """Ends of all intervals of admissible c², ascending."""
+        return self.found.intervals
 
 
 def contradiction(slow: RangeEnd, fast: RangeEnd) -> str:

@@ -29,12 +29,12 @@ from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges
-from mrts.scaling.load_study import LoadStudy
+from mrts.scaling.load_study import LoadStudy, load_question
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
 from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange, within_rates
 from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult, kept_text
 from mrts.scaling.uncertain_load import range_at_samples
-from mrts.scaling.with_torques import ChosenFactor
+from mrts.scaling.with_torques import ChosenFactor, check_rates
 from mrts.smooth.rate_limits import Rates, rate_limits
 from mrts.solvers import DEFAULT_SOLVER, check_solver
 
@@ -111,13 +111,15 @@ def scale(
         SolverError: If no solver answers.
     """
     rule = DistributionRule(sharing, formulation, weights, distribute)
-    return chosen_factor(
+    check_callable("progress", progress)
+    asked = factor_question(
         cell, motion, select, rule, solver=solver, load=load, reserve=reserve, closure=closure, between=between,
-        rates=rates, progress=progress,
-    ).whole  # fmt: skip
+        rates=rates,
+    )  # fmt: skip
+    return asked.answer(progress).whole
 
 
-def chosen_factor(
+def factor_question(
     cell: Cell,
     motion: ObjectMotion | JointTable | CoordinatedMotion,
     select: Selection,
@@ -129,9 +131,8 @@ def chosen_factor(
     closure: ClosureBound | None,
     between: float | None,
     rates: Rates,
-    progress: Progress = lambda _done, _total: None,
-) -> ChosenFactor:
-    """Steps 1 to 3 of MMTSF: `scale` before the torques are distributed.
+) -> "FactorQuestion":
+    """What `scale` asks, with arms that follow the object and all arguments checked; nothing is answered yet.
 
     Args:
         cell: As in `scale`.
@@ -144,13 +145,10 @@ def chosen_factor(
         closure: Likewise.
         between: Likewise.
         rates: Likewise.
-        progress: Likewise.
 
     Raises:
         InputError: If an argument breaks a rule.
         MotionError: If the arms cannot follow the object.
-        SelectionError: If c² is not in the range; its `result` holds the range.
-        SolverError: If no solver answers.
     """
     check_type("cell", cell, Cell)
     _check_select(select)
@@ -158,39 +156,77 @@ def chosen_factor(
     check_distribution(rule.distribute, rule.sharing)
     cell = cell if reserve is None else cell.with_reserve(reserve)
     check_type("formulation", rule.formulation, str)
-    check_callable("progress", progress)
     check_solver(solver)
     question = load_question(cell, load, select)
     torque_weights(rule.weights, sum(len(robot.joints) for robot in cell.robots))
     tolerance = checked_tolerance(between)
     rule = rule if rates is False else replace(rule, rates=rate_limits(cell, rates))
-    _check_rates(rule, question)
+    check_rates(rule, question)
     given = coordinate(cell, motion, closure)
-    found = admissible_range(cell, given, question, rule, solver, tolerance, progress)
-    found, factors = within_rate_limits(cell, found, rule)
-    remarks = motion_remarks(cell, given, found.range)
-    added = np.setdiff1d(found.motion.object.time, given.object.time, assume_unique=True)
-    untouched = ScalingResult(
-        cell=cell,
-        motion=found.motion,
-        range=found.range,
-        trajectory=None,
-        fallbacks=found.range.samples.fallbacks,
-        load=found.study,
-        rule=rule,
-        warnings=moved_remarks(remarks, given.object.time, added) + found.remarks,
+    return FactorQuestion(
+        cell=cell, motion=given, select=select, rule=rule, solver=solver, question=question, tolerance=tolerance
     )
-    if not found.range.status.admits_motion or question == "possible":
-        return ChosenFactor(untouched, None)
-    try:
-        c2 = choose_c2(found.range, select)
-        _check_rated(factors, found.range, c2)
-    except SelectionError as error:
-        refused = SelectionError(f"{kept_text(cell.reserve)}{error}")
-        refused.result = untouched
-        raise refused from None
-    excess = None if found.refinement is None else found.refinement.excess(c2)
-    return ChosenFactor(replace(untouched, excess=excess), c2, solver)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FactorQuestion:
+    """What is asked of a motion at a constant factor of speed, checked.
+
+    Attributes:
+        cell: The cell, with the reserve that it keeps.
+        motion: Of the whole cell, as given.
+        select: As in `scale`.
+        rule: How torques are distributed.
+        solver: As in `scale`.
+        question: As from `load_question`.
+        tolerance: Share of a limit by which it may be overstepped between the samples; None for the bare samples.
+    """
+
+    cell: Cell
+    motion: CoordinatedMotion
+    select: Selection
+    rule: DistributionRule
+    solver: str
+    question: str
+    tolerance: float | None
+
+    def answer(self, progress: Progress = lambda _done, _total: None) -> ChosenFactor:
+        """Steps 1 to 3 of MMTSF: `scale` before the torques are distributed.
+
+        Args:
+            progress: As in `scale`.
+
+        Raises:
+            MotionError: If the arms cannot hold the object between the samples.
+            SelectionError: If c² is not in the range; its `result` holds the range.
+            SolverError: If no solver answers.
+        """
+        cell, given, rule = self.cell, self.motion, self.rule
+        found = admissible_range(cell, given, self.question, rule, self.solver, self.tolerance, progress)
+        found, factors = within_rate_limits(cell, found, rule)
+        remarks = motion_remarks(cell, given, found.range)
+        added = np.setdiff1d(found.motion.object.time, given.object.time, assume_unique=True)
+        untouched = ScalingResult(
+            cell=cell,
+            motion=found.motion,
+            range=found.range,
+            trajectory=None,
+            fallbacks=found.range.samples.fallbacks,
+            load=found.study,
+            rule=rule,
+            warnings=moved_remarks(remarks, given.object.time, added) + found.remarks,
+        )
+        if not found.range.status.admits_motion or self.question == "possible":
+            return ChosenFactor(untouched, None)
+        try:
+            c2 = choose_c2(found.range, self.select)
+            _check_rated(factors, found.range, c2)
+        except SelectionError as error:
+            refused = SelectionError(f"{kept_text(cell.reserve)}{error}")
+            refused.result = untouched
+            raise refused from None
+        excess = None if found.refinement is None else found.refinement.excess(c2)
+        return ChosenFactor(replace(untouched, excess=excess), c2, self.solver)
 
 
 @dataclass(frozen=True)
@@ -299,49 +335,10 @@ def _check_rated(factors: "RatedFactors | None", found: ScalingRange, c2: float)
         )
 
 
-def _check_rates(rule: DistributionRule, question: str) -> None:
-    """What goes together with limits of rates."""
-    if rule.rates is None:
-        return
-    for name, value, only in (
-        ("distribute", rule.distribute, "least-torque"),
-        ("formulation", rule.formulation, "wrench"),
-    ):
-        if value != only:
-            raise InputError(name, f"with rates it must be '{only}': torques are chosen for the whole motion.",
-                             value=value)  # fmt: skip
-    if question == "possible":
-        raise InputError("load", "what is possible leaves no torques whose rates could be kept.", value=question)
-
-
 def _check_select(select: object) -> None:
     known = select in {"auto", "fastest", "nominal"} if isinstance(select, str) else isinstance(select, int | float)
     if not known or isinstance(select, bool):
         raise InputError("select", "must be 'auto', 'fastest', 'nominal' or a number.", value=select)
-
-
-def load_question(cell: Cell, load: str, select: Selection) -> str:
-    """The question that is asked of the load.
-
-    Args:
-        cell: The cell.
-        load: As in `scale`; "auto" asks for the guaranteed range where the load varies.
-        select: As in `scale`.
-
-    Raises:
-        InputError: If it is no text, or leaves open what `select` needs.
-    """
-    check_type("load", load, str)
-    if load == "auto":
-        return "nominal" if cell.load_box is None else "guaranteed"
-    if load == "possible" and select != "auto":
-        raise InputError(
-            "select",
-            "what is possible leaves open which load it is, so no c² and no torques are chosen. Ask for the guaranteed "
-            "range, or give the cell a known load.",
-            value=select,
-        )
-    return load
 
 
 def choose_c2(found: ScalingRange, select: Selection) -> float:

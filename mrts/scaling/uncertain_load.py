@@ -13,7 +13,7 @@ from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.trajectory_programs import motion_ranges
-from mrts.scaling.load_study import LoadQuestion, LoadStudy
+from mrts.scaling.load_study import LoadQuestion, LoadStudy, load_box
 from mrts.scaling.range import ScalingRange, intersect
 
 GRID_POINTS = 51
@@ -75,14 +75,7 @@ def study_load(
         InputError: If there is no box, or the question does not fit it.
         SolverError: If no solver answers.
     """
-    box = cell.load_box
-    if box is None:
-        raise InputError(
-            "load",
-            "the cell says nothing of how its load varies: add 'variation' under 'object' in the cell file, such as "
-            "'variation: {mass: [0.5, 2.0]}'.",
-            value=question,
-        )
+    box = load_box(cell, question)
     from mrts.scaling.guaranteed_range import (  # noqa: PLC0415 (most loads are known)
         effective_parameters,
         for_every_load,

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.errors import InputError
 from mrts.base.remark import Remark
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.samples.reserve import TORQUES
@@ -14,7 +15,7 @@ from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.torque_distribution import torque_weights
 from mrts.scaling.holding_torques import holding_at_ends
 from mrts.scaling.limit_use import rate_uses
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.smooth.rate_limits import RateLimits
 from mrts.solvers import DEFAULT_SOLVER
@@ -67,10 +68,33 @@ class ChosenFactor:
         return self.bare if self.c2 is None else with_torques(self.bare, self.c2, self.bare.range.samples, self.solver)
 
 
+def check_rates(rule: DistributionRule, question: str) -> None:
+    """Check that a rule goes together with its limits of rates, if it has any.
+
+    Args:
+        rule: The rule.
+        question: That is asked of the load.
+
+    Raises:
+        InputError: If it does not.
+    """
+    if rule.rates is None:
+        return
+    for name, value, only in (
+        ("distribute", rule.distribute, "least-torque"),
+        ("formulation", rule.formulation, "wrench"),
+    ):
+        if value != only:
+            raise InputError(name, f"with rates it must be '{only}': torques are chosen for the whole motion.",
+                             value=value)  # fmt: skip
+    if question == "possible":
+        raise InputError("load", "what is possible leaves no torques whose rates could be kept.", value=question)
+
+
 def with_torques(
     result: ScalingResult,
     c2: float,
-    samples: SampleRanges,
+    samples: SampleRanges | None,
     solver: str,
     given: tuple[Array, Array] | None = None,
 ) -> ScalingResult:
@@ -79,7 +103,7 @@ def with_torques(
     Args:
         result: A result; its cell has the load that is carried.
         c2: Chosen c².
-        samples: The ranges of that load: they say whether it can be held still.
+        samples: The ranges of that load, which say whether it can be held still; None where they are not known.
         solver: Name in the registry.
         given: Torques and wrenches that were distributed already, Shape (N, m) and (N, n w).
 

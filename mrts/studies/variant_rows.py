@@ -19,9 +19,10 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.retiming.result import RetimingStatus
 from mrts.retiming.retime import retime
 from mrts.samples.range_status import RangeStatus
+from mrts.scaling.load_study import load_question
 from mrts.scaling.range import RangeEnd, ScalingRange
 from mrts.scaling.result import DistributionRule, ScalingResult
-from mrts.scaling.scale import SelectionError, admissible_range, load_question, scale
+from mrts.scaling.scale import SelectionError, admissible_range, scale
 from mrts.solvers import DEFAULT_SOLVER
 from mrts.studies.study import Study
 from mrts.studies.study_record import ANSWERS

@@ -157,6 +157,15 @@ def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_sing
         assert np.any(one.upper != alone.upper), "the lanes have not been at work"
 
 
+@pytest.mark.parametrize("ranges", ["planar_dual_arm"], indirect=True)
+def test_torques_of_many_arms_are_found_singly(ranges):
+    """In lanes their programs would fill the stack."""
+    single, many = ranges("-DMRTS_NO_LANES")[3], ranges("-DMRTS_MOST_LANE_UNKNOWNS=1")[3]
+    for one, other in zip(single, many, strict=True):
+        for of_one, of_other in zip(one, other, strict=True):
+            np.testing.assert_allclose(of_one, of_other, rtol=SOLVED, atol=SOLVED * np.max(of_one))
+
+
 def test_sines_and_cosines_are_those_of_extended_precision(tmp_path):
     (tmp_path / "angles.c").write_text(ANGLES)
     library = tmp_path / "angles.so"

@@ -94,7 +94,7 @@ static void mrts_range_of_sample(const mrts_limits *limits, mrts_rows *rows, dou
     }
 }
 
-#if MRTS_LANES > 1
+#if MRTS_TORQUE_LANES
 /* The samples of a call in lanes. */
 typedef struct {
     mrts_lane_functions functions;
@@ -148,7 +148,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
-#if MRTS_LANES > 1
+#if MRTS_TORQUE_LANES
     mrts_samples_in_lanes lanes;
     lanes.functions = mrts_lane_functions_here();
     lanes.rows.of = &rows;
@@ -159,7 +159,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
 #endif
     for (long long n = 0; n < count; ++n) {
         if (n % MRTS_CHUNK == 0) basis[0][0] = basis[1][0] = 0; /* so that chunks do not depend on each other */
-#if MRTS_LANES > 1
+#if MRTS_TORQUE_LANES
         const int lane = (int)(n % MRTS_LANES), in_lanes = !limits->base;
         if (lane == 0 && in_lanes) {
             mrts_take_inputs(in, stride, n, count, 0, &lanes.inputs);
@@ -179,7 +179,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
             low_status[n] = high_status[n] = MRTS_STOPPED;
             basis[0][0] = basis[1][0] = 0;
         }
-#if MRTS_LANES > 1
+#if MRTS_TORQUE_LANES
         if (in_lanes && lane + 1 < MRTS_LANES) mrts_try_bases(basis, &lanes); /* for the samples beside this one */
 #endif
     }
@@ -308,7 +308,7 @@ static int mrts_torques_of_sample(mrts_torque_search *of, const double *rotation
     return status;
 }
 
-#if MRTS_LANES > 1
+#if MRTS_TORQUE_LANES
 /* The samples of a call in lanes. */
 typedef struct {
     mrts_lane_functions functions;
@@ -352,7 +352,7 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     search.is_diagonal = 1;
     if (!mrts_rows_over(K, limits, work, iwork, &search.rows)) return 1;
     for (int i = 0; i < M * M; ++i) search.is_diagonal &= i % (M + 1) == 0 || weights[i] == 0;
-#if MRTS_LANES > 1
+#if MRTS_TORQUE_LANES
     mrts_torque_lanes lanes;
     lanes.functions = mrts_lane_functions_here();
     lanes.program.weights = weights;
@@ -362,12 +362,12 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     lanes.program.rows.lower = lanes.program.rows.A + search.rows.count * K;
     lanes.program.rows.upper = lanes.program.rows.lower + search.rows.count + K;
 #endif
-    const int in_lanes = MRTS_LANES > 1 && F > 0 && !limits->base;
+    const int in_lanes = MRTS_TORQUE_LANES && F > 0 && !limits->base;
     if (!in_lanes) mrts_begin_forms(in, stride, count, &forms);
     for (long long n = 0; n < count; ++n) {
         const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
         if (n % MRTS_CHUNK == 0) search.active_count = -1; /* so that chunks do not depend on each other */
-#if MRTS_LANES > 1
+#if MRTS_TORQUE_LANES
         const int lane = (int)(n % MRTS_LANES);
         if (lane == 0 && in_lanes) {
             mrts_take_torques(in, stride, n, count, limits, terms, c2, c2_stride, &lanes);
@@ -387,7 +387,7 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
         mrts_add_motors(K, M, &here, &search.form);
         status[n] = (unsigned char)mrts_torques_of_sample(&search, arg[MRTS_ROTATION], &here, c2[n * c2_stride], torque + n * M,
                                                           wrench + n * N);
-#if MRTS_LANES > 1
+#if MRTS_TORQUE_LANES
         if (in_lanes && lane + 1 < MRTS_LANES) mrts_try_active(&search, &lanes); /* likewise */
 #endif
     }

@@ -24,7 +24,7 @@ typedef struct {
     const double *x, *u;    /* squared speed, and its rate */
     const double *geometry;
     const int *components;  /* those of a twist that a wrench of the cell has */
-    double *q, *dq, *ddq, *position, *rotation, *twist, *acceleration;
+    double *q, *dq, *ddq, *position, *rotation, *twist, *acceleration; /* rotations by columns, as generated functions want them */
     const double **arg;     /* work of generated functions */
     double **res;
     long long *iw;

@@ -12,6 +12,13 @@
 #include "../rows.h"
 #include "lane_types.h"
 
+/* Unknowns up to which torques are found in lanes: their programs stand on the stack, 10 kB times the square of the number of
+ * arms, 1 MB here. */
+#ifndef MRTS_MOST_LANE_UNKNOWNS
+#define MRTS_MOST_LANE_UNKNOWNS 55
+#endif
+#define MRTS_TORQUE_LANES (MRTS_LANES > 1 && MRTS_UNKNOWNS <= MRTS_MOST_LANE_UNKNOWNS)
+
 #if MRTS_LANES > 1
 /* Generated functions for lanes: every input is there, with sine and cosine of each of the first input's numbers, and every
  * output, of kinematics and bias acceleration those of the first arm alone. */
