@@ -30,7 +30,7 @@ from mrts.output import TRAJECTORY_FORMATS, TrajectoryFormat
 from mrts.samples import DISTRIBUTIONS, FORMULATIONS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable
 
     from mrts.base.arrays import Array
     from mrts.cell.cell import Cell
@@ -196,7 +196,7 @@ def _say_fallbacks(options: argparse.Namespace, count: int) -> None:
 
 
 def _answered(
-    options: argparse.Namespace, found: "ScalingResult | RetimingResult", lines: "Iterator[str]", outputs: Outputs
+    options: argparse.Namespace, found: "ScalingResult | RetimingResult", lines: "Iterable[str]", outputs: Outputs
 ) -> int:
     """Print the answer in words, or its JSON text where `-` asks for that; the exit code."""
     admits = found.status.admits_motion
@@ -246,9 +246,11 @@ def _retime(
             changes = found.what_if(progress=progress)
         played = found.retimed and replace(found.retimed, changes=changes)
         found = replace(found, changes=changes, retimed=played)
+    with working("comparing with a constant factor"):
+        lines = list(retiming_lines(found))
     with working("writing"):  # files first: whoever reads the lines may go away
         _write_timing(options, found, outputs)
-    code = _answered(options, found, retiming_lines(found), outputs)
+    code = _answered(options, found, lines, outputs)
     _say_fallbacks(options, 0 if found.smooth is None else found.smooth.fallbacks)
     return code
 

@@ -19,7 +19,7 @@ from mrts.inverse_kinematics.grasp_tracking import follow_grasps
 from mrts.inverse_kinematics.joint_limits import check_joint_limits, within_limits
 from mrts.inverse_kinematics.starting_positions import starting_positions
 from mrts.motion.joint_table import JointSplines
-from mrts.motion.object_motion import ObjectMotion
+from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
 
 OUT_OF_PLANE = 1e-9
 """Largest velocity and turning rate out of the plane of a planar cell [m/s, rad/s]: rounding of the input."""
@@ -95,31 +95,31 @@ class CoordinatedMotion(InNotebooks):
         """Number of samples N."""
         return len(self.object.time)
 
-    @classmethod
-    def made(
-        cls, carried: ObjectMotion, q: Array, dq: Array, ddq: Array, travel: Array | None = None
-    ) -> "CoordinatedMotion":
-        """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then.
+    def at(self, samples: NDArray[np.int_]) -> "CoordinatedMotion":
+        """Some samples, at least two, by themselves; their time only counts them.
 
         Args:
-            carried: Motion of the object, N samples.
-            q: As in the class, and so the others, each an array of finite numbers.
-            dq: Likewise.
-            ddq: Likewise.
-            travel: Likewise.
-        """
-        done = object.__new__(cls)
-        vars(done).update(object=carried, q=q, dq=dq, ddq=ddq, remarks=(), travel=travel, course=None)
-        freeze(done)
-        return done
+            samples: Which, Shape (k,).
 
-    def at(self, samples: NDArray[np.int_]) -> "CoordinatedMotion":
-        """Some samples, at least two, by themselves; their time only counts them."""
+        Raises:
+            InputError: If they are too few, or the motion has no such sample.
+        """
+        chosen = np.asarray(samples)
+        if (
+            chosen.ndim != 1
+            or len(chosen) < 2  # noqa: PLR2004 (two ends)
+            or chosen.dtype.kind not in "iu"
+            or not -self.samples <= np.min(chosen) <= np.max(chosen) < self.samples
+        ):
+            rule = f"must be two or more whole numbers below {self.samples}, one a sample that is taken."
+            raise InputError("samples", rule, value=samples)
         of = self.object
-        time = np.arange(len(samples), dtype=np.float64)
-        some = of.played(time, of.twist[samples], of.acceleration[samples], samples)
-        travel = None if self.travel is None else self.travel[:, samples]
-        return CoordinatedMotion.made(some, self.q[samples], self.dq[samples], self.ddq[samples], travel)
+        some = unchecked_object_motion(
+            np.arange(len(chosen), dtype=np.float64),
+            *(values[chosen] for values in (of.position, of.rotation, of.twist, of.acceleration)),
+        )
+        travel = None if self.travel is None else self.travel[:, chosen]
+        return unchecked_coordinated_motion(some, self.q[chosen], self.dq[chosen], self.ddq[chosen], travel)
 
     def inputs(self, load: Array) -> dict[str, Array]:
         """Inputs of the generated functions of a moving sample.
@@ -136,6 +136,24 @@ class CoordinatedMotion(InNotebooks):
             "object_acceleration": self.object.acceleration,
             "load": load,
         }
+
+
+def unchecked_coordinated_motion(
+    carried: ObjectMotion, q: Array, dq: Array, ddq: Array, travel: Array | None = None
+) -> CoordinatedMotion:
+    """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then.
+
+    Args:
+        carried: Motion of the object, N samples.
+        q: As in the class, and so the others, each an array of finite numbers that nothing else writes to.
+        dq: Likewise.
+        ddq: Likewise.
+        travel: Likewise.
+    """
+    done = object.__new__(CoordinatedMotion)
+    vars(done).update(object=carried, q=q, dq=dq, ddq=ddq, remarks=(), travel=travel, course=None)
+    freeze(done)
+    return done
 
 
 def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:

@@ -112,56 +112,48 @@ class ObjectMotion(InNotebooks):
             if value.shape != (len(self.time), *SHAPES[name]) or not np.all(np.isfinite(value)):
                 raise InputError(name, f"must have Shape {(len(self.time), *SHAPES[name])} and be finite.")
 
-    @classmethod
-    def made(cls, time: Array, position: Array, rotation: Array, twist: Array, acceleration: Array) -> "ObjectMotion":
-        """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then.
+    def played(self, time: Array, twist: Array, acceleration: Array) -> "ObjectMotion":
+        """The same poses at other times with other rates, which are not compared with them.
 
         Args:
-            time: As in the class, and so the others, each an array of finite numbers.
-            position: Likewise.
-            rotation: Likewise.
-            twist: Likewise.
-            acceleration: Likewise.
-        """
-        done = object.__new__(cls)
-        vars(done).update(
-            time=time, position=position, rotation=rotation, twist=twist, acceleration=acceleration, remarks=(),
-            course=None,
-        )  # fmt: skip
-        freeze(done)
-        return done
-
-    def played(
-        self,
-        time: Array,
-        twist: Array,
-        acceleration: Array,
-        samples: NDArray[np.intp] | slice = slice(None),
-        *,
-        checked: bool = False,
-    ) -> "ObjectMotion":
-        """The same poses, or those of some samples, at other times with other rates, which are not compared with them.
-
-        Args:
-            time: Shape (k,) [s].
-            twist: Shape (k, 6).
-            acceleration: Shape (k, 6).
-            samples: The k samples.
-            checked: Whether to look at times and rates, not only for what is thrown away again.
+            time: Shape (N,) [s].
+            twist: Shape (N, 6).
+            acceleration: Shape (N, 6).
 
         Raises:
-            InputError: If times or rates are checked and break a rule.
+            InputError: If times or rates break a rule.
         """
         done = object.__new__(type(self))
-        vars(done).update(vars(self.made(time, self.position[samples], self.rotation[samples], twist, acceleration)))
-        if checked:
-            done._take(("time", "position", "twist", "acceleration"))
-            freeze(done)
+        known = {"time": time, "position": self.position, "rotation": self.rotation, "twist": twist}
+        vars(done).update(known | {"acceleration": acceleration, "remarks": (), "course": None})
+        done._take(("time", "position", "twist", "acceleration"))
+        freeze(done)
         return done
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
         freeze(self)
+
+
+def unchecked_object_motion(
+    time: Array, position: Array, rotation: Array, twist: Array, acceleration: Array
+) -> ObjectMotion:
+    """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then.
+
+    Args:
+        time: As in the class, and so the others, each an array of finite numbers that nothing else writes to.
+        position: Likewise.
+        rotation: Likewise.
+        twist: Likewise.
+        acceleration: Likewise.
+    """
+    done = object.__new__(ObjectMotion)
+    vars(done).update(
+        time=time, position=position, rotation=rotation, twist=twist, acceleration=acceleration, remarks=(),
+        course=None,
+    )  # fmt: skip
+    freeze(done)
+    return done
 
 
 def _turns(rotation: Array) -> bool:

@@ -12,6 +12,7 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.denser_motion import between_samples, denser, moved_remarks
 from mrts.limits.rows import ActiveRow
+from mrts.motion.object_courses import Geodesic, PoseSplines, WaypointPath
 from mrts.refinement.excess import Excess
 from mrts.refinement.motion_widening import motion_widening
 from mrts.retiming.path_pieces import PLACES
@@ -120,7 +121,8 @@ def _as_before(finer: RetimingResult, timed: RetimingResult, added: Array) -> Re
 def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:
     """Check that the arms can hold the object between the samples of a motion, where that is in doubt.
 
-    In doubt are few samples, and steps of joints that their velocities do not lead along: a posture that changes there.
+    In doubt are few samples, a course that a user wrote, which may go anywhere between them, and steps of joints that
+    their velocities do not lead along: a posture that changes there.
 
     Args:
         cell: The cell.
@@ -131,7 +133,8 @@ def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:
     """
     time = motion.object.time
     doubtful = np.arange(len(time) - 1)
-    if motion.samples >= COARSE:
+    of_object = motion.object.course
+    if motion.samples >= COARSE and (of_object is None or isinstance(of_object, Geodesic | WaypointPath | PoseSplines)):
         h, dq, ddq = np.diff(time)[:, None], motion.dq, motion.ddq
         steps = np.diff(motion.q, axis=0)
         missed = steps - h / 2 * (dq[1:] + dq[:-1]) - h**2 / 12 * (ddq[:-1] - ddq[1:])

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, row_products
 from mrts.cell.cell import Cell
 from mrts.coordination.closed_chain import nearest_rates
-from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.coordination.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
+from mrts.motion.object_motion import unchecked_object_motion
 from mrts.motion.rows_at_rest import REST
 from mrts.samples.motor_terms import travel_directions
 
@@ -154,9 +155,11 @@ def _piece(
     back = row_products(direction[1:, :joints], direction[:-1, :joints]) <= 0
     if np.any(back) or np.any(step <= 0):
         return NoPath("turn", first + int(np.argmax(back | (step <= 0))))
-    path = given.played(s, direction[:, joints:], bend[:, joints:], part)
+    path = unchecked_object_motion(
+        s, given.position[part], given.rotation[part], direction[:, joints:], bend[:, joints:]
+    )
     rests = (bool(rest[first]), bool(rest[last]))
-    joined = CoordinatedMotion.made(path, motion.q[part], direction[:, :joints], bend[:, :joints])
+    joined = unchecked_coordinated_motion(path, motion.q[part], direction[:, :joints], bend[:, :joints])
     return PathPiece(
         first=first, path=joined, arc=s, arc_speed=np.ones_like(s), speed=speed, rests=rests, continued=continued
     )
@@ -180,7 +183,7 @@ def closed_piece(cell: Cell, piece: PathPiece) -> PathPiece:
     dq, ddq = path.dq.copy(), path.ddq.copy()
     wrong = is_continued[chosen]
     dq[piece.continued], ddq[piece.continued] = (rates[wrong] for rates in nearest_rates(cell, some.object, some))
-    return replace(piece, path=CoordinatedMotion.made(path.object, path.q, dq, ddq, path.travel))
+    return replace(piece, path=unchecked_coordinated_motion(path.object, path.q, dq, ddq, path.travel))
 
 
 def by_turns(piece: PathPiece) -> PathPiece:
@@ -252,9 +255,9 @@ def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Ar
 
     given = path.object
     dq, ddq = rates(path.dq, path.ddq)
-    carried = given.played(sigma, *rates(given.twist, given.acceleration))
+    carried = unchecked_object_motion(sigma, given.position, given.rotation, *rates(given.twist, given.acceleration))
     travel = np.stack(travel_directions(path.dq, path.ddq)) if path.travel is None else path.travel
-    return CoordinatedMotion.made(carried, path.q, dq, ddq, travel)
+    return unchecked_coordinated_motion(carried, path.q, dq, ddq, travel)
 
 
 def _root_mean_square(values: Array) -> Array:

@@ -9,10 +9,14 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion, carried_by_first
+from mrts.coordination.coordinated_motion import (
+    CoordinatedMotion,
+    carried_by_first,
+    unchecked_coordinated_motion,
+)
 from mrts.coordination.denser_motion import WHOLE_WAY, polynomial_weights, velocity_polynomials
 from mrts.kernel.motion_rows import path_places
-from mrts.motion.object_motion import ObjectMotion
+from mrts.motion.object_motion import unchecked_object_motion
 from mrts.reachability.fastest_profile import SpeedProfile, segment_times
 from mrts.reachability.speed_regions import SpeedRegions
 from mrts.retiming.path_pieces import PathPiece
@@ -144,7 +148,7 @@ def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> C
     time = np.concatenate([[0.0], np.cumsum(np.concatenate([part.segment_times for part in pieces]))])
     given = motion.object
     dq, ddq, twist, acceleration = (_joined([rates[index] for rates in played]) for index in range(4))
-    carried = given.played(time, twist, acceleration, checked=True)
+    carried = given.played(time, twist, acceleration)
     travel = np.stack([_joined([signs[place] for signs in directions]) for place in (0, 1)])
     return CoordinatedMotion(carried, motion.q, dq, ddq, travel=travel)
 
@@ -175,9 +179,11 @@ def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMot
     for side, rate in zip((slice(None, -1), slice(1, None)), part.rates.T, strict=True):
         given = path.object
         count = np.arange(len(part.piece.step), dtype=np.float64)
-        there = given.played(count, given.twist[side], given.acceleration[side], side)
+        there = unchecked_object_motion(
+            count, *(of[side] for of in (given.position, given.rotation, given.twist, given.acceleration))
+        )
         travel = _directions(path)[:, side]
-        piece = CoordinatedMotion.made(there, path.q[side], path.dq[side], path.ddq[side], travel)
+        piece = unchecked_coordinated_motion(there, path.q[side], path.dq[side], path.ddq[side], travel)
         motions.append(_retimed(piece, np.sqrt(x[side]), x[side], rate))
     return motions[0], motions[1]
 
@@ -209,15 +215,16 @@ def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> Coordin
         cell.wrench_rows,
     )
     position, rotation, twist, acceleration = carried
-    return CoordinatedMotion.made(ObjectMotion.made(s - s[0], position, rotation, twist, acceleration), q, dq, ddq)
+    inside = unchecked_object_motion(s - s[0], position, rotation, twist, acceleration)
+    return unchecked_coordinated_motion(inside, q, dq, ddq)
 
 
 def _retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> CoordinatedMotion:
     """Samples of a path at their speeds; the time stays that of the path."""
     dq, ddq, twist, acceleration = _played(path, speed, x, rate)
     given = path.object
-    carried = given.played(given.time, twist, acceleration)
-    return CoordinatedMotion.made(carried, path.q, dq, ddq, path.travel)
+    carried = unchecked_object_motion(given.time, given.position, given.rotation, twist, acceleration)
+    return unchecked_coordinated_motion(carried, path.q, dq, ddq, path.travel)
 
 
 def _played(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> tuple[Array, Array, Array, Array]:

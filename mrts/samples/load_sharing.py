@@ -33,6 +33,18 @@ class LoadSharing(InNotebooks):
     shares: Array | None = None
     internal_wrench: Array | None = field(default=None)
 
+    def __post_init__(self) -> None:
+        """Torques may be asked for later: what can be written to is copied.
+
+        Raises:
+            InputError: If it is not numbers of one shape.
+        """
+        for name, value in (("shares", self.shares), ("internal_wrench", self.internal_wrench)):
+            if isinstance(value, np.ndarray | list):
+                own = as_array(name, value)
+                own.setflags(write=False)
+                object.__setattr__(self, name, own)
+
     def inputs(self, cell: Cell, motion: CoordinatedMotion) -> dict[str, Array]:
         """Inputs of the generated fixed distribution.
 

@@ -3,7 +3,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -176,10 +176,11 @@ class RangeWhenAsked(ScalingRange):
 
     Args:
         find: Finds it.
+        fields: Of a range that is known, as `dataclasses.replace` gives them.
     """
 
-    def __init__(self, find: Callable[[], ScalingRange]) -> None:
-        object.__setattr__(self, "find", find)
+    def __init__(self, find: Callable[[], ScalingRange] | None = None, **fields: Any) -> None:
+        object.__setattr__(self, "find", partial(ScalingRange, **fields) if find is None else find)
 
     @cached_property
     def found(self) -> ScalingRange:

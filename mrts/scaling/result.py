@@ -13,7 +13,7 @@ import numpy as np
 from mrts.base.argument_types import Progress, as_path, check_callable
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.errors import SolverError
+from mrts.base.errors import SolverError, as_array
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
@@ -80,6 +80,17 @@ class DistributionRule(InNotebooks):
     weights: Array | None = None
     distribute: DistributionName = "least-torque"
     rates: RateLimits | None = None
+
+    def __post_init__(self) -> None:
+        """Torques may be distributed later: the weights are then what they are now.
+
+        Raises:
+            InputError: If the weights are not numbers of one shape.
+        """
+        if self.weights is not None:
+            weights = as_array("weights", self.weights)
+            weights.setflags(write=False)
+            object.__setattr__(self, "weights", weights)
 
 
 @dataclass(frozen=True, repr=False)

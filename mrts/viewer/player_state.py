@@ -162,6 +162,7 @@ class PlayerState:
             self.speeds = offered_speeds(self.result.range)
         else:
             self.timing, self.result, self.speeds = found, found.retimed, OF_TIMINGS
+            found.factor, found.retimed.range.samples  # noqa: B018 (found here, not by whoever shows them)
 
     @property
     def given_duration(self) -> float:

@@ -223,6 +223,8 @@ def test_the_message_names_the_argument_what_it_must_be_and_what_it_is(planar_ce
         (lambda: mrts.MotionDescription(start={"xyz": [0.0]}), "motion: start.xyz = [0.0]: has 1 values, at least 3"),
         (lambda: mrts.MotionDescription(duration=1.0), "motion: a motion is given by one of: start and end, waypoi"),
         (lambda: mrts.MotionDescription(speed=1), "motion: unknown key 'speed'. The keys here are: duration, sampl"),
+        (lambda: mrts.follow_object(cell, lift).at([0]), "samples = [0]: must be two or more whole numbers below 101"),
+        (lambda: lift.played(lift.time[::-1], lift.twist, lift.acceleration), "time: must have Shape (N,) with N >= 2"),
         (lambda: mrts.scale(cell, lift, progress=0), "progress = 0: must be a function; it is of type int"),
     ):
         with pytest.raises(mrts.InputError) as refused:

@@ -42,6 +42,17 @@ def test_the_range_of_the_plan_is_that_of_its_motion(timed, planar_cell):
     assert timed.retimed.range == timed.retimed.range
     assert timed.retimed.status is own.status
     assert timed.retimed.range.upper.c2 == pytest.approx(1, abs=BETWEEN_SHARE)
+    assert replace(timed.retimed.range, intervals=()).to_json() == own.to_json() | {"intervals": []}
+
+
+def test_what_is_read_later_is_of_the_numbers_that_were_given(planar_cell, lift):
+    weights, inner = np.array([1.0, 2, 3, 3, 2, 1]), np.zeros(6)
+    found = mrts.retime(planar_cell, lift, weights=weights, sharing=mrts.LoadSharing(None, inner))
+    effort = found.effort
+    best = mrts.scale(planar_cell, lift, weights=weights, sharing=mrts.LoadSharing(None, inner))
+    weights[:], inner[:] = 7, 5
+    assert found.effort == effort
+    np.testing.assert_array_equal(found.constant.trajectory.torque, best.trajectory.torque)
 
 
 def test_samples_that_the_factor_takes_are_none_of_the_timing(planar_cell, lift):
@@ -73,8 +84,10 @@ def one_noisy(planar_cell, lift):
     return planar_cell, mrts.follow_object(planar_cell, noisy)
 
 
-def test_arms_that_cannot_hold_the_object_between_few_samples_are_told_at_once(planar_cell, lift):
-    few = lift.time[::5]
+@pytest.mark.parametrize("stride", [5, 1])
+def test_arms_that_cannot_hold_the_object_between_samples_are_told_at_once(stride, planar_cell, lift):
+    """Between few samples, and on a course that a user wrote between any number of them."""
+    few = lift.time[::stride]
     position, rotation, twist, acceleration = lift.course(few)
     step = few[1]
 

@@ -1,7 +1,11 @@
-"""The order of a workbench's answers: coarse ones before whole ones, newer ones before older, all before a ranking."""
+"""The order of a workbench's answers: coarse ones before whole ones, newer ones before older, all before a ranking.
+
+The work is the real one; where its order matters it waits at a gate for the test, so that no clock decides.
+"""
 
 import time
 from dataclasses import replace
+from threading import Event
 
 import numpy as np
 import pytest
@@ -10,6 +14,8 @@ from conftest import DATA
 import mrts
 from mrts.motion.motion_file import described_motion, sample_motion
 from mrts.viewer.panel import outcome_html
+from mrts.viewer.workbench import workbench
+from mrts.viewer.workbench.answer import find_answer
 from mrts.viewer.workbench.choices import COARSE_SAMPLES, Choices, Given
 from mrts.viewer.workbench.workbench import Workbench
 
@@ -28,6 +34,36 @@ def bench(dual_ur5):
     opened = Workbench(Given(dual_ur5, sample_motion(description), description))
     yield opened
     opened.close()
+
+
+class Gate:
+    """A place that work does not pass before it is opened."""
+
+    def __init__(self):
+        self.reached, self.opened = Event(), Event()
+
+    def wait(self):
+        self.reached.set()
+        assert self.opened.wait(PATIENCE)
+
+
+@pytest.fixture
+def gates(monkeypatch):
+    """Gates of a ranking, by the number of configurations that are done."""
+    found = {}
+
+    def ranked(*given, progress, **named):
+        def waiting(done, total):
+            progress(done, total)
+            if done in found:
+                found[done].wait()
+
+        return mrts.rank_configurations(*given, progress=waiting, **named)
+
+    monkeypatch.setattr(workbench, "rank_configurations", ranked)
+    yield found
+    for gate in found.values():
+        gate.opened.set()
 
 
 def answers_of(bench, *, until=lambda _answer: False):
@@ -63,44 +99,53 @@ def test_a_coarse_answer_comes_first_says_so_and_is_replaced(bench):
     assert slower.state.trajectory.duration == pytest.approx(2 * wanted.duration, rel=SAME)
 
 
-def test_what_is_newer_ends_work_on_a_whole_answer(bench):
-    masses = np.linspace(8.1, 9.0, 4)
+def test_what_is_newer_ends_work_on_a_whole_answer(bench, monkeypatch):
+    masses = np.linspace(8.1, 9.0, 4).tolist()
+    begins = {mass: Gate() for mass in masses[:-1]}
+
+    def find(given, choices, *others, coarse):
+        if not coarse and choices.mass in begins:
+            begins[choices.mass].wait()
+        return find_answer(given, choices, *others, coarse=coarse)
+
+    monkeypatch.setattr(workbench, "find_answer", find)
     taken = []
-    for mass in masses:
-        bench.edit(Choices(profile="smooth", mass=float(mass)), "mass")
+    for before, mass in zip([None, *masses], masses, strict=False):
+        bench.edit(Choices(profile="smooth", mass=mass), "mass")
+        if before is not None:
+            begins[before].opened.set()
         taken += answers_of(bench, until=lambda one: one.coarse)
     taken += answers_of(bench)
-    assert [one.choices.mass for one in taken if one.coarse] == masses.tolist()
-    assert [one.choices.mass for one in taken if not one.coarse] == [masses[-1]]
+    assert [one.choices.mass for one in taken if one.coarse] == masses
+    assert [one.choices.mass for one in taken if not one.coarse] == masses[-1:]
 
 
-def test_answers_come_while_configurations_are_ranked(bench):
+def test_answers_come_while_configurations_are_ranked(bench, gates):
     """Nothing of them is lost: the ranking is that of `mrts.rank_configurations`."""
+    gates |= {2: Gate(), 4: Gate()}
     bench.rank()
-    end = time.monotonic() + PATIENCE
-    while bench.ranked is not None and bench.ranked[0] < 2:
-        assert time.monotonic() < end
-        time.sleep(0.001)
+    assert gates[2].reached.wait(PATIENCE)
     before = bench.ranked
     bench.edit(replace(bench.choices, mass=11.0))
-    (answer,) = answers_of(bench, until=lambda one: one.choices.mass == 11.0)
+    gates[2].opened.set()
+    *_, answer = answers_of(bench, until=lambda one: one.choices.mass == 11.0 and not one.coarse)
     during = bench.ranked
     assert before[0] <= during[0] < during[1]
     wanted = mrts.scale(bench.given.cell.with_mass(11.0), bench.given.motion)
     assert answer.state.result.range.upper.c2 == pytest.approx(wanted.range.upper.c2, rel=SAME)
     assert bench.study is None
+    gates[4].opened.set()
     answers_of(bench)
     alone = mrts.rank_configurations(bench.given.cell, bench.given.motion)
     assert [one.c2_upper for one in bench.study.ranked] == [one.c2_upper for one in alone.ranked]
 
 
-def test_a_ranking_can_be_stopped(bench):
+def test_a_ranking_can_be_stopped(bench, gates):
+    gates[1] = Gate()
     bench.rank()
-    end = time.monotonic() + PATIENCE
-    while bench.ranked[0] < 1:
-        assert time.monotonic() < end
-        time.sleep(0.001)
+    assert gates[1].reached.wait(PATIENCE)
     bench.stop_ranking()
+    gates[1].opened.set()
     assert bench.ranked is None
     assert answers_of(bench) == []
     bench.edit(replace(bench.choices, mass=9.0))

@@ -16,7 +16,7 @@ from mrts.viewer.workbench.held_poses import tip_pose
 from mrts.viewer.workbench.workbench import Workbench
 
 UR5 = DATA.parent / "dual_ur5"
-PATIENCE = 10.0
+PATIENCE = 60.0
 """[s]"""
 
 WANTED = 30

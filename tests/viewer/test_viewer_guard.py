@@ -26,7 +26,7 @@ from mrts.viewer.viewer import Viewer
 from mrts.viewer.workbench.choices import Given
 from mrts.viewer.workbench.workbench import Workbench
 
-PATIENCE = 10.0
+PATIENCE = 30.0
 """[s]"""
 
 FILM_PATIENCE = 60.0
@@ -298,9 +298,8 @@ def set_slider(viewer, opened, label, value, shown=None):
     handle = viewer.controls[label][1]
     opened.send(update(viewer, label, value))
     shown = value if shown is None else shown
-    for _ in range(200):
-        if handle.value == shown:
-            break
+    end = time.monotonic() + PATIENCE
+    while handle.value != shown and time.monotonic() < end:
         opened.ping().wait(PATIENCE)
     assert handle.value == shown
     viewer.settle()
