@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, row_products
+from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.coordination.closed_chain import nearest_rates
 from mrts.coordination.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
@@ -95,6 +96,9 @@ def path_pieces(motion: CoordinatedMotion) -> list[PathPiece] | NoPath:
 
     Args:
         motion: The given motion, N samples.
+
+    Raises:
+        InputError: If numbers of floating point do not hold the path.
     """
     speed = _root_mean_square(motion.dq)
     fastest = float(np.max(speed))
@@ -155,6 +159,9 @@ def _piece(
     back = row_products(direction[1:, :joints], direction[:-1, :joints]) <= 0
     if np.any(back) or np.any(step <= 0):
         return NoPath("turn", first + int(np.argmax(back | (step <= 0))))
+    if not (np.all(np.diff(s) > 0) and np.isfinite(s[-1]) and np.all(np.isfinite(bend))):
+        rule = "its positions, velocities and accelerations are too unlike in size to be one motion."
+        raise InputError("motion", rule)
     path = unchecked_object_motion(
         s, given.position[part], given.rotation[part], direction[:, joints:], bend[:, joints:]
     )

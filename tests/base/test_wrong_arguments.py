@@ -1,6 +1,7 @@
 """Wrong arguments in Python: every public function refuses what it cannot use by an exception of mrts that names it."""
 
 import inspect
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -206,6 +207,13 @@ def test_wrong_values_are_refused_by_name(name, good):
     assert refused > len(ZOO) / 2, name
 
 
+def hardly_moving(cell, lift):
+    """A motion whose rates are none of its positions."""
+    motion = mrts.follow_object(cell, lift)
+    carried = lift.played(lift.time, 1e-20 * lift.twist, 1e-40 * lift.acceleration)
+    return replace(motion, object=carried, dq=1e-20 * motion.dq, ddq=1e-40 * motion.ddq)
+
+
 def test_the_message_names_the_argument_what_it_must_be_and_what_it_is(planar_cell, lift):
     cell = planar_cell
     for call, message in (
@@ -225,6 +233,10 @@ def test_the_message_names_the_argument_what_it_must_be_and_what_it_is(planar_ce
         (lambda: mrts.MotionDescription(speed=1), "motion: unknown key 'speed'. The keys here are: duration, sampl"),
         (lambda: mrts.follow_object(cell, lift).at([0]), "samples = [0]: must be two or more whole numbers below 101"),
         (lambda: lift.played(lift.time[::-1], lift.twist, lift.acceleration), "time: must have Shape (N,) with N >= 2"),
+        (
+            lambda: mrts.retime(cell, hardly_moving(cell, lift)),
+            "motion: its positions, velocities ",
+        ),
         (lambda: mrts.scale(cell, lift, progress=0), "progress = 0: must be a function; it is of type int"),
     ):
         with pytest.raises(mrts.InputError) as refused:
