@@ -10,11 +10,11 @@ import numpy as np
 
 from mrts.base.arrays import Array
 
-SMALLEST, LARGEST = 17, 24
-"""Blocks of 2^17 to 2^24 bytes are kept: the C library reuses smaller ones itself, larger ones would hold too much."""
+SMALLEST, LARGEST = 20, 24
+"""Blocks of 2^20 to 2^24 bytes are kept: the C library reuses smaller ones itself, larger ones would hold too much."""
 
 SPARE = 2
-"""Blocks of each size that wait at most, 64 MB in all."""
+"""Blocks of each size that wait at most, 62 MB in all."""
 
 _spare: dict[int, deque[bytearray]] = {power: deque(maxlen=SPARE) for power in range(SMALLEST, LARGEST + 1)}
 

@@ -8,8 +8,8 @@ import pytest
 
 from mrts.kernel.reused_memory import LARGEST, SMALLEST, arrays_in_reused_memory
 
-MANY = 1 << 15
-"""Numbers of 2^18 bytes."""
+MANY = 1 << 18
+"""Numbers of 2^21 bytes."""
 
 
 def place(array):
@@ -56,7 +56,7 @@ def test_threads_never_share_memory():
     failed = []
 
     def work(number):
-        for turn in range(200):
+        for turn in range(50):
             arrays = arrays_in_reused_memory([(MANY,), (7,)])
             value = 1000.0 * number + turn
             for array in arrays:
