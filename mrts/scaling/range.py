@@ -3,7 +3,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -180,7 +180,7 @@ class RangeWhenAsked(ScalingRange):
     """
 
     def __init__(self, find: Callable[[], ScalingRange] | None = None, **fields: Any) -> None:
-        object.__setattr__(self, "find", partial(ScalingRange, **fields) if find is None else find)
+        vars(self).update({"found": ScalingRange(**fields)} if find is None else {"find": find})
 
     @cached_property
     def found(self) -> ScalingRange:
