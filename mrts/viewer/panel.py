@@ -27,6 +27,9 @@ SPLIT = 1 / FULL / 2
 """Where the limits stand, as a share of the width to either side of the middle."""
 
 
+BAR_COLUMNS, LIMIT_COLUMNS = (34, 29, 37), (44, 33, 23)
+"""Widths of a table's columns: name, bar, value; or name, torque, velocity [%]."""
+
 ROUNDING = 1e-9
 """What is less is shown as 0: it is left over from sums of much larger terms."""
 
@@ -129,7 +132,7 @@ def limits_html(cell: Cell, colours: Mapping[str, Colour]) -> str:
             if np.isfinite(lower) or np.isfinite(upper):
                 rows.append(_limit_row(robot.name, f"wrench {name}", interval_text(lower, upper, unit), ""))
         rows += [_limit_row(robot.name, f"contact {contact.name}", "by its rows", "") for contact in robot.contacts]
-    return _table(rows)
+    return _table(rows, LIMIT_COLUMNS)
 
 
 def speed_html(state: PlayerState) -> str:
@@ -225,12 +228,12 @@ def bars_html(
     return _table(rows)
 
 
-def _table(rows: Sequence[str]) -> str:
+def _table(rows: Sequence[str], widths: Sequence[int] = BAR_COLUMNS) -> str:
+    columns = "".join(f'<col style="width:{width}%">' for width in widths)
     return (
         '<table data-bars style="width:100%;border-spacing:0;font-size:11px;'
         'line-height:14px;table-layout:fixed">'
-        '<colgroup><col style="width:34%"><col style="width:29%"><col style="width:37%"></colgroup>'
-        f"{''.join(rows)}</table>"
+        f"<colgroup>{columns}</colgroup>{''.join(rows)}</table>"
     )
 
 

@@ -1,11 +1,13 @@
 """Where things are drawn, against the generated kinematics and closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import DATA
 
 import mrts
-from mrts.drawing.bodies.cell_shapes import contact_forces, joint_points, object_box
+from mrts.drawing.bodies.cell_shapes import contact_forces, joint_points, name_place, object_box, shares_base
 
 pytestmark = pytest.mark.quick
 
@@ -25,6 +27,19 @@ def test_a_drawn_arm_ends_at_its_grasp(files):
         np.testing.assert_allclose(line[:, -1], grasp, atol=1e-8)
         lengths = np.linalg.norm(np.diff(line, axis=1), axis=2)
         np.testing.assert_allclose(lengths, np.tile(lengths[0], (motion.samples, 1)), atol=SAME_PLACE)
+
+
+def test_names_of_arms_on_one_torso_stand_apart(dual_ur5):
+    left, right = dual_ur5.robots
+    assert not shares_base(dual_ur5, left)
+    np.testing.assert_array_equal(name_place(dual_ur5, right), right.T_world_base.p)
+    other = replace(right, T_world_base=left.T_world_base, points=right.points + np.array([0.0, 0.3, 0.0]))
+    torso = replace(dual_ur5, robots=(left, other))
+    assert shares_base(torso, left)
+    assert shares_base(torso, other)
+    np.testing.assert_allclose(
+        left.T_world_base.R.T @ (name_place(torso, other) - name_place(torso, left)), [0, 0.3, 0], atol=SAME_PLACE
+    )
 
 
 def test_the_box_has_the_objects_inertia(dual_ur5):
