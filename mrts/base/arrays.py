@@ -36,8 +36,15 @@ def rotated(rotation: Array, vector: Array) -> Array:
 
 def cross(first: Array, second: Array) -> Array:
     """Cross products sample by sample, Shape (…, 3): the same numbers as numpy's, without its handling of axes."""
-    a, b = np.moveaxis(first, -1, 0), np.moveaxis(second, -1, 0)
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]], axis=-1)
+    a, b, c = first[..., 0], first[..., 1], first[..., 2]
+    d, e, f = second[..., 0], second[..., 1], second[..., 2]
+    found: Array = np.empty(
+        first.shape if first.shape == second.shape else np.broadcast_shapes(first.shape, second.shape)
+    )
+    found[..., 0] = b * f - c * e
+    found[..., 1] = c * d - a * f
+    found[..., 2] = a * e - b * d
+    return found
 
 
 def freeze_array(owner: object, name: str, where: str, shape: tuple[int, ...], *, finite: bool) -> None:

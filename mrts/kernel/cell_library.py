@@ -15,6 +15,7 @@ from mrts.base.manifest import FunctionRecord, Manifest
 from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
 from mrts.kernel.function_shapes import work_sizes
 from mrts.kernel.programs import STOPPED, Programs, offer_programs
+from mrts.kernel.reused_memory import arrays_in_reused_memory
 from mrts.kernel.sample_terms import SampleTerms
 
 INTERVALS = 8
@@ -189,7 +190,10 @@ class CellLibrary:
         """Evaluate a generated function at all samples; see `mrts.cell.functions.CellFunctions`."""
         record = self.records[name]
         given, strides = sample_inputs(record, samples, inputs)
-        outputs = {item.name: np.zeros((samples, item.shape[1], item.shape[0])) for item in record.outputs}
+        names, shapes = zip(
+            *((item.name, (samples, item.shape[1], item.shape[0])) for item in record.outputs), strict=True
+        )
+        outputs = dict(zip(names, arrays_in_reused_memory(shapes), strict=True))
         scratch = Scratch(self.opened, record)
         failed = self.opened.mrts_map(
             ctypes.cast(getattr(self.opened, record.symbol), ctypes.c_void_p),

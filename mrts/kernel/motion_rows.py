@@ -13,6 +13,7 @@ from mrts.base.arrays import Array
 from mrts.kernel.cell_library import CellLibrary, Scratch, SparseLimits
 from mrts.kernel.foreign_arrays import over_chunks, pointer
 from mrts.kernel.programs import STOPPED
+from mrts.kernel.reused_memory import arrays_in_reused_memory
 from mrts.kernel.sample_terms import SampleTerms
 
 
@@ -55,7 +56,7 @@ def path_places(
     taken = np.array(components, dtype=np.int32)
     count = len(speeds[0])
     shapes = [*[(library.joints,)] * 3, (3,), (3, 3), (6,), (6,)]
-    found = tuple(np.empty((count, *shape)) for shape in shapes)
+    found = arrays_in_reused_memory([(count, *shape) for shape in shapes])
 
     def run(first: int, samples: int) -> None:
         parts = [Scratch(library.opened, library.records[name]) for name in ("kinematics", "bias_acceleration")]
@@ -148,7 +149,7 @@ def path_rows(
     rows, k = limits.rows, library.unknowns + 1
     m, f = library.joints, library.wrenches
     shapes = [(m, k), (m,), (f, k), (f,), (rows, k), (rows,), (rows,)]
-    found = PathRows(*(np.empty((samples, *shape)) for shape in shapes))
+    found = PathRows(*arrays_in_reused_memory([(samples, *shape) for shape in shapes]))
     per_limit = np.ascontiguousarray(units)
     outputs = list(vars(found).values())
     library.over_samples("mrts_path_rows", samples, inputs, limits, terms, torque_rate, outputs, (pointer(per_limit),))

@@ -13,6 +13,7 @@ from mrts.kernel.c_text import programs_source
 from mrts.kernel.compiled_cache import library_or_rebuilt
 from mrts.kernel.compiler import needed_compiler
 from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
+from mrts.kernel.reused_memory import arrays_in_reused_memory
 
 CORNERS = 64
 """Most corners of a projection, `MRTS_CORNERS` of reachability/projection.h."""
@@ -84,7 +85,7 @@ class Programs:
         count, all_rows, k = A.shape
         taken = np.arange(all_rows, dtype=np.int32) if rows is None else rows
         arrays = [np.ascontiguousarray(array) for array in (A, lower, upper, scale, *bounds)]
-        number, corners = np.zeros(count, dtype=np.int32), np.zeros((count, CORNERS, 2))
+        number, (corners,) = np.zeros(count, dtype=np.int32), arrays_in_reused_memory([(count, CORNERS, 2)])
         status = np.full(count, STOPPED, dtype=np.uint8)
 
         def project(first: int, samples: int) -> None:

@@ -181,12 +181,13 @@ def noise_share(values: Array) -> Array:
     Args:
         values: Shape (N, k), N at least `FEWEST_SAMPLES`.
     """
-    deviation, stride, of_each = np.zeros(values.shape[1]), 1, np.ascontiguousarray(values.T)
+    size, stride, of_each = np.zeros(values.shape[1]), 1, np.ascontiguousarray(values.T)
     while len(values) >= FEWEST_SAMPLES * stride:
-        differences = np.abs(np.diff(of_each[:, ::stride], 4)) / np.sqrt(70)  # 1² + 4² + 6² + 4² + 1²
+        differences = np.abs(np.diff(of_each[:, ::stride], 4))
         place = differences.shape[1] // 4
-        quartile = np.partition(differences, place)[:, place]
-        deviation, stride = np.maximum(deviation, quartile / NORMAL_QUARTILE), 2 * stride
+        differences.partition(place)
+        size, stride = np.maximum(size, differences[:, place]), 2 * stride
+    deviation = size / (NORMAL_QUARTILE * np.sqrt(70))  # 1² + 4² + 6² + 4² + 1²
     largest = np.max(np.abs(values), axis=0)
     return np.asarray(deviation / np.where(largest > 0, largest, 1.0))
 

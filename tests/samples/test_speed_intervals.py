@@ -78,7 +78,7 @@ def random_case(seed, folder):
 
 def compared(seed, folder, seen):
     case, cell, motion, rng = random_case(seed, folder)
-    if seed % 4 < 2:
+    if seed % 4 == 0:  # planar ones: spatial ones take long to compile, and those below are
         cell = compiled(cell)
     found = motion_ranges(cell, motion, "wrench", None, "kernel")
     reference = ReferenceCell(case.cell_file)
