@@ -1,7 +1,5 @@
 """Where things are drawn, against the generated kinematics and closed forms."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from conftest import DATA
@@ -30,16 +28,14 @@ def test_a_drawn_arm_ends_at_its_grasp(files):
 
 
 def test_names_of_arms_on_one_torso_stand_apart(dual_ur5):
-    left, right = dual_ur5.robots
-    assert not shares_base(dual_ur5, left)
-    np.testing.assert_array_equal(name_place(dual_ur5, right), right.T_world_base.p)
-    other = replace(right, T_world_base=left.T_world_base, points=right.points + np.array([0.0, 0.3, 0.0]))
-    torso = replace(dual_ur5, robots=(left, other))
-    assert shares_base(torso, left)
-    assert shares_base(torso, other)
-    np.testing.assert_allclose(
-        left.T_world_base.R.T @ (name_place(torso, other) - name_place(torso, left)), [0, 0.3, 0], atol=SAME_PLACE
-    )
+    for robot in dual_ur5.robots:
+        assert not shares_base(dual_ur5, robot)
+        np.testing.assert_array_equal(name_place(dual_ur5, robot), robot.T_world_base.p)
+    machine = mrts.load_cell(DATA.parent / "upper_body" / "cell.yaml")
+    for robot in machine.robots:
+        assert shares_base(machine, robot)
+        shoulder = joint_points(robot, robot.posture[None])[0, 1]
+        np.testing.assert_allclose(name_place(machine, robot), shoulder, atol=SAME_PLACE)
 
 
 def test_the_box_has_the_objects_inertia(dual_ur5):
