@@ -7,6 +7,7 @@ import atexit
 import gc
 import logging
 import os
+import re
 import shlex
 import signal
 import sys
@@ -43,7 +44,7 @@ VERBS = {
     "sweep": "solve all variants of a study: numbers of cell and motion that vary",
     "place": "where to put the arms and how to hold the object: the layout that may be played fastest",
     "identify": "armature and friction of the motors from a recording of the arms' free motion",
-    "view": "play a motion in the browser at any speed, with torques and wrenches against their limits",
+    "view": "a cell in the browser, its motion at any speed against all limits; pictures and films",
     "report": "write a saved result or a study as an HTML page that opens offline",
     "export": "write a self-contained C library of a cell for a controller",
 }
@@ -51,6 +52,9 @@ VERBS = {
 
 MAY_STAND_ALONE = {"--rates"}
 """Options with or without a value."""
+
+NEGATIVE = re.compile(r"-[.\d]")
+"""How a value begins that is no option."""
 
 ENDINGS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "the terminal is gone"}
 """What is said when a signal ends the work."""
@@ -143,7 +147,7 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = _parser(VERBS if is_completing() else {verb})
     complete(parser)
     _check_verb(parser, verb)
-    options = parser.parse_args(files_apart(words, MAY_STAND_ALONE))
+    options = parser.parse_args(files_apart(negatives_attached(words), MAY_STAND_ALONE))
     QUIET.set(options.quiet)
     return options
 
@@ -152,8 +156,27 @@ class _Parser(argparse.ArgumentParser):
     """Its messages quote what was typed."""
 
     def error(self, message: str) -> NoReturn:
-        """Print usage and message, and leave."""
-        super().error(message_text(message))
+        """Print the message and where the options stand, and leave; a usage of twenty lines would hide it."""
+        fail(f"error: {message_text(message)} ('{self.prog} --help' has the options, and examples)")
+        raise SystemExit(BAD_INPUT)
+
+
+def negatives_attached(words: Sequence[str]) -> list[str]:
+    """The words of a line with each value that begins with a minus sign attached to its option: --base=-0.5,0,0.
+
+    argparse takes it for an option where it is not a single number.
+
+    Args:
+        words: Of the line.
+    """
+    attached: list[str] = []
+    for word in words:
+        option = attached[-1] if attached else ""
+        if NEGATIVE.match(word) and option.startswith("--") and option != "--" and "=" not in option:
+            attached[-1] = f"{option}={word}"
+        else:
+            attached.append(word)
+    return attached
 
 
 def files_apart(words: Sequence[str], may_stand_alone: set[str]) -> list[str]:

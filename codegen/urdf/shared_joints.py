@@ -104,6 +104,9 @@ def _check_pair(path: Path, first: _Arm, second: _Arm) -> None:
     names = f"'{first.robot.name}' and '{second.robot.name}'"
     machine = f"robots {names} are arms of one machine (one URDF in one place)"
     shared = [name for name in first.moving() if name in second.moving()]
+    if shared and {*shared} == {*first.moving()} == {*second.moving()}:
+        same = f"robots {names} are one and the same arm: one URDF, one place, the same joints."
+        raise InputError(path, f"{same} Give each its own 'base'.", key="robots")
     if shared:
         last = next(joint.child for joint in first.joint_above.values() if joint.name == shared[-1])
         held = ", ".join(f"{name}: POSITION" for name in shared)

@@ -127,8 +127,9 @@ def _check_kind(where: Path | str, data: dict[Any, Any], what: str) -> None:
     if what in KEYS_OF and not KEYS_OF[what] & data.keys():
         for other, keys in KEYS_OF.items():
             if len(keys & data.keys()) >= CLEARLY_OTHER:
-                rule = f"this is a {other}, and a {what} belongs here: are two files swapped?"
-                raise InputError(where, rule)
+                is_study = other == "study file"
+                taken = "`mrts sweep` and `mrts view --variant N` take it." if is_study else "are two files swapped?"
+                raise InputError(where, f"this is a {other}, and a {what} belongs here: {taken}")
 
 
 def plain(where: str, data: object, depth: int = MAX_YAML_DEPTH) -> object:

@@ -100,5 +100,7 @@ def neighbour(path: Path) -> str:
         return f": the folder {path.parent} is missing or cannot be read."
     import difflib  # noqa: PLC0415 (for this message only)
 
-    close = difflib.get_close_matches(path.name, names, n=1)
+    stems = difflib.get_close_matches(path.stem, {Path(name).stem for name in names}, n=1)  # most end alike
+    alike = [name for name in sorted(names) if Path(name).stem in stems]
+    close = difflib.get_close_matches(path.name, alike, n=1, cutoff=0)
     return f"; did you mean '{path.with_name(close[0])}'?" if close else ". Check the path."

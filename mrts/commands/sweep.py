@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrts.base.errors import InputError
-from mrts.commands.options.common import add_plot, plot_form
+from mrts.commands.options.common import add_plot, plot_form, require
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
@@ -51,6 +51,7 @@ def run(options: argparse.Namespace) -> int:
     from mrts.sweeps.worker_pools import check_workers
 
     options.plot_format = plot_form(options)
+    require("joblib", "mrts sweep", "study", wanted=options.scheduler is None)
     try:
         check_workers(options.workers, options.scheduler)
     except InputError as error:

@@ -15,9 +15,10 @@ from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.drawing.bodies.arm_meshes import arm_meshes
-from mrts.drawing.bodies.cell_shapes import body_poses, contact_forces, joint_points
+from mrts.drawing.bodies.cell_shapes import body_poses, contact_forces, joint_points, shares_base
 from mrts.drawing.bodies.cell_view import look_at_cell
 from mrts.drawing.bodies.held_body import held_body
+from mrts.drawing.colours import SHARED_BASE
 from mrts.drawing.round_numbers import round_down
 from mrts.film.camera import framing_camera
 from mrts.film.raster import Picture, drawn, shaded_floor
@@ -135,7 +136,13 @@ class Stage:
         self._metres_per_newton = ARROW * view.size / strongest if strongest > 0 else 0.0
         self._arms = {
             take: [
-                _Arm(robot, ARMS[place % len(ARMS)], take.urdfs.get(robot.name), warn)
+                _Arm(
+                    robot,
+                    ARMS[place % len(ARMS)],
+                    take.urdfs.get(robot.name),
+                    warn,
+                    shared_base=shares_base(take.cell, robot),
+                )
                 for place, robot in enumerate(take.cell.robots)
             ]
             for take in takes
@@ -201,14 +208,24 @@ class Stage:
 class _Arm:
     """An arm with the meshes of its URDF, or with bars from joint to joint."""
 
-    def __init__(self, robot: Robot, colour: Colour, urdf: tuple[Path, str | None] | None, warn: Warn) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        colour: Colour,
+        urdf: tuple[Path, str | None] | None,
+        warn: Warn,
+        *,
+        shared_base: bool,
+    ) -> None:
         self._robot, self._colour = robot, colour
         try:
             meshes = [] if urdf is None else arm_meshes(*urdf, robot.joints, robot.held)
         except InputError as error:
             warn(f"robot '{robot.name}' is drawn with simple shapes: {error}")
             meshes = []
-        self._meshes = [(body, _solid(mesh, colour)) for body, mesh in meshes]
+        self._meshes = [
+            (body, _solid(mesh, SHARED_BASE if shared_base and not body else colour)) for body, mesh in meshes
+        ]
         straight = joint_points(robot, np.zeros((1, len(robot.joints))))[0]
         self._length = float(np.sum(np.linalg.norm(np.diff(straight, axis=0), axis=1)))
 

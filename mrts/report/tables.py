@@ -23,6 +23,9 @@ MOST_CONFLICTS = 10
 MOST_LOADS = 16
 """Rows of the tables of conflicts and loads; the rest is counted."""
 
+DECIMALS = 9
+"""Of numbers in SI units: what is less is left over from sums of larger terms."""
+
 
 def inputs_table(result: ScalingResult) -> Html:
     """Cell, object, motion and how the load is shared."""
@@ -185,7 +188,7 @@ def duty_table(result: ScalingResult) -> Html:
                     _of_limit(duty.rms_torque[j], torque, duty.rated_share[j]),
                     _of_limit(duty.peak_torque[j], torque, duty.torque_share[j]),
                     _of_limit(duty.peak_speed[j], speed, duty.speed_share[j]),
-                    f"{duty.drive_power[j]:.3g} / {duty.brake_power[j]:.3g} W",
+                    f"{_cleared(duty.drive_power[j]):.3g} / {_cleared(duty.brake_power[j]):.3g} W",
                     _of_limit(duty.torque_rate[j], f"{torque}/s", duty.torque_rate_share[j]),
                     _of_limit(duty.jerk[j], f"{speed}³", duty.jerk_share[j]),
                 )
@@ -214,8 +217,14 @@ def rates_table(result: ScalingResult, limiting: LimitingRows) -> list[Html]:
     return [table(head, rows), element("p", note, class_="note")] if rows else []
 
 
+def _cleared(value: float) -> float:
+    """A number without what is left over from sums of larger terms."""
+    return float(np.round(value, DECIMALS) + 0.0)
+
+
 def _of_limit(value: float, unit: str, share: float) -> Html:
-    return joined([html(f"{value:.4g} {unit}"), *([Html("<br>"), html(f"{100 * share:.1f} %")] if share > 0 else [])])
+    shown = html(f"{_cleared(value):.4g} {unit}")
+    return joined([shown, *([Html("<br>"), html(f"{100 * share:.1f} %")] if share > 0 else [])])
 
 
 def conflicts_table(conflicts: Sequence[Conflict]) -> Html:
@@ -272,4 +281,4 @@ def _lines(lines: Iterable[str]) -> Html:
 
 
 def _vector(values: Array) -> str:
-    return f"({', '.join(f'{value:.4g}' for value in np.round(values, 9) + 0.0)})"
+    return f"({', '.join(f'{_cleared(value):.4g}' for value in values)})"

@@ -131,7 +131,8 @@ def _limits(arm: Arm, robot: dict[str, Any], assumed: tuple[str, ...]) -> Iterat
     else:
         efforts = [effort for effort in chain.effort if effort is not None]
         yield _line(f"    # torque: {flow(efforts)}", "the URDF's efforts, which count; remove the # to set your own")
-    yield f"    # the URDF's velocity limits: {flow(['none' if each is None else each for each in chain.velocity])}"
+    speeds = ", ".join("none" if each is None else f"{each:.4g}" for each in chain.velocity)
+    yield f"    # the URDF's velocity limits: {speeds}"
     for sentence in _bodies(arm):
         yield f"    # {printable(sentence)}"
 

@@ -110,7 +110,8 @@ def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) ->
                 if isinstance(tried, Proposal):
                     return tried
                 reason = tried
-    raise MotionError(f"nothing was found that can be played. The last try: {reason}")
+    with_loads = "" if request.mass is None else f" with {request.mass:g} kg, nor with {mass:g} kg"
+    raise MotionError(f"nothing was found that can be played{with_loads}. The last try: {reason}")
 
 
 def _first_mass(request: Request) -> float:

@@ -27,6 +27,9 @@ SPLIT = 1 / FULL / 2
 """Where the limits stand, as a share of the width to either side of the middle."""
 
 
+BAR_COLUMNS, LIMIT_COLUMNS = (34, 29, 37), (44, 33, 23)
+"""Widths of a table's columns: name, bar, value; or name, torque, velocity [%]."""
+
 ROUNDING = 1e-9
 """What is less is shown as 0: it is left over from sums of much larger terms."""
 
@@ -129,7 +132,7 @@ def limits_html(cell: Cell, colours: Mapping[str, Colour]) -> str:
             if np.isfinite(lower) or np.isfinite(upper):
                 rows.append(_limit_row(robot.name, f"wrench {name}", interval_text(lower, upper, unit), ""))
         rows += [_limit_row(robot.name, f"contact {contact.name}", "by its rows", "") for contact in robot.contacts]
-    return _table(rows)
+    return _table(rows, LIMIT_COLUMNS)
 
 
 def speed_html(state: PlayerState) -> str:
@@ -137,7 +140,8 @@ def speed_html(state: PlayerState) -> str:
     done, samples = state.trajectory, len(state.excess)
     text = f"c = {done.c:.4g}, c² = {done.c2:.4g}, duration {done.duration:.4g} s, energy {done.energy:.4g} J. "
     if fast := state.joints_beyond_velocity():
-        text += f"{fast} of {done.q.shape[1]} joints pass their velocity limit. "
+        verb = "pass their" if fast > 1 else "passes its"
+        text += f"{fast} of {done.q.shape[1]} joints {verb} velocity limit. "
     if state.admissible:
         return _paragraph("speed", f"{text}Inside the admissible range.")
     over = int(np.count_nonzero(state.excess))
@@ -145,7 +149,7 @@ def speed_html(state: PlayerState) -> str:
     if over == 0:
         load = ", though the load shown keeps all limits" if state.result.load is not None else ""
         return _paragraph("speed", f"{text}no torques are guaranteed{load}.", OVER)
-    text += f"{over} of {samples} samples pass a limit (red): "
+    text += f"{over} of {samples} samples pass{'' if over > 1 else 'es'} a limit (red): "
     passed = state.violations()
     text += "; ".join(
         f"{html_text(one.name.short)} by {_percent(one.excess)} at {one.time:.3g} s" for one in passed[:MOST_NAMED]
@@ -224,12 +228,12 @@ def bars_html(
     return _table(rows)
 
 
-def _table(rows: Sequence[str]) -> str:
+def _table(rows: Sequence[str], widths: Sequence[int] = BAR_COLUMNS) -> str:
+    columns = "".join(f'<col style="width:{width}%">' for width in widths)
     return (
         '<table data-bars style="width:100%;border-spacing:0;font-size:11px;'
         'line-height:14px;table-layout:fixed">'
-        '<colgroup><col style="width:34%"><col style="width:29%"><col style="width:37%"></colgroup>'
-        f"{''.join(rows)}</table>"
+        f"<colgroup>{columns}</colgroup>{''.join(rows)}</table>"
     )
 
 

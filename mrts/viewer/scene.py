@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
-from mrts.drawing.bodies.cell_shapes import contact_forces
+from mrts.drawing.bodies.cell_shapes import contact_forces, name_place, shares_base
 from mrts.drawing.bodies.cell_view import FIELD_OF_VIEW, look_at_cell
 from mrts.drawing.bodies.held_body import held_body
 from mrts.drawing.colours import COLOURS
@@ -94,7 +94,10 @@ class ViewerScene:
         self._draw_surroundings()
         radius = THICKNESS * self.size
         self._arms = [
-            drawn_arm(self._scene, robot, urdfs, self.colours[robot.name], radius, warn) for robot in cell.robots
+            drawn_arm(
+                self._scene, robot, urdfs, self.colours[robot.name], radius, warn, shared_base=shares_base(cell, robot)
+            )
+            for robot in cell.robots
         ]
         self._names = [
             self._scene.add_label(f"/names/{robot.name}", robot.name, anchor="top-center") for robot in cell.robots
@@ -149,7 +152,7 @@ class ViewerScene:
         course = self._course = course_of(shown)
         self._draw_body(course)
         for name, robot in zip(self._names, course.cell.robots, strict=True):
-            name.position = robot.T_world_base.p
+            name.position = name_place(course.cell, robot)
         for ghost, at in zip(self._ghosts, (0, -1), strict=True):
             ghost.position, ghost.wxyz = course.position[at], wxyz(course.rotation[at])
         for label, at in zip(self._end_names, (0, -1), strict=True):

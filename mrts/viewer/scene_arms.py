@@ -14,6 +14,7 @@ from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.cell.robot import Robot
 from mrts.drawing.bodies.arm_meshes import arm_meshes
 from mrts.drawing.bodies.cell_shapes import points_on_bodies
+from mrts.drawing.colours import SHARED_BASE
 
 Rgb = tuple[int, int, int]
 """0 to 255."""
@@ -45,7 +46,14 @@ class DrawnArm(Protocol):
 
 
 def drawn_arm(
-    scene: viser.SceneApi, robot: Robot, urdfs: Urdfs, colour: Rgb, radius: float, warn: Callable[[str], None]
+    scene: viser.SceneApi,
+    robot: Robot,
+    urdfs: Urdfs,
+    colour: Rgb,
+    radius: float,
+    warn: Callable[[str], None],
+    *,
+    shared_base: bool = False,
 ) -> DrawnArm:
     """Draw an arm.
 
@@ -56,6 +64,7 @@ def drawn_arm(
         colour: Its own.
         radius: Of its links without meshes [m].
         warn: Told why it is drawn without its meshes.
+        shared_base: Whether its base is another arm's too, and has the colour of neither.
     """
     if robot.name in urdfs:
         path, base_link = urdfs[robot.name]
@@ -65,21 +74,23 @@ def drawn_arm(
             warn(f"robot '{robot.name}' is drawn with simple shapes: {error}")
         else:
             if meshes:
-                return _MeshArm(scene, robot, meshes, colour)
+                return _MeshArm(scene, robot, meshes, colour, SHARED_BASE if shared_base else colour)
     return _SimpleArm(scene, robot, radius, colour)
 
 
 class _MeshArm:
     """An arm with the meshes of its URDF: a frame for each body, which carries its meshes."""
 
-    def __init__(self, scene: viser.SceneApi, robot: Robot, meshes: list[tuple[int, Any]], colour: Rgb) -> None:
+    def __init__(
+        self, scene: viser.SceneApi, robot: Robot, meshes: list[tuple[int, Any]], colour: Rgb, base: Rgb
+    ) -> None:
         self._frames = [
             scene.add_frame(f"/arms/{robot.name}/body{index}", show_axes=False)
             for index in range(len(robot.joints) + 1)
         ]
         for number, (body, mesh) in enumerate(meshes):
             name = f"/arms/{robot.name}/body{body}/mesh{number}"
-            scene.add_mesh_simple(name, mesh.vertices, mesh.faces, color=colour, flat_shading=False)
+            scene.add_mesh_simple(name, mesh.vertices, mesh.faces, color=colour if body else base, flat_shading=False)
 
     def update(self, robot: Robot, R: Array, p: Array) -> None:  # noqa: ARG002 (its meshes know where they are)
         """Move the bodies."""

@@ -104,6 +104,12 @@ def test_one_machine_is_seen_through_paths_rounding_and_base_links(tmp_path):
         with pytest.raises(mrts.InputError, match="both move its joints 'turn', 'lift'"):
             read(machine_cell(tmp_path, change))
 
+    def twice(robots):
+        robots[1] |= {"tip_link": robots[0]["tip_link"]}
+
+    with pytest.raises(mrts.InputError, match=r"one and the same arm: .* Give each its own 'base'"):
+        read(machine_cell(tmp_path, twice))
+
     def torn(robots):
         # right starts past the torso, where the left arm's posture of the torso (zero) has it
         robots[1] |= {"base_link": "torso"}

@@ -157,11 +157,39 @@ def test_help_and_version():
 
 
 @pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["scale", "cell.yaml"], "the following arguments are required: MOTION ('mrts scale --help' has the options, "),
+        (["scael"], "there is no verb 'scael': did you mean 'scale'? ('mrts --help' has "),
+        (["new", "x", "--mass", "heavy"], "argument --mass: invalid float value: 'heavy' ('mrts new --help' has "),
+    ],
+)
+def test_a_line_that_is_none_is_told_in_one_line(words, said, capsys):
+    with pytest.raises(SystemExit) as left:
+        main(words)
+    assert left.value.code == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"mrts: error: {said}")
+    assert error.count("\n") == 1
+
+
+def test_a_file_of_nearly_that_name_is_asked_for(tmp_path, monkeypatch, capsys):
+    """Not one that only ends alike."""
+    (tmp_path / "cell.yaml").touch()
+    (tmp_path / "lift.csv").touch()
+    monkeypatch.chdir(tmp_path)
+    for named, said in (("cel.yaml", "'cell.yaml'?"), ("lift", "'lift.csv'?"), ("study.yaml", "Check the path.")):
+        assert main(["check", named]) == 2
+        assert said in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
     ("options", "message"),
     [
         (["--csv", "-"], "only --json takes '-'"),
         (["--save", "r.txt"], "ends in .npz"),
         (["--report", "r.pdf"], "ends in .html"),
+        (["--plot", "r.png"], "names a picture, and pictures are written into a folder"),
         (["--json", "same.x", "--csv", "same.x"], "names the same file as --json"),
     ],
 )

@@ -89,7 +89,7 @@ def test_hold_prints_grasps_and_writes_them_only_with_force(begun, tmp_path):
         ([], "DIR: is missing"),
         (["x"], "--robot: is missing: the URDF of a robot"),
         ([UR5], "is a file, and the folder for the new files belongs here; robots follow --robot"),
-        (["x", "--robot", UR5, "--base", "1,2"], "--base = '1,2': must be 3 or 6 numbers"),
+        (["x", "--robot", UR5, "--base", "-1,2"], "--base = '-1,2': must be 3 or 6 numbers"),
         (["x", "--robot", UR5, "--base=0,0,0", "--base=0,0,nan"], "--base = '0,0,nan': must be numbers with commas"),
         (["x", "--robot", UR5, "--base=0,0,0", "--base=0,0,0"], "--base: two arms stand in one place"),
         (["x", "--robot", UR5, "--posture=0,-70,90,0,0,0", "--posture=0,0,0,0,0,0"], "these seem to be degrees"),

@@ -139,7 +139,7 @@ def test_files_in_the_wrong_order_are_known_as_what_they_are():
     assert ["swapped" in str(mistake) for mistake in found.mistakes] == [True, True]
     with pytest.raises(mrts.InputError, match="this is a motion file, and a cell file belongs here"):
         mrts.load_cell(UR5 / "lift_and_turn.yaml")
-    with pytest.raises(mrts.InputError, match="this is a study file, and a motion file belongs here"):
+    with pytest.raises(mrts.InputError, match="this is a study file, and a motion file belongs here: `mrts sweep`"):
         mrts.load_motion(UR5 / "study.yaml")
     with pytest.raises(mrts.InputError, match="this is XML, and a cell file belongs here; `mrts new DIR"):
         mrts.load_cell(UR5 / "ur5_class_arm.urdf")

@@ -5,7 +5,7 @@ import pytest
 from conftest import DATA
 
 import mrts
-from mrts.drawing.bodies.cell_shapes import contact_forces, joint_points, object_box
+from mrts.drawing.bodies.cell_shapes import contact_forces, joint_points, name_place, object_box, shares_base
 
 pytestmark = pytest.mark.quick
 
@@ -25,6 +25,17 @@ def test_a_drawn_arm_ends_at_its_grasp(files):
         np.testing.assert_allclose(line[:, -1], grasp, atol=1e-8)
         lengths = np.linalg.norm(np.diff(line, axis=1), axis=2)
         np.testing.assert_allclose(lengths, np.tile(lengths[0], (motion.samples, 1)), atol=SAME_PLACE)
+
+
+def test_names_of_arms_on_one_torso_stand_apart(dual_ur5):
+    for robot in dual_ur5.robots:
+        assert not shares_base(dual_ur5, robot)
+        np.testing.assert_array_equal(name_place(dual_ur5, robot), robot.T_world_base.p)
+    machine = mrts.load_cell(DATA.parent / "upper_body" / "cell.yaml")
+    for robot in machine.robots:
+        assert shares_base(machine, robot)
+        shoulder = joint_points(robot, robot.posture[None])[0, 1]
+        np.testing.assert_allclose(name_place(machine, robot), shoulder, atol=SAME_PLACE)
 
 
 def test_the_box_has_the_objects_inertia(dual_ur5):

@@ -97,7 +97,7 @@ class Record:
         if isinstance(data, cls):
             return data
         if not isinstance(data, dict):
-            _fail("model_type", data)
+            raise BrokenRecordError(f"{RULES['model_type']}, of {', '.join(cls.model_fields)}", data)
         return cls._of(data)
 
     @classmethod

@@ -39,12 +39,15 @@ def plot_form(options: argparse.Namespace) -> str:
     """The format of `--plot`, before any work.
 
     Raises:
-        InputError: If there is no `--plot` to have one, or its package is missing.
+        InputError: If there is no `--plot` to have one, it names a picture, or its package is missing.
     """
     if options.plot_format is not None and options.plot is None:
         raise InputError(
             "--plot-format", "says how --plot writes figures: give --plot DIR too.", value=options.plot_format
         )
+    if options.plot is not None and options.plot.suffix[1:] in FIGURE_FORMATS and not options.plot.is_dir():
+        rule = "names a picture, and pictures are written into a folder: name that; --plot-format says of which kind."
+        raise InputError("--plot", rule, value=str(options.plot))
     require("matplotlib", "--plot", "plot", wanted=options.plot is not None)
     return options.plot_format or FIGURE_FORMATS[0]
 

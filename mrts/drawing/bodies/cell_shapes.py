@@ -17,6 +17,35 @@ SMALLEST = 1e-3
 """What counts as the longest side of an object whose inertia gives it none [m]."""
 
 
+SAME_PLACE = 1e-3
+"""Bases of two arms that are nearer are one: the torso of one machine [m]."""
+
+
+def shares_base(cell: Cell, robot: Robot) -> bool:
+    """Whether another arm stands where this one does, on the same machine.
+
+    Args:
+        cell: Of the arm.
+        robot: The arm.
+    """
+    bases = [other.T_world_base.p for other in cell.robots if other is not robot]
+    return any(float(np.linalg.norm(base - robot.T_world_base.p)) < SAME_PLACE for base in bases)
+
+
+def name_place(cell: Cell, robot: Robot) -> Array:
+    """Where the name of an arm stands in the world: at its base, or at its first joint where another has that too.
+
+    Args:
+        cell: Of the arm.
+        robot: The arm.
+
+    Returns:
+        Shape (3,) [m].
+    """
+    base = robot.T_world_base
+    return base.p + base.R @ robot.points[0] if shares_base(cell, robot) else base.p
+
+
 def body_poses(robot: Robot, q: Array) -> tuple[Array, Array]:
     """What takes each body of the arm from where it is in base axes with every joint at zero to the world.
 

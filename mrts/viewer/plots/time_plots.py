@@ -179,7 +179,7 @@ def _share_plot(
         if colour:
             dot = f'<span style="color:{colour}">●</span>'
             percent = _percent(most).replace(" ", "&nbsp;")
-            names.append(f"{dot}&nbsp;{html_text(shortened(of.labels[line], LETTERS))} {percent}")
+            names.append(f"{dot}&nbsp;{html_text(shortened(of.labels[line], LETTERS))}&nbsp;{percent}")
     if beside is not None:
         lines.append(ends.line(beside[0].time, beside[1].largest, 'class="line other"', f"{beside[0].name}: largest"))
     height = ends.height(1.0)
