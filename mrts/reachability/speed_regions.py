@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, median
 from mrts.kernel.one_unknown import KnownPlanes
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL
 from mrts.reachability.speed_kernel import speed_kernel
@@ -137,7 +137,7 @@ def _likely_speed(rates: Array, most: Array, length: float, ends: tuple[float, f
         ends: x at the first and the last sample.
     """
     if rates.size:
-        return max(*ends, 2 * length * float(np.median(rates)))
+        return max(*ends, 2 * length * median(rates))
     return max(*ends, float(np.max(most[np.isfinite(most)], initial=1.0)))
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mrts.base.argument_types import Progress
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, median
 from mrts.base.errors import InputError, SolverError
 from mrts.base.load_box import LoadPoint
 from mrts.coordination.coordinated_motion import CoordinatedMotion
@@ -170,7 +170,7 @@ class _Search:
             return _Failure((RetimingStatus.UNBOUNDED, why))
         with np.errstate(divide="ignore"):
             times = timed.segment_times
-        stuck = ~(times <= STUCK * np.median(times)) | np.isinf(times)
+        stuck = ~(times <= STUCK * median(times)) | np.isinf(times)
         if not np.any(stuck):
             return None
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"
