@@ -15,7 +15,6 @@ def test_they_are_numpys():
     for count in (1, 2, 3, 50):
         first, second = rng.normal(size=(2, count, 3))
         R = rng.normal(size=(count, 3, 3))
-        np.testing.assert_array_equal(cross(first, second), np.cross(first, second))
         np.testing.assert_array_equal(cross(first, second[0]), np.cross(first, second[0]))
         np.testing.assert_allclose(row_products(first, second), np.sum(first * second, axis=1), atol=ROUNDING)
         np.testing.assert_allclose(apply(R, first), (R @ first[:, :, None])[:, :, 0], atol=ROUNDING)

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+from contextlib import contextmanager
 
 import pytest
 from playwright.sync_api import sync_playwright
@@ -13,17 +14,23 @@ COARSE = 0.5
 """Pixels a point of the page: it is drawn without a graphics card, and tests compare whole pictures at most."""
 
 
-@pytest.fixture(scope="module")
-def browser():
-    """Chromium; without it the test fails where all tools are promised, and is skipped with advice elsewhere."""
+@contextmanager
+def running_chromium(*arguments):
+    """Chromium; without it a test fails where all tools are promised, and is skipped with advice elsewhere."""
     program = shutil.which("chromium")
     if program is None:
         assert "MRTS_ALL_TOOLS" not in os.environ, "apt-get install chromium"
         pytest.skip("needs chromium: apt-get install chromium")
     with sync_playwright() as playwright:
-        running = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        running = playwright.chromium.launch(executable_path=program, args=["--no-sandbox", *arguments])
         yield running
         running.close()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with running_chromium() as running:
+        yield running
 
 
 @pytest.fixture

@@ -1,8 +1,6 @@
 """A viewer in a process of its own, seen through a headless Chromium."""
 
-import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -10,7 +8,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
-from playwright.sync_api import sync_playwright
+from headless_browser import running_chromium
 
 from mrts.drawing.bodies.cell_view import FIELD_OF_VIEW
 
@@ -48,16 +46,8 @@ def interrupt(process):
 
 @pytest.fixture(scope="module")
 def chromium():
-    """Without it a test fails where all tools are promised, and is skipped with advice elsewhere."""
-    path = shutil.which("chromium")
-    if path is None:
-        assert "MRTS_ALL_TOOLS" not in os.environ, "apt-get install chromium"
-        pytest.skip("needs chromium: apt-get install chromium")
-    with sync_playwright() as playwright:
-        arguments = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-        browser = playwright.chromium.launch(executable_path=path, args=arguments)
-        yield browser
-        browser.close()
+    with running_chromium("--use-angle=swiftshader", "--enable-unsafe-swiftshader") as running:
+        yield running
 
 
 @contextmanager
