@@ -3,8 +3,9 @@
 
 import numpy as np
 
-from mrts.base.arrays import Array, apply
+from mrts.base.arrays import Array, apply, row_products
 from mrts.base.errors import MotionError
+from mrts.base.manifest import GEOMETRY
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import rotations_from_vectors, vectors_from_rotations
 from mrts.cell.cell import Cell
@@ -35,6 +36,7 @@ from mrts.inverse_kinematics.grasp_tracking import (
 )
 from mrts.inverse_kinematics.joint_limits import PRINTED_TOLERANCE, check_joint_limits
 from mrts.inverse_kinematics.tracking_messages import unreachable
+from mrts.kernel.tracking import closure_sizes
 from mrts.motion.joint_table import Source
 from mrts.motion.object_motion import ObjectMotion
 
@@ -61,6 +63,8 @@ def close_chain(
     Raises:
         MotionError: If a gap is larger than the bound, velocities or accelerations do not fit, or an arm is singular.
     """
+    if _holds(cell, given, bound):
+        return given
     tips = tip_motions(cell, given.q, given.dq, given.ddq)
     gaps = grasp_gaps(cell, given.object, tips)
     check_gaps(cell, given.object, gaps, bound, where)
@@ -86,6 +90,23 @@ def close_chain(
     dq, ddq = _rates_on_grasps(cell, target, q, given)
     moved = float(np.max(np.abs(q - given.q)))
     return CoordinatedMotion(target, q, dq, ddq, remarks + _correction(cell, gaps, bound, moved))
+
+
+def _holds(cell: Cell, given: CoordinatedMotion, bound: ClosureBound) -> bool:
+    """Whether given joints hold every grasp, where the compiled library can say so; it does not say what they lack."""
+    library = cell.functions.compiled
+    if library is None:
+        return False
+    inputs = given.inputs(cell.load) | {GEOMETRY: cell.geometry}
+    off = closure_sizes(library, inputs, given.object.position, cell.geometry, cell.wrench_rows)
+    if off is None:
+        return False
+    return bool(
+        np.all(off.distance <= min(GIVEN_CLOSURE, bound.position))
+        and np.all(off.angle <= min(GIVEN_CLOSURE, bound.angle))
+        and np.all(off.slip <= np.maximum(GIVEN_SLIP * off.velocity, REST_SLIP))
+        and np.all(off.acceleration_slip <= np.maximum(GIVEN_SLIP * off.acceleration, REST_SLIP))
+    )
 
 
 def _checked_roughness(rough: float, where: str) -> tuple[Remark, ...]:
@@ -180,7 +201,7 @@ def nearest_rates(cell: Cell, target: ObjectMotion, given: CoordinatedMotion) ->
     inverses = []
     for joints, (velocity, _) in zip(cell.joint_slices.values(), rates, strict=True):
         J = jacobians[:, :, joints]
-        inverses.append(np.asarray(np.linalg.pinv(J, rcond=1 / CONDITION_LIMIT), dtype=np.float64))
+        inverses.append(_inverses(J))
         dq[:, joints] += apply(inverses[-1], velocity - apply(J, dq[:, joints]))
     bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
     bias = bias.reshape(samples, len(cell.wrench_components), len(cell.robots))
@@ -188,3 +209,21 @@ def nearest_rates(cell: Cell, target: ObjectMotion, given: CoordinatedMotion) ->
         missing = acceleration - bias[:, :, index] - apply(jacobians[:, :, joints], ddq[:, joints])
         ddq[:, joints] += apply(inverses[index], missing)
     return dq, ddq
+
+
+def _inverses(J: Array) -> Array:
+    """Pseudoinverses of Jacobians without the directions that a singular arm has lost, Shape (N, n_i, w)."""
+    if J.shape[1] == J.shape[2]:
+        try:
+            inverses = np.asarray(np.linalg.inv(J), dtype=np.float64)
+        except np.linalg.LinAlgError:
+            return _pseudoinverses(J)
+        entries = J.reshape(len(J), -1), inverses.reshape(len(J), -1)
+        condition = np.sqrt(row_products(entries[0], entries[0]) * row_products(entries[1], entries[1]))  # or less
+        if np.all(condition < CONDITION_LIMIT):
+            return inverses
+    return _pseudoinverses(J)
+
+
+def _pseudoinverses(J: Array) -> Array:
+    return np.asarray(np.linalg.pinv(J, rcond=1 / CONDITION_LIMIT), dtype=np.float64)

@@ -18,7 +18,7 @@ PROGRAM_FILES = (
 CELL_FILES = (
     *(*PROGRAM_FILES, "basis/kept_basis.c", "lanes/lanes.c", "lanes/forms.c", "rows.c", "speed_intervals.c"),
     *("trajectory.c", "one_unknown/one_unknown.c"),
-    *(f"tracking/{name}.c" for name in ("null_space", "tracking", "quick_sample", "path")),
+    *(f"tracking/{name}.c" for name in ("null_space", "tracking", "quick_sample", "path", "closure")),
     *(f"dense/{name}.c" for name in ("path_places", "path_rows", "widening")),
     *(f"variants/{name}.c" for name in ("follow", "end_rows", "ranges")),
 )
@@ -44,9 +44,6 @@ ARITHMETIC = re.compile(r"^  a\d+=\((?:-|(?:a\d+|\d[\d.e+-]*)[-+*/])a\d+\);$", r
 
 OTHERS = re.compile(r"^  (?!a\d+=\()(.*)$", re.MULTILINE)
 
-OUTPUT = re.compile(r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=(a\d+);")
-"""What puts a number of an output."""
-
 ANGLE = re.compile(r"(a\d+)=(sin|cos)\((a\d+)\);")
 """What takes the sine or cosine of a joint."""
 
@@ -54,7 +51,7 @@ JOINT = re.compile(r"arg\[0\]\? arg\[0\]\[(\d+)\] : 0;")
 """What a joint is."""
 
 STATEMENTS = (
-    (OUTPUT, r"res[\1][\2]=\3;"),
+    (re.compile(r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=(a\d+);"), r"res[\1][\2]=\3;"),
     (re.compile(r"(a\d+)=arg\[(\d+)\]\? arg\[\2\]\[(\d+)\] : 0;"), r"\1=arg[\2][\3];"),
     (re.compile(r"(a\d+)=(-?\d[\d.e+-]*);"), r"\1=MRTS_V_OF(\2);"),
     (
@@ -132,11 +129,10 @@ def cell_source(manifest: Manifest, generated: str) -> str:
         macros["MRTS_GEOMETRIC_STIFFNESS"] = symbol["geometric_stiffness"]
         macros["MRTS_GEOMETRIC_STIFFNESS_RATE"] = symbol["geometric_stiffness_rate"]
     defined = "".join(f"#define {name} {value}\n" for name, value in macros.items())
-    arm = components * joints[0]
     in_lanes = [
         function_of_lanes(generated, symbol["wrench_form"], "form"),
-        function_of_lanes(generated, symbol["kinematics"], "kinematics", (3, 9, arm)),
-        function_of_lanes(generated, symbol["bias_acceleration"], "bias", (components,)),
+        function_of_lanes(generated, symbol["kinematics"], "kinematics"),
+        function_of_lanes(generated, symbol["bias_acceleration"], "bias"),
     ]
     defined += "" if all(in_lanes) else "#define MRTS_NO_LANES\n"
     of = "#define MRTS_V_OF(value) ((mrts_lanes){0} + (value))\n"
@@ -144,14 +140,13 @@ def cell_source(manifest: Manifest, generated: str) -> str:
     return f"{QUICKLY.format(generated)}\n{defined}{one_text(CELL_FILES)}\n{lanes}"
 
 
-def function_of_lanes(generated: str, symbol: str, name: str, first: tuple[int, ...] = ()) -> str:
+def function_of_lanes(generated: str, symbol: str, name: str) -> str:
     """A generated function for lanes, see lanes/lanes.h; nothing where it has statements of another kind.
 
     Args:
         generated: A cell's generated C.
         symbol: Of the function.
         name: That it gets there.
-        first: How many numbers of each output are wanted; nothing for all.
     """
     called = re.search(rf"int {symbol}\(const casadi_real.*\n  return (\w+)\(", generated)
     start = generated.find(f"static int {called[1]}(") if called else -1
@@ -170,8 +165,7 @@ def function_of_lanes(generated: str, symbol: str, name: str, first: tuple[int, 
             found = old.fullmatch(statement[1])
             if found:
                 known += 1
-                unwanted = old is OUTPUT and first and int(found[2]) >= first[int(found[1])]
-                return "" if unwanted else found.expand(new)
+                return found.expand(new)
         return ""
 
     lines = OTHERS.sub(of_lanes, body)

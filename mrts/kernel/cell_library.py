@@ -4,6 +4,7 @@
 import ctypes
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -344,22 +345,18 @@ class Scratch:
 
     def __init__(self, library: ctypes.CDLL, record: FunctionRecord) -> None:
         self.sizes = work_sizes(library, record.symbol)
-        self._allocate()
-
-    def _allocate(self) -> None:
-        *words, reals = self.sizes
-        self._arrays: list[NDArray[Any]] = [np.zeros(size + 1, dtype=np.int64) for size in words]
-        self._arrays.append(np.zeros(reals + 1))
 
     def at_least(self, *others: "Scratch") -> "Scratch":
         """The same with room for other functions' work as well."""
         self.sizes = tuple(max(sizes) for sizes in zip(self.sizes, *(other.sizes for other in others), strict=True))
-        self._allocate()
         return self
 
     def pointers(self) -> list[ctypes.c_void_p]:
-        """arg, res, iw, w."""
-        return [pointer(array) for array in self._arrays]
+        """arg, res, iw, w, in memory that lasts as long as this."""
+        starts = [0, *accumulate(size + 1 for size in self.sizes)]
+        self._memory = np.zeros(starts[-1])  # pointers and whole numbers have as many bytes
+        base = self._memory.ctypes.data
+        return [ctypes.c_void_p(base + self._memory.itemsize * start) for start in starts[:-1]]
 
 
 def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]) -> tuple[list[Array], Any]:
@@ -373,7 +370,7 @@ def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]
         rows, columns = argument.shape
         value = np.asarray(inputs[argument.name], dtype=np.float64)
         alone = value.shape == (rows,) and columns == 1
-        if not alone:
+        if not alone and (columns > 1 or value.shape != (samples, rows)):
             if value.size != samples * rows * columns or len(value) != samples:
                 raise ValueError(f"{argument.name} has Shape {value.shape}, not {(samples, rows, columns)}")
             value = value.reshape(samples, rows, columns).transpose(0, 2, 1)

@@ -139,6 +139,7 @@ def known_values(
     """
     opened, record = compiled.opened, compiled.records[function]
     given, strides = sample_inputs(record, samples, inputs)
+    scratch = Scratch(opened, record)  # it lasts as long as its memory is needed
     torque, wrench = np.zeros((samples, compiled.joints)), np.zeros((samples, compiled.wrenches))
     failed = opened.mrts_known_torques(
         ctypes.c_longlong(samples),
@@ -149,7 +150,7 @@ def known_values(
         len(given),
         pointer(torque),
         pointer(wrench),
-        *Scratch(opened, record).pointers(),
+        *scratch.pointers(),
     )
     assert failed == 0  # noqa: S101 (generated functions of smooth expressions cannot fail)
     return torque, wrench

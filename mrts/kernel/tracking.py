@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Inverse kinematics along a whole path in one foreign call (mrts/kernel/c/tracking/path.c)."""
+"""Inverse kinematics along a path, and how far given joints are from it, each one foreign call to kernel/c/tracking."""
 
 import ctypes
 from collections.abc import Sequence
@@ -8,11 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.kernel.cell_library import CellLibrary, Scratch
-from mrts.kernel.foreign_arrays import pointer
+from mrts.kernel.cell_library import CellLibrary, Scratch, pointers, sample_inputs
+from mrts.kernel.foreign_arrays import over_chunks, pointer
 
 HELD = ("gap", "turn", "jump", "condition", "drift", "curvature")
 """What is told of each robot at a sample: `mrts_held` of tracking.h."""
+
+CLOSURE_SIZES = 6
+"""Numbers of each arm, `MRTS_CLOSURE_SIZES` of closure.h."""
 
 
 class _Preference(ctypes.Structure):
@@ -153,3 +156,61 @@ def track_path(library: CellLibrary, task: GraspTask, path: Sequence[Array], sta
         *scratch[0].at_least(*scratch[1:]).pointers(),
     )
     return TrackedJoints(int(done), q, dq, ddq, **dict(zip(HELD, held.swapaxes(0, 1), strict=True)))
+
+
+@dataclass(frozen=True)
+class ClosureSizes:
+    """How far n arms are off their grasps, the largest of all samples, each Shape (n,); infinity for what is no number.
+
+    Attributes:
+        distance: Between tip and grasp [m].
+        angle: Between them [rad].
+        velocity: Largest component of velocities, of tip or grasp, in base axes [m/s, rad/s].
+        slip: The same of their differences.
+        acceleration: As `velocity`, of accelerations [m/s², rad/s²].
+        acceleration_slip: The same of their differences.
+    """
+
+    distance: Array
+    angle: Array
+    velocity: Array
+    slip: Array
+    acceleration: Array
+    acceleration_slip: Array
+
+
+def closure_sizes(
+    library: CellLibrary, inputs: dict[str, Array], position: Array, geometry: Array, components: Sequence[int]
+) -> ClosureSizes | None:
+    """How far given joints are from holding an object; None where the library has no lanes.
+
+    Args:
+        library: Of the cell.
+        inputs: Of the wrench form at N samples, by name.
+        position: Of the object, Shape (N, 3) [m].
+        geometry: Of the cell.
+        components: Those of a twist that a wrench of the cell has.
+    """
+    samples = len(position)
+    given, strides = sample_inputs(library.records["wrench_form"], samples, inputs)
+    at, placed = np.ascontiguousarray(position), np.ascontiguousarray(geometry)
+    taken = np.array(components, dtype=np.int32)
+    found: list[Array] = []
+
+    def run(first: int, count: int) -> None:
+        most = np.zeros((library.robots, CLOSURE_SIZES))
+        without = library.opened.mrts_closure(
+            ctypes.c_longlong(count),
+            pointers(given, first, strides),
+            strides,
+            *(pointer(array) for array in (at[first:], placed, taken, most)),
+        )
+        if not without:
+            found.append(most)
+
+    over_chunks(library.opened, samples, run)
+    if not found:
+        return None
+    apart, turned, *rates = np.max(found, axis=0).T
+    # |R - S|² of two rotations is 8 sin² of half the angle between them
+    return ClosureSizes(np.sqrt(apart), 2 * np.arcsin(np.minimum(np.sqrt(turned / 8), 1.0)), *rates)

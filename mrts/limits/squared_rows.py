@@ -37,6 +37,16 @@ class SquaredRows:
     is_cap: NDArray[np.bool_]
 
     @cached_property
+    def kept(self) -> NDArray[np.intp]:
+        """Those that are no caps, Shape (k,)."""
+        return np.flatnonzero(~self.is_cap)
+
+    @cached_property
+    def crosses(self) -> bool:
+        """Whether the sides of some row cross, as a reserve leaves them: it admits nothing."""
+        return bool(np.any(self.rows.lower > self.rows.upper))
+
+    @cached_property
     def uncapped(self) -> LimitRows:
         """The rows that are no caps."""
         return self.rows.only(~self.is_cap)

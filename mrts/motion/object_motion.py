@@ -90,6 +90,9 @@ class ObjectMotion(InNotebooks):
         self._take(SHAPES)
         if not _turns(self.rotation):
             raise InputError("rotation", "must hold rotation matrices: R Rᵀ = I, det R = 1.")
+        by_columns = np.ascontiguousarray(self.rotation.transpose(0, 2, 1))  # as generated functions read them
+        object.__setattr__(self, "rotation", by_columns.transpose(0, 2, 1))
+        by_columns.setflags(write=False)
         freeze(self)
         if not smooth:
             return

@@ -144,7 +144,7 @@ def _likely_speed(rates: Array, most: Array, length: float, ends: tuple[float, f
 def _probes(effect: Array) -> NDArray[np.int_]:
     """Some samples at which u has an effect, Shape (N,)."""
     moving = np.flatnonzero(effect)
-    return moving[np.unique(np.linspace(0, len(moving) - 1, PROBES).astype(int))] if moving.size else moving
+    return moving if len(moving) <= PROBES else moving[np.arange(PROBES) * (len(moving) - 1) // (PROBES - 1)]
 
 
 def _at_probes(given: "_Polytopes", effect: Array) -> Array:

@@ -85,6 +85,6 @@ def _compiled_widening(
         inputs = {name: value if value.ndim == 1 else value[places] for name, value in inputs.items()}
         terms = terms.at(places)
     inputs |= {GEOMETRY: cell.geometry, "load": cell.load if load is None else load}
-    units = fast.form.size[fast.kept]
+    units = fast.form.size[fast.form.kept]
     share, status = widenings(fast.compiled, len(places), inputs, fast.sparse(), units, terms, c2)
     return np.maximum(share, fast.passed_caps(c2, places)), status != OPTIMAL

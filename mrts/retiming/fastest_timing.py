@@ -2,6 +2,7 @@
 """The fastest timing with limits kept at the samples of a path, piece by piece, and why there is none."""
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -53,10 +54,11 @@ def fastest_timing(
     if asked.question == "guaranteed" and cell.load_box is not None:
         points = cell.load_box.corners(effective_parameters(cell, motion, cell.load_box, ("P", "Q", "S")))
     loads = tuple(cell.load if point is None else point.load for point in points)
+    answer = partial(RetimingResult, cell=cell, motion=motion, compared=compared, loads=loads, end_speeds=end_speeds)
     pieces = path_pieces(motion)
     if isinstance(pieces, NoPath):
         status, why = _no_path(pieces, motion.object.time)
-        return RetimingResult(cell, motion, status, why, compared, loads)
+        return answer(status=status, explanation=why)
     given = (("start_speed", start_speed, pieces[0].rests[0]), ("end_speed", end_speed, pieces[-1].rests[1]))
     for name, speed, rests in given:
         if speed > 0 and rests:
@@ -72,17 +74,9 @@ def fastest_timing(
         progress(number, len(pieces))
         found = search.run(progress if len(pieces) == 1 else lambda _done, _total: None)
         if isinstance(found, _Failure):
-            return RetimingResult(cell, motion, *found.reason, compared, loads, conflict=found.conflict)
+            return answer(status=found.reason[0], explanation=found.reason[1], conflict=found.conflict)
         timed.append(found)
-    return RetimingResult(
-        cell=cell,
-        motion=motion,
-        status=RetimingStatus.OPTIMAL,
-        explanation="",
-        compared=compared,
-        loads=loads,
-        pieces=tuple(timed),
-    )
+    return answer(status=RetimingStatus.OPTIMAL, explanation="", pieces=tuple(timed))
 
 
 def _no_path(found: NoPath, time: Array) -> tuple[RetimingStatus, str]:

@@ -134,7 +134,7 @@ def _piece(
     slowing = _root_mean_square(motion.ddq[part]) * np.where(np.arange(len(speed)) == 0, 1.0, -1.0)
     safe = np.where(speed > 0, speed, 1.0)
     growth = np.where(rest[part], slowing, row_products(motion.dq[part], motion.ddq[part]) / joints / safe)
-    h = np.diff(given.time[part])
+    h = given.time[first + 1 : last + 1] - given.time[first:last]
     step = h / 2 * (speed[:-1] + speed[1:]) + h**2 / 12 * (growth[:-1] - growth[1:])
 
     direction, bend = np.zeros_like(rates), np.zeros_like(rates)
@@ -278,7 +278,7 @@ def _arcs(q: Array, direction: Array) -> Array:
 
     They do not depend on the timing, which may have a kink between two samples.
     """
-    chord, turn = _root_mean_square(np.diff(q, axis=0)), _root_mean_square(np.diff(direction, axis=0))
-    half = np.arcsin(np.minimum(turn / 2, 1.0))
-    arcs: Array = chord / np.sinc(half / np.pi)
+    chord, turn = _root_mean_square(q[1:] - q[:-1]), _root_mean_square(direction[1:] - direction[:-1])
+    half = np.minimum(turn / 2, 1.0)
+    arcs: Array = chord * np.divide(np.arcsin(half), half, out=np.ones_like(half), where=half > 0)
     return arcs

@@ -140,7 +140,7 @@ def _fastest(
     remarks = timing_remarks(cell, given, lambda: compared.factor.bare.range)
 
     def timed(path: CoordinatedMotion, *, refined: bool = True) -> RetimingResult:
-        found = replace(fastest_timing(compared, path, speeds, progress, refined=refined), end_speeds=speeds)
+        found = fastest_timing(compared, path, speeds, progress, refined=refined)
         if not found.pieces:
             return found
         played = played_result(cell, path, rule, found.pieces, "fastest timing", warnings=remarks)

@@ -2,7 +2,7 @@
 """The programs of a whole trajectory: by the compiled kernel in one call, or put together here for another solver."""
 
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -213,18 +213,21 @@ class CompiledTrajectory:
     Attributes:
         compiled: The cell's library.
         form: All rows.
-        kept: Those that the library takes, Shape (r,).
-        caps: Those that only bound c².
+        samples: N.
         motors: What motors add.
         sharing: A fixed distribution of the load.
     """
 
     compiled: CellLibrary
     form: SquaredRows
-    kept: NDArray[np.int_]
-    caps: SpeedCaps
+    samples: int
     motors: MotorTerms | None
     sharing: LoadSharing | None
+
+    @cached_property
+    def caps(self) -> SpeedCaps:
+        """The rows that only bound c²."""
+        return self.form.caps(self.samples)
 
     @property
     def one_unknown(self) -> bool:
@@ -284,7 +287,7 @@ class CompiledTrajectory:
         given, caps = self.form.given, self.caps
         if isinstance(found, KnownRanges):
             sides = np.zeros((2, len(at_rest), len(given.names)), dtype=np.int8)
-            sides[:, :, self.kept] = found.tied
+            sides[:, :, self.form.kept] = found.tied
             sides[1, at_rest] = 0
             if caps.places.size:
                 with np.errstate(divide="ignore"):
@@ -294,7 +297,7 @@ class CompiledTrajectory:
                 TiedRows(end="lower", c2=ends[0], sides=sides[0], names=names, limits=limits),
                 TiedRows(end="upper", c2=ends[1], sides=sides[1], names=names, limits=limits),
             )
-        low, high = (KernelRows(given, self.kept, caps, found.basis[end], found.dual[end], {}) for end in (0, 1))
+        low, high = (KernelRows(given, self.form.kept, caps, found.basis[end], found.dual[end], {}) for end in (0, 1))
         for sample in np.flatnonzero(at_rest & np.isfinite(ends[1])).tolist():
             high.settled[sample] = caps.binding(sample)
         return low, high
@@ -341,10 +344,9 @@ def compiled_trajectory(
     if compiled is None or solver != "kernel" or formulation != "wrench":
         return None
     form = squared_limits(cell, motion)
-    kept = np.flatnonzero(~form.is_cap)
-    if len(kept) + compiled.unknowns > MOST_ROWS or np.any(form.rows.lower > form.rows.upper):  # by a reserve
+    if len(form.kept) + compiled.unknowns > MOST_ROWS or form.crosses:
         return None
-    return CompiledTrajectory(compiled, form, kept, form.caps(motion.samples), motor_terms(cell, motion), sharing)
+    return CompiledTrajectory(compiled, form, motion.samples, motor_terms(cell, motion), sharing)
 
 
 def _inputs(cell: Cell, motion: CoordinatedMotion, load: Array | None) -> dict[str, Array]:

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
 """What a user should know of a given motion before trusting the range that it has."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, largest_sizes
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
@@ -36,8 +37,8 @@ MOST_JUMPS = 4
 SIGNIFICANT = 0.05
 """Share of the largest acceleration of all joints from which that of a joint counts: of one at rest all is rounding."""
 
-NORMAL_QUARTILE = 0.3186
-"""Lower quartile of the size of a normal variable of deviation 1."""
+NORMAL_DIFFERENCE = 0.3186 * 70**0.5
+"""Lower quartile of the sizes of fourth differences of normal variables of deviation 1: 70 = 1² + 4² + 6² + 4² + 1²."""
 
 FAST = 10.0
 """Factor of speed above which something is probably missing."""
@@ -47,6 +48,9 @@ REMARKED = 1e-3
 
 OF_CONSTANT_FACTOR = ("not-at-rest", "factor-above-10")
 """Codes of remarks that tell nothing where the speed varies along the path."""
+
+_SEEN: WeakKeyDictionary[CoordinatedMotion, tuple[Array, int, int | None]] = WeakKeyDictionary()
+"""Jumps of a motion, how many samples have one, and its noisy joint: a timing and its comparison both ask for them."""
 
 
 def motion_remarks(cell: Cell, motion: CoordinatedMotion, found: ScalingRange) -> tuple[Remark, ...]:
@@ -85,34 +89,33 @@ def lasting(remarks: tuple[Remark, ...]) -> tuple[Remark, ...]:
 
 def _rough(cell: Cell, motion: CoordinatedMotion, found: Callable[[], ScalingRange]) -> list[Remark]:
     """Accelerations like noise where they set the range, or else single jumps of velocity."""
-    jumps = _jumps(motion)
-    jumping = int(np.count_nonzero(np.any(jumps > 0, axis=1)))
-    few = 0 < jumping <= MOST_JUMPS
-    joint = _noisy_joint(motion, many_jumps=jumping > MOST_JUMPS)
+    seen = _SEEN.get(motion)
+    if seen is None:
+        jumps = _jumps(motion)
+        jumping = int(np.count_nonzero(np.any(jumps > 0, axis=1)))
+        seen = _SEEN[motion] = jumps, jumping, _noisy_joint(motion, many_jumps=jumping > MOST_JUMPS)
+    jumps, jumping, joint = seen
     if joint is not None:
         told = found()
         if told.status.admits_motion and told.upper is not None and _set_by_torques(told.upper):
             return [_noise(cell, motion, told.upper, joint)]
-    return [_jump(cell, motion, jumps)] if few else []
+    return [_jump(cell, motion, jumps)] if 0 < jumping <= MOST_JUMPS else []
 
 
 def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
     """Ends at which some joint moves."""
-    largest = np.max(np.abs(motion.dq), axis=0)
-    moving = np.flatnonzero(largest > 0)
-    names = _joint_names(cell)
+    fastest = float(np.max(np.abs(motion.dq), initial=0.0))
     remarks = []
     for what, sample, why in (
         ("start", 0, "from standstill the velocity would jump there"),
         ("end", motion.samples - 1, "the velocity would jump to zero there"),
     ):
-        share = np.abs(motion.dq[sample, moving]) / np.max(largest, initial=0.0) if moving.size else np.zeros(1)
-        joint = int(np.argmax(share))
-        if share[joint] > ENDS_AT_REST:
-            speed = abs(float(motion.dq[sample, moving[joint]]))
+        joint = int(np.argmax(np.abs(motion.dq[sample])))
+        speed = abs(float(motion.dq[sample, joint]))
+        if speed > ENDS_AT_REST * fastest:
             text = (
-                f"the motion does not {what} at rest: {names[moving[joint]]} moves at {speed:.3g} "
-                f"{_unit(cell, moving[joint])}/s at t = {motion.object.time[sample]:.4g} s, and at every factor of "
+                f"the motion does not {what} at rest: {_joint_names(cell)[joint]} moves at {speed:.3g} "
+                f"{_unit(cell, joint)}/s at t = {motion.object.time[sample]:.4g} s, and at every factor of "
                 f"speed {why}. Give a motion that is at rest at both ends (a table of few rows: with its velocities), "
                 "or make sure that the robots move already."
             )
@@ -122,8 +125,9 @@ def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
 
 def _jumps(motion: CoordinatedMotion) -> Array:
     """Steps of velocity at inner samples that no smooth motion has, others 0, Shape (N - 2, m) [rad/s or m/s]."""
-    velocity = np.diff(motion.q, axis=0) / np.diff(motion.object.time)[:, None]
-    step = np.abs(np.diff(velocity, axis=0))
+    q, time = motion.q, motion.object.time
+    velocity = (q[1:] - q[:-1]) / (time[1:] - time[:-1])[:, None]
+    step = np.abs(velocity[1:] - velocity[:-1])
     least = LEAST_STEP * np.max(np.abs(motion.dq), initial=0.0)
     if motion.samples < FEWEST_SAMPLES or not np.any(step > least):
         return np.zeros_like(step)
@@ -150,8 +154,10 @@ def _noisy_joint(motion: CoordinatedMotion, *, many_jumps: bool) -> int | None:
     """The joint whose accelerations change most from sample to sample like noise; None if none do."""
     if motion.samples < FEWEST_SAMPLES:
         return None
+    largest = largest_sizes(motion.ddq)
+    if not many_jumps and not _may_be_noisy(motion.ddq, largest):
+        return None
     share = noise_share(motion.ddq)
-    largest = np.max(np.abs(motion.ddq), axis=0)
     share[largest < SIGNIFICANT * np.max(largest)] = 0.0
     joint = int(np.argmax(share))
     return None if share[joint] < NOISY and not many_jumps else joint
@@ -175,21 +181,45 @@ def _noise(cell: Cell, motion: CoordinatedMotion, end: RangeEnd, joint: int) -> 
 def noise_share(values: Array) -> Array:
     """Standard deviation of what is noise, as a share of the largest value, Shape (k,).
 
-    Fourth differences leave nothing of a smooth motion, and the lower quartile of their sizes nothing of few corners.
-    They are taken of every sample, every second and so on: between the rows of a table there may be many samples.
-
     Args:
         values: Shape (N, k), N at least `FEWEST_SAMPLES`.
     """
-    size, stride, of_each = np.zeros(values.shape[1]), 1, np.ascontiguousarray(values.T)
+    size = np.zeros(values.shape[1])
+    for differences in _fourth_differences(values):
+        sizes, place = np.abs(np.ascontiguousarray(differences.T)), len(differences) // 4
+        sizes.partition(place)
+        size = np.maximum(size, sizes[:, place])
+    largest = largest_sizes(values)
+    return np.asarray(size / NORMAL_DIFFERENCE / np.where(largest > 0, largest, 1.0))
+
+
+def _may_be_noisy(values: Array, largest: Array) -> bool:
+    """Whether the share of noise may reach `NOISY`: of squares the lower quartile is at most 4/3 of the mean.
+
+    Args:
+        values: As in `noise_share`.
+        largest: Of them, Shape (k,).
+    """
+    least = 3 / 4 * (NOISY * NORMAL_DIFFERENCE * largest) ** 2
+    least[largest == 0] = np.inf
+    return any(
+        np.any(np.ones(len(differences)) @ (differences * differences) >= least * len(differences))
+        for differences in _fourth_differences(values)
+    )
+
+
+def _fourth_differences(values: Array) -> Iterator[Array]:
+    """Of every sample, every second and so on, each Shape (…, k): between rows of a table there may be many samples.
+
+    They leave nothing of a smooth motion, and the lower quartile of their sizes nothing of few corners.
+    """
+    stride = 1
     while len(values) >= FEWEST_SAMPLES * stride:
-        differences = np.abs(np.diff(of_each[:, ::stride], 4))
-        place = differences.shape[1] // 4
-        differences.partition(place)
-        size, stride = np.maximum(size, differences[:, place]), 2 * stride
-    deviation = size / (NORMAL_QUARTILE * np.sqrt(70))  # 1² + 4² + 6² + 4² + 1²
-    largest = np.max(np.abs(values), axis=0)
-    return np.asarray(deviation / np.where(largest > 0, largest, 1.0))
+        differences = values[::stride]
+        for _ in range(4):
+            differences = differences[1:] - differences[:-1]
+        yield differences
+        stride *= 2
 
 
 def _fast(end: RangeEnd) -> list[Remark]:

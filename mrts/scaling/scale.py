@@ -205,7 +205,8 @@ class FactorQuestion:
         found = admissible_range(cell, given, self.question, rule, self.solver, self.tolerance, progress)
         found, factors = within_rate_limits(cell, found, rule)
         remarks = motion_remarks(cell, given, found.range)
-        added = np.setdiff1d(found.motion.object.time, given.object.time, assume_unique=True)
+        finer, own = found.motion.object.time, given.object.time
+        added = own[:0] if found.motion is given else np.setdiff1d(finer, own, assume_unique=True)
         untouched = ScalingResult(
             cell=cell,
             motion=found.motion,

@@ -19,6 +19,7 @@ from mrts.kernel.compiler import FLAGS
 from mrts.kernel.motion_rows import path_places, path_rows, widenings
 from mrts.kernel.programs import OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
+from mrts.kernel.tracking import closure_sizes
 from mrts.limits import limit_rows
 from mrts.retiming.path_pieces import PLACES
 
@@ -114,7 +115,8 @@ def ranges(request, tmp_path_factory):
         projected = opened.programs.projections(
             rows.A, rows.lower, rows.upper, scale, (np.column_stack([-far[:, 0], 0 * far[:, 1]]), far)
         )
-        return ranges, dense, places, least, projected
+        closed = closure_sizes(opened, inputs, motion.object.position + 1e-3, cell.geometry, cell.wrench_rows)
+        return ranges, dense, places, least, projected, closed
 
     return found
 
@@ -144,6 +146,8 @@ def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_sing
         np.testing.assert_allclose(one, other, rtol=FINAL, atol=FINAL)
     assert np.all(wide[4][2] == OPTIMAL)
     assert not np.array_equal(wide[4][1], single[4][1]), "the lanes have not been at work"
+    assert single[5] is None
+    np.testing.assert_array_equal(list(vars(wide[5]).values()), list(vars(narrow[5]).values()))
     for shares in wide[1]:
         assert np.any(shares == 0)
         assert np.max(shares) > 1e-2
@@ -203,6 +207,5 @@ def test_a_statement_of_another_kind_is_left_to_single_samples():
         "int form(const casadi_real** arg, casadi_real** res) {\n  return f0(arg, res);\n}\n"
     )
     assert "a1=sines[0];" in function_of_lanes(text % "sin(a0)", "form", "form")
-    assert "res[0][0]=a1;" not in function_of_lanes(text % "sin(a0)", "form", "form", (0,))
     for other in ("tan(a0)", "(a0+a0);\n  a1=sin(a1)"):
         assert function_of_lanes(text % other, "form", "form") == ""

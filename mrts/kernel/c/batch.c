@@ -85,59 +85,81 @@ MRTS_EXPORT void mrts_qp_batch(long long count, int k, int rows, const double *H
 /* Rounding of a speed on a limit, relative to 1 and the limit, so that a region of one point does not miss itself. */
 #define MRTS_ON_LIMIT 2e-10
 
-/* The half-planes of a segment over (u, x_i): those of its start, those of its end with x_(i+1) put in, and the interval
- * that x_(i+1) is to reach; returns their number. */
-static int mrts_segment(double step, double rise, const double *left, int left_count, const double *right,
-                        int right_count, double low, double high, double *A, double *upper) {
-    int row = 0;
+/* A coefficient of u that is none: beside it all else would be infinite. */
+#define MRTS_NO_RATE 1e-200
+
+/* Half-planes over (u, x) as bounds start - slope x of u, and those without u as bounds of x. */
+typedef struct {
+    int least_count, most_count; /* of bounds from below, from above */
+    double *least, *most;        /* start and slope of each, one after the other */
+    double low, high;            /* of x */
+} mrts_bounds;
+
+/* Adds n_u u + n_x x <= h. */
+static void mrts_add_bound(double u, double x, double h, mrts_bounds *bounds) {
+    if (MRTS_ABS(u) > MRTS_NO_RATE) {
+        const double per_u = 1 / u;
+        double *next = u > 0 ? bounds->most + 2 * bounds->most_count++ : bounds->least + 2 * bounds->least_count++;
+        next[0] = h * per_u;
+        next[1] = x * per_u;
+    } else if (x > 0) {
+        if (h / x < bounds->high) bounds->high = h / x;
+    } else if (x < 0) {
+        if (h / x > bounds->low) bounds->low = h / x;
+    }
+}
+
+/* The bounds of a segment over (u, x_i), x_i in [low, high]: those of its start, those of its end with x_(i+1) put in, and
+ * the interval that x_(i+1) is to reach. `work` is for them all. */
+static mrts_bounds mrts_segment(double step, double rise, const double *left, int left_count, const double *right,
+                                int right_count, const double *reach, double low, double high, double *work) {
+    mrts_bounds bounds = {0, 0, work, work + 2 * (left_count + right_count + 2), low, high};
     for (int end = 0; end < 2; ++end) {
         const double *plane = end ? right : left;
         const int count = end ? right_count : left_count;
-        for (int i = 0; i < count; ++i, ++row, plane += 3) {
-            A[2 * row] = plane[0] + (end ? 2 * step * plane[1] : 0);
-            A[2 * row + 1] = plane[1];
-            upper[row] = plane[2] + MRTS_ON_LIMIT * (1 + MRTS_ABS(plane[2])) + (end ? -0.5 : 0.5) * rise * plane[0];
+        for (int i = 0; i < count; ++i, plane += 3) {
+            mrts_add_bound(plane[0] + (end ? 2 * step * plane[1] : 0), plane[1],
+                           plane[2] + MRTS_ON_LIMIT * (1 + MRTS_ABS(plane[2])) + (end ? -0.5 : 0.5) * rise * plane[0], &bounds);
         }
     }
-    for (int side = 0; side < 2; ++side, ++row) {
-        A[2 * row] = side ? 2 * step : -2 * step;
-        A[2 * row + 1] = side ? 1 : -1;
-        upper[row] = side ? high : -low;
-    }
-    return row;
+    mrts_add_bound(-2 * step, -1, -reach[0], &bounds);
+    mrts_add_bound(2 * step, 1, reach[1], &bounds);
+    return bounds;
 }
 
-/* The interval of u at one x; its ends are on the lines start + slope x. */
+/* The interval of u at one x; its ends are on the lines start - slope x. */
 typedef struct {
     double least, least_start, least_slope, most, most_start, most_slope;
 } mrts_rates;
 
-/* The interval of u that the half-planes leave at one x. */
-static mrts_rates mrts_rates_at(int rows, const double *A, const double *upper, double x) {
+/* The interval of u that bounds leave at one x. */
+static mrts_rates mrts_rates_at(const mrts_bounds *bounds, double x) {
     mrts_rates u = {-MRTS_INFINITY, -MRTS_INFINITY, 0, MRTS_INFINITY, MRTS_INFINITY, 0};
-    for (int row = 0; row < rows; ++row) {
-        const double a = A[2 * row], value = (upper[row] - A[2 * row + 1] * x) / a;
-        if (a > 0 && value < u.most) {
-            u.most = value;
-            u.most_start = upper[row] / a;
-            u.most_slope = -A[2 * row + 1] / a;
-        } else if (a < 0 && value > u.least) {
-            u.least = value;
-            u.least_start = upper[row] / a;
-            u.least_slope = -A[2 * row + 1] / a;
-        }
+    for (const double *line = bounds->most; line < bounds->most + 2 * bounds->most_count; line += 2) {
+        const double value = line[0] - line[1] * x;
+        if (value >= u.most) continue;
+        u.most = value;
+        u.most_start = line[0];
+        u.most_slope = line[1];
+    }
+    for (const double *line = bounds->least; line < bounds->least + 2 * bounds->least_count; line += 2) {
+        const double value = line[0] - line[1] * x;
+        if (value <= u.least) continue;
+        u.least = value;
+        u.least_start = line[0];
+        u.least_slope = line[1];
     }
     return u;
 }
 
 /* The x nearest to `from` on the way to `to` that leaves some u: the interval's length is concave in x, so Newton's method
  * from outside ends at the exact line after finitely many steps. Returns 0 if there is none. */
-static int mrts_nearest(int rows, const double *A, const double *upper, double from, double to, double *x) {
+static int mrts_nearest(const mrts_bounds *bounds, double from, double to, double *x) {
     const double inward = to >= from ? 1 : -1;
     *x = from;
-    for (int step = 0; step <= rows; ++step) {
-        const mrts_rates u = mrts_rates_at(rows, A, upper, *x);
-        const double slope = u.most_slope - u.least_slope;
+    for (int step = 0; step <= bounds->least_count + bounds->most_count; ++step) {
+        const mrts_rates u = mrts_rates_at(bounds, *x);
+        const double slope = u.least_slope - u.most_slope;
         if (u.most >= u.least) return 1;
         if (slope * inward <= 0) return 0;
         /* where the two lines meet, from their coefficients: `from` may be many orders of magnitude away */
@@ -149,17 +171,11 @@ static int mrts_nearest(int rows, const double *A, const double *upper, double f
     return 1;
 }
 
-/* Least and largest x_i that leave some u; [*low, *high] bounds them on entry. Returns 0 if there is none. */
-static int mrts_controllable(int rows, const double *A, const double *upper, double *low, double *high) {
+/* Least and largest x_i that leave some u. Returns 0 if there is none. */
+static int mrts_controllable(const mrts_bounds *bounds, double *low, double *high) {
     double least, most;
-    for (int row = 0; row < rows; ++row) {
-        const double a = A[2 * row + 1];
-        if (A[2 * row] != 0) continue;
-        if (a > 0 && upper[row] / a < *high) *high = upper[row] / a;
-        if (a < 0 && upper[row] / a > *low) *low = upper[row] / a;
-    }
-    if (*low > *high) return 0;
-    if (!mrts_nearest(rows, A, upper, *low, *high, &least) || !mrts_nearest(rows, A, upper, *high, *low, &most)) return 0;
+    if (bounds->low > bounds->high) return 0;
+    if (!mrts_nearest(bounds, bounds->low, bounds->high, &least) || !mrts_nearest(bounds, bounds->high, bounds->low, &most)) return 0;
     *low = least;
     *high = most > least ? most : least;
     return 1;
@@ -171,26 +187,26 @@ MRTS_EXPORT long long mrts_backward(long long last, const double *step, const do
                                     const double *planes, double *low, double *high, double *work) {
     for (long long i = last - 1; i >= 0; --i) {
         const int left = (int)(start[i + 1] - start[i]), right = (int)(start[i + 2] - start[i + 1]);
-        double *A = work, *upper = A + 2 * (left + right + 2);
-        const int rows = mrts_segment(step[i], rise[i], planes + 3 * start[i], left, planes + 3 * start[i + 1], right,
-                                      low[i + 1], high[i + 1], A, upper);
-        if (!mrts_controllable(rows, A, upper, low + i, high + i)) return i;
+        const double reach[2] = {low[i + 1], high[i + 1]};
+        const mrts_bounds bounds = mrts_segment(step[i], rise[i], planes + 3 * start[i], left, planes + 3 * start[i + 1], right,
+                                                reach, low[i], high[i], work);
+        if (!mrts_controllable(&bounds, low + i, high + i)) return i;
     }
     return -1;
 }
 
 /* Reals of work of both passes, where no two samples in a row have more than so many half-planes. */
-MRTS_EXPORT long long mrts_segment_work(long long planes) { return 3 * (planes + 2); }
+MRTS_EXPORT long long mrts_segment_work(long long planes) { return 4 * (planes + 2); }
 
 /* Forward: from x[0] the largest controllable speed at each next sample. */
 MRTS_EXPORT void mrts_forward(long long last, const double *step, const double *rise, const long long *start,
                               const double *planes, const double *low, const double *high, double *x, double *work) {
     for (long long i = 0; i < last; ++i) {
         const int left = (int)(start[i + 1] - start[i]), right = (int)(start[i + 2] - start[i + 1]);
-        double *A = work, *upper = A + 2 * (left + right + 2);
-        const int rows = mrts_segment(step[i], rise[i], planes + 3 * start[i], left, planes + 3 * start[i + 1], right,
-                                      low[i + 1], high[i + 1], A, upper);
-        const mrts_rates u = mrts_rates_at(rows, A, upper, x[i]);
+        const double reach[2] = {low[i + 1], high[i + 1]};
+        const mrts_bounds bounds = mrts_segment(step[i], rise[i], planes + 3 * start[i], left, planes + 3 * start[i + 1], right,
+                                                reach, x[i], x[i], work);
+        const mrts_rates u = mrts_rates_at(&bounds, x[i]);
         const double next = x[i] + 2 * step[i] * (u.most >= u.least ? u.most : (u.most + u.least) / 2);
         x[i + 1] = next < low[i + 1] ? low[i + 1] : next > high[i + 1] ? high[i + 1] : next;
     }

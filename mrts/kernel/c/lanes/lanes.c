@@ -20,46 +20,50 @@
 #define MRTS_SET(value, lane, number) ((value)[lane] = (number))
 #define MRTS_GET(value, lane) ((value)[lane])
 #define MRTS_SINES(count, angle, both) MRTS_OF(mrts_sines)(count, angle, both)
+#define MRTS_RUN_KINEMATICS(places, arg, sines, res) (MRTS_KINEMATICS_IN_LANES(arg, sines, res), 0)
+#define MRTS_RUN_BIAS(places, arg, sines, res) (MRTS_BIAS_IN_LANES(arg, sines, res), 0)
 
 #define MRTS_STATIC static inline
 #define MRTS_OF(name) name##_lanes
 #define MRTS_FORM_IN_LANES mrts_form_of_lanes
-#define MRTS_RUN_KINEMATICS(places, arg, sines, res) (mrts_kinematics_of_lanes(arg, sines, res), 0)
-#define MRTS_RUN_BIAS(places, arg, sines, res) (mrts_bias_of_lanes(arg, sines, res), 0)
+#define MRTS_KINEMATICS_IN_LANES mrts_kinematics_of_lanes
+#define MRTS_BIAS_IN_LANES mrts_bias_of_lanes
 #include "../basis/kept_basis.inc"
 #include "lane_angles.inc"
 #include "lane_samples.inc"
 #include "../dense/lane_widening.inc"
 #include "lane_torques.inc"
 #include "../dense/places.inc"
+#include "../tracking/closure.inc"
 
 #ifdef MRTS_WIDE
 #undef MRTS_STATIC
 #undef MRTS_OF
 #undef MRTS_FORM_IN_LANES
-#undef MRTS_RUN_KINEMATICS
-#undef MRTS_RUN_BIAS
+#undef MRTS_KINEMATICS_IN_LANES
+#undef MRTS_BIAS_IN_LANES
 #include "wide_numbers.inc"
 #define MRTS_STATIC MRTS_WIDE static inline
 #define MRTS_OF(name) name##_wide
 #define MRTS_FORM_IN_LANES mrts_form_of_wide_lanes
-#define MRTS_RUN_KINEMATICS(places, arg, sines, res) (mrts_kinematics_of_wide_lanes(arg, sines, res), 0)
-#define MRTS_RUN_BIAS(places, arg, sines, res) (mrts_bias_of_wide_lanes(arg, sines, res), 0)
+#define MRTS_KINEMATICS_IN_LANES mrts_kinematics_of_wide_lanes
+#define MRTS_BIAS_IN_LANES mrts_bias_of_wide_lanes
 #include "../basis/kept_basis.inc"
 #include "lane_angles.inc"
 #include "lane_samples.inc"
 #include "../dense/lane_widening.inc"
 #include "lane_torques.inc"
 #include "../dense/places.inc"
+#include "../tracking/closure.inc"
 #endif
 
 MRTS_LOCAL mrts_lane_functions mrts_lane_functions_here(void) {
     const mrts_lane_functions anywhere = {mrts_lane_form_lanes, mrts_lane_rows_of_lanes, mrts_lane_end_lanes, mrts_dense_form_lanes,
-                                          mrts_dense_bound_lanes, mrts_dense_passed_lanes, mrts_some_places_lanes,
+                                          mrts_dense_bound_lanes, mrts_dense_passed_lanes, mrts_some_places_lanes, mrts_closures_lanes,
                                           mrts_lane_programs_lanes, mrts_lane_torques_lanes};
 #ifdef MRTS_WIDE
     const mrts_lane_functions wide = {mrts_lane_form_wide, mrts_lane_rows_of_wide, mrts_lane_end_wide, mrts_dense_form_wide, mrts_dense_bound_wide,
-                                      mrts_dense_passed_wide, mrts_some_places_wide, mrts_lane_programs_wide, mrts_lane_torques_wide};
+                                      mrts_dense_passed_wide, mrts_some_places_wide, mrts_closures_wide, mrts_lane_programs_wide, mrts_lane_torques_wide};
     if (__builtin_cpu_supports("avx2")) return wide;
 #endif
     return anywhere;
@@ -74,4 +78,6 @@ MRTS_LOCAL mrts_lane_functions mrts_lane_functions_here(void) {
 #undef MRTS_SET
 #undef MRTS_GET
 #undef MRTS_SINES
+#undef MRTS_RUN_KINEMATICS
+#undef MRTS_RUN_BIAS
 #endif

@@ -10,6 +10,7 @@
 #include "../dense/places.h"
 #include "../dense/wrenches_before.h"
 #include "../rows.h"
+#include "../tracking/closure.h"
 #include "lane_types.h"
 
 /* Unknowns up to which torques are found in lanes: their programs stand on the stack, 10 kB times the square of the number of
@@ -21,7 +22,7 @@
 
 #if MRTS_LANES > 1
 /* Generated functions for lanes: every input is there, with sine and cosine of each of the first input's numbers, and every
- * output, of kinematics and bias acceleration those of the first arm alone. */
+ * output. */
 #define MRTS_LANE_FUNCTION(name) void name(const mrts_lanes *const *arg, const mrts_lanes *sines, mrts_lanes *const *res)
 MRTS_LANE_FUNCTION(mrts_form_of_lanes);
 MRTS_LANE_FUNCTION(mrts_kinematics_of_lanes);
@@ -88,6 +89,10 @@ typedef struct {
     void (*dense_passed)(const mrts_dense_lanes *at, const mrts_lanes *free, mrts_lanes *most, mrts_lane_mask *finite);
     /* Finds what is wanted at some places of a path. */
     int (*places)(const mrts_places *to, const mrts_lanes *geometry, const long long *places);
+    /* Makes what is known of the closure of each arm, (MRTS_ROBOTS, MRTS_CLOSURE_SIZES), the larger of that and of some
+     * samples, and takes from `finite` those of which one is no number; `given` are the inputs of the wrench form. */
+    void (*closures)(const double *geometry, const int *components, const mrts_lanes *const *given,
+                     const mrts_lanes *position, mrts_lanes *most, mrts_lane_mask *finite);
     /* Evaluates the wrench form and makes the programs of the samples at the places `at`, each at its c2. */
     void (*programs)(const mrts_lanes *const *arg, const mrts_limits *limits, const mrts_terms *terms, const long long *at,
                      const mrts_lanes *c2, mrts_lane_program *program);
