@@ -42,20 +42,21 @@ def path_places(
         weights: Where the places are in a segment, Shape (p,), what velocities and accelerations at its ends weigh
             there, Shape (p, 3, 4), and in the way over a whole segment, Shape (4,); `polynomial_weights` of
             mrts/coordination/denser_motion.py.
-        speeds: Squared speeds and their rates at the places, each Shape (p (N - 1),), segment after segment.
+        speeds: The squared speed at the samples, Shape (N,), and half its slope at the start and at the end of each
+            segment, a line in between, Shape (N - 1, 2).
         geometry: Of the cell.
         components: Those of a twist that a wrench of the cell has.
 
     Returns:
-        q, q̇, q̈, each Shape (p (N - 1), m), and of the object position, Shape (p (N - 1), 3), rotation, (…, 3, 3),
-        twist and acceleration, each (…, 6).
+        The parameter of the path from the first place on, Shape (p (N - 1),), q, q̇, q̈, each Shape (p (N - 1), m), and
+        of the object position, Shape (p (N - 1), 3), rotation, (…, 3, 3), twist and acceleration, each (…, 6).
     """
     given = [np.ascontiguousarray(array, dtype=np.float64) for array in (*path, weights[1], weights[0], weights[2])]
     along = _Path(*(pointer(array) for array in given), len(weights[0]))
     asked: list[NDArray[Any]] = [np.ascontiguousarray(array, dtype=np.float64) for array in (*speeds, geometry)]
     taken = np.array(components, dtype=np.int32)
-    count = len(speeds[0])
-    shapes = [*[(library.joints,)] * 3, (3,), (3, 3), (6,), (6,)]
+    count = len(weights[0]) * (len(path[0]) - 1)
+    shapes = [(), *[(library.joints,)] * 3, (3,), (3, 3), (6,), (6,)]
     found = arrays_in_reused_memory([(count, *shape) for shape in shapes])
 
     def run(first: int, samples: int) -> None:
@@ -73,8 +74,8 @@ def path_places(
     over_chunks(library.opened, count, run)
     for array in found:
         array.setflags(write=False)  # so that motions share them
-    by_columns = found[4]  # as generated functions want them, so that nobody has to turn them over for those
-    return *found[:4], by_columns.transpose(0, 2, 1), *found[5:]
+    by_columns = found[5]  # as generated functions want them, so that nobody has to turn them over for those
+    return *found[:5], by_columns.transpose(0, 2, 1), *found[6:]
 
 
 def widenings(

@@ -199,23 +199,22 @@ def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> Coordin
     Returns:
         The motion at p (n - 1) samples, segment after segment; its time is the path parameter.
     """
-    path, step = part.piece.path, part.piece.step
-    s = (path.object.time[:-1, None] + step[:, None] * places).ravel()
-    x, rate = part.inside(places)
-    library = cell.functions.compiled
+    path, library = part.piece.path, cell.functions.compiled
     if library is None:
+        s = (path.object.time[:-1, None] + part.piece.step[:, None] * places).ravel()
+        x, rate = part.inside(places)
         q, dq, ddq = velocity_polynomials(path.object.time, (path.q, path.dq, path.ddq), s)
         return _retimed(carried_by_first(cell, s - s[0], q, dq, ddq, smooth=False), np.sqrt(x), x, rate)
-    q, dq, ddq, *carried = path_places(
+    s, q, dq, ddq, *carried = path_places(
         library,
         (path.object.time, path.q, path.dq, path.ddq),
         (places, polynomial_weights(places), WHOLE_WAY),
-        (x, rate),
+        (part.x, part.rates),
         cell.geometry,
         cell.wrench_rows,
     )
     position, rotation, twist, acceleration = carried
-    inside = unchecked_object_motion(s - s[0], position, rotation, twist, acceleration)
+    inside = unchecked_object_motion(s, position, rotation, twist, acceleration)
     return unchecked_coordinated_motion(inside, q, dq, ddq)
 
 

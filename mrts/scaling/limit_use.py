@@ -197,6 +197,8 @@ def rate_uses(done: "ScaledTrajectory", kept: RateLimits | None) -> list[RateUse
         done: The trajectory.
         kept: The limits that it keeps; None where it keeps none, and then those that the cell gives tell.
     """
+    if kept is None and not given_rate_limits(done.cell).limits_something:
+        return []
     found = []
     for names, values, limits in _rate_quantities(done, kept):
         if not np.any(np.isfinite(limits)):

@@ -99,9 +99,9 @@ def ranges(request, tmp_path_factory):
         ranges = [opened.ranges(SAMPLES, inputs, limits, one, most) for one in (SampleTerms(), terms)]
         dense = [widenings(opened, SAMPLES, inputs, limits, units, one, c2)[0] for one in (SampleTerms(), terms)]
         path = (motion.object.time, motion.q, motion.dq, motion.ddq)
-        speeds = rng_of_speeds.random((2, len(PLACES) * (SAMPLES - 1)))
+        speeds = rng_of_speeds.random(SAMPLES) + 1, rng_of_speeds.random((SAMPLES - 1, 2))
         weights = (PLACES, polynomial_weights(PLACES), WHOLE_WAY)
-        places = path_places(opened, path, weights, tuple(speeds), cell.geometry, cell.wrench_rows)
+        places = path_places(opened, path, weights, speeds, cell.geometry, cell.wrench_rows)
         many_weights = [np.eye(opened.joints), np.diag(W) + 0.1 * np.outer(W, W)]
         least = [
             opened.torques(SAMPLES, inputs, limits, one, np.full(SAMPLES, 0.9 * top), weight, 1e-9)

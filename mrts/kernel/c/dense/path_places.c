@@ -37,15 +37,15 @@ static int mrts_run_at(MRTS_GENERATED((*run)), const mrts_places *places, int in
 #undef MRTS_RUN_BIAS
 #endif
 
-/* Places first .. first + count - 1 of all segments in a row: joints and object, each place at its squared speed x and its
- * rate u; `components` are those of a twist that a wrench of the cell has. Returns 1 if a generated function failed. */
+/* Places first .. first + count - 1 of all segments in a row, see mrts_places: the time from the first place of all, joints
+ * and object. Returns 1 if a generated function failed. */
 MRTS_EXPORT int mrts_path_places(long long first, long long count, const mrts_joint_path *path, const double *x,
-                                 const double *u, const double *geometry, const int *components, double *q, double *dq,
-                                 double *ddq, double *position, double *rotation, double *twist, double *acceleration,
+                                 const double *u, const double *geometry, const int *components, double *time, double *q,
+                                 double *dq, double *ddq, double *position, double *rotation, double *twist, double *acceleration,
                                  const double **arg, double **res, long long *iw, double *w) {
-    const mrts_places to = {path,     x,        u,     geometry,     components, q,   dq, ddq,
-                            position, rotation, twist, acceleration, arg,        res, iw, w};
+    mrts_places to = {path, x, u, geometry, {0}, time, q, dq, ddq, position, rotation, twist, acceleration, arg, res, iw, w};
     long long places[MRTS_LANES];
+    for (int i = 0; i < MRTS_SIZE; ++i) to.components[i] = components[i];
 #if MRTS_LANES > 1
     const mrts_lane_functions functions = mrts_lane_functions_here();
     mrts_lanes numbers[MRTS_GEOMETRY_NUMBERS];

@@ -21,10 +21,10 @@ typedef struct {
 /* Places of all segments in a row, and what is known and found there. */
 typedef struct {
     const mrts_joint_path *path;
-    const double *x, *u;    /* squared speed, and its rate */
+    const double *x, *u;    /* squared speed at the samples; half its slope at the start and at the end of each segment */
     const double *geometry;
-    const int *components;  /* those of a twist that a wrench of the cell has */
-    double *q, *dq, *ddq, *position, *rotation, *twist, *acceleration; /* rotations by columns, as generated functions want them */
+    int components[MRTS_SIZE]; /* those of a twist that a wrench of the cell has */
+    double *time, *q, *dq, *ddq, *position, *rotation, *twist, *acceleration; /* rotations by columns, as generated functions want them */
     const double **arg;     /* work of generated functions */
     double **res;
     long long *iw;

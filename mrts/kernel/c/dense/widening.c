@@ -291,17 +291,18 @@ MRTS_EXPORT int mrts_widenings(long long count, const double *const *in, const l
             path.basis[0] = 0;
         }
         for (int j = 0; j < F && path.known.count < 0; ++j) path.known.wrench[j] = 0;
-        for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + n * stride[i];
-        path.at.terms = mrts_terms_of_sample(terms, n, limits->rows);
-        path.at.rotation = arg[MRTS_ROTATION];
-        path.at.c2 = c2[n];
 #if MRTS_LANES > 1
         const int lane = (int)(n % MRTS_LANES);
         if (lane == 0) mrts_take_widening(in, stride, n, count, c2, &lanes);
         status[n] = MRTS_OPTIMAL;
         if (mrts_widening_in_lanes(&lanes, lane, &path.known, share + n)) continue;
         mrts_form_of_lane(&lanes.at, lane, &path.at.form);
-#else
+#endif
+        for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + n * stride[i];
+        path.at.terms = mrts_terms_of_sample(terms, n, limits->rows);
+        path.at.rotation = arg[MRTS_ROTATION];
+        path.at.c2 = c2[n];
+#if MRTS_LANES == 1
         res[0] = path.at.form.torque_map;
         res[1] = path.at.form.torque_offset;
         res[2] = path.at.form.wrench_map;
