@@ -141,6 +141,8 @@ class RetimingResult(InNotebooks):
     def factor(self) -> ChosenFactor:
         """The best constant factor, for comparison; its range is found when it is first asked for.
 
+        It keeps the limits that are registered then (docs/extending.md), as `retimed.range` does.
+
         Raises:
             MotionError: If the arms cannot hold the object where that range is looked at between the samples.
             SolverError: If no solver answers.
