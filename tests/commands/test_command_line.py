@@ -161,6 +161,9 @@ def test_help_and_version():
     [
         (["scale", "cell.yaml"], "the following arguments are required: MOTION ('mrts scale --help' has the options, "),
         (["scael"], "there is no verb 'scael': did you mean 'scale'? ('mrts --help' has "),
+        (["scale", "cell.yaml", "lift.yaml", "--plot", ""], "argument --plot: must not be empty: name a file or a "),
+        (["report", "r.npz", "--output="], "argument -o/--output: must not be empty"),
+        (["scale", "", "lift.yaml"], "argument CELL: must not be empty"),
         (["new", "x", "--mass", "heavy"], "argument --mass: invalid float value: 'heavy' ('mrts new --help' has "),
     ],
 )
