@@ -14,7 +14,7 @@ import sys
 from collections.abc import Container, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from mrts.base.errors import MotionError, MrtsError
 from mrts.base.printable import message_text
@@ -153,12 +153,23 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Its messages quote what was typed."""
+    """Its messages quote what was typed, and names of files are not empty."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.register("type", Path, _named)
 
     def error(self, message: str) -> NoReturn:
         """Print the message and where the options stand, and leave; a usage of twenty lines would hide it."""
         fail(f"error: {message_text(message)} ('{self.prog} --help' has the options, and examples)")
         raise SystemExit(BAD_INPUT)
+
+
+def _named(text: str) -> Path:
+    """The file or folder of a name: an empty one would be the folder that the caller is in."""
+    if not text:
+        raise argparse.ArgumentTypeError("must not be empty: name a file or a folder")
+    return Path(text)
 
 
 def negatives_attached(words: Sequence[str]) -> list[str]:

@@ -5,7 +5,6 @@ import numpy as np
 
 import mrts
 from mrts.retiming.fastest_timing import fastest_timing
-from mrts.retiming.result import Comparison
 from mrts.scaling.scale import FactorQuestion
 from mrts.solvers import DEFAULT_SOLVER
 
@@ -25,5 +24,5 @@ def timing_alone(constant: mrts.ScalingResult) -> float:
         question="nominal",
         tolerance=None,
     )
-    found = fastest_timing(Comparison(asked), constant.motion, (0.0, 0.0), lambda _done, _total: None)
+    found = fastest_timing(asked, constant.motion, (0.0, 0.0), lambda _done, _total: None)
     return float(sum(np.sum(piece.segment_times) for piece in found.pieces))

@@ -110,9 +110,11 @@ def as_path(name: str, value: Any) -> Path:
         value: Text or a path.
 
     Raises:
-        InputError: If it is neither.
+        InputError: If it is neither, or empty.
     """
     check_type(name, value, str, PathLike)
+    if value == "":
+        raise InputError(name, "must not be empty: name a file or a folder.", value=value)
     try:
         return Path(value)
     except TypeError:  # a PathLike of bytes

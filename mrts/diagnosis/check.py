@@ -21,7 +21,8 @@ from mrts.diagnosis.assumptions import assumptions
 from mrts.diagnosis.cell_check import CellCheck
 from mrts.diagnosis.hint import Hint
 from mrts.diagnosis.postures_at_start import posture_hints
-from mrts.diagnosis.unit_hints import unit_hints, written_degrees
+from mrts.diagnosis.unit_hints import TORQUE_UNIT, unit_hints, written_degrees
+from mrts.diagnosis.unlike_limits import unlike_limits
 from mrts.diagnosis.what_would_work import what_would_work
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import load_motion
@@ -71,9 +72,11 @@ def check(
         remarks=whole.remarks,
         hints=tuple(hints),
     )
-    if given is None:
+    if given is not None:
+        found = _with_reach(found, _Question(model, whole, joints, given), progress)
+    if any(hint.code == TORQUE_UNIT for hint in found.hints):
         return found
-    return _with_reach(found, _Question(model, whole, joints, given), progress)
+    return replace(found, hints=(*found.hints, *unlike_limits(whole, joints)))
 
 
 @dataclass(frozen=True)

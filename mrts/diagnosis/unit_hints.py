@@ -40,6 +40,9 @@ EARTHLY = (9.0, 10.5)
 STRAIGHT = 0.9
 """Share of gravity along one axis from which on that is the vertical."""
 
+TORQUE_UNIT = "torque-millimetres"
+"""Code of the hint on torques in N mm."""
+
 WHOLE_TURN = 2 * np.pi
 """An angle beyond it [rad] is rather meant in degrees."""
 
@@ -193,7 +196,7 @@ def _torques(cell: Cell, joints: Sequence[JointSource]) -> Iterator[Hint]:
         if turning and weight > 0 and float(np.median(turning)) > STRONG * weight:
             source = own[0].torque_from
             yield Hint(
-                "torque-millimetres",
+                TORQUE_UNIT,
                 f"the torque limits of robot '{robot.name}' ({source}) are around {float(np.median(turning)):.4g} N m, "
                 f"and {weight:.3g} N m hold the whole arm stretched out: they seem to be in N mm, and must be in N m, "
                 "or the links weigh more than their URDF says.",

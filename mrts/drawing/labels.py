@@ -15,10 +15,26 @@ LONGEST_LABEL = 44
 LANE_LETTERS = 32
 """Letters of a row's name beside its lane."""
 
+MOST_LETTERS = 128
+"""Of names that are alike where they are shorter."""
+
 
 def shortened(name: str, longest: int = LONGEST_LABEL) -> str:
     """A printable name whose middle is left out where it is too long."""
     return cut(printable(name), longest)
+
+
+def shortened_apart(names: Sequence[str], longest: int = LANE_LETTERS) -> list[str]:
+    """Names as `shortened`, as long as it takes to tell them apart.
+
+    Args:
+        names: Beside each other.
+        longest: Letters of each, where that suffices.
+    """
+    short = [shortened(name, longest) for name in names]
+    if len({*short}) == len({*names}) or longest >= MOST_LETTERS:
+        return short
+    return shortened_apart(names, 2 * longest)
 
 
 def row_label(row: ActiveRow) -> str:

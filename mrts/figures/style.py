@@ -68,14 +68,14 @@ def plain(name: str, longest: int = LONGEST_LABEL) -> str:
 
 
 def in_lines(text: str, longest: int) -> str:
-    """Text in lines; a path or a name breaks after its dots and slashes too.
+    """Text in lines; a path or a name breaks after its dots and slashes too, and no line begins with an arrow.
 
     Args:
         text: Any.
         longest: Letters of a line, which a longer word exceeds.
     """
     lines = [""]
-    for piece in re.split(r"(?<=[./])(?=[^\W\d])|(?<= )", text):
+    for piece in re.split(r"(?<=[./])(?=[^\W\d])|(?<= )(?![↑↓])", text):
         if lines[-1] and len(lines[-1]) + len(piece.rstrip()) > longest:
             lines.append("")
         lines[-1] += piece

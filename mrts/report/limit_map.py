@@ -5,7 +5,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.drawing.colours import COLOURS
-from mrts.drawing.labels import LANE_LETTERS, shortened
+from mrts.drawing.labels import shortened_apart
 from mrts.report.limiting import LimitingRows
 from mrts.report.markup import plot_text
 from mrts.report.plots import Plot, layout, numbers
@@ -53,7 +53,7 @@ def limit_map(result: ScalingResult, limiting: LimitingRows) -> Plot:
     most = np.max(shares, axis=0)
     order = sorted(range(len(names)), key=lambda row: (names[row] not in limiting.setting, -most[row]))[:MOST_ROWS]
     edges, columns = _columns(time, percents[:, order])
-    labels = [shortened(name.short, LANE_LETTERS) for name in (names[row] for row in order)]
+    labels = shortened_apart([names[row].short for row in order])
     shape = layout("time [s]", "", (len(order) - 0.5, -0.5))
     shape["hovermode"] = "closest"
     shape["xaxis"] |= {"showgrid": False, "range": numbers(time[[0, -1]])}

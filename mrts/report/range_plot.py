@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.drawing.axis_reach import c2_reach
 from mrts.drawing.colours import ADMISSIBLE, END_COLOURS
-from mrts.drawing.labels import LANE_LETTERS, row_label, shortened
+from mrts.drawing.labels import row_label, shortened_apart
 from mrts.drawing.lanes import Lane, binding_lanes, infeasible_spans, spans
 from mrts.drawing.range_sentences import range_text
 from mrts.limits.rows import ActiveRow
@@ -134,8 +134,8 @@ def _ends(found: ScalingRange) -> list[dict[str, Any]]:
 
 def _lane_axis(lanes: list[Lane], share: float) -> dict[str, Any]:
     labels = []
-    for lane in lanes:
-        label = plot_text(shortened(lane.label, LANE_LETTERS))
+    for lane, name in zip(lanes, shortened_apart([lane.label for lane in lanes]), strict=True):
+        label = plot_text(name)
         label = f"<b>{label}</b>" if lane.sets else label
         labels.append(f'<span style="color:{END_COLOURS[lane.kind]}">{label}</span>')
     return {

@@ -73,7 +73,7 @@ def _sections(found: StudyTable, place: Place) -> list[Html]:
     pieces: list[Html] = [section("next", "What to do next", steps)]
     if len(found.ranked):
         head, (*rows, limits) = best_rows(found, MOST_BEST)
-        rows.append([limits[0], *(Html(html(limit).replace(", ", "<br>")) for limit in limits[1:])])
+        rows.append([limits[0], *map(_limit_lines, limits[1:])])
         note = "(end): at an end of what was tried; further may be better."
         pieces.append(section("best", "The best variants", table(head, rows), element("p", note, class_="note")))
     if found.knobs:
@@ -87,6 +87,11 @@ def _sections(found: StudyTable, place: Place) -> list[Html]:
         pieces.append(section("lines", "All numbers at once", element("p", note, class_="note"), shown))
     pieces += [*_weights(found), *_limits(found), _outcomes(found), *_durations(found, place), _varied(found)]
     return pieces
+
+
+def _limit_lines(limits: str) -> Html:
+    """Limits, a line each; none breaks before its arrow."""
+    return Html(html(limits).replace(", ", "<br>").replace(" ↑", "&nbsp;↑").replace(" ↓", "&nbsp;↓"))
 
 
 def _sentence(text: str) -> str:

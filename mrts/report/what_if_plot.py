@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from mrts.drawing.colours import ADMISSIBLE, COLOURS
-from mrts.drawing.labels import LANE_LETTERS, shortened
+from mrts.drawing.labels import shortened_apart
 from mrts.report.markup import Html, element, joined, plot_text
 from mrts.report.plots import Plot, layout, numbers
 from mrts.scaling.what_if import ChangedAnswer, WhatIf
@@ -42,7 +42,7 @@ def what_if_plots(found: WhatIf) -> list[Plot]:
     shape["hovermode"] = "closest"
     shape["barmode"] = "group"
     shape["xaxis"] |= {"zeroline": True, "zerolinecolor": "#888"}
-    labels = [plot_text(shortened(what, LANE_LETTERS)) for what in things]
+    labels = [plot_text(what) for what in shortened_apart(things)]
     ticks = {"tickvals": list(range(len(things))), "ticktext": labels, "tickfont": {"size": 11}}
     shape["yaxis"] |= ticks | {"automargin": True, "fixedrange": True, "showgrid": False}
     return [Plot("what-if", TITLE.format(of), traces, shape, 120 + BAR_HEIGHT * len(things))]

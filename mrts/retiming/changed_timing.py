@@ -12,7 +12,7 @@ from mrts.cell.cell_change import ChangeSteps
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.following_again import following_again
 from mrts.retiming.fastest_timing import fastest_timing
-from mrts.retiming.result import Comparison, RetimingResult
+from mrts.retiming.result import RetimingResult
 from mrts.scaling.what_if import SpeedAnswer, WhatIf, ask_changes
 
 
@@ -31,12 +31,12 @@ def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress
     if found.smooth is not None:
         rule = "within limits of rates it would be timed again for every change, seconds each. Ask without rates."
         raise InputError("what if", rule)
-    asked = found.compared.asked
+    asked = found.compared
     refined = found.motion.samples > asked.motion.samples
     asked = replace(asked, rule=replace(asked.rule, rates=None), tolerance=None)
 
     def answer(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
-        compared = Comparison(replace(asked, cell=changed, motion=motion))
+        compared = replace(asked, cell=changed, motion=motion)
         again = fastest_timing(compared, motion, found.end_speeds, lambda _done, _total: None, refined=refined)
         return _of_timing(again)
 

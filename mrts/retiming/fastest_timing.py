@@ -16,12 +16,13 @@ from mrts.reachability.speed_conflict import sample_conflict, segment_conflict
 from mrts.reachability.speed_regions import intersect_regions, regions_of_planes, speed_regions
 from mrts.reachability.successive_profiles import successive_profiles
 from mrts.retiming.path_pieces import NoPath, PathPiece, by_turns, closed_piece, path_pieces
-from mrts.retiming.result import Comparison, RetimingResult, RetimingStatus
+from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import FastestPiece, fastest_piece
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.trajectory_programs import motion_planes
 from mrts.scaling.guaranteed_range import effective_parameters
+from mrts.scaling.scale import FactorQuestion
 
 UNBOUNDED_SHARE = 0.5
 """Speeds squared above this share of the bound of the regions are those that nothing limits."""
@@ -31,7 +32,7 @@ STUCK = 1e6
 
 
 def fastest_timing(
-    compared: Comparison,
+    compared: FactorQuestion,
     motion: CoordinatedMotion,
     end_speeds: tuple[float, float],
     progress: Progress,
@@ -48,10 +49,9 @@ def fastest_timing(
         refined: Whether samples were added where limits were overstepped: the path is then timed by its arc length. A
             parameter by turns would be another one each round, uneven where samples were added.
     """
-    asked, (start_speed, end_speed) = compared.asked, end_speeds
-    cell = asked.cell
+    cell, (start_speed, end_speed) = compared.cell, end_speeds
     points: tuple[LoadPoint | None, ...] = (None,)
-    if asked.question == "guaranteed" and cell.load_box is not None:
+    if compared.question == "guaranteed" and cell.load_box is not None:
         points = cell.load_box.corners(effective_parameters(cell, motion, cell.load_box, ("P", "Q", "S")))
     loads = tuple(cell.load if point is None else point.load for point in points)
     answer = partial(RetimingResult, cell=cell, motion=motion, compared=compared, loads=loads, end_speeds=end_speeds)
@@ -107,7 +107,7 @@ class _Failure:
 class _Search:
     """The search for the profile of one piece, and for the reason if there is none."""
 
-    compared: Comparison
+    compared: FactorQuestion
     time: Array
     piece: PathPiece
     points: tuple[LoadPoint | None, ...]
@@ -119,8 +119,8 @@ class _Search:
         for number, point in enumerate(self.points):
             progress(number, len(self.points))
             length = float(np.sum(self.piece.step))
-            load, sharing = None if point is None else point.load, self.compared.asked.rule.sharing
-            known = motion_planes(self.compared.asked.cell, self.piece.path, sharing, load)
+            load, sharing = None if point is None else point.load, self.compared.rule.sharing
+            known = motion_planes(self.compared.cell, self.piece.path, sharing, load)
             if known is not None:
                 parts.append(regions_of_planes(*known, length, self.ends))
                 continue
@@ -210,7 +210,7 @@ class _Search:
 
     def _problem(self, point: LoadPoint | None) -> SampleProblem:
         load = None if point is None else point.load
-        cell, sharing = self.compared.asked.cell, self.compared.asked.rule.sharing
+        cell, sharing = self.compared.cell, self.compared.rule.sharing
         return build_sample_problem(cell, self.piece.path, sharing=sharing, load=load, varying=True)
 
     def _conflict(

@@ -29,7 +29,7 @@ from mrts.samples.range_status import RangeStatus
 from mrts.samples.torque_distribution import torque_weights
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.result import DistributionRule, ScalingResult, kept_text
-from mrts.scaling.scale import FactorQuestion, SelectionError
+from mrts.scaling.scale import FactorQuestion
 from mrts.scaling.what_if import WhatIf
 from mrts.scaling.with_torques import OF_TORQUES, STEPS, ChosenFactor
 
@@ -79,32 +79,6 @@ OF_TRAJECTORY = (
 """Entries of the JSON result that are those of the retimed motion."""
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """The constant factor that a timing is compared with, found when it is first read.
-
-    Attributes:
-        asked: What is asked of the given motion, cell and load.
-    """
-
-    asked: FactorQuestion
-
-    @cached_property
-    def factor(self) -> ChosenFactor:
-        """The best constant factor; without a c² where none moves the object, which a varying speed may.
-
-        Raises:
-            MotionError: If the arms cannot hold the object where the range is looked at between the samples.
-            SolverError: If no solver answers.
-        """
-        try:
-            return self.asked.answer()
-        except SelectionError as error:
-            if error.result is None:
-                raise
-            return ChosenFactor(error.result, None)
-
-
 @dataclass(frozen=True, repr=False)
 class RetimingResult(InNotebooks):
     """What `mrts.retime` found.
@@ -114,7 +88,7 @@ class RetimingResult(InNotebooks):
         motion: The given motion; its time is the path parameter r.
         status: The outcome.
         explanation: Why there is no profile; empty if there is one.
-        compared: What is compared with: the best constant factor.
+        compared: What is asked at a constant factor, the best of which it is compared with.
         loads: Load vectors that the profile carries, each Shape (10,).
         pieces: The path from stop to stop with its fastest speed; empty if there is none.
         retimed: The motion at the fastest timing with its torques, as a result at c² = 1; None without a profile.
@@ -129,7 +103,7 @@ class RetimingResult(InNotebooks):
     motion: CoordinatedMotion
     status: RetimingStatus
     explanation: str
-    compared: Comparison
+    compared: FactorQuestion
     loads: tuple[Array, ...]
     pieces: tuple[TimedPiece, ...] = ()
     retimed: ScalingResult | None = None
@@ -161,11 +135,13 @@ class RetimingResult(InNotebooks):
     @property
     def rule(self) -> DistributionRule:
         """How torques are distributed."""
-        return self.compared.asked.rule
+        return self.compared.rule
 
     @property
     def factor(self) -> ChosenFactor:
         """The best constant factor, for comparison; its range is found when it is first asked for.
+
+        It keeps the limits that are registered then (docs/extending.md), as `retimed.range` does.
 
         Raises:
             MotionError: If the arms cannot hold the object where that range is looked at between the samples.

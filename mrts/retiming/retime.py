@@ -22,7 +22,7 @@ from mrts.retiming.between_samples import check_held_between, excess_by_segment,
 from mrts.retiming.fastest_timing import fastest_timing
 from mrts.retiming.held_wrenches import GivenTorques
 from mrts.retiming.played_result import played_result
-from mrts.retiming.result import Comparison, RetimingResult
+from mrts.retiming.result import RetimingResult
 from mrts.retiming.smooth_retiming import smooth_goal, smooth_retiming
 from mrts.retiming.smooth_timing import SmoothQuestion
 from mrts.samples import DistributionName
@@ -30,7 +30,7 @@ from mrts.samples.load_sharing import LoadSharing
 from mrts.scaling.load_study import load_question
 from mrts.scaling.motion_remarks import interpolated_timing, timing_remarks
 from mrts.scaling.result import DistributionRule
-from mrts.scaling.scale import factor_question
+from mrts.scaling.scale import FactorQuestion, factor_question
 from mrts.smooth.program import Goal
 from mrts.smooth.rate_limits import RateLimits, Rates, rate_limits
 from mrts.smooth.smooth_solvers import DEFAULT_SMOOTH_SOLVER, CheckedSolver, check_smooth_solver
@@ -105,13 +105,11 @@ def retime(
         start_torque=start_torque, end_torque=end_torque,
     )  # fmt: skip
     _check_held(cell, asked, question)
-    compared = Comparison(
-        factor_question(
-            cell, motion, "auto", rule, solver=DEFAULT_SOLVER, load=question, reserve=reserve, closure=closure,
-            between=between, rates=rates,
-        )
+    compared = factor_question(
+        cell, motion, "auto", rule, solver=DEFAULT_SOLVER, load=question, reserve=reserve, closure=closure,
+        between=between, rates=rates,
     )  # fmt: skip
-    speeds, kept = (start_speed, end_speed), compared.asked.tolerance
+    speeds, kept = (start_speed, end_speed), compared.tolerance
     adds, tolerance = kept is not None, BETWEEN if kept is None else kept
     fastest = _fastest(compared, speeds, tolerance, progress, adds=adds)
     if asked is None:
@@ -130,11 +128,10 @@ def retime(
 
 
 def _fastest(
-    compared: Comparison, speeds: tuple[float, float], tolerance: float, progress: Progress, *, adds: bool
+    compared: FactorQuestion, speeds: tuple[float, float], tolerance: float, progress: Progress, *, adds: bool
 ) -> RetimingResult:
     """The fastest timing without limits of rates, with its torques."""
-    asked = compared.asked
-    cell, given, rule = asked.cell, asked.motion, replace(asked.rule, rates=None)
+    cell, given, rule = compared.cell, compared.motion, replace(compared.rule, rates=None)
     if adds:
         check_held_between(cell, given)
     remarks = timing_remarks(cell, given, lambda: compared.factor.bare.range)

@@ -12,7 +12,7 @@ from mrts.base.errors import InputError, SolverError
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.retiming.held_wrenches import GivenTorques, given_wrenches, stopped_wrenches, unheld
 from mrts.retiming.path_pieces import NoPath, closed_piece, path_pieces
-from mrts.retiming.result import Comparison, RetimingResult, RetimingStatus
+from mrts.retiming.result import RetimingResult, RetimingStatus
 from mrts.retiming.retimed_motion import TimedPiece
 from mrts.retiming.smooth_path import SmoothPath, fine_motion, joined_at_stops, smooth_path
 from mrts.retiming.smooth_piece import SmoothPiece, smooth_pieces
@@ -20,6 +20,7 @@ from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.torque_distribution import torque_weights
 from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import FactorQuestion
 from mrts.smooth.path_program import path_program
 from mrts.smooth.program import Goal, SmoothProgram
 from mrts.smooth.rate_limits import RateLimits
@@ -54,7 +55,7 @@ class SmoothQuestion:
         solver: Solves the programs.
     """
 
-    compared: Comparison
+    compared: FactorQuestion
     loads: tuple[Array, ...]
     rates: RateLimits
     goal: Goal

@@ -2,8 +2,9 @@
 """The admissible range of c² over the whole motion: the intersection of the ranges of all samples."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -176,11 +177,11 @@ class RangeWhenAsked(ScalingRange):
 
     Args:
         find: Finds it.
-        fields: Of a range that is known, as `dataclasses.replace` gives them.
+        known: Fields of a range that is known, as `dataclasses.replace` gives them.
     """
 
-    def __init__(self, find: Callable[[], ScalingRange] | None = None, **fields: Any) -> None:
-        vars(self).update({"found": ScalingRange(**fields)} if find is None else {"find": find})
+    def __init__(self, find: Callable[[], ScalingRange] | None = None, **known: Any) -> None:
+        vars(self).update({"found": ScalingRange(**known)} if find is None else {"find": find})
 
     @cached_property
     def found(self) -> ScalingRange:
@@ -198,30 +199,9 @@ class RangeWhenAsked(ScalingRange):
     def __hash__(self) -> int:
         return hash(self.found)
 
-    @property
-    def status(self) -> RangeStatus:
-        """The outcome."""
-        return self.found.status
 
-    @property
-    def lower(self) -> RangeEnd | None:
-        """c²⁻, None if infeasible."""
-        return self.found.lower
-
-    @property
-    def upper(self) -> RangeEnd | None:
-        """c²⁺, None if infeasible."""
-        return self.found.upper
-
-    @property
-    def samples(self) -> SampleRanges:
-        """The ranges that were intersected."""
-        return self.found.samples
-
-    @property
-    def intervals(self) -> tuple[tuple[RangeEnd, RangeEnd], ...]:
-        """Ends of all intervals of admissible c², ascending."""
-        return self.found.intervals
+for _field in fields(ScalingRange):
+    setattr(RangeWhenAsked, _field.name, property(attrgetter(f"found.{_field.name}")))
 
 
 def contradiction(slow: RangeEnd, fast: RangeEnd) -> str:

@@ -2,6 +2,7 @@
 """MMTSF, the paper's algorithm, whole: range, choice of c², torques."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import NoneType
 from typing import TYPE_CHECKING, Literal
 
@@ -229,6 +230,21 @@ class FactorQuestion:
         excess = None if found.refinement is None else found.refinement.excess(c2)
         return ChosenFactor(replace(untouched, excess=excess), c2, self.solver)
 
+    @cached_property
+    def factor(self) -> ChosenFactor:
+        """The answer, found when it is first read; without a c² where none moves the object.
+
+        Raises:
+            MotionError: As `answer`.
+            SolverError: Likewise.
+        """
+        try:
+            return self.answer()
+        except SelectionError as error:
+            if error.result is None:
+                raise
+            return ChosenFactor(error.result, None)
+
 
 @dataclass(frozen=True)
 class AdmissibleRange:
@@ -315,10 +331,9 @@ def within_rate_limits(
         return found, None
     from mrts.smooth.constant_rates import RatedFactors  # noqa: PLC0415 (scipy is not needed otherwise)
 
-    study = found.study
     points: tuple[LoadPoint | None, ...] = (None,)
-    if study is not None:
-        points = study.points or study.box.corners(study.box.varying)
+    if found.study is not None:
+        points = found.study.points or found.study.box.corners(found.study.box.varying)
     loads = [None if point is None else point.load for point in points]
     factors = RatedFactors(cell, found.motion, loads, rule.sharing, rule.rates)
     return replace(found, range=within_rates(found.range, factors, points)), factors
@@ -353,8 +368,7 @@ def choose_c2(found: ScalingRange, select: Selection) -> float:
         SelectionError: If the value is not in the range, not finite, or not above 0.
     """
     assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
-    high = found.upper.c2
-    interval = found.text(digits=6)
+    high, interval = found.upper.c2, found.text(digits=6)
     unlimited = found.status is RangeStatus.UNBOUNDED
     if select == "auto":
         select = "nominal" if unlimited else "fastest"
@@ -362,15 +376,13 @@ def choose_c2(found: ScalingRange, select: Selection) -> float:
         if unlimited:
             raise SelectionError(f"no limit depends on the speed: c² ∈ {interval}. Choose a value.")
         if high <= 0:
-            raise SelectionError(
-                f"c² ∈ {interval}: the cell can only hold still. The upper end is set {found.upper.place()}."
-            )
+            still = f"c² ∈ {interval}: the cell can only hold still. The upper end is set {found.upper.place()}."
+            raise SelectionError(still)
         return high
     c2 = 1.0 if select == "nominal" else float(max(min(select, LARGEST_C2), -LARGEST_C2))
     if not (np.isfinite(c2) and c2 > 0):
         raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {interval}.")
-    admitted = found.admitted(c2, END_TOLERANCE)
-    if admitted is not None:
+    if (admitted := found.admitted(c2, END_TOLERANCE)) is not None:
         return admitted
     raise SelectionError(_refusal(found, c2, interval))
 

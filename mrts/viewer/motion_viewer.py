@@ -147,7 +147,7 @@ class MotionViewer:
         with tabs.add_tab("Save"):
             self._add_saving()
             if not self._stands:
-                self.parts.append(FilmControls(gui, self._urdfs, self._others))
+                self.parts.append(FilmControls(self.server, self._urdfs, self._others))
 
     def _add_changes(self, tabs: viser.GuiTabGroupHandle) -> None:
         """Add a tab of what can be changed."""

@@ -126,6 +126,7 @@ CELL_MISTAKES = {
 }
 
 MOTION_MISTAKES = {
+    "a list for a pose": (lambda d: d.update(start=[0, 0, 0]), ["start", "a mapping of keys to values, of xyz, rpy, "]),
     "zero duration": (lambda d: d.update(duration=0), ["duration = 0", "must be > 1e-09"]),
     "one sample": (lambda d: d.update(samples=1), ["samples", "must be >= 11"]),
     "half a sample": (lambda d: d.update(samples=2.5), ["samples", "whole number"]),

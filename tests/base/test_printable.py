@@ -10,7 +10,7 @@ import mrts
 from mrts.base.printable import LONGEST_MESSAGE, html_text, printable
 from mrts.cli import main
 from mrts.console.terminal import put, say, warn
-from mrts.drawing.labels import shortened
+from mrts.drawing.labels import LANE_LETTERS, MOST_LETTERS, shortened, shortened_apart
 
 pytestmark = pytest.mark.quick
 
@@ -56,6 +56,15 @@ def test_what_is_printed_keeps_its_lines_only(show, capsys):
 def test_pages_and_figures_hide_nothing():
     assert html_text(f"<b>{HOSTILE}") == f"&lt;b&gt;{SHOWN}"
     assert shortened("\u202eabc") == r"\u202eabc"
+
+
+def test_names_beside_each_other_stay_apart_and_short():
+    alike = [f"left_manipulator/{joint}_link_joint velocity ↑" for joint in ("shoulder_pan", "shoulder_lift", "elbow")]
+    assert len({shortened(name, LANE_LETTERS) for name in alike}) == 1
+    assert shortened_apart(alike) == alike
+    assert shortened_apart([alike[0], alike[0], "left/fx ↓"]) == [shortened(alike[0], LANE_LETTERS)] * 2 + ["left/fx ↓"]
+    endless = shortened_apart([f"{'a' * 1000}{letter}{'b' * 1000}" for letter in "xy"])
+    assert max(map(len, endless)) <= MOST_LETTERS
 
 
 @pytest.mark.parametrize(

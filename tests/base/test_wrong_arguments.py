@@ -221,6 +221,7 @@ def test_the_message_names_the_argument_what_it_must_be_and_what_it_is(planar_ce
         (lambda: mrts.scale(cell, 3), "motion = 3: must be motion of the object, as from mrts.load_motion, "),
         (lambda: mrts.retime(cell, "x"), "motion = 'x': must be motion of the object, "),
         (lambda: mrts.load_cell(3), "path = 3: must be text or a Path; it is of type int."),
+        (lambda: mrts.load_cell(""), "path = '': must not be empty: name a file or a folder."),
         (lambda: mrts.load_motion(None), "path: must be text or a Path; it is None."),
         (lambda: mrts.save_result(1, 2), "result = 1: must be a result of mrts.scale; it is of type int."),
         (lambda: mrts.rank_configurations(cell, lift, cap="x"), "cap = 'x': must be a whole number; it is of"),

@@ -12,7 +12,7 @@ from command_line import mrts_command, mrts_process
 from conftest import DATA
 
 import mrts
-from mrts.cli import main
+from mrts.cli import main, negatives_attached
 
 PICTURES = ["c2_range.png", "power_and_energy.png", "torques_and_wrenches.png"]
 
@@ -161,6 +161,9 @@ def test_help_and_version():
     [
         (["scale", "cell.yaml"], "the following arguments are required: MOTION ('mrts scale --help' has the options, "),
         (["scael"], "there is no verb 'scael': did you mean 'scale'? ('mrts --help' has "),
+        (["scale", "cell.yaml", "lift.yaml", "--plot", ""], "argument --plot: must not be empty: name a file or a "),
+        (["report", "r.npz", "--output="], "argument -o/--output: must not be empty"),
+        (["scale", "", "lift.yaml"], "argument CELL: must not be empty"),
         (["new", "x", "--mass", "heavy"], "argument --mass: invalid float value: 'heavy' ('mrts new --help' has "),
     ],
 )
@@ -171,6 +174,19 @@ def test_a_line_that_is_none_is_told_in_one_line(words, said, capsys):
     error = capsys.readouterr().err
     assert error.startswith(f"mrts: error: {said}")
     assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "attached"),
+    [
+        (["new", "x", "--base", "-0.5,0,0", "--base", "0.5,0,0"], ["new", "x", "--base=-0.5,0,0", "--base", "0.5,0,0"]),
+        (["--gravity", "-.5,0,0", "--degrees"], ["--gravity=-.5,0,0", "--degrees"]),
+        (["scale", "-q", "-1", "--", "-2"], ["scale", "-q", "-1", "--", "-2"]),
+        (["--base=0,0,0", "-1,2,3"], ["--base=0,0,0", "-1,2,3"]),
+    ],
+)
+def test_a_value_that_begins_with_a_minus_goes_with_its_option(words, attached):
+    assert negatives_attached(words) == attached
 
 
 def test_a_file_of_nearly_that_name_is_asked_for(tmp_path, monkeypatch, capsys):

@@ -157,4 +157,5 @@ def test_names_break_after_dots_and_slashes_and_numbers_do_not():
     assert in_lines("right/wrist_2_turn velocity ↑, left/fx ↓ and 3 more", 16) == (
         "right/\nwrist_2_turn\nvelocity ↑,\nleft/fx ↓ and 3\nmore"
     )
+    assert in_lines("right/wrist_2_turn_joint ↑", 16) == "right/\nwrist_2_turn_joint ↑"
     assert in_lines("0.3468 … 0.5974", 7) == "0.3468\n…\n0.5974"

@@ -8,9 +8,11 @@ from types import SimpleNamespace
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from conftest import DATA
 from PIL import Image
 
 import mrts
+from mrts.cell.source_files import urdf_files
 from mrts.drawing.limit_shares import limit_shares
 from mrts.film import film
 from mrts.film.camera import framing_camera
@@ -125,6 +127,17 @@ def test_an_arm_whose_meshes_lack_is_drawn_and_told(lifted, tmp_path):
     Stage([Take("", lifted.trajectory, {"left": (tmp_path / "none.urdf", None)})], (80, 60), warn=said.append)
     assert len(said) == 1
     assert "robot 'left' is drawn with simple shapes" in said[0]
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_what_two_arms_stand_on_has_the_colour_of_neither(shared, monkeypatch):
+    folder, striking = DATA.parent / "upper_body", (255, 0, 255)
+    monkeypatch.setattr("mrts.film.stage.SHARED_BASE", striking)
+    if not shared:
+        monkeypatch.setattr("mrts.film.stage.shares_base", lambda _cell, _robot: False)
+    result = mrts.scale(mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "lift.yaml"))
+    take = Take("", result.trajectory, urdf_files(folder / "cell.yaml"))
+    assert (amount(Stage([take], (160, 120)).picture(take, 0.0), striking) > 0) == shared
 
 
 @pytest.mark.quick

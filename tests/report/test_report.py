@@ -18,6 +18,7 @@ import mrts
 from mrts.cli import main
 from mrts.report import report_html
 from mrts.report.plots import MOST_SAMPLES, shown_samples
+from mrts.report.tables import duty_table
 
 FILES = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
 LARGEST = 2_000_000
@@ -241,6 +242,15 @@ def test_the_text_says_what_was_given_and_found(planar_cell, lift, result):
     too_fast = replace(planar_cell, robots=slow).without_velocity_limits()
     assert "its limit is 0.1 rad/s" in report_html(mrts.scale(too_fast, lift))
     assert "nan" not in own_text(text).lower().replace("nano", "")
+
+
+def test_what_is_left_over_from_larger_terms_is_shown_as_zero():
+    """Of joints that hardly move: their powers and speeds are sums of terms that cancel."""
+    folder = DATA.parent / "squeeze"
+    found = mrts.scale(mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "lift_and_turn.yaml"))
+    text = str(duty_table(found))
+    assert "0 / 0 W" in text
+    assert not re.search(r"e-1\d|-0 ", text)
 
 
 def test_a_long_motion_makes_no_long_file_and_keeps_its_extremes(planar_cell, lift, tmp_path):

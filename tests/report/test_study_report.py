@@ -73,6 +73,13 @@ def test_names_stay_text():
     assert "&lt;img src=x onerror=window.broken=1&gt;" in text
 
 
+def test_no_line_of_the_best_variants_begins_with_an_arrow():
+    text = own_text(study_html(grid_study()))
+    table = text[text.index('id="best"') : text.index('id="map"')]
+    assert "elbow&nbsp;↑" in table
+    assert not re.search(r" [↑↓]", table)
+
+
 def test_plots_hold_the_numbers_of_the_study():
     table = grid_study()
     plots = data_of(study_html(table))["plots"]

@@ -78,6 +78,7 @@ def test_what_is_written_is_what_was_tried_and_has_room(two_ur5, tmp_path):
     assert not {warning.code for warning in result.warnings} & {"other-start", "factor-above-10"}
     assert mrts.load_motion(motion).position[-1, 2] > mrts.load_motion(motion).position[0, 2]
     assert "# as asked for" in text
+    assert "# the URDF's velocity limits: 3.142, 3.142, 3.142, 3.142, 3.142, 3.142\n" in text
     assert "shoulder_pan" in text
     assert all(ord(letter) < 0x250 for letter in text)
 
@@ -181,6 +182,16 @@ def test_arms_too_far_apart_hold_nothing():
     bases = [RigidTransform(np.eye(3), np.array([x, 0.0, 0.0])) for x in (-3, 3)]
     with pytest.raises(MotionError, match="no posture was found"):
         layouts(scene_of(requested(UR5, bases=bases), 2.0))
+
+
+@pytest.mark.parametrize(("mass", "said"), [(2.0, r" with 2 kg, nor with 0\.\d+ kg\. "), (None, r"\. ")])
+def test_what_cannot_be_played_names_the_loads_that_were_tried(mass, said, monkeypatch):
+    def nowhere(_scene):
+        raise MotionError("no posture was found.")
+
+    monkeypatch.setattr("mrts.starting.proposal.layouts", nowhere)
+    with pytest.raises(MotionError, match=f"nothing was found that can be played{said}The last try: no posture"):
+        propose(requested(UR5, mass=mass))
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import socket
 import subprocess
 import sys
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -23,8 +24,9 @@ from mrts.cli import main
 from mrts.drawing.bodies.arm_meshes import arm_meshes
 from mrts.drawing.bodies.cell_shapes import body_poses, joint_points
 from mrts.drawing.bodies.cell_view import look_at_cell
+from mrts.drawing.colours import SHARED_BASE
 from mrts.viewer.scene import ViewerScene
-from mrts.viewer.scene_arms import SHORTEST_LINK
+from mrts.viewer.scene_arms import SHORTEST_LINK, drawn_arm
 from mrts.viewer.server import close_server, open_server
 from mrts.viewer.viewer import Viewer
 from mrts.viewer.workbench.choices import Given
@@ -122,6 +124,21 @@ def test_a_joint_that_is_held_is_drawn_where_it_stands():
     assert min(mesh.vertices[0][1] for _, mesh in found) < -0.3  # the right upper arm
     for _, mesh in found:
         assert np.min(np.linalg.norm(np.array(theirs) - mesh.vertices[0], axis=1)) < SAME_PLACE
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_what_two_arms_stand_on_has_the_colour_of_neither(shared):
+    path = DATA.parent / "upper_body" / "cell.yaml"
+    arm, own, colours = mrts.load_cell(path).robots[0], (1, 2, 3), {}
+
+    def note(name, *_shape, color, **_others):
+        colours[name] = color
+
+    scene = SimpleNamespace(add_frame=lambda *_args, **_others: None, add_mesh_simple=note)
+    drawn_arm(scene, arm, urdf_files(path), own, 0.1, pytest.fail, shared_base=shared)
+    base = {colour for name, colour in colours.items() if "/body0/" in name}
+    assert base == {SHARED_BASE if shared else own}
+    assert {colour for name, colour in colours.items() if "/body0/" not in name} == {own}
 
 
 @pytest.mark.parametrize("spoil", ["gone", "broken", "http"])

@@ -4,6 +4,8 @@ import http.client
 import socket
 import time
 from contextlib import closing, suppress
+from threading import Event
+from threading import enumerate as threads
 from types import SimpleNamespace
 from urllib.parse import urlsplit
 
@@ -272,6 +274,39 @@ def test_a_film_comes_to_the_page_that_asked_for_it(viewer, monkeypatch):
         with suppress(TimeoutError):
             while True:
                 assert download not in unpacked(other.recv(timeout=0.2))
+
+
+@pytest.mark.parametrize("kind", ["Picture (PNG)", "Film (GIF)"])
+def test_a_file_is_not_sent_to_a_browser_that_left(kind, viewer, monkeypatch):
+    """Viser would warn of it on the terminal, which is an error here."""
+    begun, left = Event(), Event()
+    name = "picture_bytes" if kind == "Picture (PNG)" else "Composition"
+    draw = getattr(film, name)
+
+    def drawn(*arguments):
+        begun.set()
+        assert left.wait(PATIENCE)
+        return draw(*arguments)
+
+    def note(_client):
+        if begun.is_set() and not viewer.server.get_clients():
+            left.set()
+
+    monkeypatch.setattr(film, name, drawn)
+    viewer.server.on_client_disconnect(note)
+    with connected(viewer.url) as asking:
+        asking.send(update(viewer, kind, value=True))
+        end = time.monotonic() + PATIENCE
+        while not begun.is_set() and time.monotonic() < end:
+            assert asking.ping().wait(PATIENCE)
+            viewer.settle()
+    for thread in threads():
+        if thread.name == "mrts film":
+            thread.join(PATIENCE)
+    viewer.settle()  # raises what that thread raised
+    with connected(viewer.url) as another:
+        while b"The browser that asked for it is closed" not in unpacked(another.recv(timeout=PATIENCE)):
+            pass
 
 
 def test_what_no_control_can_send_is_ignored(viewer):

@@ -32,19 +32,23 @@ LONGEST_NAME = 60
 NEEDS = ("matplotlib", "PIL")
 
 
+class _AskerLeftError(Exception):
+    """The browser that asked for a file is gone."""
+
+
 class FilmControls:
     """Buttons that make a file of the motion as it is shown, seen from where the browser looks.
 
-    A film is drawn by a thread of its own, while everything else goes on.
+    A film is drawn by a thread of its own, while everything else goes on, and no longer than its browser stays.
 
     Args:
-        gui: Where, in the container that is open.
+        server: Where, in the container that is open.
         urdfs: As the scene has them.
         others: Results that stand beside it.
     """
 
-    def __init__(self, gui: viser.GuiApi, urdfs: Urdfs, others: Others = ()) -> None:
-        self._urdfs = urdfs
+    def __init__(self, server: viser.ViserServer, urdfs: Urdfs, others: Others = ()) -> None:
+        gui, self._clients, self._urdfs = server.gui, server.get_clients, urdfs
         self._others = [(name, done) for name, result in others if (done := result.trajectory) is not None]
         self._state: PlayerState | None = None
         self._coarse = False
@@ -103,7 +107,12 @@ class FilmControls:
 
         takes = [Take(f"c = {done.c:.4g}", done, self._urdfs), *(Take(name, other) for name, other in self._others)]
 
+        def require_asker() -> None:
+            if client.client_id not in self._clients():
+                raise _AskerLeftError
+
         def tell(drawn: int, frames: int) -> None:
+            require_asker()
             self._said = note_html(f"Drawing frame {drawn + 1} of {frames} …")
 
         try:
@@ -115,8 +124,11 @@ class FilmControls:
                 with tempfile.TemporaryDirectory(prefix="mrts-film-") as folder:
                     write_film(takes, Path(folder) / name, backward, progress=tell)
                     content = (Path(folder) / name).read_bytes()
+            require_asker()
             client.send_file_download(name, content, save_immediately=True)
             self._said = note_html(f"{name} has {len(content) / 1e6:.2f} MB.")
+        except _AskerLeftError:
+            self._said = note_html("The browser that asked for it is closed.")
         except MrtsError as error:
             self._said = error_html(str(error))
         except OSError as error:
