@@ -202,12 +202,11 @@ class FactorQuestion:
             SelectionError: If c² is not in the range; its `result` holds the range.
             SolverError: If no solver answers.
         """
-        cell, given, rule = self.cell, self.motion, self.rule
+        cell, given, rule, own = self.cell, self.motion, self.rule, self.motion.object.time
         found = admissible_range(cell, given, self.question, rule, self.solver, self.tolerance, progress)
         found, factors = within_rate_limits(cell, found, rule)
         remarks = motion_remarks(cell, given, found.range)
-        finer, own = found.motion.object.time, given.object.time
-        added = own[:0] if found.motion is given else np.setdiff1d(finer, own, assume_unique=True)
+        remarks = remarks and moved_remarks(remarks, own, np.setdiff1d(found.motion.object.time, own, assume_unique=True))
         untouched = ScalingResult(
             cell=cell,
             motion=found.motion,
@@ -216,7 +215,7 @@ class FactorQuestion:
             fallbacks=found.range.samples.fallbacks,
             load=found.study,
             rule=rule,
-            warnings=moved_remarks(remarks, given.object.time, added) + found.remarks,
+            warnings=remarks + found.remarks,
         )
         if not found.range.status.admits_motion or self.question == "possible":
             return ChosenFactor(untouched, None)
