@@ -206,7 +206,7 @@ class FactorQuestion:
         found = admissible_range(cell, given, self.question, rule, self.solver, self.tolerance, progress)
         found, factors = within_rate_limits(cell, found, rule)
         remarks = motion_remarks(cell, given, found.range)
-        remarks = remarks and moved_remarks(remarks, own, np.setdiff1d(found.motion.object.time, own, assume_unique=True))
+        remarks = remarks and moved_remarks(remarks, own, np.setdiff1d(found.motion.object.time, own))
         untouched = ScalingResult(
             cell=cell,
             motion=found.motion,
