@@ -3,7 +3,7 @@
 
 import ctypes
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,22 @@ CORNERS = 64
 
 OPTIMAL, INFEASIBLE, MARGINAL, STOPPED = range(4)
 """The kernel's statuses, see linear_programs.h."""
+
+
+class HalfPlanes(NamedTuple):
+    """Half-planes n_u u + n_x x <= h of N polygons.
+
+    Attributes:
+        start: Those of polygon i are start[i] .. start[i + 1] - 1, Shape (N + 1,).
+        planes: n_u, n_x, h, Shape (E, 3).
+        low: Least x, 0 of a polygon without corners, Shape (N,).
+        high: Largest x, likewise.
+    """
+
+    start: NDArray[np.int64]
+    planes: Array
+    low: Array
+    high: Array
 
 
 class Programs:
@@ -100,6 +116,31 @@ class Programs:
         over_chunks(self._library, count, project)
         taken_corners = np.flatnonzero(np.arange(CORNERS) < number[:, None])
         return number, corners.reshape(-1, 2).take(taken_corners, axis=0), status
+
+    def half_planes(
+        self, number: NDArray[np.int32], corners: Array, unit: Array, cap: Array, box: float, near: float
+    ) -> HalfPlanes:
+        """The half-planes of polygons over u and x.
+
+        Args:
+            number: Of corners of each, Shape (N,).
+            corners: Of all, those of each counter-clockwise, Shape (E, 2).
+            unit: What u and x are counted in, infinity for what does not move, Shape (N, 2).
+            cap: Largest x that was asked for, Shape (N,).
+            box: Largest u that was asked for, without its sign.
+            near: Share of both from which an edge is one of theirs, which is none of the polygon.
+        """
+        count = len(number)
+        (planes,) = arrays_in_reused_memory([(len(corners) + 2 * count, 3)])
+        found = HalfPlanes(np.zeros(count + 1, dtype=np.int64), planes, np.zeros(count), np.zeros(count))
+        given = [np.ascontiguousarray(array) for array in (number, corners, unit, cap)]
+        self._library.mrts_half_planes(
+            ctypes.c_longlong(count),
+            *(pointer(array) for array in given),
+            *(ctypes.c_double(bound) for bound in (box, near)),
+            *(pointer(array) for array in (found.start, planes, found.low, found.high)),
+        )
+        return found._replace(planes=planes[: found.start[-1]])
 
     def effects(self, A: Array, rows: NDArray[np.int32]) -> Array:
         """The largest coefficient of each unknown in some rows, without its sign, Shape (N, k).

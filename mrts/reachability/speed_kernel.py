@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import CompilerError
-from mrts.kernel.programs import CORNERS, INFEASIBLE, OPTIMAL, default_programs
+from mrts.kernel.programs import CORNERS, INFEASIBLE, OPTIMAL, HalfPlanes, default_programs
 from mrts.solvers.convex_program import ConvexPrograms, solve_programs
 
 SOLVER = "qpsol:qpoases"
@@ -38,6 +38,11 @@ class SpeedKernel(Protocol):
         rows: NDArray[np.int32] | None = None,
     ) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
         """Project every polytope of a batch onto its last two unknowns."""
+
+    def half_planes(
+        self, number: NDArray[np.int32], corners: Array, unit: Array, cap: Array, box: float, near: float
+    ) -> HalfPlanes:
+        """The half-planes of polygons over u and x."""
 
     def effects(self, A: Array, rows: NDArray[np.int32]) -> Array:
         """The largest coefficient of each unknown in some rows, without its sign."""
@@ -117,6 +122,18 @@ class KernelWithoutCompiler:
         return np.array([len(polygon) for polygon in polygons], dtype=np.int32), corners, status
 
     @staticmethod
+    def half_planes(
+        number: NDArray[np.int32], corners: Array, unit: Array, cap: Array, box: float, near: float
+    ) -> HalfPlanes:
+        """Of one polygon after the other."""
+        ends = np.cumsum(number).tolist()
+        polygons = [corners[end - size : end] for end, size in zip(ends, number.tolist(), strict=True)]
+        given = zip(polygons, unit, cap.tolist(), strict=True)
+        found = [_edges(polygon, size, (box, most), near) for polygon, size, most in given]
+        low, high = (np.array([of(p[:, 1]) if len(p) else 0.0 for p in polygons]) for of in (np.min, np.max))
+        return HalfPlanes(np.cumsum([0, *map(len, found)], dtype=np.int64), np.concatenate(found), low, high)
+
+    @staticmethod
     def effects(A: Array, rows: NDArray[np.int32]) -> Array:
         """Of all samples at once."""
         return np.asarray(np.max(np.abs(A[:, rows]), axis=1, initial=0.0))
@@ -149,6 +166,22 @@ class KernelWithoutCompiler:
             rate = u.most if u.most >= u.least else (u.most + u.least) / 2
             x[i + 1] = min(max(x[i] + 2 * step[i] * rate, lower[i + 1]), upper[i + 1])
         return x
+
+
+def _edges(polygon: Array, unit: Array, bounds: tuple[float, float], near: float) -> Array:
+    """Half-planes of the edges of a polygon that are not those of bounds of |u| and x, Shape (e, 3)."""
+    after = np.roll(polygon, -1, axis=0)
+    (u, x), (along_u, along_x) = polygon.T, (after - polygon).T
+    length = np.hypot(along_u, along_x)
+    on_box = np.minimum(np.abs(u), np.abs(after[:, 0])) >= near * bounds[0]
+    on_bound = (np.minimum(x, after[:, 1]) >= near * bounds[1]) | (np.maximum(x, after[:, 1]) <= 1 / bounds[0] ** 2)
+    edge = (length > 0) & ~on_box & ~on_bound
+    normal = np.column_stack([along_x, -along_u])[edge] / length[edge, None]
+    planes = np.column_stack([normal / unit, np.sum(normal * polygon[edge], axis=1)])
+    if len(polygon) not in {1, 2} or np.isinf(unit[0]):
+        return planes
+    across = [[1 / unit[0], 0.0, np.max(u)], [-1 / unit[0], 0.0, -np.min(u)]]  # a point or a segment along itself
+    return np.concatenate([planes, across])
 
 
 def _furthest(

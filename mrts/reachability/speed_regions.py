@@ -249,41 +249,12 @@ def _by_projection(given: _Polytopes, scale: Array, unit: Array, most: Array, bo
     found = (number > 0) & ~np.any(given.lower > given.upper, axis=1)  # sides that cross leave nothing to project
     if not np.all(found):
         corners, number = corners[np.repeat(found, number)], np.where(found, number, 0)
-    start = _starts(number.astype(np.int64))
-    u, x = np.ascontiguousarray(corners.T)
-    low, high = np.zeros(count), np.zeros(count)
-    if found.any():
-        firsts = start[:-1][found]
-        low[found] = np.maximum(np.minimum.reduceat(x, firsts), 0.0)
-        high[found] = np.maximum.reduceat(x, firsts)
+    start, planes, low, high = speed_kernel().half_planes(number, corners, unit[:, -2:], cap, BOX, NEAR_BOX)
     high = np.where(high >= NEAR_BOX * box, np.inf, high)
-
-    sample, after = np.repeat(np.arange(count), number), np.arange(1, len(corners) + 1)
-    after[start[1:][found] - 1] = start[:-1][found]
-    u_after, x_after = u.take(after), x.take(after)
-    along_u, along_x = u_after - u, x_after - x
-    length = np.sqrt(along_u * along_u + along_x * along_x)
-    on_box = np.minimum(np.abs(u), np.abs(u_after)) >= NEAR_BOX * BOX
-    on_bound = np.minimum(x, x_after) >= NEAR_BOX * np.repeat(cap, number)
-    on_bound |= np.maximum(x, x_after) <= 1 / BOX**2
-    edge = np.flatnonzero((length > 0) & ~on_box & ~on_bound)
-    length, sample = length.take(edge), sample.take(edge)
-    normal = np.array([along_x.take(edge) / length, -along_u.take(edge) / length])
-    offset = normal[0] * u.take(edge) + normal[1] * x.take(edge)
-    # a point or a segment has no edges that bound it along itself
-    thin = np.flatnonzero(found & (number <= 2) & moves[:, 0])  # noqa: PLR2004 (a segment)
-    if thin.size:
-        ends = np.stack([u[start[thin]], u[start[thin + 1] - 1]])
-        across = np.tile([[1.0], [0.0]], len(thin))
-        normal = np.concatenate([normal, across, -across], axis=1)
-        offset = np.concatenate([offset, np.max(ends, axis=0), -np.min(ends, axis=0)])
-        sample = np.concatenate([sample, thin, thin])
-        order = np.argsort(sample, kind="stable")
-        normal, offset, sample = normal[:, order], offset[order], sample[order]
     return SpeedRegions(
-        _starts(np.bincount(sample, minlength=count)),
-        np.column_stack([*(normal / unit.take(sample, axis=0)[:, -2:].T), offset]),
-        low * of_x,
+        start,
+        planes,
+        np.maximum(low, 0.0) * of_x,
         np.minimum(np.where(of_x > 0, high * moving, np.inf), most),
         bound,
         tuple(np.flatnonzero(~found).tolist()),

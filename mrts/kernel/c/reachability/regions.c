@@ -20,6 +20,47 @@ MRTS_EXPORT void mrts_effects(long long count, int k, int all, int rows, const i
     }
 }
 
+/* The half-planes n_u u + n_x x <= h of polygons, number[n] corners (u, x) of each in a row, counter-clockwise: the edges that
+ * are not those of |u| <= box or x <= cap (`near` is the share from which one is), and of a point or a segment what bounds it
+ * along itself, where u has a unit. Units of u and x are (count, 2). Those of polygon n are start[n] .. start[n + 1] - 1 of
+ * `planes`, which have room for two a polygon more than there are corners. Least and largest x of each too, 0 of none. */
+MRTS_EXPORT void mrts_half_planes(long long count, const int *number, const double *corners, const double *unit,
+                                  const double *cap, double box, double near, long long *start, double *planes, double *low,
+                                  double *high) {
+    double *next = planes;
+    for (long long n = 0; n < count; corners += 2 * number[n++]) {
+        const double u_unit = unit[2 * n], x_unit = unit[2 * n + 1];
+        double least = INFINITY, most = -INFINITY;
+        start[n] = (next - planes) / 3;
+        low[n] = high[n] = number[n] > 0 ? corners[1] : 0;
+        for (int i = 0; i < number[n]; ++i) {
+            const double *here = corners + 2 * i, *after = corners + 2 * ((i + 1) % number[n]);
+            const double along_u = after[0] - here[0], along_x = after[1] - here[1];
+            const double length = MRTS_SQRT(along_u * along_u + along_x * along_x);
+            const double inner = here[1] < after[1] ? here[1] : after[1], outer = here[1] < after[1] ? after[1] : here[1];
+            if (here[0] < least) least = here[0];
+            if (here[0] > most) most = here[0];
+            if (here[1] < low[n]) low[n] = here[1];
+            if (here[1] > high[n]) high[n] = here[1];
+            if (!(length > 0) || (MRTS_ABS(here[0]) >= near * box && MRTS_ABS(after[0]) >= near * box)) continue;
+            if (inner >= near * cap[n] || outer <= 1 / (box * box)) continue;
+            const double normal_u = along_x / length, normal_x = -along_u / length;
+            next[0] = normal_u / u_unit;
+            next[1] = normal_x / x_unit;
+            next[2] = normal_u * here[0] + normal_x * here[1];
+            next += 3;
+        }
+        if (number[n] < 1 || number[n] > 2 || !(u_unit < INFINITY)) continue;
+        next[0] = 1 / u_unit;
+        next[3] = -1 / u_unit;
+        next[1] = next[4] = 0;
+        next[2] = most;
+        next[5] = -least;
+        next += 6;
+    }
+    start[count] = (next - planes) / 3;
+}
+
 /* Reals and ints of work of the projections below. */
 MRTS_EXPORT void mrts_project_batch_work(int k, int rows, long long *reals, long long *ints) {
     *reals = MRTS_POLYTOPE_WORK(k, rows) + MRTS_PROJECT_WORK(k, rows) + MRTS_LANE_POLYTOPES_WORK(k, rows);
