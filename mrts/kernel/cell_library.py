@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import FunctionRecord, Manifest
-from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
+from mrts.kernel.foreign_arrays import INFINITY, keep_freed_memory, over_chunks, pointer, work_arrays
 from mrts.kernel.function_shapes import work_sizes
 from mrts.kernel.programs import STOPPED, Programs, offer_programs
-from mrts.kernel.reused_memory import arrays_in_reused_memory
 from mrts.kernel.sample_terms import SampleTerms
 
 INTERVALS = 8
@@ -178,6 +177,7 @@ class CellLibrary:
     """
 
     def __init__(self, manifest: Manifest, library: Path) -> None:
+        keep_freed_memory()
         self.opened = ctypes.CDLL(str(library))
         self.programs = Programs(self.opened)
         self.records = manifest.functions
@@ -191,10 +191,7 @@ class CellLibrary:
         """Evaluate a generated function at all samples; see `mrts.cell.functions.CellFunctions`."""
         record = self.records[name]
         given, strides = sample_inputs(record, samples, inputs)
-        names, shapes = zip(
-            *((item.name, (samples, item.shape[1], item.shape[0])) for item in record.outputs), strict=True
-        )
-        outputs = dict(zip(names, arrays_in_reused_memory(shapes), strict=True))
+        outputs = {item.name: np.empty((samples, item.shape[1], item.shape[0])) for item in record.outputs}
         scratch = Scratch(self.opened, record)
         failed = self.opened.mrts_map(
             ctypes.cast(getattr(self.opened, record.symbol), ctypes.c_void_p),

@@ -23,6 +23,19 @@ KNOWN_SIZES = 1024
 """Sizes of work arrays that are kept, of the libraries asked last: each call would ask C for its own again."""
 
 
+FREED = 1 << 24
+"""Bytes of the block that is freed once. The system's C library keeps twice as many for later arrays."""
+
+
+def keep_freed_memory() -> None:
+    """Let memory that arrays give back serve the next ones: fresh pages cost as much as what is computed into them.
+
+    glibc gives memory back to the system at once until a large block has been freed, then it keeps twice that size
+    (mallopt(3), M_MMAP_THRESHOLD). Elsewhere nothing changes.
+    """
+    np.empty(FREED, dtype=np.uint8)  # nobody writes to it, so it takes no page
+
+
 def pointer(array: NDArray[Any]) -> ctypes.c_void_p:
     """Address of an array's first entry."""
     return ctypes.c_void_p(array.ctypes.data)

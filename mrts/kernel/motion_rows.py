@@ -13,7 +13,6 @@ from mrts.base.arrays import Array
 from mrts.kernel.cell_library import CellLibrary, Scratch, SparseLimits
 from mrts.kernel.foreign_arrays import over_chunks, pointer
 from mrts.kernel.programs import STOPPED
-from mrts.kernel.reused_memory import arrays_in_reused_memory
 from mrts.kernel.sample_terms import SampleTerms
 
 
@@ -57,7 +56,7 @@ def path_places(
     taken = np.array(components, dtype=np.int32)
     count = len(weights[0]) * (len(path[0]) - 1)
     shapes = [(), *[(library.joints,)] * 3, (3,), (3, 3), (6,), (6,)]
-    found = arrays_in_reused_memory([(count, *shape) for shape in shapes])
+    found = [np.empty((count, *shape)) for shape in shapes]
 
     def run(first: int, samples: int) -> None:
         parts = [Scratch(library.opened, library.records[name]) for name in ("kinematics", "bias_acceleration")]
@@ -150,7 +149,7 @@ def path_rows(
     rows, k = limits.rows, library.unknowns + 1
     m, f = library.joints, library.wrenches
     shapes = [(m, k), (m,), (f, k), (f,), (rows, k), (rows,), (rows,)]
-    found = PathRows(*arrays_in_reused_memory([(samples, *shape) for shape in shapes]))
+    found = PathRows(*(np.empty((samples, *shape)) for shape in shapes))
     per_limit = np.ascontiguousarray(units)
     outputs = list(vars(found).values())
     library.over_samples("mrts_path_rows", samples, inputs, limits, terms, torque_rate, outputs, (pointer(per_limit),))

@@ -13,7 +13,6 @@ from mrts.kernel.c_text import programs_source
 from mrts.kernel.compiled_cache import library_or_rebuilt
 from mrts.kernel.compiler import needed_compiler
 from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
-from mrts.kernel.reused_memory import arrays_in_reused_memory
 
 CORNERS = 64
 """Most corners of a projection, `MRTS_CORNERS` of reachability/projection.h."""
@@ -101,7 +100,7 @@ class Programs:
         count, all_rows, k = A.shape
         taken = np.arange(all_rows, dtype=np.int32) if rows is None else rows
         arrays = [np.ascontiguousarray(array) for array in (A, lower, upper, scale, *bounds)]
-        number, (corners,) = np.zeros(count, dtype=np.int32), arrays_in_reused_memory([(count, CORNERS, 2)])
+        number, corners = np.zeros(count, dtype=np.int32), np.empty((count, CORNERS, 2))
         status = np.full(count, STOPPED, dtype=np.uint8)
 
         def project(first: int, samples: int) -> None:
@@ -131,7 +130,7 @@ class Programs:
             near: Share of both from which an edge is one of theirs, which is none of the polygon.
         """
         count = len(number)
-        (planes,) = arrays_in_reused_memory([(len(corners) + 2 * count, 3)])
+        planes = np.empty((len(corners) + 2 * count, 3))
         found = HalfPlanes(np.zeros(count + 1, dtype=np.int64), planes, np.zeros(count), np.zeros(count))
         given = [np.ascontiguousarray(array) for array in (number, corners, unit, cap)]
         self._library.mrts_half_planes(
