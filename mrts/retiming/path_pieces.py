@@ -123,9 +123,6 @@ def _piece(
 ) -> PathPiece | NoPath:
     part = slice(first, last + 1)
     given, speed = motion.object, all_speeds[part]
-    rates = np.concatenate([motion.dq[part], given.twist[part]], axis=1)
-    changes = np.concatenate([motion.ddq[part], given.acceleration[part]], axis=1)
-    joints = motion.q.shape[1]
     moving = np.flatnonzero(speed > NEAR_REST * fastest)
     if not moving.size:
         moving = np.flatnonzero(speed > REST * fastest)
@@ -133,14 +130,11 @@ def _piece(
         return NoPath("wait", first)
     slowing = _root_mean_square(motion.ddq[part]) * np.where(np.arange(len(speed)) == 0, 1.0, -1.0)
     safe = np.where(speed > 0, speed, 1.0)
-    growth = np.where(rest[part], slowing, row_products(motion.dq[part], motion.ddq[part]) / joints / safe)
+    growth = np.where(rest[part], slowing, row_products(motion.dq[part], motion.ddq[part]) / motion.q.shape[1] / safe)
     h = given.time[first + 1 : last + 1] - given.time[first:last]
     step = h / 2 * (speed[:-1] + speed[1:]) + h**2 / 12 * (growth[:-1] - growth[1:])
 
-    direction, bend = np.zeros_like(rates), np.zeros_like(rates)
     taken = slice(int(moving[0]), int(moving[-1]) + 1) if moving[-1] - moving[0] < len(moving) else moving
-    direction[taken] = rates[taken] / speed[taken, None]
-    bend[taken] = (changes[taken] - direction[taken] * growth[taken, None]) / speed[taken, None] ** 2
     away = np.concatenate([[0.0], np.cumsum(step)])
     moves = np.zeros(len(speed), dtype=bool)
     moves[moving] = True
@@ -148,25 +142,32 @@ def _piece(
     after = np.searchsorted(moving, continued)
     before, after = moving[np.maximum(after - 1, 0)], moving[np.minimum(after, len(moving) - 1)]
     of = np.where(np.abs(continued - before) <= np.abs(after - continued), before, after)
-    bend[continued] = bend[of]
-    direction[continued] = direction[of] + (away[continued] - away[of])[:, None] * bend[of]
+
+    def along_arc(rate: Array, change: Array) -> tuple[Array, Array]:
+        direction, bend = np.empty_like(rate), np.empty_like(rate)
+        direction[taken] = rate[taken] / speed[taken, None]
+        bend[taken] = (change[taken] - direction[taken] * growth[taken, None]) / speed[taken, None] ** 2
+        bend[continued] = bend[of]
+        direction[continued] = direction[of] + (away[continued] - away[of])[:, None] * bend[of]
+        return direction, bend
+
+    direction, bend = along_arc(motion.dq[part], motion.ddq[part])
+    turning, change = along_arc(given.twist[part], given.acceleration[part])
     fast = moves[:-1] & moves[1:]
-    arcs = _arcs(motion.q[part], direction[:, :joints])
+    arcs = _arcs(motion.q[part], direction)
     if motion.course is not None:  # velocities near rest are a spline's, the positions are what was given
         fast = arcs > 0
     step[fast] = arcs[fast]
     s = np.concatenate([[0.0], np.cumsum(step)])
-    back = row_products(direction[1:, :joints], direction[:-1, :joints]) <= 0
+    back = row_products(direction[1:], direction[:-1]) <= 0
     if np.any(back) or np.any(step <= 0):
         return NoPath("turn", first + int(np.argmax(back | (step <= 0))))
-    if not (np.all(np.diff(s) > 0) and np.isfinite(s[-1]) and np.all(np.isfinite(bend))):
+    if not (np.all(np.diff(s) > 0) and np.isfinite(s[-1]) and _finite(bend) and _finite(change)):
         rule = "its positions, velocities and accelerations are too unlike in size to be one motion."
         raise InputError("motion", rule)
-    path = unchecked_object_motion(
-        s, given.position[part], given.rotation[part], direction[:, joints:], bend[:, joints:]
-    )
+    path = unchecked_object_motion(s, given.position[part], given.rotation[part], turning, change)
     rests = (bool(rest[first]), bool(rest[last]))
-    joined = unchecked_coordinated_motion(path, motion.q[part], direction[:, :joints], bend[:, :joints])
+    joined = unchecked_coordinated_motion(path, motion.q[part], direction, bend)
     return PathPiece(
         first=first, path=joined, arc=s, arc_speed=np.ones_like(s), speed=speed, rests=rests, continued=continued
     )
@@ -265,6 +266,10 @@ def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Ar
     carried = unchecked_object_motion(sigma, given.position, given.rotation, *rates(given.twist, given.acceleration))
     travel = np.stack(travel_directions(path.dq, path.ddq)) if path.travel is None else path.travel
     return unchecked_coordinated_motion(carried, path.q, dq, ddq, travel)
+
+
+def _finite(values: Array) -> bool:
+    return bool(np.all(np.isfinite(values)))
 
 
 def _root_mean_square(values: Array) -> Array:
