@@ -13,7 +13,7 @@ from mrts.motion.object_courses import geodesic_motion, spline_motion
 from mrts.motion.velocity_profile import PROFILES
 from mrts.output.summary_lines import retiming_lines, scaling_lines
 from mrts.report import report_html
-from mrts.scaling.motion_remarks import noise_share
+from mrts.scaling.motion_remarks import NOISY, _may_be_noisy, noise_share
 
 pytestmark = pytest.mark.quick
 
@@ -127,6 +127,22 @@ def test_noise_is_measured():
     noisy = smooth + 0.2 * rng.normal(size=smooth.shape) * np.max(np.abs(smooth), axis=0)
     measured = noise_share(noisy) * np.max(np.abs(noisy), axis=0) / np.max(np.abs(smooth), axis=0)
     assert np.all((measured > 0.18) & (measured < 0.35))  # the largest of all strides, some of few samples
+
+
+@pytest.mark.quick
+def test_what_is_not_looked_at_closely_is_no_noise():
+    """The quick bound is never below what is then measured, and spares smooth motions the measuring."""
+    rng, spared = np.random.default_rng(6), 0
+    for samples in (21, 22, 42, 43, 180, 1001):
+        for size in (0.0, 1e-3, 0.03, 0.1, 0.3, 1.0):
+            time = np.linspace(0, 1, samples)
+            smooth = np.column_stack([np.sin(rng.uniform(1, 9) * time), 1e-3 * time, np.zeros(samples)])
+            corners = np.where(time < rng.uniform(), 1.0, rng.uniform(-1, 1))[:, None]
+            values = (smooth + rng.choice([0, 1]) * corners) * (1 + size * rng.normal(size=smooth.shape))
+            close = _may_be_noisy(values, np.max(np.abs(values), axis=0))
+            assert close or np.max(noise_share(values)) < NOISY
+            spared += not close
+    assert 5 < spared < 30
 
 
 def test_a_factor_above_ten(planar_cell):
