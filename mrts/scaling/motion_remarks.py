@@ -2,6 +2,7 @@
 """What a user should know of a given motion before trusting the range that it has."""
 
 from collections.abc import Callable, Iterator
+from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -49,8 +50,23 @@ REMARKED = 1e-3
 OF_CONSTANT_FACTOR = ("not-at-rest", "factor-above-10")
 """Codes of remarks that tell nothing where the speed varies along the path."""
 
-_SEEN: WeakKeyDictionary[CoordinatedMotion, tuple[Array, int, int | None]] = WeakKeyDictionary()
-"""Jumps of a motion, how many samples have one, and its noisy joint: a timing and its comparison both ask for them."""
+
+class _Roughness(NamedTuple):
+    """What a motion has of jumps and noise.
+
+    Attributes:
+        jumping: Samples at which a joint's velocity jumps.
+        jump: Sample, joint and size of the largest [rad/s or m/s]; None without one.
+        noisy: The joint with the most noise; None if none counts.
+    """
+
+    jumping: int
+    jump: tuple[int, int, float] | None
+    noisy: int | None
+
+
+_SEEN: WeakKeyDictionary[CoordinatedMotion, _Roughness] = WeakKeyDictionary()
+"""Of motions that still exist: a timing and what it is compared with both ask for it."""
 
 
 def motion_remarks(cell: Cell, motion: CoordinatedMotion, found: ScalingRange) -> tuple[Remark, ...]:
@@ -91,15 +107,13 @@ def _rough(cell: Cell, motion: CoordinatedMotion, found: Callable[[], ScalingRan
     """Accelerations like noise where they set the range, or else single jumps of velocity."""
     seen = _SEEN.get(motion)
     if seen is None:
-        jumps = _jumps(motion)
-        jumping = int(np.count_nonzero(np.any(jumps > 0, axis=1)))
-        seen = _SEEN[motion] = jumps, jumping, _noisy_joint(motion, many_jumps=jumping > MOST_JUMPS)
-    jumps, jumping, joint = seen
-    if joint is not None:
+        jumping, jump = _jumps(motion)
+        seen = _SEEN[motion] = _Roughness(jumping, jump, _noisy_joint(motion, many_jumps=jumping > MOST_JUMPS))
+    if seen.noisy is not None:
         told = found()
         if told.status.admits_motion and told.upper is not None and _set_by_torques(told.upper):
-            return [_noise(cell, motion, told.upper, joint)]
-    return [_jump(cell, motion, jumps)] if 0 < jumping <= MOST_JUMPS else []
+            return [_noise(cell, motion, told.upper, seen.noisy)]
+    return [_jump(cell, motion, *seen.jump)] if seen.jump is not None and seen.jumping <= MOST_JUMPS else []
 
 
 def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
@@ -123,28 +137,29 @@ def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
     return remarks
 
 
-def _jumps(motion: CoordinatedMotion) -> Array:
-    """Steps of velocity at inner samples that no smooth motion has, others 0, Shape (N - 2, m) [rad/s or m/s]."""
+def _jumps(motion: CoordinatedMotion) -> tuple[int, tuple[int, int, float] | None]:
+    """At how many inner samples velocities step as no smooth motion's do, and sample, joint and size of the largest."""
     q, time = motion.q, motion.object.time
     velocity = (q[1:] - q[:-1]) / (time[1:] - time[:-1])[:, None]
     step = np.abs(velocity[1:] - velocity[:-1])
     least = LEAST_STEP * np.max(np.abs(motion.dq), initial=0.0)
     if motion.samples < FEWEST_SAMPLES or not np.any(step > least):
-        return np.zeros_like(step)
+        return 0, None
     around = np.zeros_like(step)
     for distance in range(2, NEIGHBOURS + 1):
         around[distance:] = np.maximum(around[distance:], step[:-distance])
         around[:-distance] = np.maximum(around[:-distance], step[distance:])
-    return np.where((step > JUMP * around) & (step > least), step, 0.0)
-
-
-def _jump(cell: Cell, motion: CoordinatedMotion, jumps: Array) -> Remark:
-    """The largest of them."""
+    jumps = np.where((step > JUMP * around) & (step > least), step, 0.0)
+    jumping = int(np.count_nonzero(np.any(jumps > 0, axis=1)))
     place, joint = (int(index) for index in np.unravel_index(int(np.argmax(jumps)), jumps.shape))
-    sample = place + 1
+    return jumping, (place + 1, joint, float(jumps[place, joint])) if jumping else None
+
+
+def _jump(cell: Cell, motion: CoordinatedMotion, sample: int, joint: int, size: float) -> Remark:
+    """The largest of them."""
     text = (
         f"the motion jumps at t = {motion.object.time[sample]:.4g} s (sample {sample}): the velocity of "
-        f"{_joint_names(cell)[joint]} changes there by {jumps[place, joint]:.3g} {_unit(cell, joint)}/s from one "
+        f"{_joint_names(cell)[joint]} changes there by {size:.3g} {_unit(cell, joint)}/s from one "
         f"sample to the next, more than {JUMP:g} times what it does around it. Check that row of the table."
     )
     return Remark("jump", text, sample)
