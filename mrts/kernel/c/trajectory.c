@@ -57,14 +57,19 @@ typedef struct {
     float *dual[2];
 } mrts_found_ranges;
 
+/* The rows of a basis as rows of the limits, 0 where there is none. */
+static void mrts_codes(const mrts_limits *limits, const mrts_rows *rows, const int *basis, short *code) {
+    for (int j = 0; j < MRTS_UNKNOWNS; ++j) code[j] = basis[0] == 0 ? 0 : mrts_row_of_limits(limits, rows, basis[j]);
+}
+
 /* Keeps an end of the range of a sample, of the answer's unknown c^2 in units of `column`, and what determines it. */
-static void mrts_keep_range(const mrts_limits *limits, const mrts_rows *rows, const mrts_found_ranges *found, long long n,
-                            int end, int status, double c2, double column, const int *basis, const double *y) {
+static void mrts_keep_range(const mrts_found_ranges *found, long long n, int end, int status, double c2, double column,
+                            const short *code, const double *y) {
     enum { K = MRTS_UNKNOWNS };
     found->status[end][n] = (unsigned char)status;
     found->end[end][n] = end && c2 >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED) ? INFINITY : c2 * column;
     for (int j = 0; j < K; ++j) {
-        found->basis[end][n * K + j] = basis[0] == 0 ? 0 : mrts_row_of_limits(limits, rows, basis[j]);
+        found->basis[end][n * K + j] = code[j];
         found->dual[end][n * K + j] = (float)y[j];
     }
 }
@@ -86,7 +91,8 @@ static void mrts_range_of_sample(const mrts_limits *limits, mrts_rows *rows, dou
             status = mrts_lp_again(K, rows->count, rows->A, rows->lower, rows->upper, g, basis[end], x, y, &entering, work,
                                    iwork);
         }
-        mrts_keep_range(limits, rows, found, n, end, status, x[K - 1], column[K - 1], basis[end], y);
+        mrts_codes(limits, rows, basis[end], found->basis[end] + n * K);
+        mrts_keep_range(found, n, end, status, x[K - 1], column[K - 1], found->basis[end] + n * K, y);
         if (status != MRTS_OPTIMAL) basis[end][0] = 0;
         if (MRTS_LANES > 1 && status == MRTS_OPTIMAL) { /* for the order of its rows, which lanes take as it is */
             mrts_lp_again(K, rows->count, rows->A, rows->lower, rows->upper, g, basis[end], x, y, &entering, work, iwork);
@@ -100,31 +106,30 @@ typedef struct {
     mrts_lane_functions functions;
     mrts_lane_rows rows;
     mrts_lanes x[2][MRTS_UNKNOWNS], y[2][MRTS_UNKNOWNS];
+    short code[2][MRTS_UNKNOWNS]; /* of the bases that were tried */
     mrts_lane_mask kept[2];
     mrts_lane_inputs inputs;
 } mrts_samples_in_lanes;
 
 /* Which samples the bases of the one before answer. */
-static void mrts_try_bases(int (*basis)[MRTS_UNKNOWNS], mrts_samples_in_lanes *lanes) {
+static void mrts_try_bases(const mrts_limits *limits, int (*basis)[MRTS_UNKNOWNS], mrts_samples_in_lanes *lanes) {
     for (int end = 0; end < 2; ++end) {
         lanes->kept[end] = (mrts_lane_mask){0};
         if (basis[end][0] == 0) continue;
+        mrts_codes(limits, lanes->rows.of, basis[end], lanes->code[end]);
         lanes->functions.end(&lanes->rows, end ? -1 : 1, basis[end], lanes->x[end], lanes->y[end], lanes->kept + end);
     }
 }
 
 /* Keeps the range of a sample whose ends the bases have answered. */
-static void mrts_keep_lane(const mrts_limits *limits, const mrts_samples_in_lanes *lanes, int lane,
-                           int (*basis)[MRTS_UNKNOWNS], const mrts_found_ranges *found) {
+static void mrts_keep_lane(const mrts_samples_in_lanes *lanes, int lane, const mrts_found_ranges *found) {
     enum { K = MRTS_UNKNOWNS };
-    const long long n = lanes->inputs.at[lane];
     const double column = lanes->rows.column[K - 1][lane];
-    found->effect[n] = lanes->rows.size[K - 1][lane] > MRTS_NO_EFFECT ? 1 / column : 0;
+    found->effect[lanes->inputs.at[lane]] = lanes->rows.size[K - 1][lane] > MRTS_NO_EFFECT ? 1 / column : 0;
     for (int end = 0; end < 2; ++end) {
         double y[K];
         for (int j = 0; j < K; ++j) y[j] = lanes->y[end][j][lane];
-        mrts_keep_range(limits, lanes->rows.of, found, n, end, MRTS_OPTIMAL, lanes->x[end][K - 1][lane], column, basis[end],
-                        y);
+        mrts_keep_range(found, lanes->inputs.at[lane], end, MRTS_OPTIMAL, lanes->x[end][K - 1][lane], column, lanes->code[end], y);
     }
 }
 #endif
@@ -164,10 +169,10 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
         if (lane == 0 && in_lanes) {
             mrts_take_inputs(in, stride, n, count, 0, &lanes.inputs);
             lanes.functions.rows(lanes.inputs.arg, limits, terms, lanes.inputs.at, most, &lanes.rows);
-            mrts_try_bases(basis, &lanes);
+            mrts_try_bases(limits, basis, &lanes);
         }
         if (in_lanes && lanes.kept[0][lane] && lanes.kept[1][lane]) {
-            mrts_keep_lane(limits, &lanes, lane, basis, &found);
+            mrts_keep_lane(&lanes, lane, &found);
             continue;
         }
 #endif
@@ -180,7 +185,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
             basis[0][0] = basis[1][0] = 0;
         }
 #if MRTS_TORQUE_LANES
-        if (in_lanes && lane + 1 < MRTS_LANES) mrts_try_bases(basis, &lanes); /* for the samples beside this one */
+        if (in_lanes && lane + 1 < MRTS_LANES) mrts_try_bases(limits, basis, &lanes); /* for the samples beside this one */
 #endif
     }
     return 0;
