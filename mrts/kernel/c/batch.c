@@ -175,7 +175,8 @@ static int mrts_nearest(const mrts_bounds *bounds, double from, double to, doubl
 static int mrts_controllable(const mrts_bounds *bounds, double *low, double *high) {
     double least, most;
     if (bounds->low > bounds->high) return 0;
-    if (!mrts_nearest(bounds, bounds->low, bounds->high, &least) || !mrts_nearest(bounds, bounds->high, bounds->low, &most)) return 0;
+    if (!mrts_nearest(bounds, bounds->low, bounds->high, &least)) return 0;
+    if (!mrts_nearest(bounds, bounds->high, bounds->low, &most)) return 0;
     *low = least;
     *high = most > least ? most : least;
     return 1;

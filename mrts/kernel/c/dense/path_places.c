@@ -41,7 +41,8 @@ static int mrts_run_at(MRTS_GENERATED((*run)), const mrts_places *places, int in
  * and object. Returns 1 if a generated function failed. */
 MRTS_EXPORT int mrts_path_places(long long first, long long count, const mrts_joint_path *path, const double *x,
                                  const double *u, const double *geometry, const int *components, double *time, double *q,
-                                 double *dq, double *ddq, double *position, double *rotation, double *twist, double *acceleration,
+                                 double *dq, double *ddq, double *position, double *rotation, double *twist,
+                                 double *acceleration,
                                  const double **arg, double **res, long long *iw, double *w) {
     mrts_places to = {path, x, u, geometry, {0}, time, q, dq, ddq, position, rotation, twist, acceleration, arg, res, iw, w};
     long long places[MRTS_LANES];

@@ -24,7 +24,8 @@ typedef struct {
     const double *x, *u;    /* squared speed at the samples; half its slope at the start and at the end of each segment */
     const double *geometry;
     int components[MRTS_SIZE]; /* those of a twist that a wrench of the cell has */
-    double *time, *q, *dq, *ddq, *position, *rotation, *twist, *acceleration; /* rotations by columns, as generated functions want them */
+    /* From the first place of all; rotations by columns, as generated functions want them. */
+    double *time, *q, *dq, *ddq, *position, *rotation, *twist, *acceleration;
     const double **arg;     /* work of generated functions */
     double **res;
     long long *iw;

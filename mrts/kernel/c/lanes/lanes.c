@@ -58,12 +58,13 @@
 #endif
 
 MRTS_LOCAL mrts_lane_functions mrts_lane_functions_here(void) {
-    const mrts_lane_functions anywhere = {mrts_lane_form_lanes, mrts_lane_rows_of_lanes, mrts_lane_end_lanes, mrts_dense_form_lanes,
-                                          mrts_dense_bound_lanes, mrts_dense_passed_lanes, mrts_some_places_lanes, mrts_closures_lanes,
-                                          mrts_lane_programs_lanes, mrts_lane_torques_lanes};
+    const mrts_lane_functions anywhere = {
+        mrts_lane_form_lanes,   mrts_lane_rows_of_lanes, mrts_lane_end_lanes, mrts_dense_form_lanes,    mrts_dense_bound_lanes,
+        mrts_dense_passed_lanes, mrts_some_places_lanes, mrts_closures_lanes, mrts_lane_programs_lanes, mrts_lane_torques_lanes};
 #ifdef MRTS_WIDE
-    const mrts_lane_functions wide = {mrts_lane_form_wide, mrts_lane_rows_of_wide, mrts_lane_end_wide, mrts_dense_form_wide, mrts_dense_bound_wide,
-                                      mrts_dense_passed_wide, mrts_some_places_wide, mrts_closures_wide, mrts_lane_programs_wide, mrts_lane_torques_wide};
+    const mrts_lane_functions wide = {
+        mrts_lane_form_wide,    mrts_lane_rows_of_wide, mrts_lane_end_wide, mrts_dense_form_wide,    mrts_dense_bound_wide,
+        mrts_dense_passed_wide, mrts_some_places_wide,  mrts_closures_wide, mrts_lane_programs_wide, mrts_lane_torques_wide};
     if (__builtin_cpu_supports("avx2")) return wide;
 #endif
     return anywhere;
