@@ -42,8 +42,7 @@ static int mrts_run_at(MRTS_GENERATED((*run)), const mrts_places *places, int in
 MRTS_EXPORT int mrts_path_places(long long first, long long count, const mrts_joint_path *path, const double *x,
                                  const double *u, const double *geometry, const int *components, double *time, double *q,
                                  double *dq, double *ddq, double *position, double *rotation, double *twist,
-                                 double *acceleration,
-                                 const double **arg, double **res, long long *iw, double *w) {
+                                 double *acceleration, const double **arg, double **res, long long *iw, double *w) {
     mrts_places to = {path, x, u, geometry, {0}, time, q, dq, ddq, position, rotation, twist, acceleration, arg, res, iw, w};
     long long places[MRTS_LANES];
     for (int i = 0; i < MRTS_SIZE; ++i) to.components[i] = components[i];

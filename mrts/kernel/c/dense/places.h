@@ -24,7 +24,7 @@ typedef struct {
     const double *x, *u;    /* squared speed at the samples; half its slope at the start and at the end of each segment */
     const double *geometry;
     int components[MRTS_SIZE]; /* those of a twist that a wrench of the cell has */
-    /* From the first place of all; rotations by columns, as generated functions want them. */
+    /* Time from the first place of all on; rotations by columns, as generated functions want them. */
     double *time, *q, *dq, *ddq, *position, *rotation, *twist, *acceleration;
     const double **arg;     /* work of generated functions */
     double **res;
