@@ -87,7 +87,7 @@ class KnownWrenches:
             terms: What is added at every sample, with x for c².
             rate_terms: What u adds, likewise.
         """
-        found = KnownPlanes(np.zeros((self.samples, self.limits.sides, 3)), np.zeros((self.samples, 2)))
+        found = KnownPlanes(np.empty((self.samples, self.limits.sides, 3)), np.empty((self.samples, 2)))
         numbers = self._run("mrts_known_planes", (terms, rate_terms), (), (found.effect, found.planes))
         return found if numbers else None
 
@@ -140,7 +140,7 @@ def known_values(
     opened, record = compiled.opened, compiled.records[function]
     given, strides = sample_inputs(record, samples, inputs)
     scratch = Scratch(opened, record)  # it lasts as long as its memory is needed
-    torque, wrench = np.zeros((samples, compiled.joints)), np.zeros((samples, compiled.wrenches))
+    torque, wrench = np.empty((samples, compiled.joints)), np.empty((samples, compiled.wrenches))
     failed = opened.mrts_known_torques(
         ctypes.c_longlong(samples),
         pointers(given),
