@@ -172,7 +172,7 @@ def _edges(polygon: Array, unit: Array, bounds: tuple[float, float], near: float
     """Half-planes of the edges of a polygon that are not those of bounds of |u| and x, Shape (e, 3)."""
     after = np.roll(polygon, -1, axis=0)
     (u, x), (along_u, along_x) = polygon.T, (after - polygon).T
-    length = np.hypot(along_u, along_x)
+    length = np.sqrt(along_u * along_u + along_x * along_x)  # as the kernel: of what underflows nothing is left
     on_box = np.minimum(np.abs(u), np.abs(after[:, 0])) >= near * bounds[0]
     on_bound = (np.minimum(x, after[:, 1]) >= near * bounds[1]) | (np.maximum(x, after[:, 1]) <= 1 / bounds[0] ** 2)
     edge = (length > 0) & ~on_box & ~on_bound

@@ -121,3 +121,33 @@ def test_the_virtual_machine_generates_a_cell_once(monkeypatch, tmp_path):
     assert len(calls) == 1
     assert generation.generated_in_cache(DATA / "cell.yaml")[1].exists()
     assert len(calls) == 1
+
+
+def random_polygon(rng, box, cap):
+    """Corners counter-clockwise: none, a point, a segment, one that is too short to have a direction, a hull, a box."""
+    kind = rng.integers(6)
+    if kind == 0:
+        return rng.normal(size=(rng.integers(3), 2))
+    if kind == 1:
+        return np.array([[0.0, 0.0], [1e-170, 1e-170]]) * rng.choice([1e-10, 1.0, 1e170])
+    if kind == 2:
+        corners = np.array([[-1.0, 0.0], [1.0, 0.0], [1.0, 1.0], [-1.0, 1.0]]) * [box, cap]
+        return corners * (1 - rng.choice([0.0, 5e-7, 2e-6], size=corners.shape))
+    angles = np.sort(rng.uniform(0, 2 * np.pi, rng.integers(3, 12)))
+    corners = np.column_stack([np.cos(angles), 1 + np.sin(angles)]) * 10 ** rng.uniform(-6, 3, 2)
+    return np.repeat(corners, rng.integers(1, 3, len(corners)), axis=0)
+
+
+def test_half_planes_are_those_of_the_kernel():
+    """Bit for bit, of polygons of any kind, and where u or x does not move."""
+    rng, box, near = np.random.default_rng(4), 1e5, 1 - 1e-6
+    for _ in range(50):
+        cap = np.where(rng.random(20) < 0.1, 0.0, 10 ** rng.uniform(-3, 5, 20))
+        polygons = [random_polygon(rng, box, most) for most in cap.tolist()]
+        number = np.array([len(polygon) for polygon in polygons], dtype=np.int32)
+        unit = np.where(rng.random((20, 2)) < 0.2, np.inf, 10 ** rng.uniform(-6, 6, (20, 2)))
+        given = number, np.concatenate(polygons), unit, cap, box, near
+        found, expected = default_programs().half_planes(*given), KernelWithoutCompiler.half_planes(*given)
+        for name, ours in found._asdict().items():
+            np.testing.assert_array_equal(ours, getattr(expected, name), err_msg=name, strict=True)
+        assert found.start[-1] == len(found.planes) > 0

@@ -6,11 +6,13 @@ from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA
 
 import mrts
+from mrts.base.arrays import apply
 from mrts.base.manifest import GEOMETRY
+from mrts.coordination.closed_chain import nearest_rates
 from mrts.coordination.coordinate import coordinate
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.coordination.grasp_closure import GIVEN_CLOSURE, ClosureBound, grasp_gaps, tip_motions
-from mrts.inverse_kinematics.grasp_tracking import tip_rates
+from mrts.inverse_kinematics.grasp_tracking import CONDITION_LIMIT, tip_rates
 from mrts.kernel.tracking import closure_sizes
 
 UR5 = DATA.parent / "dual_ur5"
@@ -88,3 +90,20 @@ def test_a_motion_that_fits_is_taken_as_it_is_and_a_narrow_bound_counts(dual_ur5
     assert coordinate(dual_ur5, off).q is off.q
     with pytest.raises(mrts.MotionError, match="close the chain"):
         coordinate(dual_ur5, off, ClosureBound(GIVEN_CLOSURE / 1000))
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("elbow", [0.0, 1e-9, 1e-7, 1e-5, 1e-3, 0.5])
+def test_a_singular_arm_keeps_what_it_was_given_in_the_direction_it_lost(elbow, planar_cell, lift):
+    """Stretched out at one end, or nearly so: as with the pseudoinverse of every Jacobian."""
+    motion = mrts.follow_object(planar_cell, lift)
+    q, dq = motion.q.copy(), motion.dq + 0.1
+    q[-1, 1] = elbow
+    given = CoordinatedMotion(motion.object, q, dq, motion.ddq)
+    ours = nearest_rates(planar_cell, motion.object, given)[0]
+    jacobians = planar_cell.functions("kinematics", len(q), {"q": q})["jacobian"]
+    for robot, joints in zip(planar_cell.robots, planar_cell.joint_slices.values(), strict=True):
+        J, (velocity, _) = jacobians[:, :, joints], tip_rates(planar_cell, robot, motion.object)
+        inverse = np.linalg.pinv(J, rcond=1 / CONDITION_LIMIT)
+        expected = dq[:, joints] + apply(inverse, velocity - apply(J, dq[:, joints]))
+        np.testing.assert_allclose(ours[:, joints], expected, rtol=1e-9, atol=1e-9)

@@ -106,6 +106,17 @@ for cell, motion in zip(sys.argv[2::2], sys.argv[3::2]):
 SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scale', *sys.argv[1:], '--json', '-']))"
 
 
+SANITIZED_JOINTS = """
+import sys
+import mrts
+cell = mrts.load_cell(sys.argv[1])
+followed = mrts.follow_object(cell, mrts.load_motion(sys.argv[2]))
+for last in (2, 3, 5, followed.samples):
+    assert mrts.scale(cell, followed.at(range(last)), between=None).motion.samples == last
+assert mrts.retime(cell, followed).pieces
+"""
+
+
 @pytest.mark.parametrize(
     "command",
     [
@@ -120,8 +131,9 @@ SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scal
         [SANITIZED_SCALING, DATA / "cell.yaml", DATA / "lift.yaml"],
         [SANITIZED_SCALING, UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml"],
         [SANITIZED_SCALING, DATA / "cell.yaml", DATA / "lift.yaml", "--share", "equal", "--profile", "optimal"],
+        [SANITIZED_JOINTS, UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml"],
     ],
-    ids=["programs", "smooth", "variants", "planar", "spatial", "shared"],
+    ids=["programs", "smooth", "variants", "planar", "spatial", "shared", "joints"],
 )
 def test_the_library_is_clean_under_sanitizers(command, private_cache):
     """The same library, compiled with AddressSanitizer and UndefinedBehaviorSanitizer, under the whole Python path."""
