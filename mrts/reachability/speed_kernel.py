@@ -117,7 +117,8 @@ class KernelWithoutCompiler:
                     polygons[samples[place]].insert(int(starts[place]) + 1, corner)
                 else:
                     final[samples[place]].add((*p, *q))
-        polygons = [polygon[:CORNERS] if how == OPTIMAL else [] for polygon, how in zip(polygons, status, strict=True)]
+        polygons = [_turning(polygon)[:CORNERS] if how == OPTIMAL else []
+                    for polygon, how in zip(polygons, status, strict=True)]  # fmt: skip
         corners = np.array([corner for polygon in polygons for corner in polygon]).reshape(-1, 2)
         return np.array([len(polygon) for polygon in polygons], dtype=np.int32), corners, status
 
@@ -207,6 +208,20 @@ def _open_edges(
     ]
     samples, places = np.array(found, dtype=int).reshape(-1, 2).T
     return samples, places
+
+
+def _turning(polygon: list[Array]) -> list[Array]:
+    """A polygon without the points between their neighbours on a line: of a segment the ends are left."""
+    kept, place = list(polygon), 0
+    while len(kept) > 2 and place < len(kept):  # noqa: PLR2004 (a segment)
+        here = kept[place]
+        before, after = here - kept[place - 1], kept[(place + 1) % len(kept)] - here
+        across, along = before[0] * after[1] - before[1] * after[0], float(before @ after)
+        if abs(across) <= OUTSIDE * along:
+            del kept[place]
+        else:
+            place += 1
+    return kept
 
 
 def _same(p: Array, q: Array) -> bool:

@@ -8,11 +8,13 @@ import sys
 import numpy as np
 import pytest
 from conftest import DATA
+from gantries import along_x, gantries
 from mrts_codegen import generate
 
 import mrts
 from mrts.cell import generation
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
+from mrts.reachability import fastest_profile, speed_regions
 from mrts.reachability.speed_kernel import KernelWithoutCompiler, speed_kernel
 
 SAMPLES = 21
@@ -81,6 +83,33 @@ def test_projections_are_those_of_the_kernel():
         assert np.allclose(np.max(ours @ directions, axis=0), np.max(theirs @ directions, axis=0), atol=1e-8)
         following = np.roll(ours, -1, axis=0)
         assert np.sum(ours[:, 0] * following[:, 1] - ours[:, 1] * following[:, 0]) > 0  # counter-clockwise
+
+
+@pytest.mark.parametrize("kernel", [default_programs, KernelWithoutCompiler])
+def test_a_projection_without_area_is_two_corners(kernel):
+    """What lies between them on their line bounds nothing, and hides that they bound u along itself."""
+    rng = np.random.default_rng(10)
+    count, rows, unknowns = 60, 9, 5
+    A = rng.normal(size=(count, rows, unknowns))
+    lower, upper = -rng.uniform(0.1, 1, (count, rows)), rng.uniform(0.1, 1, (count, rows))
+    A[:, 0, :3] = 0.0  # a line in u and x
+    A[: count // 3, 0, 3] = 0.0  # along u
+    lower[:, 0] = upper[:, 0] = 0.0
+    A[:, 1:4, :3] = np.eye(3)
+    scale, bound = np.ones((count, unknowns)), np.full((count, 2), 3.0)
+    number, corners, status = kernel().projections(A, lower, upper, scale, (-bound, bound))
+    assert np.all(status == OPTIMAL)
+    assert np.all(number == 2)
+    assert np.all(np.abs(np.sum(corners * np.repeat(A[:, 0, 3:], 2, axis=0), axis=1)) < 1e-9)
+
+
+@pytest.mark.parametrize("limits", [{}, {"velocity": 1.0}, {"velocity": 0.7, "wrench": 12}, {"wrench": 5}])
+def test_timings_of_limits_that_do_not_depend_on_the_speed_are_those_of_the_kernel(limits, tmp_path, monkeypatch):
+    cell, motion = gantries(tmp_path, **limits), along_x(samples=SAMPLES)
+    expected = mrts.retime(cell, motion)
+    for module in (speed_regions, fastest_profile):
+        monkeypatch.setattr(module, "speed_kernel", KernelWithoutCompiler)
+    assert mrts.retime(cell, motion).duration == pytest.approx(expected.duration, rel=1e-9)
 
 
 @pytest.mark.parametrize("largest", [2.0, 1e15])
