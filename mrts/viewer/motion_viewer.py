@@ -101,7 +101,11 @@ class MotionViewer:
         try:
             with contextlib.suppress(Empty):
                 while True:
-                    self._todo.get_nowait()()
+                    asked = self._todo.get_nowait()
+                    try:
+                        self._take_over()  # controls that were changed before it was asked
+                    finally:
+                        asked()
             self._follow_choices(elapsed)
             another, read = self.playback.follow(elapsed)
             another = self._view.follow() or another
@@ -117,6 +121,9 @@ class MotionViewer:
 
     def close(self) -> None:
         """Leave nothing at work; the server stays."""
+
+    def _take_over(self) -> None:
+        """Take over what a viewer's own controls were changed to."""
 
     def _follow_choices(self, elapsed: float) -> None:
         """Do what a viewer's own controls ask for."""

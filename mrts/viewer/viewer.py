@@ -95,6 +95,9 @@ class Viewer(MotionViewer):
             self._shown_speed = self._speed.value
             self.bench.ask(self._shown_speed)
 
+    def _take_over(self) -> None:
+        self._changes.follow(0.0, self._speed_at, self._held())
+
     def _speed_at(self, choices: Choices) -> float | None:
         """The speed that other choices are played at: the first one while that is shown, and of another profile."""
         state = self.state

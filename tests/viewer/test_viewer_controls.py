@@ -91,3 +91,22 @@ def test_ranking_again_keeps_the_chosen_configuration(viewer):
     assert bench.choices.postures != postures
     viewer.shown.step(0.0)
     assert viewer.shown.state is not None
+
+
+def test_what_was_changed_just_before_a_button_is_older_than_it(viewer):
+    """Both come between two frames: the change is taken back with the rest, and is a step of its own."""
+    shown, bench, shares = viewer.shown, viewer.bench, viewer.controls["fixed shares of the load"]
+    group = viewer.controls["change"]
+
+    def press(which):
+        assign(group, which)
+        for pressed in group._impl.update_cb:  # noqa: SLF001 (as viser calls it)
+            pressed(SimpleNamespace(target=group))
+        shown.settle()
+
+    assign(shares, value=True)
+    press("Reset")
+    assert (bench.choices.shares, shares.value) == (None, False)
+    press("Undo")
+    assert bench.choices.shares is not None
+    assert shares.value
