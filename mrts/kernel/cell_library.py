@@ -349,11 +349,12 @@ class Scratch:
         return self
 
     def pointers(self) -> list[ctypes.c_void_p]:
-        """arg, res, iw, w, in memory that lasts as long as this."""
-        starts = [0, *accumulate(size + 1 for size in self.sizes)]
-        self._memory = np.zeros(starts[-1])  # pointers and whole numbers have as many bytes
-        base = self._memory.ctypes.data
-        return [ctypes.c_void_p(base + self._memory.itemsize * start) for start in starts[:-1]]
+        """arg, res, iw, w, in memory that lasts as long as they do."""
+        *starts, size = [0, *accumulate(size + 1 for size in self.sizes)]
+        memory = np.zeros(size)  # pointers and whole numbers have as many bytes
+        place = memory.ctypes
+        first = place.data_as(ctypes.c_void_p)  # it keeps the memory
+        return [first, *(ctypes.c_void_p(place.data + memory.itemsize * start) for start in starts[1:])]
 
 
 def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]) -> tuple[list[Array], Any]:

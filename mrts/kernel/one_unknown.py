@@ -139,7 +139,6 @@ def known_values(
     """
     opened, record = compiled.opened, compiled.records[function]
     given, strides = sample_inputs(record, samples, inputs)
-    scratch = Scratch(opened, record)  # it lasts as long as its memory is needed
     torque, wrench = np.empty((samples, compiled.joints)), np.empty((samples, compiled.wrenches))
     failed = opened.mrts_known_torques(
         ctypes.c_longlong(samples),
@@ -150,7 +149,7 @@ def known_values(
         len(given),
         pointer(torque),
         pointer(wrench),
-        *scratch.pointers(),
+        *Scratch(opened, record).pointers(),
     )
     assert failed == 0  # noqa: S101 (generated functions of smooth expressions cannot fail)
     return torque, wrench

@@ -62,16 +62,12 @@ static void mrts_codes(const mrts_limits *limits, const mrts_rows *rows, const i
     for (int j = 0; j < MRTS_UNKNOWNS; ++j) code[j] = basis[0] == 0 ? 0 : mrts_row_of_limits(limits, rows, basis[j]);
 }
 
-/* Keeps an end of the range of a sample, of the answer's unknown c^2 in units of `column`, and what determines it. */
+/* Keeps an end of the range of a sample, of the answer's unknown c^2 in units of `column`, and its multipliers. */
 static void mrts_keep_range(const mrts_found_ranges *found, long long n, int end, int status, double c2, double column,
-                            const short *code, const double *y) {
-    enum { K = MRTS_UNKNOWNS };
+                            const double *y) {
     found->status[end][n] = (unsigned char)status;
     found->end[end][n] = end && c2 >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED) ? INFINITY : c2 * column;
-    for (int j = 0; j < K; ++j) {
-        found->basis[end][n * K + j] = code[j];
-        found->dual[end][n * K + j] = (float)y[j];
-    }
+    for (int j = 0; j < MRTS_UNKNOWNS; ++j) found->dual[end][n * MRTS_UNKNOWNS + j] = (float)y[j];
 }
 
 /* Solves both programs of one sample, whose rows are built, from the bases of the one before. */
@@ -92,7 +88,7 @@ static void mrts_range_of_sample(const mrts_limits *limits, mrts_rows *rows, dou
                                    iwork);
         }
         mrts_codes(limits, rows, basis[end], found->basis[end] + n * K);
-        mrts_keep_range(found, n, end, status, x[K - 1], column[K - 1], found->basis[end] + n * K, y);
+        mrts_keep_range(found, n, end, status, x[K - 1], column[K - 1], y);
         if (status != MRTS_OPTIMAL) basis[end][0] = 0;
         if (MRTS_LANES > 1 && status == MRTS_OPTIMAL) { /* for the order of its rows, which lanes take as it is */
             mrts_lp_again(K, rows->count, rows->A, rows->lower, rows->upper, g, basis[end], x, y, &entering, work, iwork);
@@ -124,12 +120,16 @@ static void mrts_try_bases(const mrts_limits *limits, int (*basis)[MRTS_UNKNOWNS
 /* Keeps the range of a sample whose ends the bases have answered. */
 static void mrts_keep_lane(const mrts_samples_in_lanes *lanes, int lane, const mrts_found_ranges *found) {
     enum { K = MRTS_UNKNOWNS };
+    const long long n = lanes->inputs.at[lane];
     const double column = lanes->rows.column[K - 1][lane];
-    found->effect[lanes->inputs.at[lane]] = lanes->rows.size[K - 1][lane] > MRTS_NO_EFFECT ? 1 / column : 0;
+    found->effect[n] = lanes->rows.size[K - 1][lane] > MRTS_NO_EFFECT ? 1 / column : 0;
     for (int end = 0; end < 2; ++end) {
         double y[K];
-        for (int j = 0; j < K; ++j) y[j] = lanes->y[end][j][lane];
-        mrts_keep_range(found, lanes->inputs.at[lane], end, MRTS_OPTIMAL, lanes->x[end][K - 1][lane], column, lanes->code[end], y);
+        for (int j = 0; j < K; ++j) {
+            y[j] = lanes->y[end][j][lane];
+            found->basis[end][n * K + j] = lanes->code[end][j];
+        }
+        mrts_keep_range(found, n, end, MRTS_OPTIMAL, lanes->x[end][K - 1][lane], column, y);
     }
 }
 #endif

@@ -43,9 +43,8 @@ MRTS_EXPORT int mrts_path_places(long long first, long long count, const mrts_jo
                                  const double *u, const double *geometry, const int *components, double *time, double *q,
                                  double *dq, double *ddq, double *position, double *rotation, double *twist,
                                  double *acceleration, const double **arg, double **res, long long *iw, double *w) {
-    mrts_places to = {path, x, u, geometry, {0}, time, q, dq, ddq, position, rotation, twist, acceleration, arg, res, iw, w};
+    const mrts_places to = {path, x, u, geometry, components, time, q, dq, ddq, position, rotation, twist, acceleration, arg, res, iw, w};
     long long places[MRTS_LANES];
-    for (int i = 0; i < MRTS_SIZE; ++i) to.components[i] = components[i];
 #if MRTS_LANES > 1
     const mrts_lane_functions functions = mrts_lane_functions_here();
     mrts_lanes numbers[MRTS_GEOMETRY_NUMBERS];

@@ -23,7 +23,7 @@ typedef struct {
     const mrts_joint_path *path;
     const double *x, *u;    /* squared speed at the samples; half its slope at the start and at the end of each segment */
     const double *geometry;
-    int components[MRTS_SIZE]; /* those of a twist that a wrench of the cell has */
+    const int *components;  /* those of a twist that a wrench of the cell has */
     /* Time from the first place of all on; rotations by columns, as generated functions want them. */
     double *time, *q, *dq, *ddq, *position, *rotation, *twist, *acceleration;
     const double **arg;     /* work of generated functions */
