@@ -58,7 +58,11 @@ class JointMotors(InNotebooks):
                 raise InputError("motors", f"must have one value for each of {n} joints.", key=name)
             wrong = ~((value >= SMALLEST_NUMBER) if unlimited else (value >= 0) & (value <= LARGEST_NUMBER))
             if np.any(wrong):
-                rule = f"must be at least {SMALLEST_NUMBER:g}." if unlimited else f"must be >= 0 and at most {LARGEST_NUMBER:.0e}."
+                rule = (
+                    f"must be at least {SMALLEST_NUMBER:g}."
+                    if unlimited
+                    else f"must be >= 0 and at most {LARGEST_NUMBER:.0e}."
+                )
                 raise InputError("motors", rule, key=f"{name}[{int(np.argmax(wrong))}]", value=value[wrong][0])
             value.setflags(write=False)
             object.__setattr__(self, name, value)
