@@ -326,7 +326,7 @@ def test_a_missing_plotly_is_named_before_any_work(arguments):
 def test_torques_far_beyond_their_limits_are_so_many_percent(result):
     done = result.trajectory
     beyond = replace(result, trajectory=replace(done, torque=np.full_like(done.torque, 1e30)))
-    assert torque_plots(beyond)[0].traces[0]["customdata"][0] == 10**30
+    assert torque_plots(beyond)[0].data[0]["customdata"][0] == int(1e30)
 
 
 def test_a_file_that_cannot_be_written_is_refused(result, tmp_path):
