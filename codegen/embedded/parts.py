@@ -25,8 +25,6 @@ LIBRARY_PARTS: dict[str, frozenset[str]] = {
     "sample.c": ALL,
     "settings.c": ALL,
     "horizon.c": ALL,
-    "intervals.c": ALL,
-    "horizon_of_intervals.c": ALL,
     "motors.c": ALL,
     "terms.c": frozenset({"terms"}),
     "limits.c": WITH_ROWS,
@@ -38,7 +36,6 @@ LIBRARY_PARTS: dict[str, frozenset[str]] = {
     "range_of_speed.c": frozenset({"range"}),
     "range.c": frozenset({"range"}),
     "guaranteed.c": frozenset({"range"}),
-    "guaranteed_of_intervals.c": frozenset({"range"}),
     "load_corners.c": frozenset({"range"}),
     "share_of_speed.c": frozenset({"share"}),
     "share.c": frozenset({"share"}),
@@ -47,12 +44,12 @@ LIBRARY_PARTS: dict[str, frozenset[str]] = {
 """In the order in which one text includes them."""
 
 OF_MOTORS = frozenset(
-    {"intervals.c", "horizon_of_intervals.c", "motors.c", "motor_rows.c", "speeds.c", "range_of_speed.c"}
-    | {"guaranteed_of_intervals.c", "share_of_speed.c", "speed_intervals.h", "speed_intervals.c"}
+    {"motors.c", "motor_rows.c", "speeds.c", "range_of_speed.c", "share_of_speed.c"}
+    | {"speed_intervals.h", "speed_intervals.c"}
 )
 """Of all these files, those of a cell with motors; likewise of ideal ones. Others are of both."""
 
-OF_IDEAL = frozenset({"horizon.c", "ideal_rows.c", "guaranteed.c"})
+OF_IDEAL = frozenset({"ideal_rows.c"})
 
 KERNEL_FILES: dict[str, frozenset[str]] = {
     "numbers.h": ALL,

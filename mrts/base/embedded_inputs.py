@@ -70,7 +70,7 @@ class EmbeddedVector:
         inputs: q, dq, ddq, rotation of the object, twist, acceleration.
         place: "inside" its motion, or its "start" or "end".
         mass: [kg].
-        status: 0 feasible, 1 unbounded, 2 infeasible, 6 feasible with a gap; likewise `share_status`.
+        status: 0 feasible, 1 unbounded, 2 infeasible; likewise `share_status`.
         ends: c²⁻, c²⁺ of the highest interval; infinite where there is none.
         share_status: Of an equal distribution.
         share_ends: Its ends.

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.drawing.labels import row_label
-from mrts.limits.rows import STANDSTILL, ActiveRow
+from mrts.limits.rows import STANDSTILL, ActiveRow, Side
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import SampleRanges
 from mrts.scaling.range import ScalingRange
@@ -48,18 +48,20 @@ def binding_lanes(found: ScalingRange) -> list[Lane]:
         found: The range over the motion.
     """
     samples = found.samples
-    lower_rows, upper_rows = list(samples.lower_rows), list(samples.upper_rows)
-    for gap in samples.gaps:  # where it begins, something forbids to be faster; where it ends, to be slower
-        upper_rows[gap.sample] = (*upper_rows[gap.sample], *gap.lower_rows)
-        lower_rows[gap.sample] = (*lower_rows[gap.sample], *gap.upper_rows)
     conflicts: list[tuple[ActiveRow, ...]] = [()] * len(samples.time)
     for conflict in samples.conflicts:
         conflicts[conflict.sample] = tuple(row for row in conflict.rows if row.name.kind != "balance")
     lanes = _lanes("conflict", conflicts, ())
-    ends = found.intervals or ([(found.lower, found.upper)] if found.lower and found.upper else [])
-    lanes += _lanes("upper", upper_rows, [row for _, upper in ends for row in upper.rows])
-    lower = _lanes("lower", lower_rows, [row for lower, _ in ends for row in lower.rows])
+    lanes += _lanes("upper", *_rows(found, "upper"))
+    lower = _lanes("lower", *_rows(found, "lower"))
     return lanes + ([] if {lane.label for lane in lower} <= {str(STANDSTILL)} else lower)
+
+
+def _rows(found: ScalingRange, side: Side) -> tuple[list[tuple[ActiveRow, ...]], Sequence[ActiveRow]]:
+    """The rows at one end of every sample, and those that set the end over the motion."""
+    end = found.lower if side == "lower" else found.upper
+    rows = [found.binding(sample, side) for sample in range(len(found.samples.time))]
+    return rows, () if end is None else end.rows
 
 
 def _lanes(kind: LaneKind, rows: Sequence[tuple[ActiveRow, ...]], first: Sequence[ActiveRow]) -> list[Lane]:
@@ -80,38 +82,6 @@ def _lanes(kind: LaneKind, rows: Sequence[tuple[ActiveRow, ...]], first: Sequenc
 def infeasible_spans(samples: SampleRanges) -> list[tuple[float, float]]:
     """Spans of time where no c² keeps the limits [s]."""
     return spans(samples.time, np.array([status is RangeStatus.INFEASIBLE for status in samples.status]))
-
-
-@dataclass(frozen=True)
-class GapBox:
-    """A gap between the intervals of one sample, which reaches half way to its neighbours.
-
-    Attributes:
-        start: [s].
-        end: [s].
-        lower: Largest c² of the interval below.
-        upper: Least c² of the interval above.
-    """
-
-    start: float
-    end: float
-    lower: float
-    upper: float
-
-
-def gap_boxes(samples: SampleRanges, highest: float) -> list[GapBox]:
-    """The gaps of all samples as boxes over time and c².
-
-    Args:
-        samples: Ranges of all samples.
-        highest: Largest c² of the picture.
-    """
-    edges = _edges(samples.time)
-    return [
-        GapBox(float(edges[gap.sample]), float(edges[gap.sample + 1]), gap.lower, min(gap.upper, highest))
-        for gap in samples.gaps
-        if gap.lower < highest
-    ]
 
 
 def spans(time: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:

@@ -1,21 +1,17 @@
 # SPDX-License-Identifier: MIT
 """The range over the motion and what sets it, in a few words."""
 
-from itertools import pairwise
-
 from mrts.drawing.labels import row_labels
 from mrts.scaling.range import RangeEnd, ScalingRange
 
 
 def range_text(found: ScalingRange) -> str:
-    """All intervals; where there is none, the outcome, and where the ends of an empty range are."""
+    """Both ends; where no c² is admissible, the outcome, and where the ends of an empty range are."""
     low, high = found.lower, found.upper
     if low is None or high is None:
         return str(found.status.value)
     if found.status.admits_motion or low.time is None or high.time is None:
         return found.text()
-    if low.c2 <= high.c2:
-        return f"empty (all of [{low.c2:.4g}, {high.c2:.4g}] lies in gaps)"
     return f"empty (at least {low.c2:.4g} at t = {low.time:.4g} s, but at most {high.c2:.4g} at t = {high.time:.4g} s)"
 
 
@@ -33,8 +29,6 @@ def range_facts(found: ScalingRange) -> list[str]:
     for name, end in (("c²⁺", found.upper), ("c²⁻", found.lower)):
         if end is not None and end.time is not None and (name == "c²⁺" or end.c2 > 0):
             facts.append(f"{name} = {end.c2:.4g} is {_set_by(end)}")
-    for (_, below), (above, _) in pairwise(found.intervals):
-        facts.append(f"gap from c² = {below.c2:.4g}, {_set_by(below)}, to {above.c2:.4g}, {_set_by(above)}")
     return facts
 
 

@@ -6,16 +6,14 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Rectangle
 
 from mrts.drawing.axis_reach import c2_reach
 from mrts.drawing.colours import ADMISSIBLE, CONFLICT, END_COLOURS
 from mrts.drawing.labels import LANE_LETTERS
-from mrts.drawing.lanes import Lane, binding_lanes, gap_boxes, infeasible_spans, spans
+from mrts.drawing.lanes import Lane, binding_lanes, infeasible_spans, spans
 from mrts.drawing.range_sentences import range_facts, range_text
 from mrts.figures.style import NotebookFigure, finish, plain, plain_text
 from mrts.samples.range_status import RangeStatus
-from mrts.samples.sample_ranges import SampleRanges
 from mrts.scaling.result import ScalingResult
 
 FACT_LETTERS = 110
@@ -55,14 +53,11 @@ def draw_range(axes: Axes, result: ScalingResult) -> None:
             axes.plot(samples.time, shown, color=END_COLOURS[kind], linestyle=dash, label=name)
     low, high = c2_reach(found)
     if found.status.admits_motion and found.lower and found.upper:
-        label = f"range {range_text(found)}"
-        for lower, upper in found.intervals:
-            axes.axhspan(lower.c2, min(upper.c2, high), color=ADMISSIBLE, alpha=0.15, label=label)
-            label = ""
+        ends = found.lower.c2, min(found.upper.c2, high)
+        axes.axhspan(*ends, color=ADMISSIBLE, alpha=0.15, label=f"range {range_text(found)}")
     for number, (start, end) in enumerate(infeasible_spans(samples)):
         label = "" if number else "no c² at all"
         axes.axvspan(start, end, **HATCHED, label=label)
-    draw_gaps(axes, samples, high)
     _mark_what_sets_it(axes, result)
     if found.status is RangeStatus.UNBOUNDED:
         axes.text(0.5, 0.5, "no limit depends on the speed", transform=axes.transAxes, ha="center", va="center")
@@ -71,25 +66,8 @@ def draw_range(axes: Axes, result: ScalingResult) -> None:
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1.01), ncols=4, fontsize="small", frameon=False, borderaxespad=0)
 
 
-def draw_gaps(axes: Axes, samples: SampleRanges, highest: float) -> None:
-    """Hatch what samples do not admit between their least and their largest c².
-
-    Args:
-        axes: Where to draw.
-        samples: Ranges of all samples.
-        highest: Largest c² of the picture.
-    """
-    for number, box in enumerate(gap_boxes(samples, highest)):
-        corner, size = (box.start, box.lower), (box.end - box.start, box.upper - box.lower)
-        axes.add_patch(Rectangle(corner, *size, **HATCHED, label="" if number else "gap: no admissible c²"))
-
-
 def _mark_what_sets_it(axes: Axes, result: ScalingResult) -> None:
     found = result.range
-    for lower, upper in found.intervals[:-1]:
-        for kind, inner in (("lower", lower), ("upper", upper)):
-            if inner.time is not None and inner.c2 > 0:
-                axes.plot(inner.time, inner.c2, "o", color=END_COLOURS[kind], markersize=5, clip_on=False, zorder=5)
     for kind, end, name in (("lower", found.lower, "c²⁻"), ("upper", found.upper, "c²⁺")):
         if end is None or end.time is None or (kind == "lower" and end.c2 <= 0):
             continue

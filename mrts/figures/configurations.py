@@ -19,8 +19,6 @@ BAR_INCHES = 0.2
 def draw_ranking(axes: Axes, study: ConfigurationStudy) -> None:
     """c²⁺ of every configuration as a bar, the best above, with what limits it; infeasible ones are crosses.
 
-    The bar of several intervals has their gaps.
-
     Args:
         axes: Where to draw.
         study: What `rank_configurations` found.
@@ -35,9 +33,7 @@ def draw_ranking(axes: Axes, study: ConfigurationStudy) -> None:
         elif c2 == np.inf:
             axes.barh(row, 1.1 * longest, height=0.72, color="white", edgecolor=END_COLOURS["upper"], hatch="///")
         else:
-            intervals = [(low.c2, high.c2) for low, high in found.range.intervals]
-            for low, high in intervals if len(intervals) > 1 else [(0.0, c2)]:
-                axes.barh(row, high - low, left=low, height=0.72, color=END_COLOURS["upper"])
+            axes.barh(row, c2, height=0.72, color=END_COLOURS["upper"])
             axes.annotate(f"{c2:.4g}", (c2, row), (3, 0), textcoords="offset points", va="center", fontsize="x-small")
     names = [", ".join(f"{plain(branch.robot)} {branch.number}" for branch in found.branches) for found in shown]
     axes.set_yticks(range(len(shown)), names, fontsize="x-small")

@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from mrts.base.arrays import Array
 from mrts.drawing.axis_reach import c2_reach
 from mrts.drawing.load_envelope import load_envelope
-from mrts.figures.c2_range import draw_gaps
 from mrts.figures.style import NotebookFigure, finish, legend_below, line_style, plain_text
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
@@ -59,7 +58,6 @@ def draw_load_study(axes: Axes, result: ScalingResult) -> None:
         axes.fill_between(result.range.samples.time, least, largest, color="#dddddd", linewidth=0, label=label)
         _draw_upper(axes, study.ranges[best], f"best: {study.points[best]}", 2)
         _draw_upper(axes, study.ranges[worst], f"worst: {study.points[worst]}", 1)
-    draw_gaps(axes, result.range.samples, high)
     _draw_upper(axes, result.range, study.question, 0, linewidth=2.4)
     axes.set_ylim(low, high)
     finish(axes, "time of the given motion [s]", LOAD_AXIS)
@@ -87,7 +85,6 @@ def _draw_upper(axes: Axes, found: ScalingRange, label: str, index: int, linewid
     upper: Array = np.where(np.isfinite(samples.upper), samples.upper, np.nan)
     known = end is not None and np.isfinite(end.c2) and found.status.admits_motion
     reach = f"c²⁺ = {end.c2:.4g}" if end is not None and known else found.status.value
-    reach = f"c² ∈ {found.text()}" if len(found.intervals) > 1 else reach
     axes.plot(samples.time, upper, label=plain_text(f"{label} ({reach})"), linewidth=linewidth, **style)
     if end is not None and end.time is not None:
         axes.plot(end.time, end.c2, "o", color=style["color"], clip_on=False)

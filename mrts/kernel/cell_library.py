@@ -18,9 +18,6 @@ from mrts.kernel.function_shapes import work_sizes
 from mrts.kernel.programs import STOPPED, Programs, offer_programs
 from mrts.kernel.sample_terms import SampleTerms
 
-INTERVALS = 8
-"""Most intervals of one sample, `MRTS_INTERVALS` of speed_intervals.h; a sample with more is left to the caller."""
-
 
 class _Limits(ctypes.Structure):
     """`mrts_limits` of rows.h."""
@@ -101,10 +98,13 @@ class KernelRanges:
     Attributes:
         lower: c²⁻(t), Shape (N,).
         upper: c²⁺(t), Shape (N,), infinity where nothing bounds it.
-        status: Of the two programs, Shape (2, N).
-        effect: Largest effect of c² = 1 on a row in its unit, Shape (N,).
-        basis: Rows that determine each end, Shape (2, N, k): 1 + row at an upper, -1 - row at a lower limit.
-        dual: Their multipliers, Shape (2, N, k).
+        status: Of the programs, Shape (2, N), or (1, N) where rows have terms in c.
+        effect: Largest effect of c² = 1, or of c = 1 squared, on a row in its unit, Shape (N,).
+        basis: Rows that determine each end, Shape (2, N, k): 1 + row at an upper, -1 - row at a lower limit, 0 for
+            none; k + 1 of them where rows have terms in c.
+        dual: Their multipliers, likewise.
+        gap: A c² in the gap between the interval and a lower one, 0 where there is no other, Shape (N,); None where no
+            row has a term in c.
     """
 
     lower: Array
@@ -113,46 +113,7 @@ class KernelRanges:
     effect: Array
     basis: NDArray[np.int16]
     dual: NDArray[np.float32]
-
-
-@dataclass(frozen=True)
-class KernelIntervals:
-    """Which speeds c the kernel found admissible at N samples.
-
-    Attributes:
-        number: Intervals of each, Shape (N,).
-        ends: Of each interval its ends, ascending, infinity where nothing bounds c, Shape (N, 16).
-        status: Shape (1, N).
-        effect: Largest effect of c² = 1, or of c = 1 squared, on a row in its unit, Shape (N,).
-        basis: Rows that determine the least and the largest c, Shape (2, N, k + 1), as in `KernelRanges`; 0 is none.
-        dual: Their multipliers, likewise.
-    """
-
-    number: NDArray[np.int32]
-    ends: Array
-    status: NDArray[np.uint8]
-    effect: Array
-    basis: NDArray[np.int16]
-    dual: NDArray[np.float32]
-
-    @property
-    def lower(self) -> Array:
-        """The least c², Shape (N,)."""
-        least: Array = self.ends[:, 0] ** 2
-        return least
-
-    @property
-    def upper(self) -> Array:
-        """The largest c², Shape (N,)."""
-        last = np.maximum(2 * self.number - 1, 0)
-        largest: Array = self.ends[np.arange(len(last)), last] ** 2
-        return largest
-
-    def divided(self) -> list[tuple[int, list[tuple[float, float]]]]:
-        """Samples of several intervals of c, and those."""
-        several = np.flatnonzero(self.number > 1).tolist()
-        pairs = (self.ends[sample, : 2 * self.number[sample]].reshape(-1, 2).tolist() for sample in several)
-        return [(sample, [(low, high) for low, high in ends]) for sample, ends in zip(several, pairs, strict=True)]
+    gap: Array | None = None
 
 
 class CellLibrary:
@@ -234,27 +195,29 @@ class CellLibrary:
 
     def speed_ranges(
         self, samples: int, inputs: dict[str, Array], limits: SparseLimits, terms: SampleTerms, most: Array
-    ) -> KernelIntervals:
-        """The admissible speeds c at every sample where rows have terms in c.
+    ) -> KernelRanges:
+        """The highest interval of c² at every sample where rows have terms in c.
 
         Args:
             samples: N.
             inputs: Of the wrench form, by name.
             limits: Rows over torques and wrenches.
             terms: What is added at every sample.
-            most: Largest c² that the caps allow, Shape (N,), infinity where they do not bound it.
+            most: Largest c² that is asked for, Shape (N,), infinity where none is.
         """
-        found = KernelIntervals(
-            np.zeros(samples, dtype=np.int32),
-            np.zeros((samples, 2 * INTERVALS)),
-            np.full((1, samples), STOPPED, dtype=np.uint8),
-            np.zeros(samples),
-            np.zeros((2, samples, self.unknowns + 1), dtype=np.int16),
-            np.zeros((2, samples, self.unknowns + 1), dtype=np.float32),
+        k, N = self.unknowns, samples
+        gap = np.zeros(N)
+        found = KernelRanges(
+            np.zeros(N),
+            np.zeros(N),
+            np.full((1, N), STOPPED, dtype=np.uint8),
+            np.zeros(N),
+            np.zeros((2, N, k + 1), dtype=np.int16),
+            np.zeros((2, N, k + 1), dtype=np.float32),
+            gap,
         )
-        outputs = [found.number, found.ends, *found.status, found.effect, *found.basis, *found.dual]
-        bound = np.minimum(np.sqrt(most), INFINITY)
-        self.over_samples("mrts_speed_ranges", samples, inputs, limits, terms, bound, outputs)
+        outputs = [found.lower, found.upper, gap, *found.status, found.effect, *found.basis, *found.dual]
+        self.over_samples("mrts_speed_ranges", samples, inputs, limits, terms, np.minimum(most, INFINITY), outputs)
         return found
 
     def torques(

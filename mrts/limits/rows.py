@@ -238,14 +238,16 @@ class LimitRows:
         """
         return np.asarray(np.maximum(self.lower - value, value - self.upper) / self.units(), dtype=np.float64)
 
+    @cached_property
+    def alike_speeds(self) -> NDArray[np.bool_]:
+        """Speeds that are limited alike in both directions: they are always at their upper limit, Shape (r,)."""
+        if self.speed is None:
+            return np.zeros(len(self.names), dtype=bool)
+        return np.asarray((self.lower == -self.upper) & np.any(self.speed, axis=0) & ~self.of_forces)
+
     def active(self, row: int, *, upper: bool) -> ActiveRow:
         """A row at one of its limits; a speed that is limited alike in both directions is at its upper one."""
-        alike = (
-            self.speed is not None
-            and self.lower[row] == -self.upper[row]
-            and np.any(self.speed[:, row])
-            and not self.of_forces[row]
-        )
+        alike = bool(self.alike_speeds[row])
         limit = self.upper[row] if upper or alike else self.lower[row]
         return ActiveRow(self.names[row], "upper" if upper or alike else "lower", float(limit))
 

@@ -30,9 +30,6 @@ SHARE_OF_END = 0.5
 STATUS = {RangeStatus.FEASIBLE: 0, RangeStatus.UNBOUNDED: 1, RangeStatus.INFEASIBLE: 2}
 """Of the exported header."""
 
-WITH_GAP = 6
-"""Likewise, of a sample with more than one interval."""
-
 
 def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
     """All samples of a motion with the nominal load first, then with other masses.
@@ -47,7 +44,7 @@ def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
         free = motion_ranges(heavy, motion, "wrench", None, DEFAULT_SOLVER)
         even = motion_ranges(heavy, motion, "wrench", LoadSharing(), DEFAULT_SOLVER)
         speeds = np.where([status is RangeStatus.FEASIBLE for status in free.status], SHARE_OF_END * free.upper, 0.0)
-        speeds = np.where(speeds >= _highest_lower(free), speeds, 0.0)
+        speeds = np.where(speeds >= free.lower, speeds, 0.0)
         compared = np.flatnonzero(speeds > 0)
         torque = np.zeros((motion.samples, motion.q.shape[1]))
         if compared.size:
@@ -76,25 +73,13 @@ def _vector(
         inputs=tuple(field[sample] for field in fields),
         place="start" if sample == 0 else "end" if sample == motion.samples - 1 else "inside",
         mass=mass,
-        status=_status(free, sample),
-        ends=(float(_highest_lower(free)[sample]), float(free.upper[sample])),
-        share_status=_status(even, sample),
-        share_ends=(float(_highest_lower(even)[sample]), float(even.upper[sample])),
+        status=STATUS[free.status[sample]],
+        ends=(float(free.lower[sample]), float(free.upper[sample])),
+        share_status=STATUS[even.status[sample]],
+        share_ends=(float(even.lower[sample]), float(even.upper[sample])),
         c2=c2,
         torque=torque,
     )
-
-
-def _highest_lower(ranges: SampleRanges) -> Array:
-    """The least c² of the interval with the largest, Shape (N,)."""
-    lower = ranges.lower.copy()
-    for gap in ranges.gaps:
-        lower[gap.sample] = max(lower[gap.sample], gap.upper)
-    return lower
-
-
-def _status(ranges: SampleRanges, sample: int) -> int:
-    return WITH_GAP if any(gap.sample == sample for gap in ranges.gaps) else STATUS[ranges.status[sample]]
 
 
 def own_motion(cell: Cell) -> CoordinatedMotion:

@@ -21,7 +21,7 @@ from mrts.samples.range_status import RangeStatus
 
 FORMAT_NAME = "mrts result"
 
-VERSION = 5
+VERSION = 6
 """Of arrays and description together; any change of either, or of the manifest's format, raises it."""
 
 DESCRIPTION_BYTES = 5_000_000
@@ -131,22 +131,6 @@ class ConflictEntry(_Record):
         return self
 
 
-class GapEntry(_Record):
-    """What a sample of one range does not admit, as `mrts.samples.range_ends.Gap`; rows and loads are indices."""
-
-    range: Index
-    sample: Index
-    c2: tuple[Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]]
-    rows: tuple[list[Index], list[Index]]
-    loads: tuple[Index | None, Index | None]
-
-    @model_validator(mode="after")
-    def _ascending(self) -> Self:
-        if not self.c2[0] < self.c2[1]:
-            raise broken_rule("c2 must rise")
-        return self
-
-
 class SharingEntry(_Record):
     """A fixed distribution, as `mrts.samples.load_sharing.LoadSharing`."""
 
@@ -185,17 +169,14 @@ class RatedEntry(_Record):
 
     status: RangeStatus
     ends: tuple[EndEntry, EndEntry]
-    intervals: list[tuple[EndEntry, EndEntry]]
 
     @model_validator(mode="after")
     def _agrees(self) -> Self:
         lower, upper = self.ends
-        if any(low.c2 is None for low, _ in (self.ends, *self.intervals)):
+        if lower.c2 is None:
             raise broken_rule("a lower end must have a c2")
-        if (self.status is RangeStatus.EMPTY) == bool(self.intervals) or self.status is RangeStatus.INFEASIBLE:
-            raise broken_rule("a range must have intervals, unless it is empty")
-        if self.intervals and (lower, upper) != self.intervals[-1]:
-            raise broken_rule("its ends must be those of its last interval")
+        if self.status is RangeStatus.INFEASIBLE:
+            raise broken_rule("an infeasible motion has no range within rates")
         if (self.status is RangeStatus.UNBOUNDED) != (upper.c2 is None):
             raise broken_rule("an upper end must have a c2, unless the range is unbounded")
         return self
@@ -279,7 +260,7 @@ class Description(_Record):
     """Everything of a saved result that is not a number a sample; docs/saved_results.md has the meaning of each."""
 
     format: Literal["mrts result"]
-    version: Literal[5]
+    version: Literal[6]
     mrts_version: str
     manifest: Manifest
     load: LoadVector
@@ -289,6 +270,7 @@ class Description(_Record):
     c2: Annotated[float, Field(gt=0)] | None
     fallbacks: Index
     range_fallbacks: Annotated[list[Index], Field(min_length=1)]
+    several: list[bool]
     study: StudyEntry | None
     origin: str
     warnings: Annotated[list[WarningEntry], FailFast()]
@@ -298,7 +280,6 @@ class Description(_Record):
     reserve: PlanReserveEntry | None = None
     loads: Annotated[list[LoadEntry], FailFast()]
     conflicts: Annotated[list[ConflictEntry], FailFast()]
-    gaps: Annotated[list[GapEntry], FailFast()] = []
     excess: ExcessEntry | None = None
     rated: RatedEntry | None = None
     what_if: WhatIfEntry | None = None

@@ -2,7 +2,6 @@
 """Ranges of c² at every sample as arrays of a saved result, and back; R ranges, N samples, B binding rows in all."""
 
 from collections.abc import Sequence
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +11,12 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.load_box import LoadPoint
-from mrts.limits.rows import ActiveRow
+from mrts.limits.rows import ActiveRow, Side
 from mrts.output.saved_json import (
     DAMAGED,
     ConflictEntry,
     Description,
     EndEntry,
-    GapEntry,
     LoadEntry,
     PlanReserveEntry,
     RatedEntry,
@@ -26,7 +24,7 @@ from mrts.output.saved_json import (
     RowEntry,
 )
 from mrts.samples.infeasibility import Conflict
-from mrts.samples.range_ends import Gap
+from mrts.samples.range_ends import BindingRows
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.reserve import PlanReserve, Reserve
 from mrts.samples.sample_ranges import SampleRanges
@@ -36,6 +34,9 @@ STATUSES = tuple(RangeStatus)
 """A sample's status is saved as its place in this order."""
 
 Arrays = dict[str, NDArray[Any]]
+
+
+SIDES: tuple[Side, Side] = ("lower", "upper")
 
 
 class Tables:
@@ -62,28 +63,33 @@ class Tables:
         return [LoadEntry(parameters=dict(parameters), load=list(load)) for parameters, load in self._loads]
 
 
-def range_arrays(ranges: Sequence[SampleRanges], tables: Tables) -> Arrays:
+def range_arrays(ranges: Sequence[ScalingRange], tables: Tables) -> Arrays:
     """Arrays of some ranges over the same samples; of the first also the loads that set its ends, if there are any.
 
     Args:
         ranges: R of them.
         tables: Take up the rows and loads.
     """
-    bound = [[[tables.row(row) for row in at] for at in end] for of in ranges for end in (of.lower_rows, of.upper_rows)]
+    samples = [of.samples for of in ranges]
+    bound = [
+        [[tables.row(row) for row in of.binding(sample, side)] for sample in range(len(of.samples.time))]
+        for of in ranges
+        for side in SIDES
+    ]
     arrays: Arrays = {
-        "status": np.array([[STATUSES.index(status) for status in of.status] for of in ranges]),
-        "c2_lower": np.array([of.lower for of in ranges]),
-        "c2_upper": np.array([of.upper for of in ranges]),
+        "status": np.array([[STATUSES.index(status) for status in of.status] for of in samples]),
+        "c2_lower": np.array([of.lower for of in samples]),
+        "c2_upper": np.array([of.upper for of in samples]),
         "binding_count": np.array([[len(at) for at in end] for end in bound]).reshape(len(ranges), 2, -1),
         "binding_row": np.array([row for end in bound for at in end for row in at], dtype=np.int64),
     }
-    lower, upper = ranges[0].lower_loads, ranges[0].upper_loads
+    lower, upper = samples[0].lower_loads, samples[0].upper_loads
     if lower is not None and upper is not None:
         arrays["end_load"] = np.array([[tables.load(point) for point in end] for end in (lower, upper)])
     return arrays
 
 
-def conflict_entries(ranges: Sequence[SampleRanges], tables: Tables) -> list[ConflictEntry]:
+def conflict_entries(ranges: Sequence[ScalingRange], tables: Tables) -> list[ConflictEntry]:
     """Entries of the infeasible samples of all ranges.
 
     Args:
@@ -102,31 +108,7 @@ def conflict_entries(ranges: Sequence[SampleRanges], tables: Tables) -> list[Con
             c2=one.c2,
         )
         for number, of in enumerate(ranges)
-        for one in of.conflicts
-    ]
-
-
-def gap_entries(ranges: Sequence[SampleRanges], tables: Tables) -> list[GapEntry]:
-    """Entries of the gaps of all ranges.
-
-    Args:
-        ranges: R of them.
-        tables: Take up the rows and loads.
-    """
-
-    def place(load: LoadPoint | None) -> int | None:
-        return None if load is None else tables.load(load)
-
-    return [
-        GapEntry(
-            range=number,
-            sample=gap.sample,
-            c2=(gap.lower, gap.upper),
-            rows=([tables.row(row) for row in gap.lower_rows], [tables.row(row) for row in gap.upper_rows]),
-            loads=(place(gap.lower_load), place(gap.upper_load)),
-        )
-        for number, of in enumerate(ranges)
-        for gap in of.gaps
+        for one in of.samples.conflicts
     ]
 
 
@@ -154,20 +136,17 @@ def read_ranges(path: Path, arrays: Arrays, said: Description, time: Array) -> l
     require_places(path, "conflicts: sample", [one.sample for one in entries], samples)
     require_places(path, "conflicts: rows", [row for one in entries for row in one.rows], len(rows))
     require_places(path, "conflicts: load", [one.load for one in entries if one.load is not None], len(loads))
-    require_places(path, "gaps: range", [one.range for one in said.gaps], count)
-    require_places(path, "gaps: sample", [one.sample for one in said.gaps], samples)
-    require_places(path, "gaps: rows", [row for one in said.gaps for side in one.rows for row in side], len(rows))
-    require_places(
-        path, "gaps: loads", [load for one in said.gaps for load in one.loads if load is not None], len(loads)
-    )
-    stops = np.concatenate([[0], np.cumsum(arrays["binding_count"])]).tolist()
-    bound = [tuple(rows[row] for row in binding[start:stop]) for start, stop in pairwise(stops)]
+    counts = np.ravel(arrays["binding_count"])
+    codes = np.zeros((len(counts), int(np.max(counts, initial=0))), dtype=np.int32)
+    signs = np.array([1 if row.side == "upper" else -1 for row in rows], dtype=np.int32)
+    codes[np.arange(codes.shape[1]) < counts[:, None]] = signs[binding] * (1 + binding)
+    by_end = codes.reshape(count, 2, samples, codes.shape[1])
+    names, limits = tuple(row.name for row in rows), np.tile([row.limit for row in rows], (2, 1))
     conflicts: list[list[Conflict]] = [[] for _ in range(count)]
     for one in entries:
         conflicts[one.range].append(_conflict(one, rows, loads, time))
     found = []
     for number in range(count):
-        at = 2 * number * samples
         ends = [tuple(loads[place] for place in end) for end in chosen] if number == 0 else []
         lower_loads, upper_loads = ends or (None, None)
         found.append(
@@ -176,13 +155,12 @@ def read_ranges(path: Path, arrays: Arrays, said: Description, time: Array) -> l
                 status=tuple(STATUSES[code] for code in arrays["status"][number]),
                 lower=arrays["c2_lower"][number],
                 upper=arrays["c2_upper"][number],
-                lower_rows=tuple(bound[at : at + samples]),
-                upper_rows=tuple(bound[at + samples : at + 2 * samples]),
+                rows=BindingRows(names, limits, by_end[number]),
                 conflicts=tuple(conflicts[number]),
                 fallbacks=said.range_fallbacks[number],
                 lower_loads=lower_loads,
                 upper_loads=upper_loads,
-                gaps=tuple(_gap(one, rows, loads) for one in said.gaps if one.range == number),
+                several=said.several[number],
             )
         )
     return found
@@ -206,8 +184,7 @@ def rated_entry(found: ScalingRange, tables: Tables) -> RatedEntry | None:
 
     if found.lower is None or found.upper is None:
         return None
-    intervals = [(entry(low), entry(high)) for low, high in found.intervals]
-    return RatedEntry(status=found.status, ends=(entry(found.lower), entry(found.upper)), intervals=intervals)
+    return RatedEntry(status=found.status, ends=(entry(found.lower), entry(found.upper)))
 
 
 def read_rated(path: Path, said: Description, samples: SampleRanges) -> ScalingRange:
@@ -238,9 +215,8 @@ def read_rated(path: Path, said: Description, samples: SampleRanges) -> ScalingR
         found = tuple(rows[place] for place in one.rows)
         return RangeEnd(c2, sample, time, found, None if one.load is None else loads[one.load])
 
-    intervals = tuple((end(low), end(high)) for low, high in said.rated.intervals)
     lower, upper = said.rated.ends
-    return ScalingRange(said.rated.status, end(lower), end(upper), samples, intervals)
+    return ScalingRange(said.rated.status, end(lower), end(upper), samples)
 
 
 def reserve_entry(found: PlanReserve | None, tables: Tables) -> PlanReserveEntry | None:
@@ -315,18 +291,4 @@ def _conflict(entry: ConflictEntry, rows: list[ActiveRow], loads: list[LoadPoint
         moves=tuple(entry.moves),
         load=None if entry.load is None else loads[entry.load],
         c2=entry.c2,
-    )
-
-
-def _gap(entry: GapEntry, rows: list[ActiveRow], loads: list[LoadPoint]) -> Gap:
-    lower_load, upper_load = (None if place is None else loads[place] for place in entry.loads)
-    lower_rows, upper_rows = (tuple(rows[place] for place in side) for side in entry.rows)
-    return Gap(
-        sample=entry.sample,
-        lower=entry.c2[0],
-        upper=entry.c2[1],
-        lower_rows=lower_rows,
-        upper_rows=upper_rows,
-        lower_load=lower_load,
-        upper_load=upper_load,
     )

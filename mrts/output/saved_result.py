@@ -47,7 +47,6 @@ from mrts.output.saved_ranges import (
     Arrays,
     Tables,
     conflict_entries,
-    gap_entries,
     range_arrays,
     rated_entry,
     read_ranges,
@@ -59,10 +58,9 @@ from mrts.output.saved_ranges import (
 from mrts.output.saved_what_if import read_what_if, what_if_entry
 from mrts.refinement.excess import Excess
 from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.sample_ranges import SampleRanges
 from mrts.scaling.holding_torques import Holding
 from mrts.scaling.load_study import LoadStudy
-from mrts.scaling.range import intersect
+from mrts.scaling.range import ScalingRange, intersect
 from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.smooth.rate_limits import RateLimits
@@ -96,7 +94,7 @@ def save_result(result: ScalingResult, path: Path | str) -> None:
     check_type("result", result, ScalingResult)
     path = as_path("path", path)
     motion, done = result.motion, result.trajectory
-    ranges = [result.range.samples, *(found.samples for found in (result.load.ranges if result.load else ()))]
+    ranges = [result.range, *(result.load.ranges if result.load else ())]
     tables = Tables()
     arrays: Arrays = {name: getattr(motion.object, name) for name in MOTION}
     arrays |= {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq} | range_arrays(ranges, tables)
@@ -173,7 +171,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
     result = ScalingResult(
         cell=known,
         motion=motion,
-        range=first,
+        found=first,
         trajectory=done,
         fallbacks=said.fallbacks,
         load=study,
@@ -217,7 +215,7 @@ def _damage(path: Path) -> Iterator[None]:
         raise InputError(path, f"{error.rule} {DAMAGED}", key=error.where) from None
 
 
-def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tables) -> Description:
+def _description(result: ScalingResult, ranges: list[ScalingRange], tables: Tables) -> Description:
     """What the file says beside its arrays."""
     cell, rule, study = result.cell, result.rule, result.load
     sharing = rule.sharing
@@ -229,7 +227,7 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
             points=[tables.load(point) for point in study.points],
             not_converged=list(study.not_converged),
         )
-    conflicts, gaps = conflict_entries(ranges, tables), gap_entries(ranges, tables)
+    conflicts = conflict_entries(ranges, tables)
     reserve = reserve_entry(result.reserve, tables)
     rated = None if rule.rates is None else rated_entry(result.range, tables)
     left, excess = result.excess, None
@@ -255,7 +253,8 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
         ),
         c2=None if result.trajectory is None else result.trajectory.c2,
         fallbacks=result.fallbacks,
-        range_fallbacks=[of.fallbacks for of in ranges],
+        several=[of.samples.several for of in ranges],
+        range_fallbacks=[of.samples.fallbacks for of in ranges],
         study=entry,
         origin=result.origin,
         warnings=[WarningEntry.model_validate(warning.to_json()) for warning in result.warnings],
@@ -263,7 +262,6 @@ def _description(result: ScalingResult, ranges: list[SampleRanges], tables: Tabl
         limits=list(LIMITS),
         loads=tables.load_entries(),
         conflicts=conflicts,
-        gaps=gaps,
         kept_reserve=cell.reserve,
         reserve=reserve,
         excess=excess,
@@ -332,8 +330,9 @@ def _read(path: Path) -> tuple[Description, Arrays]:
 def _check_arrays(path: Path, arrays: Arrays, said: Description, cell: Cell) -> None:
     """Check names, kinds, shapes and numbers of all arrays."""
     ranges = 1 + (len(said.study.points) if said.study else 0)
-    if len(said.range_fallbacks) != ranges:
-        raise InputError(path, f"must have {ranges} values. {DAMAGED}", key="range_fallbacks")
+    for key, values in (("range_fallbacks", said.range_fallbacks), ("several", said.several)):
+        if len(values) != ranges:
+            raise InputError(path, f"must have {ranges} values. {DAMAGED}", key=key)
     N, m = np.size(arrays.get("time", ())), sum(len(robot.joints) for robot in cell.robots)
     f = len(cell.robots) * len(cell.wrench_components)
     rates = said.rule.rates

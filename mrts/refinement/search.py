@@ -45,7 +45,7 @@ class Asked:
     """What is asked along any motion of a cell.
 
     Attributes:
-        ranges: The ranges of c² along a motion.
+        ranges: The ranges of c² along a motion, of intervals that do not begin above the end of the range.
         widening: By how much all limits must move outward at some samples of a motion, each with a load, Shape (k, 10),
             or None for the cell's, and a c², Shape (k,).
     """
@@ -88,12 +88,10 @@ class Ends:
         with np.errstate(divide="ignore"):
             return 1 / self.upper, self.lower
 
-    def in_gap(self, c2: float) -> NDArray[np.bool_]:
-        """Where a c² lies in a gap between the ends, Shape (N,)."""
-        if not any(of.gaps for of in self.sources):
-            return np.zeros(len(self.time), dtype=bool)
-        found = [{gap.sample for gap in of.gaps if gap.lower < c2 < gap.upper} for of in self.sources]
-        return np.array([sample in found[source] for source, sample in self.place.tolist()], dtype=bool)
+    def outside(self, c2: float) -> NDArray[np.bool_]:
+        """Where a c² may lie in a gap, as it lies outside of intervals of which there are several, Shape (N,)."""
+        several = np.array([of.several for of in self.sources])[self.place[:, 0]]
+        return np.asarray(several & ((self.lower > c2) | (self.upper < c2)))
 
     def loads(self, places: NDArray[np.intp], side: Side) -> Array | None:
         """Loads that set one end at some places, Shape (k, 10); None where the load is known."""
@@ -109,7 +107,7 @@ class Ends:
         """The row that sets one end at a place most; None where none does."""
         source, sample = self.place[place].tolist()
         of = self.sources[source]
-        rows = (of.lower_rows if side == "lower" else of.upper_rows)[sample]
+        rows = of.binding(sample, side)
         return rows[0] if rows else None
 
     def joined(self, other: "Ends") -> "Ends":
@@ -139,7 +137,7 @@ class Looked:
 
     def overstepped(self, asked: Asked, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:
         """Places whose range has c² beyond one of its ends, and by how much limits must move for it."""
-        beyond = (self.ends.upper < c2 if side == "upper" else self.ends.lower > c2) | self.ends.in_gap(c2)
+        beyond = (self.ends.upper < c2 if side == "upper" else self.ends.lower > c2) | self.ends.outside(c2)
         places = np.flatnonzero(beyond)
         if not len(places):
             return places, np.zeros(0)
@@ -209,7 +207,7 @@ def refine(
     looked: Looked | None = None
     allowed, left = _allowed(motion, known, asked, tolerance), none
     for turn in range(MOST_ROUNDS):
-        everywhere = turn == 0 and (motion.samples < COARSE or allowed is None or bool(found.gaps))
+        everywhere = turn == 0 and (motion.samples < COARSE or allowed is None or found.several)
         gaps = _doubtful(known, allowed, everywhere=everywhere)
         if not len(gaps):
             break
@@ -292,7 +290,7 @@ def _needed(looked: Looked, asked: Asked, whole: tuple[float, float], left: Exce
         places, share = looked.overstepped(asked, c2, side)
         if len(places) and np.max(share) > left.tolerance:
             added.append(places[np.argmin(order[places])])
-            if np.any(looked.ends.in_gap(c2)):
+            if np.any(looked.ends.outside(c2)):
                 added.append(places[np.argmax(share)])
         else:
             left = _worse(left, looked.ends, places, share, side)

@@ -96,12 +96,13 @@ def _forced(result: ScalingResult, names: tuple[RowName, ...]) -> tuple[NDArray[
 
     Where velocities alone set the end, no torque or wrench has to be at a limit; else all that are may have to be.
     """
-    samples = result.range.samples
+    found = result.range
+    samples = found.samples
     at_lower, at_upper = _at_ends(result)
     forced, rows = np.zeros((len(samples.time), len(names)), dtype=bool), set()
     for sample in np.flatnonzero(at_lower | at_upper).tolist():
-        binding = {row.name for row in samples.upper_rows[sample] if at_upper[sample]}
-        binding |= {row.name for row in samples.lower_rows[sample] if at_lower[sample]}
+        binding = {row.name for row in found.binding(sample, "upper") if at_upper[sample]}
+        binding |= {row.name for row in found.binding(sample, "lower") if at_lower[sample]}
         of_load = any(name.kind not in SPEEDS for name in binding)
         forced[sample] = [of_load or name in binding for name in names]
         rows |= binding
@@ -109,17 +110,10 @@ def _forced(result: ScalingResult, names: tuple[RowName, ...]) -> tuple[NDArray[
 
 
 def _at_ends(result: ScalingResult) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """At which samples c² is at the lower and at the upper end of what they admit, gaps included, each Shape (N,)."""
+    """At which samples c² is at the lower and at the upper end of what they admit, each Shape (N,)."""
     done, samples = result.trajectory, result.range.samples
     assert done is not None  # noqa: S101 (its caller has a trajectory)
     near = AT_END_RETIMED if result.origin else BINDING
     at_lower = (samples.lower > 0) & (samples.lower >= done.c2 * (1 - near))
     at_upper = samples.upper <= done.c2 * (1 + near)
-    for gap in samples.gaps:
-        at_upper[gap.sample] |= _near(done.c2, gap.lower)
-        at_lower[gap.sample] |= _near(done.c2, gap.upper)
     return at_lower, at_upper
-
-
-def _near(c2: float, end: float) -> bool:
-    return bool(np.isclose(c2, end, rtol=BINDING, atol=0))

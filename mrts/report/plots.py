@@ -12,10 +12,8 @@ from mrts.base.arrays import Array
 from mrts.drawing.axis_reach import c2_reach, value_reach
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.labels import shortened
-from mrts.drawing.lanes import gap_boxes
 from mrts.drawing.load_envelope import load_envelope
 from mrts.report.markup import plot_text
-from mrts.samples.sample_ranges import SampleRanges
 from mrts.scaling.limit_use import LimitedQuantities, limited_quantities, limited_rate_kinds, limited_rates
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import accumulated_energy
@@ -266,26 +264,6 @@ def power_plots(result: ScalingResult) -> list[Plot]:
     return [*plots, Plot("energy", "Energy that the motors have given", traces, shape, clock="played")]
 
 
-def gap_traces(samples: SampleRanges, high: float) -> list[dict[str, Any]]:
-    """What samples do not admit between their least and their largest c², hatched; none where there are no gaps.
-
-    Args:
-        samples: Ranges of all samples.
-        high: Largest c² of the plot.
-    """
-    boxes = gap_boxes(samples, high)
-    if not boxes:
-        return []
-    x: list[float | None] = []
-    y: list[float | None] = []
-    for box in boxes:
-        x += [*numbers(np.array([box.start, box.end, box.end, box.start, box.start])), None]
-        y += [*numbers(np.array([box.lower, box.lower, box.upper, box.upper, box.lower])), None]
-    hatched = {"shape": "/", "bgcolor": "#e4e4e4", "fgcolor": "#9a9a9a", "size": 8}
-    look = {"mode": "lines", "line": {"width": 0}, "fill": "toself", "fillpattern": hatched, "hoverinfo": "skip"}
-    return [{"x": x, "y": y, "name": "gap: no admissible c²"} | look]
-
-
 def load_plot(result: ScalingResult) -> Plot | None:
     """c²⁺(t) of the answer, and what the loads that were looked at span; None if none was looked at."""
     study = result.load
@@ -306,6 +284,5 @@ def load_plot(result: ScalingResult) -> Plot | None:
         upper = study.ranges[index].samples.upper[samples]
         traces.append(line(time[samples], upper, f"{name}: {study.points[index]}", 1 + (name == "best"), ""))
     traces.append(line(time[samples], result.range.samples.upper[samples], study.question, 0, "", width=3))
-    traces += gap_traces(result.range.samples, high)
     shape = layout("time of the given motion [s]", "largest c² [1]", (low, high))
     return Plot("loads", "c²⁺(t) by load", traces, shape, 400, "given")

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """c²⁻(t) and c²⁺(t) above the rows that bind, as plotly reads them."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,9 +12,9 @@ from mrts.drawing.colours import ADMISSIBLE, END_COLOURS
 from mrts.drawing.labels import row_label, shortened_apart
 from mrts.drawing.lanes import Lane, binding_lanes, infeasible_spans, spans
 from mrts.drawing.range_sentences import range_text
-from mrts.limits.rows import ActiveRow
+from mrts.limits.rows import Side
 from mrts.report.markup import plot_text
-from mrts.report.plots import Plot, gap_traces, layout, line, numbers, shown_samples
+from mrts.report.plots import Plot, layout, line, numbers, shown_samples
 from mrts.samples.range_status import RangeStatus
 from mrts.scaling.range import ScalingRange
 
@@ -51,7 +50,7 @@ def range_plot(found: ScalingRange, motion: str = "given") -> Plot:
             shape["shapes"].append(level | {"line": {"color": END_COLOURS[kind], "dash": "dot", "width": 1.5}})
     if found.status is RangeStatus.UNBOUNDED:
         shape["annotations"].append(word | {"x": 0.5, "xref": "paper", "text": "no limit depends on the speed"})
-    traces = [*_admissible(found, high), *gap_traces(found.samples, high), *_curves(found), *_ends(found)]
+    traces = [*_admissible(found, high), *_curves(found), *_ends(found)]
     lanes = binding_lanes(found)
     below = LANE_HEIGHT * len(lanes) + 12
     if lanes:
@@ -70,22 +69,16 @@ def _curves(found: ScalingRange) -> list[dict[str, Any]]:
     ends = [end.sample for end in (found.lower, found.upper) if end is not None and end.sample is not None]
     shown = np.unique(np.concatenate([shown, np.array(ends, dtype=int)]))
     return [
-        _curve("c²⁺(t)", "upper", "solid", samples.time, samples.upper, samples.upper_rows, shown),
-        _curve("c²⁻(t)", "lower", "dash", samples.time, samples.lower, samples.lower_rows, shown),
+        _curve("c²⁺(t)", "upper", "solid", found, samples.upper, shown),
+        _curve("c²⁻(t)", "lower", "dash", found, samples.lower, shown),
     ]
 
 
 def _curve(
-    name: str,
-    kind: str,
-    dash: str,
-    time: Array,
-    values: Array,
-    rows: Sequence[tuple[ActiveRow, ...]],
-    shown: NDArray[np.int_],
+    name: str, kind: Side, dash: str, found: ScalingRange, values: Array, shown: NDArray[np.int_]
 ) -> dict[str, Any]:
-    texts = ["<br>".join(plot_text(row_label(row)) for row in rows[sample]) for sample in shown]
-    return line(time[shown], values[shown], name, 0, "", color=END_COLOURS[kind], dash=dash) | {
+    texts = ["<br>".join(plot_text(row_label(row)) for row in found.binding(sample, kind)) for sample in shown]
+    return line(found.samples.time[shown], values[shown], name, 0, "", color=END_COLOURS[kind], dash=dash) | {
         "text": texts,
         "hovertemplate": "%{y:.4g}<br>%{text}",
     }
@@ -96,24 +89,18 @@ def _admissible(found: ScalingRange, high: float) -> list[dict[str, Any]]:
     if not found.status.admits_motion or found.lower is None or found.upper is None:
         return []
     time = found.samples.time[[0, -1]]
-    name, traces = f"range {range_text(found)}", []
-    for number, (lower, upper) in enumerate(found.intervals):
-        sides = [line(time, np.array([c2, c2]), name, 0, None, width=0) for c2 in (lower.c2, min(upper.c2, high))]
-        sides[0] |= {"showlegend": False}
-        sides[1] |= {"showlegend": number == 0, "fill": "tonexty", "fillcolor": f"{ADMISSIBLE}30"}
-        traces += sides
-    return traces
+    ends = found.lower.c2, min(found.upper.c2, high)
+    sides = [line(time, np.array([c2, c2]), f"range {range_text(found)}", 0, None, width=0) for c2 in ends]
+    sides[0] |= {"showlegend": False}
+    sides[1] |= {"fill": "tonexty", "fillcolor": f"{ADMISSIBLE}30"}
+    return sides
 
 
 def _ends(found: ScalingRange) -> list[dict[str, Any]]:
     """The points that set the range over the motion."""
     marks = []
     middle = float(np.mean(found.samples.time[[0, -1]]))
-    others = [
-        ("", side, end) for pair in found.intervals[:-1] for side, end in zip(("lower", "upper"), pair, strict=True)
-    ]
-    named = [("c²⁺", "upper", found.upper), ("c²⁻", "lower", found.lower)]
-    for name, kind, end in [*named, *others]:
+    for name, kind, end in (("c²⁺", "upper", found.upper), ("c²⁻", "lower", found.lower)):
         if end is None or end.time is None or (kind == "lower" and end.c2 <= 0):
             continue
         marks.append(
@@ -121,7 +108,7 @@ def _ends(found: ScalingRange) -> list[dict[str, Any]]:
                 "x": numbers(np.array([end.time])),
                 "y": numbers(np.array([end.c2])),
                 "mode": "markers+text",
-                "text": [f"<b>{name} = {end.c2:.4g}</b>" if name else f"{end.c2:.4g}"],
+                "text": [f"<b>{name} = {end.c2:.4g}</b>"],
                 "textposition": f"{'bottom' if kind == 'upper' else 'top'} {'right' if end.time < middle else 'left'}",
                 "marker": {"color": END_COLOURS[kind], "size": 11},
                 "cliponaxis": False,

@@ -134,11 +134,9 @@ def wrench_limits_table(cell: Cell) -> Html:
 
 
 def range_table(found: ScalingRange) -> list[Html]:
-    """Both ends of the range, or of all its intervals, and what sets them; nothing if there are none."""
+    """Both ends of the range and what sets them; nothing if there are none."""
     rows = []
     ends = [("c²⁻", found.lower), ("c²⁺", found.upper)]
-    for number, (lower, upper) in reversed(list(enumerate(found.intervals[:-1], start=1))):
-        ends = [(f"interval {number}: from", lower), (f"interval {number}: to", upper), *ends]
     for name, end in ends:
         if end is None:
             continue

@@ -185,5 +185,5 @@ def _overstepped(
     cell: Cell, there: CoordinatedMotion, sharing: LoadSharing | None, load: Array | None
 ) -> ActiveRow | None:
     """The row that a motion oversteps first as it gets faster, at its first sample."""
-    rows = motion_ranges(cell, there, "wrench", sharing, DEFAULT_SOLVER, load).upper_rows[0]
+    rows = motion_ranges(cell, there, "wrench", sharing, DEFAULT_SOLVER, load, 1.0).binding(0, "upper")
     return rows[0] if rows else None

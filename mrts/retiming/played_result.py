@@ -10,7 +10,7 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.retiming.retimed_motion import TimedPiece, retimed_motion
 from mrts.samples.trajectory_programs import motion_ranges
-from mrts.scaling.range import RangeWhenAsked, ScalingRange, intersect
+from mrts.scaling.range import ScalingRange, common_range
 from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.with_torques import with_torques
 from mrts.solvers import DEFAULT_SOLVER
@@ -47,7 +47,7 @@ def played_result(
     played = ScalingResult(
         cell=cell,
         motion=motion,
-        range=RangeWhenAsked(partial(_range, cell, motion, rule)),
+        found=partial(_range, cell, motion, rule),
         trajectory=None,
         fallbacks=0,
         load=None,
@@ -59,4 +59,4 @@ def played_result(
 
 
 def _range(cell: Cell, motion: CoordinatedMotion, rule: DistributionRule) -> ScalingRange:
-    return intersect(motion_ranges(cell, motion, rule.formulation, rule.sharing, DEFAULT_SOLVER))
+    return common_range(partial(motion_ranges, cell, motion, rule.formulation, rule.sharing, DEFAULT_SOLVER, None))

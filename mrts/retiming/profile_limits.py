@@ -40,12 +40,9 @@ def profile_limits(
         rows: list[set[str]] = [set() for _ in part.piece.step]
         for motion in at_segment_ends(part):
             for load in loads:
-                found = motion_ranges(cell, motion, "wrench", sharing, DEFAULT_SOLVER, load)
+                found = motion_ranges(cell, motion, "wrench", sharing, DEFAULT_SOLVER, load, 1 + BINDING)
                 for segment in np.flatnonzero(found.upper <= 1 + BINDING).tolist():
-                    rows[segment] |= {str(row) for row in found.upper_rows[segment]}
-                for gap in found.gaps:
-                    if gap.lower <= 1 + BINDING < gap.upper:
-                        rows[gap.sample] |= {str(row) for row in gap.lower_rows}
+                    rows[segment] |= {str(row) for row in found.binding(segment, "upper")}
         for names, time in zip(rows, part.segment_times.tolist(), strict=True):
             for name in names:
                 shares[name] = shares.get(name, 0.0) + time / duration

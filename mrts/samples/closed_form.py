@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.samples.range_ends import BINDING_TOLERANCE, RangeEnds, TiedRows
+from mrts.samples.range_ends import BINDING_TOLERANCE, RangeEnds, codes_of_sides, rows_of_problem
 from mrts.samples.sample_problem import SampleProblem
 
 
@@ -58,16 +58,30 @@ def ends_in_closed_form(problem: SampleProblem, sensitivity: LoadSensitivity | N
     least_by_lower, most_by_lower = _worst_below_zero(-slope, problem.lower, -c2, -offset)
     least, most = np.maximum(least_by_upper, least_by_lower), np.minimum(most_by_upper, most_by_lower)
     lower, upper = np.max(least, axis=1, initial=0.0), np.min(most, axis=1, initial=np.inf)
-    names, limits = problem.names, (problem.limit_lower, problem.limit_upper)
-    at_low = tied_sides(least, lower, least_by_upper >= least_by_lower)
-    at_high = tied_sides(most, upper, most_by_upper <= most_by_lower)
-    lower_rows = TiedRows(end="lower", c2=lower, sides=at_low, names=names, limits=limits)
-    upper_rows = TiedRows(end="upper", c2=upper, sides=at_high, names=names, limits=limits)
-    return RangeEnds(lower, upper, lower_rows, upper_rows, lower > upper, 0)
+    sides = [
+        tied_sides(least, lower, least_by_upper >= least_by_lower),
+        tied_sides(most, upper, most_by_upper <= most_by_lower),
+    ]
+    rows = rows_of_problem(problem, tied_codes(np.stack(sides), lower))
+    return RangeEnds(lower, upper, rows, lower > upper, 0)
+
+
+def tied_codes(sides: NDArray[np.int8], lower: Array) -> NDArray[np.int32]:
+    """Codes of `BindingRows`: of rows that tie, or of c² >= 0 alone where a sample may stand still.
+
+    Args:
+        sides: As from `tied_sides`, of both ends, Shape (2, N, r).
+        lower: c²⁻(t), Shape (N,).
+    """
+    still = lower == 0
+    sides[0, still] = 0
+    first = np.zeros((*sides.shape[:2], 1), dtype=np.int32)
+    first[0, still] = -1 - sides.shape[2]
+    return np.concatenate([first, codes_of_sides(sides)], axis=2)
 
 
 def tied_sides(ends: Array, c2: Array, by_upper: NDArray[np.bool_]) -> NDArray[np.int8]:
-    """Rows whose own end ties with that of their sample, as in `TiedRows.sides`.
+    """Rows whose own end ties with that of their sample: 1 by its upper limit, -1 by its lower one, 0 for none.
 
     Args:
         ends: Of each row, Shape (N, r).
@@ -79,23 +93,24 @@ def tied_sides(ends: Array, c2: Array, by_upper: NDArray[np.bool_]) -> NDArray[n
     return np.where(near, np.where(by_upper, 1, -1), 0).astype(np.int8)
 
 
-def worst_parameters(problem: SampleProblem, sensitivity: LoadSensitivity, sample: int, c2: float) -> NDArray[np.bool_]:
-    """Which parameters are at their largest value in the load that comes closest to a limit, Shape (p,).
+def worst_parameters(problem: SampleProblem, sensitivity: LoadSensitivity, c2: Array) -> NDArray[np.bool_]:
+    """Which parameters are at their largest value in the load that comes closest to a limit, Shape (N, p).
 
     Args:
         problem: Rows of the least parameters.
         sensitivity: Effect of the parameters.
-        sample: Index.
-        c2: At this c².
+        c2: At this c² of each sample, Shape (N,).
     """
-    effect = sensitivity.c2[:, sample] * c2 + sensitivity.offset[:, sample]
-    value = problem.square[sample] * c2
+    effect = sensitivity.c2 * c2[:, None] + sensitivity.offset
+    value = problem.square * c2[:, None]
     if not value.size:
-        return np.zeros(len(effect), dtype=bool)  # no limit to come close to
-    above = value + np.sum(np.maximum(effect, 0.0), axis=0) - problem.upper[sample]
-    below = problem.lower[sample] - value - np.sum(np.minimum(effect, 0.0), axis=0)
-    row = int(np.argmax(np.maximum(above, below)))
-    return np.asarray(effect[:, row] > 0 if above[row] >= below[row] else effect[:, row] < 0)
+        return np.zeros((len(c2), len(effect)), dtype=bool)  # no limit to come close to
+    above = value + np.sum(np.maximum(effect, 0.0), axis=0) - problem.upper
+    below = problem.lower - value - np.sum(np.minimum(effect, 0.0), axis=0)
+    row, samples = np.argmax(np.maximum(above, below), axis=1), np.arange(len(c2))
+    at_upper = (above >= below)[samples, row]
+    there = effect[:, samples, row]
+    return np.asarray(np.where(at_upper, there > 0, there < 0)).T
 
 
 def _worst_below_zero(a: Array, b: Array, d: Array, e: Array) -> tuple[Array, Array]:

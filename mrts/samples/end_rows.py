@@ -6,17 +6,13 @@ basis. Named are therefore all rows that are at their limit in every solution at
 are those with a multiplier in some solution of the dual program.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
 from mrts.limits.squared_rows import CAPS_TIE
+from mrts.samples.closed_form import tied_codes
 from mrts.samples.linear_programs import effect_of_speed
 from mrts.samples.range_ends import BINDING_TOLERANCE
 from mrts.samples.sample_problem import SampleProblem
@@ -33,128 +29,6 @@ multiplier, as a share of all, that counts."""
 
 ASKED_AT_ONCE = 24
 """Sides of rows up to which a program is solved for each; of more, one solution shows first which are far away."""
-
-
-@dataclass(frozen=True)
-class RowsAtEnd(Sequence[ActiveRow]):
-    """The rows that set one end of what a sample admits, found when they are asked for.
-
-    Attributes:
-        problem: Gives the rows of that sample alone.
-        c2: The end; not finite where there is none.
-        end: Which end of an interval.
-    """
-
-    problem: Callable[[], SampleProblem]
-    c2: float
-    end: Side
-
-    def __len__(self) -> int:
-        return len(self.found)
-
-    def __getitem__(self, place: Any) -> Any:
-        return self.found[place]
-
-    @cached_property
-    def found(self) -> tuple[ActiveRow, ...]:
-        """The rows, found once."""
-        if self.end == "lower" and self.c2 == 0:
-            return (ActiveRow(STANDSTILL, "lower", 0.0),)
-        return rows_at_end(self.problem(), self.c2, self.end) if np.isfinite(self.c2) else ()
-
-
-@dataclass(frozen=True, eq=False)
-class RowsWhenAsked(Sequence[ActiveRow]):
-    """The rows at one end of one of N samples, looked up when they are asked for; equal to the same rows of any kind.
-
-    Attributes:
-        of: The rows of that end of every sample.
-        sample: Which sample.
-    """
-
-    of: Sequence[tuple[ActiveRow, ...]]
-    sample: int
-
-    def __len__(self) -> int:
-        return len(self.found)
-
-    def __getitem__(self, place: Any) -> Any:
-        return self.found[place]
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Sequence) and self.found == tuple(other)
-
-    def __hash__(self) -> int:
-        return hash(self.found)
-
-    def __repr__(self) -> str:
-        return repr(self.found)
-
-    @cached_property
-    def found(self) -> tuple[ActiveRow, ...]:
-        """The rows, found once."""
-        return tuple(self.of[self.sample])
-
-
-@dataclass(frozen=True)
-class RowsWithEnd(Sequence[tuple[ActiveRow, ...]]):
-    """Rows of one end of each of N samples; all of them where it sets the range over the motion.
-
-    Attributes:
-        given: As the solver gives them.
-        sample: Where the end over the motion is.
-        end: Its rows.
-    """
-
-    given: Sequence[tuple[ActiveRow, ...]]
-    sample: int
-    end: RowsAtEnd
-
-    def __len__(self) -> int:
-        return len(self.given)
-
-    def __getitem__(self, sample: Any) -> Any:
-        if isinstance(sample, slice):
-            return tuple(self[index] for index in range(*sample.indices(len(self))))
-        index = range(len(self))[sample]
-        return (self.end.found if index == self.sample else ()) or self.given[index]
-
-
-@dataclass(frozen=True)
-class RowsExcept(Sequence[tuple[ActiveRow, ...]]):
-    """Rows of one end of each of N samples, of which some are others.
-
-    Attributes:
-        given: Of all samples.
-        others: By sample.
-    """
-
-    given: Sequence[tuple[ActiveRow, ...]]
-    others: Mapping[int, tuple[ActiveRow, ...]]
-
-    def __len__(self) -> int:
-        return len(self.given)
-
-    def __getitem__(self, sample: Any) -> Any:
-        if isinstance(sample, slice):
-            return tuple(self[index] for index in range(*sample.indices(len(self))))
-        index = range(len(self))[sample]
-        return self.others.get(index) or self.given[index]
-
-
-@dataclass(frozen=True)
-class RowsOfEnds(Sequence[tuple[ActiveRow, ...]]):
-    """The rows of one end of each of N samples."""
-
-    ends: tuple[RowsAtEnd, ...]
-
-    def __len__(self) -> int:
-        return len(self.ends)
-
-    def __getitem__(self, sample: Any) -> Any:
-        if isinstance(sample, slice):
-            return tuple(end.found for end in self.ends[sample])
-        return self.ends[sample].found
 
 
 def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow, ...]:
@@ -176,13 +50,8 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
     lower, upper = lower - widening, upper + widening
     apart = is_limit & (upper - lower > 2 * NEAR)
     rows, lows = np.nonzero(np.column_stack([apart & np.isfinite(upper), apart & np.isfinite(lower)]))
-    if problem.unknowns == 1:  # nothing is free: each row is where it is
-        near = BINDING_TOLERANCE + WIDER
-        distance = np.where(lows, -lower[rows], upper[rows])
-    else:
-        near = NEAR
-        distance = _largest_distance(problem.free[0, moving], lower, upper, rows, np.where(lows, -1.0, 1.0))
-    tight = np.flatnonzero(distance <= near)
+    distance = _largest_distance(problem.free[0, moving], lower, upper, rows, np.where(lows, -1.0, 1.0))
+    tight = np.flatnonzero(distance <= NEAR)
     named = [
         problem.active_row(place, upper=not low)
         for place, low in zip(moving[rows[tight]].tolist(), lows[tight].tolist(), strict=True)
@@ -191,6 +60,27 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
         caps = np.flatnonzero(problem.is_cap)[problem.cap_share[0] * c2 >= 1 - CAPS_TIE]
         named += [problem.active_row(row, upper=bool(problem.square[0, row] > 0)) for row in caps.tolist()]
     return tuple(named)
+
+
+def tight_codes(problem: SampleProblem, lower: Array, upper: Array) -> NDArray[np.int32]:
+    """Codes of `BindingRows` where c² is the only unknown: of all rows at a limit at the ends.
+
+    Args:
+        problem: Rows.
+        lower: c²⁻(t), Shape (N,).
+        upper: c²⁺(t), Shape (N,); there are no rows where an end is not finite.
+    """
+    apart = problem.is_limit & (problem.upper - problem.lower > 2 * NEAR)
+    sides = np.zeros((2, *apart.shape), dtype=np.int8)
+    for end, c2 in enumerate((lower, upper)):
+        there = np.isfinite(c2)[:, None]
+        least, most = problem.limits_at(np.where(there, c2[:, None], 0.0))
+        sides[end] = np.where(most <= BINDING_TOLERANCE, 1, np.where(least >= -BINDING_TOLERANCE, -1, 0))
+        sides[end] *= there & apart & ~problem.is_cap
+        if end == 1:
+            caps = there & (problem.cap_share * np.where(there, c2[:, None], 0.0) >= 1 - CAPS_TIE)
+            sides[end][:, problem.is_cap] = np.where(caps, np.sign(problem.square[:, problem.is_cap]), 0)
+    return tied_codes(sides, np.where(lower * effect_of_speed(problem) <= WIDER, 0.0, lower))
 
 
 def _largest_distance(A: Array, lower: Array, upper: Array, row: NDArray[np.int_], sign: Array) -> Array:

@@ -12,7 +12,7 @@ from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.limits.rows import ActiveRow
 from mrts.samples.sample_problem import SampleProblem
-from mrts.samples.speed_intervals import speed_intervals, speed_unit
+from mrts.samples.speed_intervals import highest_intervals, speed_unit
 from mrts.samples.widening import widening_at
 from mrts.solvers.elastic_program import least_widening
 
@@ -147,14 +147,29 @@ def _conflicts_along_speed(
     it takes there, and as long as some c is admitted then, the middle of what is takes its place.
     """
     best = closest_speed(part, solver) ** 2
-    lower, upper = part.limits_at(best[:, None])
-    A = np.concatenate([part.free, np.zeros((*part.square.shape, 1))], axis=2)
-    fixed = replace(part, A=A, lower=lower, upper=upper, speed=None)
-    found = find_conflicts(fixed, time, np.arange(len(samples)), solver)
+    found = conflicts_at(part, best, time, solver)
     return [
         None if one is None else replace(one, sample=int(sample), c2=float(c2))
         for one, sample, c2 in zip(found, samples, best, strict=True)
     ]
+
+
+def conflicts_at(problem: SampleProblem, c2: Array, time: Array, solver: str) -> list[Conflict | None]:
+    """`find_conflicts` at a chosen c² of each sample, where everything is linear.
+
+    Args:
+        problem: Rows.
+        c2: Shape (N,).
+        time: Shape (N,) [s].
+        solver: Name in the registry.
+
+    Raises:
+        SolverError: If no solver answers.
+    """
+    lower, upper = problem.limits_at(c2[:, None])
+    A = np.concatenate([problem.free, np.zeros((*problem.square.shape, 1))], axis=2)
+    fixed = replace(problem, A=A, lower=lower, upper=upper, speed=None)
+    return find_conflicts(fixed, time, np.arange(problem.samples), solver)
 
 
 def closest_speed(problem: SampleProblem, solver: str) -> Array:
@@ -179,12 +194,12 @@ def closest_speed(problem: SampleProblem, solver: str) -> Array:
     for _ in range(SEARCH_ROUNDS):
         part = problem.at(open_ones)
         level = least[open_ones, None] * (1 - CLOSEST) * part.is_limit
-        found = speed_intervals(replace(part, lower=part.lower - level, upper=part.upper + level), solver)
-        open_ones = open_ones[~found.undecided]
+        found = highest_intervals(replace(part, lower=part.lower - level, upper=part.upper + level), solver)
+        admitted, open_ones = ~found.undecided, open_ones[~found.undecided]
         if not open_ones.size:
             break
-        widest = [max(one, key=lambda ends: ends[1] - ends[0]) for one in found.intervals if one]
-        best[open_ones] = [(low + high) / 2 if np.isfinite(high) else low for low, high in widest]
+        low, high = found.lower[admitted], found.upper[admitted]
+        best[open_ones] = np.where(np.isfinite(high), (low + high) / 2, low)
         least[open_ones] = widening_at(problem.at(open_ones), best[open_ones, None] ** 2, solver, what)
     return best
 

@@ -5,7 +5,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.limits.squared_rows import binds
-from mrts.samples.range_ends import RangeEnds, active_rows
+from mrts.samples.range_ends import BINDING_TOLERANCE, RangeEnds, codes_of_duals, rows_of_problem
 from mrts.samples.sample_problem import SampleProblem
 from mrts.solvers.convex_program import Answers, ConvexPrograms, solve_programs
 
@@ -47,14 +47,13 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
     at_most = np.sign(problem.square[:, caps]) * binds(problem.cap_share) * np.maximum(largest.bound_dual[:, -1:], 0.0)
     duals = [np.zeros(problem.A.shape[:2]) for _ in range(2)]
     duals[0][:, ~caps], duals[1][:, ~caps], duals[1][:, caps] = least.row_dual, largest.row_dual, at_most
-    lower_rows = [active_rows(problem, duals[0][k], float(least.bound_dual[k, -1])) for k in range(count)]
-    upper_rows = [
-        () if unbounded else active_rows(problem, dual, 0.0) for dual, unbounded in zip(duals[1], free, strict=True)
-    ]
+    duals[1][free] = 0.0
+    weight = np.maximum(np.max(np.abs(duals[0]), axis=1, initial=0.0), still := np.abs(least.bound_dual[:, -1]))
+    duals[0][np.abs(duals[0]) <= BINDING_TOLERANCE * weight[:, None]] = 0.0
+    codes = [codes_of_duals(problem, duals[0], still > BINDING_TOLERANCE * weight), codes_of_duals(problem, duals[1])]
     undecided = ~(least.verified & largest.verified)
-    return RangeEnds(
-        ends[0], np.where(free, np.inf, ends[1]), lower_rows, upper_rows, undecided, least.fallbacks + largest.fallbacks
-    )
+    rows, fallbacks = rows_of_problem(problem, np.stack(codes)), least.fallbacks + largest.fallbacks
+    return RangeEnds(ends[0], np.where(free, np.inf, ends[1]), rows, undecided, fallbacks)
 
 
 def effect_of_speed(problem: SampleProblem) -> Array:

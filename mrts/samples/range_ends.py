@@ -1,44 +1,157 @@
 # SPDX-License-Identifier: MIT
-"""Least and largest c² of samples, the gaps between them, and the rows that bind there."""
+"""Least and largest c² of samples, and the rows that bind there."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from itertools import pairwise
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
-from mrts.base.load_box import LoadPoint
 from mrts.limits.rows import STANDSTILL, ActiveRow, LimitRows, RowName, Side
-from mrts.limits.squared_rows import SpeedCaps
+from mrts.limits.squared_rows import SpeedCaps, binds
 from mrts.samples.sample_problem import SampleProblem
 
 BINDING_TOLERANCE = 1e-7
 """A row binds if its multiplier exceeds this share of the largest, or, in closed form, its c² ties this closely."""
 
 
+@dataclass(frozen=True)
+class BindingRows:
+    """Which of r rows bind at both ends of N samples.
+
+    Attributes:
+        names: One a row.
+        limits: Their lower and upper limits as given, Shape (2, r).
+        codes: At the lower and the upper ends, strongest first, Shape (2, N, k): 1 + row at its upper limit, -1 - row
+            at its lower one, -1 - r for c² >= 0, 0 for none.
+    """
+
+    names: tuple[RowName, ...]
+    limits: Array
+    codes: NDArray[np.int32]
+
+    def at(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
+        """The rows at one end of a sample."""
+        codes = self.codes[0 if side == "lower" else 1, sample]
+        return tuple(self._row(code) for code in codes[codes != 0].tolist())
+
+    def _row(self, code: int) -> ActiveRow:
+        row = abs(code) - 1
+        if row == len(self.names):
+            return ActiveRow(STANDSTILL, "lower", 0.0)
+        limit = float(self.limits[0 if code < 0 else 1, row])
+        return ActiveRow(self.names[row], "lower" if code < 0 else "upper", limit)
+
+    def with_samples(
+        self, samples: NDArray[np.int_], found: NDArray[np.int32], ends: slice = slice(None)
+    ) -> "BindingRows":
+        """The same with other codes at some samples.
+
+        Args:
+            samples: Indices, n of them.
+            found: Their codes, Shape (2, n, k).
+            ends: Which ends change.
+        """
+        codes = _wide(self.codes, found.shape[2])
+        codes[ends, samples] = _wide(found, codes.shape[2])[ends]
+        return BindingRows(self.names, self.limits, codes)
+
+
+def chosen_rows(sources: list[BindingRows], choice: NDArray[np.int_]) -> BindingRows:
+    """The rows of each end from one of several sources of the same rows.
+
+    Args:
+        sources: S of them.
+        choice: Which counts at the lower and the upper ends, Shape (2, N).
+    """
+    wide = max(source.codes.shape[2] for source in sources)
+    codes = np.stack([_wide(source.codes, wide) for source in sources])
+    side, sample = np.indices(choice.shape)
+    return BindingRows(sources[0].names, sources[0].limits, codes[choice, side, sample])
+
+
+def _wide(codes: NDArray[np.int32], size: int) -> NDArray[np.int32]:
+    """Codes with zeros behind them, so that there are at least so many."""
+    more = max(size - codes.shape[2], 0)
+    return np.concatenate([codes, np.zeros((*codes.shape[:2], more), dtype=np.int32)], axis=2)
+
+
+def no_codes(samples: int) -> NDArray[np.int32]:
+    """Codes of samples where no row binds."""
+    return np.zeros((2, samples, 0), dtype=np.int32)
+
+
+def rows_of_problem(problem: SampleProblem, codes: NDArray[np.int32]) -> BindingRows:
+    """Codes with the names of a problem's rows."""
+    return BindingRows(problem.names, np.stack([problem.limit_lower, problem.limit_upper]), codes)
+
+
+def codes_of_sides(sides: NDArray[np.int8]) -> NDArray[np.int32]:
+    """Codes of rows that bind in their order: 1 at their upper, -1 at their lower limit, 0 for none, Shape (…, r)."""
+    return np.asarray(sides * np.arange(1, sides.shape[-1] + 1), dtype=np.int32)
+
+
+def kernel_rows(
+    given: LimitRows, kept: NDArray[np.int_], caps: SpeedCaps, basis: NDArray[np.int16], dual: NDArray[np.float32]
+) -> BindingRows:
+    """The rows of the kernel's bases.
+
+    Args:
+        given: The rows of a motion.
+        kept: Those that the kernel has, Shape (r,); row r + k - 1 of a basis is c² >= 0 at its lower side, a cap at its
+            upper one.
+        caps: The rows that bound c² alone.
+        basis: As the kernel gives them, Shape (2, N, k).
+        dual: Their multipliers, likewise.
+    """
+    size = np.abs(dual)
+    order = np.argsort(-size, axis=2, kind="stable")
+    sides, size = np.take_along_axis(basis, order, axis=2).astype(np.int32), np.take_along_axis(size, order, axis=2)
+    strong = (size > BINDING_TOLERANCE * size[:, :, :1]) & (sides != 0)
+    row, of_c2 = np.abs(sides) - 1, np.abs(sides) > len(kept)
+    alike = given.alike_speeds
+    place = np.append(kept, 0)[np.where(of_c2, len(kept), np.maximum(row, 0))]
+    code = np.where((sides > 0) | alike[place], 1 + place, -1 - place)
+    code = np.where(of_c2, np.where(sides < 0, -1 - len(given.names), 0), code)
+    capped = np.any(strong & of_c2 & (sides > 0), axis=2)
+    of_caps = np.where(capped[:, :, None] & binds(caps.share), cap_codes(given, caps), 0)
+    codes = np.concatenate([of_caps, np.where(strong, code, 0)], axis=2).astype(np.int32)
+    return BindingRows(given.names, np.stack([given.lower, given.upper]), codes)
+
+
+def cap_codes(given: LimitRows, caps: SpeedCaps) -> NDArray[np.int_]:
+    """Code of each cap at the side on which it bounds c², Shape (N, s)."""
+    return np.where(caps.upper | given.alike_speeds[caps.places], 1 + caps.places, -1 - caps.places)
+
+
 @dataclass
 class RangeEnds:
-    """Least and largest c² of a batch, the rows that bind there, and where neither was found."""
+    """Least and largest c² of a batch, the rows that bind there, and where neither was found.
+
+    Attributes:
+        lower: Shape (N,).
+        upper: Shape (N,).
+        rows: At both ends.
+        undecided: Shape (N,).
+        fallbacks: Programs that the chosen solver did not solve and another did.
+        several: Whether some sample admits other intervals of c² as well: these are the highest.
+    """
 
     lower: Array
     upper: Array
-    lower_rows: "list[tuple[ActiveRow, ...]] | TiedRows"
-    upper_rows: "list[tuple[ActiveRow, ...]] | TiedRows"
+    rows: BindingRows
     undecided: NDArray[np.bool_]
     fallbacks: int
+    several: bool = False
 
     def replace(self, samples: NDArray[np.int_], other: "RangeEnds") -> None:
         """Take some samples from another batch, which must have found them."""
         require_decided(samples, other.undecided)
-        for index, sample in enumerate(samples):
-            lower, upper = other.lower[index], other.upper[index]
-            self.lower[sample], self.upper[sample] = min(lower, upper), upper
-            self.lower_rows[sample], self.upper_rows[sample] = other.lower_rows[index], other.upper_rows[index]
+        self.lower[samples], self.upper[samples] = np.minimum(other.lower, other.upper), other.upper
+        self.rows = self.rows.with_samples(samples, other.rows.codes)
         self.fallbacks += other.fallbacks
+        self.several |= other.several
 
 
 def require_decided(samples: NDArray[np.int_], undecided: NDArray[np.bool_]) -> None:
@@ -59,226 +172,19 @@ def require_decided(samples: NDArray[np.int_], undecided: NDArray[np.bool_]) -> 
         )
 
 
-@dataclass(frozen=True)
-class KernelRows(Sequence[tuple[ActiveRow, ...]]):
-    """The rows that bind at one end of each of N samples, named when they are asked for.
-
-    Attributes:
-        limits: The rows of a motion.
-        kept: Those that the kernel has, Shape (r,); row r + k - 1 of a basis is c² >= 0 at its lower side, a cap at its
-            upper one.
-        caps: The rows that bound c² alone.
-        basis: As the kernel gives them, Shape (N, k).
-        dual: Their multipliers, Shape (N, k).
-        settled: By sample, what was found in another way.
-    """
-
-    limits: LimitRows
-    kept: NDArray[np.int_]
-    caps: SpeedCaps
-    basis: NDArray[np.int16]
-    dual: NDArray[np.float32]
-    settled: dict[int, tuple[ActiveRow, ...]]
-
-    def __len__(self) -> int:
-        return len(self.basis)
-
-    def __getitem__(self, sample: Any) -> Any:
-        if isinstance(sample, slice):
-            return tuple(self[index] for index in range(*sample.indices(len(self))))
-        index = range(len(self))[sample]
-        if index in self.settled:
-            return self.settled[index]
-        sides, size = self.basis[index], np.abs(self.dual[index])
-        rows = np.abs(sides.astype(int)) - 1
-        strong = size > BINDING_TOLERANCE * np.max(size)
-        of_c2 = rows >= len(self.kept)
-        named = [ActiveRow(STANDSTILL, "lower", 0.0)] if np.any(strong & of_c2 & (sides < 0)) else []
-        for place in np.argsort(-size, kind="stable"):
-            row, upper = rows[place], bool(sides[place] > 0)
-            if strong[place] and of_c2[place] and upper:
-                named += self.caps.binding(index)
-            elif strong[place] and not of_c2[place]:
-                named.append(self.limits.active(int(self.kept[row]), upper=upper))
-        return tuple(named)
-
-
-@dataclass(frozen=True, kw_only=True)
-class TiedRows(Sequence[tuple[ActiveRow, ...]]):
-    """The rows that tie at one end of each of N samples where c² is the only unknown, named when they are asked for.
-
-    Attributes:
-        end: Which end.
-        c2: The end at every sample, Shape (N,); there are no rows where it is not finite.
-        sides: 1 where a row's upper limit sets the end, -1 where its lower one does, 0 where neither, Shape (N, r).
-        names: One a row.
-        limits: Lower and upper limits as given, each Shape (r,).
-        settled: By sample, what was found in another way.
-    """
-
-    end: Side
-    c2: Array
-    sides: NDArray[np.int8]
-    names: tuple[RowName, ...]
-    limits: tuple[Array, Array]
-    settled: dict[int, tuple[ActiveRow, ...]] = field(default_factory=dict)
-
-    def __len__(self) -> int:
-        return len(self.c2)
-
-    def __setitem__(self, sample: int, rows: tuple[ActiveRow, ...]) -> None:
-        self.settled[sample] = rows
-
-    def __getitem__(self, sample: Any) -> Any:
-        if isinstance(sample, slice):
-            return tuple(self[index] for index in range(*sample.indices(len(self))))
-        index = range(len(self))[sample]
-        if index in self.settled:
-            return self.settled[index]
-        if self.end == "lower" and self.c2[index] == 0:
-            return (ActiveRow(STANDSTILL, "lower", 0.0),)
-        if not np.isfinite(self.c2[index]):
-            return ()
-        (lower, upper), sides = self.limits, self.sides[index]
-        return tuple(
-            ActiveRow(self.names[row], "upper", float(upper[row]))
-            if sides[row] > 0
-            else ActiveRow(self.names[row], "lower", float(lower[row]))
-            for row in np.flatnonzero(sides).tolist()
-        )
-
-
-@dataclass(frozen=True)
-class SelectedRows(Sequence[tuple[ActiveRow, ...]]):
-    """The rows at one end of each of N samples, each from one of several sources, looked up when they are asked for.
-
-    Attributes:
-        sources: Rows of every sample by source.
-        choice: Which source counts, Shape (N,).
-    """
-
-    sources: tuple[Sequence[tuple[ActiveRow, ...]], ...]
-    choice: NDArray[np.int_]
-
-    def __len__(self) -> int:
-        return len(self.choice)
-
-    def __getitem__(self, sample: Any) -> Any:
-        if isinstance(sample, slice):
-            return tuple(self[index] for index in range(*sample.indices(len(self))))
-        return self.sources[self.choice[sample]][sample]
-
-
-def active_rows(problem: SampleProblem, dual: Array, standstill_dual: float) -> tuple[ActiveRow, ...]:
-    """Rows with a multiplier, strongest first; rows of the object's balance are laws and are left out."""
-    largest = max(float(np.max(np.abs(dual), initial=0.0)), abs(standstill_dual))
-    active = []
-    if abs(standstill_dual) > BINDING_TOLERANCE * largest:
-        active.append(ActiveRow(STANDSTILL, "lower", 0.0))
-    order = np.argsort(-np.abs(dual), kind="stable")
-    strong = [row for row in order if problem.is_limit[row] and abs(dual[row]) > BINDING_TOLERANCE * largest]
-    return tuple(active + [problem.active_row(row, upper=bool(dual[row] > 0)) for row in strong])
-
-
-@dataclass(frozen=True, kw_only=True)
-class Gap:
-    """An open interval of c² that a sample does not admit, between two that it does.
-
-    Attributes:
-        sample: Index of the sample.
-        lower: Where it begins: the largest c² of the interval below.
-        upper: Where it ends: the least c² of the interval above.
-        lower_rows: Rows that bind where it begins.
-        upper_rows: Rows that bind where it ends.
-        lower_load: The load that sets where it begins, if the load is uncertain.
-        upper_load: Likewise where it ends.
-    """
-
-    sample: int
-    lower: float
-    upper: float
-    lower_rows: Sequence[ActiveRow]
-    upper_rows: Sequence[ActiveRow]
-    lower_load: LoadPoint | None = None
-    upper_load: LoadPoint | None = None
-
-
-def gaps_of(
-    sample: int, speeds: Sequence[tuple[float, float]], rows: Callable[[int, float, Side], Sequence[ActiveRow]]
-) -> list[Gap]:
-    """The gaps between the intervals of speeds c that a sample admits.
+def codes_of_duals(
+    problem: SampleProblem, dual: Array, standstill: NDArray[np.bool_] | None = None
+) -> NDArray[np.int32]:
+    """Codes of the rows with a multiplier, strongest first; rows of the object's balance are laws and are left out.
 
     Args:
-        sample: Index of the sample.
-        speeds: Its intervals, ascending.
-        rows: The rows of an end: of a sample, at a c², on that side of an interval.
+        problem: Rows.
+        dual: Multipliers of one end, Shape (N, r).
+        standstill: Where c² >= 0 binds too, Shape (N,).
     """
-    ends = [(below[1] ** 2, above[0] ** 2) for below, above in pairwise(speeds)]
-    return [
-        Gap(
-            sample=sample,
-            lower=lower,
-            upper=upper,
-            lower_rows=rows(sample, lower, "upper"),
-            upper_rows=rows(sample, upper, "lower"),
-        )
-        for lower, upper in ends
-    ]
-
-
-@dataclass(frozen=True)
-class Piece:
-    """An interval of c² that several gaps leave.
-
-    Attributes:
-        lower: Its least c².
-        upper: Its largest.
-        after: The gap that it begins at; None if it begins where all does.
-        before: The gap that it ends at; None if it ends where all does.
-    """
-
-    lower: float
-    upper: float
-    after: Gap | None
-    before: Gap | None
-
-
-def pieces(lower: float, upper: float, gaps: Sequence[Gap]) -> list[Piece]:
-    """What gaps leave of an interval, ascending.
-
-    Args:
-        lower: Its least c².
-        upper: Its largest.
-        gaps: In any order, of one or of several samples and loads.
-    """
-    left, least, after = [], lower, None
-    for gap in sorted(gaps, key=lambda gap: (gap.lower, -gap.upper)):
-        if gap.lower >= upper:
-            break
-        if gap.upper <= least:
-            continue
-        if gap.lower >= least:
-            left.append(Piece(least, gap.lower, after, gap))
-        least, after = gap.upper, gap
-    if least <= upper:
-        left.append(Piece(least, upper, after, None))
-    return left
-
-
-def gaps_between(left: Sequence[Piece], sample: int) -> tuple[Gap, ...]:
-    """The gaps between pieces of one sample, each with the rows of the two gaps that it lies between."""
-    between = []
-    for below, above in pairwise(left):
-        begins, ends = below.before, above.after
-        assert begins is not None and ends is not None  # noqa: S101, PT018 (there is something between them)
-        between.append(
-            replace(
-                begins,
-                sample=sample,
-                lower=below.upper,
-                upper=above.lower,
-                upper_rows=ends.upper_rows,
-                upper_load=ends.upper_load,
-            )
-        )
-    return tuple(between)
+    size = np.abs(dual)
+    order = np.argsort(-size, axis=1, kind="stable")
+    strong = (size > BINDING_TOLERANCE * np.max(size, axis=1, initial=0.0, keepdims=True)) & problem.is_limit
+    codes = np.where(strong, np.where(dual > 0, 1, -1) * np.arange(1, dual.shape[1] + 1), 0)
+    first = np.zeros((len(dual), 1)) if standstill is None else np.where(standstill, -1 - dual.shape[1], 0)[:, None]
+    return np.concatenate([first, np.take_along_axis(codes, order, axis=1)], axis=1).astype(np.int32)

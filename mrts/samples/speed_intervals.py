@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""The speeds that a sample admits where its rows have a term in ṙ beside one in ṙ²: a union of intervals.
+"""The highest interval of speeds that a sample admits where its rows have a term in ṙ beside one in ṙ².
 
 Rows are A F + b x + d y within limits with x = y², y = c. Of all (F, x, y) they leave a polytope; the admissible y are
 where the parabola x = y² meets its projection onto (x, y), a convex polygon. The same algorithm as in
 mrts/kernel/c/speed_intervals.c, for any solver: the least and the largest y with some x >= y² bound a convex set, found
-by tangents of the parabola; between them the lower hull of the polygon is followed where it may lie above the parabola.
+by tangents of the parabola; from the largest downward the lower hull of the polygon is followed where it may lie above
+the parabola, up to the first gap.
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,35 +42,60 @@ LARGEST_SPEED = float(np.sqrt(UNBOUNDED))
 
 @dataclass
 class SpeedIntervals:
-    """Admissible speeds c of N samples.
+    """The highest interval of admissible speeds c of each of N samples.
 
     Attributes:
-        intervals: Of each sample its intervals, ascending, infinity where nothing bounds c.
-        undecided: Samples that have none, or whose programs no solver answered, Shape (N,).
+        lower: Its least c, infinity where there is none, Shape (N,).
+        upper: Its largest, infinity where nothing bounds c, minus infinity where there is none, Shape (N,).
+        gap: A c in the gap between it and a lower interval, 0 where there is no other, Shape (N,).
+        dual: Multipliers of the rows that set the lower and the upper end, Shape (2, N, r); of caps there are none.
+        undecided: Samples that have no interval, or whose programs no solver answered, Shape (N,).
         fallbacks: Programs that the chosen solver did not solve and another did.
     """
 
-    intervals: list[list[tuple[float, float]]]
+    lower: Array
+    upper: Array
+    gap: Array
+    dual: Array
     undecided: NDArray[np.bool_]
     fallbacks: int
 
+    def put(self, samples: NDArray[np.int_], other: "SpeedIntervals", which: NDArray[np.int_]) -> None:
+        """Take some samples from some of another batch."""
+        for name in ("lower", "upper", "gap", "undecided"):
+            getattr(self, name)[samples] = getattr(other, name)[which]
+        self.dual[:, samples] = other.dual[:, which]
 
-def speed_intervals(problem: SampleProblem, solver: str) -> SpeedIntervals:
-    """The admissible speeds at every sample.
+
+def highest_intervals(problem: SampleProblem, solver: str, most: Array | None = None) -> SpeedIntervals:
+    """The highest interval of speeds c that each sample admits.
 
     Args:
         problem: Rows with a column of ṙ.
         solver: Name in the registry.
+        most: Largest c that is asked for, Shape (N,); None for any.
 
     Raises:
         InputError: If there is no such solver.
         SolverError: If no solver answers.
     """
+    samples, rows = problem.lower.shape
+    most = np.full(samples, np.inf) if most is None else most
     if problem.unknowns == 1:
-        return _in_closed_form(problem)
-    curve = _Curve(problem, solver)
-    found = [_intervals(curve, sample) for sample in range(problem.samples)]
-    return SpeedIntervals([one or [] for one in found], np.array([not one for one in found]), curve.fallbacks)
+        return _in_closed_form(problem, most)
+    curve = _Curve(problem, solver, most)
+    found = SpeedIntervals(
+        np.full(samples, np.inf), np.full(samples, -np.inf), np.zeros(samples), np.zeros((2, samples, rows)),
+        np.ones(samples, dtype=bool), 0,
+    )  # fmt: skip
+    for sample in range(samples):
+        one = _highest(curve, sample)
+        if one is not None:
+            found.lower[sample], found.upper[sample], found.gap[sample], dual = one
+            found.dual[:, sample, ~problem.is_cap] = dual
+            found.undecided[sample] = False
+    found.fallbacks = curve.fallbacks
+    return found
 
 
 def speed_unit(problem: SampleProblem) -> Array:
@@ -89,9 +114,10 @@ class _Curve:
     Args:
         problem: Rows with a column of ṙ.
         solver: Name in the registry.
+        most: Largest c that is asked for, Shape (N,).
     """
 
-    def __init__(self, problem: SampleProblem, solver: str) -> None:
+    def __init__(self, problem: SampleProblem, solver: str, most: Array) -> None:
         assert problem.speed is not None  # noqa: S101 (as in `speed_unit`)
         self.unit, self.solver, self.fallbacks = speed_unit(problem), solver, 0
         rows = ~problem.is_cap
@@ -103,9 +129,10 @@ class _Curve:
         self.lower, self.upper = problem.lower[:, rows], problem.upper[:, rows]
         moving = self.unit > 0
         with np.errstate(divide="ignore", invalid="ignore"):
-            reach = np.sqrt(problem.cap() / self.unit)
+            reach = np.minimum(np.sqrt(problem.cap()), most) / np.sqrt(self.unit)
         self.reach = np.where(moving, np.minimum(reach, LARGEST_SPEED), 0.0)
-        self.cap = np.sqrt(problem.cap())
+        self.cap = np.minimum(np.sqrt(problem.cap()), most)
+        self.dual = np.zeros(len(self.lower[0]))  # of the rows, in the last answer
 
     def outermost(
         self, sample: int, cost: tuple[float, float], box: Array, tangent: float | None = None
@@ -135,6 +162,7 @@ class _Curve:
         if not answer.verified[0]:
             return None
         x, y = answer.x[0, -2:].tolist()
+        self.dual = answer.row_dual[0, : self.lower.shape[1]]
         return x, y, 0.0 if tangent is None else float(max(-answer.row_dual[0, -1], 0.0)) / size
 
 
@@ -143,21 +171,25 @@ def _near(y: float) -> float:
     return ON_CURVE * y * y + ROUNDING
 
 
-def _intervals(curve: _Curve, sample: int) -> list[tuple[float, float]] | None:
-    """Of one sample, ascending; none if it has none, None if a program was not answered."""
+def _highest(curve: _Curve, sample: int) -> tuple[float, float, float, Array] | None:
+    """Lower end, upper end, gap and the multipliers of both ends of one sample; None if it has none or no answer."""
     reach, unit = float(curve.reach[sample]), float(np.sqrt(curve.unit[sample]))
+    dual = np.zeros((2, len(curve.dual)))
     still = curve.outermost(sample, (1.0, 0.0), np.zeros((2, 2)))
     if unit == 0:
-        return None if still is None else [(0.0, float(curve.cap[sample]))]
+        return None if still is None else (0.0, float(curve.cap[sample]), 0.0, dual)
     high = _outer_end(curve, sample, 1.0, min(1.0, reach))
+    dual[1] = curve.dual
     low = (0.0, 0.0) if still is not None else _outer_end(curve, sample, -1.0, 0.0)
     if high is None or low is None:
         return None
-    hull = _lower_hull(curve, sample, low, max(high, low, key=lambda point: point[1]))
-    if hull is None:
+    dual[0] = 0.0 if still is not None else curve.dual
+    found = _down_to_a_gap(curve, sample, low, max(high, low, key=lambda point: point[1]), dual)
+    if found is None:
         return None
+    least, most, gap = found
     unbounded = LARGEST_SPEED * (1 - EDGES * ON_CURVE)
-    return [(least * unit, most * unit if most < unbounded else np.inf) for least, most in _below_parabola(hull)]
+    return least * unit, most * unit if most < unbounded else np.inf, gap * unit, dual
 
 
 def _outer_end(curve: _Curve, sample: int, side: float, tangent: float) -> tuple[float, float] | None:
@@ -190,51 +222,51 @@ def _next_tangent(m: float, t: float, side: float, point: tuple[float, float]) -
     return -2 * limit / (root - slope) if slope <= 0 else -(slope + root) / (2 * m)
 
 
-def _lower_hull(
-    curve: _Curve, sample: int, low: tuple[float, float], high: tuple[float, float]
-) -> list[tuple[float, float]] | None:
-    """Points of the polygon from one to another, whose chords lie below the parabola or are edges of its lower hull."""
-    hull, at = [low, high], 0
-    size = high[1] ** 2
+def _down_to_a_gap(
+    curve: _Curve, sample: int, low: tuple[float, float], high: tuple[float, float], dual: Array
+) -> tuple[float, float, float] | None:
+    """Ends of the highest interval below a point of the polygon, and a y in the gap below it; None if there is none.
+
+    Args:
+        curve: Rows.
+        sample: Index.
+        low: The point with the least y.
+        high: The point.
+        dual: Multipliers of both ends, which change where an edge of the lower hull sets an end, Shape (2, r).
+    """
+    below, b, is_open, top = [low], high, False, high[1]
     for _ in range(TURNS):
-        if at + 1 == len(hull):
-            return hull
-        a, b = hull[at], hull[at + 1]
-        if _above_parabola(a, b) is None:
-            at += 1
+        if not below:
+            return (b[1], top, 0.0) if is_open else None
+        a = below[-1]
+        above = _above_parabola(a, b)
+        if above is None:
+            b, is_open = below.pop(), True
             continue
+        least, most, height = above
         slope = (b[0] - a[0]) / (b[1] - a[1]) if b[1] > a[1] else 0.0
+        size = high[1] ** 2
         found = curve.outermost(sample, (1.0, -slope), np.array([[-size, max(size, a[0], b[0])], [a[1], b[1]]]))
         if found is None:
             return None
         x, y, _ = found
-        if x - a[0] - slope * (y - a[1]) >= -EDGES * _near(b[1]):
-            at += 1
-        elif y <= a[1] + ON_CURVE * b[1]:
-            hull[at] = x, a[1]
-        elif y >= b[1] * (1 - ON_CURVE):
-            hull[at + 1] = x, b[1]
-        else:
-            hull.insert(at + 1, (x, y))
-    return None
-
-
-def _below_parabola(hull: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Where a lower hull lies on or below the parabola, ascending."""
-    intervals: list[tuple[float, float]] = []
-    start, is_open = hull[0][1], _is_below(hull[0])
-    for a, b in pairwise(hull):
-        above = _above_parabola(a, b)
-        if above is None:
+        if x - a[0] - slope * (y - a[1]) < -EDGES * _near(b[1]):
+            if y <= a[1] + ON_CURVE * b[1]:
+                below[-1] = x, a[1]
+            elif y >= b[1] * (1 - ON_CURVE):
+                b = x, b[1]
+            else:
+                below.append((x, y))
             continue
-        least, most, height = above
-        opens = _is_below(b) or most < b[1]
-        if is_open and opens and height <= SEPARATED * (1 + b[1] ** 2):
-            continue  # no gap can be proved
-        if is_open:
-            intervals.append((start, least))
-        start, is_open = most, opens
-    return [*intervals, (start, hull[-1][1])] if is_open else intervals
+        opens = _is_below(a) or least > a[1]
+        is_open = is_open or _is_below(b) or most < b[1]
+        if is_open and not (opens and height <= SEPARATED * (1 + b[1] ** 2)):  # else no gap can be proved
+            dual[0] = curve.dual
+            return most, top, (least + most) / 2 if opens or len(below) > 1 else 0.0
+        if opens and not is_open:
+            top, is_open, dual[1] = least, True, curve.dual
+        b = below.pop()
+    return None
 
 
 def _is_below(point: tuple[float, float]) -> bool:
@@ -255,7 +287,7 @@ def _above_parabola(a: tuple[float, float], b: tuple[float, float]) -> tuple[flo
     return max(min(far, near), a[1]), min(max(far, near), b[1]), height
 
 
-def _in_closed_form(problem: SampleProblem) -> SpeedIntervals:
+def _in_closed_form(problem: SampleProblem, most: Array) -> SpeedIntervals:
     """Every row a c² + b c <= d bounds c >= 0 by itself: to an interval, or to what is outside of one."""
     assert problem.speed is not None  # noqa: S101 (as in `speed_unit`)
     a = np.concatenate([problem.square, -problem.square], axis=1)
@@ -271,24 +303,22 @@ def _in_closed_form(problem: SampleProblem) -> SpeedIntervals:
     held, bends = np.isfinite(d), a > 0
     helps = (a < 0) & (square > 0) & held & (large > 0)
     none = held & (bends & ((square < 0) | (large < 0)) | (a == 0) & ((b > 0) & (d < 0) | (b == 0) & (d < 0)))
-    most = np.where(held & bends, large, np.where(held & (a == 0) & (b > 0), first, np.inf))
-    least = np.where(held & bends, small, np.where(held & (a == 0) & (b < 0), first, 0.0))
-    least = np.where(helps & (small < 0), large, least)
+    ends = np.where(held & bends, large, np.where(held & (a == 0) & (b > 0), first, np.inf))
+    starts = np.where(held & bends, small, np.where(held & (a == 0) & (b < 0), first, 0.0))
+    starts = np.where(helps & (small < 0), large, starts)
     is_gap = helps & (small >= 0)
-    lower, upper = np.max(least, axis=1, initial=0.0), np.min(most, axis=1, initial=np.inf)
-    found = []
-    for sample in range(problem.samples):
-        start, intervals = float(lower[sample]), []
-        if not np.any(none[sample]):
-            inside = sorted(zip(small[sample, is_gap[sample]], large[sample, is_gap[sample]], strict=True))
-            for begin, end in inside:
-                if begin >= upper[sample]:
-                    break
-                if end > start:
-                    if begin >= start:
-                        intervals.append((start, float(begin)))
-                    start = float(end)
-            if start <= upper[sample]:
-                intervals.append((start, float(upper[sample])))
-        found.append(intervals)
-    return SpeedIntervals(found, np.array([not one for one in found]), 0)
+    lower, upper = np.max(starts, axis=1, initial=0.0), np.minimum(np.min(ends, axis=1, initial=np.inf), most)
+    gap, undecided = np.zeros(problem.samples), np.any(none, axis=1)
+    for sample in np.flatnonzero(np.any(is_gap, axis=1)).tolist():
+        of_sample = zip(large[sample, is_gap[sample]].tolist(), small[sample, is_gap[sample]].tolist(), strict=True)
+        for end, begin in sorted(of_sample, reverse=True):
+            if end <= lower[sample]:
+                break
+            if end > upper[sample]:
+                upper[sample] = min(upper[sample], begin)
+            else:
+                gap[sample] = (begin + end) / 2 if begin >= lower[sample] else 0.0
+                lower[sample] = end
+    undecided |= lower > upper
+    lower[undecided], upper[undecided], gap[undecided] = np.inf, -np.inf, 0.0
+    return SpeedIntervals(lower, upper, gap, np.zeros((2, *problem.lower.shape)), undecided, 0)

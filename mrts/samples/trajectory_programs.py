@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The programs of a whole trajectory: by the compiled kernel in one call, or put together here for another solver."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
@@ -11,27 +12,27 @@ from mrts.base.arrays import Array
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.kernel.cell_library import CellLibrary, KernelIntervals, KernelRanges, SparseLimits
+from mrts.kernel.cell_library import CellLibrary, KernelRanges, SparseLimits
 from mrts.kernel.one_unknown import KnownPlanes, KnownRanges, KnownWrenches
-from mrts.kernel.programs import OPTIMAL
+from mrts.kernel.programs import INFEASIBLE, OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits import squared_limits
-from mrts.limits.rows import ActiveRow, LimitRows, Side
-from mrts.limits.squared_rows import SpeedCaps, SquaredRows
+from mrts.limits.rows import LimitRows, Side
+from mrts.limits.squared_rows import SpeedCaps, SquaredRows, binds
 from mrts.samples import FormulationName
-from mrts.samples.closed_form import tied_sides
-from mrts.samples.end_rows import RowsAtEnd
+from mrts.samples.closed_form import tied_codes, tied_sides
 from mrts.samples.infeasibility import Conflict, find_conflicts
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.motor_terms import MotorTerms, motor_terms
-from mrts.samples.range_ends import Gap, KernelRows, TiedRows, gaps_of
+from mrts.samples.range_ends import BindingRows, cap_codes, kernel_rows, no_codes, rows_of_problem
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import (
+    MOST_INTERVALS,
     REST_TOLERANCE,
     SampleRanges,
     sample_ranges,
     statuses,
-    with_end_rows,
+    with_end_problem,
     without_speed_at_rest,
 )
 from mrts.samples.torque_distribution import TORQUE_WIDENING, distribute_torques, known_torques
@@ -51,6 +52,7 @@ def motion_ranges(
     sharing: LoadSharing | None,
     solver: str,
     load: Array | None = None,
+    high: float = np.inf,
 ) -> SampleRanges:
     """Least and largest c² at every sample (step 1 of MMTSF).
 
@@ -61,6 +63,7 @@ def motion_ranges(
         sharing: A fixed distribution of the load, None for a free one.
         solver: Name in the registry; "kernel" takes the compiled path where it applies.
         load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
+        high: Of several intervals the highest is found that does not begin above this c².
 
     Raises:
         InputError: If an argument breaks a rule.
@@ -68,68 +71,82 @@ def motion_ranges(
     """
     fast = compiled_trajectory(cell, motion, formulation, sharing, solver)
     if fast is not None and not fast.quadratic:
-        found = _compiled_ranges(cell, motion, fast, solver, load)
+        found = _compiled_ranges(cell, motion, fast, solver, load, high)
     else:
         problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, load=load)
-        found = sample_ranges(problem, motion.object.time, solver)
+        found = sample_ranges(problem, motion.object.time, solver, high)
     if sharing is not None:
         return found
-    return with_end_rows(
-        cell, motion, found, lambda sample, _side: load if load is None or load.ndim == 1 else load[sample]
-    )
+    return with_end_problem(cell, motion, found, partial(_load_at, load))
+
+
+def _load_at(load: Array | None, sample: int, _side: Side) -> Array | None:
+    return load if load is None or load.ndim == 1 else load[sample]
 
 
 def _compiled_ranges(
-    cell: Cell, motion: CoordinatedMotion, fast: "CompiledTrajectory", solver: str, load: Array | None
+    cell: Cell, motion: CoordinatedMotion, fast: "CompiledTrajectory", solver: str, load: Array | None, high: float
 ) -> SampleRanges:
     """The ranges by the kernel; what it does not settle is left to the solvers."""
-    most = fast.caps.largest()
-    divided: list[tuple[int, list[tuple[float, float]]]] = []
-    found: KnownRanges | KernelRanges | KernelIntervals
+    most, several = fast.caps.largest(), False
+    found: KnownRanges | KernelRanges
     if fast.one_unknown:
         found = fast.known(cell, motion, load).ranges(fast.terms(), most)
         undecided = found.lower > found.upper
     else:
-        given = motion.samples, _inputs(cell, motion, load), fast.sparse(), fast.terms(), most
+        given = motion.samples, _inputs(cell, motion, load), fast.sparse(), fast.terms()
         if fast.has_speed_terms:
-            found = fast.compiled.speed_ranges(*given)
-            divided = found.divided()
+            found, several = _intervals_below(partial(fast.compiled.speed_ranges, *given), most, high)
         else:
-            found = fast.compiled.ranges(*given)
+            found = fast.compiled.ranges(*given, most)
         undecided = np.any(found.status != OPTIMAL, axis=0)
     at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
     lower, upper = found.lower + 0.0, np.where(at_rest, most, found.upper) + 0.0  # 0 has no sign
     suspects = np.flatnonzero(undecided | (at_rest & (lower > 0)))
     rows = fast.rows_at_ends(found, (lower, upper), at_rest)
-
-    def of_gap(sample: int, c2: float, end: Side) -> RowsAtEnd:
-        return RowsAtEnd(partial(build_sample_problem, cell, motion, load=load, samples=np.array([sample])), c2, end)
-
-    settled = set(suspects.tolist())
-    divided = [(sample, speeds) for sample, speeds in divided if not at_rest[sample] and sample not in settled]
-    gaps = [gap for sample, speeds in divided for gap in gaps_of(sample, speeds, of_gap)]
     conflicts: list[Conflict] = []
     fallbacks = 0
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
-        part = _settle(cell, motion, fast.sharing, load, block, float(np.max(found.effect)), solver)
+        part = _settle(cell, motion, fast.sharing, load, block, float(np.max(found.effect)), solver, high)
         lower[block], upper[block] = part.lower, part.upper
-        for index, sample in enumerate(block.tolist()):
-            rows[0].settled[sample], rows[1].settled[sample] = part.lower_rows[index], part.upper_rows[index]
+        rows = rows.with_samples(block, part.rows.codes)
         conflicts += [replace(conflict, sample=int(block[conflict.sample])) for conflict in part.conflicts]
-        gaps += [replace(gap, sample=int(block[gap.sample])) for gap in part.gaps]
         fallbacks += part.fallbacks
+        several |= part.several
     return SampleRanges(
         time=motion.object.time,
         status=statuses(lower, upper, conflicts),
         lower=lower,
         upper=upper,
-        lower_rows=rows[0],
-        upper_rows=rows[1],
+        rows=rows,
         conflicts=tuple(conflicts),
         fallbacks=fallbacks,
-        gaps=tuple(sorted(gaps, key=lambda gap: (gap.sample, gap.lower))),
+        several=several,
     )
+
+
+def _intervals_below(find: Callable[[Array], KernelRanges], most: Array, high: float) -> tuple[KernelRanges, bool]:
+    """The highest intervals of c² that do not begin above a c², and whether some sample has others.
+
+    Args:
+        find: Highest intervals below a c² of each sample, Shape (N,).
+        most: Largest c² of each sample, Shape (N,).
+        high: The c².
+    """
+    found, several = find(most), False
+    for _ in range(MOST_INTERVALS):
+        assert found.gap is not None  # noqa: S101 (rows have terms in c)
+        is_gap = found.gap > 0
+        several |= bool(np.any(is_gap))
+        above = is_gap & (found.lower > high)
+        if not np.any(above):
+            break
+        below = find(np.where(above, found.gap, most))
+        if np.any(above & (below.status[0] == INFEASIBLE)):
+            break  # a sample has nothing below: no c² up to this one suits all
+        most, found = np.where(above, found.gap, most), below
+    return found, several
 
 
 def motion_torques(
@@ -275,9 +292,9 @@ class CompiledTrajectory:
         return KnownWrenches(self.compiled, function, motion.samples, inputs, self.sparse())
 
     def rows_at_ends(
-        self, found: KnownRanges | KernelRanges | KernelIntervals, ends: tuple[Array, Array], at_rest: NDArray[np.bool_]
-    ) -> tuple[KernelRows, KernelRows] | tuple[TiedRows, TiedRows]:
-        """The rows of both ends, named when they are asked for.
+        self, found: KnownRanges | KernelRanges, ends: tuple[Array, Array], at_rest: NDArray[np.bool_]
+    ) -> BindingRows:
+        """The rows of both ends.
 
         Args:
             found: What the kernel found.
@@ -292,15 +309,12 @@ class CompiledTrajectory:
             if caps.places.size:
                 with np.errstate(divide="ignore"):
                     sides[1][:, caps.places] = tied_sides(1 / caps.share, ends[1], caps.upper)
-            names, limits = given.names, (given.lower, given.upper)
-            return (
-                TiedRows(end="lower", c2=ends[0], sides=sides[0], names=names, limits=limits),
-                TiedRows(end="upper", c2=ends[1], sides=sides[1], names=names, limits=limits),
-            )
-        low, high = (KernelRows(given, self.form.kept, caps, found.basis[end], found.dual[end], {}) for end in (0, 1))
-        for sample in np.flatnonzero(at_rest & np.isfinite(ends[1])).tolist():
-            high.settled[sample] = caps.binding(sample)
-        return low, high
+            return BindingRows(given.names, np.stack([given.lower, given.upper]), tied_codes(sides, ends[0]))
+        rows = kernel_rows(given, self.form.kept, caps, found.basis, found.dual)
+        still = np.flatnonzero(at_rest & np.isfinite(ends[1]))
+        rows.codes[1, still] = 0
+        rows.codes[1, still, : len(caps.places)] = np.where(binds(caps.share), cap_codes(given, caps), 0)[still]
+        return rows
 
     def terms(self, speed: float | Array | None = None) -> SampleTerms:
         """What is added at every sample, those in ṙ at a speed, or by themselves where it is to be found.
@@ -361,6 +375,7 @@ def _settle(
     samples: NDArray[np.int_],
     speed: float,
     solver: str,
+    high: float,
 ) -> SampleRanges:
     """Ranges of samples that the kernel found infeasible or could not decide."""
     given = build_sample_problem(cell, motion, sharing=sharing, load=load, samples=samples)
@@ -370,23 +385,18 @@ def _settle(
     conflicts = tuple(conflict for conflict in found if conflict is not None)
     still = np.array([index for index, conflict in enumerate(found) if conflict is None], dtype=int)
     lower, upper = np.full(len(samples), np.inf), np.full(len(samples), -np.inf)
-    lower_rows: list[tuple[ActiveRow, ...]] = [()] * len(samples)
-    upper_rows, fallbacks = lower_rows.copy(), 0
-    gaps: tuple[Gap, ...] = ()
+    rows, fallbacks, several = rows_of_problem(problem, no_codes(len(samples))), 0, False
     if still.size:
-        part = sample_ranges(problem.at(still), time[still], solver)
-        lower[still], upper[still], fallbacks = part.lower, part.upper, part.fallbacks
-        gaps = tuple(replace(gap, sample=int(still[gap.sample])) for gap in part.gaps)
-        for index, sample in enumerate(still.tolist()):
-            lower_rows[sample], upper_rows[sample] = part.lower_rows[index], part.upper_rows[index]
+        part = sample_ranges(problem.at(still), time[still], solver, high)
+        lower[still], upper[still], fallbacks, several = part.lower, part.upper, part.fallbacks, part.several
+        rows = rows.with_samples(still, part.rows.codes)
     return SampleRanges(
         time=time,
         status=statuses(lower, upper, conflicts),
         lower=lower,
         upper=upper,
-        lower_rows=tuple(lower_rows),
-        upper_rows=tuple(upper_rows),
+        rows=rows,
         conflicts=conflicts,
         fallbacks=fallbacks,
-        gaps=gaps,
+        several=several,
     )

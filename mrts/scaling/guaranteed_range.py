@@ -7,10 +7,9 @@ corners: no grid, no nonlinear program, nothing approximate. Where a fixed distr
 the worst load of every row follows in closed form, and no corner is enumerated.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -18,12 +17,12 @@ from mrts.base.arrays import Array
 from mrts.base.load_box import OFFSETS, LoadBox, LoadPoint
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.samples.closed_form import ends_in_closed_form, load_sensitivity, worst_parameters
+from mrts.samples.closed_form import LoadSensitivity, ends_in_closed_form, load_sensitivity, worst_parameters
 from mrts.samples.infeasibility import Conflict
-from mrts.samples.range_ends import Gap
-from mrts.samples.sample_ranges import SampleRanges, first_least, statuses, with_gaps, without_speed_at_rest
+from mrts.samples.sample_problem import SampleProblem
+from mrts.samples.sample_ranges import SampleRanges, first_least, statuses, without_speed_at_rest
 from mrts.scaling.load_study import LoadQuestion, LoadStudy, ends_of_loads
-from mrts.scaling.range import ScalingRange, intersect
+from mrts.scaling.range import ScalingRange, common_range, intersect
 
 INERT = 1e-12
 """A parameter that changes the object's wrench by no more than this share of it has no effect along a motion."""
@@ -61,9 +60,16 @@ def for_every_load(
     Raises:
         SolverError: If no solver answers.
     """
-    ranges = asked.ranges(points)
-    found = asked.whole(_intersection(points, ranges))
-    return found, LoadStudy(question, box, points, tuple(intersect(of_point) for of_point in ranges))
+    of_points = asked.ranges(points)
+
+    def find(high: float) -> SampleRanges:
+        ranges = [
+            known.samples if high == asked.high else asked.ranges_at(point, high)
+            for point, known in zip(points, of_points, strict=True)
+        ]
+        return asked.named(_intersection(points, ranges))
+
+    return common_range(find, asked.high), LoadStudy(question, box, points, tuple(of_points))
 
 
 def effective_parameters(
@@ -106,12 +112,7 @@ def _intersection(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -
                 conflicts[conflict.sample] = replace(conflict, load=point)
     ordered = tuple(conflicts[sample] for sample in sorted(conflicts))
     ends = np.max(low, axis=0), np.min(high, axis=0)
-    found = ends_of_loads(points, ranges, ends, (at_low, at_high), ordered)
-    gaps: dict[int, list[Gap]] = {}
-    for point, of_point in zip(points, ranges, strict=True):
-        for gap in of_point.gaps:
-            gaps.setdefault(gap.sample, []).append(replace(gap, lower_load=point, upper_load=point))
-    return with_gaps(found, gaps) if gaps else found
+    return ends_of_loads(points, ranges, ends, (at_low, at_high), ordered)
 
 
 def _in_closed_form(asked: LoadQuestion, box: LoadBox, varying: tuple[str, ...]) -> SampleRanges | None:
@@ -126,38 +127,28 @@ def _in_closed_form(asked: LoadQuestion, box: LoadBox, varying: tuple[str, ...])
     if np.any(ends.undecided):
         return None
 
-    def worst(sample: int, c2: float) -> LoadPoint:
-        if not np.isfinite(c2):
-            return box.nominal_point()
-        largest = worst_parameters(problem, sensitivity, sample, c2)
-        values = {name: box.ranges[name][int(high)] for name, high in zip(varying, largest, strict=True)}
-        return LoadPoint(values, box.load_at(values))
-
     return SampleRanges(
         time=asked.motion.object.time,
         status=statuses(ends.lower, ends.upper, ()),
         lower=ends.lower,
         upper=ends.upper,
-        lower_rows=ends.lower_rows,
-        upper_rows=ends.upper_rows,
+        rows=ends.rows,
         conflicts=(),
         fallbacks=0,
-        lower_loads=_LoadsOnDemand(ends.lower, worst),
-        upper_loads=_LoadsOnDemand(ends.upper, worst),
+        lower_loads=_worst_loads(problem, sensitivity, box, varying, ends.lower),
+        upper_loads=_worst_loads(problem, sensitivity, box, varying, ends.upper),
     )
 
 
-@dataclass(frozen=True)
-class _LoadsOnDemand(Sequence[LoadPoint]):
-    """The load that sets one end of each sample, found when it is asked for: c² of the end, Shape (N,), and by whom."""
-
-    c2: Array
-    find: Callable[[int, float], LoadPoint]
-
-    def __len__(self) -> int:
-        return len(self.c2)
-
-    def __getitem__(self, sample: Any) -> Any:
-        if isinstance(sample, slice):
-            return tuple(self[index] for index in range(*sample.indices(len(self))))
-        return self.find(sample, float(self.c2[sample]))
+def _worst_loads(
+    problem: SampleProblem, sensitivity: LoadSensitivity, box: LoadBox, varying: tuple[str, ...], c2: Array
+) -> tuple[LoadPoint, ...]:
+    """The load that sets one end of each sample, of c², Shape (N,)."""
+    largest = worst_parameters(problem, sensitivity, np.where(np.isfinite(c2), c2, 0.0))
+    points = {}
+    for key in {
+        (*row, finite) for row, finite in zip(map(tuple, largest.tolist()), np.isfinite(c2).tolist(), strict=True)
+    }:
+        values = {name: box.ranges[name][int(high)] for name, high in zip(varying, key[:-1], strict=True)}
+        points[key] = LoadPoint(values, box.load_at(values)) if key[-1] else box.nominal_point()
+    return tuple(points[*row, finite] for row, finite in zip(largest.tolist(), np.isfinite(c2).tolist(), strict=True))

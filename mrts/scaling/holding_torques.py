@@ -105,7 +105,7 @@ def holding_at_ends(
         still, shared = _still(motion, sharing, np.array(places))  # friction that opposes a motion does not hold
         problem = build_sample_problem(cell, still, formulation=formulation, sharing=shared)
         free = (widening_at(problem, 0.0, solver, WHAT) <= TORQUE_WIDENING).tolist()
-    elif samples is not None:
+    elif samples is not None and not samples.several:  # else it may be in a lower interval
         free = [bool(samples.lower[place] <= 0) for place in places]
     else:
         at_ends, shared = np.array(places), _of_samples(sharing, np.array(places))

@@ -2,12 +2,14 @@
 """Torques for a load that has become known, at the c² that was chosen for the whole box."""
 
 from dataclasses import replace
+from functools import partial
 
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, SolverError
 from mrts.samples.trajectory_programs import motion_ranges
-from mrts.scaling.range import intersect
+from mrts.scaling.chosen_c2 import conflict_at
+from mrts.scaling.range import common_range
 from mrts.scaling.result import END_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError
 from mrts.scaling.with_torques import with_torques
@@ -38,9 +40,12 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
     if result.trajectory is None:
         raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
     cell, motion, c2 = result.cell.with_load(load), result.motion, result.trajectory.c2
-    own = intersect(motion_ranges(cell, motion, result.rule.formulation, result.rule.sharing, solver))
-    refused = replace(result, cell=cell, range=own, trajectory=None, load=None)
-    if own.admitted(c2, END_TOLERANCE) is None:
+    rule = result.rule
+    own = common_range(partial(motion_ranges, cell, motion, rule.formulation, rule.sharing, solver, None))
+    refused = replace(result, cell=cell, found=own, trajectory=None, load=None)
+    if own.admitted(c2, END_TOLERANCE) is None and not (
+        own.samples.several and conflict_at(cell, motion, rule, c2, (None,), solver) is None
+    ):
         raise _refusal(refused, f"c² = {c2:g} does not suit this load: {refused.sentence()}")
     # what is overstepped between the samples is convex in the load: of a box the corners tell it
     excess = result.excess if result.load is not None and result.load.question == "guaranteed" else None

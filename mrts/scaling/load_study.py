@@ -3,6 +3,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,14 +16,15 @@ from mrts.base.load_box import LoadBox, LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.limits.rows import Side
 from mrts.samples import FormulationName
 from mrts.samples.infeasibility import Conflict
 from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.range_ends import SelectedRows
+from mrts.samples.range_ends import chosen_rows
 from mrts.samples.sample_problem import SampleProblem, build_sample_problem
-from mrts.samples.sample_ranges import SampleRanges, statuses, with_end_rows
+from mrts.samples.sample_ranges import SampleRanges, statuses, with_end_problem
 from mrts.samples.trajectory_programs import motion_ranges
-from mrts.scaling.range import ScalingRange, intersect
+from mrts.scaling.range import ScalingRange, common_range
 
 
 def load_question(cell: Cell, load: str, select: object) -> str:
@@ -104,14 +106,9 @@ class LoadStudy(InNotebooks):
             return f"for every load of the box ({what})"
         if self.question == "possible":
             missed = f"; {len(self.not_converged)} samples not converged" if self.not_converged else ""
-            gaps = "; loads have gaps, and whether another fills them was not asked" if self._has_gaps else ""
-            return f"at best, for some load of the box at each sample ({what}{missed}{gaps})"
+            return f"at best, for some load of the box at each sample ({what}{missed})"
         low, high = (self.box.mass * factor for factor in self.box.ranges["mass"])
         return f"for {len(self.points)} masses from {low:.4g} to {high:.4g} kg, all else nominal"
-
-    @property
-    def _has_gaps(self) -> bool:
-        return any(found.samples.gaps for found in self.ranges)
 
     def to_json(self) -> dict[str, Any]:
         """The study as JSON values."""
@@ -139,6 +136,7 @@ class LoadQuestion:
         sharing: Likewise.
         solver: Name in the registry.
         progress: Told how many of how many loads are done.
+        high: Of several intervals the highest is found that does not begin above this c².
     """
 
     cell: Cell
@@ -147,6 +145,7 @@ class LoadQuestion:
     sharing: LoadSharing | None
     solver: str
     progress: Progress
+    high: float = np.inf
 
     def problem(self, load: Array) -> SampleProblem:
         """Rows with a load, Shape (10,), or one a sample, Shape (N, 10)."""
@@ -154,21 +153,29 @@ class LoadQuestion:
             self.cell, self.motion, formulation=self.formulation, sharing=self.sharing, load=load
         )
 
-    def ranges(self, points: Sequence[LoadPoint]) -> list[SampleRanges]:
-        """Ranges of each load."""
+    def ranges_at(self, point: LoadPoint, high: float) -> SampleRanges:
+        """Ranges of a load whose intervals do not begin above a c²."""
+        return motion_ranges(self.cell, self.motion, self.formulation, self.sharing, self.solver, point.load, high)
+
+    def ranges(self, points: Sequence[LoadPoint]) -> list[ScalingRange]:
+        """The range over the motion of each load."""
         found = []
         for number, point in enumerate(points):
             self.progress(number, len(points))
-            found.append(motion_ranges(self.cell, self.motion, self.formulation, self.sharing, self.solver, point.load))
+            found.append(common_range(partial(self.ranges_at, point), self.high))
         self.progress(len(points), len(points))
         return found
 
-    def whole(self, samples: SampleRanges) -> ScalingRange:
-        """The range over the motion of samples each of whose ends is that of some load."""
-        if self.sharing is None and samples.lower_loads is not None and samples.upper_loads is not None:
-            loads = {"lower": samples.lower_loads, "upper": samples.upper_loads}
-            samples = with_end_rows(self.cell, self.motion, samples, lambda sample, side: loads[side][sample].load)
-        return intersect(samples)
+    def named(self, samples: SampleRanges) -> SampleRanges:
+        """Ranges each of whose ends is that of some load, which can name all rows that set an end."""
+        if self.sharing is not None or samples.lower_loads is None or samples.upper_loads is None:
+            return samples
+        loads = partial(_load_of_end, samples.lower_loads, samples.upper_loads)
+        return with_end_problem(self.cell, self.motion, samples, loads)
+
+
+def _load_of_end(lower: Sequence[LoadPoint], upper: Sequence[LoadPoint], sample: int, side: Side) -> Array:
+    return (lower if side == "lower" else upper)[sample].load
 
 
 def ends_of_loads(
@@ -193,10 +200,10 @@ def ends_of_loads(
         status=statuses(lower, upper, conflicts),
         lower=lower,
         upper=upper,
-        lower_rows=SelectedRows(tuple(found.lower_rows for found in ranges), at_low),
-        upper_rows=SelectedRows(tuple(found.upper_rows for found in ranges), at_high),
+        rows=chosen_rows([found.rows for found in ranges], np.stack(places)),
         conflicts=conflicts,
         fallbacks=sum(found.fallbacks for found in ranges),
         lower_loads=tuple(points[index] for index in at_low),
         upper_loads=tuple(points[index] for index in at_high),
+        several=any(found.several for found in ranges),
     )

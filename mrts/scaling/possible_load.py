@@ -13,13 +13,13 @@ from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.load_box import LoadBox, LoadPoint
-from mrts.limits.rows import ActiveRow, Side
+from mrts.limits.rows import Side
 from mrts.samples.closed_form import LoadSensitivity, load_sensitivity
 from mrts.samples.linear_programs import NO_EFFECT, UNBOUNDED, effect_of_speed
 from mrts.samples.sample_problem import SampleProblem
 from mrts.samples.sample_ranges import SampleRanges, first_least, sample_ranges, statuses
 from mrts.scaling.load_study import LoadQuestion, LoadStudy, ends_of_loads
-from mrts.scaling.range import ScalingRange, intersect
+from mrts.scaling.range import ScalingRange, common_range
 from mrts.solvers.held_interrupt import held_interrupt
 
 ACHIEVED_TOLERANCE = 1e-6
@@ -40,6 +40,9 @@ IPOPT_OPTIONS: dict[str, Any] = {
 }
 
 
+SIDES: tuple[Side, Side] = ("lower", "upper")
+
+
 @dataclass(frozen=True)
 class _BestLoad:
     """What the search found at some samples: parameters in [0, 1], Shape (n, p), c², and IPOPT's word, Shape (n,)."""
@@ -52,8 +55,8 @@ class _BestLoad:
 def possible_range(asked: LoadQuestion, box: LoadBox, varying: tuple[str, ...]) -> tuple[ScalingRange, LoadStudy]:
     """The range of c² of the best load of a box, at each sample by itself.
 
-    Of each sample it is what lies between the least and the largest c² of any load: where loads leave gaps between
-    their speeds, whether another load of the box fills them is not asked.
+    Of each sample it is what lies between the least and the largest c² of any load: where a load leaves a gap below its
+    highest interval, whether another load of the box fills it is not asked.
 
     Args:
         asked: Of which cell and motion.
@@ -74,13 +77,22 @@ def possible_range(asked: LoadQuestion, box: LoadBox, varying: tuple[str, ...]) 
     points = box.corners(varying)
     if varying:
         points = (*points, box.nominal_point())
-    ranges = asked.ranges(points)
-    best = _for_some_load(points, ranges)
+    of_points = asked.ranges(points)
     not_converged: tuple[int, ...] = ()
-    if varying:
-        best, not_converged = _searched(asked, box, varying, best)
-    study = LoadStudy("possible", box, points, tuple(intersect(of_point) for of_point in ranges), not_converged)
-    return asked.whole(best), study
+
+    def find(high: float) -> SampleRanges:
+        nonlocal not_converged
+        ranges = [
+            asked.ranges_at(point, high) if known.samples.several else known.samples
+            for point, known in zip(points, of_points, strict=True)
+        ]
+        best = _for_some_load(points, ranges)
+        if varying:
+            best, not_converged = _searched(asked, box, varying, best)
+        return asked.named(best)
+
+    found = common_range(find, asked.high)
+    return found, LoadStudy("possible", box, points, tuple(of_points), not_converged)
 
 
 def _for_some_load(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -> SampleRanges:
@@ -124,7 +136,7 @@ def _searched(
     search = _Search(problem, load_sensitivity(problem, others))
     infeasible, in_order = np.isinf(best.lower), np.all(problem.lower <= problem.upper, axis=1)
     wanted: dict[Side, NDArray[np.int_]] = {
-        "lower": np.flatnonzero(in_order & (best.lower > 0)),
+        "lower": np.flatnonzero(in_order & (best.lower > 0) & (not best.several)),
         "upper": np.flatnonzero(in_order & (np.isfinite(best.upper) | infeasible)),
     }  # where sides cross no load helps
     total, done = sum(len(samples) for samples in wanted.values()), 0
@@ -170,43 +182,35 @@ def _keep_better(
     found: _BestLoad,
 ) -> tuple[SampleRanges, set[int]]:
     """Take what the verified loads reach beyond the best corner; also the samples whose answer was not verified."""
-    lower, upper = best.lower.copy(), best.upper.copy()
-    rows = {"lower": list(best.lower_rows), "upper": list(best.upper_rows)}
+    ends = {"lower": best.lower.copy(), "upper": best.upper.copy()}
     loads = {"lower": list(best.lower_loads or ()), "upper": list(best.upper_loads or ())}
-    unverified, cleared = set(), set()
-    for index, sample in enumerate(samples.tolist()):
-        reached = checked.lower[index] if side == "lower" else checked.upper[index]
-        sign = -1.0 if side == "lower" else 1.0
-        short = sign * (found.c2[index] - reached)
-        promised = found.success[index] and not short <= ACHIEVED_TOLERANCE * abs(found.c2[index])
-        gave_up = not found.success[index] and np.isfinite(best.lower[sample])
-        if promised or gave_up:
-            unverified.add(sample)
-        if not np.isfinite(checked.lower[index]):
-            continue  # this load cannot be carried
-        ends: list[tuple[Side, Array, float, tuple[ActiveRow, ...]]] = []
-        if checked.lower[index] < lower[sample]:
-            ends.append(("lower", lower, checked.lower[index], checked.lower_rows[index]))
-        if checked.upper[index] > upper[sample]:
-            ends.append(("upper", upper, checked.upper[index], checked.upper_rows[index]))
-        for end, values, value, of_end in ends:
-            values[sample] = value
-            rows[end][sample], loads[end][sample] = of_end, points[index]
-        cleared.add(sample)
+    reached, sign = (checked.lower, -1.0) if side == "lower" else (checked.upper, 1.0)
+    short = sign * (found.c2 - reached)
+    promised = found.success & ~(short <= ACHIEVED_TOLERANCE * np.abs(found.c2))
+    unverified = samples[promised | (~found.success & np.isfinite(best.lower[samples]))]
+    carried, rows = np.isfinite(checked.lower), best.rows
+    beyond = checked.lower < best.lower[samples], checked.upper > best.upper[samples]
+    for number, end in enumerate(SIDES):
+        taken = np.flatnonzero(carried & beyond[number])
+        ends[end][samples[taken]] = (checked.lower, checked.upper)[number][taken]
+        rows = rows.with_samples(samples[taken], checked.rows.codes[:, taken], slice(number, number + 1))
+        for index in taken.tolist():
+            loads[end][int(samples[index])] = points[index]
+    cleared = set(samples[carried].tolist())
+    lower, upper = ends["lower"], ends["upper"]
     conflicts = tuple(conflict for conflict in best.conflicts if conflict.sample not in cleared)
     better = replace(
         best,
         status=statuses(lower, upper, conflicts),
         lower=lower,
         upper=upper,
-        lower_rows=tuple(rows["lower"]),
-        upper_rows=tuple(rows["upper"]),
+        rows=rows,
         conflicts=conflicts,
         lower_loads=tuple(loads["lower"]),
         upper_loads=tuple(loads["upper"]),
         fallbacks=best.fallbacks + checked.fallbacks,
     )
-    return better, unverified
+    return better, set(unverified.tolist())
 
 
 class _Search:

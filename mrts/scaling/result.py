@@ -2,8 +2,8 @@
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
 import json
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -29,7 +29,7 @@ from mrts.samples.range_status import RangeStatus
 from mrts.samples.reserve import PlanReserve, plan_reserve
 from mrts.scaling.limit_use import LimitUse, found_limit_uses, largest_step, limit_uses, rate_uses
 from mrts.scaling.load_study import LoadStudy
-from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange
+from mrts.scaling.range import ScalingRange
 from mrts.scaling.result_tables import limit_tables, result_rows
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.smooth.rate_limits import RateLimits
@@ -100,7 +100,7 @@ class ScalingResult(InNotebooks):
     Attributes:
         cell: The cell.
         motion: The given motion of the whole cell.
-        range: The admissible range of c², with the reason where there is none.
+        found: The admissible range of c², with the reason where there is none, or what finds it.
         trajectory: The motion at the chosen c²; None if no c² is admissible.
         fallbacks: Programs that the chosen solver did not solve and another did.
         load: What was asked of an uncertain load; None if the load is known.
@@ -113,7 +113,7 @@ class ScalingResult(InNotebooks):
 
     cell: Cell
     motion: CoordinatedMotion
-    range: ScalingRange
+    found: ScalingRange | Callable[[], ScalingRange] = field(repr=False, compare=False)
     trajectory: ScaledTrajectory | None
     fallbacks: int
     load: LoadStudy | None = None
@@ -122,6 +122,15 @@ class ScalingResult(InNotebooks):
     warnings: tuple[Remark, ...] = ()
     excess: Excess | None = None
     changes: "WhatIf | None" = None
+
+    @cached_property
+    def range(self) -> ScalingRange:
+        """The admissible range of c², with the reason where there is none.
+
+        Raises:
+            SolverError: If no solver answers.
+        """
+        return self.found() if callable(self.found) else self.found
 
     def __repr__(self) -> str:
         done = self.trajectory
@@ -253,7 +262,8 @@ class ScalingResult(InNotebooks):
         below = f"below {found.lower.place()}" if least > 0 else ""
         if found.upper.time is None:
             return f"c² ∈ {found.text()}: {found.status.advice}" + (f" Limited {below}." if below else "")
-        speed = _speed_advice([(low.c2, high.c2) for low, high in found.intervals], self.motion.object.time[-1])
+        several = found.samples.several
+        speed = _speed_advice((least, found.upper.c2), self.motion.object.time[-1], several=several)
         limits = f"above {found.upper.place()}, {below}" if below else found.upper.place()
         advice = "" if self.origin else f": {speed}"  # of the fastest timing there is none to give
         passed = f"; but {self.excess}" if self.excess is not None and self.excess.passes else ""
@@ -376,23 +386,16 @@ def _largest_excess(cell: Cell, done: ScaledTrajectory) -> float:
     return worst
 
 
-def _speed_advice(intervals: Sequence[tuple[float, float]], given: float) -> str:
+def _speed_advice(ends: tuple[float, float], given: float, *, several: bool) -> str:
     """What a range of c² means to who plays a motion that is given in so many seconds."""
-    least, most = intervals[-1]
-    if len(intervals) > 1:
-        verb = "may" if any(low <= 1 <= high for low, high in intervals) else "must"
-        ends = [(f"{np.sqrt(low):.3g} to" if low > 0 else "up to", np.sqrt(high)) for low, high in intervals]
-        return (
-            f"you {verb} play it {' or '.join(f'{start} {end:.3g}' for start, end in ends)} × as fast as given, not "
-            f"in between, where inertia does not yet make up for {LOST_WITH_SPEED}: "
-            f"{given / np.sqrt(most):.4g} s at the fastest instead of {given:.4g} s"
-        )
+    least, most = ends
     if most <= 0:
         return "the cell can hold the object still at every sample, but not move it along this path"
     fast = f"{np.sqrt(most):.3g} × as fast as given"
     if least > 0:
-        verb = "may" if least <= 1 <= most else "must"
+        verb = "may" if several or least <= 1 <= most else "must"
         times = f"{given / np.sqrt(least):.4g} to {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
-        return f"you {verb} play it {np.sqrt(least):.3g} to {fast}: {times}"
+        slower = "; whether it may be played slower has to be asked for each c²" if several else ""
+        return f"you {verb} play it {np.sqrt(least):.3g} to {fast}: {times}{slower}"
     allowed = "may play it up to" if most >= 1 - END_TOLERANCE else "must play it at most"
     return f"you {allowed} {fast}: {given / np.sqrt(most):.4g} s instead of {given:.4g} s"

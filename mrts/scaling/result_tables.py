@@ -106,14 +106,14 @@ def _limit_row(use: LimitUse, *, binds: bool) -> LimitRow:
 
 
 def range_ends(found: "ScalingRange") -> NotebookTable:
-    """Both ends of every interval, and what sets them.
+    """Both ends, and what sets them.
 
     Args:
         found: The range.
     """
     rows = []
-    for low, high in reversed(found.intervals):
-        for name, end in (("c²⁺", high), ("c²⁻", low)):
+    for name, end in (("c²⁺", found.upper), ("c²⁻", found.lower)) if found.status.admits_motion else ():
+        if end is not None:
             speed = f"{np.sqrt(max(end.c2, 0.0)):.4g} ×" if np.isfinite(end.c2) else "∞"
             place = "nothing limits it" if end.time is None else end.place()
             rows.append((name, f"{end.c2:.6g}" if np.isfinite(end.c2) else "∞", speed, place))

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """MMTSF, the paper's algorithm, whole: range, choice of c², torques."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from types import NoneType
 from typing import TYPE_CHECKING, Literal
 
@@ -12,7 +13,6 @@ from numpy.typing import NDArray
 from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
-from mrts.base.load_box import LoadPoint
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinate import coordinate
@@ -25,14 +25,16 @@ from mrts.refinement.excess import BETWEEN, checked_tolerance
 from mrts.refinement.motion_widening import motion_widening
 from mrts.refinement.search import Asked, Refinement, refine
 from mrts.samples import DistributionName, FormulationName
+from mrts.samples.infeasibility import Conflict
 from mrts.samples.load_sharing import LoadSharing, check_distribution
 from mrts.samples.range_status import RangeStatus
-from mrts.samples.sample_ranges import SampleRanges
+from mrts.samples.sample_ranges import POINT_TOLERANCE, SampleRanges
 from mrts.samples.torque_distribution import torque_weights
 from mrts.samples.trajectory_programs import motion_ranges
+from mrts.scaling.chosen_c2 import conflict_at, loads_of
 from mrts.scaling.load_study import LoadStudy, load_question
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
-from mrts.scaling.range import LOST_WITH_SPEED, ScalingRange, within_rates
+from mrts.scaling.range import ScalingRange, within_rates
 from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult, kept_text
 from mrts.scaling.uncertain_load import range_at_samples
 from mrts.scaling.with_torques import ChosenFactor, check_rates
@@ -204,13 +206,13 @@ class FactorQuestion:
         """
         cell, given, rule, own = self.cell, self.motion, self.rule, self.motion.object.time
         found = admissible_range(cell, given, self.question, rule, self.solver, self.tolerance, progress)
-        found, factors = within_rate_limits(cell, found, rule)
+        found, factors = within_rate_limits(cell, found, rule, self.question, self.solver)
         remarks = motion_remarks(cell, given, found.range)
         remarks = remarks and moved_remarks(remarks, own, np.setdiff1d(found.motion.object.time, own))
         untouched = ScalingResult(
             cell=cell,
             motion=found.motion,
-            range=found.range,
+            found=found.range,
             trajectory=None,
             fallbacks=found.range.samples.fallbacks,
             load=found.study,
@@ -220,7 +222,7 @@ class FactorQuestion:
         if not found.range.status.admits_motion or self.question == "possible":
             return ChosenFactor(untouched, None)
         try:
-            c2 = choose_c2(found.range, self.select)
+            c2 = choose_c2(found.range, self.select, partial(self._conflict, found))
             _check_rated(factors, found.range, c2)
         except SelectionError as error:
             refused = SelectionError(f"{kept_text(cell.reserve)}{error}")
@@ -228,6 +230,9 @@ class FactorQuestion:
             raise refused from None
         excess = None if found.refinement is None else found.refinement.excess(c2)
         return ChosenFactor(replace(untouched, excess=excess), c2, self.solver)
+
+    def _conflict(self, found: "AdmissibleRange", c2: float) -> Conflict | None:
+        return conflict_at(self.cell, found.motion, self.rule, c2, loads_of(found.study), self.solver)
 
     @cached_property
     def factor(self) -> ChosenFactor:
@@ -291,8 +296,8 @@ def admissible_range(
     """
     sharing, formulation = rule.sharing, rule.formulation
 
-    def along(path: CoordinatedMotion, told: Progress) -> tuple[ScalingRange, LoadStudy | None]:
-        return range_at_samples(cell, path, question, formulation, sharing, solver, told)
+    def along(path: CoordinatedMotion, told: Progress, high: float = np.inf) -> tuple[ScalingRange, LoadStudy | None]:
+        return range_at_samples(cell, path, question, formulation, sharing, solver, told, high)
 
     def widening(path: CoordinatedMotion, places: NDArray[np.intp], loads: Array | None, c2: Array) -> Array:
         return motion_widening(cell, path, c2, formulation=formulation, sharing=sharing, load=loads, samples=places)
@@ -302,14 +307,16 @@ def admissible_range(
     if tolerance is None or question == "possible" or prescribed or not found.status.admits_motion:
         return AdmissibleRange(motion, found, study)
 
+    assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
+    high = found.upper.c2
+
     def ranges(path: CoordinatedMotion) -> SampleRanges:
         if question == "nominal":
-            return motion_ranges(cell, path, formulation, sharing, solver)
-        return along(path, lambda _done, _total: None)[0].samples
+            return motion_ranges(cell, path, formulation, sharing, solver, None, high)
+        return along(path, lambda _done, _total: None, high)[0].samples
 
-    assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
     asked = Asked(ranges, widening)
-    refined = refine(cell, motion, found.samples, (found.lower.c2, found.upper.c2), asked, tolerance)
+    refined = refine(cell, motion, found.samples, (found.lower.c2, high), asked, tolerance)
     if refined.motion is motion:
         return AdmissibleRange(motion, found, study, refined)
     finer, study = along(refined.motion, progress)
@@ -317,7 +324,7 @@ def admissible_range(
 
 
 def within_rate_limits(
-    cell: Cell, found: AdmissibleRange, rule: DistributionRule
+    cell: Cell, found: AdmissibleRange, rule: DistributionRule, question: str, solver: str
 ) -> tuple[AdmissibleRange, "RatedFactors | None"]:
     """What limits of rates leave of a range for all loads that were asked about, and what they admit; None without.
 
@@ -325,22 +332,27 @@ def within_rate_limits(
         cell: The cell.
         found: The range, rates apart.
         rule: With the limits, if there are any.
+        question: As from `load_question`.
+        solver: Name in the registry.
     """
     if rule.rates is None or not found.range.status.admits_motion:
         return found, None
     from mrts.smooth.constant_rates import RatedFactors  # noqa: PLC0415 (scipy is not needed otherwise)
 
-    points: tuple[LoadPoint | None, ...] = (None,)
-    if found.study is not None:
-        points = found.study.points or found.study.box.corners(found.study.box.varying)
+    def below(high: float) -> ScalingRange:
+        return range_at_samples(
+            cell, found.motion, question, rule.formulation, rule.sharing, solver, high=high * (1 + POINT_TOLERANCE)
+        )[0]
+
+    points = loads_of(found.study)
     loads = [None if point is None else point.load for point in points]
     factors = RatedFactors(cell, found.motion, loads, rule.sharing, rule.rates)
-    return replace(found, range=within_rates(found.range, factors, points)), factors
+    return replace(found, range=within_rates(found.range, factors, below, points)), factors
 
 
 def _check_rated(factors: "RatedFactors | None", found: ScalingRange, c2: float) -> None:
     """That rates admit a c² between the ends of the range: they may leave gaps."""
-    ends = {end.c2 for pair in found.intervals for end in pair}
+    ends = {end.c2 for end in (found.lower, found.upper) if end is not None}
     refused = None if factors is None or c2 in ends else factors.refused(c2)
     if refused is not None:
         rows = ", ".join(str(row) for row in refused.rows)
@@ -356,15 +368,18 @@ def _check_select(select: object) -> None:
         raise InputError("select", "must be 'auto', 'fastest', 'nominal' or a number.", value=select)
 
 
-def choose_c2(found: ScalingRange, select: Selection) -> float:
+def choose_c2(
+    found: ScalingRange, select: Selection, conflict: Callable[[float], Conflict | None] = lambda _c2: None
+) -> float:
     """Step 3.1 of MMTSF: choose c² in an admissible range.
 
     Args:
         found: A range that admits motion.
         select: As in `scale`.
+        conflict: What forbids a c²; only asked of one below the range where a sample admits several intervals.
 
     Raises:
-        SelectionError: If the value is not in the range, not finite, or not above 0.
+        SelectionError: If the value is not admissible, not finite, or not above 0.
     """
     assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
     high, interval = found.upper.c2, found.text(digits=6)
@@ -383,18 +398,15 @@ def choose_c2(found: ScalingRange, select: Selection) -> float:
         raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {interval}.")
     if (admitted := found.admitted(c2, END_TOLERANCE)) is not None:
         return admitted
-    raise SelectionError(_refusal(found, c2, interval))
-
-
-def _refusal(found: ScalingRange, c2: float, interval: str) -> str:
-    """Why a c² is not admissible: what sets the end that it passes, or both ends of the gap that it is in."""
-    slower = [end for _, end in found.intervals if end.c2 < c2]
-    faster = [end for end, _ in found.intervals if end.c2 > c2]
-    if slower and faster:
-        return (
-            f"c² = {c2:g} lies in a gap of the admissible range {interval}: you may play it slower, or faster, where "
-            f"inertia makes up for {LOST_WITH_SPEED}. At most {slower[-1].c2:.6g} {slower[-1].place()}; at least "
-            f"{faster[0].c2:.6g} {faster[0].place()}."
+    side, end = ("lower", found.lower) if c2 < found.lower.c2 else ("upper", found.upper)
+    outside = f"c² = {c2:g} is outside the admissible range {interval}"
+    if side == "lower" and found.samples.several:
+        worst = conflict(c2)
+        if worst is None:
+            return c2
+        load = "" if worst.load is None else f" with {worst.load}"
+        rows = "; ".join(str(row) for row in worst.rows)
+        raise SelectionError(
+            f"{outside}, and no slower one admits it: at t = {worst.time:.4g} s{load} {rows} forbid it."
         )
-    side, end = ("lower", faster[0]) if faster else ("upper", slower[-1])
-    return f"c² = {c2:g} is outside the admissible range {interval}. The {side} end is set {end.place()}."
+    raise SelectionError(f"{outside}. The {side} end is set {end.place()}.")

@@ -2,6 +2,7 @@
 """The range of c² where the load is known only within a box: three questions, kept apart by name."""
 
 import re
+from functools import partial
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from mrts.samples import FormulationName
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.trajectory_programs import motion_ranges
 from mrts.scaling.load_study import LoadQuestion, LoadStudy, load_box
-from mrts.scaling.range import ScalingRange, intersect
+from mrts.scaling.range import ScalingRange, common_range
 
 GRID_POINTS = 51
 """Loads of `grid` where no number is given."""
@@ -30,6 +31,7 @@ def range_at_samples(
     sharing: LoadSharing | None,
     solver: str,
     progress: Progress = lambda _done, _total: None,
+    high: float = np.inf,
 ) -> tuple[ScalingRange, LoadStudy | None]:
     """The range of c² at the samples of a motion (steps 1 and 2 of MMTSF), and what was asked of an uncertain load.
 
@@ -41,14 +43,15 @@ def range_at_samples(
         sharing: A fixed distribution of the load, None for a free one.
         solver: Name in the registry.
         progress: Told how far the work is.
+        high: Of several intervals the highest is found that does not begin above this c².
 
     Raises:
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
     if question == "nominal":
-        return intersect(motion_ranges(cell, motion, formulation, sharing, solver)), None
-    return study_load(cell, motion, question, formulation, sharing, solver, progress)
+        return common_range(partial(motion_ranges, cell, motion, formulation, sharing, solver, None), high), None
+    return study_load(cell, motion, question, formulation, sharing, solver, progress, high)
 
 
 def study_load(
@@ -59,6 +62,7 @@ def study_load(
     sharing: LoadSharing | None,
     solver: str,
     progress: Progress = lambda _done, _total: None,
+    high: float = np.inf,
 ) -> tuple[ScalingRange, LoadStudy]:
     """The range of c² of an uncertain load.
 
@@ -70,6 +74,7 @@ def study_load(
         sharing: Likewise.
         solver: Name in the registry.
         progress: Told how far the work is.
+        high: As in `range_at_samples`.
 
     Raises:
         InputError: If there is no box, or the question does not fit it.
@@ -82,7 +87,7 @@ def study_load(
         guaranteed_range,
     )
 
-    asked = LoadQuestion(cell, motion, formulation, sharing, solver, progress)
+    asked = LoadQuestion(cell, motion, formulation, sharing, solver, progress, high)
     if question == "guaranteed":
         return guaranteed_range(asked, box, effective_parameters(cell, motion, box))
     if question == "possible":

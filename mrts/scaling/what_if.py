@@ -4,6 +4,7 @@
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import degrees, inf
 from typing import TYPE_CHECKING, Any
 
@@ -17,9 +18,8 @@ from mrts.cell.cell_change import SPOKEN_CHANGES, CellChange, ChangeSteps, cell_
 from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.coordination.following_again import FollowedAgain, following_again
 from mrts.limits.rows import ActiveRow
-from mrts.samples.sample_ranges import SampleRanges
 from mrts.samples.trajectory_programs import motion_ranges
-from mrts.scaling.range import ScalingRange, intersect
+from mrts.scaling.range import ScalingRange, common_range
 from mrts.scaling.result_tables import changes_table
 from mrts.scaling.scale import AdmissibleRange, within_rate_limits
 from mrts.scaling.uncertain_load import range_at_samples
@@ -346,7 +346,7 @@ def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: 
 
     def answer(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
         whole = range_at_samples(changed, motion, question, rule.formulation, rule.sharing, solver)
-        within, _ = within_rate_limits(changed, AdmissibleRange(motion, *whole), rule)
+        within, _ = within_rate_limits(changed, AdmissibleRange(motion, *whole), rule, question, solver)
         return _of_range(within.range, float(motion.object.time[-1]))
 
     followed = following_again(cell, result.motion)
@@ -354,19 +354,18 @@ def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: 
 
     def sooner(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
         """The same; to find which rows bind takes longer than to see that the range stays."""
-        samples = motion_ranges(changed, motion, rule.formulation, rule.sharing, solver)
-        return before if _leaves(samples, before.c2) else _of_range(intersect(samples), float(motion.object.time[-1]))
+        whole = common_range(partial(motion_ranges, changed, motion, rule.formulation, rule.sharing, solver, None))
+        return before if _leaves(whole, before.c2) else _of_range(whole, float(motion.object.time[-1]))
 
     known = question == "nominal" and rule.rates is None
     return ask_changes(cell, followed, before, steps, sooner if known else answer, progress)
 
 
-def _leaves(samples: SampleRanges, c2: float | None) -> bool:
+def _leaves(found: ScalingRange, c2: float | None) -> bool:
     """Whether c²⁺ is what it was."""
-    if c2 is None or samples.conflicts or samples.gaps:
+    if c2 is None or found.upper is None or not found.status.admits_motion:
         return False
-    low, high = float(np.max(samples.lower)), float(np.min(samples.upper))
-    return low <= high and (high == c2 or abs(high - c2) <= NO_CHANGE * c2)
+    return found.upper.c2 == c2 or abs(found.upper.c2 - c2) <= NO_CHANGE * c2
 
 
 def _of_range(found: ScalingRange, given: float) -> SpeedAnswer:

@@ -161,7 +161,6 @@ class ConfigurationStudy(InNotebooks):
                     "postures": configuration.postures(),
                     "status": found.status.value,
                     "c2": {"lower": lower, "upper": upper},
-                    "intervals": found.to_json()["intervals"],
                     "outcome": outcome(configuration),
                 }
             )
@@ -321,5 +320,4 @@ def outcome(configuration: Configuration) -> str:
     if found.status is RangeStatus.UNBOUNDED or found.upper.time is None:
         return "unbounded"
     rows = ", ".join(row.name.short for row in found.upper.rows)
-    gaps = f"; with gaps, c² ∈ {found.text()}" if len(found.intervals) > 1 else ""
-    return f"t = {found.upper.time:.3g} s: {rows}{gaps}"
+    return f"t = {found.upper.time:.3g} s: {rows}"

@@ -24,7 +24,7 @@ class Speeds:
     """The speeds that are offered.
 
     Attributes:
-        ends: c² of "c⁻" and "c⁺", and of the ends of slower intervals, as far as they are finite and > 0.
+        ends: c² of "c⁻" and "c⁺", as far as they are finite and > 0.
         lower: Least c on offer.
         upper: Largest.
         step: Between neighbours, a power of ten; `lower` and `upper` are multiples of it.
@@ -55,13 +55,9 @@ def offered_speeds(found: ScalingRange) -> Speeds:
         found: The range; without an admissible speed, the motion as given is the first choice.
     """
     both = [end.c2 for end in (found.lower, found.upper) if end is not None]
-    slowest = found.intervals[0][0].c2 if found.intervals else both[0] if both else 0.0
-    named = list(zip(("c⁻", "c⁺"), both, strict=False))
-    for number, interval in enumerate(found.intervals[:-1], start=1):
-        named += [(f"c{side} of interval {number}", end.c2) for side, end in zip("⁻⁺", interval, strict=True)]
-    ends = {name: c2 for name, c2 in named if isfinite(c2) and c2 > 0}
+    ends = {name: c2 for name, c2 in zip(("c⁻", "c⁺"), both, strict=False) if isfinite(c2) and c2 > 0}
     of_ends = [sqrt(c2) for c2 in ends.values()]
-    least = sqrt(slowest)
+    least = both[0] if both and not found.samples.several else 0.0
     moves = found.status.admits_motion and both[1] > 0
     if moves and isfinite(both[1]):
         start = upper = sqrt(both[1])

@@ -164,24 +164,23 @@ def speed_html(state: PlayerState) -> str:
 
 def moment_html(state: PlayerState) -> str:
     """The chosen time, and which speeds its sample alone admits and why."""
-    found, sample = state.result.range.samples, state.sample
+    ranged, sample = state.result.range, state.sample
+    found = ranged.samples
     given = found.time[sample]
     text = f"t = {state.time:.4g} s of {state.trajectory.duration:.4g} s (given motion: {given:.4g} s). "
     conflict = next((conflict for conflict in found.conflicts if conflict.sample == sample), None)
     if conflict is not None:
         return _paragraph("moment", f"{text}Infeasible: {html_text(str(conflict))}.", OVER)
     low, high = found.lower[sample], found.upper[sample]
-    gaps = sorted((gap.lower, gap.upper) for gap in found.gaps if gap.sample == sample)
-    starts, stops = [low, *(upper for _, upper in gaps)], [*(lower for lower, _ in gaps), high]
-    alone = " or ".join(interval_text(*ends) for ends in zip(starts, stops, strict=True))
+    alone = interval_text(low, high)
     if np.isinf(high):
         return _paragraph("moment", f"{text}Nothing limits how fast this sample may be played: c² ∈ {alone}.")
     empty = found.status[sample] is RangeStatus.EMPTY
     reach = f"This sample alone admits c² ∈ {alone}"
     text += f"No c² suits every load here: {alone}; " if empty else f"{reach}; "
-    text += f"faster is forbidden by {_rows(found.upper_rows, found.upper_loads, sample)}"
+    text += f"faster is forbidden by {_rows(ranged.binding(sample, 'upper'), found.upper_loads, sample)}"
     if low > 0:
-        text += f", slower by {_rows(found.lower_rows, found.lower_loads, sample)}"
+        text += f", slower by {_rows(ranged.binding(sample, 'lower'), found.lower_loads, sample)}"
     return _paragraph("moment", f"{text}.")
 
 
@@ -254,9 +253,9 @@ def _percent(share: float) -> str:
     return f"{_number(100 * share)} %"
 
 
-def _rows(rows: Sequence[tuple[ActiveRow, ...]], loads: Sequence[LoadPoint] | None, sample: int) -> str:
+def _rows(rows: Sequence[ActiveRow], loads: Sequence[LoadPoint] | None, sample: int) -> str:
     load = f" with {loads[sample]}" if loads else ""
-    names = (row.name.short for row in rows[sample])
+    names = (row.name.short for row in rows)
     return html_text(", ".join(names) + load)
 
 

@@ -24,7 +24,7 @@ from mrts.retiming.retime import retime
 from mrts.samples.load_sharing import LoadSharing
 from mrts.samples.reserve import TORQUES
 from mrts.samples.torque_distribution import torque_weights
-from mrts.scaling.range import ScalingRange
+from mrts.scaling.chosen_c2 import conflict_at, loads_of
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
@@ -204,7 +204,7 @@ class PlayerState:
         """Whether the chosen speed is in the range; a smooth timing keeps its rates at its own speed only."""
         if self.timing is not None and self.trajectory.c2 == 1:
             return True
-        return _admits(self.result.range, self.trajectory.c2)
+        return self._admits(self.trajectory.c2)
 
     def choose_time(self, time: float) -> None:
         """Go to the sample nearest to a time at the chosen speed [s]."""
@@ -290,13 +290,21 @@ class PlayerState:
             bars.setdefault(robot, []).append(Bar(what, 100 * used, -np.inf, 100.0, "%"))
         return bars
 
+    def _admits(self, c2: float) -> bool:
+        """Whether a c² is in the range, or in a lower interval."""
+        result = self.result
+        found = result.range
+        if found.lower is None or not found.status.admits_motion or c2 >= found.lower.c2:
+            return found.admitted(c2, 0.0) is not None
+        return conflict_at(result.cell, result.motion, result.rule, c2, loads_of(result.load), self._solver) is None
+
     def _distribute(self, c2: float) -> tuple[ScaledTrajectory, Array]:
         result, solver = self.result, self._solver
         cell, motion, rule = result.cell, result.motion, result.rule
         if self.timing is not None and c2 == 1:
             assert result.trajectory is not None  # noqa: S101 (a timing has torques)
             torque, wrench = result.trajectory.torque, result.trajectory.wrench
-        elif _admits(result.range, c2):
+        elif self._admits(c2):
             W = torque_weights(rule.weights, motion.q.shape[1])
             distribute = TORQUES[rule.distribute]
             torque, wrench, _ = distribute(cell, motion, rule.formulation, rule.sharing, solver, c2, W)
@@ -316,7 +324,3 @@ def _scaled(cell: Cell, motion: ObjectMotion | JointTable, solver: str, asked: d
         if error.result is None:
             raise
         return error.result
-
-
-def _admits(found: ScalingRange, c2: float) -> bool:
-    return found.admitted(c2, 0.0) is not None

@@ -3,7 +3,7 @@
  * The points of a parabola in a polytope, by linear programs. The largest and the least y with some x >= y^2 bound a convex
  * set: tangents of the parabola are cuts, and the edge that each answer lies on says where the next one touches. What they
  * leave lacks only points where every x is above the parabola: the lower hull of the polygon is followed there, edge by
- * edge, until each chord lies below the parabola or is an edge. So all ends are on chords of feasible points.
+ * edge from above, until one is found that lies above the parabola. So both ends are on chords of feasible points.
  */
 #include "speed_intervals.h"
 #include "basis/kept_basis.h"
@@ -170,7 +170,7 @@ static mrts_real mrts_above_curve(mrts_point a, mrts_point b, mrts_real *low, mr
 /* Whether a point lies above the parabola. */
 static int mrts_is_above(mrts_point p) { return p.x - p.y * p.y > MRTS_EDGES * mrts_near_curve(p.y); }
 
-/* Keeps what determined the last answer as what determines an end (0: low, 1: high, 2: of an interval). */
+/* Keeps what determined the last answer as what determines an end (0: low, 1: high). */
 static void mrts_keep_end(const mrts_curve *curve, const int *basis, int end, mrts_curve_ends *ends) {
     const mrts_real *dual = curve->work + 2 * curve->n;
     for (int j = 0; j < curve->n; ++j) {
@@ -208,78 +208,62 @@ static int mrts_outer_ends(mrts_curve *curve, mrts_real reach, mrts_curve_ends *
     return status;
 }
 
-/* Puts a point of the lower hull between hull[at] and hull[at + 1], or in place of one that it lies below; 0 if there is no
- * room. */
-static int mrts_add_corner(mrts_point *hull, int *points, int at, mrts_point corner) {
-    const mrts_real low = hull[at].y, high = hull[at + 1].y, rounding = MRTS_ON_CURVE * high;
-    if (corner.y <= low + rounding) {
-        hull[at].x = corner.x;
-    } else if (corner.y >= high - rounding) {
-        hull[at + 1].x = corner.x;
-    } else if (*points == MRTS_HULL) {
-        return 0;
-    } else {
-        for (int i = (*points)++; i > at + 1; --i) hull[i] = hull[i - 1];
-        hull[at + 1] = corner;
-    }
-    return 1;
-}
-
-MRTS_LOCAL int mrts_speed_intervals(mrts_curve *curve, mrts_real most, mrts_curve_ends *ends, int *count,
-                                    mrts_real *speeds) {
+MRTS_LOCAL int mrts_highest_interval(mrts_curve *curve, mrts_real most, mrts_curve_ends *ends, mrts_interval *found) {
     const mrts_real bound = MRTS_SQRT(MRTS_UNBOUNDED), reach = most < bound ? most : bound;
-    mrts_point hull[MRTS_HULL], found;
-    int *basis = ends->basis + MRTS_BASIS_HULL * curve->n, points = 2, at = 0, number = 0;
-    mrts_real unused;
+    mrts_point below[MRTS_HULL], a, b, corner; /* corners of the hull below b, the highest last */
+    int *basis = ends->basis + MRTS_BASIS_HULL * curve->n, count = 1, is_open = 0;
+    mrts_real unused, low, high;
 
-    *count = 0;
-    int status = mrts_outer_ends(curve, reach, ends, hull, hull + 1);
+    int status = mrts_outer_ends(curve, reach, ends, below, &b);
     if (status != MRTS_OPTIMAL) return status;
-    const mrts_real top = hull[1].y;
-    if (top < hull[0].y) hull[1] = hull[0];
+    const mrts_real top = b.y;
+    if (top < below[0].y) b = below[0];
     ends->speed = top;
     mrts_no_cut(curve);
-    int open = !mrts_is_above(hull[0]);
-    speeds[0] = hull[0].y;
-    for (int turn = 0; at + 1 < points; ++turn) {
-        const mrts_point a = hull[at], b = hull[at + 1];
-        mrts_real low, high;
+    found->high = top >= bound * (1 - MRTS_EDGES * MRTS_ON_CURVE) ? MRTS_INFINITY : b.y;
+    found->gap = 0;
+    for (int turn = 0; count > 0; ++turn) {
         if (turn == MRTS_TURNS) return MRTS_STOPPED;
+        a = below[count - 1];
         const mrts_real height = mrts_above_curve(a, b, &low, &high);
         if (height <= 0) {
-            ++at;
+            is_open = 1;
+            b = below[--count];
             continue;
         }
         const mrts_real slope = b.y > a.y ? (b.x - a.x) / (b.y - a.y) : 0;
         /* what the chord cuts off has no larger x; a wider box would multiply the rounding of its multiplier */
         mrts_box(curve, -top * top, a.x > b.x ? a.x : b.x, a.y, b.y);
-        status = mrts_outermost(curve, 1, -slope, basis, &found, &unused);
+        status = mrts_outermost(curve, 1, -slope, basis, &corner, &unused);
         if (status != MRTS_OPTIMAL) return status;
-        if (found.x - a.x - slope * (found.y - a.y) < -MRTS_EDGES * mrts_near_curve(b.y)) {
-            if (!mrts_add_corner(hull, &points, at, found)) return MRTS_STOPPED;
-            if (at == 0) open = !mrts_is_above(hull[0]);
+        if (corner.x - a.x - slope * (corner.y - a.y) < -MRTS_EDGES * mrts_near_curve(b.y)) {
+            if (corner.y <= a.y + MRTS_ON_CURVE * b.y) {
+                below[count - 1].x = corner.x;
+            } else if (corner.y >= b.y - MRTS_ON_CURVE * b.y) {
+                b.x = corner.x;
+            } else if (count == MRTS_HULL) {
+                return MRTS_STOPPED;
+            } else {
+                below[count++] = corner;
+            }
             continue;
         }
-        const int opens = !mrts_is_above(b) || high < b.y;
-        ++at;
-        if (open && opens && height <= MRTS_SEPARATED * (1 + b.y * b.y)) continue; /* no gap can be proved */
-        if (open) { /* the chord is an edge: it closes an interval, and opens one where it meets the parabola again */
-            speeds[2 * number + 1] = low;
-            if (++number == MRTS_INTERVALS) return MRTS_STOPPED;
-            mrts_keep_end(curve, basis, 2, ends);
+        /* the chord is an edge, above the parabola from low to high */
+        const int opens = !mrts_is_above(a) || low > a.y;
+        is_open = is_open || !mrts_is_above(b) || high < b.y;
+        if (is_open && !(opens && height <= MRTS_SEPARATED * (1 + b.y * b.y))) { /* else no gap can be proved */
+            found->low = high;
+            found->gap = opens || count > 1 ? (low + high) / 2 : 0;
+            mrts_keep_end(curve, basis, 0, ends);
+            return MRTS_OPTIMAL;
         }
-        open = opens;
-        speeds[2 * number] = high;
-        if (open && number == 0) mrts_keep_end(curve, basis, 0, ends);
-    }
-    if (open) {
-        speeds[2 * number++ + 1] = top >= bound * (1 - MRTS_EDGES * MRTS_ON_CURVE) ? MRTS_INFINITY : top;
-    } else if (number) {
-        for (int j = 0; j < curve->n; ++j) {
-            ends->end_basis[curve->n + j] = ends->end_basis[2 * curve->n + j];
-            ends->end_dual[curve->n + j] = ends->end_dual[2 * curve->n + j];
+        if (!is_open && opens) {
+            is_open = 1;
+            found->high = low;
+            mrts_keep_end(curve, basis, 1, ends);
         }
+        b = below[--count];
     }
-    *count = number;
-    return number ? MRTS_OPTIMAL : MRTS_INFEASIBLE;
+    found->low = b.y;
+    return is_open ? MRTS_OPTIMAL : MRTS_INFEASIBLE;
 }

@@ -5,7 +5,8 @@
  *     lower_i <= a_i'F + b_i x + d_i y <= upper_i   with   x = y^2, y >= 0.
  *
  * At a fixed y that is a polytope of F. Of all (F, x, y) the rows leave a polytope too; the admissible y are where the
- * curve (y^2, y) meets its projection onto the plane (x, y), a convex polygon: a union of intervals.
+ * curve (y^2, y) meets its projection onto the plane (x, y), a convex polygon: a union of intervals, of which the highest
+ * is found.
  */
 #ifndef MRTS_SPEED_INTERVALS_H
 #define MRTS_SPEED_INTERVALS_H
@@ -13,10 +14,7 @@
 #include "linear_programs.h"
 #include "rows.h"
 
-/* Most intervals of one sample; one with more is left to the caller, as MRTS_STOPPED. */
-#define MRTS_INTERVALS 8
-
-/* The rows over F, x and y, in whose place mrts_speed_intervals works: n unknowns, x and y last, and one row more than the
+/* The rows over F, x and y, in whose place mrts_highest_interval works: n unknowns, x and y last, and one row more than the
  * sample has, for tangents. */
 typedef struct {
     int n, rows;
@@ -28,13 +26,13 @@ typedef struct {
 } mrts_curve;
 
 /* Where the programs of one sample ended, from which those of the next start (zeros: cold), and the rows that determine its
- * least and its largest y with their multipliers, as mrts_lp gives them: low first, then high, then room for one more. Row `rows - 1` is a tangent. */
+ * least and its largest y with their multipliers, as mrts_lp gives them: low first, then high. Row `rows - 1` is a tangent. */
 #define MRTS_CURVE_BASES 3
 typedef struct {
     mrts_real speed;      /* largest y */
     int *basis;           /* MRTS_CURVE_BASES * n */
-    int *end_basis;       /* 3 * n */
-    mrts_real *end_dual;  /* 3 * n */
+    int *end_basis;       /* 2 * n */
+    mrts_real *end_dual;  /* 2 * n */
 } mrts_curve_ends;
 
 /* Reals and ints of work of a curve over `rows` limits and k unknowns F, x. */
@@ -51,10 +49,14 @@ MRTS_LOCAL void mrts_speed_column(int joints, const mrts_limits *limits, const m
 MRTS_LOCAL mrts_real mrts_curve_over(int k, const mrts_rows *rows, const mrts_real *column, const mrts_real *speed,
                                      mrts_real *work, int *iwork, mrts_curve *curve);
 
-/* The admissible y <= most, speeds[2 i] <= y <= speeds[2 i + 1] for i < *count, ascending; the last is MRTS_INFINITY where
- * nothing bounds it. Returns MRTS_OPTIMAL, MRTS_INFEASIBLE with *count = 0 where no y is admissible, or another status of
- * mrts_lp where that was not decided. */
-MRTS_LOCAL int mrts_speed_intervals(mrts_curve *curve, mrts_real most, mrts_curve_ends *ends, int *count,
-                                    mrts_real *speeds);
+/* An interval of y that a sample admits, high MRTS_INFINITY where nothing bounds it, and a y in the gap between it and what
+ * may be admitted below, 0 where nothing is. */
+typedef struct {
+    mrts_real low, high, gap;
+} mrts_interval;
+
+/* The highest interval of admissible y <= most. Returns MRTS_OPTIMAL, MRTS_INFEASIBLE where no y is admissible, or another
+ * status of mrts_lp where that was not decided. */
+MRTS_LOCAL int mrts_highest_interval(mrts_curve *curve, mrts_real most, mrts_curve_ends *ends, mrts_interval *found);
 
 #endif

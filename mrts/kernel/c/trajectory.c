@@ -204,34 +204,33 @@ MRTS_EXPORT void mrts_speed_ranges_work(int rows, long long *reals, long long *i
     *ints = MRTS_ROWS_IWORK(rows) + MRTS_CURVE_IWORK(MRTS_UNKNOWNS, rows);
 }
 
-/* The speeds c <= most of samples 0 .. count - 1 where rows have terms in c beside those in c^2: of each the number of
- * intervals, their ends, Shape (count, 2 MRTS_INTERVALS), a status of mrts_lp, and the largest effect on a row, of c^2 = 1 or
- * of c = 1 squared. What determines the least and the largest speed is K + 1 rows each, as in mrts_ranges; a tangent is 0.
- * `terms` and what is returned as there. */
+/* The highest interval of speeds c <= most of samples 0 .. count - 1 where rows have terms in c beside those in c^2: least and
+ * largest c^2, and one in the gap below as of mrts_interval, a status of mrts_lp, and the largest effect on a row, of c^2 = 1
+ * or of c = 1 squared. What determines the ends is K + 1 rows each, as in mrts_ranges; a tangent is 0. `terms` and what is
+ * returned as there. */
 MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, const long long *stride,
-                                  const mrts_limits *limits, const mrts_terms *terms, const double *most, int *number,
-                                  double *speeds, unsigned char *status, double *effect, short *low_basis,
+                                  const mrts_limits *limits, const mrts_terms *terms, const double *most, double *low,
+                                  double *high, double *gap, unsigned char *status, double *effect, short *low_basis,
                                   short *high_basis, float *low_dual, float *high_dual, const double **arg,
                                   double **res, long long *iw, double *w, double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS, N = MRTS_UNKNOWNS + 1 };
-    double *speed = work + MRTS_ROWS_WORK(K, limits->rows), column[K], end_dual[3 * N];
+    double *speed = work + MRTS_ROWS_WORK(K, limits->rows), column[K], end_dual[2 * N];
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
     double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
-    int basis[MRTS_CURVE_BASES * N], end_basis[3 * N];
+    int basis[MRTS_CURVE_BASES * N], end_basis[2 * N];
     mrts_form form = mrts_form_in(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_curve_ends ends = {0, basis, end_basis, end_dual};
     mrts_curve curve;
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
     for (long long n = 0; n < count; ++n) {
-        double *found = speeds + n * 2 * MRTS_INTERVALS;
+        mrts_interval found;
         if (n % MRTS_CHUNK == 0) {
             ends.speed = 0;
             for (int i = 0; i < MRTS_CURVE_BASES; ++i) basis[i * N] = 0;
         }
         const int built = mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows, arg, res, iw, w);
         if (built < 0) return 1;
-        number[n] = 0;
         status[n] = MRTS_STOPPED;
         if (!built) continue;
         const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
@@ -242,10 +241,13 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
         const double size = unit > 0 ? MRTS_SQRT(unit) : 1;
         effect[n] = unit > 0 ? 1 / unit : 0;
         ends.speed /= size;
-        status[n] = (unsigned char)mrts_speed_intervals(&curve, most[n] / size, &ends, number + n, found);
+        status[n] = (unsigned char)mrts_highest_interval(&curve, MRTS_SQRT(most[n]) / size, &ends, &found);
         ends.speed *= size;
-        for (int i = 0; i < 2 * number[n]; ++i) found[i] = found[i] < MRTS_INFINITY ? found[i] * size : INFINITY;
-        for (int j = 0; j < N && number[n]; ++j) {
+        if (status[n] != MRTS_OPTIMAL) continue;
+        low[n] = found.low * size * (found.low * size);
+        high[n] = found.high < MRTS_INFINITY ? found.high * size * (found.high * size) : INFINITY;
+        gap[n] = found.gap * size * (found.gap * size);
+        for (int j = 0; j < N; ++j) {
             low_basis[n * N + j] = mrts_row_of_curve(limits, &rows, end_basis[j]);
             high_basis[n * N + j] = mrts_row_of_curve(limits, &rows, end_basis[N + j]);
             low_dual[n * N + j] = low_basis[n * N + j] ? (float)end_dual[j] : 0;

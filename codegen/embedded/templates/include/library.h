@@ -33,7 +33,7 @@ typedef enum {
     @MACRO@_UNBOUNDED = 1,   /* feasible, and nothing bounds c^2 from above: upper is @MACRO@_UNLIMITED */
     @MACRO@_INFEASIBLE = 2,  /* no c^2: the rows named conflict, whatever the speed */
     @MACRO@_EMPTY = 3,       /* samples or loads are feasible one by one, but have no c^2 in common */
-    @MACRO@_UNDECIDED = 4,   /* the data are too close to infeasible, or too badly scaled, for this precision */@GAP_STATUS@
+    @MACRO@_UNDECIDED = 4,   /* the data are too close to infeasible, or too badly scaled, for this precision */
     @MACRO@_BAD_ARGUMENT = 5 /* not finite, a reversed limit, a mass, weight or velocity limit that is not > 0, c^2 < 0 */
 } @NAME@_status;@MOTOR_PLACE@
 
@@ -55,7 +55,7 @@ typedef struct {
     @NAME@_real velocity[@MACRO@_VELOCITIES]; /* > 0, rad/s or m/s; @MACRO@_UNLIMITED where none is enforced */
     @NAME@_real weight[@MACRO@_JOINTS];  /* diagonal of W in t'Wt, > 0 */@MOTOR_SETTINGS@@LINE_SETTINGS@
 } @NAME@_settings;
-@INTERVAL@
+
 /* Range of c^2. Rows are 1 + row at an upper and -1 - row at a lower limit, the strongest first; 0 stands for c^2 >= 0,
  * 1 + @MACRO@_ROWS + i for velocity i, of several that bind for the first. Of an infeasible sample `upper_rows` are the
  * rows in conflict. */
@@ -65,7 +65,7 @@ typedef struct {
     @NAME@_real upper;
     int lower_count, upper_count;
     int lower_rows[@MACRO@_UNKNOWNS + 1];
-    int upper_rows[@MACRO@_UNKNOWNS + 1];@BELOW@
+    int upper_rows[@MACRO@_UNKNOWNS + 1];
 } @NAME@_range;
 
 /* Work of the caller: one for each thread of control. Set it to zero, or call @NAME@_reset, before the first use; what
@@ -91,7 +91,7 @@ void @NAME@_reset(@NAME@_workspace *workspace);
 typedef struct {
     @NAME@_status status;
     @NAME@_real lower, upper;
-    long samples, lower_sample, upper_sample; /* how many, and which set the ends; -1 where none does */@HORIZON_BELOW@
+    long samples, lower_sample, upper_sample; /* how many, and which set the ends; -1 where none does */
 } @NAME@_horizon;
 
 void @NAME@_horizon_start(@NAME@_horizon *horizon);

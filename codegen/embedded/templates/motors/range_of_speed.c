@@ -35,42 +35,34 @@ static void name_end(const mrts_curve *curve, mrts_rows *rows, mrts_real most, i
     if (MRTS_ABS(found - at) <= MRTS_SMALL * at) *end = found;
 }
 
-/* The range of rows with terms in c: the intervals of c^2, the highest first. */
+/* The range of rows with terms in c: the interval that ends at the largest c^2. */
 static @NAME@_status range_of_speed(mrts_rows *rows, mrts_real most, int fastest, @NAME@_range *range,
                                     @NAME@_workspace *workspace) {
-    mrts_real column[K], ends[2 * MRTS_INTERVALS], unit;
-    @NAME@_interval list[LIST];
+    mrts_real column[K], unit;
+    mrts_interval found;
     mrts_curve curve;
-    int count, basis[K], told = 0;
     for (int i = 0; i < MRTS_CURVE_BASES; ++i) {
         check_basis(K + 1, workspace->curve_basis + i * (K + 1), rows->count + 1);
     }
     mrts_scale_columns(K, rows, column);
-    const @NAME@_status status = speeds_of(K, rows, column, most, workspace->curve_basis, &workspace->curve_speed,
-                                           workspace, &curve, &unit, &count, ends);
-    if (status == @MACRO@_INFEASIBLE) return conflict_at_rest(rows, range, workspace);
-    if (status != @MACRO@_OK) return range->status = status;
+    range->status = speeds_of(K, rows, column, most, workspace->curve_basis, &workspace->curve_speed, workspace, &curve,
+                              &unit, &found);
+    if (range->status == @MACRO@_INFEASIBLE) return conflict_at_rest(rows, range, workspace);
+    if (range->status == @MACRO@_UNDECIDED) return range->status;
     const mrts_real reach = most < MRTS_INFINITY ? MRTS_SQRT(most) / unit : MRTS_INFINITY;
-    for (int i = count - 1; i >= 0 && told < LIST; --i, ++told) {
-        @NAME@_interval *here = list + told;
-        mrts_real low = ends[2 * i], high = ends[2 * i + 1];
-        here->lower_from = here->upper_from = -1;
-        basis[0] = 0;
-        here->lower_count = 1;
-        here->lower_rows[0] = 0;
-        if (low > 0) {
-            name_end(&curve, rows, reach, fastest, 1, told == 0 ? workspace->lower_basis : basis, workspace, &low,
-                     &here->lower_count, here->lower_rows);
-        }
-        basis[0] = 0;
-        here->upper_count = fastest != 0;
-        here->upper_rows[0] = fastest;
-        if (high < MRTS_INFINITY) {
-            name_end(&curve, rows, reach, fastest, -1, told == 0 ? workspace->upper_basis : basis, workspace, &high,
-                     &here->upper_count, here->upper_rows);
-        }
-        here->lower = low * unit * (low * unit);
-        here->upper = high < MRTS_INFINITY ? high * unit * (high * unit) : most;
+    range->lower_count = 1;
+    range->lower_rows[0] = 0;
+    if (found.low > 0) {
+        name_end(&curve, rows, reach, fastest, 1, workspace->lower_basis, workspace, &found.low, &range->lower_count,
+                 range->lower_rows);
     }
-    return tell(list, told, range);
+    range->upper_count = fastest != 0;
+    range->upper_rows[0] = fastest;
+    if (found.high < MRTS_INFINITY) {
+        name_end(&curve, rows, reach, fastest, -1, workspace->upper_basis, workspace, &found.high, &range->upper_count,
+                 range->upper_rows);
+    }
+    range->lower = found.low * unit * (found.low * unit);
+    range->upper = found.high < MRTS_INFINITY ? found.high * unit * (found.high * unit) : most;
+    return range->status;
 }

@@ -17,34 +17,27 @@ static int nearest_limit(const mrts_curve *curve, const mrts_rows *rows, mrts_re
     return named;
 }
 
-/* The range of rows with terms in c and no unknown beside it: the intervals of c^2, the highest first. */
+/* The range of rows with terms in c and no unknown beside it: the interval that ends at the largest c^2. */
 static @NAME@_status share_of_speed(mrts_rows *rows, mrts_real most, int fastest, @NAME@_range *range,
                                     @NAME@_workspace *workspace) {
-    mrts_real column[1], ends[2 * MRTS_INTERVALS], unit, speed = 0;
-    @NAME@_interval list[LIST];
+    mrts_real column[1], unit, speed = 0;
+    mrts_interval found;
     mrts_curve curve;
-    int count, basis[2 * MRTS_CURVE_BASES] = {0}, told = 0;
+    int basis[2 * MRTS_CURVE_BASES] = {0};
     mrts_scale_columns(1, rows, column);
-    const @NAME@_status status =
-        speeds_of(1, rows, column, most, basis, &speed, workspace, &curve, &unit, &count, ends);
-    if (status == @MACRO@_INFEASIBLE) {
+    range->status = speeds_of(1, rows, column, most, basis, &speed, workspace, &curve, &unit, &found);
+    if (range->status == @MACRO@_INFEASIBLE) {
         range->upper_count = 1;
         speed = 0; /* it is so at standstill too */
         range->upper_rows[0] = nearest_limit(&curve, rows, &speed);
     }
-    if (status != @MACRO@_OK) return range->status = status;
-    for (int i = count - 1; i >= 0 && told < LIST; --i, ++told) {
-        @NAME@_interval *here = list + told;
-        mrts_real low = ends[2 * i], high = ends[2 * i + 1];
-        here->lower_from = here->upper_from = -1;
-        here->lower_count = 1;
-        here->lower_rows[0] = low > 0 ? nearest_limit(&curve, rows, &low) : 0;
-        here->upper_rows[0] = fastest;
-        const int bound = !(high * unit * (high * unit) < most * (1 - MRTS_GAP));
-        if (!bound) here->upper_rows[0] = nearest_limit(&curve, rows, &high);
-        here->upper_count = here->upper_rows[0] != 0;
-        here->lower = low * unit * (low * unit);
-        here->upper = bound ? most : high * unit * (high * unit);
-    }
-    return tell(list, told, range);
+    if (range->status != @MACRO@_OK && range->status != @MACRO@_UNBOUNDED) return range->status;
+    range->lower_count = 1;
+    range->lower_rows[0] = found.low > 0 ? nearest_limit(&curve, rows, &found.low) : 0;
+    const int bound = !(found.high * unit * (found.high * unit) < most * (1 - MRTS_GAP));
+    range->upper_rows[0] = bound ? fastest : nearest_limit(&curve, rows, &found.high);
+    range->upper_count = range->upper_rows[0] != 0;
+    range->lower = found.low * unit * (found.low * unit);
+    range->upper = bound ? most : found.high * unit * (found.high * unit);
+    return range->status;
 }

@@ -14,21 +14,22 @@ static int has_speed_terms(const @NAME@_settings *settings, const mrts_rows *row
     return 0;
 }
 
-/* The admissible speeds of scaled rows over k unknowns, c^2 last, as `ends` in the returned unit of c; ascending. */
+/* The highest interval of admissible speeds of scaled rows over k unknowns, c^2 last, in the returned unit of c. */
 static @NAME@_status speeds_of(int k, const mrts_rows *rows, const mrts_real *column, mrts_real most, int *basis,
                                mrts_real *speed, @NAME@_workspace *workspace, mrts_curve *curve, mrts_real *unit,
-                               int *count, mrts_real *ends) {
+                               mrts_interval *found) {
     const mrts_real square =
         mrts_curve_over(k, rows, column, workspace->by_speed, workspace->curve, workspace->curve_integers, curve);
-    mrts_real end_dual[MRTS_CURVE_BASES * (K + 1)];
-    int end_basis[MRTS_CURVE_BASES * (K + 1)];
+    mrts_real end_dual[2 * (K + 1)];
+    int end_basis[2 * (K + 1)];
     mrts_curve_ends start = {0, basis, end_basis, end_dual};
     *unit = square > 0 ? MRTS_SQRT(square) : 1;
     if (*speed > 0 && *speed < MRTS_INFINITY) start.speed = *speed / *unit;
     const mrts_real fastest = most < MRTS_INFINITY ? MRTS_SQRT(most) / *unit : MRTS_INFINITY;
-    const int status = mrts_speed_intervals(curve, fastest, &start, count, ends);
+    const int status = mrts_highest_interval(curve, fastest, &start, found);
     *speed = start.speed * *unit;
-    if (*count > 0 && ends[0] <= MRTS_FEASIBLE) ends[0] = 0; /* that moves no row by more than rounding */
     if (status == MRTS_INFEASIBLE) return @MACRO@_INFEASIBLE;
-    return status == MRTS_OPTIMAL ? @MACRO@_OK : @MACRO@_UNDECIDED;
+    if (status != MRTS_OPTIMAL) return @MACRO@_UNDECIDED;
+    if (found->low <= MRTS_FEASIBLE) found->low = 0; /* that moves no row by more than rounding */
+    return found->high < MRTS_INFINITY || most < MRTS_INFINITY ? @MACRO@_OK : @MACRO@_UNBOUNDED;
 }

@@ -5,7 +5,7 @@ static @NAME@_status range_with_load(const @NAME@_sample *sample, const @NAME@_s
     mrts_rows rows;
     int fastest;
     range->lower = range->upper = 0;
-    range->lower_count = range->upper_count = 0;@NONE_BELOW@
+    range->lower_count = range->upper_count = 0;
     if (!is_sound(sample, load)) return range->status = @MACRO@_BAD_ARGUMENT;
     const mrts_real most = velocity_cap(sample, settings, &fastest);
     mrts_form form = wrench_form(sample, load, workspace);

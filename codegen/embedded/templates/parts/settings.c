@@ -10,7 +10,7 @@ const char *@NAME@_status_text(@NAME@_status status) {
     case @MACRO@_UNBOUNDED: return "unbounded: nothing limits the speed";
     case @MACRO@_INFEASIBLE: return "infeasible: limits conflict at every speed";
     case @MACRO@_EMPTY: return "empty: no c^2 in common";
-    case @MACRO@_UNDECIDED: return "undecided at this precision";@GAP_TEXT@
+    case @MACRO@_UNDECIDED: return "undecided at this precision";
     case @MACRO@_BAD_ARGUMENT: return "bad argument";
     default: return "unknown status";
     }

@@ -7,7 +7,7 @@
     mrts_rows rows;
     int fastest;
     range->lower = range->upper = 0;
-    range->lower_count = range->upper_count = 0;@NONE_BELOW@
+    range->lower_count = range->upper_count = 0;
     if (!is_sound(sample, settings->load)) return range->status = @MACRO@_BAD_ARGUMENT;
     for (int i = 0; i < @MACRO@_ROBOTS; ++i) shares[i] = (mrts_real)1 / @MACRO@_ROBOTS;
     for (int i = 0; i < WRENCHES; ++i) internal[i] = 0;

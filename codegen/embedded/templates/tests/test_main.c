@@ -82,6 +82,6 @@ int main(void) {
         }
     }
     printf("%d vectors: %d ok, %d unbounded, %d infeasible, %d undecided; %d mismatches\n", @MACRO@_VECTORS,
-           seen[@MACRO@_OK], seen[@MACRO@_UNBOUNDED], seen[@MACRO@_INFEASIBLE], undecided, failures);@SAY_GAPS@
+           seen[@MACRO@_OK], seen[@MACRO@_UNBOUNDED], seen[@MACRO@_INFEASIBLE], undecided, failures);
     return failures != 0 || undecided > ALLOWED || seen[@MACRO@_OK] == 0;
 }
