@@ -330,9 +330,8 @@ def _read(path: Path) -> tuple[Description, Arrays]:
 def _check_arrays(path: Path, arrays: Arrays, said: Description, cell: Cell) -> None:
     """Check names, kinds, shapes and numbers of all arrays."""
     ranges = 1 + (len(said.study.points) if said.study else 0)
-    for key, values in (("range_fallbacks", said.range_fallbacks), ("several", said.several)):
-        if len(values) != ranges:
-            raise InputError(path, f"must have {ranges} values. {DAMAGED}", key=key)
+    if not len(said.range_fallbacks) == len(said.several) == ranges:
+        raise InputError(path, f"must have {ranges} values. {DAMAGED}", key="range_fallbacks, several")
     N, m = np.size(arrays.get("time", ())), sum(len(robot.joints) for robot in cell.robots)
     f = len(cell.robots) * len(cell.wrench_components)
     rates = said.rule.rates

@@ -1,4 +1,4 @@
-"""Motors in exported libraries: against programs at fixed speeds and the desktop's torques; gaps; turning points."""
+"""Motors in exported libraries: against programs at fixed speeds and the desktop; joints that turn back."""
 
 from dataclasses import replace
 
@@ -15,9 +15,10 @@ from mrts.motors.joint_motors import JointMotors
 from mrts.samples.motor_terms import motor_terms
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.torque_distribution import distribute_torques
+from mrts.samples.trajectory_programs import motion_ranges
 from mrts.solvers import DEFAULT_SOLVER
 
-OK, INFEASIBLE, EMPTY, BAD_ARGUMENT, GAP = 0, 2, 3, 5, 6
+OK, INFEASIBLE, EMPTY, BAD_ARGUMENT = 0, 2, 3, 5
 FREE, EVEN = "range_of_sample", "equal_share_range"
 
 SAME_TORQUE = 1e-9
@@ -120,8 +121,8 @@ def test_ranges_of_random_motors_are_those_of_programs_at_fixed_speeds(curved, s
                 assert admits(problem, speed, ON_END)
                 out = speed + past * max(1.0, speed)
                 assert out < 0 or inside(out, intervals) or not admits(problem, out)
-        most = intervals[-1, 1] if found.size else 3.0
-        for speed in rng.uniform(0, 1.3 * most, 6):
+        least, most = intervals[-1] if found.size else (0.0, 3.0)
+        for speed in rng.uniform(least, 1.3 * most, 6):
             assert admits(problem, speed) == inside(speed, intervals)
     _, found, _ = library.range(sample)
     if found.size:
@@ -134,85 +135,55 @@ def test_ranges_of_random_motors_are_those_of_programs_at_fixed_speeds(curved, s
         assert np.abs(wrench - problem.wrench(x)[0]).max() <= SAME_TORQUE * limit.max()
 
 
-def test_a_gap_has_a_status_and_what_lies_below_is_told(gapped):
+def test_a_range_is_the_highest_interval_of_the_desktop(gapped):
     library, cell, motion = gapped
-    sample = library.sample(motion, 75)
-    status, found, rows = library.range(sample, EVEN)
-    assert status == GAP
-    assert len(found) == 2
-    assert found[0, 0] == 0
-    assert found[0, 1] < found[1, 0] < found[1, 1]
-    assert {row.split("/")[1] for row in (*rows[0][1], *rows[1][0])} == {"shoulder torque"}  # hindered, then helped
-    problem = build_sample_problem(cell, motion, sharing=mrts.LoadSharing(), samples=np.array([75]))
-    middle = found.ravel()[1:3].mean()
-    assert [admits(problem, c2**0.5) for c2 in (*found.mean(axis=1), middle)] == [True, True, False]
+    for call, sharing in ((FREE, None), (EVEN, mrts.LoadSharing())):
+        desktop = motion_ranges(cell, motion, "wrench", sharing, DEFAULT_SOLVER)
+        assert desktop.several
+        assert np.any(desktop.lower > 0)
+        for index in range(1, motion.samples - 1):
+            status, found, _ = library.range(library.sample(motion, index), call)
+            wanted = [desktop.lower[index], desktop.upper[index]]
+            assert status == OK
+            np.testing.assert_allclose(found[0], wanted, rtol=SAME_TORQUE, atol=SAME_TORQUE)
 
 
 def test_torques_in_a_gap_are_no_answer(gapped):
-    library, _, motion = gapped
-    gaps = []
-    for index in range(motion.samples):
+    library, cell, motion = gapped
+    below = motion_ranges(cell, motion, "wrench", None, DEFAULT_SOLVER, high=0.0)
+    gaps = 0
+    for index in range(1, motion.samples - 1):
         sample = library.sample(motion, index)
-        status, found, _ = library.range(sample)
-        if status == GAP:
-            gaps.append(index)
-            asked = (*found.mean(axis=1), found.ravel()[1:3].mean())
+        _, found, _ = library.range(sample)
+        if found[0, 0] > below.upper[index]:
+            gaps += 1
+            asked = found[0].mean(), below.upper[index] / 2, (below.upper[index] + found[0, 0]) / 2
             assert [library.torques(sample, c2)[0] for c2 in asked] == [OK, OK, INFEASIBLE]
     assert gaps
 
 
-def intersection(unions):
-    """What unions of intervals have in common, ascending."""
-    left = [(0.0, np.inf)]
-    for union in unions:
-        left = [(max(a, c), min(b, d)) for a, b in left for c, d in union if max(a, c) <= min(b, d)]
-    return np.reshape(left, (-1, 2))
-
-
-def test_a_horizon_is_the_intersection_of_unions(gapped):
+def test_horizons_and_loads_take_what_their_ranges_have_in_common(gapped):
     library, _, motion = gapped
-    for chosen in (range(70, 80), range(75, 77), [75, 2], range(motion.samples)):
-        horizon, unions = library.Horizon(), []
-        library.call("horizon_start", horizon)
-        for index in chosen:
-            found = library.Range()
-            library.call(EVEN, library.sample(motion, index), library.settings, found, library.workspace)
-            unions.append(library.intervals(found)[0])
-            library.call("horizon_add", horizon, found)
-        wanted = intersection(unions)
-        assert np.array_equal(library.intervals(horizon)[0], wanted)
-        none = EMPTY if all(map(len, unions)) else INFEASIBLE
-        assert horizon.status == {0: none, 1: OK, 2: GAP}[len(wanted)]
-        assert not wanted.size or horizon.upper in unions[horizon.upper_sample][:, 1]
-
-
-def test_samples_without_a_speed_in_common_are_empty(gapped):
-    library, _, motion = gapped
-    one, other, horizon = library.Range(), library.Range(), library.Horizon()
-    library.call(EVEN, library.sample(motion, 75), library.settings, one, library.workspace)
-    other.status, other.lower, other.upper = OK, one.below[0].upper * 1.01, one.lower * 0.99
+    horizon, found = library.Horizon(), []
     library.call("horizon_start", horizon)
-    assert [library.call("horizon_add", horizon, part) for part in (one, other)] == [GAP, EMPTY]
-
-
-def test_a_range_for_several_loads_is_the_intersection_of_unions(gapped):
-    library, _, motion = gapped
-    masses, gaps = (1.0, 1.02, 0.97), 0
-    for index in (20, 60, 70, 80, 86):
-        sample, unions = library.sample(motion, index), []
-        nominal = list(library.settings.load)
-        loads = (type(library.settings.load) * len(masses))()
-        for place, factor in enumerate(masses):
-            library.settings.load[0] = loads[place][0] = factor * nominal[0]
-            loads[place][1:] = nominal[1:]
-            status, found, _ = library.range(sample)
-            gaps += status == GAP
-            unions.append(found)
-        library.settings.load[:] = nominal
-        both, given = library.Range(), (library.settings, loads, len(masses))
-        library.call("guaranteed_range", sample, *given, both, None, None, library.workspace)
-        assert np.allclose(library.intervals(both)[0], intersection(unions), rtol=SAME_TORQUE, atol=0), index
-    assert gaps
+    for index in range(70, 80):
+        one = library.Range()
+        library.call(EVEN, library.sample(motion, index), library.settings, one, library.workspace)
+        library.call("horizon_add", horizon, one)
+        found.append((one.lower, one.upper))
+    lower, upper = np.array(found).T
+    assert (horizon.lower, horizon.upper) == (lower.max(), upper.min())
+    assert horizon.status == (OK if lower.max() <= upper.min() else EMPTY)
+    nominal, masses, ranges = list(library.settings.load), (1.0, 1.02, 0.97), []
+    sample, loads = library.sample(motion, 60), (type(library.settings.load) * 3)()
+    for place, factor in enumerate(masses):
+        library.settings.load[0] = loads[place][0] = factor * nominal[0]
+        loads[place][1:] = nominal[1:]
+        ranges.append(library.range(sample)[1][0])
+    library.settings.load[:] = nominal
+    both = library.Range()
+    library.call("guaranteed_range", sample, library.settings, loads, 3, both, None, None, library.workspace)
+    assert np.allclose((both.lower, both.upper), (np.max(ranges, axis=0)[0], np.min(ranges, axis=0)[1]), atol=0)
 
 
 def terms_of(library, sample):
@@ -324,5 +295,5 @@ def test_parts_of_a_library_with_motors_compile_alone(parts, tmp_path):
 def test_a_cell_of_ideal_motors_has_nothing_of_them(tmp_path):
     assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path)]) == 0
     header = (tmp_path / "include/planar_dual_arm.h").read_text()
-    assert not [word for word in ("armature", "coulomb", "place", "GAP", "interval") if word in header]
+    assert not [word for word in ("armature", "coulomb", "place", "interval") if word in header]
     assert not [path for path in tmp_path.rglob("*.c") if "speed" in path.name or "motor" in path.name]

@@ -39,7 +39,7 @@ def test_scale_reports_and_writes_the_documented_json(tmp_path, planar_cell, lif
     result = json.loads(target.read_text())
     assert result["status"] == "feasible"
     assert set(result["c2"]) == set(result["binding"]) == {"lower", "upper"}
-    assert set(result["samples"]) == {"time", "status", "c2_lower", "c2_upper", "gaps"}
+    assert set(result["samples"]) == {"time", "status", "c2_lower", "c2_upper"}
     assert result["selected"]["c2"] == result["c2"]["upper"]
     assert result["selected"]["duration"] == pytest.approx(result["torque"]["time"][-1])
     for key in ("torque", "wrench", "internal_wrench", "power"):

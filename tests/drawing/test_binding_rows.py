@@ -30,7 +30,7 @@ def spatial(dual_ur5):
 def test_lanes_are_filled_exactly_where_their_rows_bind(spatial):
     samples, lanes = spatial.range.samples, binding_lanes(spatial.range)
     assert len(lanes) == MOST_LANES  # 21 rows bind somewhere: the rest shares the last lane
-    labels = [{row_label(row) for row in rows} for rows in samples.upper_rows]
+    labels = [{row_label(row) for row in spatial.range.binding(k, "upper")} for k in range(len(samples.time))]
     named = {lane.label for lane in lanes[:-1]}
     for lane in lanes[:-1]:
         assert lane.binds.tolist() == [lane.label in of_sample for of_sample in labels]
@@ -60,9 +60,9 @@ def test_standing_still_alone_takes_no_lane(planar_cell, lift):
 def test_nothing_binds_where_nothing_limits_the_speed(spatial, planar_cell, lift):
     """With velocity limits and without any: at rest there is nothing that they bound."""
     assert spatial.range.samples.status[0] is mrts.SampleStatus.UNBOUNDED
-    assert spatial.range.samples.upper_rows[0] == ()
+    assert spatial.range.samples.binding(0, "upper") == ()
     still = mrts.scale(planar_cell, still_motion(lift))
-    assert [still.range.samples.upper_rows[sample] for sample in range(11)] == [()] * 11
+    assert [still.range.samples.binding(sample, "upper") for sample in range(11)] == [()] * 11
     assert binding_lanes(still.range) == []
 
 

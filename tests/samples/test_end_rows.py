@@ -9,9 +9,10 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.limits.rows import STANDSTILL
-from mrts.samples import end_rows
+from mrts.samples import sample_ranges
 from mrts.samples.end_rows import rows_at_end
 from mrts.samples.linear_programs import ends_by_linear_programs
+from mrts.samples.range_ends import BindingRows, no_codes
 from mrts.samples.sample_problem import SampleProblem
 from mrts.samples.sample_ranges import TIE
 from mrts.scaling.range import intersect
@@ -51,7 +52,7 @@ def binding_at_the_top(problem):
     found = ends_by_linear_programs(problem, "scipy:highs")
     if found.undecided[0] or not np.isfinite(found.upper[0]):
         return None
-    return [(int(row.name.element), 1.0 if row.side == "upper" else -1.0) for row in found.upper_rows[0]]
+    return [(int(row.name.element), 1.0 if row.side == "upper" else -1.0) for row in found.rows.at(0, "upper")]
 
 
 def degenerate_problem(rng):
@@ -105,9 +106,9 @@ def test_all_rows_with_a_multiplier_in_some_dual_solution_are_named_for_every_so
         for solver in SOLVERS:
             found = ends_by_linear_programs(problem, solver)
             rows = rows_at_end(problem, float(found.upper[0]), "upper")
-            assert set(found.upper_rows[0]) <= set(rows)
+            assert set(found.rows.at(0, "upper")) <= set(rows)
             named.add(rows)
-            by_solver.add(frozenset(found.upper_rows[0]))
+            by_solver.add(frozenset(found.rows.at(0, "upper")))
         assert len(named) == 1
         multipliers = largest_multipliers(problem)
         largest = max(multipliers.values())
@@ -160,8 +161,8 @@ def test_of_samples_that_differ_by_rounding_the_first_sets_the_end():
         lower, upper = low.copy(), high.copy()
         lower[2] *= 1 + shift
         upper[3] *= 1 + shift
-        status, rows = (mrts.SampleStatus.FEASIBLE,) * 4, ((),) * 4
-        found = intersect(mrts.SampleRanges(np.arange(4.0), status, lower, upper, rows, rows, (), 0))
+        status, rows = (mrts.SampleStatus.FEASIBLE,) * 4, BindingRows((), np.zeros((2, 0)), no_codes(4))
+        found = intersect(mrts.SampleRanges(np.arange(4.0), status, lower, upper, rows, (), 0))
         assert (found.lower.sample, found.upper.sample) == (1, 1)
         assert (found.lower.c2, found.upper.c2) == (np.max(lower), np.min(upper))
 
@@ -177,8 +178,11 @@ def test_every_solver_names_the_same_rows_of_an_uncertain_load(planar_cell, lift
 
 def test_all_rows_are_asked_for_only_where_they_set_the_range(planar_cell, lift, monkeypatch):
     asked = []
-    real = end_rows.rows_at_end
-    monkeypatch.setattr(end_rows, "rows_at_end", lambda *given: asked.append(given[1:]) or real(*given))
-    samples = mrts.scale(planar_cell, lift).range.samples
-    assert len(list(samples.lower_rows) + list(samples.upper_rows)) == 2 * lift.time.size
-    assert asked == [(float(np.min(samples.upper)), "upper")]  # at c² = 0 the cell stands still whatever the rows
+    real = sample_ranges.rows_at_end
+    monkeypatch.setattr(sample_ranges, "rows_at_end", lambda *given: asked.append(given[1:]) or real(*given))
+    found = mrts.scale(planar_cell, lift).range
+    assert len([found.samples.binding(k, side) for k in range(lift.time.size) for side in ("lower", "upper")]) > 0
+    assert asked == []
+    assert found.lower.rows is found.lower.rows
+    assert found.upper.rows is found.upper.rows
+    assert asked == [(float(np.min(found.samples.upper)), "upper")]  # at c² = 0 the cell stands still whatever the rows

@@ -100,20 +100,11 @@ def test_ends_and_the_rows_that_set_them(case):
     assert found.status == known.status
     for ends in ("lower", "upper"):
         np.testing.assert_allclose(getattr(found, ends), getattr(known, ends), rtol=SAME, atol=0)
-        rows = [list(getattr(of, f"{ends}_rows")) for of in (found, known)]
+        rows = [[of.binding(k, ends) for k in range(motion.samples)] for of in (found, known)]
         assert rows[0] == rows[1]
         assert len(rows[0]) == motion.samples
     assert [str(one) for one in found.conflicts] == [str(one) for one in known.conflicts]
     assert found.fallbacks == known.fallbacks == 0
-
-
-def test_rows_are_named_for_a_slice_and_from_the_end(case):
-    cell, motion, sharing = case
-    rows = motion_ranges(cell, motion, "wrench", sharing, "kernel").upper_rows
-    assert rows[-3:] == tuple(rows)[-3:]
-    assert rows[-1] == rows[motion.samples - 1]
-    with pytest.raises(IndexError):
-        rows[motion.samples]
 
 
 def test_torques_are_those_of_the_rows(case):
@@ -127,8 +118,8 @@ def test_torques_are_those_of_the_rows(case):
 
 def test_a_standstill_that_holds_is_named_alone(tmp_path):
     cell, path = compiled_arm(tmp_path)
-    rows = motion_ranges(cell, along_spline(cell, path, 9), "wrench", None, "kernel").lower_rows
-    assert {row.name for at in rows for row in at} == {STANDSTILL}
+    found = motion_ranges(cell, along_spline(cell, path, 9), "wrench", None, "kernel")
+    assert {row.name for k in range(9) for row in found.binding(k, "lower")} == {STANDSTILL}
 
 
 def test_pieces_of_a_long_motion_are_the_whole_to_the_bit(tmp_path):
@@ -140,7 +131,7 @@ def test_pieces_of_a_long_motion_are_the_whole_to_the_bit(tmp_path):
     short = motion_ranges(cell, motion, "wrench", None, "kernel")
     for ends in ("lower", "upper"):
         np.testing.assert_array_equal(getattr(long, ends), getattr(short, ends)[places])
-    assert long.upper_rows[-1] == short.upper_rows[int(places[-1])]
+    assert long.binding(-1, "upper") == short.binding(int(places[-1]), "upper")
 
 
 def accelerations(cell, motion):

@@ -1,4 +1,4 @@
-"""Unions of intervals of c² where friction and torque-speed curves stand beside inertia."""
+"""The highest interval of c² where friction and torque-speed curves stand beside inertia."""
 
 from collections import Counter
 from dataclasses import replace
@@ -12,7 +12,6 @@ from speed_scan import Motors, SpeedScan
 
 import mrts
 from mrts.motors.joint_motors import JointMotors
-from mrts.samples.range_ends import pieces
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.sample_ranges import sample_ranges
 from mrts.samples.trajectory_programs import motion_ranges
@@ -34,12 +33,9 @@ OUTSIDE = 1e-4
 
 
 def speeds(found, sample):
-    """Intervals of c of one sample."""
-    if not found.lower[sample] <= found.upper[sample]:
-        return []
-    of_sample = [gap for gap in found.gaps if gap.sample == sample]
-    left = pieces(found.lower[sample], found.upper[sample], of_sample)
-    return [(np.sqrt(piece.lower), np.sqrt(piece.upper)) for piece in left]
+    """The interval of c of one sample, in a list; an empty one where it has none."""
+    low, high = found.lower[sample], found.upper[sample]
+    return [(np.sqrt(low), np.sqrt(high))] if low <= high else []
 
 
 def motored(rng, cell, motion):
@@ -88,11 +84,17 @@ def compared(seed, folder, seen):
         Motors(robot.motors.armature, robot.motors.coulomb, robot.motors.viscous, list(robot.motors.torque_speed))
         for robot in cell.robots
     ]
-    with_gaps = [gap.sample for gap in found.gaps if 0 < gap.sample < motion.samples - 1]
-    chosen = {int(rng.integers(1, motion.samples - 1)), *with_gaps[:1]}
+    below = motion_ranges(cell, motion, "wrench", None, "kernel", high=0.0)
+    several = np.flatnonzero(below.lower < found.lower)
+    chosen = {
+        int(rng.integers(1, motion.samples - 1)),
+        *several[(several > 0) & (several < motion.samples - 1)][:1].tolist(),
+    }
     for sample in sorted(chosen):
         scan = SpeedScan(reference, motors, samples[sample], [arm[sample] for arm in joints])
         ours = speeds(found, sample)
+        lowest = speeds(below, sample)
+        ours = ours if lowest == ours else [*lowest, *ours]
         largest = max((end for pair in ours for end in pair if np.isfinite(end)), default=3.0)
         ends = np.array([end for pair in ours for end in pair if np.isfinite(end)])
         middles = (ends[1:] + ends[:-1]) / 2
@@ -127,9 +129,9 @@ def checked_ends(problem, found, sample):
             outside = (end * (1 + outward * OUTSIDE)) ** 2
             if end > 0 and outside < cap:
                 assert widening_at(one, outside, "kernel", "outside")[0] > 1e-9
-    for gap in found.gaps:
-        if gap.sample == sample:
-            assert {row.name.kind for row in (*gap.lower_rows, *gap.upper_rows)} - {"c2", "velocity"}
+    for side in ("lower", "upper"):
+        end = getattr(found, side)[sample]
+        assert not np.isfinite(end) or found.binding(sample, side) or sample in (0, len(found.time) - 1)
 
 
 @pytest.mark.parametrize("seed", [pytest.param(1, marks=pytest.mark.quick), 5, 10, 22])
@@ -154,9 +156,10 @@ def test_every_way_finds_the_same_ends_and_they_hold(seed, tmp_path):
 def test_shared_loads_have_the_ends_of_their_rows(seed, tmp_path):
     _, cell, motion, _ = random_case(seed, tmp_path)
     found = motion_ranges(cell, motion, "wrench", mrts.LoadSharing(), "kernel")
+    below = motion_ranges(cell, motion, "wrench", mrts.LoadSharing(), "kernel", high=0.0)
     problem = build_sample_problem(cell, motion, sharing=mrts.LoadSharing())
     for sample in range(motion.samples):
-        ours, one = speeds(found, sample), problem.at(np.array([sample]))
+        ours, one = {*speeds(found, sample), *speeds(below, sample)}, problem.at(np.array([sample]))
         tried = np.linspace(0, 1.3 * max((end for pair in ours for end in pair if np.isfinite(end)), default=3.0), 400)
         missing = np.array([widening_at(one, c**2, "kernel", "a scan")[0] for c in tried])
         for c, share in zip(tried, missing, strict=True):

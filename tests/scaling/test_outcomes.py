@@ -12,6 +12,7 @@ from conftest import DATA
 
 import mrts
 from mrts.samples.infeasibility import separation
+from mrts.samples.range_ends import BindingRows, no_codes
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.scaling.range import intersect
 from mrts.scaling.scale import choose_c2
@@ -120,8 +121,8 @@ def test_a_small_limit_among_large_ones_is_kept(planar_cell, lift):
 def ranges_of(lower, upper):
     lower, upper = np.array(lower, float), np.array(upper, float)
     status = tuple(mrts.SampleStatus.UNBOUNDED if np.isinf(u) else mrts.SampleStatus.FEASIBLE for u in upper)
-    none = tuple(() for _ in lower)
-    return mrts.SampleRanges(np.arange(len(lower), dtype=float), status, lower, upper, none, none, (), 0)
+    none = BindingRows((), np.zeros((2, 0)), no_codes(len(lower)))
+    return mrts.SampleRanges(np.arange(len(lower), dtype=float), status, lower, upper, none, (), 0)
 
 
 def test_an_empty_intersection_names_both_samples():
@@ -145,12 +146,14 @@ def test_a_minimum_speed_is_legal(planar_cell, lift):
         k for k, status in enumerate(samples.status) if status is mrts.SampleStatus.FEASIBLE and samples.lower[k] > 0
     ]
     assert late
-    assert all(samples.lower_rows[k][0].name.kind in {"torque", "wrench"} for k in late)
+    assert all(samples.binding(k, "lower")[0].name.kind in {"torque", "wrench"} for k in late)
 
 
 def test_too_slow_is_refused_by_the_lower_end():
-    row = mrts.ActiveRow(mrts.RowName("torque", "left", "elbow", "N m"), "upper", 80.0)
-    ranges = replace(ranges_of([0, 2, 0], [5, 5, 4]), lower_rows=((), (row,), ()))
+    codes = np.zeros((2, 3, 1), dtype=np.int32)
+    codes[0, 1] = 1
+    elbow = BindingRows((mrts.RowName("torque", "left", "elbow", "N m"),), np.array([[-80.0], [80.0]]), codes)
+    ranges = replace(ranges_of([0, 2, 0], [5, 5, 4]), rows=elbow)
     with pytest.raises(
         mrts.SelectionError, match=r"outside .* \[2, 4\]. The lower end is set at t = 1 s by left/elbow"
     ):
@@ -180,7 +183,7 @@ def test_where_nothing_bounds_the_speed_no_row_is_named(dual_ur5, solver, formul
     samples = mrts.scale(dual_ur5, motion, solver=solver, formulation=formulation).range.samples
     unbounded = np.flatnonzero(np.isinf(samples.upper))
     assert unbounded.size
-    assert [samples.upper_rows[sample] for sample in unbounded] == [()] * len(unbounded)
+    assert [samples.binding(sample, "upper") for sample in unbounded] == [()] * len(unbounded)
 
 
 def test_a_quintic_is_unbounded_only_at_its_ends(planar_cell, lift):

@@ -29,7 +29,7 @@ def largest_share(result, kinds=("torque", "wrench")):
 
 def admits(cell, motion, c2, reserve, **asked):
     found = mrts.scale(cell, motion, "auto", reserve=reserve, **asked).range
-    return any(low.c2 <= c2 <= high.c2 for low, high in found.intervals)
+    return found.admitted(c2, 0.0) is not None
 
 
 def feasible(case, question):

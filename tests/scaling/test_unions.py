@@ -1,6 +1,5 @@
-"""A range of c² in several intervals: chosen, refused, told, saved, for every load."""
+"""The range of c² where samples admit several intervals: the highest, and slower speeds that are asked for."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -9,8 +8,9 @@ from gantries import gantries
 from slowing_gantries import Slowing
 
 import mrts
-from mrts.samples.range_status import RangeStatus
-from mrts.scaling.range import intersect
+from mrts.samples.range_ends import BindingRows, no_codes
+from mrts.samples.trajectory_programs import motion_ranges
+from mrts.scaling.range import common_range
 
 SAME = 1e-9
 """Ends of c² in closed form, relative."""
@@ -19,7 +19,7 @@ SHARINGS = (None, mrts.LoadSharing())
 
 
 def ends(found):
-    return [(low.c2, high.c2) for low, high in found.range.intervals]
+    return found.lower.c2, found.upper.c2
 
 
 @pytest.fixture
@@ -31,95 +31,88 @@ def slowing(tmp_path):
 @pytest.mark.parametrize("sharing", SHARINGS)
 @pytest.mark.parametrize("solver", ["kernel", "qpsol:qpoases", "scipy:highs"])
 @pytest.mark.parametrize("formulation", ["wrench", "torque"])
-def test_the_range_has_two_intervals_where_rotor_inertia_helps(slowing, sharing, solver, formulation):
+def test_the_range_is_the_highest_interval_where_rotor_inertia_helps(slowing, sharing, solver, formulation):
     result = mrts.scale(slowing, Slowing().motion(), sharing=sharing, solver=solver, formulation=formulation)
-    np.testing.assert_allclose(ends(result), Slowing().intervals(), rtol=SAME)
-    assert (result.range.lower, result.range.upper) == result.range.intervals[-1]
+    _, highest = Slowing().intervals()
+    np.testing.assert_allclose(ends(result.range), highest, rtol=SAME)
+    assert result.range.samples.several
     assert result.trajectory.c2 == result.range.upper.c2
     assert max(result.residuals().limits, result.residuals().arms) < 2e-9
-    (_, slow), (fast, fastest) = result.range.intervals
-    assert [end.sample for end in (slow, fast, fastest)] == [0, 0, 10]
-    assert {row.name.element for end in (slow, fast, fastest) for row in end.rows} == {"slide_x"}
-    assert {row.side for row in (*slow.rows, *fast.rows)} == {"upper"}
-    assert {row.side for row in fastest.rows} == {"lower"}
+    for end, sample, side in ((result.range.lower, 0, "upper"), (result.range.upper, 10, "lower")):
+        assert end.sample == sample
+        assert {(row.name.element, row.side) for row in end.rows} == {("slide_x", side)}
 
 
-def test_each_c2_of_an_interval_can_be_chosen_and_none_of_a_gap(slowing):
+@pytest.mark.parametrize("sharing", SHARINGS)
+def test_a_slower_c2_is_admitted_exactly_where_all_limits_hold(slowing, sharing):
     motion = Slowing().motion()
-    for low, high in Slowing().intervals():
-        for c2 in (low + (high - low) / 2, high):
-            assert mrts.scale(slowing, motion, c2).trajectory.c2 == pytest.approx(c2, rel=SAME)
-    with pytest.raises(
-        mrts.SelectionError, match=r"lies in a gap of the admissible range \[0, 0\.0411\d+\] or \[0\.87"
-    ) as told:
-        mrts.scale(slowing, motion, 0.4)
-    assert "near/slide_x torque (upper, 20 N)" in str(told.value)
-    assert told.value.result.range.status is RangeStatus.FEASIBLE
-    with pytest.raises(mrts.SelectionError, match="outside the admissible range") as told:
-        mrts.scale(slowing, motion, 2.0)
-    assert "upper end" in str(told.value)
-    assert "torque (lower, -20 N)" in str(told.value)
+    (_, slow), (fast, fastest) = Slowing().intervals()
+    for c2 in (0.5 * slow, slow * (1 - SAME), fast, (fast + fastest) / 2):
+        result = mrts.scale(slowing, motion, c2, sharing=sharing)
+        assert result.trajectory.c2 == pytest.approx(c2, rel=SAME)
+        assert result.residuals().limits < 2e-9
+    for c2 in (slow * (1 + 1e-6), 0.4, fast * (1 - 1e-6)):
+        with pytest.raises(mrts.SelectionError, match=r"no slower one admits it: at t = 0 s .*slide_x torque") as told:
+            mrts.scale(slowing, motion, c2, sharing=sharing)
+        assert told.value.result.range.status is mrts.ScalingStatus.FEASIBLE
+    with pytest.raises(mrts.SelectionError, match=r"The upper end is set .*torque \(lower, -20 N\)"):
+        mrts.scale(slowing, motion, 2.0, sharing=sharing)
 
 
-def test_the_summary_and_json_say_all_intervals(slowing):
-    result = mrts.scale(slowing, Slowing().motion())
-    assert "c² ∈ [0, 0.04114] or [0.87" in result.sentence()
-    assert "up to 0.203 or 0.93" in result.sentence()
-    assert "c² ∈ [0, 0.04114] or [" in repr(result.range)
-    said = result.to_json()
-    assert said["intervals"] == [list(pair) for pair in ends(result)]
-    assert said["c2"] == {"lower": said["intervals"][1][0], "upper": said["intervals"][1][1]}
-    gaps = said["samples"]["gaps"]
-    assert [gap["sample"] for gap in gaps] == list(range(11))
-    assert gaps[0]["c2"] == [said["intervals"][0][1], said["intervals"][1][0]]
+def test_a_slower_c2_must_carry_every_corner_of_a_box(tmp_path):
+    case = Slowing()
+    cell = case.cell(tmp_path, variation={"mass": [0.5, 8.0]})
+    slow = [case.intervals(factor * 3)[0][1] for factor in (0.5, 8.0)]
+    assert mrts.scale(cell, case.motion(), min(slow) * (1 - SAME)).trajectory.c2 == pytest.approx(min(slow))
+    with pytest.raises(mrts.SelectionError, match=r"no slower one admits it: .* with mass"):
+        mrts.scale(cell, case.motion(), sum(slow) / 2)
 
 
-def test_a_gap_of_torque_speed_curves_is_not_blamed_on_friction(tmp_path):
+def test_torque_speed_curves_leave_several_intervals_too(tmp_path):
     cell = gantries(tmp_path, gravity=(-4, 0, 0))
     curve, rotor = (np.array([[0, 30.0], [1.6, 2.0]]), None, None), np.array([3.0, 0, 0])
     motors = replace(cell.robots[0].motors, armature=rotor, torque_speed=curve)
     falling = replace(cell, robots=tuple(replace(robot, motors=motors) for robot in cell.robots))
-    result = mrts.scale(falling, Slowing().motion())
-    assert len(result.range.intervals) == 2
-    with pytest.raises(mrts.SelectionError, match="lies in a gap") as told:
+    low = mrts.scale(falling, Slowing().motion()).range.lower.c2
+    assert low > 1
+    with pytest.raises(mrts.SelectionError, match="no slower one admits it"):
         mrts.scale(falling, Slowing().motion(), 1.0)
-    for text in (result.sentence(), str(told.value)):
-        assert "what motors lose with the speed (viscous friction, torque-speed curves)" in text
-        assert "against friction" not in text
+    motion = mrts.follow_object(falling, Slowing().motion())
+    below = motion_ranges(falling, motion, "wrench", None, "kernel", high=1.0)
+    assert np.max(below.lower) < np.min(below.upper) < 1
+    slow = float(np.max(below.lower) + np.min(below.upper)) / 2
+    assert mrts.scale(falling, motion, slow).trajectory.c2 == slow
 
 
-def test_what_is_possible_says_that_single_loads_have_gaps(tmp_path):
-    case = Slowing()
-    varied = mrts.scale(case.cell(tmp_path, variation={"mass": [0.9, 1.1]}), case.motion(), load="possible")
-    assert all(len(found.intervals) == 2 for found in varied.load.ranges)
-    assert "loads have gaps, and whether another fills them was not asked" in varied.sentence()
-    steady = replace(case, friction=0.0)
-    plain = mrts.scale(steady.cell(tmp_path, variation={"mass": [0.9, 1.1]}), case.motion(), load="possible")
-    assert "gaps" not in plain.sentence()
-
-
-def test_a_saved_result_keeps_its_gaps(slowing, tmp_path):
+def test_a_saved_result_says_the_same(slowing, tmp_path):
     result = mrts.scale(slowing, Slowing().motion())
     mrts.save_result(result, tmp_path / "result.npz")
     kept = mrts.load_result(tmp_path / "result.npz", slowing)
-    assert kept.range.intervals == result.range.intervals
+    assert kept.json_text() == result.json_text()
     assert kept.sentence() == result.sentence()
-    assert kept.to_json()["samples"] == result.to_json()["samples"]
-    first, again = result.range.samples.gaps[3], kept.range.samples.gaps[3]
-    assert (tuple(first.lower_rows), tuple(first.upper_rows)) == (again.lower_rows, again.upper_rows)
+    assert kept.range.lower.rows == result.range.lower.rows
 
 
-def test_gaps_of_different_samples_may_leave_nothing(tmp_path):
-    case = Slowing(first=1.0, last=0.3, inertia=15.0, friction=120.0)
-    result = mrts.scale(case.cell(tmp_path), case.motion(41))
-    assert ends(result)[0][0] == 0  # standing still always does
-    samples = result.range.samples
-    moving = replace(samples, lower=np.maximum(samples.lower, 0.2), upper=np.minimum(samples.upper, 0.5))
-    found = intersect(moving)
-    assert found.status is RangeStatus.EMPTY
-    assert found.intervals == ()
-    assert found.lower.c2 > found.upper.c2
-    assert re.search(r"of c² ∈ \[0\.2, 0\.5\] single samples leave nothing: none from .* at t = ", found.explain())
+INTERVALS = {
+    "both at their highest": ([[(0, 1), (3, 5)], [(0, 2), (4, 6)]], "feasible", (4, 5)),
+    "one goes down": ([[(0, 1), (3, 5)], [(0, 2)]], "feasible", (0, 1)),
+    "down step by step": ([[(0, 1), (3, 5)], [(2, 2.5), (0.2, 0.9)]], "feasible", (0.2, 0.9)),
+    "past two at once": ([[(0, 1), (3, 4), (5, 6)], [(0.5, 2)]], "feasible", (0.5, 1)),
+    "nothing in common": ([[(0, 1), (3, 5)], [(2, 2.5)]], "empty", (3, 2.5)),
+    "all of them unbounded": ([[(0, 1), (3, np.inf)], [(2, np.inf)]], "unbounded", (3, np.inf)),
+}
+
+
+@pytest.mark.parametrize(("unions", "status", "expected"), INTERVALS.values(), ids=INTERVALS)
+def test_samples_go_down_until_they_have_an_interval_in_common(unions, status, expected):
+    def find(high):
+        found = [max((one for one in union if one[0] <= high), default=max(union)) for union in unions]
+        lower, upper = np.array(found, dtype=float).T
+        rows, statuses = BindingRows((), np.zeros((2, 0)), no_codes(2)), (mrts.SampleStatus.FEASIBLE,) * 2
+        return mrts.SampleRanges(np.arange(2.0), statuses, lower, upper, rows, (), 0, several=True)
+
+    found = common_range(find)
+    assert (found.status.value, ends(found)) == (status, expected)
 
 
 @pytest.mark.parametrize("sharing", SHARINGS)
@@ -127,16 +120,15 @@ def test_what_is_guaranteed_is_what_all_corners_leave(tmp_path, sharing):
     case = Slowing()
     cell = case.cell(tmp_path, variation={"mass": [0.5, 8.0]})
     found = mrts.scale(cell, case.motion(), load="guaranteed", sharing=sharing)
-    corners = [case.intervals(factor * 3) for factor in (0.5, 8.0)]
-    expected = [(max(one[0], other[0]), min(one[1], other[1])) for one, other in zip(*corners, strict=True)]
-    np.testing.assert_allclose(ends(found), expected, rtol=SAME)
-    _, (fast, fastest) = found.range.intervals
-    assert (fast.load.parameters["mass"], fastest.load.parameters["mass"]) == (0.5, 8.0)
+    one, other = [case.intervals(factor * 3)[1] for factor in (0.5, 8.0)]
+    np.testing.assert_allclose(ends(found.range), (max(one[0], other[0]), min(one[1], other[1])), rtol=SAME)
+    loads = [end.load.parameters["mass"] for end in (found.range.lower, found.range.upper)]
+    assert loads == [0.5, 8.0]
     for factor in np.random.default_rng(0).uniform(0.5, 8.0, 5):
         known = mrts.torques_for_load(found, cell.load_box.load_at({"mass": float(factor)}))
         assert known.trajectory.c2 == found.trajectory.c2
     possible = mrts.scale(cell, case.motion(), load="possible", sharing=sharing)
-    assert ends(possible)[0] == (0.0, pytest.approx(max(one[1][1] for one in corners), rel=1e-6))
+    assert ends(possible.range) == pytest.approx((min(one[0], other[0]), max(one[1], other[1])), rel=1e-6)
 
 
 def test_a_known_load_is_refused_at_a_c2_in_its_gap(tmp_path):
@@ -145,3 +137,5 @@ def test_a_known_load_is_refused_at_a_c2_in_its_gap(tmp_path):
     heavy = mrts.scale(cell.with_load(cell.load_box.load_at({"mass": 8.0})), case.motion(), 0.82, load="nominal")
     with pytest.raises(mrts.SelectionError, match="does not suit this load"):
         mrts.torques_for_load(heavy, cell.load_box.load_at({"mass": 0.5}))
+    slow = mrts.scale(heavy.cell, case.motion(), 0.01, load="nominal")
+    assert mrts.torques_for_load(slow, cell.load_box.load_at({"mass": 0.5})).trajectory.c2 == 0.01

@@ -10,6 +10,7 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.limits import limit_rows
+from mrts.samples.range_ends import BindingRows, no_codes
 from mrts.samples.sample_problem import build_sample_problem
 from mrts.samples.trajectory_programs import motion_torques
 from mrts.scaling.range import intersect
@@ -31,8 +32,8 @@ def turning():
 def synthetic(lower, upper):
     lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
     status = tuple(mrts.SampleStatus.UNBOUNDED if np.isinf(u) else mrts.SampleStatus.FEASIBLE for u in upper)
-    rows = ((),) * len(lower)
-    return intersect(mrts.SampleRanges(np.arange(float(len(lower))), status, lower, upper, rows, rows, (), 0))
+    rows = BindingRows((), np.zeros((2, 0)), no_codes(len(lower)))
+    return intersect(mrts.SampleRanges(np.arange(float(len(lower))), status, lower, upper, rows, (), 0))
 
 
 def red_bars(state):

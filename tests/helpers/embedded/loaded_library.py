@@ -6,10 +6,7 @@ import re
 import numpy as np
 from exported_library import run, sources, tool
 
-BELOW = 3
-"""Intervals below the highest that a range tells: `_BELOW` of the header."""
-
-NO_INTERVALS = {2, 3, 4, 5}
+NO_INTERVAL = {2, 3, 4, 5}
 """Of its statuses: infeasible, empty, undecided, bad argument."""
 
 PLACES = {"inside": 0, "start": 1, "end": 2}
@@ -59,18 +56,15 @@ class LoadedLibrary:
         return found
 
     def range(self, sample, call="range_of_sample"):
-        """Status, and the intervals of c² as an array, ascending, with the rows that bind at their ends."""
+        """Status, and the interval of c² as an array, Shape (1, 2) or (0, 2), with the rows that bind at its ends."""
         found = self.Range()
         self.call(call, sample, self.settings, found, self.workspace)
-        return found.status, *self.intervals(found)
+        return found.status, *self._interval(found)
 
-    def intervals(self, found):
-        """Intervals of a range, ascending, Shape (i, 2), and the texts of the rows that bind at both ends of each."""
-        if found.status in NO_INTERVALS:
+    def _interval(self, found):
+        if found.status in NO_INTERVAL:
             return np.zeros((0, 2)), []
-        every = [found, *found.below[: found.below_count]][::-1]
-        rows = [self._rows(part) for part in every] if isinstance(found, self.Range) else []
-        return np.array([[part.lower, part.upper] for part in every]), rows
+        return np.array([[found.lower, found.upper]]), [self._rows(found)]
 
     def _rows(self, part):
         lower, upper = part.lower_rows[: part.lower_count], part.upper_rows[: part.upper_count]
@@ -87,12 +81,8 @@ def range_structures(unknowns):
     """The structures of a range and of a horizon."""
     count, rows, ends = ctypes.c_int, ctypes.c_int * (unknowns + 1), reals({"lower": None, "upper": None})
     named = [("lower_count", count), ("upper_count", count), ("lower_rows", rows), ("upper_rows", rows)]
-    interval = structure([*ends, ("lower_from", ctypes.c_long), ("upper_from", ctypes.c_long), *named])
-    below = [("below_count", count), ("below", interval * BELOW)]
     sampled = [(name, ctypes.c_long) for name in ("samples", "lower_sample", "upper_sample")]
-    return structure([("status", count), *ends, *named, *below]), structure(
-        [("status", count), *ends, *sampled, *below]
-    )
+    return structure([("status", count), *ends, *named]), structure([("status", count), *ends, *sampled])
 
 
 def reals(sizes):
