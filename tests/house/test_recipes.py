@@ -1,4 +1,4 @@
-"""The recipes of docs/extending.md: each is followed as it stands, in a copy of the repository."""
+"""The recipes of docs/extending.md: followed as they stand, one after another, in a copy of the repository."""
 
 import re
 
@@ -11,12 +11,15 @@ RECIPES = dict(re.findall(r"^## (\d\. [^\n]+)\n(.*?)(?=^## |\Z)", PAGE, re.MULTI
 MOST_FILES = 3
 
 
-@pytest.mark.parametrize("title", RECIPES)
-def test_a_recipe_does_what_it_promises_in_three_files(title, tmp_path):
-    followed = Recipe(RECIPES[title], tmp_path).copy(ROOT).follow()
-    assert followed.ran > 0
-    assert 1 <= len(followed.touched) <= MOST_FILES, followed.touched
-    followed.check()
+@pytest.mark.slow
+def test_all_recipes_together_do_what_they_promise_in_three_files_each(tmp_path):
+    whole = Recipe("", tmp_path).copy(ROOT)
+    for title, text in RECIPES.items():
+        followed = Recipe(text, tmp_path).follow()
+        assert followed.ran > 0, title
+        assert 1 <= len(followed.touched) <= MOST_FILES, (title, followed.touched)
+        whole.touched |= followed.touched
+    whole.check()
 
 
 def test_a_recipe_that_does_not_fit_or_prints_something_else_is_found_out(tmp_path):

@@ -16,13 +16,13 @@ COPIED += ("README.md", "pyproject.toml")
 TYPING = "build/typing"
 """Where codegen/ has its import name, as after `make install`."""
 
-HOUSE = "notation or equation or sitting or room or circle or glance or apart"
+HOUSE = "notation or equation or room or circle or apart"
 """The house's tests that a recipe can break."""
 
 
 @dataclass
 class Recipe:
-    """One recipe: its blocks in order, in a copy of its own.
+    """One recipe: its blocks in order, in a copy of the repository.
 
     A block with a title is that new file, or (`diff`) a change to it; `python` and `sh` are run, each by a process that
     imports the copy; `text` is what the block before prints.
