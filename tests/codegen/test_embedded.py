@@ -10,7 +10,7 @@ import pytest
 import yaml
 from conftest import DATA, ROOT
 from embedded_target import cross_compile, missing_tools, run_on_target
-from exported_library import answers, changed_cell, link, run, sources, tool
+from exported_library import SANITIZED, answers, changed_cell, link, run, sources, tool
 
 import mrts
 from mrts.cell.generation import export_to
@@ -20,7 +20,6 @@ from mrts.output.embedded_limits import embedded_limits
 CELLS = ("dual_ur5", "with_motors")
 WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror"]
 DOUBLE_HELPER = re.compile(r"__aeabi_d|__\w+df\d|\b(sin|cos|sqrt|sincos)\b")
-SANITIZED = ["-g1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 FORBIDDEN = re.compile(r"\b(malloc|calloc|realloc|free|printf|puts|fprintf)\b")
 ALLOWED = {"memcpy", "memset", "memmove", "sin", "cos", "sincos", "sqrt", "sinf", "cosf", "sincosf", "sqrtf"}
 DRIFT_FREE = ROOT / "generated" / "embedded" / "planar_dual_arm"
