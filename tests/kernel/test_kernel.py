@@ -30,7 +30,7 @@ QUADRATIC_PROGRAMS = 3_000
 
 HARD = 20
 
-SAMPLES = 250  # of one sequence of slowly changing programs
+SAMPLES = 50  # of one sequence of slowly changing programs
 
 UNBOUNDED = 1e9
 

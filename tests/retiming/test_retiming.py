@@ -49,6 +49,7 @@ def test_one_arm_equals_toppra_pointwise(seed, tmp_path):
         assert duration(np.diff(grid), ours.x) == pytest.approx(duration(np.diff(grid), theirs), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_most_random_paths_can_be_followed(tmp_path):
     grid = np.linspace(0, 1, 101)
     assert sum(by_toppra(*one_arm(seed, tmp_path), grid) is not None for seed in range(PATHS)) >= 0.8 * PATHS

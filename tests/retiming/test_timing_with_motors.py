@@ -79,6 +79,7 @@ def test_random_cells_equal_a_nonlinear_program_and_every_step_is_faster(seed, t
     assert durations[-1] == pytest.approx(duration(piece.step, theirs), rel=TRANSCRIPTION_TOLERANCE)
 
 
+@pytest.mark.slow
 def test_most_random_cells_have_a_timing(tmp_path):
     found = [successive_profiles([problem], piece.step, (0.0, 0.0)) for problem, piece, *_ in cases(tmp_path)]
     assert sum(isinstance(one, list) for one in found) >= 0.75 * CELLS

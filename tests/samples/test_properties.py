@@ -99,6 +99,7 @@ def test_both_formulations_agree(seed, tmp_path):
         np.testing.assert_allclose(a, b, atol=1e-6 * (1 + np.max(np.abs(a))))
 
 
+@pytest.mark.slow
 def test_many_of_them_may_be_played(tmp_path):
     cases = (draws(tmp_path, 303, seed)() for seed in range(MOTIONS))
     assert sum(mrts.scale(case.cell, case.motion).range.status.admits_motion for case in cases) >= 5

@@ -50,6 +50,7 @@ def test_ranges_equal_the_reference(seed, arms, make, tmp_path):
                 assert ours.upper[k] == pytest.approx(high, rel=RANGE_TOLERANCE, abs=RANGE_TOLERANCE), where
 
 
+@pytest.mark.slow
 def test_the_random_cells_are_of_every_kind(tmp_path):
     """They would prove little if they were all of one."""
     seen = Counter()

@@ -232,6 +232,7 @@ def test_the_closed_form_of_a_fixed_rule_equals_its_corners(seed, tmp_path):
         assert worst.upper[0] == pytest.approx(end.c2, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_most_fixed_rules_have_a_closed_form(tmp_path):
     found = (
         coordinated(np.random.default_rng(200 + seed), random_planar_cell, 1 + seed % 3, tmp_path)
