@@ -238,7 +238,7 @@ def test_most_fixed_rules_have_a_closed_form(tmp_path):
         coordinated(np.random.default_rng(200 + seed), random_planar_cell, 1 + seed % 3, tmp_path)
         for seed in range(RULES)
     )
-    assert sum(not scaled(*pair, sharing=mrts.LoadSharing()).load.points for pair in found) > RULES / 3
+    assert sum(not scaled(*pair, sharing=mrts.LoadSharing()).load.points for pair in found) >= RULES / 3
 
 
 def test_how_fast_a_motion_is_given_hides_no_parameter(dual_ur5, lift_and_turn):
