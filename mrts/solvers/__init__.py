@@ -37,13 +37,13 @@ def _kernel() -> BatchSolver:
     try:
         return KernelSolver()
     except CompilerError:
-        return _qpsol("qpoases")
+        return _qpoases()
 
 
-def _qpsol(plugin: str) -> BatchSolver:
-    from mrts.solvers.qpsol import QpsolSolver  # noqa: PLC0415 (CasADi is not needed otherwise)
+def _qpoases() -> BatchSolver:
+    from mrts.solvers.qpsol import QpoasesSolver  # noqa: PLC0415 (CasADi is not needed otherwise)
 
-    return QpsolSolver(plugin)
+    return QpoasesSolver()
 
 
 def _scipy_highs() -> BatchSolver:
@@ -54,13 +54,11 @@ def _scipy_highs() -> BatchSolver:
 
 SOLVERS: dict[str, Callable[[], BatchSolver]] = {
     "kernel": _kernel,
-    "qpsol:qpoases": lambda: _qpsol("qpoases"),
-    "qpsol:highs": lambda: _qpsol("highs"),
-    "qpsol:daqp": lambda: _qpsol("daqp"),
+    "qpsol:qpoases": _qpoases,
     "scipy:highs": _scipy_highs,
 }
 
-FALLBACKS = ("scipy:highs", "qpsol:qpoases", "qpsol:daqp")
+FALLBACKS = ("scipy:highs", "qpsol:qpoases")
 """Asked in this order for what the chosen solver does not get right; between them they solve both kinds."""
 
 
