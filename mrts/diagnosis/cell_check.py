@@ -184,8 +184,16 @@ def arm_lines(arm: ArmReach) -> Iterator[str]:
             yield f"  There its hand can be, but turned by {np.degrees(arm.nearest.turn):.3g}°."
         else:
             yield "  There it could hold the grasp, but not on a way that leads there from the start."
-    if arm.shift is not None:
+    others = ", ".join(f"'{name}'" for name in arm.machine)
+    if arm.shift is not None and arm.machine:
+        yield (
+            f"  Move the base of the machine, of {others} too, {direction(arm.shift)}, or the path the other way: then "
+            "its arms follow."
+        )
+    elif arm.shift is not None:
         yield f"  Move its base {direction(arm.shift)}, or the path and the grasp the other way: then it follows."
+    elif arm.machine:
+        yield f"  Its base is fixed to that of {others}: change its grasp, the path, or where the whole machine stands."
 
 
 def direction(move: Array) -> str:
@@ -287,6 +295,7 @@ def _arm_json(arm: ArmReach) -> dict[str, Any]:
         "nearest": nearest
         and {"gap": nearest.gap, "off": nearest.off.tolist(), "turn": nearest.turn, "q": nearest.q.tolist()},
         "shift": None if arm.shift is None else arm.shift.tolist(),
+        "machine": list(arm.machine),
         "posture": None if arm.posture is None else arm.posture.tolist(),
         "margin": margin and _finite(asdict(margin)),
     }
