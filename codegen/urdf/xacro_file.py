@@ -20,7 +20,7 @@ from xml.sax.saxutils import escape
 from lxml import etree
 
 from mrts.base.errors import InputError
-from mrts.base.formats.package_uri import file_of_uri, is_uri, package_folder
+from mrts.base.formats.package_uri import file_of_uri, is_uri, no_package, package_folder
 from mrts.base.input_file import MAX_URDF_BYTES
 from mrts.base.regular_file import read_regular
 
@@ -59,7 +59,9 @@ def expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
             text: bytes = document.dom.toxml().encode()
         except Exception as error:  # noqa: BLE001 (its expressions raise what Python has)
             reason = " ".join(str(error).split()) or type(error).__name__
-            raise InputError(path, f"cannot be expanded ({reason}).{_missing_argument(error)}") from None
+            raise InputError(
+                path, _no_package(reason) or f"cannot be expanded ({reason}).{_missing_argument(error)}"
+            ) from None
         _check_arguments(path, arguments, {path, *map(Path, xacro.all_includes)})
     if len(text) > MAX_URDF_BYTES:
         raise InputError(path, f"becomes a URDF of {len(text)} bytes; a URDF has at most {MAX_URDF_BYTES}.")
@@ -120,6 +122,12 @@ def _as_ours(path: Path) -> Iterator[None]:
 def _warn_once(text: str) -> None:
     """Log a warning: a cell is read several times until it is compiled."""
     logger.warning(text)
+
+
+def _no_package(reason: str) -> str:
+    """What to do where a package is missing, of which xacrodoc says no more than the name; empty where none is."""
+    missing = re.search(r"Package not found: (\S+)", reason)
+    return "" if missing is None else f"includes a file of a package: {no_package(missing[1])}."
 
 
 def _missing_argument(error: Exception) -> str:

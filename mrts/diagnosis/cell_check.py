@@ -3,7 +3,7 @@
 
 import json
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -128,14 +128,11 @@ class CellCheck(InNotebooks):
             "status": self.status,
             "cell": str(self.cell),
             "motion": None if self.motion is None else str(self.motion),
-            "mistakes": [
-                {"where": each.where, "key": each.key or None, "rule": each.rule, "text": str(each)}
-                for each in self.mistakes
-            ],
+            "mistakes": mistakes_json(self.mistakes),
             "hints": [asdict(hint) for hint in self.hints],
             "problem": self.problem or None,
             "arms": [_arm_json(arm) for arm in self.arms],
-            "joints": [_finite(asdict(joint)) for joint in self.joints],
+            "joints": [finite_json(asdict(joint)) for joint in self.joints],
             "assumed": list(self.assumed),
             "warnings": [remark.to_json() for remark in self.remarks],
         }
@@ -297,11 +294,16 @@ def _arm_json(arm: ArmReach) -> dict[str, Any]:
         "shift": None if arm.shift is None else arm.shift.tolist(),
         "machine": list(arm.machine),
         "posture": None if arm.posture is None else arm.posture.tolist(),
-        "margin": margin and _finite(asdict(margin)),
+        "margin": margin and finite_json(asdict(margin)),
     }
 
 
-def _finite(values: dict[str, Any]) -> dict[str, Any]:
+def mistakes_json(mistakes: Sequence[InputError]) -> list[dict[str, str | None]]:
+    """Mistakes as values of JSON."""
+    return [{"where": each.where, "key": each.key or None, "rule": each.rule, "text": str(each)} for each in mistakes]
+
+
+def finite_json(values: dict[str, Any]) -> dict[str, Any]:
     """Values with None for what is unlimited: JSON has no infinity."""
 
     def finite(value: Any) -> Any:

@@ -10,7 +10,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 
-OPTIONS = {"printLevel": "none", "error_on_fail": False}
+OPTIONS: dict[str, Any] = {"printLevel": "none", "error_on_fail": False}
 
 
 class QpoasesSolver:

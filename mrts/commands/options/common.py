@@ -205,6 +205,35 @@ def numbers_option(
     return numbers
 
 
+def add_xacro_arg(verb: argparse.ArgumentParser, of: str) -> None:
+    """Add the option of verbs that expand xacros.
+
+    Args:
+        verb: The verb.
+        of: What is a xacro, for its help.
+    """
+    verb.add_argument("--xacro-arg", action="append", default=[], metavar="NAME=VALUE",
+                      help=f"argument of {of}; once for each")  # fmt: skip
+
+
+def xacro_arguments(given: list[str]) -> dict[str, str]:
+    """Values of a xacro's arguments by name.
+
+    Args:
+        given: Of each `--xacro-arg`.
+
+    Raises:
+        InputError: If one has no name, or no value, or stands twice.
+    """
+    arguments: dict[str, str] = {}
+    for text in given:
+        name, sign, value = text.partition("=")
+        if not name or not sign or name in arguments:
+            raise InputError("--xacro-arg", "must be NAME=VALUE, each name once.", value=text)
+        arguments[name] = value
+    return arguments
+
+
 def require(package: str, option: str, extra: str, *, wanted: bool) -> None:
     """Fail before any work if an option's package is missing."""
     from importlib.util import find_spec
