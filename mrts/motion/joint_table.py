@@ -84,11 +84,10 @@ class JointTable(InNotebooks):
             names: Column to what it is called then.
         """
         parts = ("positions", "velocities", "accelerations", "differentiated", "smoothed", "splines", "unusable")
-        by_column: dict[str, Any] = {part: getattr(self, part) for part in parts}
-        return replace(self, **{
-            part: {names.get(name, name): value for name, value in columns.items()}
-            for part, columns in by_column.items()
-        })  # fmt: skip
+        changed: dict[str, Any] = {
+            part: {names.get(name, name): value for name, value in getattr(self, part).items()} for part in parts
+        }
+        return replace(self, **changed)
 
     def of(self, joints: list[str]) -> "JointTable":
         """The part of a table that a cell needs, checked.
