@@ -311,8 +311,8 @@ def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
     say(f"{cell}: {len(proposal.request.arms)} arms hold {proposal.mass:g} kg", "strong")
     say(f"{motion}: up by {lift:g} m in {proposal.motion['duration']:g} s", "strong")
     say(proposal.result.sentence())
-    say(f"{NO_COLLISIONS}: look at it first\n", "note")
-    say("View it, ask how fast it may be played, then put your own numbers in:")
+    say(f"{NO_COLLISIONS}\n", "note")
+    say("Look at it, ask how fast it may be played, then put your own numbers in:")
     files = f"{shlex.quote(str(cell))} {shlex.quote(str(motion))}"
     say(f"  mrts view {files}")
     say(f"  mrts scale {files}")

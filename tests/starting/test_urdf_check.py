@@ -38,7 +38,7 @@ BROKEN = {
          (r'velocity="[^"]*"', 'velocity="-1"')],
         ["link 'shoulder' inertia", "joint 'shoulder_pan'", "joint 'shoulder_pan' velocity limit"],
     ),
-    "chain": ([(r'<child link="tool0"/>', '<child link="tool1"/>')], ["joint 'tool'"]),
+    "chain": ([(r'<child link="tool0"/>', '<child link="tool1"/>')], ["joint 'flange'"]),
     "no XML": ([(r"</robot>", "")], [""]),
 }  # fmt: skip
 
