@@ -14,9 +14,10 @@ NAMED = 0.05
 """Part of a direction from which on it is named."""
 
 POSTURES = 3
-"""Of which the best counts: the first is the arm's own, and may be singular; the others are random."""
+"""Of which the best counts: the first is the arm's own, and may be singular; the others are anywhere."""
 
-SEED = 7
+GOLDEN = 0.5 * (5**0.5 - 1)
+"""Its multiples, whole turns aside, are spread evenly."""
 
 TWIST = tuple(f"{move} {axis}" for move in ("along", "about") for axis in "xyz")
 """Components of a twist in words."""
@@ -28,8 +29,8 @@ def postures_for_rank(own: Array) -> Array:
     Args:
         own: The first of them, Shape (n,).
     """
-    others = np.random.default_rng(SEED).uniform(-1, 1, (POSTURES - 1, len(own)))
-    return np.concatenate([own[None], others])
+    others = 2 * (np.arange(1, (POSTURES - 1) * len(own) + 1) * GOLDEN % 1) - 1
+    return np.concatenate([own[None], others.reshape(POSTURES - 1, len(own))])
 
 
 def lacking_freedom(joints: Sequence[str], q: Array, jacobians: Array, rows: Sequence[int]) -> str:
