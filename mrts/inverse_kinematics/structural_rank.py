@@ -57,7 +57,7 @@ def lacking_freedom(joints: Sequence[str], q: Array, jacobians: Array, rows: Seq
         combined = "; ".join(_combination(direction, rows) for direction in left[best, :, rank:].T)
         posture = ", ".join(f"{position:.3g}" for position in q[best])
         lost = f"Which are lost depends on the posture: at [{posture}] it does not move {combined} (base axes)"
-    dependent = np.linalg.norm(right[best, rank:], axis=0) > NAMED
+    dependent = np.linalg.norm(right[best, rank:], axis=0) > DEPENDENT
     together = np.linalg.svd(jacobians[best][:, dependent], compute_uv=False)
     some = f"{', '.join(name for name, is_one in zip(joints, dependent, strict=True) if is_one)} together give only"
     part = f"{some} {int(np.sum(together > DEPENDENT * values[best, 0]))}. " if np.any(dependent) else ""
