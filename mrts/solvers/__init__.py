@@ -41,9 +41,15 @@ def _kernel() -> BatchSolver:
 
 
 def _qpoases() -> BatchSolver:
-    from mrts.solvers.qpsol import QpoasesSolver  # noqa: PLC0415 (CasADi is not needed otherwise)
+    from mrts.solvers.qpsol import QpsolSolver  # noqa: PLC0415 (CasADi is not needed otherwise)
 
-    return QpoasesSolver()
+    return QpsolSolver("qpoases")
+
+
+def _daqp() -> BatchSolver:
+    from mrts.solvers.qpsol import QpsolSolver  # noqa: PLC0415 (likewise)
+
+    return QpsolSolver("daqp")
 
 
 def _scipy_highs() -> BatchSolver:
@@ -59,7 +65,8 @@ SOLVERS: dict[str, Callable[[], BatchSolver]] = {
 }
 
 FALLBACKS = ("scipy:highs", "qpsol:qpoases")
-"""Asked in this order for what the chosen solver does not get right; between them they solve both kinds."""
+"""Asked in this order for what the chosen solver does not get right; between them they solve both kinds. Last of all
+DAQP is asked, no choice by itself, for the quadratic programs that qpOASES leaves."""
 
 
 def with_fallbacks(name: str) -> Iterator[BatchSolver]:
@@ -69,7 +76,8 @@ def with_fallbacks(name: str) -> Iterator[BatchSolver]:
         InputError: If there is no such solver.
     """
     check_solver(name)
-    return (SOLVERS[each]() for each in (name, *(other for other in FALLBACKS if other != name)))
+    asked = (SOLVERS[each] for each in (name, *(other for other in FALLBACKS if other != name)))
+    return (make() for make in (*asked, _daqp))
 
 
 def check_solver(name: str) -> None:

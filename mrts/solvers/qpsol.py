@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""qpOASES by CasADi's `qpsol`, through `conic`: its interface for programs given by matrices."""
+"""qpOASES and DAQP by CasADi's `qpsol`, through `conic`: its interface for programs given by matrices."""
 
 import contextlib
 import io
@@ -10,11 +10,22 @@ import numpy as np
 
 from mrts.base.arrays import Array
 
-OPTIONS: dict[str, Any] = {"printLevel": "none", "error_on_fail": False}
+OPTIONS: dict[str, dict[str, Any]] = {
+    "qpoases": {"printLevel": "none", "error_on_fail": False},
+    "daqp": {"error_on_fail": False},
+}
+"""By plugin: qpoases solves both kinds of program, daqp quadratic ones only."""
 
 
-class QpoasesSolver:
-    """Linear and quadratic programs; a whole batch is one call of a mapped solver."""
+class QpsolSolver:
+    """One plugin; a whole batch is one call of a mapped solver.
+
+    Args:
+        plugin: Key of `OPTIONS`.
+    """
+
+    def __init__(self, plugin: str) -> None:
+        self.plugin = plugin
 
     def solve(
         self,
@@ -54,7 +65,7 @@ class QpoasesSolver:
         structure = {"a": ca.Sparsity.dense(rows, unknowns), "h": hessian}
         # qpOASES greets on standard output whatever its print level
         with contextlib.redirect_stdout(io.StringIO()):
-            solver = ca.conic("program", "qpoases", structure, OPTIONS)
+            solver = ca.conic("program", self.plugin, structure, OPTIONS[self.plugin])
             solved: dict[str, Any] = solver.map(count)(
                 **{name: ca.DM(argument) for name, argument in arguments.items()}
             )
