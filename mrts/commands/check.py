@@ -11,7 +11,7 @@ from mrts.commands.options.common import add_xacro_arg, xacro_arguments
 from mrts.console.exit_codes import BAD_INPUT, FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
-from mrts.console.terminal import put, say
+from mrts.console.terminal import fail, put, say
 
 if TYPE_CHECKING:
     from mrts.diagnosis.cell_check import CellCheck
@@ -55,6 +55,9 @@ def run(options: argparse.Namespace) -> int:
             say(line, "note" if line.startswith(("hint:", "warning:")) else "plain")
         for line in outputs.lines():
             say(line)
+    if found.status == "wrong-input" and (options.json is not None or options.quiet):
+        place = "" if options.json is None else f" (all of it: {options.json})"
+        fail(f"error: {found.outcome()}{place}")
     return outputs.code(CODES[found.status])
 
 
