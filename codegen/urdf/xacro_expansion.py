@@ -44,7 +44,7 @@ def _expanded(path: Path, arguments: Mapping[str, str], most_bytes: int, warning
     """The answer where the xacro can be expanded; adds to `warnings`."""
 
     def folder(package: str) -> str:
-        from mrts.base.formats.package_uri import no_package, package_folder  # noqa: PLC0415 (only where a package is named)
+        from mrts.base.formats.package_uri import package_folder  # noqa: PLC0415 (only where a package is named)
 
         found = package_folder(package, path)
         if found is None:
@@ -87,6 +87,8 @@ def _rule(error: BaseException) -> str | None:
     reason = " ".join(str(error).split()) or type(error).__name__
     package = re.search(r"Package not found: (\S+)", reason)  # all that xacrodoc says, twice
     if package is not None:
+        from mrts.base.formats.package_uri import no_package  # noqa: PLC0415 (likewise)
+
         return f"includes a file of a package: {no_package(package[1])}."
     return f"cannot be expanded ({reason}).{advice if missing else ''}"
 
