@@ -108,7 +108,7 @@ bench: install $(VENV)/bench  ## measure speed against what a user would otherwi
 
 differential: CASES = 1000
 differential: install  ## ask CASES random questions, from SEED on, of this state and of the revision BEFORE; exit 1 if answers differ
-	$(BIN)/python benchmarks/differential/compare.py $(BEFORE) $(CASES) $(SEED)
+	$(BIN)/python benchmarks/differential/compare.py $(or $(BEFORE),$(error BEFORE names no revision)) $(CASES) $(SEED)
 
 instructions: install  ## count instructions of a sample and of whole calls (needs gcc and valgrind)
 	$(BIN)/python benchmarks/range/instructions.py

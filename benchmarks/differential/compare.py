@@ -185,8 +185,8 @@ def main(before: str, cases: int = 1000, seed: int = 0) -> bool:
     folder = FOLDER / f"{seed}-{cases}"
     write_cases(folder / "cases", seed, range(cases))
     old = FOLDER / before
-    if not old.is_dir():
-        old.mkdir(parents=True)
+    old.mkdir(parents=True, exist_ok=True)
+    if not (old / "mrts_codegen").exists():  # it is put there last
         checked_out(before, old)
     first = answers_of_state(old, folder / "cases", folder / "before")
     return compared(first, answers_of_state(ROOT, folder / "cases", folder / "now"))

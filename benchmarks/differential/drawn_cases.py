@@ -8,7 +8,6 @@ where arms stand and hold, limits, hands, motors, load and motion are drawn for 
 import json
 import re
 import sys
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -24,6 +23,7 @@ from answers import BLOCK
 from cell_bank import PROFILES, random_wrench_limits
 from conftest import ROOT
 from damaged_cells import HINTS, MISTAKES
+from motion_tables import QUATERNION_NAMES, write_table
 from random_cells import (
     PLANES,
     Structure,
@@ -35,75 +35,44 @@ from random_cells import (
     spatial_structure,
 )
 
-DATA = ROOT / "mrts" / "data"
-
-
-def shipped(cell: str, motion: str, robots: int | None = None) -> Structure:
-    """A shipped cell, or its first robots alone."""
-    description = yaml.safe_load((DATA / cell / "cell.yaml").read_text(encoding="utf-8"))
-    description["robots"] = description["robots"][:robots]
-    urdfs = {}
-    for robot in description["robots"]:
-        path = DATA / cell / robot["urdf"]
-        robot["urdf"], urdfs[path.name] = path.name, path.read_text(encoding="utf-8")
-    start = yaml.safe_load((DATA / cell / motion).read_text(encoding="utf-8"))["start"]
-    return Structure(description, urdfs, frame(start))
-
-
-def planar(plane: str, arms: int) -> Callable[[], Structure]:
-    """Random planar arms."""
-    return lambda: planar_structure(np.random.default_rng([arms, ord(plane[0])]), plane, arms)
-
-
-def spatial(arms: int, joints: int = 6, number: int = 0) -> Callable[[], Structure]:
-    """Random spatial arms."""
-    return lambda: spatial_structure(np.random.default_rng([arms, joints, number]), arms, joints)
-
-
-BANK: tuple[Callable[[], Structure], ...] = (
-    planar("xy", 2),
-    lambda: shipped("dual_ur5", "lift_and_turn.yaml"),
-    spatial(1),
-    lambda: shipped("squeeze", "lift_and_turn.yaml"),
-    planar("xz", 1),
-    spatial(2, 7),
-    planar("xy", 3),
-    lambda: shipped("planar_dual_arm", "lift.yaml"),
-    spatial(2),
-    lambda: shipped("uncertain_load", "lift_and_turn.yaml"),
-    planar("yz", 4),
-    lambda: shipped("upper_body", "lift.yaml"),
-    spatial(3),
-    lambda: shipped("dual_ur5", "lift_and_turn.yaml", 1),
-    planar("xz", 2),
-    lambda: shipped("redundant", "lift.yaml"),
-    spatial(4),
-    planar("xy", 1),
-    lambda: shipped("redundant", "lift.yaml", 1),
-    spatial(2, number=1),
-    planar("yz", 3),
-    lambda: shipped("three_arms", "lift_and_turn.yaml"),
-    spatial(1, 7),
-    planar("xy", 4),
-    spatial(3, 7),
-    planar("yz", 2),
-    spatial(4, number=1),
-)
+BANK: tuple[tuple[Any, ...], ...] = (
+    ("xy", 2), ("dual_ur5", 2), ("spatial", 1, 6, 0), ("squeeze", 2), ("xz", 1), ("spatial", 2, 7, 0), ("xy", 3),
+    ("planar_dual_arm", 2), ("spatial", 2, 6, 0), ("uncertain_load", 2), ("yz", 4), ("upper_body", 2),
+    ("spatial", 3, 6, 0), ("dual_ur5", 1), ("xz", 2), ("redundant", 2), ("spatial", 4, 6, 0), ("xy", 1),
+    ("redundant", 1), ("spatial", 2, 6, 1), ("yz", 3), ("three_arms", 3), ("spatial", 1, 7, 0), ("xy", 4),
+    ("spatial", 3, 7, 0), ("yz", 2), ("spatial", 4, 6, 1),
+)  # fmt: skip
+"""Planar arms in a plane, spatial arms (with how many joints, and a number), and the first arms of shipped cells."""
 
 
 @cache
 def structure(place: int) -> tuple[Structure, list[Any]]:
-    """A structure of the bank, and Pinocchio's model of each arm."""
-    found = BANK[place]()
+    """A structure of the bank, its start as a transform, and Pinocchio's model of each arm."""
+    kind, arms, *more = BANK[place]
+    if kind in PLANES:
+        found = planar_structure(np.random.default_rng([arms, ord(kind[0])]), kind, arms)
+        found.start = in_plane(kind, *found.start)
+    elif kind == "spatial":
+        found = spatial_structure(np.random.default_rng([arms, *more]), arms, more[0])
+    else:
+        found = shipped(kind, arms)
     with TemporaryDirectory() as folder:
         for name, text in found.urdfs.items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
         robots = found.description["robots"]
-        models = [chain_model(Path(folder) / robot["urdf"], robot["tip_link"]) for robot in robots]
-    if "plane" in found.description and not isinstance(found.start, pin.SE3):
-        position, angle = found.start
-        found.start = in_plane(found.description["plane"], position, angle)
-    return found, models
+        return found, [chain_model(Path(folder) / robot["urdf"], robot["tip_link"]) for robot in robots]
+
+
+def shipped(name: str, arms: int) -> Structure:
+    """The first arms of a shipped cell, where its motion starts."""
+    folder = ROOT / "mrts" / "data" / name
+    motion = yaml.safe_load(next(folder.glob("lift*.yaml")).read_text(encoding="utf-8"))
+    description, urdfs = yaml.safe_load((folder / "cell.yaml").read_text(encoding="utf-8")), {}
+    description["robots"] = description["robots"][:arms]
+    for robot in description["robots"]:
+        path = folder / robot["urdf"]
+        robot["urdf"], urdfs[path.name] = path.name, path.read_text(encoding="utf-8")
+    return Structure(description, urdfs, frame(motion["start"]))
 
 
 def frame(pose: dict[str, Any]) -> Any:
@@ -134,7 +103,7 @@ class Draw:
         cell: Of the cell file.
         urdfs: Texts by file name.
         motion: Of the motion file.
-        table: A CSV file beside it, or nothing.
+        table: Columns of a CSV file beside it, or nothing.
     """
 
     def __init__(self, seed: int, number: int) -> None:
@@ -146,7 +115,7 @@ class Draw:
         faster = (lambda limit: f'velocity="{factor * float(limit[1]):.17g}"') if self.random else "\\g<0>"
         self.urdfs = {name: re.sub(r'velocity="([^"]+)"', faster, text) for name, text in found.urdfs.items()}
         self.cell = json.loads(json.dumps(found.description | {"name": f"case{number}"}))
-        self.table = ""
+        self.table: dict[str, Any] = {}
         self._places(found.start)
         self._limits()
         self._load()
@@ -198,13 +167,8 @@ class Draw:
         keep = not self.random and self.chance(0.5)
         for robot in self.cell["robots"]:
             joints = len(robot["posture"])
-            if self.random:
-                torque = (
-                    self.rng.uniform([40, 25, 6], [90, 50, 15]) if self.plane else self.rng.uniform(30, 100, joints)
-                )
-            else:
-                torque = self.rng.uniform(0.5, 1) * np.linspace(150, 28, joints)
-            torque = (level if self.random else max(level, 1) ** 0.5) * torque
+            usual = np.linspace(*((60, 10) if self.plane else (65, 65) if self.random else (150, 28)), joints)
+            torque = (level if self.random else max(level, 1) ** 0.5) * self.rng.uniform(0.5, 1.5, joints) * usual
             robot["torque"] = torque.tolist()
             if not keep:
                 robot.pop("wrench", None), robot.pop("contact", None)
@@ -235,9 +199,8 @@ class Draw:
         if kind == "gripper":
             return {"gripper": surface | {"force": force, "axis": direction}}
         bound = rng.uniform(20, 200, len(self.components()))
-        return {
-            "box": {"lower": (-bound).tolist(), "upper": bound.tolist(), "frame": str(rng.choice(["tip", "object"]))}
-        }
+        sides = {"lower": (-bound).tolist(), "upper": bound.tolist()}
+        return {"box": sides | {"frame": str(rng.choice(["tip", "object"]))}}
 
     def _motors(self, torque: Any) -> dict[str, Any]:
         """Rotor inertia, friction, a curve and rates, in proportion to the torques."""
@@ -292,17 +255,13 @@ class Draw:
         columns = {"t": duration * share}
         if kind != "joints":
             rows = np.array([pin.SE3ToXYZQUAT(pose) for pose in poses])
-            columns |= dict(zip(("px", "py", "pz", "qx", "qy", "qz", "qw"), rows.T, strict=True))
+            columns |= dict(zip(QUATERNION_NAMES, rows.T, strict=True))
         else:
             for robot, model in zip(self.cell["robots"], self.models, strict=True):
                 joints = self._followed(robot, model, poses)
                 names = [f"q.{robot['name']}/{name}" for name in list(model.names)[1:]]
                 columns |= dict(zip(names, joints.T, strict=True))
-        lines = [
-            ",".join(columns),
-            *(",".join(f"{value:.12g}" for value in row) for row in np.array(list(columns.values())).T),
-        ]
-        self.table = "\n".join(lines) + "\n"
+        self.table = columns
         return {"joints" if kind == "joints" else "file": "motion.csv"}
 
     def _followed(self, robot: dict[str, Any], model: Any, poses: list[Any]) -> Any:
@@ -366,8 +325,10 @@ class Draw:
             "motion.yaml": yaml.safe_dump(self.motion),
             "questions.json": json.dumps(self.questions()),
         }
-        for name, text in (texts | ({"motion.csv": self.table} if self.table else {})).items():
+        for name, text in texts.items():
             (folder / name).write_text(text, encoding="utf-8")
+        if self.table:
+            write_table(folder / "motion.csv", self.table)
 
 
 def write_cases(folder: Path, seed: int, numbers: range) -> None:
