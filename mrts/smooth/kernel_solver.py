@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Our own interior point for the programs of smooth timing; see mrts/kernel/c/smooth/interior_point.h."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,13 @@ NEAR = 0.1
 """Share by which a step may have moved any x for the next one to start from its iterates: tangents change as much."""
 
 
+EFFORTS = 1e4
+"""Weight of the share by which limits of rates are passed against the effort of a profile at its start."""
+
+DURATIONS = 100.0
+"""Likewise against its duration."""
+
+
 @dataclass(frozen=True)
 class _Answer:
     """An answer that a next step may start from."""
@@ -21,6 +28,16 @@ class _Answer:
     goal: Goal
     x: Array
     work: Array
+
+
+@dataclass(frozen=True)
+class _Start:
+    """Where a program starts, and where its answer goes: tangents, x, u and F."""
+
+    around: Array
+    x: Array
+    u: Array
+    free: Array
 
 
 class KernelSolver:
@@ -54,27 +71,62 @@ class KernelSolver:
             return free
         timed = [np.array(of, dtype=np.float64) for of in (x, u)]
         ask = Ask(around=timed[0].copy(), effort=1.0, timed=True, held=_given(program.end_free))
-        found, self.iterations, _ = self._programs.solve(self._packed(program), ask, timed[0], timed[1], free)
-        return free if found else None
+        for relaxed in (0.0, EFFORTS):  # where limits leave hardly any room, multipliers of relaxed ones stay finite
+            given = free.copy()
+            solved = self._programs.solve(
+                self._packed(program), replace(ask, relaxed=relaxed), timed[0], timed[1], given
+            )
+            self.iterations = solved.iterations
+            if solved.found:
+                return given
+        return None
+
+    def nearest(self, program: SmoothProgram, around: Array) -> tuple[SmoothProfile, float] | None:
+        """The profile whose rates pass their limits least, the duration weighed little; all else is as in `step`.
+
+        Args:
+            program: The program.
+            around: x > 0 where tangents are laid, Shape (n,).
+
+        Returns:
+            It and by what share; None where the other limits cannot be kept.
+        """
+        start = self._start(program, around)
+        ask = replace(self._ask(program, start.around, Goal()), relaxed=DURATIONS)
+        solved = self._programs.solve(self._packed(program), ask, start.x, start.u, start.free)
+        self.iterations = solved.iterations
+        return (SmoothProfile(start.x, start.u, start.free), solved.share) if solved.found else None
 
     def _step(self, program: SmoothProgram, around: Array, goal: Goal, *, moving: bool) -> SmoothProfile | None:
+        last, self._last = self._last, None
+        known = last and last.program is program and last.goal == goal.evened(0.0) and np.array_equal(last.x, around)
+        for work in (last.work, None) if last and known else (None,):  # the start far from the limits is the safer one
+            start = self._start(program, around)
+            ask = replace(self._ask(program, start.around, goal), moving=moving, last=work)
+            solved = self._programs.solve(self._packed(program), ask, start.x, start.u, start.free)
+            self.iterations = solved.iterations
+            if not solved.found:
+                continue
+            if moving or np.max(np.abs(start.x / start.around - 1)) <= NEAR:
+                self._last = _Answer(program, goal.evened(0.0), start.x.copy(), solved.work)
+            return SmoothProfile(start.x, start.u, start.free)
+        return None
+
+    @staticmethod
+    def _start(program: SmoothProgram, around: Array) -> "_Start":
         touched = np.array(around, dtype=np.float64)
-        x, u, free = touched.copy(), np.zeros(program.nodes), _free(program)
+        x = touched.copy()
         for place, given in zip((0, -1), program.ends, strict=True):
             x[place] = touched[place] if given is None else given
-        last, self._last = self._last, None
-        known = last and last.program is program and last.goal == goal.evened(0.0) and np.array_equal(last.x, touched)
-        ask = Ask(
-            around=touched, time=goal.time, effort=goal.effort, moving=moving,
-            longest=np.inf if goal.longest is None else goal.longest, uneven=goal.uneven,
-            given=_given(program.ends), held=_given(program.end_free), last=last.work if last and known else None,
+        return _Start(touched, x, np.zeros(program.nodes), _free(program))
+
+    @staticmethod
+    def _ask(program: SmoothProgram, around: Array, goal: Goal) -> Ask:
+        return Ask(
+            around=around, time=goal.time, effort=goal.effort, uneven=goal.uneven,
+            longest=np.inf if goal.longest is None else goal.longest,
+            given=_given(program.ends), held=_given(program.end_free),
         )  # fmt: skip
-        found, self.iterations, work = self._programs.solve(self._packed(program), ask, x, u, free)
-        if not found:
-            return None
-        if moving or np.max(np.abs(x / touched - 1)) <= NEAR:
-            self._last = _Answer(program, goal.evened(0.0), x.copy(), work)
-        return SmoothProfile(x, u, free)
 
     def _packed(self, program: SmoothProgram) -> PathRows:
         """Arrays of a program, kept for the next step on it."""
