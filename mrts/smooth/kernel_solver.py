@@ -13,7 +13,7 @@ NEAR = 0.1
 """Share by which a step may have moved any x for the next one to start from its iterates: tangents change as much."""
 
 
-EFFORTS = 1e4
+EFFORTS = 1e8
 """Weight of the share by which limits of rates are passed against the effort of a profile at its start."""
 
 DURATIONS = 100.0
