@@ -13,11 +13,11 @@ NEAR = 0.1
 """Share by which a step may have moved any x for the next one to start from its iterates: tangents change as much."""
 
 
-EFFORTS = 1e8
-"""Weight of the share by which limits of rates are passed against the effort of a profile at its start."""
-
 DURATIONS = 100.0
-"""Likewise against its duration."""
+"""Weight of the share by which limits of rates are passed, against the duration of the profile that is started from."""
+
+KEPT = 1e-7
+"""Excess over a limit that an answer may have, as a share of it: far below any tolerance."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,7 @@ class KernelSolver:
 
     Attributes:
         iterations: How many the last program took.
+        steps: Profiles that were found.
 
     Raises:
         CompilerError: If there is no C compiler, or it fails.
@@ -54,32 +55,51 @@ class KernelSolver:
         self._programs = smooth_programs()
         self._rows: tuple[SmoothProgram, PathRows] | None = None
         self._last: _Answer | None = None
-        self.iterations = 0
+        self.iterations = self.steps = 0
 
     def step(self, program: SmoothProgram, around: Array, goal: Goal) -> SmoothProfile | None:
-        """See `SmoothSolver.step`."""
+        """The best profile where what is not convex is replaced by what is stricter, touching it at a profile.
+
+        Δt of limited changes and 1/√x of limited jerks are replaced by their tangents, which lie below them; root √x by
+        its tangent on the side of a row where it presses towards the limit, and so root² √x of the effort.
+
+        Args:
+            program: The program.
+            around: x > 0 where tangents are laid, Shape (n,).
+            goal: What is the best.
+
+        Returns:
+            The profile, within all limits, or None where none is found.
+        """
         return self._step(program, around, goal, moving=False)
 
     def near(self, program: SmoothProgram, around: Array, goal: Goal) -> SmoothProfile | None:
-        """See `NearSolver.near`: the tangents follow the iterates."""
+        """A profile within all limits that steps would hardly better: the tangents follow the iterates.
+
+        Args:
+            program: The program.
+            around: x > 0 to start from, Shape (n,).
+            goal: What is the best.
+        """
         return self._step(program, around, goal, moving=True)
 
     def torques(self, program: SmoothProgram, x: Array, u: Array) -> Array | None:
-        """See `SmoothSolver.torques`."""
+        """F of the least effort at a given timing, Shape (n, f); None where none is found.
+
+        Args:
+            program: The program.
+            x: Shape (n,).
+            u: Shape (n,).
+        """
+        program = program.without_jerks()
         free = _free(program)
         if free.shape[1] == 0:
             return free
         timed = [np.array(of, dtype=np.float64) for of in (x, u)]
         ask = Ask(around=timed[0].copy(), effort=1.0, timed=True, held=_given(program.end_free))
-        for relaxed in (0.0, EFFORTS):  # where limits leave hardly any room, multipliers of relaxed ones stay finite
-            given = free.copy()
-            solved = self._programs.solve(
-                self._packed(program), replace(ask, relaxed=relaxed), timed[0], timed[1], given
-            )
-            self.iterations = solved.iterations
-            if solved.found:
-                return given
-        return None
+        solved = self._programs.solve(self._packed(program), ask, timed[0], timed[1], free)
+        self.iterations = solved.iterations
+        return free if solved.found and program.excess(*timed, free) <= KEPT else None
 
     def nearest(self, program: SmoothProgram, around: Array) -> tuple[SmoothProfile, float] | None:
         """The profile whose rates pass their limits least, the duration weighed little; all else is as in `step`.
@@ -95,6 +115,7 @@ class KernelSolver:
         ask = replace(self._ask(program, start.around, Goal()), relaxed=DURATIONS)
         solved = self._programs.solve(self._packed(program), ask, start.x, start.u, start.free)
         self.iterations = solved.iterations
+        self.steps += solved.found
         return (SmoothProfile(start.x, start.u, start.free), solved.share) if solved.found else None
 
     def _step(self, program: SmoothProgram, around: Array, goal: Goal, *, moving: bool) -> SmoothProfile | None:
@@ -105,8 +126,9 @@ class KernelSolver:
             ask = replace(self._ask(program, start.around, goal), moving=moving, last=work)
             solved = self._programs.solve(self._packed(program), ask, start.x, start.u, start.free)
             self.iterations = solved.iterations
-            if not solved.found:
+            if not (solved.found and _kept(program, start)):
                 continue
+            self.steps += 1
             if moving or np.max(np.abs(start.x / start.around - 1)) <= NEAR:
                 self._last = _Answer(program, goal.evened(0.0), start.x.copy(), solved.work)
             return SmoothProfile(start.x, start.u, start.free)
@@ -135,6 +157,11 @@ class KernelSolver:
             arrays = {name: getattr(program, name) for name in (*names, "q1", "q2", "q3", "jerk")}
             self._rows = program, path_rows(program.free, program.columns, **arrays)
         return self._rows[1]
+
+
+def _kept(program: SmoothProgram, found: _Start) -> bool:
+    """Whether a profile keeps all limits."""
+    return bool(np.all(found.x > 0)) and program.excess(found.x, found.u, found.free) <= KEPT
 
 
 def _free(program: SmoothProgram) -> Array:

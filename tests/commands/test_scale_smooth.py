@@ -170,7 +170,7 @@ def test_steps_are_counted_and_control_c_ends_them(tmp_path):
     motion = yaml.safe_load((DATA / "lift.yaml").read_text()) | {"samples": 4001}
     path = tmp_path / "long.yaml"
     path.write_text(yaml.safe_dump(motion))
-    command = [*MRTS, "scale", CELL, path, "--profile", "smooth", "--rates", "11.5", "--solver", "conic", "--json"]
+    command = [*MRTS, "scale", CELL, path, "--profile", "smooth", "--rates", "11.5", "--json"]
     done = at_terminal([*command, tmp_path / "answer.json"], keys=[(" of ", "\x03")], COLUMNS="150")
     assert done.code == 130, done.shown
     assert done.shown.endswith("mrts: interrupted\x1b[0m\r\n")

@@ -4,14 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conic_timing import ConicSolver
 from smooth_paths import smooth_path
 
-from mrts.base.errors import CompilerError
-from mrts.smooth import kernel_solver
-from mrts.smooth.conic import ConicSolver
 from mrts.smooth.kernel_solver import KernelSolver
 from mrts.smooth.program import Goal
-from mrts.smooth.smooth_solvers import CheckedSolver
 from mrts.smooth.successive_steps import cost
 
 KINDS = {
@@ -198,23 +195,3 @@ def test_numbers_of_any_size_get_an_answer_that_is_one_or_none(name, number):
         if found is not None:
             assert np.all(found.x > 0)
             assert all(np.all(np.isfinite(each)) for each in (found.x, found.u, found.free))
-
-
-def test_without_a_compiler_clarabel_answers(monkeypatch):
-    def none():
-        raise CompilerError("there is none")
-
-    monkeypatch.setattr(kernel_solver, "smooth_programs", none)
-    program, base = smooth_path(np.random.default_rng(1), 9, **KINDS["two arms"])
-    solver = CheckedSolver("kernel")
-    found, theirs = solver.step(program, base.x, Goal()), ConicSolver.step(program, base.x, Goal())
-    assert np.array_equal(found.x, theirs.x)
-    assert solver.near(program, base.x, Goal()) is None
-
-
-def test_what_the_kernel_cannot_do_is_counted(monkeypatch):
-    monkeypatch.setattr(KernelSolver, "step", lambda *_: None)
-    program, base = smooth_path(np.random.default_rng(1), 9, **KINDS["two arms"])
-    solver = CheckedSolver("kernel")
-    assert solver.step(program, base.x, Goal()) is not None
-    assert solver.fallbacks == 1
