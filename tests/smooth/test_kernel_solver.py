@@ -28,6 +28,9 @@ KEPT = 1e-8
 FORESEEN = 2e-3
 """Share by which a step may better what was foreseen: tangents are laid the last time a little before the end."""
 
+RELAXED = 0.05
+"""Share of what rates pass their limits by, where the duration counts a little besides."""
+
 THIN = 1e-5
 """Share of the effort where limits leave hardly any room: Clarabel stops this far from the least."""
 
@@ -195,3 +198,31 @@ def test_numbers_of_any_size_get_an_answer_that_is_one_or_none(name, number):
         if found is not None:
             assert np.all(found.x > 0)
             assert all(np.all(np.isfinite(each)) for each in (found.x, found.u, found.free))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_rates_are_passed_by_the_least_share(kind):
+    """By next to none where a profile keeps them, though tangents are laid where none does."""
+    solver = KernelSolver()
+    for program, base, _ in programs(kind, 2, 8):
+        found, share = solver.nearest(program, base.x)
+        assert share <= KEPT
+        assert program.excess(found.x, found.u, found.free) <= KEPT
+        small = replace(program, change=program.change / 1e3, jerk=program.jerk / 1e3)
+        ours, theirs = solver.nearest(small, base.x), ConicSolver.nearest(small, base.x)
+        assert (ours is None) == (theirs is None)
+        if ours is not None:
+            assert theirs[1] - AGREES <= ours[1] <= theirs[1] * (1 + RELAXED) + AGREES
+
+
+def test_torques_at_rates_that_leave_one_way_are_found():
+    """A change that is as large as the fastest timing takes, to its last digits: no room is left around the torques."""
+    solver, rng = KernelSolver(), np.random.default_rng(9)
+    for _ in range(4):
+        program, base = smooth_path(rng, 40, **KINDS["two arms"])
+        fastest = solver.step(program, base.x, Goal())
+        values = program.values(fastest.x, fastest.u, fastest.free)
+        moved = np.max(np.abs(np.diff(values, axis=0)) / program.times(fastest.x)[:, None], axis=0)
+        tight = replace(program, change=np.where(np.isfinite(program.change), moved * (1 + 1e-8), np.inf))
+        free = solver.torques(tight, fastest.x, fastest.u)
+        assert tight.excess(fastest.x, fastest.u, free) <= KEPT
