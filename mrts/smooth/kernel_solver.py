@@ -99,7 +99,7 @@ class KernelSolver:
         ask = Ask(around=timed[0].copy(), effort=1.0, timed=True, held=_given(program.end_free))
         solved = self._programs.solve(self._packed(program), ask, timed[0], timed[1], free)
         self.iterations = solved.iterations
-        return free if solved.found and program.excess(*timed, free) <= KEPT else None
+        return free if solved.found and program.excess(timed[0], timed[1], free) <= KEPT else None
 
     def nearest(self, program: SmoothProgram, around: Array) -> tuple[SmoothProfile, float] | None:
         """The profile whose rates pass their limits least, the duration weighed little; all else is as in `step`.
