@@ -185,15 +185,11 @@ def _scale(
     with working("writing"):  # files first: whoever reads the lines may go away
         _write(options, result, outputs)
     code = _answered(options, result, scaling_lines(result), outputs)
-    _say_fallbacks(options, result.fallbacks)
-    return code
-
-
-def _say_fallbacks(options: argparse.Namespace, count: int) -> None:
-    if count and str(options.json) != "-":
+    if result.fallbacks and str(options.json) != "-":
         from mrts.scaling.result import fallbacks_text
 
-        warn(fallbacks_text(count))
+        warn(fallbacks_text(result.fallbacks))
+    return code
 
 
 def _answered(
@@ -251,9 +247,7 @@ def _retime(
         lines = list(retiming_lines(found))
     with working("writing"):  # files first: whoever reads the lines may go away
         _write_timing(options, found, outputs)
-    code = _answered(options, found, lines, outputs)
-    _say_fallbacks(options, 0 if found.smooth is None else found.smooth.fallbacks)
-    return code
+    return _answered(options, found, lines, outputs)
 
 
 def _write_timing(options: argparse.Namespace, found: "RetimingResult", outputs: Outputs) -> None:
