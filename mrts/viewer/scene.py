@@ -15,6 +15,7 @@ from mrts.cell.cell import Cell
 from mrts.drawing.bodies.cell_shapes import contact_forces, name_place, shares_base
 from mrts.drawing.bodies.cell_view import FIELD_OF_VIEW, look_at_cell
 from mrts.drawing.bodies.held_body import held_body
+from mrts.drawing.bodies.object_surface import object_edges
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.round_numbers import round_down
 from mrts.viewer.player_state import PlayerState
@@ -39,8 +40,8 @@ ARROW = 0.5
 SHORTEST = 1e-3
 """Arrows below this share of the cell's size have no direction worth drawing."""
 
-GHOST = 0.18
-"""Opacity of the object at the start and at the end of its path."""
+OUTLINE, OUTLINE_WIDTH = (196, 138, 24), 1.5
+"""Of the object at the start and at the end of its path: seen on a light page and on a dark one; and pixels."""
 
 FRAME = 0.12
 """Length of a frame's axes, as a share of the cell's size."""
@@ -153,8 +154,8 @@ class ViewerScene:
         self._draw_body(course)
         for name, robot in zip(self._names, course.cell.robots, strict=True):
             name.position = name_place(course.cell, robot)
-        for ghost, at in zip(self._ghosts, (0, -1), strict=True):
-            ghost.position, ghost.wxyz = course.position[at], wxyz(course.rotation[at])
+        for outline, at in zip(self._outlines, (0, -1), strict=True):
+            outline.position, outline.wxyz = course.position[at], wxyz(course.rotation[at])
         for label, at in zip(self._end_names, (0, -1), strict=True):
             label.position = course.position[at]
         self._show_names()
@@ -308,7 +309,7 @@ class ViewerScene:
                 label.text, label.position = words[index]
 
     def _draw_body(self, course: ShownCourse) -> None:
-        """The body that is held, and its ghosts at both ends; drawn anew where its shape changed."""
+        """The body that is held, and its outlines at both ends; drawn anew where its shape changed."""
         body = held_body(course.cell)
         key = body.vertices.tobytes()
         if key == self._body_key:
@@ -316,10 +317,10 @@ class ViewerScene:
         self._body_key = key
         mesh = body.vertices.astype(np.float32), body.faces.astype(np.uint32)
         self._body = self._scene.add_mesh_simple("/object", *mesh, color=OBJECT, opacity=0.9, flat_shading=True)
-        self._ghosts = [
-            self._scene.add_mesh_simple(
-                f"/{name}", *mesh, color=OBJECT, opacity=GHOST, flat_shading=True, cast_shadow=False
-            )
+        edges = object_edges(body.vertices, body.faces)
+        lines = body.vertices[edges if len(edges) else body.faces[:, :2]]  # a ball has no edges
+        self._outlines = [
+            self._scene.add_line_segments(f"/{name}", lines, OUTLINE, thickness=OUTLINE_WIDTH, thickness_units="screen")
             for name in ("start", "goal")
         ]
 
