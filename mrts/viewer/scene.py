@@ -116,11 +116,12 @@ class ViewerScene:
             visible=False,
         )
         thin = 0.4 * radius
+        self._carried = self._scene.add_frame("/carried", show_axes=False)  # a page draws new poses before new arrows
         self._forces, self._moments = (
             self._scene.add_arrows(
                 name, NO_LINES, colour, shaft_radius=thin, head_radius=2.2 * thin, head_length=5 * thin
             )
-            for name, colour in (("/forces", FORCE), ("/moments", MOMENT))
+            for name, colour in (("/carried/forces", FORCE), ("/carried/moments", MOMENT))
         )
         self._gaps = self._scene.add_arrows(
             "/gaps", NO_LINES, GAP, shaft_radius=thin, head_radius=2.2 * thin, head_length=3 * thin
@@ -187,9 +188,9 @@ class ViewerScene:
             contact_forces(cell, robot, moment.position[None], moment.rotation[None], wrench[:, part])
             for robot, part in zip(cell.robots, cell.wrench_slices.values(), strict=True)
         ]
-        points = np.concatenate([contact.point for contact in contacts])
-        forces = np.concatenate([contact.force for contact in contacts])
-        moments = np.concatenate([contact.moment for contact in contacts])
+        points = (np.concatenate([contact.point for contact in contacts]) - moment.position) @ moment.rotation
+        forces = np.concatenate([contact.force for contact in contacts]) @ moment.rotation
+        moments = np.concatenate([contact.moment for contact in contacts]) @ moment.rotation
         self._forces.points = self._arrows(points, forces * self.metres_per_newton)
         self._moments.points = self._arrows(points, moments * self.metres_per_newton_metre)
         self._show_gaps(NO_LINES, [])
@@ -285,7 +286,8 @@ class ViewerScene:
             turn, tip = tip_pose(robot, R, p)
             tips.append(tip)
             rotations.append(turn)
-        self._body.position, self._body.wxyz = position, wxyz(rotation)
+        for part in (self._body, self._carried):
+            part.position, part.wxyz = position, wxyz(rotation)
         for hand, tip in zip(self._hands, tips, strict=True):
             hand.position = tip
         if self._frames.visible:

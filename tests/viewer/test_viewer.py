@@ -190,7 +190,8 @@ def test_what_is_drawn_follows_the_time(make, arms, tmp_path):
         for sample in (0, 4, 10):
             state.choose_time(float(state.trajectory.time[sample]))
             scene.show_moment(state, state.sample)
-            arrows = server.scene.get_handle_by_name("/forces").points
+            arrows = server.scene.get_handle_by_name("/carried/forces").points
+            arrows = moved.position[sample] + arrows @ moved.rotation[sample].T
             contacts = []
             for robot in state.result.cell.robots:
                 contacts.append(moved.position[sample] + moved.rotation[sample] @ robot.T_object_tip.p)

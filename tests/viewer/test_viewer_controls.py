@@ -158,5 +158,5 @@ def test_play_and_pause_have_their_icons(viewer):
 def test_every_number_field_takes_decimal_places(viewer):
     """Of one with none the page drops the point: a typed 1.5 is 15."""
     sliders = [each for each in viewer.controls.values() if isinstance(each, viser.GuiSliderHandle)]
-    assert len(sliders) == 12
+    assert len(sliders) == 13
     assert all(slider.precision >= DECIMALS for slider in sliders)
