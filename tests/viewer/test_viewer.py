@@ -216,7 +216,7 @@ def test_arrows_have_the_length_that_the_panel_states(dual_ur5):
         scene.rescale(state)
         state.choose_time(0.5 * state.trajectory.duration)
         scene.show_moment(state, state.sample)
-        arrows = {name: server.scene.get_handle_by_name(f"/{name}").points for name in ("forces", "moments")}
+        arrows = {name: server.scene.get_handle_by_name(f"/carried/{name}").points for name in ("forces", "moments")}
     finally:
         close_server(server)
     wrench = state.trajectory.wrench[state.sample].reshape(2, 6)
