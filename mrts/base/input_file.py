@@ -20,6 +20,9 @@ MAX_URDF_BYTES = 3_000_000
 LARGEST_NUMBER = 1e12
 """Largest magnitude of a number in an input file, in SI units: anything larger is a mistake and would overflow."""
 
+SMALLEST_NUMBER = 1e-100
+"""Smallest size of a number that is not 0, but for coordinates: what is divided by it stays far from overflow."""
+
 IDENTIFIER = r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$"
 """Letters, digits and single underscores: what C, file names and CasADi all accept."""
 
@@ -92,7 +95,10 @@ def read_data(path: Path, what: str) -> Any:
     """
     text = read_text(path, what, MAX_YAML_BYTES)
     if text.lstrip("\ufeff \n").startswith(XML):
-        rule = f"this is XML, and a {what} belongs here; `mrts new DIR --robot URDF` makes one of a URDF."
+        rule = (
+            f"this is XML, and a {what} belongs here; `mrts new DIR --robot URDF` makes one of a URDF, and `mrts check "
+            "URDF` checks it."
+        )
         raise InputError(path, rule)
     try:
         return parse_yaml(text)

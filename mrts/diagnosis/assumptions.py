@@ -14,6 +14,9 @@ WEIGHTLESS = "no mass in the URDF, so its links weigh nothing: torques come out 
 POINT_MASSES = "a mass but no inertia in the URDF, so it counts as a point: turning it costs too little torque"
 """Said of links."""
 
+NO_COLLISIONS = "collisions are not looked at: not of arms and hands with each other, the object or the room"
+"""Said wherever somebody could think they were: of cells that are begun, checked, or laid out."""
+
 NAMES_SHOWN = 12
 """Joints or links that a sentence names."""
 
@@ -57,6 +60,7 @@ def assumptions(cell: Cell, joints: Sequence[JointSource]) -> Iterator[str]:
         for robot in cell.robots
         if not robot.contacts and not np.any(np.isfinite([robot.wrench_lower, robot.wrench_upper]))
     ]
+    yield NO_COLLISIONS
     if free:
         yield f"hands hold whatever comes: no 'wrench' and no 'contact' ({', '.join(free)})"
 

@@ -3,7 +3,7 @@
 
 import json
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -128,14 +128,11 @@ class CellCheck(InNotebooks):
             "status": self.status,
             "cell": str(self.cell),
             "motion": None if self.motion is None else str(self.motion),
-            "mistakes": [
-                {"where": each.where, "key": each.key or None, "rule": each.rule, "text": str(each)}
-                for each in self.mistakes
-            ],
+            "mistakes": mistakes_json(self.mistakes),
             "hints": [asdict(hint) for hint in self.hints],
             "problem": self.problem or None,
             "arms": [_arm_json(arm) for arm in self.arms],
-            "joints": [_finite(asdict(joint)) for joint in self.joints],
+            "joints": [finite_json(asdict(joint)) for joint in self.joints],
             "assumed": list(self.assumed),
             "warnings": [remark.to_json() for remark in self.remarks],
         }
@@ -184,8 +181,16 @@ def arm_lines(arm: ArmReach) -> Iterator[str]:
             yield f"  There its hand can be, but turned by {np.degrees(arm.nearest.turn):.3g}°."
         else:
             yield "  There it could hold the grasp, but not on a way that leads there from the start."
-    if arm.shift is not None:
+    others = ", ".join(f"'{name}'" for name in arm.machine)
+    if arm.shift is not None and arm.machine:
+        yield (
+            f"  Move the base of the machine, of {others} too, {direction(arm.shift)}, or the path the other way: then "
+            "its arms follow."
+        )
+    elif arm.shift is not None:
         yield f"  Move its base {direction(arm.shift)}, or the path and the grasp the other way: then it follows."
+    elif arm.machine:
+        yield f"  Its base is fixed to that of {others}: change its grasp, the path, or where the whole machine stands."
 
 
 def direction(move: Array) -> str:
@@ -287,12 +292,18 @@ def _arm_json(arm: ArmReach) -> dict[str, Any]:
         "nearest": nearest
         and {"gap": nearest.gap, "off": nearest.off.tolist(), "turn": nearest.turn, "q": nearest.q.tolist()},
         "shift": None if arm.shift is None else arm.shift.tolist(),
+        "machine": list(arm.machine),
         "posture": None if arm.posture is None else arm.posture.tolist(),
-        "margin": margin and _finite(asdict(margin)),
+        "margin": margin and finite_json(asdict(margin)),
     }
 
 
-def _finite(values: dict[str, Any]) -> dict[str, Any]:
+def mistakes_json(mistakes: Sequence[InputError]) -> list[dict[str, str | None]]:
+    """Mistakes as values of JSON."""
+    return [{"where": each.where, "key": each.key or None, "rule": each.rule, "text": str(each)} for each in mistakes]
+
+
+def finite_json(values: dict[str, Any]) -> dict[str, Any]:
     """Values with None for what is unlimited: JSON has no infinity."""
 
     def finite(value: Any) -> Any:

@@ -12,18 +12,19 @@ from mrts.base.formats.pose import Pose
 from mrts.base.input_file import read_data
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
+from mrts.cell.cell_change import machine_of
 from mrts.cell.source_files import arms_alone_of, is_generated, read_without_generating
 from mrts.cell.uncompiled import uncompiled_cell
 from mrts.coordination.coordinate import coordinate
 from mrts.coordination.coordinated_motion import check_motion
-from mrts.diagnosis.arm_reach import ArmReach, reach_of
+from mrts.diagnosis.arm_reach import ArmReach, of_machine, reach_of
 from mrts.diagnosis.assumptions import assumptions
 from mrts.diagnosis.cell_check import CellCheck
 from mrts.diagnosis.hint import Hint
 from mrts.diagnosis.postures_at_start import posture_hints
 from mrts.diagnosis.unit_hints import TORQUE_UNIT, unit_hints, written_degrees
 from mrts.diagnosis.unlike_limits import unlike_limits
-from mrts.diagnosis.what_would_work import what_would_work
+from mrts.diagnosis.what_would_work import swapped_columns, what_would_work
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import load_motion
 from mrts.motion.object_motion import ObjectMotion
@@ -98,20 +99,29 @@ def _with_reach(found: CellCheck, question: _Question, progress: Progress) -> Ce
     except InputError as error:
         return replace(found, mistakes=(*found.mistakes, *error.each()))
     except MotionError as error:
-        return replace(found, problem=str(error))
+        swapped = swapped_columns(cell, motion) if isinstance(motion, JointTable) else ()
+        return replace(found, problem=str(error), hints=(*found.hints, *swapped))
     arms = [uncompiled_cell(model, cell.folder or Path()) for model in arms_alone_of(question.model)]
     reaches: list[ArmReach] = []
     hints: list[Hint] = [*found.hints]
     for number, arm in enumerate(arms):
         progress(number, len(arms))
-        reaches.append(reach_of(arm, motion, seek=not hints))
+        reach = reach_of(arm, motion, seek=not hints)
+        fellows = [arms[index] for index in _fellows(cell, number)]
+        reaches.append(of_machine(reach, fellows, motion) if fellows else reach)
     lost = [index for index, reach in enumerate(reaches) if not reach.follows and reach.posture is None]
     if lost and not hints:
-        hints += what_would_work(arms, lost, motion, _other_orders(question.model))
+        hints += what_would_work(arms, lost, motion, _other_orders(question.model), cell.functions.manifest.machines)
     if not hints and any(not reach.follows for reach in reaches):
         hints += posture_hints(arms, motion)
     progress(len(arms), len(arms))
     return replace(found, arms=tuple(reaches), hints=tuple(hints), remarks=(*found.remarks, *motion.remarks))
+
+
+def _fellows(cell: Cell, index: int) -> list[int]:
+    """The other arms of the machine that an arm is of."""
+    names = [robot.name for robot in cell.robots]
+    return [names.index(name) for name in machine_of(cell, names[index]) if name != names[index]]
 
 
 def _angles_written(model: Any, motion: Path | None) -> Iterator[Hint]:

@@ -8,12 +8,15 @@ from itertools import combinations
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, MrtsError
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy, rpy_from_rotation
 from mrts.cell.cell import Cell
+from mrts.coordination.coordinate import coordinate
+from mrts.coordination.joint_columns import columns_by_joint
 from mrts.diagnosis.arm_reach import follows
 from mrts.diagnosis.hint import Hint
 from mrts.diagnosis.postures_at_start import posture_off, posture_turned
+from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 
 OTHER_SIDES = {
@@ -28,7 +31,11 @@ OtherOrders = Mapping[int, Mapping[str, RigidTransform]]
 
 
 def what_would_work(
-    arms: Sequence[Cell], failing: Sequence[int], motion: ObjectMotion, orders: OtherOrders
+    arms: Sequence[Cell],
+    failing: Sequence[int],
+    motion: ObjectMotion,
+    orders: OtherOrders,
+    machines: Sequence[tuple[str, str]],
 ) -> Iterator[Hint]:
     """Hints on changes with which the arms that fail would follow, and those that follow still do.
 
@@ -37,6 +44,7 @@ def what_would_work(
         failing: Those that do not follow from any posture.
         motion: Of the object.
         orders: Poses that quaternions may mean.
+        machines: Arms of one machine by two, whose bases are where its URDF has them.
     """
     names = [arm.robots[0].name for arm in arms]
     for one, other in combinations(range(len(arms)), 2):
@@ -44,6 +52,8 @@ def what_would_work(
             continue
         working = []
         for what, place in (("base", "T_world_base"), ("grasp", "T_object_tip")):
+            if what == "base" and (names[one], names[other]) in machines:
+                continue
             swapped = _swapped(arms, one, other, place)
             if swapped is not None and all(follows(arm, motion) for arm in swapped):
                 working.append((sum(posture_off(arm, motion) for arm in swapped), what))
@@ -59,6 +69,30 @@ def what_would_work(
     for index in failing:
         yield from _other_order(arms[index], orders.get(index, {}), motion)
         yield from _other_side(arms[index], motion)
+
+
+def swapped_columns(cell: Cell, table: JointTable) -> Iterator[Hint]:
+    """A hint where given joints would hold the grasps if two arms had each other's columns.
+
+    Args:
+        cell: The cell.
+        table: Its joints, which do not hold them.
+    """
+    columns = columns_by_joint(cell, table.path, [*table.positions])
+    for one, other in combinations(cell.robots, 2):
+        ours, theirs = ([columns[f"{robot.name}/{joint}"] for joint in robot.joints] for robot in (one, other))
+        if len(ours) != len(theirs):
+            continue
+        try:
+            coordinate(cell, table.renamed(dict(zip(ours + theirs, theirs + ours, strict=True))))
+        except MrtsError:
+            continue
+        yield Hint(
+            "swapped-columns",
+            f"the joints would hold the grasps if '{one.name}' and '{other.name}' had each other's columns of "
+            f"{table.path.name}: are the two swapped?",
+        )
+        return
 
 
 def _swapped(arms: Sequence[Cell], one: int, other: int, place: str) -> tuple[Cell, Cell] | None:

@@ -12,6 +12,7 @@ from damaged_cells import sound, written
 import mrts
 from mrts.cell.uncompiled import cell_to_compile
 from mrts.cli import main
+from mrts.diagnosis.assumptions import NO_COLLISIONS
 
 UR5 = DATA.parent / "dual_ur5"
 
@@ -31,11 +32,16 @@ def test_exit_codes_and_json(far, tmp_path, capsys):
     told = json.loads(capsys.readouterr().out)
     assert told["status"] == "impossible"
     assert [arm["follows"] for arm in told["arms"]] == [True, False]
+    assert NO_COLLISIONS in told["assumed"]
     assert told["arms"][1]["shift"][0] < 0
     output = tmp_path / "out.json"
     assert main(["check", *far[::-1], "--json", str(output)]) == 2
     assert json.loads(output.read_text(encoding="utf-8"))["status"] == "wrong-input"
-    assert "two files swapped" in capsys.readouterr().out
+    out, err = capsys.readouterr()
+    assert "two files swapped" in out
+    assert str(output) in err
+    assert main(["check", *far[::-1], "-q"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
     assert main(["check", str(tmp_path / "nowhere.yaml"), far[1]]) == 2
     assert "1 mistake in the files" in capsys.readouterr().out
 

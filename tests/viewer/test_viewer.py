@@ -190,7 +190,8 @@ def test_what_is_drawn_follows_the_time(make, arms, tmp_path):
         for sample in (0, 4, 10):
             state.choose_time(float(state.trajectory.time[sample]))
             scene.show_moment(state, state.sample)
-            arrows = server.scene.get_handle_by_name("/forces").points
+            arrows = server.scene.get_handle_by_name("/carried/forces").points
+            arrows = moved.position[sample] + arrows @ moved.rotation[sample].T
             contacts = []
             for robot in state.result.cell.robots:
                 contacts.append(moved.position[sample] + moved.rotation[sample] @ robot.T_object_tip.p)
@@ -215,7 +216,7 @@ def test_arrows_have_the_length_that_the_panel_states(dual_ur5):
         scene.rescale(state)
         state.choose_time(0.5 * state.trajectory.duration)
         scene.show_moment(state, state.sample)
-        arrows = {name: server.scene.get_handle_by_name(f"/{name}").points for name in ("forces", "moments")}
+        arrows = {name: server.scene.get_handle_by_name(f"/carried/{name}").points for name in ("forces", "moments")}
     finally:
         close_server(server)
     wrench = state.trajectory.wrench[state.sample].reshape(2, 6)
