@@ -14,6 +14,7 @@ from mrts_codegen.cell_file import (
     TorqueBounds,
     inertia_problem,
 )
+from mrts_codegen.contact_normals import check_contact_normals
 from mrts_codegen.hand_file import build_contacts
 from mrts_codegen.motors_block import build_motors
 from mrts_codegen.object_shape import build_shape
@@ -138,7 +139,10 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
     with mistakes.noted():
         carried = _build_object(path, folder, description.object)
     mistakes.raise_noted()
-    return CellModel(description, components, names, tuple(robots), check_machines(path, robots, urdfs), *carried)
+    inertia, shape, remarks = carried
+    remarks = (*remarks, *check_contact_normals(path, description.robots, shape))
+    machines = check_machines(path, robots, urdfs)
+    return CellModel(description, components, names, tuple(robots), machines, inertia, shape, remarks)
 
 
 def _build_object(

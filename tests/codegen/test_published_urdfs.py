@@ -43,7 +43,7 @@ LEAST_CHAINS = 430
 the rules above."""
 
 
-def refused(path, urdf, leaf, lenient=False):
+def refused(path, urdf, leaf, *, lenient=False):
     """Why the chain from root to leaf is refused, None if it loads."""
     try:
         model = build_robot_model(path, urdf, None, leaf, lenient=lenient)
