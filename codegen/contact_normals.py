@@ -6,7 +6,7 @@ A gripper's axis has no sign: what its two pads admit is the same both ways.
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from mrts_codegen.hand_file import PadDescription, SuctionDescription
@@ -130,10 +130,11 @@ def _mesh_faces(shape: ShapeRecord, point: Array) -> Faces | None:
     import trimesh  # noqa: PLC0415 (half a second, for cells that have a mesh)
 
     assert shape.mesh is not None  # noqa: S101 (the caller has seen it)
-    surface = trimesh.Trimesh(*unpacked_surface(shape.mesh.vertices, shape.mesh.triangles))
+    surface: Any = trimesh.Trimesh(*unpacked_surface(shape.mesh.vertices, shape.mesh.triangles))
     if not surface.is_watertight or not surface.is_winding_consistent or surface.volume == 0:
         return None
     corners = np.asarray(surface.triangles)
-    nearest = trimesh.triangles.closest_point(corners, np.tile(point, (len(corners), 1)))
+    tiled = np.tile(point, (len(corners), 1))
+    nearest = trimesh.triangles.closest_point(corners, tiled)  # type: ignore[no-untyped-call]  # trimesh has no types
     outward = np.asarray(surface.face_normals) * np.sign(surface.volume)
     return Faces(np.linalg.norm(point - nearest, axis=1), outward, float(np.max(surface.extents)))

@@ -110,10 +110,12 @@ def link_inertia(path: Path, link: Any, remarks: list[Remark], *, lenient: bool 
         return Inertia(inertial.mass, np.zeros(3), np.zeros((3, 3))).seen_from(T_link_com)
     if lenient and inertia_problem(inertial.inertia, rods=True):
         nearest = nearest_inertia(inertial.inertia)
-        given, taken = (np.linalg.eigvalsh(of) for of in (inertial.inertia, nearest))
+        given, taken = (
+            ", ".join(f"{moment:.6g}" for moment in np.linalg.eigvalsh(of)) for of in (inertial.inertia, nearest)
+        )
         text = (
-            f"{path.name}: no body has the principal moments of link '{link.name}', {_shown(given)} kg m²; the nearest "
-            f"that one has are taken, {_shown(taken)} kg m²."
+            f"{path.name}: no body has the principal moments of link '{link.name}', {given} kg m²; the nearest "
+            f"that one has are taken, {taken} kg m²."
         )
         remarks.append(Remark(NEAREST_INERTIA, text))
         return Inertia(inertial.mass, np.zeros(3), nearest).seen_from(T_link_com)
@@ -132,7 +134,3 @@ def link_inertia(path: Path, link: Any, remarks: list[Remark], *, lenient: bool 
         )
         remarks.append(Remark("inertia-triangle", text))
     return Inertia(inertial.mass, np.zeros(3), inertial.inertia).seen_from(T_link_com)
-
-
-def _shown(moments: Array) -> str:
-    return ", ".join(f"{moment:.6g}" for moment in moments)
