@@ -141,8 +141,16 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
     mistakes.raise_noted()
     inertia, shape, remarks = carried
     remarks = (*remarks, *check_contact_normals(path, description.robots, shape))
-    machines = check_machines(path, robots, urdfs)
-    return CellModel(description, components, names, tuple(robots), machines, inertia, shape, remarks)
+    return CellModel(
+        description=description,
+        components=components,
+        wrench_components=names,
+        robots=tuple(robots),
+        machines=check_machines(path, robots, urdfs),
+        inertia=inertia,
+        shape=shape,
+        object_remarks=remarks,
+    )
 
 
 def _build_object(
