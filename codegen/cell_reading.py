@@ -56,6 +56,7 @@ def _read_robots(path: Path, data: Any, mistakes: Mistakes) -> None:
     """Check every robot by itself in a file that does not describe a cell."""
     robots = data.get("robots") if isinstance(data, dict) else None
     plane = data.get("plane") if isinstance(data, dict) else None
+    lenient = isinstance(data, dict) and data.get("inertia") == "lenient"
     known = (plane is None or isinstance(plane, str)) and plane in PLANE_COMPONENTS
     for index, entry in enumerate(robots if isinstance(robots, list) else []):
         if not isinstance(entry, dict):
@@ -64,13 +65,14 @@ def _read_robots(path: Path, data: Any, mistakes: Mistakes) -> None:
             try:
                 robot = RobotDescription.read(path, entry)
             except InputError:  # it has been noted with its place in the file
-                _read_chain(path, index, entry)
+                _read_chain(path, index, entry, lenient=lenient)
             else:
                 if known:
-                    build_robot(path, f"robots[{index}] ({robot.name})", robot, plane, path.resolve().parent)
+                    key, folder = f"robots[{index}] ({robot.name})", path.resolve().parent
+                    build_robot(path, key, robot, plane, folder, lenient=lenient)
 
 
-def _read_chain(path: Path, index: int, entry: dict[str, Any]) -> None:
+def _read_chain(path: Path, index: int, entry: dict[str, Any], *, lenient: bool) -> None:
     """Check the URDF of a robot that says something wrong besides, as far as what it says goes."""
     reference, base_link, tip_link = (entry.get(key) for key in ("urdf", "base_link", "tip_link"))
     arguments = _xacro_arguments(entry.get("xacro_args", {}))
@@ -79,7 +81,7 @@ def _read_chain(path: Path, index: int, entry: dict[str, Any]) -> None:
         file = named.path(path, folder)
         urdf = parse_urdf(file, named.content(path, folder))
         if isinstance(tip_link, str) and isinstance(base_link, str | None) and "fixed" not in entry:
-            build_robot_model(file, urdf, base_link, tip_link)
+            build_robot_model(file, urdf, base_link, tip_link, lenient=lenient)
 
 
 def _xacro_arguments(given: Any) -> dict[str, str] | None:

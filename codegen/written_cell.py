@@ -9,6 +9,7 @@ import numpy as np
 from mrts_codegen.cell_file import CellDescription
 from mrts_codegen.cell_manifest import cell_manifest
 from mrts_codegen.cell_model import build_cell_model
+from mrts_codegen.urdf.link_inertia import NEAREST_INERTIA
 from mrts_codegen.urdf.urdf_file import parse_urdf
 from mrts_codegen.urdf.urdf_joint import friction
 from mrts_codegen.urdf_reference import mesh_reference, robot_reference
@@ -93,7 +94,13 @@ def _described(manifest: Manifest, shape: dict[str, Any] | None, robots: list[di
         "variation": variation or None,
         "velocity": speeds or None,
     }
-    whole = {"name": manifest.name, "gravity": manifest.gravity, "plane": manifest.plane, "object": _known(thing)}
+    whole = {
+        "name": manifest.name,
+        "gravity": manifest.gravity,
+        "plane": manifest.plane,
+        "inertia": "lenient" if any(remark.code == NEAREST_INERTIA for remark in manifest.remarks) else None,
+        "object": _known(thing),
+    }
     return _known(whole) | {"robots": robots}
 
 
