@@ -14,9 +14,9 @@ from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_uri, is_xacro
 from mrts.base.formats.urdf_tree import ArmChain, Survey, UrdfTree
 from mrts.base.rigid_transform import RigidTransform
+from mrts.cell.remarks.unit_remarks import urdf_remarks
+from mrts.cell.robot import DEGREES_SUSPECTED
 from mrts.cell.source_files import surveyed_urdf
-from mrts.diagnosis.unit_hints import urdf_hints
-from mrts.inverse_kinematics.joint_limits import DEGREES_SUSPECTED
 from mrts.starting.arm import Arm, make_arm, plane_of
 from mrts.starting.request import ArmRequest, Request
 from mrts.starting.tips import FEWEST_JOINTS, SIDES, Hand, first_link, hands, moved_by, possible_tips
@@ -31,7 +31,7 @@ MOST_STEPS_UP = 3
 """Folders that a relative path may climb; a URDF farther away is named by its whole path."""
 
 HOPELESS = ("urdf-millimetres", "limits-equal")
-"""Codes of hints on URDFs of which no cell can be made."""
+"""Codes of remarks on URDFs of which no cell can be made."""
 
 ROBOT, TIP, BASE, POSTURE, XACRO_ARG = "--robot", "--tip", "--base", "--posture", "--xacro-arg"
 """Whose values they are, for messages."""
@@ -142,9 +142,9 @@ def request_of(given: Given, folder: Path, choose: Choose = refuse) -> Request:
                 f"takes {SPATIAL_JOINTS}, or {FEWEST_JOINTS} where all move in one plane. Choose another tip or robot."
             )
             raise InputError(each.path, rule)
-        for hint in urdf_hints(each.arm.robot):
-            if hint.code in HOPELESS:
-                raise InputError(each.path, hint.text)
+        for remark in urdf_remarks(each.arm.robot):
+            if remark.code in HOPELESS:
+                raise InputError(each.path, remark.text)
     return Request(given.name, tuple(arms), alone and not given.bases, plane, given.gravity, given.mass)
 
 

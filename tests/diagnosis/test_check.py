@@ -10,10 +10,10 @@ import yaml
 from conftest import DATA
 from damaged_cells import HINTS, MISTAKES, damaged, sound, written
 from draws import draws
+from mrts.diagnosis.assumptions import POINT_MASSES, WEIGHTLESS
 from published_robots import CASES, single_arm_cell
 
 import mrts
-from mrts.diagnosis.assumptions import POINT_MASSES, WEIGHTLESS
 from mrts.starting.cell_writing import missing
 from mrts.starting.reading import HOPELESS, Given, request_of
 
