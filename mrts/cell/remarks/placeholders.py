@@ -65,6 +65,6 @@ def effort_remarks(placeholders: dict[str, float]) -> Iterator[Remark]:
         said = "; ".join(f"{value:g} N m on every joint of {name}" for name, value in placeholders.items())
         yield Remark(
             EFFORT_PLACEHOLDERS,
-            f"the effort limits of the URDF look like placeholders: {said}. The range of c² is as good as they are: give "
+            f"the effort limits of the URDF look like placeholders: {said}. c² is as good as they are: give "
             "the data sheet's as 'torque' in the cell file.",
         )
