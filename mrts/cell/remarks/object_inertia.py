@@ -21,9 +21,9 @@ inside exceeds; a drawn shape may leave parts out."""
 LEAST = 1 / 300
 """Of the same: a uniform box has 1/3, so this one has its mass within a tenth of its size."""
 
-WIDEST = 4.0
+WIDEST = 3.0
 """Radius of gyration as a multiple of the half distance between the two grasps that are farthest apart: a beam that two
-arms hold at half and three quarters of its length has 2.3."""
+arms hold an eighth of its length from its middle has 2.3."""
 
 NARROWEST = 1 / 30
 """Of the same: hands hold what they reach around, not what is a thirtieth of it."""
