@@ -115,7 +115,6 @@ def test_limits_of_a_cell_file_or_of_python_are_no_placeholders(tmp_path):
 
 
 NEW = {
-    "solo": ("solo_description/robots/solo12.urdf", ["FL_FOOT", "FR_FOOT"], "effort-placeholders"),
     "ur5": ("ur_description/urdf/ur5_robot.urdf", ["tool0", "tool0"], None),
     "z1": ("z1_description/urdf/z1.urdf", ["link06", "link06"], "urdf-friction"),
 }
