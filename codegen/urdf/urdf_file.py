@@ -6,7 +6,7 @@ default. Libraries that read URDFs import all that draws them first: 1 s of each
 """
 
 from functools import lru_cache
-from math import inf
+from math import inf, nan
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from lxml import etree
 from mrts_codegen.urdf.urdf_elements import INERTIA_KEYS, Link, Urdf, UrdfJoint, joint_of, link_of
 
 from mrts.base.errors import InputError, Mistakes
-from mrts.base.input_file import LARGEST_NUMBER, text_of
+from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER, text_of
 
 FILES_KEPT = 16
 """URDFs that are not parsed again while their text stays the same: many cells are made of a few."""
@@ -162,9 +162,13 @@ def _check_numbers(path: Path, where: str, element: Any) -> None:
         # a limit may be any number: what is too large for a limit means that there is none
         largest = inf if element.tag == "limit" else LARGEST_NUMBER
         try:
-            finite = "_" not in text and all(abs(float(word)) <= largest for word in words)
+            sizes = [abs(float(word)) for word in words]
         except ValueError:
-            finite = False
+            sizes = [nan]
+        if element.tag in {"limit", "mass"} and any(0 < size < SMALLEST_NUMBER for size in sizes):
+            rule = f"must be 0, or at least {SMALLEST_NUMBER:g} in size."
+            raise InputError(path, rule, key=f"{where}, <{element.tag}> {attribute}", value=text)
+        finite = "_" not in text and all(size <= largest for size in sizes)
         if not finite or len(words) != count:
             wanted = "a finite number" if count == 1 else f"{count} finite numbers with spaces between them"
             raise InputError(path, f"must be {wanted}.", key=f"{where}, <{element.tag}> {attribute}", value=text)

@@ -2,35 +2,43 @@
 """A xacro as the URDF that it becomes; needs the extra 'xacro' (xacrodoc).
 
 A xacro computes: its `${…}` are expressions of Python, without builtins but not in a cage. One from a stranger is to be
-trusted like a script.
+trusted like a script. It is expanded by a process of its own, within limits of time and memory, and no shell is run.
 """
 
-import glob
+import json
 import logging
-import re
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+import os
+import subprocess  # this interpreter, a fixed module, no shell
+import sys
+from collections.abc import Mapping
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from threading import Lock
+from signal import SIGXCPU
 from typing import Any
-from xml.sax.saxutils import escape
 
 from lxml import etree
 
 from mrts.base.errors import InputError
-from mrts.base.formats.package_uri import file_of_uri, is_uri, package_folder
+from mrts.base.formats.package_uri import file_of_uri, is_uri
 from mrts.base.input_file import MAX_URDF_BYTES
 from mrts.base.regular_file import read_regular
 
 logger = logging.getLogger("mrts")
 
-ARGUMENT = re.compile(r"<xacro:arg\s[^>]*?name\s*=\s*[\"']([^\"']+)[\"']|\$\(arg\s+([^\s)]+)\s*\)|\barg\('([^']+)'\)")
-"""Where a xacro declares or uses an argument."""
+EXPANSION = "mrts_codegen.urdf.xacro_expansion"
+"""The module that expands a xacro; imported by its own process alone, because it changes xacro."""
 
-_ONE_AT_A_TIME = Lock()
-"""xacro keeps what it is at in variables of its module."""
+PROCESSOR_TIME = 10
+"""For the expansion of one xacro [s]; published robots take less than one."""
+
+MEMORY = 1 << 30
+"""For the process that expands it [bytes]; published robots take a tenth of it."""
+
+WAIT = 20.0
+"""Until it is done [s]: twice its processor time, for a busy machine, or a file that is waited for."""
+
+ADVICE = "Look for an expression or a macro without end, or expand it yourself and give the URDF."
 
 
 def expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
@@ -43,27 +51,49 @@ def expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
         arguments: Values of its arguments, by name.
 
     Raises:
-        InputError: If xacrodoc is missing, it cannot be expanded, or there is no such argument.
+        InputError: If xacrodoc is missing, it cannot be expanded within the limits, or there is no such argument.
     """
     if find_spec("xacrodoc") is None:
         raise InputError(path, "reading a xacro needs xacrodoc: pip install 'mrts[xacro]'.")
     read_regular(path, "xacro", MAX_URDF_BYTES)
-    with _ONE_AT_A_TIME, _as_ours(path):
-        import xacro  # noqa: PLC0415 (an extra, needed when a xacro is)
-        from xacrodoc import XacroDoc  # noqa: PLC0415
+    limits = {"processor_time": PROCESSOR_TIME, "memory": MEMORY, "most_bytes": MAX_URDF_BYTES}
+    answer = _answer(path, {"path": str(path), "arguments": dict(arguments), **limits})
+    for warning in answer["warnings"]:
+        _warn_once(f"{path.name}: xacro warns: {warning}")
+    if "rule" in answer:
+        raise InputError(path, answer["rule"] or f"takes more than {MEMORY / 1e9:.2g} GB of memory to expand. {ADVICE}")
+    for name in arguments:
+        if name not in answer["known"]:
+            there = ", ".join(answer["known"]) or "none"
+            raise InputError(path, f"this xacro has no argument '{name}'; there are {there}.", key="xacro_args")
+    return str(answer["urdf"]).encode()
 
-        xacro.all_includes.clear()
-        try:
-            # as an include, so that what it includes is relative to itself
-            document = XacroDoc.from_includes([_as_included(path)], subargs=dict(arguments), resolve_packages=False)
-            text: bytes = document.dom.toxml().encode()
-        except Exception as error:  # noqa: BLE001 (its expressions raise what Python has)
-            reason = " ".join(str(error).split()) or type(error).__name__
-            raise InputError(path, f"cannot be expanded ({reason}).{_missing_argument(error)}") from None
-        _check_arguments(path, arguments, {path, *map(Path, xacro.all_includes)})
-    if len(text) > MAX_URDF_BYTES:
-        raise InputError(path, f"becomes a URDF of {len(text)} bytes; a URDF has at most {MAX_URDF_BYTES}.")
-    return text
+
+def _answer(path: Path, request: dict[str, Any]) -> dict[str, Any]:
+    """What the process that expands a xacro answers.
+
+    Raises:
+        InputError: If it takes too long, or ends without an answer.
+    """
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}  # the same packages as here
+    try:
+        done = subprocess.run(  # noqa: S603
+            [sys.executable, "-P", "-m", EXPANSION],
+            input=json.dumps(request).encode(),
+            capture_output=True,
+            timeout=WAIT,
+            env=environment,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise InputError(path, f"is not expanded after {WAIT:g} s. {ADVICE}") from None
+    if done.returncode == -SIGXCPU:
+        raise InputError(path, f"takes more than {PROCESSOR_TIME} s of processor time to expand. {ADVICE}")
+    if done.returncode != 0:
+        last = done.stderr.decode(errors="replace").strip().rpartition("\n")[2]
+        raise InputError(path, f"cannot be expanded: the attempt ended with code {done.returncode} ({last}). {ADVICE}")
+    answer: dict[str, Any] = json.loads(done.stdout)
+    return answer
 
 
 def with_found_meshes(path: Path, content: bytes) -> bytes:
@@ -87,57 +117,7 @@ def with_found_meshes(path: Path, content: bytes) -> bytes:
     return found
 
 
-def _as_included(path: Path) -> str:
-    """A path as an <xacro:include> has it: neither a pattern, nor an expression, nor XML."""
-    text = re.sub(r"(\$+[{(])", r"$\1", glob.escape(str(path.absolute())))
-    return escape(text, {'"': "&quot;"})
-
-
-@contextmanager
-def _as_ours(path: Path) -> Iterator[None]:
-    """Let xacrodoc find packages where URIs find them, and xacro warn as we do."""
-    import xacro  # noqa: PLC0415 (an extra, needed when a xacro is)
-    from xacrodoc import packages  # noqa: PLC0415
-
-    def folder(package: str) -> str:
-        found = package_folder(package, path)
-        if found is None:
-            raise packages.PackageNotFoundError(package)
-        return str(found)
-
-    def warning(*words: object, **_of_print: object) -> None:
-        _warn_once(f"{path.name}: xacro warns: {' '.join(map(str, words))}")
-
-    before = packages.get_path, xacro.warning, xacro.print_location
-    packages.get_path, xacro.warning, xacro.print_location = folder, warning, lambda: None
-    try:
-        yield
-    finally:
-        packages.get_path, xacro.warning, xacro.print_location = before
-
-
 @cache
 def _warn_once(text: str) -> None:
     """Log a warning: a cell is read several times until it is compiled."""
     logger.warning(text)
-
-
-def _missing_argument(error: Exception) -> str:
-    """What to do where an argument has no value."""
-    if type(error).__name__ == "ArgException" or "Undefined substitution argument" in str(error):
-        return " Give it in 'xacro_args: {NAME: VALUE}' of the robot, to mrts new as --xacro-arg NAME=VALUE."
-    return ""
-
-
-def _check_arguments(path: Path, arguments: Mapping[str, str], files: set[Path]) -> None:
-    """Refuse an argument that nothing in the files asks for: xacro would pass over it."""
-    if not arguments:
-        return
-    known: dict[str, Any] = {}
-    for file in sorted(files):
-        for names in ARGUMENT.findall(read_regular(file, "xacro", MAX_URDF_BYTES).decode(errors="replace")):
-            known |= dict.fromkeys(filter(None, names))
-    for name in arguments:
-        if name not in known:
-            there = ", ".join(known) or "none"
-            raise InputError(path, f"this xacro has no argument '{name}'; there are {there}.", key="xacro_args")

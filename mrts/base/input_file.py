@@ -20,6 +20,9 @@ MAX_URDF_BYTES = 3_000_000
 LARGEST_NUMBER = 1e12
 """Largest magnitude of a number in an input file, in SI units: anything larger is a mistake and would overflow."""
 
+SMALLEST_NUMBER = 1e-100
+"""Smallest size of a number that is not 0, but for coordinates: what is divided by it stays far from overflow."""
+
 IDENTIFIER = r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$"
 """Letters, digits and single underscores: what C, file names and CasADi all accept."""
 

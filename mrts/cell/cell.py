@@ -13,7 +13,7 @@ import numpy as np
 from mrts.base.argument_types import check_list, check_type, is_number
 from mrts.base.arrays import Array, freeze_array
 from mrts.base.errors import InputError, as_array
-from mrts.base.input_file import LARGEST_NUMBER
+from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS, ShapeRecord
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
@@ -198,8 +198,9 @@ class Cell(InNotebooks):
         Raises:
             InputError: Unless the mass is finite and > 0.
         """
-        if not is_number(mass, 0, LARGEST_NUMBER) or mass == 0:
-            raise InputError("mass", f"must be a number > 0 and at most {LARGEST_NUMBER:.0e}, in kg.", value=mass)
+        if not is_number(mass, SMALLEST_NUMBER, LARGEST_NUMBER):
+            rule = f"must be a number from {SMALLEST_NUMBER:g} to {LARGEST_NUMBER:.0e}, in kg."
+            raise InputError("mass", rule, value=mass)
         box = None if self.load_box is None else replace(self.load_box, mass=float(mass))
         return replace(self, load=np.array([mass, *self.load[1:]], dtype=np.float64), load_box=box)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from mrts.console.exit_codes import BAD_INPUT, FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
-from mrts.console.terminal import put, say
+from mrts.console.terminal import fail, put, say
 
 CODES = {"fine": FEASIBLE, "impossible": INFEASIBLE, "wrong-input": BAD_INPUT}
 """Exit code by what came of the check."""
@@ -48,4 +48,7 @@ def run(options: argparse.Namespace) -> int:
             say(line, "note" if line.startswith(("hint:", "warning:")) else "plain")
         for line in outputs.lines():
             say(line)
+    if found.status == "wrong-input" and (options.json is not None or options.quiet):
+        place = "" if options.json is None else f" (all of it: {options.json})"
+        fail(f"error: {found.outcome()}{place}")
     return outputs.code(CODES[found.status])

@@ -10,7 +10,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
-from mrts.base.input_file import LARGEST_NUMBER
+from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
 from mrts.base.notebook.in_notebooks import InNotebooks
 
 ROUNDED_SLOPE = 1e-9
@@ -56,9 +56,13 @@ class JointMotors(InNotebooks):
             unlimited = NONE_GIVEN[name] == np.inf
             if value.shape != (n,):
                 raise InputError("motors", f"must have one value for each of {n} joints.", key=name)
-            wrong = ~((value > 0) if unlimited else (value >= 0) & (value <= LARGEST_NUMBER))
+            wrong = ~((value >= SMALLEST_NUMBER) if unlimited else (value >= 0) & (value <= LARGEST_NUMBER))
             if np.any(wrong):
-                rule = "must be > 0." if unlimited else f"must be >= 0 and at most {LARGEST_NUMBER:.0e}."
+                rule = (
+                    f"must be at least {SMALLEST_NUMBER:g}."
+                    if unlimited
+                    else f"must be >= 0 and at most {LARGEST_NUMBER:.0e}."
+                )
                 raise InputError("motors", rule, key=f"{name}[{int(np.argmax(wrong))}]", value=value[wrong][0])
             value.setflags(write=False)
             object.__setattr__(self, name, value)

@@ -142,8 +142,7 @@ def _percent(values: Array, lower: Array, upper: Array) -> list[int] | None:
     limit = np.where(values < 0, lower, upper)
     if not np.all(np.isfinite(limit) & (limit != 0)):
         return None
-    percents: list[int] = np.round(100 * values / limit).astype(int).tolist()
-    return percents
+    return [round(percent) for percent in (100 * values / limit).tolist()]
 
 
 def position_plots(result: ScalingResult) -> list[Plot]:

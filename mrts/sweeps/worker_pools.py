@@ -18,6 +18,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
 from importlib.util import find_spec
+from multiprocessing.resource_tracker import ensure_running
 from types import NoneType
 from typing import Any, Protocol, TypeVar
 
@@ -290,6 +291,7 @@ def _uninterrupted(close: Callable[[], None]) -> None:
 @contextmanager
 def _without_interrupts() -> Iterator[None]:
     """Start processes that Ctrl-C does not reach: it is typed to all of a terminal, and the driver ends its workers."""
+    ensure_running()  # it comes with the first process, and lets interrupts through as it is started
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -63,6 +63,15 @@ CELL_MISTAKES = {
         lambda d: d["object"].update(inertia=[[1, 0, 0], [0, "x", 0], [0, 0, 1]]),
         ["object.inertia[1][1]", "'x'", "number"],
     ),
+    "mass next to nothing": (lambda d: d["object"].update(mass=1e-320), ["object.mass", "1e-100"]),
+    "a rated torque next to nothing": (
+        lambda d: d["robots"][0].update(motors={"rated": [1e-320, 1, 1]}),
+        ["robots[0].motors.rated[0]", "1e-100"],
+    ),
+    "a limit next to nothing": (
+        lambda d: d["robots"][0]["wrench"].update(upper=[2, None, 1e-320]),
+        ["robots[0].wrench.upper[2]", "1e-100"],
+    ),
     "a word for torque": (lambda d: d["robots"][0].update(torque="strong"), ["robots[0].torque", "'strong'"]),
     "half of the torque": (lambda d: d["robots"][0].update(torque={"lower": [1]}), ["torque.upper", "required"]),
     "asymmetric inertia": (
@@ -212,6 +221,7 @@ URDF_MISTAKES = {
         ["joint 'elbow', <mimic>", "'joint' attribute"],
     ),
     "python number": (lambda text: text.replace('value="5"', 'value="4_0"'), ["'4_0'", "finite number"]),
+    "mass next to nothing": (lambda text: text.replace('value="5"', 'value="5e-324"'), ["'5e-324'", "1e-100"]),
     "huge number": (lambda text: text.replace('value="5"', 'value="1e30"'), ["'1e30'", "finite number"]),
     "unknown joint type": (
         lambda text: text.replace('"grip" type="fixed"', '"grip" type="welded"'),

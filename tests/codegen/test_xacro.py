@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import yaml
 from conftest import DATA
+from mrts_codegen.urdf import xacro_file
 from same_cells import same_cell
 
 import mrts
@@ -136,6 +137,8 @@ def given(robot, arguments):
     return mrts_new.Given(robots=[robot], xacro_args=arguments, **said)
 
 
+RECURSIVE = f'<robot {XACRO}><xacro:macro name="m" params=""><xacro:m/></xacro:macro><xacro:m/></robot>'
+
 MISTAKES = {
     "unknown argument": (lambda cell: with_arguments(cell, {"fra": True}), "no argument 'fra'; there are far"),
     "no xacro": (lambda cell: with_arguments(cell, {"far": True}, urdf="arm.urdf"), "'xacro_args' are of a xacro"),
@@ -145,6 +148,7 @@ MISTAKES = {
     "include": (lambda cell: (cell.parent / "more.xacro").unlink(), r"cannot be expanded \(.*more\.xacro"),
     "package": (lambda cell: (cell.parent / "arm_parts").rename(cell.parent / "parts"), "not found.*arm_parts"),
     "xml": (lambda cell: (cell.parent / "more.xacro").write_text("<robot"), "cannot be expanded"),
+    "recursion": (lambda cell: (cell.parent / "more.xacro").write_text(RECURSIVE), "cannot be expanded"),
     "gone": (lambda cell: (cell.parent / "arm.urdf.xacro").unlink(), "there is no such xacro"),
 }
 
@@ -155,6 +159,23 @@ def test_mistakes_in_a_xacro(mistake, cell):
     change(cell)
     with pytest.raises(mrts.InputError, match=rule):
         mrts.load_cell(cell)
+
+
+@pytest.mark.parametrize(
+    ("limit", "value", "expression", "rule"),
+    [
+        ("MEMORY", 1 << 28, "len([x for x in range(10**9)])", "memory"),
+        ("PROCESSOR_TIME", 1, "len([x for x in range(10**12) if not x + 1])", "processor time"),
+        ("WAIT", 1.0, "len([x for x in range(10**12) if not x + 1])", "not expanded after"),
+    ],
+)
+def test_an_expression_without_end_is_ended(limit, value, expression, rule, cell, monkeypatch):
+    monkeypatch.setattr(xacro_file, limit, value)
+    xacro = cell.parent / "arm.urdf.xacro"
+    (cell.parent / "more.xacro").write_text(f'<robot {XACRO} name="${{{expression}}}"/>')
+    with pytest.raises(mrts.InputError, match=rule) as told:
+        xacro_file.expanded(xacro, {})
+    assert told.value.where == str(xacro)
 
 
 def test_a_missing_extra_is_named(cell):

@@ -75,7 +75,7 @@ def test_a_saved_result_takes_no_compiler(lifted, monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize("named", ["study.yaml", "swept"])
-def test_a_variant_is_that_of_the_study(named, monkeypatch, tmp_path):
+def test_a_variant_is_that_of_the_study(named, monkeypatch, tmp_path, capsys):
     for name in ("cell.yaml", "lift.yaml", "planar_arm.urdf"):
         shutil.copy(DATA / name, tmp_path)
     (tmp_path / "study.yaml").write_text(STUDY, encoding="utf-8")
@@ -86,7 +86,9 @@ def test_a_variant_is_that_of_the_study(named, monkeypatch, tmp_path):
     assert main(["view", path, "--variant", "2", "--png", str(tmp_path / "x.png")]) == 0
     ((take,), _, _) = asked[0]
     assert take.cell.mass == 4.0
+    capsys.readouterr()
     assert main(["view", path, "--variant", "3", "--png", str(tmp_path / "x.png")]) == 2
+    assert f"{path}: --variant = 3" in capsys.readouterr().err
     if named == "swept":
         assert main(["view", path, "--png", str(tmp_path / "x.png")]) == 2
         (tmp_path / "study.yaml").write_text(STUDY.replace("4.0", "5.0"), encoding="utf-8")

@@ -35,7 +35,11 @@ def test_exit_codes_and_json(far, tmp_path, capsys):
     output = tmp_path / "out.json"
     assert main(["check", *far[::-1], "--json", str(output)]) == 2
     assert json.loads(output.read_text(encoding="utf-8"))["status"] == "wrong-input"
-    assert "two files swapped" in capsys.readouterr().out
+    out, err = capsys.readouterr()
+    assert "two files swapped" in out
+    assert str(output) in err
+    assert main(["check", *far[::-1], "-q"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
     assert main(["check", str(tmp_path / "nowhere.yaml"), far[1]]) == 2
     assert "1 mistake in the files" in capsys.readouterr().out
 

@@ -17,7 +17,7 @@ from shown_results import AWKWARD, KINDS, UGLY_JOINTS, result_of, with_awkward_n
 import mrts
 from mrts.cli import main
 from mrts.report import report_html
-from mrts.report.plots import MOST_SAMPLES, shown_samples
+from mrts.report.plots import MOST_SAMPLES, shown_samples, torque_plots
 from mrts.report.tables import duty_table
 
 FILES = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
@@ -321,6 +321,12 @@ def test_a_missing_plotly_is_named_before_any_work(arguments):
     assert done.returncode == 2
     assert "pip install 'mrts[report]'" in done.stderr
     assert done.stdout == ""
+
+
+def test_torques_far_beyond_their_limits_are_so_many_percent(result):
+    done = result.trajectory
+    beyond = replace(result, trajectory=replace(done, torque=np.full_like(done.torque, 1e30)))
+    assert torque_plots(beyond)[0].data[0]["customdata"][0] == int(1e30)
 
 
 def test_a_file_that_cannot_be_written_is_refused(result, tmp_path):

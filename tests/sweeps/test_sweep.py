@@ -130,6 +130,17 @@ def test_a_driver_that_is_ended_at_any_moment_loses_nothing(study, alone, tmp_pa
     assert not list(out.rglob(".part*"))
 
 
+def test_ctrl_c_in_a_terminal_reaches_the_driver_alone(study, tmp_path):
+    """It is sent to all processes of the terminal, here while the workers start."""
+    with started(driver_command(study.path, "-o", tmp_path / "out", "--workers", 2)) as driver:
+        until(lambda: workers(driver.pid))
+        os.killpg(driver.pid, signal.SIGINT)
+        _, said = driver.communicate()
+    assert driver.returncode == 128 + signal.SIGINT
+    assert "Traceback" not in said
+    assert "leaked" not in said
+
+
 def test_workers_that_are_killed_now_and_then_lose_nothing(study, alone, tmp_path):
     out = tmp_path / "out"
     with started(driver_command(study.path, "-o", out, "--workers", 2)) as driver:

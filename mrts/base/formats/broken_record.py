@@ -24,6 +24,7 @@ RULES = {
     "string_pattern_mismatch": "must be letters, digits and single underscores, and start with a letter",
     "string_type": "must be text",
     "too_long": "has {actual_length} values, at most {max_length} belong here",
+    "too_near_zero": "must be 0, or at least {smallest:g} in size",
     "too_short": "has {actual_length} values, at least {min_length} belong here",
 }
 """What is wrong with a value, by pydantic's names; fields are numbers and texts of the format, nothing of the file."""

@@ -11,7 +11,6 @@ from pathlib import Path
 from posixpath import normpath
 
 from mrts.base.errors import InputError
-from mrts.base.input_file import IDENTIFIER
 from mrts.base.regular_file import is_file, is_folder, neighbour
 
 URI = re.compile(r"(?:package|model)://([^/]+)/+([^/].*)")
@@ -103,7 +102,7 @@ def _package_folders(package: str, near: Path) -> Iterator[Path]:
                 yield Path(resolve_robotics_uri(f"package://{package}", shares, exclude_python_prefix=exclude))
             except (FileNotFoundError, ValueError, OSError):
                 continue
-    spec = find_spec(package) if re.fullmatch(IDENTIFIER, package) else None
+    spec = find_spec(package) if package.isidentifier() else None
     if spec is not None:
         yield from map(Path, spec.submodule_search_locations or ())
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.formats.record import Record, Rule
-from mrts.base.input_file import IDENTIFIER, LARGEST_NUMBER, LONGEST_NAME
+from mrts.base.input_file import IDENTIFIER, LARGEST_NUMBER, LONGEST_NAME, SMALLEST_NUMBER
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import (
     RigidTransform,
@@ -22,14 +22,15 @@ from mrts.base.rigid_transform import (
 Name = Annotated[str, Rule(pattern=IDENTIFIER, max_length=LONGEST_NAME)]
 """Of a cell or a robot: it stands in C text and in paths."""
 
-Finite = Annotated[float, Rule(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER, allow_inf_nan=False)]
-Positive = Annotated[float, Rule(gt=0, le=LARGEST_NUMBER, allow_inf_nan=False)]
+Coordinate = Annotated[float, Rule(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER, allow_inf_nan=False)]
+Finite = Annotated[float, Rule(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER, allow_inf_nan=False, smallest=SMALLEST_NUMBER)]
+Positive = Annotated[float, Rule(gt=0, le=LARGEST_NUMBER, allow_inf_nan=False, smallest=SMALLEST_NUMBER)]
 Angle = Annotated[float, Rule(ge=-1e4, le=1e4, allow_inf_nan=False)]
 Angles3 = Annotated[list[Angle], Rule(min_length=3, max_length=3)]
-Vector3 = Annotated[list[Finite], Rule(min_length=3, max_length=3)]
+Vector3 = Annotated[list[Coordinate], Rule(min_length=3, max_length=3)]
 
 
-Quaternion = Annotated[list[Finite], Rule(min_length=4, max_length=4)]
+Quaternion = Annotated[list[Coordinate], Rule(min_length=4, max_length=4)]
 
 ROTATIONS = ("rpy", "quaternion_wxyz", "quaternion_xyzw")
 """Keys that give a rotation; a pose has one of them."""

@@ -17,7 +17,8 @@ class Rule:
     """What numbers, texts and lists must keep; pydantic reads it too.
 
     Attributes:
-        limits: By pydantic's names: gt, ge, lt, le, min_length, max_length, pattern, allow_inf_nan.
+        limits: By pydantic's names: gt, ge, lt, le, min_length, max_length, pattern, allow_inf_nan; and `smallest`, the
+            least size of a number that is not 0.
     """
 
     def __init__(self, **limits: Any) -> None:
@@ -25,7 +26,18 @@ class Rule:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """The schema of the annotated type, with the limits."""
-        return {**handler(source), **self.limits}
+        from pydantic_core import PydanticCustomError, core_schema  # noqa: PLC0415 (pydantic asks)
+
+        limits = dict(self.limits)
+        smallest = limits.pop("smallest", 0.0)
+        schema: Any = {**handler(source), **limits}
+
+        def sized(value: float) -> float:
+            if 0 < abs(value) < smallest:
+                raise PydanticCustomError("too_near_zero", "{smallest}", {"smallest": smallest})
+            return value
+
+        return core_schema.no_info_after_validator_function(sized, schema) if smallest else schema
 
     def check(self, value: Any, given: object) -> None:
         """Check a value of the annotated type.
@@ -53,6 +65,7 @@ _KINDS = {
     "max_length": "too_long",
     "pattern": "string_pattern_mismatch",
     "allow_inf_nan": "finite_number",
+    "smallest": "too_near_zero",
 }
 _KEPT: dict[str, Any] = {
     "gt": lambda value, limit: value > limit,
@@ -63,6 +76,7 @@ _KEPT: dict[str, Any] = {
     "max_length": lambda value, limit: len(value) <= limit,
     "pattern": lambda value, limit: re.search(limit, value) is not None and not value.endswith("\n"),
     "allow_inf_nan": lambda value, limit: limit or math.isfinite(value),
+    "smallest": lambda value, limit: value == 0 or abs(value) >= limit,
 }
 
 

@@ -95,7 +95,8 @@ def _sides(options: argparse.Namespace) -> list[str]:
     if options.side_by_side is None:
         return ["fastest"]
     if is_saved(options):
-        raise InputError("--side-by-side", "goes with CELL MOTION; a saved result is played as it is.")
+        rule = "goes with CELL MOTION; a saved result is played as it is."
+        raise InputError(options.cell, rule, key="--side-by-side")
     sides = [word.strip() for word in options.side_by_side.split(",")]
     for side in sides:
         if side not in SIDES:

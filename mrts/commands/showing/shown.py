@@ -49,18 +49,20 @@ def shown_files(options: argparse.Namespace) -> Iterator[None]:
     if is_saved(options):
         if options.motion is not None or options.variant is not None:
             other = "MOTION" if options.motion is not None else "--variant"
-            raise InputError(other, f"does not go with {SAVED}: a saved result holds its motion.")
+            raise InputError(options.cell, "a saved result holds its motion.", key=other)
         for name, nothing in QUESTIONS.items():
             if getattr(options, name) != nothing:
                 option = f"--{name.replace('_', '-')}"
-                raise InputError(option, f"does not go with {SAVED}: a saved result is played as it was found.")
+                raise InputError(options.cell, "a saved result is played as it was found.", key=option)
         yield
     elif options.variant is not None:
         if options.motion is not None:
-            raise InputError("MOTION", "does not go with --variant: the study has it.", value=str(options.motion))
+            rule = "does not go with --variant: the study has it."
+            raise InputError(options.cell, rule, key="MOTION", value=str(options.motion))
         study = _study(options.cell)
         if not 0 <= options.variant < study.variants:
-            raise InputError("--variant", f"must be from 0 to {study.variants - 1}.", value=options.variant)
+            rule = f"must be from 0 to {study.variants - 1}."
+            raise InputError(options.cell, rule, key="--variant", value=options.variant)
         with tempfile.TemporaryDirectory(prefix="mrts-variant-") as folder:
             options.cell, options.motion = study.write_variant(options.variant, Path(folder))
             yield
@@ -75,7 +77,7 @@ def _check_alone(options: argparse.Namespace) -> None:
     from mrts.studies.study_folder import STUDY_FILE
 
     if (options.cell / STUDY_FILE).exists():
-        raise InputError("--variant", "is needed: which variant of the study?")
+        raise InputError(options.cell, "is needed: which variant of the study?", key="--variant")
     asked = [name for name, nothing in QUESTIONS.items() if getattr(options, name) != nothing]
     asked += [name for name in ("png", "video") if getattr(options, name) is not None]
     asked += ["with"] if options.others else []
