@@ -40,7 +40,7 @@ class Cell(InNotebooks):
         robots: The arms in the order of the cell file.
         functions: The generated functions.
         enforces_velocity_limits: Whether velocity limits bound the speed, or are reported only.
-        remarks: What to know of how its files were read.
+        remarks: What was noticed as its files were read.
         reserve: Share of every limit that is kept free, 0 or more and below 1.
         folder: That the URDFs of its cell file are relative to; None where that is not known.
         object_shape: What the object looks like, None where that is not known; for pictures alone.
@@ -151,6 +151,13 @@ class Cell(InNotebooks):
         whole = np.concatenate([self.gravity, *poses, *(robot.held_numbers for robot in self.robots)])
         whole.flags.writeable = False
         return whole
+
+    @cached_property
+    def all_remarks(self) -> tuple[Remark, ...]:
+        """All that is to know of it, what its numbers look like included."""
+        from mrts.cell.remarks.cell_remarks import cell_remarks  # noqa: PLC0415 (it looks at cells)
+
+        return tuple(cell_remarks(self))
 
     @property
     def joint_slices(self) -> dict[str, slice]:
