@@ -10,7 +10,7 @@ BEFORE ?=
 VARIANTS ?= 20000
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo quick test fuzz wheel docs check bench instructions embedded-counts generate figures clean
+.PHONY: help install demo quick test test-slow fuzz wheel docs check bench differential instructions embedded-counts generate figures clean
 .NOTPARALLEL:  # one pip at a time in .venv
 
 help:  ## show this list
@@ -67,8 +67,11 @@ demo: $(VENV)/demo  ## generate, compile and run the paper's examples; figures i
 quick: install  ## run one test of each kind, in about a minute
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m quick
 
-test: install  ## run all tests
-	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal
+test: install  ## run the tests, each on small motions and few seeds
+	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m "not slow"
+
+test-slow: install  ## run the others: many seeds, sanitizers, cross-compilation, browsers, recipes, rivals
+	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m slow
 
 fuzz: install  ## read CASES damaged input files, from SEED on; look between the samples of 50 motions; draw more cells, loads and variants
 	FUZZ_CASES=$(CASES) FUZZ_SEED=$(SEED) $(BIN)/python -m pytest -q -x tests/base/test_mutated_inputs.py
@@ -105,6 +108,10 @@ bench: install $(VENV)/bench  ## measure speed against what a user would otherwi
 	$(BIN)/python benchmarks/startup/generation_cost.py
 	$(BIN)/python benchmarks/variants/rates.py
 	$(BIN)/python benchmarks/variants/sweep_speed.py $(VARIANTS)
+
+differential: CASES = 1000
+differential: install  ## ask CASES random questions, from SEED on, of this state and of the revision BEFORE; exit 1 if answers differ
+	$(BIN)/python benchmarks/differential/compare.py $(or $(BEFORE),$(error BEFORE names no revision)) $(CASES) $(SEED)
 
 instructions: install  ## count instructions of a sample and of whole calls (needs gcc and valgrind)
 	$(BIN)/python benchmarks/range/instructions.py

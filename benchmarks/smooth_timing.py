@@ -20,8 +20,8 @@ from cases import shipped
 from interleaved import median_times, on_one_processor, show
 
 import mrts
+from mrts.smooth.kernel_solver import KernelSolver
 from mrts.smooth.program import Goal
-from mrts.smooth.smooth_solvers import SMOOTH_SOLVERS, CheckedSolver
 from mrts.smooth.successive_steps import StepsTaken, successive_steps
 
 TESTS = Path(__file__).resolve().parents[1] / "tests"
@@ -59,19 +59,18 @@ def longer_and_excess(paths: Sequence[JerkPath], points: int) -> None:
         print(f"  {points:>4} points  {name} oversteps between its points at most: {shares}")
 
 
-def steps(found: mrts.RetimingResult, solver: str, given: float) -> Callable[[], Any]:
+def steps(found: mrts.RetimingResult, given: float) -> Callable[[], Any]:
     """The convex programs alone, from the rows of a path that was found before.
 
     Args:
         found: A smooth timing of one piece.
-        solver: A name in `SMOOTH_SOLVERS`.
         given: Duration of the given motion [s].
     """
     program, smooth = found.pieces[0].program, found.smooth  # type: ignore[attr-defined]  # a SmoothPiece
     around = np.full(program.nodes, (given / smooth.bound) ** 2)  # type: ignore[union-attr]
 
     def run() -> float:
-        taken = successive_steps(program, around, Goal(), CheckedSolver(solver))
+        taken = successive_steps(program, around, Goal(), KernelSolver())
         if not isinstance(taken, StepsTaken):
             raise TypeError(taken)
         return taken.costs[-1]
@@ -102,12 +101,11 @@ def one_arm(robot: str, path: JerkPath, points: int, repeats: int) -> None:
     """One path, our ways and copp's."""
     motion = replace(path.motion(points), course=None)  # as a table has it: copp too has the points alone
 
-    def whole(solver: str) -> Callable[[], float]:
-        return lambda: float(mrts.retime(path.cell, motion, rates=True, between=None, solver=solver).duration or np.nan)
+    def whole() -> float:
+        return float(mrts.retime(path.cell, motion, rates=True, between=None).duration or np.nan)
 
     found = mrts.retime(path.cell, motion, rates=True, between=None)
-    candidates = {f"mrts.retime: the whole call ({name})": whole(name) for name in SMOOTH_SOLVERS}
-    candidates |= {f"mrts, all programs from given rows ({name})": steps(found, name, 1.0) for name in SMOOTH_SOLVERS}
+    candidates = {"mrts.retime: the whole call": whole, "mrts, all programs from given rows": steps(found, 1.0)}
     candidates["copp-py, two linearisations, rows given"] = rows_given(path, points)
     candidates["copp-py, the same, torques by a callback (Pinocchio)"] = lambda: copp_timing.by_copp(path, points)[2]
     print(f"smooth timing, one {robot}, velocity, torque and jerk limits, {points} points, CPU time")
@@ -118,12 +116,11 @@ def two_arms(points: int, repeats: int) -> None:
     """The shipped dual cell with wrench limits and torque rates."""
     cell, motion = shipped("dual_ur5", points, velocities=True)
 
-    def whole(solver: str) -> Callable[[], float]:
-        return lambda: float(mrts.retime(cell, motion, rates=RATE, between=None, solver=solver).duration or np.nan)
+    def whole() -> float:
+        return float(mrts.retime(cell, motion, rates=RATE, between=None).duration or np.nan)
 
     found, lasts = mrts.retime(cell, motion, rates=RATE, between=None), float(motion.object.time[-1])
-    candidates = {f"mrts.retime: the whole call ({name})": whole(name) for name in SMOOTH_SOLVERS}
-    candidates |= {f"mrts, all programs from given rows ({name})": steps(found, name, lasts) for name in SMOOTH_SOLVERS}
+    candidates = {"mrts.retime: the whole call": whole, "mrts, all programs from given rows": steps(found, lasts)}
     print(f"smooth timing, dual UR5-class cell, wrench limits and torque rates, {points} points")
     report(candidates, points, repeats)
 

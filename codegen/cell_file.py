@@ -173,6 +173,7 @@ class CellDescription(StrictModel):
     name: Name
     gravity: Vector3
     plane: Literal["xy", "xz", "yz"] | None = None
+    inertia: Literal["strict", "lenient"] = "strict"
     object: ObjectDescription
     robots: Annotated[list[RobotDescription], Field(min_length=1)]
 

@@ -14,6 +14,7 @@ from mrts_codegen.cell_file import (
     TorqueBounds,
     inertia_problem,
 )
+from mrts_codegen.contact_normals import check_contact_normals
 from mrts_codegen.hand_file import build_contacts
 from mrts_codegen.motors_block import build_motors
 from mrts_codegen.object_shape import build_shape
@@ -126,17 +127,30 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
     components = PLANE_COMPONENTS[description.plane]
     names = tuple(WRENCH_COMPONENTS[component] for component in components)
     folder = path.resolve().parent if folder is None else folder
+    lenient = description.inertia == "lenient"
     mistakes = Mistakes()
     robots, urdfs = [], []
     for index, robot in enumerate(description.robots):
         with mistakes.noted():
-            built, urdf = build_robot(path, f"robots[{index}] ({robot.name})", robot, description.plane, folder)
+            key = f"robots[{index}] ({robot.name})"
+            built, urdf = build_robot(path, key, robot, description.plane, folder, lenient=lenient)
             robots.append(built)
             urdfs.append(urdf)
     with mistakes.noted():
         carried = _build_object(path, folder, description.object)
     mistakes.raise_noted()
-    return CellModel(description, components, names, tuple(robots), check_machines(path, robots, urdfs), *carried)
+    inertia, shape, remarks = carried
+    remarks = (*remarks, *check_contact_normals(path, description.robots, shape))
+    return CellModel(
+        description=description,
+        components=components,
+        wrench_components=names,
+        robots=tuple(robots),
+        machines=check_machines(path, robots, urdfs),
+        inertia=inertia,
+        shape=shape,
+        object_remarks=remarks,
+    )
 
 
 def _build_object(
@@ -155,7 +169,7 @@ def _build_object(
 
 
 def build_robot(
-    path: Path, key: str, robot: RobotDescription, plane: str | None, folder: Path
+    path: Path, key: str, robot: RobotDescription, plane: str | None, folder: Path, *, lenient: bool
 ) -> tuple[CellRobot, Urdf]:
     """Read the URDF of a robot and check all that the cell file says of it against it.
 
@@ -165,6 +179,7 @@ def build_robot(
         robot: What it says.
         plane: Of the cell.
         folder: That URDFs are relative to, absolute.
+        lenient: As in `mrts_codegen.urdf.link_inertia.link_inertia`.
 
     Returns:
         The robot, and its URDF.
@@ -177,7 +192,7 @@ def build_robot(
     urdf = parse_urdf(urdf_path, content)
     components = tuple(WRENCH_COMPONENTS[component] for component in PLANE_COMPONENTS[plane])
     held = held_positions(path, f"{key}.fixed", urdf_path, urdf, robot.fixed)
-    model = build_robot_model(urdf_path, urdf, robot.base_link, robot.tip_link, held)
+    model = build_robot_model(urdf_path, urdf, robot.base_link, robot.tip_link, held, lenient=lenient)
     joints = [joint.name for joint in model.joints]
     T_world_base = robot.base.transform
     T_object_tip = robot.grasp.transform
@@ -189,7 +204,7 @@ def build_robot(
             raise InputError(path, rule, key=f"{key}.posture", value=robot.posture)
     with mistakes.noted():
         torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model)
-        motors, remarks = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
+        motors, of_motors = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
     with mistakes.noted():
         wrench_lower, wrench_upper = given_wrench_limits(
             path, f"{key}.wrench", bounds.lower, bounds.upper, len(components)
@@ -216,7 +231,7 @@ def build_robot(
         wrench_lower=wrench_lower,
         wrench_upper=wrench_upper,
         motors=motors,
-        remarks=remarks,
+        remarks=(*robot.base.degrees_remarks(f"{key}.base"), *robot.grasp.degrees_remarks(f"{key}.grasp"), *of_motors),
         contacts=contacts,
         contact_rate=_contact_rate(robot.contact_rate, components),
     )

@@ -38,6 +38,7 @@ class PadDescription(StrictModel):
     normal: Vector3
     half_width: list[Finite]
     force: list[Finite]
+    pull: bool = False
 
 
 class SuctionDescription(StrictModel):
@@ -47,6 +48,7 @@ class SuctionDescription(StrictModel):
     friction: Finite
     radius: Finite
     normal: Vector3
+    pull: bool = False
 
 
 class GripperDescription(StrictModel):

@@ -9,6 +9,7 @@ import numpy as np
 from mrts_codegen.cell_file import CellDescription
 from mrts_codegen.cell_manifest import cell_manifest
 from mrts_codegen.cell_model import build_cell_model
+from mrts_codegen.urdf.link_inertia import NEAREST_INERTIA
 from mrts_codegen.urdf.urdf_file import parse_urdf
 from mrts_codegen.urdf.urdf_joint import friction
 from mrts_codegen.urdf_reference import mesh_reference, robot_reference
@@ -93,7 +94,13 @@ def _described(manifest: Manifest, shape: dict[str, Any] | None, robots: list[di
         "variation": variation or None,
         "velocity": speeds or None,
     }
-    whole = {"name": manifest.name, "gravity": manifest.gravity, "plane": manifest.plane, "object": _known(thing)}
+    whole = {
+        "name": manifest.name,
+        "gravity": manifest.gravity,
+        "plane": manifest.plane,
+        "inertia": "lenient" if any(remark.code == NEAREST_INERTIA for remark in manifest.remarks) else None,
+        "object": _known(thing),
+    }
     return _known(whole) | {"robots": robots}
 
 
@@ -122,7 +129,7 @@ def _described_robot(where: Path, robot: RobotRecord, reference: str, urdf: tupl
             "base": _pose(robot.world_base),
             "grasp": _pose(robot.object_tip),
             "posture": robot.posture,
-            "torque": upper if symmetric else {"lower": lower, "upper": upper},
+            "torque": None if robot.torque_from_urdf else upper if symmetric else {"lower": lower, "upper": upper},
             "wrench": limited or None,
             "contact_rate": None if rates == [None, None] else rates,
             "contact": [contact.given for contact in robot.contacts] or None,

@@ -18,6 +18,9 @@ TRIANGLE_MARGIN = 0.2
 2 %, but robots in wide use are farther off (the xArm 6 that pybullet ships by 15.6 %), and their users cannot mend
 them; the equations stay sound as long as the inertia is positive definite. Beyond this a digit is probably wrong."""
 
+NEAREST_INERTIA = "inertia-nearest"
+"""Code of the remark on an inertia that was moved."""
+
 POINT_RADIUS = 1e-7
 """Radius of gyration below which a body is a point mass [m]: exporters leave rounding of zero behind."""
 
@@ -67,13 +70,27 @@ def is_point(link: Any) -> bool:
     return body is not None and body.mass > 0 and bool(np.max(np.abs(body.inertia)) <= body.mass * POINT_RADIUS**2)
 
 
-def link_inertia(path: Path, link: Any, remarks: list[Remark]) -> Inertia:
+def nearest_inertia(inertia: Array) -> Array:
+    """The inertia of a body that is nearest to a symmetric matrix in the Frobenius norm, Shape (3, 3) [kg m²].
+
+    A body's principal moments are sums of two each of its second moments along the principal axes, which are >= 0.
+    """
+    from scipy.optimize import nnls  # noqa: PLC0415 (slow to import, for URDFs that are wrong)
+
+    moments, axes = np.linalg.eigh(inertia)
+    sums = np.ones((3, 3)) - np.eye(3)
+    second, _ = nnls(sums, moments)
+    return multiply(axes * (sums @ second), axes.T)
+
+
+def link_inertia(path: Path, link: Any, remarks: list[Remark], *, lenient: bool = False) -> Inertia:
     """Mass properties of a link in its own frame; without mass there is no body.
 
     Args:
         path: The URDF, for messages.
         link: Of a URDF.
         remarks: What is let pass is added here.
+        lenient: Whether an inertia that no body has is moved to the nearest that one has.
 
     Raises:
         InputError: If no body has these properties, not even nearly.
@@ -91,9 +108,23 @@ def link_inertia(path: Path, link: Any, remarks: list[Remark]) -> Inertia:
     T_link_com: RigidTransform = inertial.origin
     if is_point(link):
         return Inertia(inertial.mass, np.zeros(3), np.zeros((3, 3))).seen_from(T_link_com)
+    if lenient and inertia_problem(inertial.inertia, rods=True):
+        nearest = nearest_inertia(inertial.inertia)
+        given, taken = (
+            ", ".join(f"{moment:.6g}" for moment in np.linalg.eigvalsh(of)) for of in (inertial.inertia, nearest)
+        )
+        text = (
+            f"{path.name}: no body has the principal moments of link '{link.name}', {given} kg m²; the nearest "
+            f"that one has are taken, {taken} kg m²."
+        )
+        remarks.append(Remark(NEAREST_INERTIA, text))
+        return Inertia(inertial.mass, np.zeros(3), nearest).seen_from(T_link_com)
     problem = inertia_problem(inertial.inertia, triangle=TRIANGLE_MARGIN, rods=True)
     if problem:
-        advice = f"Correct it in the URDF; a moment {100 * TRIANGLE_MARGIN:g} % beyond the sum of the others passes."
+        advice = (
+            f"Correct it in the URDF; a moment {100 * TRIANGLE_MARGIN:g} % beyond the sum of the others passes. Or "
+            "give 'inertia: lenient' in the cell file: then it is moved to the nearest that a body has."
+        )
         raise InputError(path, f"{problem} {advice}", key=f"link '{link.name}' inertia")
     excess = triangle_excess(inertial.inertia)
     if excess > INERTIA_TOLERANCE:

@@ -105,7 +105,13 @@ class RobotModel:
 
 
 def build_robot_model(
-    path: Path, urdf: Any, base_link: str | None, tip_link: str, held: Mapping[str, float] | None = None
+    path: Path,
+    urdf: Any,
+    base_link: str | None,
+    tip_link: str,
+    held: Mapping[str, float] | None = None,
+    *,
+    lenient: bool = False,
 ) -> RobotModel:
     """Take the chain from `base_link` to `tip_link` out of a URDF; joints off the chain that are not held stay at zero.
 
@@ -115,6 +121,7 @@ def build_robot_model(
         base_link: First link; None takes the URDF's root.
         tip_link: Last link.
         held: Joints that stand still, with their positions, as from `held_positions`.
+        lenient: As in `link_inertia`.
 
     Raises:
         InputError: If a link is unknown, the tip is not below the base, a joint type cannot be modelled, or a
@@ -126,7 +133,7 @@ def build_robot_model(
     check_tree(path, links, urdf.joints)
     base_link = base_link or next(name for name in links if name not in joint_above)
     chain = _chain(path, links, joint_above, base_link, tip_link)
-    bodies = _Bodies(path, links, urdf.joints, held)
+    bodies = _Bodies(path, links, urdf.joints, held, lenient=lenient)
     moving = [joint for joint in chain if joint.type in MOVING_TYPES and joint.name not in held]
     moving_names, stops = {joint.name for joint in moving}, {joint.child for joint in moving}
 
@@ -274,10 +281,13 @@ class _Bodies:
         links: By name.
         joints: All of the URDF.
         held: Positions of those that do not stand at zero.
+        lenient: As in `link_inertia`.
     """
 
-    def __init__(self, path: Path, links: dict[str, Any], joints: list[Any], held: Mapping[str, float]) -> None:
-        self._path, self._links, self._held = path, links, held
+    def __init__(
+        self, path: Path, links: dict[str, Any], joints: list[Any], held: Mapping[str, float], *, lenient: bool
+    ) -> None:
+        self._path, self._links, self._held, self._lenient = path, links, held, lenient
         self._below: dict[str, list[Any]] = {}
         for joint in joints:
             self._below.setdefault(joint.parent, []).append(joint)
@@ -291,7 +301,8 @@ class _Bodies:
         while pending:
             link, T_body_link = pending.pop()
             with self.mistakes.noted():
-                total = total + link_inertia(self._path, self._links[link], self.remarks).seen_from(T_body_link)
+                body = link_inertia(self._path, self._links[link], self.remarks, lenient=self._lenient)
+                total = total + body.seen_from(T_body_link)
                 points += [link] if is_point(self._links[link]) else []
             below = [joint for joint in self._below.get(link, []) if joint.child not in stops]
             by_held |= any(joint.name in self._held for joint in below)

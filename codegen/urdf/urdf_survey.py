@@ -4,12 +4,42 @@
 from pathlib import Path
 
 import numpy as np
+from mrts_codegen.urdf.link_inertia import link_inertia
 from mrts_codegen.urdf.robot_model import build_robot_model, check_tree
 from mrts_codegen.urdf.shared_joints import root_in_base
 from mrts_codegen.urdf.urdf_elements import Urdf
-from mrts_codegen.urdf.urdf_joint import NO_LIMIT
+from mrts_codegen.urdf.urdf_joint import (
+    MOVING_TYPES,
+    NO_LIMIT,
+    friction,
+    position_limits,
+    unit_axis,
+    velocity_limit,
+)
 
+from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.urdf_tree import ArmChain, JointEnds, UrdfTree
+from mrts.base.remark import Remark
+
+
+def urdf_mistakes(path: Path, urdf: Urdf) -> tuple[tuple[InputError, ...], tuple[Remark, ...]]:
+    """What breaks a rule in the joints and the masses of a URDF, on any chain or none, and what is let pass.
+
+    Args:
+        path: The file, for messages.
+        urdf: What `parse_urdf` returned.
+    """
+    mistakes, remarks = Mistakes(), list[Remark]()
+    with mistakes.noted():
+        check_tree(path, {link.name: link for link in urdf.links}, urdf.joints)
+    for link in urdf.links:
+        with mistakes.noted():
+            link_inertia(path, link, remarks)
+    for joint in urdf.joints:
+        for rule in (unit_axis, position_limits, velocity_limit, friction) if joint.type in MOVING_TYPES else ():
+            with mistakes.noted():
+                rule(path, joint)
+    return tuple(mistakes.found), tuple(remarks)
 
 
 def urdf_tree(path: Path, urdf: Urdf) -> UrdfTree:

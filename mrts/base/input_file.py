@@ -95,7 +95,10 @@ def read_data(path: Path, what: str) -> Any:
     """
     text = read_text(path, what, MAX_YAML_BYTES)
     if text.lstrip("\ufeff \n").startswith(XML):
-        rule = f"this is XML, and a {what} belongs here; `mrts new DIR --robot URDF` makes one of a URDF."
+        rule = (
+            f"this is XML, and a {what} belongs here; `mrts new DIR --robot URDF` makes one of a URDF, and `mrts check "
+            "URDF` checks it."
+        )
         raise InputError(path, rule)
     try:
         return parse_yaml(text)

@@ -151,7 +151,8 @@ class LoadBox(InNotebooks):
                 raise InputError("load", f"is not a parameter of this box; those are {known}.", key=name, value=value)
             low, high = self.ranges[name]
             if not is_number(value, low, high):
-                raise InputError("load", f"must be a number in [{low:g}, {high:g}].", key=name, value=value)
+                rule = f"must be a number in [{low:g}, {high:g}]{_meaning(name, self.mass, low, high)}."
+                raise InputError("load", rule, key=name, value=value)
         values = self._inside() | dict(parameters)
         return self._load(values, values)
 
@@ -294,6 +295,13 @@ def _one_range_problem(name: str, pair: Any) -> str:
     )
     broken = next((rule for holds, rule in rules if not holds), None)
     return f"{name} = [{low:g}, {high:g}]: {broken}." if broken else ""
+
+
+def _meaning(name: str, mass: float, low: float, high: float) -> str:
+    """What the number of a parameter is, behind its range."""
+    if name == "mass":
+        return f": it is a factor of the nominal mass, {mass:g} kg, so {low * mass:g} to {high * mass:g} kg"
+    return ": it is a factor of the nominal principal moment" if name in FACTORS else f" {UNITS[name]}"
 
 
 def principal_axes(inertia: Array) -> Array:

@@ -12,11 +12,11 @@ from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_xacro
 from mrts.base.manifest import MANIFEST_NAME, Manifest
 from mrts.base.regular_file import is_folder
+from mrts.base.remark import Remark
 from mrts.kernel.cache_folder import cache_folder
 
 if TYPE_CHECKING:
     from mrts.base.formats.urdf_tree import Survey, UrdfTree
-    from mrts.motors.joint_source import JointSource
 
 
 CELL_FILE = "cell.yaml"
@@ -39,6 +39,26 @@ def is_generated(path: Path) -> bool:
             path, f"is a folder without {MANIFEST_NAME}, so `mrts generate` did not write it; name {named}."
         )
     return is_folder(path) or path.name == MANIFEST_NAME
+
+
+class UrdfReading(NamedTuple):
+    """What is in a URDF, and all that is wrong with it.
+
+    Attributes:
+        path: Of the file.
+        tree: Its links and joints; None if they are none.
+        survey: What gives its chain from a base link to a tip link; None likewise.
+        mistakes: All that breaks a rule.
+        remarks: What is let pass.
+        meshes: Files of meshes that it names.
+    """
+
+    path: Path
+    tree: "UrdfTree | None"
+    survey: "Survey | None"
+    mistakes: tuple[InputError, ...]
+    remarks: tuple[Remark, ...] = ()
+    meshes: tuple[str, ...] = ()
 
 
 class NamedFiles(NamedTuple):
@@ -111,6 +131,31 @@ def surveyed_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str])
     return path, urdf_tree(path, read), partial(arm_chain, path, read)
 
 
+def urdf_with_mistakes(path: Path, args: Mapping[str, str]) -> UrdfReading:
+    """A URDF with all that is wrong with it.
+
+    Args:
+        path: Of the file.
+        args: Of a xacro, by name.
+    """
+    from mrts_codegen.urdf.urdf_file import mesh_names, parse_urdf  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf.urdf_survey import arm_chain, urdf_mistakes, urdf_tree  # noqa: PLC0415
+    from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
+
+    try:
+        content = FileReference(str(path), args, key="").content(path, Path.cwd())
+        read = parse_urdf(path, content)
+    except InputError as error:
+        return UrdfReading(path, None, None, error.each())
+    mistakes, remarks = urdf_mistakes(path, read)
+    meshes = tuple(mesh_names(path, content))
+    try:
+        tree = urdf_tree(path, read)
+    except InputError:
+        return UrdfReading(path, None, None, mistakes, remarks, meshes)
+    return UrdfReading(path, tree, partial(arm_chain, path, read), mistakes, remarks, meshes)
+
+
 def cell_file_in(manifest: Manifest, folder: Path, beside: Path | None) -> str:
     """Text of a cell file that reads back to the cell of a manifest.
 
@@ -142,8 +187,8 @@ def all_cell_keys(path: Path) -> dict[str, Any]:
     return read_cell_description(path).model_dump()
 
 
-def read_without_generating(path: Path) -> "tuple[Any, tuple[InputError, ...], tuple[JointSource, ...]]":
-    """A cell with its URDFs (None if something is wrong), all that is wrong, and where what is known of joints is from.
+def read_without_generating(path: Path) -> tuple[Any, tuple[InputError, ...]]:
+    """A cell with its URDFs (None if something is wrong), and all that is wrong.
 
     Args:
         path: The cell file.
@@ -151,7 +196,7 @@ def read_without_generating(path: Path) -> "tuple[Any, tuple[InputError, ...], t
     from mrts_codegen.cell_reading import read_cell  # noqa: PLC0415 (build time, on demand)
 
     found = read_cell(path)
-    return found.model, found.mistakes, found.joints
+    return found.model, found.mistakes
 
 
 def arms_alone_of(cell: Any) -> tuple[Any, ...]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrts.base.errors import InputError, MotionError
+from mrts.commands.options.common import add_xacro_arg, xacro_arguments
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import check_outputs
 from mrts.console.progress import working
@@ -42,8 +43,7 @@ def add(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--robot", action="append", default=[], metavar="URDF",
                       help="once for each robot; a single arm stands twice, a machine with two arms once (asked for at "
                       "a terminal)")  # fmt: skip
-    verb.add_argument("--xacro-arg", action="append", default=[], metavar="NAME=VALUE",
-                      help="argument of the robots that are xacros; once for each")  # fmt: skip
+    add_xacro_arg(verb, "the robots that are xacros")
     verb.add_argument("--tip", action="append", default=[], metavar="LINK",
                       help="link that holds the object, once for each robot, or several of a single one (default: "
                       "found by name)")  # fmt: skip
@@ -88,6 +88,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _begin(options: argparse.Namespace, folder: Path, request: "Request") -> int:
+    from mrts.cell.remarks.unit_remarks import urdf_remarks
     from mrts.starting.proposal import propose, renamed
 
     copies = _copies(request, folder, force=options.force) if options.copy else {}
@@ -97,6 +98,8 @@ def _begin(options: argparse.Namespace, folder: Path, request: "Request") -> int
             proposal = propose(request, progress)
         except MotionError as error:
             say(f"{folder}: nothing written: {error}", "bad")
+            for remark in (one for each in request.arms for one in urdf_remarks(each.arm.robot)):
+                say(str(remark), "note")
             return INFEASIBLE
     if copies:
         proposal = renamed(proposal, [copies[each.path] for each in request.arms])
@@ -164,23 +167,8 @@ def _given(options: argparse.Namespace, folder: Path) -> "Given":
         mass=options.mass,
         gravity=gravity,
         degrees=options.degrees,
-        xacro_args=_xacro_arguments(options.xacro_arg),
+        xacro_args=xacro_arguments(options.xacro_arg),
     )
-
-
-def _xacro_arguments(given: list[str]) -> dict[str, str]:
-    """Values of a xacro's arguments by name.
-
-    Raises:
-        InputError: If one has no name, or no value, or stands twice.
-    """
-    arguments: dict[str, str] = {}
-    for text in given:
-        name, sign, value = text.partition("=")
-        if not name or not sign or name in arguments:
-            raise InputError("--xacro-arg", "must be NAME=VALUE, each name once.", value=text)
-        arguments[name] = value
-    return arguments
 
 
 def _numbers(option: str, text: str, counts: tuple[int, ...] = ()) -> "Array":
@@ -251,9 +239,8 @@ def _asked_tips(name: str, tree: "UrdfTree", found: list["Hand"]) -> list[str]:
 
 def _tell_arms(request: "Request") -> None:
     """What was read: the chain of each arm, its joints and limits, and what is missing."""
-    from mrts.diagnosis.cell_check import position_range
-    from mrts.diagnosis.unit_hints import urdf_hints
     from mrts.starting.cell_writing import missing
+    from mrts.starting.urdf_check import joint_lines
 
     chains: dict[int, ArmRequest] = {}
     for each in request.arms:  # two of a kind have one chain, told under the name of the first
@@ -263,18 +250,10 @@ def _tell_arms(request: "Request") -> None:
         proposed = f" (proposed: {each.why})" if each.why else ""
         names = " and ".join(other.arm.name for other in request.arms if other.arm.chain is chain)
         say(f"{names}: {each.urdf}, {chain.base_link} to {chain.tip_link}{proposed}", "strong")
-        rows = zip(chain.joints, chain.types, chain.lower, chain.upper, chain.effort, chain.velocity, strict=True)
-        width = max(len(name) for name in ("joint", *chain.joints))
-        say(f"  {'joint':<{width}} {'position':>20} {'torque':>10} {'velocity':>12}")
-        for name, kind, lower, upper, effort, velocity in rows:
-            unit, torque = ("rad", "N m") if kind == "revolute" else ("m", "N")
-            shown = "?" if effort is None else f"{effort:.4g} {torque}"
-            speed = "?" if velocity is None else f"{velocity:.4g} {unit}/s"
-            say(f"  {name:<{width}} {position_range(lower, upper, unit):>20} {shown:>10} {speed:>12}")
+        for line in joint_lines(chain):
+            say(line)
         for sentence in missing(each.arm):
             say(f"  missing: {sentence}", "note")
-        for hint in urdf_hints(each.arm.robot):
-            say(f"  hint: {hint.text}", "note")
     say("")
 
 
@@ -320,6 +299,8 @@ def _write(folder: Path, proposal: "Proposal", copies: dict[Path, str]) -> None:
 
 def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
     """What was written, what it can do, and what to do next."""
+    from mrts.cell.remarks.assumptions import NO_COLLISIONS
+
     lift = max(abs(proposal.layout.lift))
     asked = proposal.request.mass
     cell, motion = folder / "cell.yaml", folder / "motion.yaml"
@@ -329,7 +310,10 @@ def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
         warn("gravity is normal to the plane and loads no joint; for an upright plane: --gravity=0,-9.81,0")
     say(f"{cell}: {len(proposal.request.arms)} arms hold {proposal.mass:g} kg", "strong")
     say(f"{motion}: up by {lift:g} m in {proposal.motion['duration']:g} s", "strong")
-    say(f"{proposal.result.sentence()}\n")
+    say(proposal.result.sentence())
+    for remark in proposal.result.warnings:
+        say(str(remark), "note")
+    say(f"{NO_COLLISIONS}\n", "note")
     say("Look at it, ask how fast it may be played, then put your own numbers in:")
     files = f"{shlex.quote(str(cell))} {shlex.quote(str(motion))}"
     say(f"  mrts view {files}")

@@ -63,7 +63,8 @@ def add(scale: argparse.ArgumentParser) -> None:
                        help="of a load that varies: guaranteed (for every load; the default if the cell gives "
                        "object.variation), possible (for some load), grid:N (for N masses), or nominal")  # fmt: skip
     scale.add_argument("--carry", metavar="KEY=VALUE,…",
-                       help="torques for this load of the box, as mass=1.5,izz=0.8 (default: nominal)")  # fmt: skip
+                       help="torques for this load of the box, factors as mass=1.5,izz=0.8, or mass=3kg (default: "
+                       "nominal)")  # fmt: skip
     scale.add_argument("--distribute", choices=DISTRIBUTIONS, default="least-torque",
                        help="of redundant torques: the least ones, or those that keep most of every limit in reserve "
                        "(default: %(default)s)")  # fmt: skip
@@ -184,15 +185,11 @@ def _scale(
     with working("writing"):  # files first: whoever reads the lines may go away
         _write(options, result, outputs)
     code = _answered(options, result, scaling_lines(result), outputs)
-    _say_fallbacks(options, result.fallbacks)
-    return code
-
-
-def _say_fallbacks(options: argparse.Namespace, count: int) -> None:
-    if count and str(options.json) != "-":
+    if result.fallbacks and str(options.json) != "-":
         from mrts.scaling.result import fallbacks_text
 
-        warn(fallbacks_text(count))
+        warn(fallbacks_text(result.fallbacks))
+    return code
 
 
 def _answered(
@@ -250,9 +247,7 @@ def _retime(
         lines = list(retiming_lines(found))
     with working("writing"):  # files first: whoever reads the lines may go away
         _write_timing(options, found, outputs)
-    code = _answered(options, found, lines, outputs)
-    _say_fallbacks(options, 0 if found.smooth is None else found.smooth.fallbacks)
-    return code
+    return _answered(options, found, lines, outputs)
 
 
 def _write_timing(options: argparse.Namespace, found: "RetimingResult", outputs: Outputs) -> None:
@@ -274,7 +269,8 @@ def _known_load(cell: "Cell", text: str | None, question: str) -> "Array | None"
         raise InputError("--carry", "picks a load of the box, but the cell gives no object.variation.", value=text)
     if question == "possible":
         raise InputError("--carry", "what is possible chooses no c², so there are no torques.", value=text)
-    return cell.load_box.load_at(numbers_option("--carry", text, "mass=1.5,izz=0.8"))
+    units = {"mass": ("kg", cell.load_box.mass)}
+    return cell.load_box.load_at(numbers_option("--carry", text, "mass=1.5,izz=0.8 or mass=3kg", units))
 
 
 def _write(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:

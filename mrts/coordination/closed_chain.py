@@ -78,7 +78,7 @@ def close_chain(
     if source == "positions":
         shares = shares[:1]
         remarks += _checked_roughness(roughness(cell, given.object, tips), where)
-    if misfit := slip(cell, given.object, tips, shares, ROUNDED_SLIP):
+    if misfit := slip(cell, given.object, tips, shares, ROUNDED_SLIP, source):
         raise MotionError(f"{where}: {misfit}")
     if carried:
         target = mean_object(cell, given.object.time, tips)

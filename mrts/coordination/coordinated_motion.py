@@ -18,6 +18,7 @@ from mrts.coordination.grasp_closure import TipMotion, in_world, tip_motions
 from mrts.inverse_kinematics.grasp_tracking import follow_grasps
 from mrts.inverse_kinematics.joint_limits import check_joint_limits, within_limits
 from mrts.inverse_kinematics.starting_positions import starting_positions
+from mrts.inverse_kinematics.structural_rank import lacking_freedom, postures_for_rank
 from mrts.motion.joint_table import JointSplines
 from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
 
@@ -227,10 +228,10 @@ def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion, *, smoot
 
 
 def check_motion(cell: Cell, motion: ObjectMotion) -> None:
-    """Check what does not depend on the joints: the plane of a planar cell, enough joints.
+    """Check what does not depend on the joints' positions: the plane of a planar cell, enough joints.
 
     Raises:
-        InputError: If an arm has fewer joints than wrench components.
+        InputError: If an arm's joints do not move its hand in as many directions as there are wrench components.
         MotionError: If the object leaves the plane.
     """
     for robot in cell.robots:
@@ -241,6 +242,12 @@ def check_motion(cell: Cell, motion: ObjectMotion) -> None:
                 f"{len(cell.wrench_components)}: it could not follow any motion.",
                 key=f"robot '{robot.name}'",
             )
+    q = postures_for_rank(np.concatenate([robot.posture for robot in cell.robots]))
+    jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
+    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        if lacking := lacking_freedom(robot.joints, q[:, joints], jacobians[:, :, joints], cell.wrench_rows):
+            rule = f"{lacking} It could not follow any motion: take another arm or tip."
+            raise InputError(cell.name, rule, key=f"robot '{robot.name}'")
     if cell.plane is not None and leaves_plane(cell, motion.twist):
         normal = "".join(sorted({*"xyz"} - {*cell.plane}))
         raise MotionError(

@@ -2,9 +2,10 @@
 """A motion of the whole cell between its samples: one way to ask any motion for more of them.
 
 The object is where its motion says, if that is known at all times: a geodesic, a path through waypoints, the splines of
-a table of poses. The joints are on the splines of their table, or on polynomials through their samples; where these
-miss the grasps, the joints are moved onto them, which is the inverse kinematics of the same branch. An object that is
-known at its samples only is where the hands carry it, and accelerations that were given are not exceeded between two.
+a table of poses. The joints are on the splines of their table, or on polynomials through their samples: in time, along
+the path where a profile's acceleration jumps. Where these miss the grasps, the joints are moved onto them, which is
+the inverse kinematics of the same branch. An object that is known at its samples only is where the hands carry it, and
+accelerations that were given are not exceeded between two.
 """
 
 from dataclasses import replace
@@ -26,7 +27,9 @@ from mrts.coordination.grasp_closure import (
     slip,
     tip_motions,
 )
+from mrts.motion.object_courses import Geodesic, WaypointPath, path_shares
 from mrts.motion.object_motion import ObjectMotion
+from mrts.motion.velocity_profile import CORNER_TOLERANCE, CORNERS
 
 HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
 """Cubic polynomials on [0, 1] by value and slope at both ends; coefficients by rising power."""
@@ -64,6 +67,8 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array) -> Coord
     inside = velocity_polynomials(given.time, ours, time) if motion.course is None else motion.course(time)
     if motion.course is None and known is None:
         inside = (*inside[:2], _linear(given.time, motion.ddq, time))
+    elif motion.course is None and isinstance(given.course, Geodesic | WaypointPath):
+        _across_corners(given.course, given.time, ours, time, inside)
     q, dq, ddq = (np.concatenate([of[:1], there, of[-1:]]) for of, there in zip(ours, inside, strict=True))
     tips = tip_motions(cell, q, dq, ddq)
     target = known or carried_object(cell, 0, at, tips[0], smooth=False)
@@ -171,6 +176,40 @@ def polynomial_weights(u: Array) -> Array:
 
 WHOLE_WAY = polynomial_weights(np.ones(1))[0, 0]
 """What they weigh in the way over a whole segment."""
+
+
+def _across_corners(
+    course: Geodesic | WaypointPath,
+    known: Array,
+    joints: tuple[Array, Array, Array],
+    at: Array,
+    inside: tuple[Array, Array, Array],
+) -> None:
+    """Put joints in gaps at a corner of the profile on polynomials in the share of the path, smooth where s'' jumps.
+
+    Args:
+        course: Of the object, which the joints follow.
+        known: Times of the samples, from rest to rest, Shape (N,).
+        joints: As in `velocity_polynomials`.
+        at: Other times, Shape (k,).
+        inside: Joint motion there on polynomials in time, which is corrected.
+    """
+    u, end = known / course.duration, np.searchsorted(known, at, side="right")
+    corners = np.array(CORNERS.get(course.profile, ()))
+    moving = (end > 1) & (end < len(known) - 1)
+    end = np.minimum(end, len(known) - 1)
+    reached = (u[end - 1, None] <= corners + CORNER_TOLERANCE) & (corners - CORNER_TOLERANCE <= u[end, None])
+    near = np.flatnonzero(moving & np.any(reached, axis=1))
+    if not len(near):
+        return
+    q, dq, ddq = (of[1:-1] for of in joints)
+    s, ds, dds = (of[1:-1, None] for of in path_shares(course, known))
+    along = dq / ds, (ddq - dq / ds * dds) / ds**2
+    there, rate, change = path_shares(course, at[near])
+    way, slope, bend = velocity_polynomials(s[:, 0], (q, *along), there)
+    rate, change = rate[:, None], change[:, None]
+    for of, exact in zip(inside, (way, slope * rate, bend * rate**2 + slope * change), strict=True):
+        of[near] = exact
 
 
 def _linear(known: Array, values: Array, at: Array) -> Array:

@@ -13,6 +13,7 @@ from mrts.base.rigid_transform import angles_of_rotations
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.inverse_kinematics.grasp_tracking import tip_rates
+from mrts.motion.joint_table import Source
 from mrts.motion.object_motion import ObjectMotion
 
 LARGEST_CLOSURE = 0.1
@@ -179,12 +180,19 @@ def check_gaps(cell: Cell, given: ObjectMotion, gaps: GraspGaps, bound: ClosureB
         raise MotionError(
             f"{where}: the joints do not close the chain. The tip of '{cell.robots[robot].name}' is off its grasp by "
             f"{gaps.at(robot, sample)} at sample {sample} (t = {given.time[sample]:.6g} s), the worst; {bound} are "
-            "allowed. Check the joint positions, the bases and the grasps; if they are right, allow more with "
-            "--closure (argument closure)."
+            "allowed. Check the joint positions and how many digits they have, the bases and the grasps; if they are "
+            "right, allow more with --closure (argument closure)."
         )
 
 
-def slip(cell: Cell, given: ObjectMotion, tips: list[TipMotion], shares: tuple[float, ...], rest: float) -> str | None:
+def slip(
+    cell: Cell,
+    given: ObjectMotion,
+    tips: list[TipMotion],
+    shares: tuple[float, ...],
+    rest: float,
+    source: Source | None = None,
+) -> str | None:
     """Where the tips' velocities or accelerations do not fit the object's, as a sentence; None if they fit.
 
     Args:
@@ -193,6 +201,7 @@ def slip(cell: Cell, given: ObjectMotion, tips: list[TipMotion], shares: tuple[f
         tips: Motion of every tip.
         shares: Allowed of the largest velocity, and of the largest acceleration; accelerations are left out if it is.
         rest: Allowed besides [m, rad per s or s²].
+        source: What those of them were found from that were not given.
     """
     for robot, tip in zip(cell.robots, tips, strict=True):
         rates = zip(tip_rates(cell, robot, given), (tip.velocity, tip.acceleration), strict=True)
@@ -201,10 +210,14 @@ def slip(cell: Cell, given: ObjectMotion, tips: list[TipMotion], shares: tuple[f
             off = np.abs(ours - expected)
             if np.max(off) > max(share * size, rest):
                 worst, _ = np.unravel_index(int(np.argmax(off)), off.shape)
+                found, advice = "", f"Check the {what}."
+                if source not in {None, what}:
+                    found = f", which were found from the {source},"
+                    advice = f"Give the {what} too, or {source} with more digits, less noise or at more times."
                 return (
-                    f"the joint {what} do not fit the object's: at sample {worst} (t = {given.time[worst]:.6g} s) the "
-                    f"tip of '{robot.name}' slips on its grasp by {np.max(off):.3g} (m, rad per s or s²); the largest "
-                    f"is {size:.3g}. Check the {what}."
+                    f"the joint {what}{found} do not fit the object's: at sample {worst} (t = {given.time[worst]:.6g} "
+                    f"s) the tip of '{robot.name}' slips on its grasp by {np.max(off):.3g} (m, rad per s or s²); the "
+                    f"largest is {size:.3g}. {advice}"
                 )
     return None
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """How far each arm follows a motion, what stops it, and what would let it go on."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -75,7 +76,9 @@ class ArmReach(InNotebooks):
         failure: Why it does not follow from its posture; empty if it does.
         ways: Number of ways to hold the grasp at t = 0 that were followed.
         nearest: How near its hand comes to the first sample that it does not follow; None if it follows.
-        shift: A move of its base that lets it follow, tried out, world axes, Shape (3,) [m]; None where none was found.
+        shift: A move of its base, and with it of its machine's other arms, with which they follow, tried out, world
+            axes, Shape (3,) [m]; None where none was found.
+        machine: The other arms of its machine, whose bases stay beside its own.
         posture: The one nearest to its own from which it follows; None where there is none, or where it is its own.
         margin: What it keeps free; None if it does not follow.
     """
@@ -88,6 +91,7 @@ class ArmReach(InNotebooks):
     ways: int = 0
     nearest: NearestHold | None = None
     shift: Array | None = None
+    machine: tuple[str, ...] = ()
     posture: Array | None = None
     margin: ArmMargin | None = None
 
@@ -132,6 +136,20 @@ def reach_of(arm: Cell, motion: ObjectMotion, *, seek: bool = True) -> ArmReach:
     around = [further_starts(robot, robot.posture), *([starts] if len(starts) else [])]
     nearest = nearest_hold(arm, motion, followed, np.concatenate(around))
     return replace(found, nearest=nearest, shift=_shift(arm, motion, nearest) if seek else None)
+
+
+def of_machine(reach: ArmReach, fellows: Sequence[Cell], motion: ObjectMotion) -> ArmReach:
+    """The same of an arm whose base others share: it moves only where they still follow.
+
+    Args:
+        reach: Of the arm by itself.
+        fellows: A cell of each other arm of its machine.
+        motion: Motion of the object.
+    """
+    shift = reach.shift
+    if shift is not None and not all(follows(_moved(fellow, shift), motion) for fellow in fellows):
+        shift = None
+    return replace(reach, shift=shift, machine=tuple(fellow.robots[0].name for fellow in fellows))
 
 
 def following(arm: Cell, motion: CoordinatedMotion) -> ArmReach:

@@ -3,7 +3,7 @@
 
 import json
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -16,9 +16,8 @@ from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
-from mrts.base.remark import Remark
+from mrts.base.remark import Remark, Severity
 from mrts.diagnosis.arm_reach import HELD, ArmMargin, ArmReach
-from mrts.diagnosis.hint import Hint
 from mrts.motors.joint_source import JointSource
 
 CheckStatus = Literal["fine", "impossible", "wrong-input"]
@@ -41,22 +40,36 @@ class CellCheck(InNotebooks):
         motion: The motion; None if none was given.
         mistakes: All that breaks a rule, in both files and the URDFs.
         joints: What is known of every joint, and where it is from; empty if something breaks a rule.
-        assumed: What is taken for granted, a sentence each.
-        remarks: What to know of the files.
+        remarks: What to know of the cell and the motion, what is taken for granted included.
         arms: How far every arm follows the motion of an object; empty where that is not asked or not known.
         problem: Why the motion is impossible whatever the arms do, or as joints that are given; empty if it is not.
-        hints: Likely mistakes.
     """
 
     cell: Path
     motion: Path | None = None
     mistakes: tuple[InputError, ...] = ()
     joints: tuple[JointSource, ...] = ()
-    assumed: tuple[str, ...] = ()
     remarks: tuple[Remark, ...] = ()
     arms: tuple[ArmReach, ...] = ()
     problem: str = ""
-    hints: tuple[Hint, ...] = ()
+
+    @property
+    def hints(self) -> tuple[Remark, ...]:
+        """Likely mistakes among the remarks."""
+        return self._of("hint")
+
+    @property
+    def warnings(self) -> tuple[Remark, ...]:
+        """What to know before trusting an answer, among the remarks."""
+        return self._of("warning")
+
+    @property
+    def assumed(self) -> tuple[Remark, ...]:
+        """What is taken for granted, among the remarks."""
+        return self._of("assumption")
+
+    def _of(self, severity: Severity) -> tuple[Remark, ...]:
+        return tuple(remark for remark in self.remarks if remark.severity == severity)
 
     @property
     def status(self) -> CheckStatus:
@@ -71,7 +84,7 @@ class CellCheck(InNotebooks):
     def notebook_words(self) -> list[str]:
         """The outcome, what is wrong, and hints."""
         said = [*map(str, self.mistakes), *([self.problem] if self.problem else [])]
-        return [self.outcome(), *said, *(f"hint: {hint.text}" for hint in self.hints)]
+        return [self.outcome(), *said, *(f"hint: {hint.text}" for hint in self.hints), *map(str, self.warnings)]
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """How far every arm follows, what is known of its joints, and what is assumed."""
@@ -81,7 +94,7 @@ class CellCheck(InNotebooks):
         if self.joints:
             head, *joints = joint_rows(self.joints)
             yield NotebookTable(head, joints)
-            yield NotebookTable(("assumed",), [(text,) for text in self.assumed])
+            yield NotebookTable(("assumed",), [(remark.text,) for remark in self.assumed])
 
     def lines(self) -> Iterator[str]:
         """The answer for people, the outcome first."""
@@ -89,6 +102,7 @@ class CellCheck(InNotebooks):
         for number, mistake in enumerate(self.mistakes, start=1):
             yield f"  {number}. {mistake}"
         yield from (f"hint: {hint.text}" for hint in self.hints)
+        yield from map(str, self.warnings)
         if self.problem:
             yield f"  {self.problem}"
         if self.arms:
@@ -101,8 +115,7 @@ class CellCheck(InNotebooks):
         if self.assumed:
             yield ""
             yield "assumed:"
-            yield from (f"  {text}" for text in self.assumed)
-        yield from map(str, self.remarks)
+            yield from (f"  {remark.text}" for remark in self.assumed)
         if self.status == "fine":
             yield ""
             motion = "MOTION" if self.motion is None else shlex.quote(str(self.motion))
@@ -128,16 +141,13 @@ class CellCheck(InNotebooks):
             "status": self.status,
             "cell": str(self.cell),
             "motion": None if self.motion is None else str(self.motion),
-            "mistakes": [
-                {"where": each.where, "key": each.key or None, "rule": each.rule, "text": str(each)}
-                for each in self.mistakes
-            ],
-            "hints": [asdict(hint) for hint in self.hints],
+            "mistakes": mistakes_json(self.mistakes),
+            "hints": [remark.to_json() for remark in self.hints],
             "problem": self.problem or None,
             "arms": [_arm_json(arm) for arm in self.arms],
-            "joints": [_finite(asdict(joint)) for joint in self.joints],
-            "assumed": list(self.assumed),
-            "warnings": [remark.to_json() for remark in self.remarks],
+            "joints": [finite_json(asdict(joint)) for joint in self.joints],
+            "assumed": [remark.to_json() for remark in self.assumed],
+            "warnings": [remark.to_json() for remark in self.warnings],
         }
 
     def json_text(self) -> str:
@@ -184,8 +194,16 @@ def arm_lines(arm: ArmReach) -> Iterator[str]:
             yield f"  There its hand can be, but turned by {np.degrees(arm.nearest.turn):.3g}°."
         else:
             yield "  There it could hold the grasp, but not on a way that leads there from the start."
-    if arm.shift is not None:
+    others = ", ".join(f"'{name}'" for name in arm.machine)
+    if arm.shift is not None and arm.machine:
+        yield (
+            f"  Move the base of the machine, of {others} too, {direction(arm.shift)}, or the path the other way: then "
+            "its arms follow."
+        )
+    elif arm.shift is not None:
         yield f"  Move its base {direction(arm.shift)}, or the path and the grasp the other way: then it follows."
+    elif arm.machine:
+        yield f"  Its base is fixed to that of {others}: change its grasp, the path, or where the whole machine stands."
 
 
 def direction(move: Array) -> str:
@@ -287,12 +305,18 @@ def _arm_json(arm: ArmReach) -> dict[str, Any]:
         "nearest": nearest
         and {"gap": nearest.gap, "off": nearest.off.tolist(), "turn": nearest.turn, "q": nearest.q.tolist()},
         "shift": None if arm.shift is None else arm.shift.tolist(),
+        "machine": list(arm.machine),
         "posture": None if arm.posture is None else arm.posture.tolist(),
-        "margin": margin and _finite(asdict(margin)),
+        "margin": margin and finite_json(asdict(margin)),
     }
 
 
-def _finite(values: dict[str, Any]) -> dict[str, Any]:
+def mistakes_json(mistakes: Sequence[InputError]) -> list[dict[str, str | None]]:
+    """Mistakes as values of JSON."""
+    return [{"where": each.where, "key": each.key or None, "rule": each.rule, "text": str(each)} for each in mistakes]
+
+
+def finite_json(values: dict[str, Any]) -> dict[str, Any]:
     """Values with None for what is unlimited: JSON has no infinity."""
 
     def finite(value: Any) -> Any:

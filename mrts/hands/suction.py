@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mrts.base.argument_types import check_type
 from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.hands.contact import Contact, as_given
 from mrts.hands.contact_axes import contact_axes
@@ -17,6 +18,7 @@ def suction_contact(
     friction: float,
     radius: float,
     normal: Sequence[float],
+    pull: bool = False,
     components: Sequence[str] = WRENCH_COMPONENTS,
     name: str = "suction",
 ) -> Contact:
@@ -31,16 +33,21 @@ def suction_contact(
         friction: Coefficient of friction of the lip with the object, > 0.
         radius: Of the lip [m].
         normal: From the hand into the object, in tip axes, Shape (3,).
+        pull: That the normal is meant to point out of the object, as from inside a hollow: a cell file is refused where
+            it does so without.
         components: Of the wrench in tip axes.
         name: Of the contact.
 
     Raises:
         InputError: If a value breaks a rule.
     """
+    check_type("contact: pull", pull, bool)
     axes = contact_axes("normal", normal, components)
     holding, width = positive("holding_force", holding_force), positive("radius", radius)
     in_space = len(components) == len(WRENCH_COMPONENTS)
     widths = [width / np.sqrt(2)] * 2 if in_space else [width]
     needed = normal_force_needed(pyramid(friction, components), widths)
-    given = as_given("suction", holding_force=holding_force, friction=friction, radius=radius, normal=normal)
+    given = as_given(
+        "suction", holding_force=holding_force, friction=friction, radius=radius, normal=normal, pull=pull or None
+    )
     return surface_contact(name, needed, axes, normal_force=(-holding, np.inf), pressed=holding, given=given)

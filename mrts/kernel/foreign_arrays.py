@@ -97,3 +97,19 @@ def over_chunks(library: ctypes.CDLL, samples: int, run: Callable[[int, int], No
         worker.join()
     if failures:
         raise failures[0]
+
+
+def interruptible(call: Callable[[], int]) -> int:
+    """What a foreign call returns, where Ctrl-C need not wait for it.
+
+    Python runs handlers of signals between its own instructions, so a long call runs in a thread of its own, which an
+    interrupt leaves behind: it may finish, in memory that it keeps.
+
+    Args:
+        call: Takes long, and lets other threads run.
+    """
+    returned: list[int] = []
+    worker = threading.Thread(target=lambda: returned.append(call()), daemon=True)
+    worker.start()
+    worker.join()
+    return returned[0]

@@ -13,7 +13,7 @@ from mrts.base.arrays import Array
 from mrts.kernel.c_text import smooth_source
 from mrts.kernel.compiled_cache import library_or_rebuilt
 from mrts.kernel.compiler import needed_compiler
-from mrts.kernel.foreign_arrays import INFINITY
+from mrts.kernel.foreign_arrays import INFINITY, interruptible
 
 FOUND = 0
 """The kernel's status of an answer, `MRTS_SMOOTH_FOUND` of interior_point.h."""
@@ -21,7 +21,7 @@ FOUND = 0
 _SIZES = ("nodes", "rows", "free", "width", "changes", "jerks")
 _FLAGS = ("timed", "again", "moving", "given_start", "given_end", "held_start", "held_end")
 _INDICES = ("first", "count", "place", "limited")
-_NUMBERS = ("time", "effort", "longest", "uneven")
+_NUMBERS = ("time", "effort", "longest", "uneven", "relaxed")
 _ARRAYS = (
     "step", "square", "rate", "root", "offset", "entry", "lower", "upper", "change", "weight", "q1", "q2", "q3",
     "jerk", "around",
@@ -112,6 +112,7 @@ class Ask:
         effort: Weight of the effort.
         longest: Largest duration.
         uneven: Weight of the jumps of u.
+        relaxed: Weight of a share by which all limits of changes and jerks are relaxed; 0 relaxes none.
         timed: x and u are given: F alone is looked for.
         moving: Tangents are laid anew in each iteration.
         given: Whether x is given at the first and the last node.
@@ -124,11 +125,29 @@ class Ask:
     effort: float = 0.0
     longest: float = np.inf
     uneven: float = 0.0
+    relaxed: float = 0.0
     timed: bool = False
     moving: bool = False
     given: tuple[bool, bool] = (False, False)
     held: tuple[bool, bool] = (False, False)
     last: Array | None = None
+
+
+@dataclass(frozen=True)
+class Solved:
+    """How a program ended.
+
+    Attributes:
+        found: Whether there is an answer.
+        share: By which limits of changes and jerks are passed.
+        iterations: How many it took.
+        work: What to give to `Ask.last`.
+    """
+
+    found: bool
+    share: float
+    iterations: int
+    work: Array
 
 
 class SmoothPrograms:
@@ -145,7 +164,7 @@ class SmoothPrograms:
         self._work, self._solve = library.mrts_smooth_work, library.mrts_smooth_solve
         self._work.restype = ctypes.c_longlong
 
-    def solve(self, rows: PathRows, ask: Ask, x: Array, u: Array, free: Array) -> tuple[bool, int, Array]:
+    def solve(self, rows: PathRows, ask: Ask, x: Array, u: Array, free: Array) -> Solved:
         """Solve a program; the answer is written to x, u and free.
 
         Args:
@@ -156,9 +175,9 @@ class SmoothPrograms:
             free: F, read where it is given, Shape (n, f).
 
         Returns:
-            Whether there is an answer, how many iterations it took, and the work to give to `Ask.last`.
+            How it ended.
         """
-        numbers = {"time": ask.time, "effort": ask.effort, "longest": min(ask.longest, INFINITY), "uneven": ask.uneven}
+        numbers = {name: min(getattr(ask, name), INFINITY) for name in _NUMBERS}
         program = _Program(**rows.sizes, **numbers)
         for name in ("timed", "moving"):
             setattr(program, name, getattr(ask, name))
@@ -167,12 +186,17 @@ class SmoothPrograms:
         program.held_start, program.held_end = ask.held
         for name, array in {**rows.arrays, "around": ask.around}.items():
             setattr(program, name, array.ctypes.data)
-        iterations = ctypes.c_int()
+        share, iterations = ctypes.c_double(), ctypes.c_int()
         work = np.empty(self._work(ctypes.byref(program))) if ask.last is None else ask.last
-        pointers = (ctypes.c_void_p(array.ctypes.data) for array in (x, u, free))
-        reached = ctypes.byref(iterations)
-        status = self._solve(ctypes.byref(program), *pointers, reached, ctypes.c_void_p(work.ctypes.data))
-        return status == FOUND, iterations.value, work
+        arrays = (x, u, free, work, ask.around, *rows.arrays.values())  # a call that is left behind keeps them
+
+        def solve() -> int:
+            pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays[:4]]
+            reached = ctypes.byref(share), ctypes.byref(iterations)
+            return int(self._solve(ctypes.byref(program), *pointers[:3], *reached, pointers[3]))
+
+        status = interruptible(solve)
+        return Solved(status == FOUND, share.value, iterations.value, work)
 
 
 @lru_cache(maxsize=1)

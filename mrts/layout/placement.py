@@ -14,6 +14,7 @@ from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
+from mrts.cell.remarks.assumptions import NO_COLLISIONS
 from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.layout.layout_search import NO_GAIN
 from mrts.scaling.result import ScalingResult, kept_text
@@ -144,6 +145,7 @@ class Placement(InNotebooks):
             f"searched from the best {self.searches} of {self.looked_at} layouts, of which "
             f"{self.playable} can be played{ended}"
         )
+        yield NO_COLLISIONS
 
     def moved(self) -> list[tuple[str, str, float, float]]:
         """Path, unit, value before and after of each number that the study sets, and of postures that followed."""

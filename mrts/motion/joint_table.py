@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Motion of joints by name, as tables and bags give it: with velocities and accelerations, or differentiated."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -75,6 +76,18 @@ class JointTable(InNotebooks):
     def __repr__(self) -> str:
         joints = ", ".join(self.positions)
         return f"<JointTable from {self.path.name}: {len(self.time)} samples in {self.time[-1]:.4g} s of {joints}>"
+
+    def renamed(self, names: Mapping[str, str]) -> "JointTable":
+        """The same table with other names of some columns.
+
+        Args:
+            names: Column to what it is called then.
+        """
+        parts = ("positions", "velocities", "accelerations", "differentiated", "smoothed", "splines", "unusable")
+        changed: dict[str, Any] = {
+            part: {names.get(name, name): value for name, value in getattr(self, part).items()} for part in parts
+        }
+        return replace(self, **changed)
 
     def of(self, joints: list[str]) -> "JointTable":
         """The part of a table that a cell needs, checked.

@@ -105,6 +105,12 @@ class PoseSplines:
         return position[0], rotation, twist, acceleration
 
 
+def path_shares(course: Geodesic | WaypointPath, time: Array) -> tuple[Array, Array, Array]:
+    """Share s of a path at some times, s' and s'', each Shape (k,)."""
+    s, ds, dds = course.profile(time / course.duration)
+    return s, ds / course.duration, dds / course.duration**2
+
+
 def geodesic_rates(
     positions: Array, rotations: Array, duration: Array | float, fractions: tuple[Array, Array, Array]
 ) -> ObjectRates:

@@ -230,5 +230,5 @@ def _check_way(
         name,
         f"its {what} do not lead from sample {start[worst]} to {worst + 1} (t = {time[start[worst]]:.6g} to "
         f"{time[worst + 1]:.6g} s): they are off by {100 * off[worst] / size:.3g} % of the largest such step. Check "
-        "units, world axes and signs; if those are right, the samples are too few.",
+        "units, world axes and signs; if those are right, the samples are too few, or have too few digits.",
     )

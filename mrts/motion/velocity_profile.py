@@ -59,3 +59,6 @@ PROFILES: dict[str, Profile] = {
     "quintic": quintic,
 }
 """The names that a motion file may use."""
+
+CORNERS: dict[Profile, tuple[float, ...]] = {trapezoid: (RAMP, 1 - RAMP)}
+"""Where the acceleration of a profile jumps, if it does."""

@@ -28,6 +28,9 @@ MOST_ROUNDS = 12
 MOST_SAMPLES, MOST_TIMES = 1000, 4
 """Samples up to which more are added, or so many times those of the motion."""
 
+MOST_STALLED = 6
+"""Times in turn that a path is timed again without less excess than at best: what is left is the samples' rounding.
+Those that end take up to four, where a new sample moves a switch of the fastest timing."""
 
 COARSE = 64
 """Motions of fewer samples are looked at between all of them, as by `mrts.refinement.search.COARSE`."""
@@ -60,7 +63,8 @@ def refined_timing(
 ) -> RetimingResult:
     """A timing whose limits hold between samples to a tolerance, or that says by how much they do not.
 
-    Each segment that oversteps limits gets a sample in its middle, and the whole path is timed again.
+    Each segment that oversteps limits gets a sample in its middle, and the whole path is timed again: a bounded number
+    of times, of which the one with the least excess is kept.
 
     Args:
         timed: The fastest timing of a motion.
@@ -76,22 +80,29 @@ def refined_timing(
         SolverError: If no solver answers.
     """
     most = max(MOST_SAMPLES, MOST_TIMES * timed.motion.samples)
+    best, stalled = timed, 0
     for turn in range(MOST_ROUNDS + 1):
         if not timed.pieces:
             return timed
         found = excess(timed)
         timed = with_excess(timed, found.worst)
+        if best.excess is None or found.worst.share < best.excess.share:
+            best, stalled = timed, 0
+        else:
+            stalled += 1
         passing = np.flatnonzero(found.share > (near * tolerance if np.any(found.share > tolerance) else tolerance))
-        if not adds or turn == MOST_ROUNDS or not len(passing) or timed.motion.samples + len(passing) > most:
+        if not adds or turn == MOST_ROUNDS or stalled == MOST_STALLED or not len(passing):
+            break
+        if timed.motion.samples + len(passing) > most:
             break
         time = timed.motion.object.time
         middles = (time[passing] + time[passing + 1]) / 2
         more = between_samples(timed.cell, timed.motion, middles)
         motion = denser(timed.motion, more, np.arange(1, len(middles) + 1, dtype=np.intp))
         timed = _as_before(again(motion), timed, middles)
-    if not found.worst.passes:
-        return timed
-    return replace(timed, status=timed.status.at_samples)
+    if best.excess is None or not best.excess.passes:
+        return best
+    return replace(best, status=best.status.at_samples)
 
 
 def with_excess(timed: RetimingResult, worst: Excess) -> RetimingResult:

@@ -31,9 +31,9 @@ from mrts.scaling.load_study import load_question
 from mrts.scaling.motion_remarks import interpolated_timing, timing_remarks
 from mrts.scaling.result import DistributionRule
 from mrts.scaling.scale import FactorQuestion, factor_question
+from mrts.smooth.kernel_solver import KernelSolver
 from mrts.smooth.program import Goal
 from mrts.smooth.rate_limits import RateLimits, Rates, rate_limits
-from mrts.smooth.smooth_solvers import DEFAULT_SMOOTH_SOLVER, CheckedSolver, check_smooth_solver
 from mrts.solvers import DEFAULT_SOLVER
 
 
@@ -55,7 +55,6 @@ def retime(
     least_energy_in: float | None = None,
     start_torque: Array | None = None,
     end_torque: Array | None = None,
-    solver: str = DEFAULT_SMOOTH_SOLVER,
     progress: Progress = lambda _done, _total: None,
 ) -> RetimingResult:
     """Find the fastest r(t) within all limits, and distribute its torques.
@@ -87,7 +86,6 @@ def retime(
         start_torque: With rates: torques that hold still where the motion begins, Shape (m,); None leaves them free
             within the limits, as part of the answer [N m].
         end_torque: Likewise where it ends.
-        solver: Of the programs with rates, a name in `SMOOTH_SOLVERS`.
         progress: Told how many of how many loads, or with rates of how many steps, are done.
 
     Returns:
@@ -101,7 +99,7 @@ def retime(
     question = _checked_question(cell, sharing, load, start_speed, end_speed, progress)
     rule = DistributionRule(sharing, "wrench", weights, distribute)
     asked = _smooth_request(
-        cell, rates, distribute, solver, weigh=weigh, least_energy_in=least_energy_in,
+        cell, rates, distribute, weigh=weigh, least_energy_in=least_energy_in,
         start_torque=start_torque, end_torque=end_torque,
     )  # fmt: skip
     _check_held(cell, asked, question)
@@ -122,7 +120,7 @@ def retime(
         end_speeds=speeds,
         end_torques=asked.held,
         fastest=fastest.duration,
-        solver=CheckedSolver(solver),
+        solver=KernelSolver(),
     )
     return smooth_retiming(fastest, whole, tolerance, progress, adds=adds)
 
@@ -166,11 +164,8 @@ class _SmoothRequest:
     held: GivenTorques
 
 
-def _smooth_request(
-    cell: Cell, rates: Rates, distribute: DistributionName, solver: str, **given: Any
-) -> _SmoothRequest | None:
+def _smooth_request(cell: Cell, rates: Rates, distribute: DistributionName, **given: Any) -> _SmoothRequest | None:
     """The arguments that go with rates, checked; None without rates."""
-    check_smooth_solver(solver)
     if rates is False:
         for name, value in given.items():
             if value is not None:

@@ -84,7 +84,6 @@ class SmoothAnswer(InNotebooks):
             both; None if nothing bounds it [s].
         steps: Convex programs solved, for all pieces and in all rounds of refinement.
         gain: Share by which the last of them lowered the cost; None where no solver took a last one.
-        fallbacks: Programs that the chosen solver did not solve and Clarabel did.
         fastest: The path with its fastest timing without limits of rates; empty if nothing bounds it.
     """
 
@@ -94,7 +93,6 @@ class SmoothAnswer(InNotebooks):
     bound: float | None
     steps: int
     gain: float | None
-    fallbacks: int
     fastest: tuple[FastestPiece, ...] = ()
 
     def __str__(self) -> str:
@@ -126,7 +124,6 @@ class SmoothAnswer(InNotebooks):
             "bound": self.bound,
             "steps": self.steps,
             "last_gain": self.gain,
-            "fallbacks": self.fallbacks,
         }
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from mrts.base.argument_types import Progress, check_type, is_number
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
+from mrts.base.remark import Remark
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.retiming.between_samples import refined_timing, with_excess
 from mrts.retiming.path_pieces import NoPath
@@ -21,6 +22,7 @@ from mrts.retiming.smooth_piece import SmoothAnswer, fastest_pieces, smooth_piec
 from mrts.retiming.smooth_timing import SmoothQuestion, smooth_timing, torque_plan
 from mrts.scaling.motion_remarks import lasting
 from mrts.smooth.program import Goal
+from mrts.smooth.successive_steps import CONVERGED
 
 NEAR = 0.3
 """Share of the tolerance from which a segment gets a node once one passes it: each round solves all programs anew."""
@@ -101,8 +103,20 @@ def smooth_retiming(
     played = played_result(
         constant.cell, found.motion, kept, found.pieces, answer.what, warnings=lasting(constant.warnings), torques=plan
     )
-    played = replace(played, origin=f"{played.origin}. {answer}")
+    played = replace(played, origin=f"{played.origin}. {answer}", warnings=played.warnings + _stopped(answer, found))
     return with_excess(replace(found, retimed=played, smooth=answer), found.excess)
+
+
+def _stopped(answer: SmoothAnswer, found: RetimingResult) -> tuple[Remark, ...]:
+    """What a search that met its bounds leaves; nothing where it came to its end."""
+    left = []
+    if answer.gain is None or answer.gain >= CONVERGED:
+        left.append("a faster profile may be near")
+    if found.excess is not None and found.excess.passes:
+        left.append(f"between {found.motion.samples} nodes limits are overstepped by {100 * found.excess.share:.2g} %")
+    if not left:
+        return ()
+    return (Remark("search-stopped", f"this is the best timing found in {answer.steps} steps: {', and '.join(left)}."),)
 
 
 def _answer(question: SmoothQuestion, fastest: RetimingResult, found: RetimingResult) -> SmoothAnswer:
@@ -115,6 +129,5 @@ def _answer(question: SmoothQuestion, fastest: RetimingResult, found: RetimingRe
         bound=question.fastest,
         steps=question.solver.steps,
         gain=None if any(one.gain is None for one in steps) else max((one.gain or 0.0 for one in steps), default=0.0),
-        fallbacks=question.solver.fallbacks,
         fastest=fastest_pieces(fastest.pieces),
     )

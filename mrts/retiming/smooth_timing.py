@@ -21,10 +21,10 @@ from mrts.samples.sample_problem import SampleProblem, build_sample_problem
 from mrts.samples.torque_distribution import torque_weights
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import FactorQuestion
+from mrts.smooth.kernel_solver import KernelSolver
 from mrts.smooth.path_program import path_program
 from mrts.smooth.program import Goal, SmoothProgram
 from mrts.smooth.rate_limits import RateLimits
-from mrts.smooth.smooth_solvers import CheckedSolver
 from mrts.smooth.successive_steps import RatesTooSmall, TooLong, successive_steps
 
 NARROWING = 1e-5
@@ -62,7 +62,7 @@ class SmoothQuestion:
     end_speeds: tuple[float, float]
     end_torques: GivenTorques
     fastest: float | None
-    solver: CheckedSolver
+    solver: KernelSolver
 
     @property
     def constant(self) -> ScalingResult:
@@ -101,7 +101,7 @@ class _Part:
     program: SmoothProgram
     likely: Array
 
-    def timed(self, goal: Goal, solver: CheckedSolver, progress: Progress) -> "SmoothPiece | RatesTooSmall | TooLong":
+    def timed(self, goal: Goal, solver: KernelSolver, progress: Progress) -> "SmoothPiece | RatesTooSmall | TooLong":
         found = successive_steps(self.program, self.likely, goal, solver, lambda step, _cost: progress(step, step + 1))
         if isinstance(found, RatesTooSmall | TooLong):
             return found

@@ -120,7 +120,7 @@ def with_torques(
     else:
         from mrts.smooth.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
 
-        torque, wrench, fallbacks = torques_within_rates(cell, motion, rule.sharing, rule.rates, c2, W)
+        torque, wrench, fallbacks = *torques_within_rates(cell, motion, rule.sharing, rule.rates, c2, W), 0
     holding, unheld = holding_at_ends(cell, motion, samples, rule.sharing, rule.formulation, W, solver, rule.distribute)
     done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     before = tuple(warning for warning in result.warnings if warning.code not in OF_TORQUES)

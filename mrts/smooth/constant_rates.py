@@ -19,7 +19,6 @@ from mrts.smooth.kernel_solver import KernelSolver
 from mrts.smooth.path_program import path_program
 from mrts.smooth.program import SmoothProgram
 from mrts.smooth.rate_limits import RateLimits, rate_names
-from mrts.smooth.smooth_solvers import CheckedSolver
 
 FELT = 1e-6
 """Share of the largest multiplier from which on a limit is told to bind."""
@@ -206,7 +205,7 @@ class RatedFactors:
 
 def torques_within_rates(
     cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, rates: RateLimits, c2: float, weights: Array
-) -> tuple[Array, Array, int]:
+) -> tuple[Array, Array]:
     """Torques of least ∫ τᵀWτ dt over the motion that keep limits and rates at a constant factor.
 
     Args:
@@ -218,7 +217,7 @@ def torques_within_rates(
         weights: W, Shape (m, m).
 
     Returns:
-        Torques, Shape (N, m) [N m], wrenches, Shape (N, n w) [N, N m], and programs that a fallback had to solve.
+        Torques, Shape (N, m) [N m], and wrenches, Shape (N, n w) [N, N m].
 
     Raises:
         SolverError: If no solver answers.
@@ -226,12 +225,11 @@ def torques_within_rates(
     problem = build_sample_problem(cell, motion, sharing=sharing, varying=True)
     program = _with_margins(path_program(cell, motion, [problem], rates, weights))
     square, nothing = np.full(motion.samples, c2), np.zeros(motion.samples)
-    solver = CheckedSolver()
-    free = solver.torques(program, square, nothing)
+    free = KernelSolver().torques(program, square, nothing)
     if free is None:
         raise SolverError(f"no torques within the limits and the rates were found at c² = {c2:.6g}.")
     x = np.column_stack([free, nothing, square])
-    return problem.torque(x), problem.wrench(x), solver.fallbacks
+    return problem.torque(x), problem.wrench(x)
 
 
 def _with_margins(program: SmoothProgram) -> SmoothProgram:

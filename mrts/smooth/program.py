@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""A path with rows whose values and rates of change are limited: what every solver of smooth timing is given."""
+"""A path with rows whose values and rates of change are limited: what is solved for a smooth timing."""
 
 from dataclasses import dataclass, replace
-from typing import Protocol, Self, runtime_checkable
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -231,48 +231,3 @@ class SmoothProfile:
     x: Array
     u: Array
     free: Array
-
-
-class SmoothSolver(Protocol):
-    """Solves the convex programs of smooth timing; a new one is one file and one line in `SMOOTH_SOLVERS`."""
-
-    def step(self, program: SmoothProgram, around: Array, goal: Goal) -> SmoothProfile | None:
-        """The best profile where what is not convex is replaced by what is stricter, touching it at a profile.
-
-        Δt of limited changes and 1/√x of limited jerks are replaced by their tangents, which lie below them; root √x by
-        its tangent on the side of a row where it presses towards the limit, and so root² √x of the effort.
-
-        Args:
-            program: The program.
-            around: x > 0 where tangents are laid, Shape (n,).
-            goal: What is the best.
-
-        Returns:
-            The profile, or None where the solver finds none.
-        """
-
-    def torques(self, program: SmoothProgram, x: Array, u: Array) -> Array | None:
-        """F of the least effort at a given timing, exactly, Shape (n, f); None where the solver finds none.
-
-        Args:
-            program: The program.
-            x: Shape (n,).
-            u: Shape (n,).
-        """
-
-
-@runtime_checkable
-class NearSolver(SmoothSolver, Protocol):
-    """A solver that can foresee where steps lead."""
-
-    def near(self, program: SmoothProgram, around: Array, goal: Goal) -> SmoothProfile | None:
-        """A profile within all limits that steps would hardly better: its tangents touch it, or nearly.
-
-        Args:
-            program: The program.
-            around: x > 0 to start from, Shape (n,).
-            goal: What is the best.
-
-        Returns:
-            The profile, or None where the solver finds none.
-        """

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.smooth.kernel_solver import KEPT, KernelSolver
 from mrts.smooth.program import Goal, SmoothProfile, SmoothProgram
-from mrts.smooth.smooth_solvers import KEPT, CheckedSolver
 
 CONVERGED = 1e-4
 """Share of the cost by which a step must lower it, or it was the last."""
@@ -23,7 +23,7 @@ SLOWER = 4.0
 """Each start that is not admissible is followed by one with x so many times less."""
 
 STARTS = 3
-"""Starts of one constant speed; after them the limits of rates are relaxed."""
+"""Starts of one constant speed, from each of which limits of rates are relaxed less and less."""
 
 RELAXED_STEPS = 30
 """Steps by which relaxed limits of rates must be kept."""
@@ -74,7 +74,7 @@ def successive_steps(
     program: SmoothProgram,
     likely: Array,
     goal: Goal,
-    solver: CheckedSolver,
+    solver: KernelSolver,
     told: Callable[[int, float], None] = lambda _step, _cost: None,
 ) -> StepsTaken | RatesTooSmall | TooLong:
     """Profiles within all limits, each better than the one before.
@@ -108,7 +108,7 @@ def _descent(
     program: SmoothProgram,
     found: SmoothProfile,
     goal: Goal,
-    solver: CheckedSolver,
+    solver: KernelSolver,
     told: Callable[[int, float], None],
     enough: float = 0.0,
 ) -> StepsTaken:
@@ -127,54 +127,32 @@ def _descent(
     return StepsTaken(found, tuple(costs), gain)
 
 
-def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: CheckedSolver) -> SmoothProfile | RatesTooSmall:
-    """Any profile within all limits, a fast one; where the solver can foresee it, the one where steps lead."""
-    foreseen = solver.near(program, likely, goal)
-    if foreseen is not None:
-        return foreseen
+def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: KernelSolver) -> SmoothProfile | RatesTooSmall:
+    """Any profile within all limits, a fast one: where steps lead, if it can be foreseen, or by relaxed rates."""
+    found: SmoothProfile | RatesTooSmall | None = solver.near(program, likely, goal)
+    if found is not None:
+        return found
+    least = np.inf
     for slower in range(STARTS):
-        found = solver.step(program, likely / SLOWER**slower, Goal())
-        if found is not None:
+        found = _by_relaxation(program, likely / SLOWER**slower, solver)
+        if not isinstance(found, RatesTooSmall):
             return found
-    slow = _slow_enough(program, likely / SLOWER**STARTS, solver)
-    if slow is not None:
-        return slow
-    near = _by_relaxation(program, likely)
-    if isinstance(near, RatesTooSmall):
-        return near
-    return solver.step(program, near, Goal()) or RatesTooSmall(0.0)
+        least = min(least, found.share)
+    return RatesTooSmall(least)
 
 
-def _slow_enough(program: SmoothProgram, likely: Array, solver: CheckedSolver) -> SmoothProfile | None:
-    """A profile from constant speeds so small that all rates are: where forces of inertia vanish they grow with it."""
-    from mrts.smooth.conic import ConicSolver  # noqa: PLC0415 (scipy and Clarabel are not needed otherwise)
-
-    x = likely
-    for _ in range(STARTS):
-        passed = ConicSolver.nearest(program, x)
-        if passed is None:
-            return None
-        x = x / (SLOWER * (1 + max(passed[1], 0.0)) ** 2)
-        found = solver.step(program, x, Goal())
-        if found is not None:
-            return found
-    return None
-
-
-def _by_relaxation(program: SmoothProgram, likely: Array) -> Array | RatesTooSmall:
-    """The x of an admissible profile, by ever less relaxed limits of rates."""
-    from mrts.smooth.conic import ConicSolver  # noqa: PLC0415 (likewise)
-
+def _by_relaxation(program: SmoothProgram, likely: Array, solver: KernelSolver) -> SmoothProfile | RatesTooSmall:
+    """An admissible profile, by ever less relaxed limits of rates."""
     x, before = likely, np.inf
     for _ in range(RELAXED_STEPS):
-        found = ConicSolver.nearest(program, x)
+        found = solver.nearest(program, x)
         if found is None:
-            return RatesTooSmall(np.inf)
+            return RatesTooSmall(before)
         profile, share = found
+        if np.all(profile.x > 0) and program.excess(profile.x, profile.u, profile.free) <= KEPT:
+            return profile
         if not np.all(profile.x > 0) or share > before * (1 - STALLED):
-            return RatesTooSmall(share)
-        if share <= KEPT:
-            return profile.x
+            return RatesTooSmall(min(share, before))
         x, before = profile.x, share
     return RatesTooSmall(before)
 

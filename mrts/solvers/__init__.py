@@ -37,13 +37,19 @@ def _kernel() -> BatchSolver:
     try:
         return KernelSolver()
     except CompilerError:
-        return _qpsol("qpoases")
+        return _qpoases()
 
 
-def _qpsol(plugin: str) -> BatchSolver:
+def _qpoases() -> BatchSolver:
     from mrts.solvers.qpsol import QpsolSolver  # noqa: PLC0415 (CasADi is not needed otherwise)
 
-    return QpsolSolver(plugin)
+    return QpsolSolver("qpoases")
+
+
+def _daqp() -> BatchSolver:
+    from mrts.solvers.qpsol import QpsolSolver  # noqa: PLC0415 (likewise)
+
+    return QpsolSolver("daqp")
 
 
 def _scipy_highs() -> BatchSolver:
@@ -54,14 +60,13 @@ def _scipy_highs() -> BatchSolver:
 
 SOLVERS: dict[str, Callable[[], BatchSolver]] = {
     "kernel": _kernel,
-    "qpsol:qpoases": lambda: _qpsol("qpoases"),
-    "qpsol:highs": lambda: _qpsol("highs"),
-    "qpsol:daqp": lambda: _qpsol("daqp"),
+    "qpsol:qpoases": _qpoases,
     "scipy:highs": _scipy_highs,
 }
 
-FALLBACKS = ("scipy:highs", "qpsol:qpoases", "qpsol:daqp")
-"""Asked in this order for what the chosen solver does not get right; between them they solve both kinds."""
+FALLBACKS = ("scipy:highs", "qpsol:qpoases")
+"""Asked in this order for what the chosen solver does not get right; between them they solve both kinds. Last of all
+DAQP is asked, no choice by itself, for the quadratic programs that qpOASES leaves."""
 
 
 def with_fallbacks(name: str) -> Iterator[BatchSolver]:
@@ -71,7 +76,8 @@ def with_fallbacks(name: str) -> Iterator[BatchSolver]:
         InputError: If there is no such solver.
     """
     check_solver(name)
-    return (SOLVERS[each]() for each in (name, *(other for other in FALLBACKS if other != name)))
+    asked = (SOLVERS[each] for each in (name, *(other for other in FALLBACKS if other != name)))
+    return (make() for make in (*asked, _daqp))
 
 
 def check_solver(name: str) -> None:

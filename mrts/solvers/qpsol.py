@@ -1,51 +1,30 @@
 # SPDX-License-Identifier: MIT
-"""CasADi's `qpsol` plugins, through `conic`: its interface for programs given by matrices."""
+"""qpOASES and DAQP by CasADi's `qpsol`, through `conic`: its interface for programs given by matrices."""
 
 import contextlib
 import io
-import sys
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
-from mrts.solvers.convex_program import HIGHS_TOLERANCE
 
 OPTIONS: dict[str, dict[str, Any]] = {
     "qpoases": {"printLevel": "none", "error_on_fail": False},
     "daqp": {"error_on_fail": False},
-    "highs": {
-        "error_on_fail": False,
-        "highs": {
-            "output_flag": False,
-            "primal_feasibility_tolerance": HIGHS_TOLERANCE,
-            "dual_feasibility_tolerance": HIGHS_TOLERANCE,
-        },
-    },
 }
-"""Plugins that are exact on these programs: qpoases on both kinds, highs on linear, daqp on quadratic ones."""
+"""By plugin: qpoases solves both kinds of program, daqp quadratic ones only."""
 
 
 class QpsolSolver:
-    """One `qpsol` plugin; a whole batch is one call of a mapped solver.
+    """One plugin; a whole batch is one call of a mapped solver.
 
     Args:
         plugin: Key of `OPTIONS`.
-
-    Raises:
-        InputError: If the plugin would crash this process.
     """
 
     def __init__(self, plugin: str) -> None:
-        if plugin == "highs" and "highspy" in sys.modules:
-            raise InputError(
-                "solver",
-                "CasADi's HiGHS and the package highspy, which this process has imported, carry two versions of one "
-                "library and crash together. Use scipy:highs, or do not import highspy.",
-                value="qpsol:highs",
-            )
         self.plugin = plugin
 
     def solve(
@@ -72,9 +51,7 @@ class QpsolSolver:
             arguments["h"] = H.transpose(1, 0, 2).reshape(unknowns, count * unknowns)
         try:
             solved = self._call(count, rows, unknowns, arguments, quadratic=H is not None)
-        except RuntimeError as error:
-            if "Unknown option" in str(error):
-                raise
+        except RuntimeError:
             # one failure fails the whole map, and qpOASES does not recover from it: each sample gets a new solver
             if count == 1:
                 return np.zeros((1, unknowns)), np.zeros((1, rows)), np.zeros((1, unknowns))

@@ -60,7 +60,8 @@ def layouts(scene: Scene) -> list[Layout]:
     if not found:
         raise MotionError(
             "no posture was found in which every arm holds one box and lifts it. Give the postures that you know "
-            "(--posture), other tips (--tip) or other bases (--base)."
+            f"(--posture){' or' if scene.request.one_machine else ','} other tips (--tip)"
+            f"{'' if scene.request.one_machine else ' or other bases (--base)'}."
         )
     return sorted(found, key=lambda layout: -layout.score)[:KEPT_LAYOUTS]
 

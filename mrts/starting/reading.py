@@ -14,11 +14,13 @@ from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_uri, is_xacro
 from mrts.base.formats.urdf_tree import ArmChain, Survey, UrdfTree
 from mrts.base.rigid_transform import RigidTransform
+from mrts.cell.remarks.unit_remarks import urdf_remarks
+from mrts.cell.robot import DEGREES_SUSPECTED
 from mrts.cell.source_files import surveyed_urdf
-from mrts.diagnosis.unit_hints import urdf_hints
-from mrts.inverse_kinematics.joint_limits import DEGREES_SUSPECTED
+from mrts.inverse_kinematics.structural_rank import lacking_freedom, postures_for_rank
 from mrts.starting.arm import Arm, make_arm, plane_of
 from mrts.starting.request import ArmRequest, Request
+from mrts.starting.scene import twist_rows
 from mrts.starting.tips import FEWEST_JOINTS, SIDES, Hand, first_link, hands, moved_by, possible_tips
 
 SPATIAL_JOINTS = 6
@@ -31,7 +33,7 @@ MOST_STEPS_UP = 3
 """Folders that a relative path may climb; a URDF farther away is named by its whole path."""
 
 HOPELESS = ("urdf-millimetres", "limits-equal")
-"""Codes of hints on URDFs of which no cell can be made."""
+"""Codes of remarks on URDFs of which no cell can be made."""
 
 ROBOT, TIP, BASE, POSTURE, XACRO_ARG = "--robot", "--tip", "--base", "--posture", "--xacro-arg"
 """Whose values they are, for messages."""
@@ -135,17 +137,35 @@ def request_of(given: Given, folder: Path, choose: Choose = refuse) -> Request:
     if plane is not None and len(arms) > len(SIDES) and not given.bases:
         raise InputError(BASE, "is needed for each of more than two arms that move in one plane.")
     for each in arms:
-        count, needed = len(each.arm.chain.joints), SPATIAL_JOINTS if plane is None else FEWEST_JOINTS
-        if count < needed:
-            rule = (
-                f"the chain to '{each.arm.chain.tip_link}' has {count} joint{'s' * (count > 1)}, and holding an object "
-                f"takes {SPATIAL_JOINTS}, or {FEWEST_JOINTS} where all move in one plane. Choose another tip or robot."
-            )
-            raise InputError(each.path, rule)
-        for hint in urdf_hints(each.arm.robot):
-            if hint.code in HOPELESS:
-                raise InputError(each.path, hint.text)
+        check_movable(each.arm, each.path, plane)
     return Request(given.name, tuple(arms), alone and not given.bases, plane, given.gravity, given.mass)
+
+
+def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
+    """Check that an arm can hold an object at all.
+
+    Args:
+        arm: The arm.
+        path: Of its URDF, for messages.
+        plane: In which all arms of the cell move; None in space.
+
+    Raises:
+        InputError: If its joints are too few, cannot move its hand in all directions, or have no sound numbers.
+    """
+    count, needed = len(arm.chain.joints), SPATIAL_JOINTS if plane is None else FEWEST_JOINTS
+    if count < needed:
+        rule = (
+            f"the chain to '{arm.chain.tip_link}' has {count} joint{'s' * (count > 1)}, and holding an object "
+            f"takes {SPATIAL_JOINTS}, or {FEWEST_JOINTS} where all move in one plane. Choose another tip or robot."
+        )
+        raise InputError(path, rule)
+    for remark in urdf_remarks(arm.robot):
+        if remark.code in HOPELESS:
+            raise InputError(path, remark.text)
+    rows = twist_rows(plane)
+    q = postures_for_rank(arm.middle())
+    if lacking := lacking_freedom(arm.chain.joints, q, arm.at(q).jacobian[:, rows], rows):
+        raise InputError(path, f"{lacking} Choose another tip or robot.")
 
 
 def _chosen(given: Given, choose: Choose) -> list[_Chosen]:

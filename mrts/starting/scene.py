@@ -53,21 +53,26 @@ def scene_of(request: Request, mass: float, share: float = 1.0) -> Scene:
     reach = min(each.arm.reach for each in request.arms)
     up = _up(request)
     force = -mass * request.gravity / len(request.arms)
-    rows = list(range(6))
     if request.plane is not None:
-        normal = np.abs(plane_normal(request.plane))
-        rows = [*np.flatnonzero(normal == 0).tolist(), 3 + int(np.argmax(normal))]
-        force = force * (normal == 0)
+        force = force * (plane_normal(request.plane) == 0)
     lift = _nice(share * LIFT * reach) * up
     return Scene(
         request=request,
         up=up,
-        rows=rows,
+        rows=twist_rows(request.plane),
         width=_nice(WIDTH * reach),
         grid=_nice(GRID * reach),
         lift=lift,
         force=force,
     )
+
+
+def twist_rows(plane: str | None) -> list[int]:
+    """Components of a twist that count: all in space, in a plane the two along it and the turn about its normal."""
+    if plane is None:
+        return list(range(6))
+    normal = np.abs(plane_normal(plane))
+    return [*np.flatnonzero(normal == 0).tolist(), 3 + int(np.argmax(normal))]
 
 
 def _up(request: Request) -> Array:

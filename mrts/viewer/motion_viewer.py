@@ -15,7 +15,16 @@ import viser
 
 from mrts.base.errors import MrtsError
 from mrts.viewer.controls.view_controls import ViewControls
-from mrts.viewer.panel import PANEL, STYLE, error_html, held_html, moment_html, outcome_html, speed_html
+from mrts.viewer.panel import (
+    PANEL,
+    STYLE,
+    error_html,
+    held_html,
+    moment_html,
+    outcome_html,
+    speed_html,
+    verdict_html,
+)
 from mrts.viewer.playback import Playback
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.plots.film_controls import FilmControls
@@ -74,7 +83,7 @@ class MotionViewer:
         gui.main_panel.dock_right()
         gui.main_panel.set_width(PANEL)
         gui.add_html(STYLE)
-        self._outcome, self._message = gui.add_html(""), gui.add_html("")
+        self._verdict, self._outcome, self._error = gui.add_html(""), "", ""
 
     @property
     def state(self) -> PlayerState | None:
@@ -118,6 +127,7 @@ class MotionViewer:
                 self.server.flush()  # viser waits up to twice a sixtieth of a second for more to send
         except MrtsError as error:
             self._say(error)
+        self._show_verdict()
 
     def close(self) -> None:
         """Leave nothing at work; the server stays."""
@@ -132,7 +142,8 @@ class MotionViewer:
         self.playback = Playback(self.server.gui, self._duration, self._todo.put, visible=not self._stands)
 
     def _add_texts(self) -> None:
-        self._speed_text, self._moment_text = self.server.gui.add_html(""), self.server.gui.add_html("")
+        gui, visible = self.server.gui, not self._stands
+        self._speed_text, self._moment_text = gui.add_html("", visible=visible), gui.add_html("", visible=visible)
 
     def _add_tabs(self) -> None:
         gui = self.server.gui
@@ -163,7 +174,19 @@ class MotionViewer:
         """Add what saves changes, in the container that is open."""
 
     def _say(self, error: MrtsError) -> None:
-        self._message.content = error_html(str(error))
+        self._error = error_html(str(error))
+
+    def _computes(self) -> bool:
+        """Whether a newer answer is on its way than what is shown."""
+        return False
+
+    def _is_outdated(self) -> bool:
+        """Whether a viewer's own controls have other values than what is shown."""
+        return False
+
+    def _show_verdict(self) -> None:
+        computing, outdated = self._computes(), self._is_outdated()
+        self._verdict.content = verdict_html(self._outcome, self._error, computing=computing, outdated=outdated)
 
     def _duration(self) -> float:
         answer = self._answer
@@ -175,7 +198,7 @@ class MotionViewer:
     def _show_answer(self, answer: Answer) -> None:
         """Show all that depends on choices and speed, and the moment."""
         others = answer is self._answer or not _is_same_outcome(answer.state, self._answer.state)
-        self._message.content = "" if answer.error is None else error_html(str(answer.error))
+        self._error = "" if answer.error is None else error_html(str(answer.error))
         if answer.error is not None:
             return  # what was shown before stays
         self._answer = answer
@@ -185,11 +208,11 @@ class MotionViewer:
             if answer.state is not None:
                 if others:
                     self._scene.rescale(answer.state)
-                self._outcome.content = outcome_html(answer.state, coarse=answer.coarse)
-                self._speed_text.content = speed_html(answer.state)
+                self._outcome = outcome_html(answer.state, coarse=answer.coarse)
             elif answer.held is not None:
-                self._outcome.content = held_html(answer.held)
-                self._speed_text.content = ""
+                self._outcome = held_html(answer.held)
+            self._show_verdict()
+            self._speed_text.content = speed_html(answer.state)
             if self._readings is not None:
                 self._readings.show_answer(answer)
             for part in self.parts:
@@ -222,7 +245,7 @@ class MotionViewer:
         if not read:
             return
         self.playback.show()
-        self._moment_text.content = "" if answer.state is None else moment_html(answer.state)
+        self._moment_text.content = moment_html(answer.state)
         if self._readings is not None:
             self._readings.show_moment(answer.state)
 

@@ -36,13 +36,6 @@ ROUNDING = 1e-9
 MOST_NAMED = 5
 """Limits named that are passed; the worst come first."""
 
-ROOM = {
-    "outcome": "padding-bottom:10px",
-    "speed": "min-height:32px",
-    "moment": "min-height:32px;padding-bottom:8px",
-}
-"""Around texts above sliders and tabs, and below those that change as a slider moves; they are as long as they are."""
-
 PANEL = 400
 """Width of the panel beside the scene [pixels]; the scene has the rest of the window."""
 
@@ -53,6 +46,17 @@ STYLE = """<style>
 :root { --mrts-over: #D40000; }
 :root[data-mantine-color-scheme="dark"] { --mrts-over: #FF7B7B; }
 [data-text] { overflow-wrap: anywhere; }
+[data-text=outcome], [data-text=speed], [data-text=moment], [data-bars], [data-plot] { opacity: var(--mrts-answer, 1); }
+div:has(> [data-verdict]) { position: sticky; top: 0; z-index: 9; background: var(--mantine-color-body); }
+div[style*="overflow"]:has(> div > div > div > [data-verdict]) { overflow: visible !important; }
+[data-verdict] { position: relative; padding-bottom: 8px; }
+[data-verdict] > div, [data-text=speed], [data-text=moment] { overflow-y: auto; }
+[data-verdict] > div { height: 96px; }
+[data-text=speed] { height: 64px; margin-bottom: 8px; }
+[data-text=moment] { height: 48px; margin-bottom: 8px; }
+[data-text=computing] { position: absolute; bottom: 4px; right: 9px; font-size: 12px; }
+[data-text=computing] { background: var(--mantine-color-body); }
+.mantine-Slider-root + .mantine-NumberInput-root { width: 3.75rem !important; }
 [data-bars] { padding: 0 6px; }
 [data-bars] td { overflow-wrap: anywhere; vertical-align: top; }
 .mantine-Slider-label { display: none; }
@@ -64,13 +68,32 @@ STYLE = """<style>
   .mantine-Paper-root:has([data-mrts]) div[style*="20em"] { width: 100% !important; }
 }
 @media (min-width: 36.01em) and (max-width: 50em) {
+  [data-verdict] > div { height: 64px; }
+  [data-text=speed], [data-text=moment] { height: 32px; }
   div:has(> DOCKED [data-mrts]) > div:has(> canvas) { inset: 0 0 55% 0 !important; }
   div:has(> DOCKED [data-mrts]) > DOCKED { top: 45% !important; width: 100% !important; }
   DOCKED div[style*="width: EDGEDpx"] { width: 100% !important; }
 }
 </style><span data-mrts></span>""".replace("DOCKED", DOCKED).replace("EDGED", str(PANEL + 4))
 """Of the page. On a narrow window viser lays the panel over the scene, on a wider one the panel leaves little of it;
-here it stands below, and covers nothing. A slider's value stands beside it, not above it as well."""
+here it stands below, and covers nothing. Texts above controls have fixed heights and scroll, so that no control moves
+under a hand; the verdict stays in view. What is shown of an answer fades once another is asked for. A slider's value
+stands beside it, not above it as well."""
+
+
+def verdict_html(outcome: str, error: str, *, computing: bool, outdated: bool) -> str:
+    """What stands above all controls, in a place of its own.
+
+    Args:
+        outcome: The last one, as HTML.
+        error: Why there is no newer one, likewise; empty if there is, or may be soon.
+        computing: Whether a newer one is on its way.
+        outdated: Whether controls have other values than the outcome and all that is shown of it, which fade.
+    """
+    below = '<b data-text="computing">Computing …</b>' if computing else ""
+    below += "<style>:root { --mrts-answer: 0.4; }</style>" if outdated else ""
+    text = f"{'' if computing else error}{outcome}"
+    return f"<div data-verdict><div>{text}</div>{below}</div>"
 
 
 def outcome_html(state: PlayerState, *, coarse: bool = False) -> str:
@@ -87,6 +110,7 @@ def outcome_html(state: PlayerState, *, coarse: bool = False) -> str:
         text = f"<b>Coarse, the whole answer follows</b> (limits are kept at {samples} samples only): {text}"
     if result.load is not None:
         text += f" Torques are those of the nominal load of {result.cell.mass:.4g} kg."
+    text += "".join(f"<br>{html_text(str(remark))}" for remark in result.warnings)
     admits = result.status.admits_motion and not state.refusal
     return _paragraph("outcome", text, "inherit" if admits else OVER)
 
@@ -135,8 +159,10 @@ def limits_html(cell: Cell, colours: Mapping[str, Colour]) -> str:
     return _table(rows, LIMIT_COLUMNS)
 
 
-def speed_html(state: PlayerState) -> str:
-    """The chosen speed, whether it is admissible, and what is shown if it is not."""
+def speed_html(state: PlayerState | None) -> str:
+    """The chosen speed, whether it is admissible, and what is shown if it is not; None leaves the place empty."""
+    if state is None:
+        return _paragraph("speed", "")
     done, samples = state.trajectory, len(state.excess)
     text = f"c = {done.c:.4g}, c² = {done.c2:.4g}, duration {done.duration:.4g} s, energy {done.energy:.4g} J. "
     if fast := state.joints_beyond_velocity():
@@ -162,8 +188,10 @@ def speed_html(state: PlayerState) -> str:
     return _paragraph("speed", text, OVER)
 
 
-def moment_html(state: PlayerState) -> str:
-    """The chosen time, and which speeds its sample alone admits and why."""
+def moment_html(state: PlayerState | None) -> str:
+    """The chosen time, and which speeds its sample alone admits and why; None leaves the place empty."""
+    if state is None:
+        return _paragraph("moment", "")
     ranged, sample = state.result.range, state.sample
     found = ranged.samples
     given = found.time[sample]
@@ -290,5 +318,5 @@ def _number(value: float) -> str:
 
 
 def _paragraph(name: str, text: str, colour: str = "inherit") -> str:
-    style = f"font-size:12px;line-height:16px;padding:0 9px;{ROOM.get(name, '')};color:{colour}"
+    style = f"font-size:12px;line-height:16px;padding:0 9px;color:{colour}"
     return f'<div data-text="{name}" style="{style}">{text}</div>'

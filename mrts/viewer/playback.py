@@ -6,7 +6,7 @@ from math import floor, log10
 
 import viser
 
-from mrts.viewer.controls.bound_control import assign
+from mrts.viewer.controls.bound_control import DECIMALS, assign
 
 READING = 0.1
 """Time between numbers while the motion plays: faster, nobody reads them [s]."""
@@ -64,6 +64,7 @@ class Playback:
         """Play, or stop playing."""
         self._playing, self._toggled = not self._playing, True
         self._play.label = "Pause" if self._playing else "Play"
+        self._play.icon = viser.Icon.PLAYER_PAUSE if self._playing else viser.Icon.PLAYER_PLAY
         if self._playing and self._share >= 1:
             self._share = 0.0
 
@@ -110,13 +111,14 @@ def set_slider(
     Args:
         slider: The slider.
         ends: Multiples of a step.
-        digits: Decimal places of a step.
+        digits: Decimal places of a step, if they are more than `DECIMALS`.
         value: Rounded to a step between the ends.
         shown: Value that was set or taken over last: a user who has moved it since keeps what is under the hand.
 
     Returns:
         What is shown now, for the next call.
     """
+    digits = max(digits, DECIMALS)
     step = 10.0**-digits
     if (slider.min, slider.max, slider.step) != (*ends, step):
         slider.min, slider.max = ends

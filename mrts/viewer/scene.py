@@ -15,6 +15,7 @@ from mrts.cell.cell import Cell
 from mrts.drawing.bodies.cell_shapes import contact_forces, name_place, shares_base
 from mrts.drawing.bodies.cell_view import FIELD_OF_VIEW, look_at_cell
 from mrts.drawing.bodies.held_body import held_body
+from mrts.drawing.bodies.object_surface import object_edges
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.round_numbers import round_down
 from mrts.viewer.player_state import PlayerState
@@ -39,8 +40,8 @@ ARROW = 0.5
 SHORTEST = 1e-3
 """Arrows below this share of the cell's size have no direction worth drawing."""
 
-GHOST = 0.18
-"""Opacity of the object at the start and at the end of its path."""
+OUTLINE, OUTLINE_WIDTH = (196, 138, 24), 1.5
+"""Of the object at the start and at the end of its path: seen on a light page and on a dark one; and pixels."""
 
 FRAME = 0.12
 """Length of a frame's axes, as a share of the cell's size."""
@@ -115,11 +116,12 @@ class ViewerScene:
             visible=False,
         )
         thin = 0.4 * radius
+        self._carried = self._scene.add_frame("/carried", show_axes=False)  # a page draws new poses before new arrows
         self._forces, self._moments = (
             self._scene.add_arrows(
                 name, NO_LINES, colour, shaft_radius=thin, head_radius=2.2 * thin, head_length=5 * thin
             )
-            for name, colour in (("/forces", FORCE), ("/moments", MOMENT))
+            for name, colour in (("/carried/forces", FORCE), ("/carried/moments", MOMENT))
         )
         self._gaps = self._scene.add_arrows(
             "/gaps", NO_LINES, GAP, shaft_radius=thin, head_radius=2.2 * thin, head_length=3 * thin
@@ -153,8 +155,8 @@ class ViewerScene:
         self._draw_body(course)
         for name, robot in zip(self._names, course.cell.robots, strict=True):
             name.position = name_place(course.cell, robot)
-        for ghost, at in zip(self._ghosts, (0, -1), strict=True):
-            ghost.position, ghost.wxyz = course.position[at], wxyz(course.rotation[at])
+        for outline, at in zip(self._outlines, (0, -1), strict=True):
+            outline.position, outline.wxyz = course.position[at], wxyz(course.rotation[at])
         for label, at in zip(self._end_names, (0, -1), strict=True):
             label.position = course.position[at]
         self._show_names()
@@ -186,9 +188,9 @@ class ViewerScene:
             contact_forces(cell, robot, moment.position[None], moment.rotation[None], wrench[:, part])
             for robot, part in zip(cell.robots, cell.wrench_slices.values(), strict=True)
         ]
-        points = np.concatenate([contact.point for contact in contacts])
-        forces = np.concatenate([contact.force for contact in contacts])
-        moments = np.concatenate([contact.moment for contact in contacts])
+        points = (np.concatenate([contact.point for contact in contacts]) - moment.position) @ moment.rotation
+        forces = np.concatenate([contact.force for contact in contacts]) @ moment.rotation
+        moments = np.concatenate([contact.moment for contact in contacts]) @ moment.rotation
         self._forces.points = self._arrows(points, forces * self.metres_per_newton)
         self._moments.points = self._arrows(points, moments * self.metres_per_newton_metre)
         self._show_gaps(NO_LINES, [])
@@ -284,7 +286,8 @@ class ViewerScene:
             turn, tip = tip_pose(robot, R, p)
             tips.append(tip)
             rotations.append(turn)
-        self._body.position, self._body.wxyz = position, wxyz(rotation)
+        for part in (self._body, self._carried):
+            part.position, part.wxyz = position, wxyz(rotation)
         for hand, tip in zip(self._hands, tips, strict=True):
             hand.position = tip
         if self._frames.visible:
@@ -308,7 +311,7 @@ class ViewerScene:
                 label.text, label.position = words[index]
 
     def _draw_body(self, course: ShownCourse) -> None:
-        """The body that is held, and its ghosts at both ends; drawn anew where its shape changed."""
+        """The body that is held, and its outlines at both ends; drawn anew where its shape changed."""
         body = held_body(course.cell)
         key = body.vertices.tobytes()
         if key == self._body_key:
@@ -316,10 +319,10 @@ class ViewerScene:
         self._body_key = key
         mesh = body.vertices.astype(np.float32), body.faces.astype(np.uint32)
         self._body = self._scene.add_mesh_simple("/object", *mesh, color=OBJECT, opacity=0.9, flat_shading=True)
-        self._ghosts = [
-            self._scene.add_mesh_simple(
-                f"/{name}", *mesh, color=OBJECT, opacity=GHOST, flat_shading=True, cast_shadow=False
-            )
+        edges = object_edges(body.vertices, body.faces)
+        lines = body.vertices[edges if len(edges) else body.faces[:, :2]]  # a ball has no edges
+        self._outlines = [
+            self._scene.add_line_segments(f"/{name}", lines, OUTLINE, thickness=OUTLINE_WIDTH, thickness_units="screen")
             for name in ("start", "goal")
         ]
 

@@ -98,6 +98,13 @@ class Viewer(MotionViewer):
     def _take_over(self) -> None:
         self._changes.follow(0.0, self._speed_at, self._held())
 
+    def _computes(self) -> bool:
+        return self.bench.is_asked
+
+    def _is_outdated(self) -> bool:
+        bench, shown = self.bench, self._answer
+        return bench.is_asked or shown is not bench.answer or shown.choices is not bench.choices
+
     def _speed_at(self, choices: Choices) -> float | None:
         """The speed that other choices are played at: the first one while that is shown, and of another profile."""
         state = self.state

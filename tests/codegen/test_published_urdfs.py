@@ -2,6 +2,7 @@
 
 import logging
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from conftest import DATA
 from mrts_codegen.cell_file import read_cell_description
 from mrts_codegen.cell_model import build_cell_model
 from mrts_codegen.generate import generate_cell
+from mrts_codegen.urdf.link_inertia import nearest_inertia
 from mrts_codegen.urdf.robot_model import build_robot_model
 from mrts_codegen.urdf.urdf_file import parse_urdf
 from mrts_codegen.urdf.urdf_joint import NO_LIMIT
@@ -33,15 +35,18 @@ REFUSALS = {
 }
 """Message to the files in which some chain may be refused so; None: any file."""
 
+TALOS = ROBOTS / "talos_data/robots/talos_full_v2.urdf"
+ROUNDING = 1e-13
+
 LEAST_CHAINS = 430
 """Of the 721 from root to leaf in example-robot-data 6.0.0, 286 have nothing that moves, end in a follower, or break
 the rules above."""
 
 
-def refused(path, urdf, leaf):
+def refused(path, urdf, leaf, *, lenient=False):
     """Why the chain from root to leaf is refused, None if it loads."""
     try:
-        model = build_robot_model(path, urdf, None, leaf)
+        model = build_robot_model(path, urdf, None, leaf, lenient=lenient)
     except mrts.InputError as error:
         return str(error)
     assert all(joint.lower <= joint.upper for joint in model.joints)
@@ -64,6 +69,65 @@ def test_every_published_chain_loads_or_is_refused_for_a_reason():
             seen.add((reason, path.name))
     assert loaded >= LEAST_CHAINS
     assert {name for reason, name in seen if REFUSALS[reason]} == set().union(*filter(None, REFUSALS.values()))
+
+
+def test_every_inertia_of_a_published_robot_may_be_moved_to_that_of_a_body():
+    files = set().union(*filter(None, REFUSALS.values()))
+    for path in (path for path in sorted(ROBOTS.rglob("*.urdf")) if path.name in files):
+        urdf = parse_urdf(path, path.read_bytes())
+        parents = {joint.parent for joint in urdf.joints}
+        leaves = [link.name for link in urdf.links if link.name not in parents]
+        wrong = [leaf for leaf in leaves if "inertia" in (refused(path, urdf, leaf) or "")]
+        still = [leaf for leaf in wrong if refused(path, urdf, leaf, lenient=True)]
+        assert len(still) < len(wrong)
+        assert not [leaf for leaf in still if "inertia" in refused(path, urdf, leaf, lenient=True)]
+
+
+@pytest.mark.parametrize(
+    "moments",
+    [(1, 1.5, 2), (1, 1, 2.5), (-1, 2, 5), (-3, 1, 5), (-1, -1, 3), (-1, -2, -3), (0, 0, 1), (1, 4.3, 7.3)],
+)
+def test_a_moved_inertia_is_the_nearest(moments):
+    """X is the point nearest to A of the bodies' cone, tr(Σ) 1 - Σ with Σ >= 0, if and only if (Moreau) X is in it,
+    D = A - X is normal to X, and no ray 1 - v vᵀ of the cone leads nearer: tr D <= vᵀ D v."""
+    rotation = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+    given = rotation @ np.diag(moments) @ rotation.T
+    found = nearest_inertia(given)
+    off = given - found
+    assert np.min(np.linalg.eigvalsh(np.trace(found) / 2 * np.eye(3) - found)) >= -ROUNDING
+    assert abs(np.sum(off * found)) <= ROUNDING
+    assert np.trace(off) - np.min(np.linalg.eigvalsh(off)) <= ROUNDING
+
+
+def with_inertia(urdf, name, inertia):
+    """The same URDF with another inertia of a link."""
+    links = {link.name: link for link in urdf.links}
+    links[name] = replace(links[name], inertial=replace(links[name].inertial, inertia=inertia))
+    return replace(urdf, links=[*links.values()])
+
+
+def test_a_humanoid_with_one_wrong_link():
+    tip, talos = "gripper_left_base_link", parse_urdf(TALOS, TALOS.read_bytes())
+    inertias = {link.name: link.inertial.inertia for link in talos.links if link.inertial is not None}
+    sound = build_robot_model(TALOS, talos, None, tip)
+    wrong = with_inertia(talos, "leg_left_4_link", inertias["leg_left_4_link"] * np.diag([1, 1, 6]))
+    leg = build_robot_model(TALOS, wrong, None, tip)  # hangs from what stands still
+    assert leg.remarks == sound.remarks
+    for ours, theirs in zip(leg.joints, sound.joints, strict=True):
+        np.testing.assert_array_equal(ours.body.at_com, theirs.body.at_com)
+    for link in ("arm_left_3_link", "arm_right_5_link"):  # of the chain, and hanging from its torso
+        moments, axes = np.linalg.eigh(inertias[link])
+        beyond = np.array([moments[0], moments[1], 2 * (moments[0] + moments[1])])
+        wrong = with_inertia(talos, link, axes @ np.diag(beyond) @ axes.T)
+        with pytest.raises(mrts.InputError, match="'inertia: lenient' in the cell file") as refusal:
+            build_robot_model(TALOS, wrong, None, tip)
+        assert refusal.value.key == f"link '{link}' inertia"
+        model = build_robot_model(TALOS, wrong, None, tip, lenient=True)
+        assert [remark.code for remark in model.remarks if link in remark.text] == ["inertia-nearest"]
+        nearest = beyond + (moments[0] + moments[1]) / 3 * np.array([1, 1, -1])  # straight onto the facet
+        same = build_robot_model(TALOS, with_inertia(talos, link, axes @ np.diag(nearest) @ axes.T), None, tip)
+        for ours, theirs in zip(model.joints, same.joints, strict=True):
+            np.testing.assert_allclose(ours.body.at_com, theirs.body.at_com, rtol=1e-12, atol=1e-15)
 
 
 def test_a_follower_off_the_chain_is_told():
@@ -183,6 +247,17 @@ def test_what_is_let_pass(mass, moments, code, tmp_path):
 def test_what_no_body_has_is_refused(mass, moments, message, tmp_path):
     with pytest.raises(mrts.InputError, match=message):
         read(arm_cell(tmp_path, hand(mass, *moments)))
+
+
+def test_a_cell_with_a_moved_inertia_is_checked_read_and_written(tmp_path):
+    path = arm_cell(tmp_path, hand(0.5, 0.001, 0.001, 0.0025))
+    assert {error.key for error in mrts.check(path).mistakes} == {"link 'hand' inertia"}
+    path.write_text(path.read_text() + "inertia: lenient\n")
+    assert mrts.check(path).mistakes == ()
+    cell = mrts.load_cell(path, backend="vm")
+    assert [remark.code for remark in cell.remarks] == ["inertia-nearest"]
+    again = mrts.Cell.from_description(yaml.safe_load(cell.to_yaml()), backend="vm")
+    assert again.remarks == cell.remarks
 
 
 def test_a_massless_link_changes_nothing(tmp_path, planar_cell, lift):

@@ -137,6 +137,9 @@ def given(robot, arguments):
     return mrts_new.Given(robots=[robot], xacro_args=arguments, **said)
 
 
+NO_PACKAGE = (
+    r"^\S+arm\.urdf\.xacro: [^:]*: the package 'arm_parts' is not found\. Looked .*AMENT_PREFIX_PATH.* 'arm_parts' "
+)
 RECURSIVE = f'<robot {XACRO}><xacro:macro name="m" params=""><xacro:m/></xacro:macro><xacro:m/></robot>'
 
 MISTAKES = {
@@ -146,7 +149,7 @@ MISTAKES = {
     "expression": (lambda cell: numbers(cell.parent, "1 / 0"), r"arm\.urdf\.xacro: cannot be expanded \(.*division"),
     "builtins": (lambda cell: numbers(cell.parent, "__import__('os').getcwd()"), "cannot be expanded"),
     "include": (lambda cell: (cell.parent / "more.xacro").unlink(), r"cannot be expanded \(.*more\.xacro"),
-    "package": (lambda cell: (cell.parent / "arm_parts").rename(cell.parent / "parts"), "not found.*arm_parts"),
+    "package": (lambda cell: (cell.parent / "arm_parts").rename(cell.parent / "parts"), NO_PACKAGE),
     "xml": (lambda cell: (cell.parent / "more.xacro").write_text("<robot"), "cannot be expanded"),
     "recursion": (lambda cell: (cell.parent / "more.xacro").write_text(RECURSIVE), "cannot be expanded"),
     "gone": (lambda cell: (cell.parent / "arm.urdf.xacro").unlink(), "there is no such xacro"),

@@ -10,6 +10,8 @@ from command_line import mrts_command
 from conftest import DATA
 from terminal_session import at_terminal
 
+from mrts.cell.remarks.assumptions import NO_COLLISIONS
+
 UR5 = DATA.parent / "dual_ur5" / "ur5_class_arm.urdf"
 MRTS = (sys.executable, "-m", "mrts")
 
@@ -30,6 +32,7 @@ def test_what_it_tells_is_enough_to_go_on(begun):
     assert "left and right: ../my arm.urdf, base_link to tool0 (proposed: named as a hand or tool)" in done.stdout
     assert re.search(r"shoulder_pan\s+-6\.283 … 6\.283 rad\s+\d+ N m\s+[\d.]+ rad/s", done.stdout)
     assert "you may play it up to" in done.stdout
+    assert NO_COLLISIONS in done.stdout
     *_, next_line = done.stdout.splitlines()
     assert next_line == "  mrts scale 'first cell/cell.yaml' 'first cell/motion.yaml'"
     scaled = mrts_command("scale", "first cell/cell.yaml", "first cell/motion.yaml", cwd=folder)

@@ -140,11 +140,11 @@ def test_torques_at_an_end_are_given_by_robot(planar_cell, lift, capsys):
         (["--least-energy-in", "0"], "--least-energy-in: goes with --profile smooth, not with constant."),
         (["--start-torque", "left=1"], "--start-torque: goes with --profile smooth, not with constant."),
         (["--start-speed", "0"], "--start-speed: goes with --profile optimal or smooth, not with constant."),
-        (["--profile", "optimal", "--solver", "kernel"], "--solver: goes with --profile constant or smooth, not"),
+        (["--profile", "optimal", "--solver", "kernel"], "--solver: goes with --profile constant, not"),
         ([*SMOOTH[3:], "--c2", "1"], "--fastest, --nominal, --c2: goes with --profile constant, not with smooth."),
         ([*SMOOTH[3:], "--formulation", "torque"], "--formulation = 'torque': the smooth profile within rates is"),
         ([*SMOOTH[3:], "--distribute", "reserve"], "--distribute = 'reserve': does not go with limits of rates"),
-        ([*SMOOTH[3:], "--solver", "qpsol"], "--solver = 'qpsol': there is no such solver of smooth timing"),
+        ([*SMOOTH[3:], "--solver", "kernel"], "--solver: goes with --profile constant, not"),
         ([*SMOOTH[3:], "--weigh", "tim=1"], "--weigh = 'tim': may have the keys time and energy only."),
         ([*SMOOTH[3:], "--weigh", "time"], "--weigh = 'time': must be KEY=NUMBER, such as time=1,energy=1e-4."),
         ([*SMOOTH[3:], "--weigh", "energy=1"], "--weigh: time = 0.0: must be > 0"),
@@ -170,7 +170,7 @@ def test_steps_are_counted_and_control_c_ends_them(tmp_path):
     motion = yaml.safe_load((DATA / "lift.yaml").read_text()) | {"samples": 4001}
     path = tmp_path / "long.yaml"
     path.write_text(yaml.safe_dump(motion))
-    command = [*MRTS, "scale", CELL, path, "--profile", "smooth", "--rates", "11.5", "--solver", "conic", "--json"]
+    command = [*MRTS, "scale", CELL, path, "--profile", "smooth", "--rates", "11.5", "--json"]
     done = at_terminal([*command, tmp_path / "answer.json"], keys=[(" of ", "\x03")], COLUMNS="150")
     assert done.code == 130, done.shown
     assert done.shown.endswith("mrts: interrupted\x1b[0m\r\n")

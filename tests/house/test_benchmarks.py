@@ -34,6 +34,9 @@ ELSEWHERE = {
     "smooth_timing.py": "its paths and its rival are those of tests/smooth/test_against_copp.py",
     "startup/end_to_end.py": "takes 9 s: a dozen processes; table.py asks the same of one",
     "startup/generation_cost.py": "takes 6 s: it generates and compiles",
+    "differential/drawn_cases.py": "what compare.py asks",
+    "differential/answers.py": "what compare.py compares",
+    "differential/compare.py": "tests/house/test_differential.py",
     "embedded/embedded_counts.py": "its helpers are those of tests/codegen",
     "variants/sweep_speed.py": "its sweeps are those of tests/sweeps",
     "paper/paper_identification.py": "tests/commands/test_demo.py",
@@ -49,7 +52,9 @@ def test_every_script_is_run_or_named():
     assert scripts == SMALLEST.keys() | ELSEWHERE.keys()
 
 
-@pytest.mark.parametrize("script", SMALLEST)
+@pytest.mark.parametrize(
+    "script", ["table.py", *(pytest.param(each, marks=pytest.mark.slow) for each in SMALLEST if each != "table.py")]
+)
 def test_a_benchmark_runs_and_prints_finite_numbers(script, capsys, monkeypatch):
     monkeypatch.setattr(sys, "path", [str((FOLDER / script).parent), *sys.path])
     runpy.run_path(str(FOLDER / script))["main"](**SMALLEST[script])

@@ -6,7 +6,7 @@ from scipy.integrate import quad
 
 import mrts
 from mrts.motion.object_courses import geodesic_motion
-from mrts.motion.velocity_profile import PROFILES, trapezoid
+from mrts.motion.velocity_profile import CORNERS, PROFILES, trapezoid
 
 pytestmark = pytest.mark.quick
 
@@ -29,6 +29,14 @@ def test_a_profile_is_the_integral_of_its_derivatives_from_rest_to_rest(name):
                 lambda at, order=order: float(profile(np.array([at]))[order][0]), 0, end, points=corners or None
             )
             assert abs(area - value) < INTEGRATION
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_corners_are_where_the_acceleration_jumps(name):
+    u = np.linspace(0.0, 1.0, 1001)  # its steps are far below a jump, and no corner is among these
+    steps = np.flatnonzero(np.abs(np.diff(PROFILES[name](u)[2])) > 1)
+    corners = np.array(CORNERS.get(PROFILES[name], ()))
+    np.testing.assert_array_equal(steps, np.searchsorted(u, corners) - 1)
 
 
 def test_samples_at_a_trapezoids_corners_take_the_ramps_acceleration():

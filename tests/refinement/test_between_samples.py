@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 from conftest import DATA
 from gantries import along_x, gantries
 from motion_tables import columns_of, write_table
@@ -137,6 +138,36 @@ def test_every_motion_is_known_between_its_samples(cells, name):
     guessed = between_samples(cell, bare, at)
     np.testing.assert_allclose(guessed.object.position, known.object.position, atol=1e-7)
     np.testing.assert_allclose(guessed.q, known.q, atol=1e-6)
+
+
+@pytest.fixture(scope="module")
+def redundant():
+    return mrts.load_cell(DATA.parent / "redundant" / "cell.yaml")
+
+
+def trapezoid_lift(samples):
+    """The redundant cell's lift by a trapezoid, whose acceleration jumps at a third and at two thirds of the time."""
+    keys = yaml.safe_load((DATA.parent / "redundant" / "lift.yaml").read_text())
+    keys |= {"profile": "trapezoid", "samples": samples}
+    return mrts.sample_motion(mrts.MotionDescription.model_validate(keys))
+
+
+@pytest.mark.parametrize("samples", [15, 16])
+def test_redundant_arms_between_samples_around_a_jump_of_acceleration(redundant, samples):
+    """A jump inside a gap, and at a sample that has the acceleration of one side of it."""
+    few, dense = (mrts.follow_object(redundant, trapezoid_lift(n)) for n in (samples, 24 * (samples - 1) + 1))
+    inner = np.flatnonzero(np.arange(dense.samples) % 24)
+    between = between_samples(redundant, few, dense.object.time[inner])
+    for name in ("q", "dq", "ddq"):
+        known = getattr(dense, name)[inner]
+        off = np.max(np.abs(getattr(between, name)[1:-1] - known))
+        assert off < 3 * COURSE * np.max(np.abs(known)), name  # of polynomials through 15 samples, without a jump too
+
+
+def test_jumps_of_acceleration_are_found_at_any_number_of_samples(redundant):
+    found = [mrts.scale(redundant, trapezoid_lift(samples)).range.upper.c2 for samples in (15, 16, 29, 57, 449)]
+    exact = mrts.scale(redundant, trapezoid_lift(3001), between=None).range.upper.c2  # 3000 / 3: corners are samples
+    np.testing.assert_allclose(found, exact, rtol=BETWEEN)
 
 
 def test_a_course_of_another_motion_is_not_followed(planar_cell, lift):

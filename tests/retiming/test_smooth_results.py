@@ -86,11 +86,6 @@ def test_given_torques_of_a_load_that_varies_are_refused_before_any_work(planar_
     )
 
 
-def test_a_wrong_solver_is_refused_without_rates_too(planar_cell, lift):
-    with pytest.raises(mrts.InputError, match="there is no such solver of smooth timing"):
-        mrts.retime(planar_cell, lift, solver="qp")
-
-
 def test_the_sentence_does_not_contradict_itself(smooth):
     said = str(smooth.smooth)
     assert said.endswith(f"no timing takes less than {smooth.smooth.bound:.4g} s, the fastest without limits of rates")

@@ -176,7 +176,7 @@ def assert_links_join(links, line):
 
 
 @pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
-@pytest.mark.parametrize("arms", [1, 2, 3, 4])
+@pytest.mark.parametrize("arms", [1, 3])
 def test_what_is_drawn_follows_the_time(make, arms, tmp_path):
     """Balls at the tips, and arrows that start there, at the contacts of the moving object; sliding joints too."""
     case = make(np.random.default_rng([11, arms]), tmp_path, arms)
@@ -190,7 +190,8 @@ def test_what_is_drawn_follows_the_time(make, arms, tmp_path):
         for sample in (0, 4, 10):
             state.choose_time(float(state.trajectory.time[sample]))
             scene.show_moment(state, state.sample)
-            arrows = server.scene.get_handle_by_name("/forces").points
+            arrows = server.scene.get_handle_by_name("/carried/forces").points
+            arrows = moved.position[sample] + arrows @ moved.rotation[sample].T
             contacts = []
             for robot in state.result.cell.robots:
                 contacts.append(moved.position[sample] + moved.rotation[sample] @ robot.T_object_tip.p)
@@ -215,7 +216,7 @@ def test_arrows_have_the_length_that_the_panel_states(dual_ur5):
         scene.rescale(state)
         state.choose_time(0.5 * state.trajectory.duration)
         scene.show_moment(state, state.sample)
-        arrows = {name: server.scene.get_handle_by_name(f"/{name}").points for name in ("forces", "moments")}
+        arrows = {name: server.scene.get_handle_by_name(f"/carried/{name}").points for name in ("forces", "moments")}
     finally:
         close_server(server)
     wrench = state.trajectory.wrench[state.sample].reshape(2, 6)
@@ -230,7 +231,7 @@ def test_arrows_have_the_length_that_the_panel_states(dual_ur5):
 
 
 @pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
-@pytest.mark.parametrize("arms", [1, 2, 4])
+@pytest.mark.parametrize("arms", [1, 3])
 def test_the_cell_is_in_the_picture_and_upright(make, arms, tmp_path):
     case = make(np.random.default_rng([9, arms]), tmp_path, arms)
     cell = case.cell
@@ -333,6 +334,7 @@ CONNECTS = """([url, protocol]) => new Promise(done => {
 })"""
 
 
+@pytest.mark.slow
 def test_the_page_can_be_loaded_again_and_no_other_page_connects(chromium):
     with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (_, url):
         ours = [url.replace("http", "ws"), f"viser-v{viser.__version__}"]
@@ -349,6 +351,7 @@ def test_the_page_can_be_loaded_again_and_no_other_page_connects(chromium):
         other.close()
 
 
+@pytest.mark.slow
 def test_the_motion_plays_and_stops(chromium):
     with (
         running_viewer(ROOT / "generated" / "dual_ur5", UR5 / "lift_and_turn.yaml") as (_, url),
@@ -366,6 +369,7 @@ def test_the_motion_plays_and_stops(chromium):
         assert page.problems == []
 
 
+@pytest.mark.slow
 def test_an_infeasible_motion_opens_with_real_arms(chromium, tmp_path):
     path = cell_of_real_arms(tmp_path)
     description = yaml.safe_load(path.read_text())

@@ -5,10 +5,11 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+import viser
 from conftest import DATA
 
 from mrts.motion.motion_file import described_motion
-from mrts.viewer.controls.bound_control import assign
+from mrts.viewer.controls.bound_control import DECIMALS, assign
 from mrts.viewer.server import close_server, open_server
 from mrts.viewer.viewer import Viewer
 from mrts.viewer.workbench.choices import Given
@@ -110,3 +111,52 @@ def test_what_was_changed_just_before_a_button_is_older_than_it(viewer):
     press("Undo")
     assert bench.choices.shares is not None
     assert shares.value
+
+
+def test_an_answer_is_outdated_as_soon_as_a_control_changes(viewer):
+    shown, bench = viewer.shown, viewer.bench
+
+    def verdict():
+        content = shown._verdict.content  # noqa: SLF001 (what the page shows)
+        return 'data-text="computing"' in content, 'data-text="error"' in content, "--mrts-answer" in content
+
+    shown.settle()
+    assert verdict() == (False, False, False)
+    for label, value in (("mass [kg]", 1.0), ("speed c", 0.5)):
+        assign(viewer.controls[label], value)
+        shown.step(0.0)
+        assert verdict() == (True, False, True), label
+        shown.settle()
+        assert verdict() == (False, False, False), label
+    bench.edit(replace(bench.choices, mass=-1.0))
+    shown.settle()
+    assert verdict() == (False, True, True)  # the last answer stays, of the values before
+    bench.undo()
+    shown.step(0.0)
+    assert verdict() == (True, False, True)
+    shown.settle()
+    assert verdict() == (False, False, False)
+
+
+def test_start_and_goal_are_outlines(viewer, lift):
+    scene = viewer.shown.server.scene
+    for name, at in (("/start", 0), ("/goal", -1)):
+        outline = scene.get_handle_by_name(name)
+        assert outline.points.shape[1:] == (2, 3)
+        assert len(outline.points) >= 12  # sides of a box
+        assert outline.position == pytest.approx(lift.position[at])
+
+
+def test_play_and_pause_have_their_icons(viewer):
+    button, playback = viewer.controls["Play"], viewer.shown.playback
+    playback.toggle()
+    assert (button.label, button.icon) == ("Pause", viser.Icon.PLAYER_PAUSE)
+    playback.toggle()
+    assert (button.label, button.icon) == ("Play", viser.Icon.PLAYER_PLAY)
+
+
+def test_every_number_field_takes_decimal_places(viewer):
+    """Of one with none the page drops the point: a typed 1.5 is 15."""
+    sliders = [each for each in viewer.controls.values() if isinstance(each, viser.GuiSliderHandle)]
+    assert len(sliders) == 13
+    assert all(slider.precision >= DECIMALS for slider in sliders)

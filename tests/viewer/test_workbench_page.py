@@ -3,6 +3,7 @@
 import shutil
 
 import numpy as np
+import pytest
 from conftest import DATA
 from playwright.sync_api import TimeoutError as NotInTime
 from viewer_browser import chromium, in_picture, open_page, running_viewer
@@ -111,6 +112,7 @@ def change_view(page):
     page.get_by_role("button", name="Show the whole cell").click()
 
 
+@pytest.mark.slow
 def test_every_control_does_what_it_says(chromium, planar_cell, lifted, tmp_path):
     folder = shutil.copytree(DATA, tmp_path / "cell")
     cell = folder / "cell.yaml"
@@ -163,6 +165,7 @@ def test_every_control_does_what_it_says(chromium, planar_cell, lifted, tmp_path
     assert (folder / "changed_motion.yaml").read_text() == (folder / "lift.yaml").read_text()
 
 
+@pytest.mark.slow
 def test_the_panel_covers_no_scene_and_cuts_no_text(chromium):
     with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (_, url), open_page(chromium, url) as page:
         for width in WIDTHS:
@@ -171,4 +174,49 @@ def test_the_panel_covers_no_scene_and_cuts_no_text(chromium):
                 f"() => {{ const found = ({OVERLAP})(); return found.cut.length == 0"
                 " && Math.min(found.width, found.height) <= 1 && Math.min(...found.scene) >= 300; }"
             )
+        assert page.problems == []
+
+
+TOPS = """() => [...document.querySelectorAll('.mantine-Slider-root, [role=tab], [role=combobox], button')]
+    .filter(each => each.offsetParent).map(each => each.getBoundingClientRect().top)"""
+
+TALL = {"width": 1400, "height": 1700}
+"""Of a window in which the panel does not scroll [pixels]."""
+
+
+def test_numbers_keep_the_point_that_is_typed(chromium):
+    with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (_, url), open_page(chromium, url) as page:
+        page.get_by_role("tab", name="Change").click()
+        pick(page, "move", "left base")
+        for label, number in (("along x [mm]", "1.5"), ("left torques [%]", "87.5")):
+            slider = row(page, label)
+            field = (
+                slider.locator("xpath=ancestor::div[contains(@class, 'mantine-Flex-root')][1]").locator("input").last
+            )
+            field.press("Control+a")
+            field.press_sequentially(number, delay=50)
+            page.wait_for_selector("[data-text=computing]", state="detached")
+            assert (field.input_value(), slider.get_attribute("aria-valuenow")) == (number, number)
+        assert page.problems == []
+
+
+def test_no_control_moves_when_an_answer_comes(chromium):
+    """Feasible, beyond the range, infeasible and out of reach, and while each is found."""
+    with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (_, url), open_page(chromium, url) as page:
+        page.set_viewport_size(TALL)
+        page.get_by_role("tab", name="Change").click()
+        pick(page, "move", "end of the motion")
+        row(page, "about z [°]").wait_for()
+        before = page.evaluate(TOPS)
+        for label, key, kind, words in (
+            ("mass [kg]", "End", "outcome", "1.972"),
+            ("speed c", "End", "speed", "Outside"),
+            ("left torques [%]", "Home", "outcome", "infeasible"),
+            ("along y [mm]", "End", "outcome", "No motion"),
+        ):
+            row(page, label).press(key)
+            assert page.evaluate(TOPS) == before, label
+            waits_for(page, kind, words)
+            page.wait_for_selector("[data-text=computing]", state="detached")
+            assert page.evaluate(TOPS) == before, label
         assert page.problems == []

@@ -63,14 +63,20 @@ def file_of_uri(where: Path | str, uri: str, near: Path, *, key: str = "") -> Pa
         there = ", ".join(dict.fromkeys(map(str, folders)))
         rule = f"the package '{package}' is at {there}, but holds no file '{inside}'{neighbour(folders[0] / inside)}"
         raise InputError(where, rule, key=key, value=uri)
+    raise InputError(where, f"{no_package(package)}, or give a file path.", key=key, value=uri)
+
+
+def no_package(package: str) -> str:
+    """What is said of a package that is nowhere, up to the ways to find it.
+
+    Args:
+        package: Its name.
+    """
     looked = ", ".join(map(str, _share_folders())) or "no share folder"
-    raise InputError(
-        where,
+    return (
         f"the package '{package}' is not found. Looked in the folders above that file, where those of "
         f"{', '.join(VARIABLES)} point to that are set, in {looked}, and among installed Python packages. Source the "
-        "workspace's setup file, install the package, or give a file path.",
-        key=key,
-        value=uri,
+        f"workspace's setup file, install the package, put its folder '{package}' beside that file or above"
     )
 
 

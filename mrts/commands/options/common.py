@@ -2,6 +2,7 @@
 """Options that several verbs share."""
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -174,27 +175,63 @@ def _check_share(text: str | None, cell: "Cell") -> None:
         raise InputError("--share", error.rule, value=text) from None
 
 
-def numbers_option(option: str, text: str, example: str) -> dict[str, float]:
+def numbers_option(
+    option: str, text: str, example: str, units: Mapping[str, tuple[str, float]] | None = None
+) -> dict[str, float]:
     """The numbers of an option that takes KEY=NUMBER,….
 
     Args:
         option: For the message.
         text: What was given.
         example: Of what is right.
+        units: By key a unit that may stand behind its number, and what 1 of its number is in that unit.
 
     Raises:
         InputError: If it is something else.
     """
     numbers: dict[str, float] = {}
     for part in text.split(","):
-        name, _, number = part.partition("=")
-        if name.strip() in numbers:
-            raise InputError(option, f"gives {name.strip()} twice.", value=text)
+        name, number = (word.strip() for word in part.partition("=")[::2])
+        if name in numbers:
+            raise InputError(option, f"gives {name} twice.", value=text)
+        unit, one = (units or {}).get(name, ("", 1.0))
         try:
-            numbers[name.strip()] = float(number)
+            if unit and number.endswith(unit):
+                numbers[name] = float(f"{float(number.removesuffix(unit)) / one:.12g}")  # an end of a range stays one
+            else:
+                numbers[name] = float(number)
         except ValueError:
             raise InputError(option, f"must be KEY=NUMBER, such as {example}.", value=text) from None
     return numbers
+
+
+def add_xacro_arg(verb: argparse.ArgumentParser, of: str) -> None:
+    """Add the option of verbs that expand xacros.
+
+    Args:
+        verb: The verb.
+        of: What is a xacro, for its help.
+    """
+    verb.add_argument("--xacro-arg", action="append", default=[], metavar="NAME=VALUE",
+                      help=f"argument of {of}; once for each")  # fmt: skip
+
+
+def xacro_arguments(given: list[str]) -> dict[str, str]:
+    """Values of a xacro's arguments by name.
+
+    Args:
+        given: Of each `--xacro-arg`.
+
+    Raises:
+        InputError: If one has no name, or no value, or stands twice.
+    """
+    arguments: dict[str, str] = {}
+    for text in given:
+        name, sign, value = text.partition("=")
+        if not name or not sign or name in arguments:
+            raise InputError("--xacro-arg", "must be NAME=VALUE, each name once.", value=text)
+        arguments[name] = value
+    return arguments
 
 
 def require(package: str, option: str, extra: str, *, wanted: bool) -> None:

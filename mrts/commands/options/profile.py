@@ -26,7 +26,7 @@ GOES_WITH = {
     "--least-energy-in": ("smooth",),
     "--start-torque": ("smooth",),
     "--end-torque": ("smooth",),
-    "--solver": ("constant", "smooth"),
+    "--solver": ("constant",),
     "--what-if": ("constant", "optimal"),
 }
 """The profiles that an option goes with; those that are not here go with all."""
@@ -147,21 +147,16 @@ def smooth_arguments(options: argparse.Namespace, cell: "Cell") -> dict[str, Any
     if options.profile != "smooth":
         return {}
     from mrts.retiming.smooth_retiming import smooth_goal
-    from mrts.smooth.smooth_solvers import DEFAULT_SMOOTH_SOLVER, check_smooth_solver
 
     weights = None if options.weigh is None else numbers_option("--weigh", options.weigh, "time=1,energy=1e-4")
     with told_of("--least-energy-in" if weights is None else "--weigh"):
         smooth_goal(weights, options.least_energy_in)
-    solver = options.solver or DEFAULT_SMOOTH_SOLVER
-    with told_of("--solver"):
-        check_smooth_solver(solver)
     return {
         "rates": rates_option(options, cell),
         "weigh": weights,
         "least_energy_in": options.least_energy_in,
         "start_torque": torque_option("--start-torque", options.start_torque, cell),
         "end_torque": torque_option("--end-torque", options.end_torque, cell),
-        "solver": solver,
     }
 
 

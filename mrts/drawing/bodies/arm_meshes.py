@@ -37,7 +37,7 @@ def arm_meshes(
     from yourdfpy import URDF  # noqa: PLC0415
 
     try:
-        model = URDF.load(str(path), filename_handler=partial(_mesh_file, path))
+        model = URDF.load(str(path), filename_handler=partial(mesh_file, path))
         still = {name: value for name, value in (held or {}).items() if name in model.actuated_joint_names}
         model.update_cfg(still)  # what mimics them follows
         body = _bodies(model.robot.joints, base_link or model.base_link, joints, held or {})
@@ -75,8 +75,16 @@ def _bodies(joints: list[Any], base_link: str, chain: tuple[str, ...], held: Map
     return body
 
 
-def _mesh_file(urdf: Path, fname: str) -> str:
-    """Path of a mesh: of a package, relative to the URDF, or in a package that stands there under another name."""
+def mesh_file(urdf: Path, fname: str) -> str:
+    """Path of a mesh: of a package, relative to the URDF, or in a package that stands there under another name.
+
+    Args:
+        urdf: The file that names it.
+        fname: How.
+
+    Raises:
+        InputError: If it is not there.
+    """
     inside = fname.removeprefix("file://")
     if is_uri(fname):
         inside = fname.partition("://")[2].partition("/")[2]

@@ -9,6 +9,9 @@ import viser
 
 from mrts.viewer.workbench.choices import Choices
 
+DECIMALS = 2
+"""Least decimal places of a number field: with those of a step of 1, none, a page drops the point from a typed 1.5."""
+
 
 @dataclass(eq=False)
 class BoundControl:
@@ -27,6 +30,10 @@ class BoundControl:
     read: Callable[[Choices], Any]
     apply: Callable[[Choices, Any], Choices]
     shown: Any = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.handle, viser.GuiSliderHandle):
+            self.handle.precision = max(self.handle.precision, DECIMALS)
 
     def changed(self, choices: Choices) -> Choices | None:
         """Choices with the control's value, if a user changed it since the last look; else None.

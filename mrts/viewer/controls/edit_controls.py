@@ -14,7 +14,7 @@ import viser
 from mrts.base.load_box import FACTORS, UNITS, LoadBox
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell_change import Changed, limit_names
-from mrts.viewer.controls.bound_control import BoundControl
+from mrts.viewer.controls.bound_control import DECIMALS, BoundControl
 from mrts.viewer.controls.places import Place, free_axes, moved_by, offset_of
 from mrts.viewer.workbench.choices import Choices, Given
 
@@ -218,7 +218,7 @@ class OffsetControls:
                 return 0.0
             shift, turn = offset_of(self.place.pose(now, self._given), self.place.given_pose(self._given))
             value = degrees(turn[axis]) if is_turn else 1000 * shift[axis]
-            return round(float(np.clip(value, handle.min, handle.max)), 1)
+            return round(float(np.clip(value, handle.min, handle.max)), DECIMALS)
 
         def apply(now: Choices, value: float) -> Choices:
             if self.place is None:
@@ -239,7 +239,7 @@ def _limit_text(name: Changed) -> str:
 
 def _common_share(names: list[Changed], now: Choices) -> float:
     """The share of the first of some limits [%]."""
-    return round(100 * now.limits.get(names[0], 1.0), 1)
+    return round(100 * now.limits.get(names[0], 1.0), DECIMALS)
 
 
 def _with_common(names: list[Changed], now: Choices, value: float) -> Choices:
@@ -249,7 +249,7 @@ def _with_common(names: list[Changed], now: Choices, value: float) -> Choices:
 
 
 def _share(index: int, equal: tuple[float, ...], now: Choices) -> float:
-    return round(100 * (now.shares or equal)[index], 1)
+    return round(100 * (now.shares or equal)[index], DECIMALS)
 
 
 def _with_share(index: int, now: Choices, value: float) -> Choices:

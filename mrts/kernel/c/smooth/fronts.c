@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "fronts.h"
 
-#define MRTS_FRONT_PIVOT 1e-14 /* a pivot below this share of its diagonal is rounding: its unknown does not move */
+#define MRTS_FRONT_PIVOT 1e-16 /* a pivot below this share of its diagonal is rounding: its unknown does not move */
 #define MRTS_FRONT_ROWS 4         /* of a front that are worked on together */
-#define MRTS_FRONT_SOFT 1e-13  /* of its diagonal, added to each: F that nothing determines stays where it is */
+#define MRTS_FRONT_SOFT 1e-15  /* of its diagonal, added to each: F that nothing determines stays where it is */
 
 MRTS_LOCAL long long mrts_front_size(const mrts_smooth_program *p) {
     const long long f = p->free;

@@ -5,7 +5,6 @@
 #define MRTS_SMOOTH_KEPT 5e-9      /* of a limit: rounding of a change over a short segment may be this large */
 #define MRTS_SMOOTH_GAP 3e-9       /* between the objective and its bound, of it */
 #define MRTS_SMOOTH_AIM 1e-9       /* the gap that steps aim at, at least: below it rounding grows */
-#define MRTS_SMOOTH_SLOPE 3e-6     /* of the objective along an unknown, of 1 and multipliers: large terms cancel */
 #define MRTS_SMOOTH_SHORT 1e-9     /* a step that ends this early leads nowhere */
 #define MRTS_SMOOTH_LARGE 1e14     /* a multiplier, of the objective: nothing keeps the limits */
 #define MRTS_SMOOTH_BOUNDARY 0.995 /* of the way to the nearest limit */
@@ -19,6 +18,7 @@
 #define MRTS_SMOOTH_FURTHER 0.3    /* by how much a correction is to lengthen a step */
 #define MRTS_SMOOTH_GAIN 0.05      /* by how much it must, or it was the last */
 #define MRTS_SMOOTH_OFF 0.1        /* share of the centre that a product may be */
+#define MRTS_SMOOTH_ROUNDING 1e-13 /* of a sum, what is left of it where all of it cancels */
 #define MRTS_SMOOTH_LEAST 0.1      /* of x: what a step leaves of it at least */
 
 /* The iterates and their steps. */
@@ -31,7 +31,11 @@ typedef struct {
     double *target, *before;   /* multipliers that the right side is made of, and those tried before */
     double *gx, *gu, *gf;      /* the gradient of the objective */
     double *px, *pu, *pf;      /* another one, or a step */
-    double *b, *w;             /* unknowns: a right side and its step; the factor's answer to the duration's slope */
+    double *b, *w;             /* unknowns: a right side and its step; the factor's answer to what borders the matrix */
+    double *border;            /* unknowns: how the share pulls at them */
+    double share;              /* by which limits of changes and jerks are relaxed */
+    double share_step;         /* of it */
+    double share_pull;         /* the second derivative along it that the border leaves */
     double *factor, *fronts;
     double slack_reach;        /* the longest parts of a step that leave slacks, multipliers and x no less than 0 */
     double dual_reach, x_reach;
@@ -39,7 +43,18 @@ typedef struct {
 } mrts_smooth_iterate;
 
 static long long mrts_smooth_all_slots(const mrts_smooth_program *p) {
-    return (long long)p->nodes * mrts_smooth_slots(p) + 1;
+    return (long long)p->nodes * mrts_smooth_slots(p) + 2;
+}
+
+/* The slots of the duration and of the share. */
+static long long mrts_smooth_duration_slot(const mrts_smooth_program *p) {
+    return (long long)p->nodes * mrts_smooth_slots(p);
+}
+static long long mrts_smooth_share_slot(const mrts_smooth_program *p) { return mrts_smooth_duration_slot(p) + 1; }
+
+/* Whether a slot is that of a change or of a jerk. */
+static int mrts_smooth_relaxes(const mrts_smooth_program *p, long long slot) {
+    return slot < mrts_smooth_duration_slot(p) && slot % mrts_smooth_slots(p) >= 2 * p->rows;
 }
 
 /* Reals of an iterate that is kept. */
@@ -50,7 +65,7 @@ static long long mrts_smooth_kept(const mrts_smooth_program *p) {
 MRTS_EXPORT long long mrts_smooth_work(const mrts_smooth_program *p) {
     const long long n = p->nodes;
     return mrts_smooth_state_size(p) + 9 * mrts_smooth_all_slots(p) + 2 * n * (2 + p->free) +
-           2 * mrts_front_unknowns(p) + mrts_front_size(p) + mrts_front_work(p) + mrts_smooth_kept(p);
+           3 * mrts_front_unknowns(p) + mrts_front_size(p) + mrts_front_work(p) + mrts_smooth_kept(p);
 }
 
 static void mrts_smooth_iterate_in(const mrts_smooth_program *p, double *memory, mrts_smooth_iterate *at) {
@@ -67,7 +82,9 @@ static void mrts_smooth_iterate_in(const mrts_smooth_program *p, double *memory,
     at->pf = at->pu + n;
     at->b = at->pf + nf;
     at->w = at->b + mrts_front_unknowns(p);
-    at->factor = at->w + mrts_front_unknowns(p);
+    at->border = at->w + mrts_front_unknowns(p);
+    at->factor = at->border + mrts_front_unknowns(p);
+    at->share = 0;
     at->fronts = at->factor + mrts_front_size(p);
     at->kept = at->fronts + mrts_front_work(p);
 }
@@ -84,7 +101,8 @@ static void mrts_smooth_present(const mrts_smooth_program *p, mrts_smooth_iterat
             y[r + j] = p->lower[(long long)k * r + j] > -MRTS_INFINITY;
         }
     }
-    at->y[at->slots - 1] = p->longest < MRTS_INFINITY && !p->timed;
+    at->y[mrts_smooth_duration_slot(p)] = p->longest < MRTS_INFINITY && !p->timed;
+    at->y[mrts_smooth_share_slot(p)] = p->relaxed > 0;
     for (long long i = 0; i < at->slots; ++i) at->present += at->y[i] > 0;
 }
 
@@ -109,42 +127,39 @@ static double mrts_smooth_evaluate(const mrts_smooth_program *p, mrts_smooth_sta
         state->unit = objective;
         first = 0;
     }
-    g[at->slots - 1] = p->longest < MRTS_INFINITY ? duration / p->longest - 1 : 0;
+    g[mrts_smooth_duration_slot(p)] = p->longest < MRTS_INFINITY ? duration / p->longest - 1 : 0;
+    g[mrts_smooth_share_slot(p)] = -at->share;
     return objective;
 }
 
-/* The largest slope of the Lagrangian along an unknown, of the terms it is the sum of. */
-static double mrts_smooth_slope(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
-    const long long n = p->nodes, f = p->free, q = f + 1;
-    double worst = 0;
-    for (long long i = 0; i < n * (2 + f); ++i) at->px[i] = at->gx[i];
+/* The slope of the Lagrangian along the share, with multipliers y. */
+static double mrts_smooth_share_slope(const mrts_smooth_program *p, const mrts_smooth_iterate *at, const double *y) {
+    const long long last = mrts_smooth_share_slot(p);
+    double slope = p->relaxed - y[last];
+    for (long long i = 0; i < last; ++i) slope -= mrts_smooth_relaxes(p, i) ? y[i] : 0;
+    return slope;
+}
+
+/* By how much the slope of the Lagrangian would let it fall: twice what a Newton step with the last factor gains. */
+static double mrts_smooth_decrement(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+    const long long n = p->nodes, unknowns = mrts_front_unknowns(p);
+    double sum = 0;
+    mrts_smooth_copy(n * (2 + p->free), at->gx, at->px);
     mrts_smooth_pulled(p, state, at->y, at->px, at->pu, at->pf);
     mrts_front_gather(p, state, at->px, at->pu, at->pf, at->b);
-    for (long long k = 0; k <= n; ++k) {
-        if (p->timed || (k == 0 && p->given_start) || (k == n && p->given_end)) continue;
-        const double x = state->x[k < n ? k : n - 1], size = MRTS_ABS(at->b[k < n ? k * q + f : n * q]) * x;
-        if (!(size <= worst)) worst = size;
+    mrts_smooth_copy(unknowns, at->b, at->w);
+    mrts_front_solve(p, at->factor, at->w);
+    for (long long i = 0; i < unknowns; ++i) sum += at->b[i] * at->w[i];
+    if (p->relaxed > 0) {
+        const double slope = mrts_smooth_share_slope(p, at, at->y);
+        sum += slope * slope / at->share_pull;
     }
-    for (int k = 0; k < n; ++k) {
-        const double *entry = p->entry + (long long)k * p->width;
-        if ((k == 0 && p->held_start) || (k == n - 1 && p->held_end)) continue;
-        mrts_smooth_clear(f, at->pf);
-        for (int j = 0; j < p->rows; ++j) { /* the largest coefficient of each unknown */
-            for (int l = 0; l < p->count[j]; ++l) {
-                const double size = MRTS_ABS(entry[p->place[j] + l]);
-                if (size > at->pf[p->first[j] + l]) at->pf[p->first[j] + l] = size;
-            }
-        }
-        for (long long l = 0; l < f; ++l) {
-            if (!(MRTS_ABS(at->b[k * q + l]) <= worst * at->pf[l])) worst = MRTS_ABS(at->b[k * q + l]) / at->pf[l];
-        }
-    }
-    return worst;
+    return sum;
 }
 
 /* The right side -gradient - sum of target g's gradient, solved for; the step goes to px, pu, pf and ds, dy. */
 static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
-    const long long n = p->nodes, nf = n * p->free, unknowns = mrts_front_unknowns(p), last = at->slots - 1;
+    const long long n = p->nodes, nf = n * p->free, unknowns = mrts_front_unknowns(p), last = mrts_smooth_duration_slot(p);
     for (long long i = 0; i < 2 * n + nf; ++i) at->px[i] = at->gx[i];
     mrts_smooth_pulled(p, state, at->target, at->px, at->pu, at->pf);
     mrts_front_gather(p, state, at->px, at->pu, at->pf, at->b);
@@ -160,8 +175,17 @@ static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *
         pulled = alone / (by + answered / p->longest);
         for (long long i = 0; i < unknowns; ++i) at->b[i] -= pulled / p->longest * at->w[i];
     }
+    double relaxed = 0; /* the step of the share */
+    if (p->relaxed > 0) {
+        for (long long i = 0; i < unknowns; ++i) relaxed += at->border[i] * at->b[i];
+        relaxed = (relaxed - mrts_smooth_share_slope(p, at, at->target)) / at->share_pull;
+        for (long long i = 0; i < unknowns; ++i) at->b[i] += relaxed * at->w[i];
+        at->ds[mrts_smooth_share_slot(p)] = -relaxed;
+    }
+    at->share_step = relaxed;
     mrts_front_scatter(p, state, at->b, at->px, at->pu, at->pf);
     mrts_smooth_moved(p, state, at->px, at->pu, at->pf, at->ds);
+    for (long long i = 0; i < last && relaxed != 0; ++i) at->ds[i] -= mrts_smooth_relaxes(p, i) ? relaxed : 0;
     if (at->y[last] > 0) at->ds[last] = pulled * at->s[last] / at->y[last]; /* its own sum would cancel */
     double most = 1 / MRTS_SMOOTH_BOUNDARY, up = most, x = 1 / (1 - MRTS_SMOOTH_LEAST);
     for (long long i = 0; i < at->slots; ++i) {
@@ -199,6 +223,26 @@ static void mrts_smooth_answer_duration(const mrts_smooth_program *p, const mrts
     mrts_smooth_clear(n * (1 + p->free), at->pu);
     mrts_front_gather(p, state, state->duration_x, at->pu, at->pf, at->w);
     mrts_front_solve(p, at->factor, at->w);
+}
+
+/* Answers what the share pulls at by the factor, into w. */
+static void mrts_smooth_answer_share(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+    const long long n = p->nodes, unknowns = mrts_front_unknowns(p), last = mrts_smooth_duration_slot(p);
+    double along = at->weight[mrts_smooth_share_slot(p)], answered = 0;
+    mrts_smooth_clear(at->slots, at->before);
+    for (long long i = 0; i < last; ++i) {
+        if (!mrts_smooth_relaxes(p, i)) continue;
+        at->before[i] = at->weight[i];
+        along += at->weight[i];
+    }
+    mrts_smooth_clear(n * (2 + p->free), at->px);
+    mrts_smooth_pulled(p, state, at->before, at->px, at->pu, at->pf);
+    mrts_front_gather(p, state, at->px, at->pu, at->pf, at->border);
+    mrts_smooth_copy(unknowns, at->border, at->w);
+    mrts_front_solve(p, at->factor, at->w);
+    for (long long i = 0; i < unknowns; ++i) answered += at->border[i] * at->w[i];
+    at->share_pull = along - answered;
+    if (!(at->share_pull > MRTS_SMOOTH_ROUNDING * along)) at->share_pull = MRTS_SMOOTH_ROUNDING * along;
 }
 
 /* While a step is short, pulls the products of slacks and multipliers that it would lead far off towards the centre
@@ -243,7 +287,8 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
     }
     mrts_smooth_second(p, state, at->weight, at->y);
     mrts_front_factor(p, state, at->factor, at->fronts);
-    if (at->y[at->slots - 1] > 0) mrts_smooth_answer_duration(p, state, at);
+    if (at->y[mrts_smooth_duration_slot(p)] > 0) mrts_smooth_answer_duration(p, state, at);
+    if (p->relaxed > 0) mrts_smooth_answer_share(p, state, at);
     mrts_smooth_newton(p, state, at);
     double length = mrts_smooth_length(at, 1), dual = mrts_smooth_dual_length(at, 1), left = 0;
     for (long long i = 0; i < at->slots; ++i) left += (at->s[i] + length * at->ds[i]) * (at->y[i] + dual * at->dy[i]);
@@ -259,6 +304,7 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
         at->s[i] += length * at->ds[i];
         at->y[i] += dual * at->dy[i];
     }
+    at->share += length * at->share_step;
     if (!p->timed) {
         const int n = p->nodes, q = p->free + 1;
         for (int k = 0; k < n; ++k) state->control[k] += length * at->b[(long long)k * q + p->free];
@@ -280,12 +326,18 @@ static void mrts_smooth_keep(const mrts_smooth_program *p, mrts_smooth_state *st
     }
 }
 
-/* Slacks and multipliers to start with. */
-static void mrts_smooth_first(mrts_smooth_iterate *at, const double *g) {
+/* Slacks and multipliers to start with, and a share that leaves room to all that it relaxes. */
+static void mrts_smooth_first(const mrts_smooth_program *p, mrts_smooth_iterate *at, double *g) {
+    for (long long i = 0; i < at->slots && p->relaxed > 0; ++i) {
+        const double share = mrts_smooth_relaxes(p, i) && at->y[i] > 0 ? g[i] + MRTS_SMOOTH_SLACK : MRTS_SMOOTH_SLACK;
+        if (share > at->share) at->share = share;
+    }
+    g[mrts_smooth_share_slot(p)] = -at->share;
+    const double gap = MRTS_SMOOTH_FIRST * (1 + p->relaxed * at->share);
     for (long long i = 0; i < at->slots; ++i) {
-        const double room = -g[i];
+        const double room = (mrts_smooth_relaxes(p, i) ? at->share : 0) - g[i];
         at->s[i] = at->y[i] > 0 ? (room > MRTS_SMOOTH_SLACK ? room : MRTS_SMOOTH_SLACK) : MRTS_INFINITY;
-        at->y[i] = at->y[i] > 0 ? MRTS_SMOOTH_FIRST / (at->s[i] * at->present) : 0;
+        at->y[i] = at->y[i] > 0 ? gap / (at->s[i] * at->present) : 0;
     }
 }
 
@@ -298,8 +350,10 @@ typedef struct {
 static mrts_smooth_distance mrts_smooth_judge(const mrts_smooth_program *p, mrts_smooth_state *state,
                                               mrts_smooth_iterate *at, int first) {
     mrts_smooth_distance is = {mrts_smooth_evaluate(p, state, at, first, at->missed), 0, 0, 0};
-    if (first) mrts_smooth_first(at, at->missed);
+    if (first) mrts_smooth_first(p, at, at->missed);
+    is.objective += p->relaxed * at->share;
     for (long long i = 0; i < at->slots; ++i) {
+        if (mrts_smooth_relaxes(p, i)) at->missed[i] -= at->share;
         at->missed[i] = at->y[i] > 0 ? at->missed[i] + at->s[i] : 0;
         is.gap += at->s[i] * at->y[i];
         const double missed = MRTS_ABS(at->missed[i]);
@@ -309,8 +363,8 @@ static mrts_smooth_distance mrts_smooth_judge(const mrts_smooth_program *p, mrts
     return is;
 }
 
-MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, double *u, double *free, int *iterations,
-                                  double *work) {
+MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, double *u, double *free, double *share,
+                                  int *iterations, double *work) {
     const long long n = p->nodes, nf = n * p->free;
     mrts_smooth_state state;
     mrts_smooth_iterate at;
@@ -334,7 +388,7 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
         const mrts_smooth_distance is = mrts_smooth_judge(p, &state, &at, *iterations == 0 && !p->again);
         const double size = is.objective + MRTS_SMALL;
         if (is.missed <= MRTS_SMOOTH_KEPT && is.gap <= MRTS_SMOOTH_GAP * size &&
-            mrts_smooth_slope(p, &state, &at) <= MRTS_SMOOTH_SLOPE * (1 + is.largest)) {
+            *iterations > 0 && mrts_smooth_decrement(p, &state, &at) <= MRTS_SMOOTH_GAP * size) {
             found = MRTS_SMOOTH_FOUND;
             if (!kept) mrts_smooth_keep(p, &state, &at, 0);
             break;
@@ -350,5 +404,6 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
     mrts_smooth_copy(n, state.x, x);
     mrts_smooth_copy(n, state.u, u);
     mrts_smooth_copy(nf, state.free, free);
+    *share = at.share;
     return found;
 }

@@ -18,10 +18,11 @@ MRTS_EXPORT long long mrts_smooth_work(const mrts_smooth_program *p);
 /* Solves a program.
  *
  * x, u, free: the answer, (n), (n), (n, f). Where the timing is given, x and u are read; F at a held end is read.
+ * share: by which limits of changes and jerks are passed, 0 where they are not relaxed.
  * iterations: how many it took.
  * Returns one of the statuses above; without an answer nothing that is written is one.
  */
-MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, double *u, double *free, int *iterations,
-                                  double *work);
+MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, double *u, double *free, double *share,
+                                  int *iterations, double *work);
 
 #endif

@@ -17,7 +17,7 @@
  * Each one-sided constraint has a slot: g <= 0 in units of its limit, a slack s and a multiplier, which is 0 where there
  * is no limit.
  * Node k has the slots [rows above, rows below, changes above, changes below, jerks at the start of its segment above,
- * below, at its end above, below]; the last slot of all is that of the duration.
+ * below, at its end above, below]; the last two slots of all are those of the duration and of the share.
  */
 #ifndef MRTS_SMOOTH_PROGRAM_H
 #define MRTS_SMOOTH_PROGRAM_H
@@ -46,6 +46,8 @@ typedef struct {
     double effort;
     double longest;      /* of the duration, MRTS_INFINITY where there is none */
     double uneven;       /* weight of the sum of (u_(k+1) - u_k)^2 / step, which leaves no u to jump to and fro for nothing */
+    double relaxed;      /* weight of a share by which all limits of changes and jerks are relaxed; 0 relaxes none, and
+                            where it is not 0 there is no longest duration */
     const double *step;   /* (n - 1) */
     const double *square; /* (n, r), as rate, root, offset, lower, upper */
     const double *rate;

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from cones import Cones, entries
 from scipy import sparse
 
 from mrts.base.arrays import Array
-from mrts.smooth.cones import Cones, entries
 from mrts.smooth.program import Goal, SmoothProfile, SmoothProgram
 
 LEAST_WEIGHT = 1e-300
@@ -24,7 +24,7 @@ class ConicSolver:
 
     @staticmethod
     def step(program: SmoothProgram, around: Array, goal: Goal) -> SmoothProfile | None:
-        """See `SmoothSolver.step`."""
+        """See `KernelSolver.step`."""
         unit = float(np.exp(np.mean(np.log(around))))
         found = _Timing(program.in_units_of(unit), around / unit).best(goal.in_units_of(unit))
         return None if found is None else SmoothProfile(unit * found.x, unit * found.u, found.free)
@@ -47,7 +47,7 @@ class ConicSolver:
 
     @staticmethod
     def torques(program: SmoothProgram, x: Array, u: Array) -> Array | None:
-        """See `SmoothSolver.torques`."""
+        """See `KernelSolver.torques`."""
         (n, r, f), times = program.free.shape, program.times(x)
         if f == 0:
             return np.zeros((n, 0))
@@ -103,7 +103,7 @@ class _Tangents:
 
 
 class _Timing:
-    """The program of `SmoothSolver.step` over z = [x, u, y, times, efforts, F, share] with y <= √x.
+    """The program of `KernelSolver.step` over z = [x, u, y, times, efforts, F, share] with y <= √x.
 
     Limits of rates are relaxed by `share`, which is 0 where a goal is given.
 

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: MIT
+"""Whether the normals of pads and suction cups point into the object: its shape tells, or its centre of mass hints.
+
+A gripper's axis has no sign: what its two pads admit is the same both ways.
+"""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from mrts_codegen.hand_file import PadDescription, SuctionDescription
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError, Mistakes
+from mrts.base.formats.surface_text import unpacked_surface
+from mrts.base.manifest import ShapeRecord
+from mrts.base.remark import Remark
+from mrts.base.rigid_transform import RigidTransform
+
+if TYPE_CHECKING:
+    from mrts_codegen.cell_file import RobotDescription
+
+NEAR = 0.05
+"""Share of the object's longest side within which a contact is at a face: palms have a thickness, shapes are rough."""
+
+NEAREST = 2.0
+"""So many times the distance of the nearest face another one counts as near as well."""
+
+ON_FACE = 1e-3
+"""Share of the longest side within which two faces are equally near, as at an edge."""
+
+OUTWARD = 0.5
+"""Cosine with a face's outward normal from which a direction points out of it, and below its negative into it: 60°."""
+
+
+class Faces(NamedTuple):
+    """Faces of a shape as seen from a point, its axes.
+
+    Attributes:
+        distance: Shape (f,) [m].
+        outward: Unit normals, Shape (f, 3).
+        size: Longest side of the shape [m].
+    """
+
+    distance: Array
+    outward: Array
+    size: float
+
+
+def check_contact_normals(path: Path, robots: Sequence["RobotDescription"], shape: ShapeRecord | None) -> list[Remark]:
+    """Check that pads and suction cups press into the object, unless they say `pull: true`.
+
+    Args:
+        path: The cell file, for messages.
+        robots: What it says of them.
+        shape: Of the object; None if it is not known.
+
+    Returns:
+        Normals that seem to point the wrong way, where no face tells.
+
+    Raises:
+        InputError: If a normal points out of the face that its contact is at; carries all that do.
+    """
+    mistakes, remarks = Mistakes(), []
+    for index, robot in enumerate(robots):
+        T = robot.grasp.transform
+        for place, described in enumerate(robot.contact):
+            hand = getattr(described, described.kind)
+            if not isinstance(hand, PadDescription | SuctionDescription) or hand.pull:
+                continue
+            key = f"robots[{index}] ({robot.name}).contact[{place}].{described.kind}.normal"
+            direction = T.R @ (np.array(hand.normal) / np.linalg.norm(hand.normal))
+            outward = [] if shape is None else list(_faces_at(shape, T.p))
+            slopes = [float(direction @ normal) for normal in outward]
+            with mistakes.noted():
+                if slopes and max(slopes) >= OUTWARD and min(slopes) > -OUTWARD:
+                    face = outward[int(np.argmax(slopes))]
+                    into = ", ".join(f"{value:.3g}" for value in np.round(-T.R.T @ face, 3) + 0.0)
+                    rule = (
+                        "points out of the object: it must point from the hand into it, which at this face of its "
+                        f"shape is [{into}] in tip axes. Turn it round, or give 'pull: true' beside it if this hand "
+                        "presses outward, as from inside a hollow."
+                    )
+                    raise InputError(path, rule, key=key, value=hand.normal)
+            if not outward and direction @ T.p > OUTWARD * np.linalg.norm(T.p):
+                text = (
+                    f"{path.name}: {key} = {hand.normal} points away from the object's centre of mass, but should "
+                    "point from the hand into the object; 'pull: true' beside it says that it is meant."
+                )
+                remarks.append(Remark("contact-normal", text))
+    mistakes.raise_noted()
+    return remarks
+
+
+def _faces_at(shape: ShapeRecord, point: Array) -> Iterator[Array]:
+    """Outward normals, object axes, of the faces that a point of the object frame is at."""
+    T = RigidTransform(np.array(shape.pose.rotation), np.array(shape.pose.position))
+    local = T.R.T @ (point - T.p)
+    faces = _mesh_faces(shape, local) if shape.mesh is not None else _plain_faces(shape, local)
+    if faces is None:
+        return
+    nearest = np.min(faces.distance)
+    if nearest <= NEAR * faces.size:
+        within = NEAREST * nearest + ON_FACE * faces.size
+        yield from faces.outward[faces.distance <= within] @ T.R.T
+
+
+def _plain_faces(shape: ShapeRecord, point: Array) -> Faces:
+    """Of a box or a cylinder; of a cylinder's round face its nearest and its farthest side."""
+    if shape.box is not None:
+        half = np.array(shape.box) / 2
+        outward = np.concatenate([np.eye(3), -np.eye(3)])
+        nearest = np.where(outward != 0, outward * half, np.clip(point, -half, half))
+    else:
+        assert shape.cylinder is not None  # noqa: S101 (one kind is given)
+        radius, length = shape.cylinder.radius, shape.cylinder.length
+        half = np.array([radius, radius, length / 2])
+        off = float(np.hypot(point[0], point[1]))
+        side = np.array([point[0] / off, point[1] / off, 0.0]) if off > 0 else np.array([1.0, 0.0, 0.0])
+        along, up = np.array([0.0, 0.0, np.clip(point[2], -half[2], half[2])]), np.array([0.0, 0.0, 1.0])
+        outward = np.array([side, -side, up, -up])
+        flat = min(off, radius) * side
+        nearest = np.array([along + radius * side, along - radius * side, flat + half[2] * up, flat - half[2] * up])
+    return Faces(np.linalg.norm(point - nearest, axis=1), outward, float(2 * np.max(half)))
+
+
+def _mesh_faces(shape: ShapeRecord, point: Array) -> Faces | None:
+    """Of the mesh as it is drawn; None where it is not closed, so that nothing says which side is out."""
+    import trimesh  # noqa: PLC0415 (half a second, for cells that have a mesh)
+
+    assert shape.mesh is not None  # noqa: S101 (the caller has seen it)
+    surface: Any = trimesh.Trimesh(*unpacked_surface(shape.mesh.vertices, shape.mesh.triangles))
+    if not surface.is_watertight or not surface.is_winding_consistent or surface.volume == 0:
+        return None
+    corners = np.asarray(surface.triangles)
+    tiled = np.tile(point, (len(corners), 1))
+    nearest = trimesh.triangles.closest_point(corners, tiled)  # type: ignore[no-untyped-call]  # trimesh has no types
+    outward = np.asarray(surface.face_normals) * np.sign(surface.volume)
+    return Faces(np.linalg.norm(point - nearest, axis=1), outward, float(np.max(surface.extents)))

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: MIT
+"""What is wrong with one URDF, and what it says of its arms, before there is a cell."""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from mrts.base.errors import InputError, Mistakes
+from mrts.base.formats.package_uri import is_xacro
+from mrts.base.formats.urdf_tree import ArmChain
+from mrts.base.remark import Remark, Severity
+from mrts.cell.remarks.assumptions import first_few
+from mrts.cell.remarks.unit_remarks import urdf_remarks
+from mrts.cell.source_files import UrdfReading, urdf_with_mistakes
+from mrts.diagnosis.cell_check import finite_json, mistakes_json, position_range
+from mrts.drawing.bodies.arm_meshes import mesh_file
+from mrts.starting.arm import Arm, make_arm, plane_of
+from mrts.starting.cell_writing import missing
+from mrts.starting.reading import check_movable
+from mrts.starting.tips import FEWEST_JOINTS, first_link, hands
+
+ENDINGS = (".urdf", ".xacro", ".xml")
+"""Of names of files that are checked as URDFs."""
+
+
+def is_urdf(path: Path) -> bool:
+    """Whether a file is a URDF or a xacro, by its name."""
+    return path.suffix.lower() in ENDINGS
+
+
+@dataclass(frozen=True, kw_only=True)
+class UrdfCheck:
+    """What `check_urdf` found.
+
+    Attributes:
+        urdf: The file.
+        mistakes: All that breaks a rule.
+        links: How many there are.
+        joints: Likewise.
+        arms: Chains to the hands that it seems to have.
+        remarks: What to know of it; hints are likely mistakes, and why an arm can hold nothing.
+    """
+
+    urdf: Path
+    mistakes: tuple[InputError, ...]
+    links: int = 0
+    joints: int = 0
+    arms: tuple[Arm, ...] = ()
+    remarks: tuple[Remark, ...] = ()
+
+    @property
+    def status(self) -> Literal["fine", "wrong-input"]:
+        """What came of it."""
+        return "wrong-input" if self.mistakes else "fine"
+
+    def outcome(self) -> str:
+        """The answer in a sentence."""
+        count = len(self.mistakes)
+        sound = f"the URDF is sound: {self.links} links, {self.joints} joints"
+        return f"{self.urdf.name}: " + (f"{count} mistake{'s' * (count > 1)}" if count else sound)
+
+    def lines(self) -> Iterator[str]:
+        """The answer for people, the outcome first."""
+        yield f"{self.outcome()}{':' * bool(self.mistakes)}"
+        for number, mistake in enumerate(self.mistakes, start=1):
+            yield f"  {number}. {mistake}"
+        yield from (f"hint: {remark.text}" for remark in self._told("hint"))
+        for arm in self.arms:
+            yield ""
+            yield f"{arm.chain.base_link} to {arm.chain.tip_link}, {arm.chain.mass.sum():.4g} kg"
+            yield from joint_lines(arm.chain)
+            yield from (f"  missing: {sentence}" for sentence in missing(arm))
+        yield from map(str, self._told("warning"))
+
+    def json_text(self) -> str:
+        """All of it as JSON."""
+        told = {
+            "status": self.status,
+            "urdf": str(self.urdf),
+            "mistakes": mistakes_json(self.mistakes),
+            "links": self.links,
+            "joints": self.joints,
+            "arms": [_arm_json(arm) for arm in self.arms],
+            "hints": [remark.to_json() for remark in self._told("hint")],
+            "warnings": [remark.to_json() for remark in self._told("warning")],
+        }
+        return json.dumps(told, allow_nan=False, ensure_ascii=False)
+
+    def _told(self, severity: Severity) -> list[Remark]:
+        return [remark for remark in self.remarks if remark.severity == severity]
+
+
+def check_urdf(path: Path, args: Mapping[str, str]) -> UrdfCheck:
+    """Check one URDF: its XML, joints and masses, the chains to its hands, and whether its meshes are there.
+
+    Args:
+        path: The file.
+        args: Of a xacro, by name.
+
+    Raises:
+        InputError: If arguments are given to what is no xacro.
+    """
+    if args and not is_xacro(path):
+        raise InputError("--xacro-arg", f"{path.name} is no xacro, whose name ends in .xacro.")
+    read = urdf_with_mistakes(path, args)
+    mistakes = Mistakes()
+    for mistake in read.mistakes:
+        mistakes.add(mistake)
+    arms = _arms(read, mistakes)
+    return UrdfCheck(
+        urdf=path,
+        mistakes=tuple(mistakes.found),
+        links=0 if read.tree is None else len(read.tree.links),
+        joints=0 if read.tree is None else len(read.tree.joints),
+        arms=tuple(arms),
+        remarks=(*(hint for arm in arms for hint in _hints(arm, path)), *read.remarks, *_missing_meshes(read)),
+    )
+
+
+def joint_lines(chain: ArmChain) -> Iterator[str]:
+    """Joints of a chain and their limits, as aligned lines.
+
+    Args:
+        chain: From a URDF.
+    """
+    rows = zip(chain.joints, chain.types, chain.lower, chain.upper, chain.effort, chain.velocity, strict=True)
+    width = max(len(name) for name in ("joint", *chain.joints))
+    yield f"  {'joint':<{width}} {'position':>20} {'torque':>10} {'velocity':>12}"
+    for name, kind, lower, upper, effort, velocity in rows:
+        unit, torque = ("rad", "N m") if kind == "revolute" else ("m", "N")
+        shown = "?" if effort is None else f"{effort:.4g} {torque}"
+        speed = "?" if velocity is None else f"{velocity:.4g} {unit}/s"
+        yield f"  {name:<{width}} {position_range(lower, upper, unit):>20} {shown:>10} {speed:>12}"
+
+
+def _arms(read: UrdfReading, mistakes: Mistakes) -> list[Arm]:
+    """Chains to the hands of a URDF, those that can be read."""
+    arms: list[Arm] = []
+    if read.tree is None or read.survey is None:
+        return arms
+    tips = [hand.link for hand in hands(read.tree)]
+    if not tips:
+        mistakes.add(InputError(read.path, f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm."))
+        return arms
+    base = first_link(read.tree, tips)
+    for tip in tips:
+        with mistakes.noted():
+            arms.append(make_arm(tip, read.survey(base, tip)))
+    return arms
+
+
+def _hints(arm: Arm, path: Path) -> Iterator[Remark]:
+    likely = [*urdf_remarks(arm.robot)]
+    yield from likely
+    try:
+        check_movable(arm, path, plane_of([arm]))
+    except InputError as error:
+        if error.rule not in {hint.text for hint in likely}:
+            yield Remark.hint("cannot-hold", f"{arm.chain.tip_link}: {error.rule}")
+
+
+def _missing_meshes(read: UrdfReading) -> Iterator[Remark]:
+    """Meshes that are not there: nothing is computed from them."""
+    gone, why = [], ""
+    for name in read.meshes:
+        try:
+            mesh_file(read.path, name)
+        except InputError as error:
+            gone.append(name)
+            why = why or error.rule
+    if gone:
+        also = "" if len(gone) == 1 else f" So are {len(gone) - 1} more: {first_few(gone[1:])}."
+        text = f"{read.path.name}: {why}{also} Only pictures need meshes."
+        yield Remark("missing-mesh", text)
+
+
+def _arm_json(arm: Arm) -> dict[str, Any]:
+    chain = arm.chain
+    rows = zip(
+        chain.joints, chain.types, chain.lower, chain.upper, chain.effort, chain.velocity, chain.mass, strict=True
+    )
+    joints = [
+        finite_json({
+            "joint": name, "type": kind, "position": (float(lower), float(upper)), "torque": effort,
+            "velocity": velocity, "mass": float(mass),
+        })
+        for name, kind, lower, upper, effort, velocity, mass in rows
+    ]  # fmt: skip
+    return {"base_link": chain.base_link, "tip_link": chain.tip_link, "joints": joints, "missing": missing(arm)}

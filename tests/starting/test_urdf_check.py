@@ -1,0 +1,97 @@
+"""`mrts check URDF`: what is wrong with one URDF, all at once, where `mrts new` names the first."""
+
+import json
+import re
+
+import pytest
+from conftest import DATA
+from published_robots import ROBOTS
+
+from mrts.cli import main
+from mrts.starting.urdf_check import check_urdf
+
+UR5 = DATA.parent / "dual_ur5" / "ur5_class_arm.urdf"
+MESHES = (
+    '<link name="tool0"><visual><geometry><mesh filename="package://nowhere/a.stl"/></geometry></visual>'
+    '<collision><geometry><mesh filename="b.stl"/></geometry></collision></link>'
+)
+
+
+def changed(folder, *changes):
+    """The shipped arm with patterns replaced, each once."""
+    text = UR5.read_text(encoding="utf-8")
+    for pattern, replacement in changes:
+        text, count = re.subn(pattern, replacement, text, count=1)
+        assert count == 1
+    path = folder / "arm.urdf"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+BROKEN = {
+    "text": (
+        [(r"<mass value=", "<mass weight="), (r'effort="150"', 'effort="strong"')],
+        ["link 'shoulder'", "joint 'shoulder_pan', <limit> effort"],
+    ),
+    "numbers": (
+        [(r'ixx="[^"]*"', 'ixx="-1"'), (r'lower="[^"]*" upper="[^"]*"', 'lower="2" upper="1"'),
+         (r'velocity="[^"]*"', 'velocity="-1"')],
+        ["link 'shoulder' inertia", "joint 'shoulder_pan'", "joint 'shoulder_pan' velocity limit"],
+    ),
+    "chain": ([(r'<child link="tool0"/>', '<child link="tool1"/>')], ["joint 'flange'"]),
+    "no XML": ([(r"</robot>", "")], [""]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_all_that_is_wrong_is_told_once(name, tmp_path, capsys):
+    changes, keys = BROKEN[name]
+    path = changed(tmp_path, *changes)
+    assert main(["check", str(path), "-q", "--json", "-"]) == 2
+    told = json.loads(capsys.readouterr().out)
+    assert told["status"] == "wrong-input"
+    assert [mistake["key"] or "" for mistake in told["mistakes"]] == keys
+    assert main(["new", str(tmp_path / "new"), "--robot", str(path)]) == 2
+    assert told["mistakes"][0]["rule"] in capsys.readouterr().err
+
+
+def test_a_sound_arm_with_its_numbers(tmp_path, capsys):
+    path = changed(tmp_path, (r'<link name="tool0"\s*/>', MESHES))
+    assert main(["check", str(path), "--json", str(tmp_path / "found.json")]) == 0
+    assert "the URDF is sound: 8 links, 7 joints" in capsys.readouterr().out
+    told = json.loads((tmp_path / "found.json").read_text(encoding="utf-8"))
+    (arm,) = told["arms"]
+    assert (arm["base_link"], arm["tip_link"]) == ("base_link", "tool0")
+    assert [joint["torque"] for joint in arm["joints"]] == [150, 150, 150, 28, 28, 28]
+    assert sum(joint["mass"] for joint in arm["joints"]) == pytest.approx(17.05, abs=0.01)
+    assert [warning["code"] for warning in told["warnings"]] == ["missing-mesh"]
+    assert all(name in told["warnings"][0]["text"] for name in ("package://nowhere/a.stl", "b.stl"))
+    assert told["hints"] == []
+
+
+def test_why_an_arm_can_hold_nothing(tmp_path):
+    fixed = changed(tmp_path, (r'name="wrist_3_turn" type="revolute"', 'name="wrist_3_turn" type="fixed"'))
+    found = check_urdf(fixed, {})
+    assert (found.status, [remark.code for remark in found.remarks]) == ("fine", ["cannot-hold"])
+    assert "has 5 joints" in found.remarks[0].text
+
+
+@pytest.mark.parametrize(
+    ("file", "hands"), [("baxter_description/urdf/baxter.urdf", 2), ("ur_description/urdf/ur5_robot.urdf", 1)]
+)
+def test_published_urdfs_are_sound_and_their_meshes_are_there(file, hands):
+    found = check_urdf(ROBOTS / file, {})
+    assert (found.status, len(found.arms)) == ("fine", hands)
+    assert "missing-mesh" not in {remark.code for remark in found.remarks}
+
+
+def test_what_goes_with_no_urdf_is_refused(tmp_path, capsys):
+    assert main(["check", str(UR5), str(DATA / "lift.yaml")]) == 2
+    assert main(["check", str(UR5), "--xacro-arg", "a=1"]) == 2
+    assert main(["check", str(DATA / "cell.yaml"), "--xacro-arg", "a=1"]) == 2
+    assert "--xacro-arg" in capsys.readouterr().err
+    assert main(["check", str(tmp_path / "nowhere.urdf")]) == 2
+    path = tmp_path / "arm.xacro"
+    path.write_text('<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="a" default="1"/></robot>')
+    found = check_urdf(path, {"a": "2"})
+    assert [mistake.rule for mistake in found.mistakes] == ["has no <link>."]
