@@ -91,7 +91,7 @@ class SparseLimits:
         self.structure = _Limits(self.rows, *(pointer(array) for array in self._arrays))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class KernelRanges:
     """What the kernel found at N samples; k unknowns, c² last.
 
@@ -182,12 +182,12 @@ class CellLibrary:
         """
         k, N = self.unknowns, samples
         found = KernelRanges(
-            np.zeros(N),
-            np.zeros(N),
-            np.full((2, N), STOPPED, dtype=np.uint8),
-            np.zeros(N),
-            np.zeros((2, N, k), dtype=np.int16),
-            np.zeros((2, N, k), dtype=np.float32),
+            lower=np.zeros(N),
+            upper=np.zeros(N),
+            status=np.full((2, N), STOPPED, dtype=np.uint8),
+            effect=np.zeros(N),
+            basis=np.zeros((2, N, k), dtype=np.int16),
+            dual=np.zeros((2, N, k), dtype=np.float32),
         )
         outputs = [found.lower, found.upper, *found.status, found.effect, *found.basis, *found.dual]
         self.over_samples("mrts_ranges", samples, inputs, limits, terms, np.minimum(most, INFINITY), outputs)
@@ -208,13 +208,13 @@ class CellLibrary:
         k, N = self.unknowns, samples
         gap = np.zeros(N)
         found = KernelRanges(
-            np.zeros(N),
-            np.zeros(N),
-            np.full((1, N), STOPPED, dtype=np.uint8),
-            np.zeros(N),
-            np.zeros((2, N, k + 1), dtype=np.int16),
-            np.zeros((2, N, k + 1), dtype=np.float32),
-            gap,
+            lower=np.zeros(N),
+            upper=np.zeros(N),
+            status=np.full((1, N), STOPPED, dtype=np.uint8),
+            effect=np.zeros(N),
+            basis=np.zeros((2, N, k + 1), dtype=np.int16),
+            dual=np.zeros((2, N, k + 1), dtype=np.float32),
+            gap=gap,
         )
         outputs = [found.lower, found.upper, gap, *found.status, found.effect, *found.basis, *found.dual]
         self.over_samples("mrts_speed_ranges", samples, inputs, limits, terms, np.minimum(most, INFINITY), outputs)

@@ -125,7 +125,7 @@ class LoadStudy(InNotebooks):
         }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LoadQuestion:
     """What every question of an uncertain load shares.
 

@@ -53,6 +53,10 @@ class RangeEnd(InNotebooks):
         """
         return self.named() if callable(self.named) else self.named
 
+    def notebook_words(self) -> list[str]:
+        """The rows that bind there."""
+        return list(map(str, self.rows))
+
     def to_json(self) -> dict[str, Any] | None:
         """Entry of "binding" in the JSON result; None if nothing limits this end."""
         if self.time is None:

@@ -87,7 +87,15 @@ def study_load(
         guaranteed_range,
     )
 
-    asked = LoadQuestion(cell, motion, formulation, sharing, solver, progress, high)
+    asked = LoadQuestion(
+        cell=cell,
+        motion=motion,
+        formulation=formulation,
+        sharing=sharing,
+        solver=solver,
+        progress=progress,
+        high=high,
+    )
     if question == "guaranteed":
         return guaranteed_range(asked, box, effective_parameters(cell, motion, box))
     if question == "possible":
