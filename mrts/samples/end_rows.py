@@ -80,7 +80,9 @@ def tight_codes(problem: SampleProblem, lower: Array, upper: Array) -> NDArray[n
         if end == 1:
             caps = there & (problem.cap_share * np.where(there, c2[:, None], 0.0) >= 1 - CAPS_TIE)
             sides[end][:, problem.is_cap] = np.where(caps, np.sign(problem.square[:, problem.is_cap]), 0)
-    return tied_codes(sides, np.where(lower * effect_of_speed(problem) <= WIDER, 0.0, lower))
+    known = np.isfinite(lower)
+    still = known & (np.where(known, lower, 0.0) * effect_of_speed(problem) <= WIDER)
+    return tied_codes(sides, np.where(still, 0.0, lower))
 
 
 def _largest_distance(A: Array, lower: Array, upper: Array, row: NDArray[np.int_], sign: Array) -> Array:

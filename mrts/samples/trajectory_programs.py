@@ -134,18 +134,20 @@ def _intervals_below(find: Callable[[Array], KernelRanges], most: Array, high: f
         most: Largest c² of each sample, Shape (N,).
         high: The c².
     """
-    found, several = find(most), False
+    found, lowest = find(most), np.zeros(len(most), dtype=bool)
+    assert found.gap is not None  # noqa: S101 (rows have terms in c)
+    several = bool(np.any(found.gap > 0))
     for _ in range(MOST_INTERVALS):
-        assert found.gap is not None  # noqa: S101 (rows have terms in c)
-        is_gap = found.gap > 0
-        several |= bool(np.any(is_gap))
-        above = is_gap & (found.lower > high)
+        gap = np.asarray(found.gap)
+        above = (gap > 0) & (found.lower > high) & ~lowest
         if not np.any(above):
             break
-        below = find(np.where(above, found.gap, most))
-        if np.any(above & (below.status[0] == INFEASIBLE)):
-            break  # a sample has nothing below: no c² up to this one suits all
-        most, found = np.where(above, found.gap, most), below
+        tried = np.where(above, gap, most)
+        below = find(tried)
+        nothing = above & (below.status[0] == INFEASIBLE)
+        lowest |= nothing
+        if not np.any(nothing):
+            most, found = tried, below
     return found, several
 
 

@@ -157,7 +157,7 @@ class ScalingRange(InNotebooks):
             text = contradiction(self.lower, self.upper)
             if self.samples.several:
                 text += (
-                    " Of several intervals of a sample that is the highest; lower ones have nothing in common either."
+                    " Of several intervals of a sample its highest is meant: lower ones have nothing in common either."
                 )
         else:
             return ""
