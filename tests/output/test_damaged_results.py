@@ -39,7 +39,7 @@ def with_change(change, **steps):
 
 
 MISTAKES = {
-    "newer": (spoil_word(lambda d: d.update(version=6)), "version = 6: this mrts reads version 5; .* Update mrts"),
+    "newer": (spoil_word(lambda d: d.update(version=7)), "version = 7: this mrts reads version 6; .* Update mrts"),
     "older": (spoil_word(lambda d: d.update(version=1)), "version = 1: .* Save the result again"),
     "no version": (spoil_word(lambda d: d.pop("version")), "version: this mrts reads"),
     "foreign": (spoil_word(lambda d: d.update(format="other")), "is no saved result of mrts"),
@@ -55,7 +55,7 @@ MISTAKES = {
     "nan word": (spoil_word(lambda d: d.update(c2=float("nan"))), "c2: .* finite number"),
     "negative c2": (spoil_word(lambda d: d.update(c2=-1)), "c2: .* greater than 0"),
     "short load": (spoil_word(lambda d: d["load"].pop()), "load: .* at least 10 items"),
-    "fallbacks": (spoil_word(lambda d: d["range_fallbacks"].append(0)), "range_fallbacks: must have 1 values"),
+    "fallbacks": (spoil_word(lambda d: d["range_fallbacks"].append(0)), "range_fallbacks, several: must have 1 values"),
     "fewer rows": (spoil_word(lambda d: d["rows"].pop()), "binding_row = .*must be from 0 to"),
     "ragged weights": (spoil_word(lambda d: d["rule"].update(weights=[[1, 2], [3]])), "weights: .* rectangular"),
     "missing array": (lambda _, arrays: arrays.pop("torque"), "torque: this array is missing"),

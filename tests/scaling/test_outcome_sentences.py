@@ -165,4 +165,4 @@ def test_a_plan_at_its_fastest_that_is_read_back_may_be_played_as_given(planar_c
     end = mrts.scale(planar_cell, motion).range.upper.c2
     chosen = mrts.scale(planar_cell, motion, end * (1 + 5e-8))
     assert chosen.trajectory.c2 == end
-    assert _speed_advice([(0.0, 1 - 5e-8)], 1.0).startswith("you may play it up to 1 × as fast as given")
+    assert _speed_advice((0.0, 1 - 5e-8), 1.0, several=False).startswith("you may play it up to 1 × as fast as given")
