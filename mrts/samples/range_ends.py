@@ -110,10 +110,10 @@ def kernel_rows(
     sides, size = np.take_along_axis(basis, order, axis=2).astype(np.int32), np.take_along_axis(size, order, axis=2)
     strong = (size > BINDING_TOLERANCE * size[:, :, :1]) & (sides != 0)
     row, of_c2 = np.abs(sides) - 1, np.abs(sides) > len(kept)
-    alike = given.alike_speeds
-    place = np.append(kept, 0)[np.where(of_c2, len(kept), np.maximum(row, 0))]
+    alike = np.append(given.alike_speeds, False)
+    place = np.append(kept, len(given.names))[np.where(of_c2 | (sides == 0), len(kept), row)]
     code = np.where((sides > 0) | alike[place], 1 + place, -1 - place)
-    code = np.where(of_c2, np.where(sides < 0, -1 - len(given.names), 0), code)
+    code[of_c2 & (sides > 0)] = 0
     capped = np.any(strong & of_c2 & (sides > 0), axis=2)
     of_caps = np.where(capped[:, :, None] & binds(caps.share), cap_codes(given, caps), 0)
     codes = np.concatenate([of_caps, np.where(strong, code, 0)], axis=2).astype(np.int32)

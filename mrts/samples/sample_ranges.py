@@ -14,6 +14,7 @@ from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, Side
+from mrts.limits.squared_rows import binds
 from mrts.samples.closed_form import ends_in_closed_form
 from mrts.samples.end_rows import rows_at_end, tight_codes
 from mrts.samples.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
@@ -154,10 +155,9 @@ def _ends_of_intervals(problem: SampleProblem, solver: str, high: float) -> Rang
     if problem.unknowns == 1:
         codes = tight_codes(problem, lower, upper)
     else:
-        pairs = (
-            codes_of_duals(problem, dual, still) for dual, still in zip(found.dual, (lower == 0, None), strict=True)
-        )
-        codes = np.stack(list(pairs))
+        caps, capped = problem.is_cap, upper >= problem.cap() * (1 - POINT_TOLERANCE)
+        found.dual[1][:, caps] = capped[:, None] * binds(problem.cap_share) * np.sign(problem.square[:, caps])
+        codes = np.stack([codes_of_duals(problem, found.dual[0], lower == 0), codes_of_duals(problem, found.dual[1])])
     return RangeEnds(lower, upper, rows_of_problem(problem, codes), found.undecided, found.fallbacks, several)
 
 
