@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.limits.rows import ActiveRow, LimitRows, moved
+from mrts.limits.rows import LimitRows, moved
 
 CAPS_TIE = 2e-7
 """Caps that bound ṙ² this closely to the one that bounds it most bind with it."""
@@ -59,7 +59,7 @@ class SquaredRows:
         """
         lower, upper, square = self.rows.lower[self.is_cap], self.rows.upper[self.is_cap], self.rows.square
         square = np.zeros((samples, len(lower))) if square is None else square[:, self.is_cap]
-        return SpeedCaps(self.given, np.flatnonzero(self.is_cap), side_share(square, lower, upper), square > 0)
+        return SpeedCaps(np.flatnonzero(self.is_cap), side_share(square, lower, upper), square > 0)
 
 
 @dataclass(frozen=True)
@@ -67,13 +67,11 @@ class SpeedCaps:
     """Rows that do nothing but bound ṙ² from above.
 
     Attributes:
-        rows: All rows as they were given.
-        places: Which of them these are, Shape (s,).
+        places: Which of all rows these are, Shape (s,).
         share: What each is of its limit at ṙ = 1, Shape (N, s).
         upper: Whether that is its upper limit, Shape (N, s).
     """
 
-    rows: LimitRows
     places: NDArray[np.int_]
     share: Array
     upper: NDArray[np.bool_]
@@ -82,13 +80,6 @@ class SpeedCaps:
         """Largest ṙ² that keeps all of them, infinity where nothing moves, Shape (N,)."""
         with np.errstate(divide="ignore"):
             return np.asarray(1 / np.max(self.share, axis=1, initial=0.0), dtype=np.float64)
-
-    def binding(self, sample: int) -> tuple[ActiveRow, ...]:
-        """Those that bound ṙ² at a sample; none at rest."""
-        return tuple(
-            self.rows.active(int(self.places[cap]), upper=bool(self.upper[sample, cap]))
-            for cap in np.flatnonzero(binds(self.share[sample])).tolist()
-        )
 
 
 def side_share(square: Array, lower: Array, upper: Array) -> Array:
