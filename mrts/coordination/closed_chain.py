@@ -35,8 +35,8 @@ from mrts.inverse_kinematics.grasp_tracking import (
     tip_rates,
 )
 from mrts.inverse_kinematics.joint_limits import PRINTED_TOLERANCE, check_joint_limits
-from mrts.inverse_kinematics.tracking_messages import unreachable
-from mrts.kernel.tracking import closure_sizes
+from mrts.inverse_kinematics.tracking_messages import tracking_failure
+from mrts.kernel.tracking import OUT_OF_REACH, closure_sizes
 from mrts.motion.joint_table import Source
 from mrts.motion.object_motion import ObjectMotion
 
@@ -157,15 +157,12 @@ def mean_object(cell: Cell, time: Array, tips: list[TipMotion]) -> ObjectMotion:
 
 def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
     """Joint positions on the grasps near the given ones, Shape (N, m)."""
-    held = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS, None)
+    held = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS, near=None)
     gaps = GraspGaps(held.gap.T, held.turn.T)
     if gaps.largest > POSE_TOLERANCE:
         robot, sample, _ = gaps.worst(ClosureBound(POSE_TOLERANCE, POSE_TOLERANCE))
-        raise MotionError(
-            unreachable(
-                cell.robots[robot], target.time, sample, gaps.distance[robot, sample], gaps.angle[robot, sample]
-            )
-        )
+        amounts = [gaps.distance[robot, sample], gaps.angle[robot, sample]]
+        raise MotionError(tracking_failure(OUT_OF_REACH, cell.robots[robot], target.time, sample, amounts).message)
     return held.q
 
 

@@ -18,9 +18,9 @@ PROGRAM_FILES = (
 CELL_FILES = (
     *(*PROGRAM_FILES, "basis/kept_basis.c", "lanes/lanes.c", "lanes/forms.c", "rows.c", "speed_intervals.c"),
     *("trajectory.c", "one_unknown/one_unknown.c"),
-    *(f"tracking/{name}.c" for name in ("null_space", "tracking", "quick_sample", "path", "closure")),
+    *(f"tracking/{name}.c" for name in ("null_space", "tracking", "quick_sample", "path", "follow", "closure")),
     *(f"dense/{name}.c" for name in ("path_places", "path_rows", "widening")),
-    *(f"variants/{name}.c" for name in ("follow", "end_rows", "ranges")),
+    *(f"variants/{name}.c" for name in ("end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""
 
@@ -124,6 +124,8 @@ def cell_source(manifest: Manifest, generated: str) -> str:
         "MRTS_KINEMATICS": symbol["kinematics"],
         "MRTS_BIAS_ACCELERATION": symbol["bias_acceleration"],
     }
+    if {*joints} != {components}:
+        macros["MRTS_UNEVEN"] = 1
     if max(joints) > components:
         macros["MRTS_REDUNDANT"] = 1
         macros["MRTS_GEOMETRIC_STIFFNESS"] = symbol["geometric_stiffness"]

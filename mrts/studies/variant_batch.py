@@ -17,7 +17,8 @@ from mrts.coordination.coordinated_motion import CoordinatedMotion, leaves_plane
 from mrts.inverse_kinematics.variant_tracking import VariantTracking
 from mrts.kernel.cell_library import CellLibrary
 from mrts.kernel.sample_terms import SampleTerms
-from mrts.kernel.variants import PATH, variant_ranges
+from mrts.kernel.tracking import PATH
+from mrts.kernel.variants import variant_ranges
 from mrts.limits import LIMITS
 from mrts.limits.contact_limits import contact_limits
 from mrts.limits.motor_limits import motor_limits
@@ -119,7 +120,7 @@ class VariantBatch:
         reserve = cell.reserve if study.question.reserve is None else study.question.reserve
         still = np.zeros((len(motion.time), sum(len(robot.joints) for robot in cell.robots)))
         self._limits = VariantLimits(cell, CoordinatedMotion(motion, still, still, still), reserve)
-        self._tracking = VariantTracking(cell, library)
+        self._tracking = VariantTracking(cell)
         self._base = base_numbers(study, cell)
         varied = {entry.name for entry in entries}
         m = still.shape[1]
@@ -155,10 +156,10 @@ class VariantBatch:
         tracked = self._tracking.follow(path, geometry, numbers["posture"], refused)
         given = {**path, "geometry": geometry, "load": numbers.loads(), **self._limits.of(numbers, geometry)}
         found = variant_ranges(self._library, tracked.joints, self._limits.sparse, SampleTerms(), self._order, given)
-        return VariantAnswers(self._tracking, self._limits, given, tracked, found)
+        return VariantAnswers(self._limits, given, tracked, found)
 
     def _path(self, numbers: VariantNumbers, refused: NDArray[np.bool_]) -> dict[str, Array]:
-        """The motion of the object, as `mrts.kernel.variants.PATH` with V or 1 first; refused ones last a second."""
+        """The motion of the object, as `mrts.kernel.tracking.PATH` with V or 1 first; refused ones last a second."""
         if not numbers.any_of(PATH_ENDS):
             return {name: getattr(self._motion, name)[None] for name in PATH}
         u = np.linspace(0.0, 1.0, len(self._motion.time))
