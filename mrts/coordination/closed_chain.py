@@ -93,7 +93,7 @@ def close_chain(
 
 
 def _holds(cell: Cell, given: CoordinatedMotion, bound: ClosureBound) -> bool:
-    """Whether given joints hold every grasp, where the compiled library can say so; it does not say what they lack."""
+    """Whether given joints hold every grasp, where the cell is compiled already; it does not say what they lack."""
     library = cell.functions.compiled
     if library is None:
         return False
