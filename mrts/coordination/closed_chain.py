@@ -28,14 +28,13 @@ from mrts.coordination.grasp_closure import (
     tip_motions,
 )
 from mrts.inverse_kinematics.grasp_tracking import (
-    CONDITION_LIMIT,
     POSE_TOLERANCE,
     TRACKING_STEPS,
     solve_grasps,
     tip_rates,
 )
 from mrts.inverse_kinematics.joint_limits import PRINTED_TOLERANCE, check_joint_limits
-from mrts.inverse_kinematics.tracking_messages import tracking_failure
+from mrts.inverse_kinematics.tracking_messages import CONDITION_LIMIT, tracking_failure
 from mrts.kernel.tracking import OUT_OF_REACH, closure_sizes
 from mrts.motion.joint_table import Source
 from mrts.motion.object_motion import ObjectMotion
@@ -93,7 +92,7 @@ def close_chain(
 
 
 def _holds(cell: Cell, given: CoordinatedMotion, bound: ClosureBound) -> bool:
-    """Whether given joints hold every grasp, where the compiled library can say so; it does not say what they lack."""
+    """Whether given joints hold every grasp, where the cell is compiled already; it does not say what they lack."""
     library = cell.functions.compiled
     if library is None:
         return False

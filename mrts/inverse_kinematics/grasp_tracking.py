@@ -5,13 +5,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, cross, rotated
-from mrts.base.errors import CompilerError
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.inverse_kinematics.joint_limits import POSITION_TOLERANCE, is_turning
 from mrts.inverse_kinematics.null_space import FOLD, LIMIT_PUSH, limit_zone
 from mrts.inverse_kinematics.tracking_messages import CONDITION_LIMIT
-from mrts.kernel.cell_library import CellLibrary
 from mrts.kernel.tracking import HeldGrasps, TrackingRule, hold_grasps
 from mrts.motion.object_motion import ObjectMotion
 
@@ -64,21 +62,6 @@ def tracking_rule(cell: Cell) -> TrackingRule:
     )
 
 
-def tracking_library(cell: Cell) -> CellLibrary:
-    """The compiled library of a cell, which follows.
-
-    Raises:
-        CompilerError: If it has none.
-    """
-    library = cell.functions.compiled
-    if library is None:
-        raise CompilerError(
-            f"following the object takes the compiled library of cell '{cell.name}'. Install a C compiler (Debian: "
-            "apt-get install gcc libc6-dev), or set CC."
-        )
-    return library
-
-
 def tip_rates(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Array]:
     """Velocity and acceleration of a grasp in the robot's base axes, cell components, each Shape (N, w)."""
     r = rotated(motion.rotation, robot.T_object_tip.p)
@@ -110,7 +93,7 @@ def solve_grasps(
     given = {"position": motion.position[samples], "rotation": motion.rotation[samples]}
     if near is not None:
         given["reference"] = near[None]
-    return hold_grasps(tracking_library(cell), tracking_rule(cell), steps, start, given, cell.geometry)
+    return hold_grasps(cell.functions.motion_library, tracking_rule(cell), steps, start, given, cell.geometry)
 
 
 def reached(held: HeldGrasps) -> NDArray[np.bool_]:

@@ -5,18 +5,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
 from mrts.base.arrays import Array
-from mrts.cell.robot import Robot
+from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.inverse_kinematics.starting_positions import FURTHER_STARTS
 from mrts.kernel.tracking import FOLDED, LOST, NO_START, OUT_OF_REACH, PAST_LIMIT, SINGULAR, START_PAST
 
 CONDITION_LIMIT = 1e6
 """Condition number of a Jacobian above which an arm counts as singular: ten digits of q' are left."""
-
-DEGREES_SUSPECTED = 4 * np.pi
-"""A joint position beyond two turns is rather degrees than radians."""
 
 
 @dataclass(frozen=True)

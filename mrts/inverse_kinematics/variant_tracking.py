@@ -11,7 +11,7 @@ from mrts.base.arrays import Array
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.inverse_kinematics.grasp_tracking import tracking_library, tracking_rule
+from mrts.inverse_kinematics.grasp_tracking import tracking_rule
 from mrts.inverse_kinematics.joint_limits import nearest_turns
 from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_triangles
 from mrts.inverse_kinematics.reach import ArmPlaces, arm_reach
@@ -78,7 +78,7 @@ def follow_from(cell: Cell, motion: ObjectMotion, start: Array) -> TrackedVarian
     nothing = np.zeros((1, 0, start.shape[1]))
     given = {**path, "geometry": cell.geometry[None], "posture": start, "seed": start, "further": nothing}
     rule = replace(tracking_rule(cell), start_steps=0)
-    joints = follow_variants(tracking_library(cell), rule, np.zeros(len(start), dtype=bool), given)
+    joints = follow_variants(cell.functions.motion_library, rule, np.zeros(len(start), dtype=bool), given)
     return TrackedVariants(cell.robots, path["time"], joints, {})
 
 
@@ -93,7 +93,7 @@ class VariantTracking:
     """
 
     def __init__(self, cell: Cell) -> None:
-        self._cell, self._library, self._rule = cell, tracking_library(cell), tracking_rule(cell)
+        self._cell, self._library, self._rule = cell, cell.functions.motion_library, tracking_rule(cell)
 
     def follow(
         self, path: Mapping[str, Array], geometry: Array, posture: Array, refused: NDArray[np.bool_]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.cell_library import CellLibrary, Scratch, pointers, sample_inputs
+from mrts.kernel.cell_library import CellLibrary, MotionLibrary, Scratch, pointers, sample_inputs
 from mrts.kernel.foreign_arrays import over_chunks, pointer
 
 FOLLOWED, NO_START, START_PAST, OUT_OF_REACH, LOST, FOLDED, SINGULAR, PAST_LIMIT, REFUSED = range(9)
@@ -148,7 +148,7 @@ class FollowedVariants:
 
 
 def follow_variants(
-    library: CellLibrary, rule: TrackingRule, refused: NDArray[np.bool_], given: Mapping[str, Array]
+    library: MotionLibrary, rule: TrackingRule, refused: NDArray[np.bool_], given: Mapping[str, Array]
 ) -> FollowedVariants:
     """Start poses and joints along the path of many variants; one motion is one variant.
 
@@ -206,7 +206,7 @@ class HeldGrasps:
 
 
 def hold_grasps(
-    library: CellLibrary, rule: TrackingRule, steps: int, start: Array, given: Mapping[str, Array], geometry: Array
+    library: MotionLibrary, rule: TrackingRule, steps: int, start: Array, given: Mapping[str, Array], geometry: Array
 ) -> HeldGrasps:
     """Damped Newton steps (Sugihara 2011) from T starts, at one sample each.
 
@@ -239,7 +239,7 @@ def hold_grasps(
     return HeldGrasps(q, *sizes)
 
 
-def _scratch(library: CellLibrary) -> Scratch:
+def _scratch(library: MotionLibrary) -> Scratch:
     used = ("kinematics", "bias_acceleration", "geometric_stiffness", "geometric_stiffness_rate")
     first, *others = (Scratch(library.opened, library.records[name]) for name in used if name in library.records)
     return first.at_least(*others)

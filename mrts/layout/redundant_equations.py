@@ -27,7 +27,7 @@ def preference(cell: Cell, functions: dict[str, Any], q: Any, F: Any, reference:
 
     Args:
         cell: The cell.
-        functions: Its functions for CasADi's virtual machine.
+        functions: CasADi's functions of the cell.
         q: Joint positions of all arms, Shape (m,).
         F: Multipliers of the grasps of redundant arms, Shape (w,) each, stacked.
         reference: Joint positions of redundant arms to stay near, Shape (R,).

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from conftest import DATA
 from gantries import along_x, gantries
+from mrts.reachability.speed_kernel import KernelWithoutCompiler, speed_kernel
 from mrts_codegen import generate
 
 import mrts
 from mrts.cell import generation
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
 from mrts.reachability import fastest_profile, speed_regions
-from mrts.reachability.speed_kernel import KernelWithoutCompiler, speed_kernel
 
 SAMPLES = 21
 

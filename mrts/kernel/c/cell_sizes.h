@@ -44,7 +44,9 @@ typedef struct {
 
 /* The last input of each is the geometry, see mrts_arm; functions into which it is folded do not read it. */
 /* q, q', q'', rotation, twist, acceleration, load to the affine maps of torques and wrenches, see rows.h. */
+#ifdef MRTS_WRENCH_FORM
 MRTS_GENERATED(MRTS_WRENCH_FORM);
+#endif
 /* q to positions and rotations of the tips and the Jacobians of all arms side by side. */
 MRTS_GENERATED(MRTS_KINEMATICS);
 /* q, q' to J' q' of each arm. */
