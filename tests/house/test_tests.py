@@ -27,5 +27,5 @@ def test_a_file_fits_one_sitting_and_takes_nothing_from_another(path):
 
 
 def test_random_cells_have_few_structures():
-    """Each takes up to 2 s to generate, while limits, objects and motions cost next to nothing."""
+    """Each takes up to 15 s to generate and compile, while limits, objects and motions cost next to nothing."""
     assert len(PLANAR) + len(SPATIAL) <= MOST_STRUCTURES

@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import yaml
+from casadi_cells import casadi_cell
 from followed_motions import assert_consistent, motion
 from published_robots import ROBOTS
 from scipy.optimize import minimize
@@ -24,7 +25,7 @@ BEFORE_THE_CHEST = {"left": [0.081, 0.213, 1.278, -1.159, -0.699, 0.707, -0.007]
 BEFORE_THE_CHEST["right"] = (np.array([-1, -1, -1, 1, -1, -1, -1]) * BEFORE_THE_CHEST["left"]).tolist()
 
 SAME_PATH = 1e-9
-"""Paths of one motion in other samples, or by the virtual machine: both are solved to 1e-10 in the tip's pose."""
+"""Paths of one motion in other samples, or by CasADi: both are solved to 1e-10 in the tip's pose."""
 
 
 def both_hands(kind, postures, places=((0, 0, 0, 0),) * 2):
@@ -32,7 +33,7 @@ def both_hands(kind, postures, places=((0, 0, 0, 0),) * 2):
     return {name: kind | {"posture": postures[name], "place": places[index]} for index, name in enumerate(postures)}
 
 
-def held_cell(folder, arms, backend="vm"):
+def held_cell(folder, arms, load=casadi_cell):
     """A cell whose arms hold the object at their postures, and where the object then is: between the hands."""
     tips = {}
     for name, arm in arms.items():
@@ -67,7 +68,7 @@ def held_cell(folder, arms, backend="vm"):
     ]
     cell = {"name": "held", "gravity": [0, 0, -9.81], "object": {"mass": 1.0, "inertia": [0.01, 0.02, 0.02]}}
     (folder / "cell.yaml").write_text(yaml.safe_dump(cell | {"robots": robots}), encoding="utf-8")
-    return mrts.load_cell(folder / "cell.yaml", backend=backend), middle
+    return load(folder / "cell.yaml"), middle
 
 
 def chain_joints(model, arm):
@@ -103,7 +104,7 @@ def panda_and_ur5(folder):
     """A redundant arm and one that is not."""
     arms = both_hands(PANDA, {"left": [0.0, 0.3, 0.0, -2.0, 0.0, 2.3, 0.8]}, OPPOSITE)
     arms |= both_hands(UR5, {"right": [0.3, -1.2, 1.8, -2.2, -1.5, 0.2]}, OPPOSITE[1:])
-    cell, middle = held_cell(folder, arms, backend="auto")
+    cell, middle = held_cell(folder, arms, mrts.load_cell)
     assert [is_redundant(cell, robot) for robot in cell.robots] == [True, False]
     return cell, middle
 
@@ -192,9 +193,9 @@ def test_there_and_back_ends_where_it_began(panda_and_ur5):
     np.testing.assert_allclose(followed.q[-1], followed.q[0], atol=SAME_PATH)
 
 
-def test_compiled_code_and_virtual_machine_agree(panda_and_ur5, folder):
+def test_compiled_code_and_casadi_agree(panda_and_ur5, folder):
     compiled, middle = panda_and_ur5
-    machine = mrts.load_cell(folder / "cell.yaml", backend="vm")
+    machine = casadi_cell(folder / "cell.yaml")
     given = from_to(middle, [0.03, 0.08, 0.1], rpy=(0.1, 0.0, 0.2), samples=21)
     ours, theirs = mrts.follow_object(compiled, given), mrts.follow_object(machine, given)
     for name in ("q", "dq", "ddq"):
