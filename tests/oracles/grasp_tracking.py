@@ -1,5 +1,4 @@
-"""Arms along their grasps in numpy, one sample and one arm after the other: an independent check of kernel/c/tracking."""
-
+"""Arms along their grasps in numpy, one sample and one arm after the other: a check of kernel/c/tracking."""
 
 import numpy as np
 

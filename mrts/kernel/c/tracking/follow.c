@@ -216,7 +216,8 @@ MRTS_EXPORT void mrts_follow(long long count, long long samples, const mrts_foll
         const mrts_path path = {of[POSITION], of[ROTATION], of[TWIST], of[ACCELERATION]};
         here.task.geometry = of[GEOMETRY];
         for (int i = 0; i < M; ++i) q[first + i] = of[SEED][i];
-        if (!rule->start_steps || mrts_find_start(&here, &path, of[POSTURE], of[SEED], of[FURTHER], q + first, outcome, &scratch)) {
+        if (rule->start_steps == 0 || mrts_find_start(&here, &path, of[POSTURE], of[SEED], of[FURTHER], q + first, outcome,
+                                                      &scratch)) {
             mrts_follow_one(&here, samples, of[TIME], &path, q + first, dq + first, ddq + first, outcome, &scratch);
         }
     }

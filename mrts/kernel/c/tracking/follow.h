@@ -10,7 +10,7 @@
 /* How variants start and follow. */
 typedef struct {
     mrts_tracking task;         /* of the steps at a sample; the geometry is each variant's */
-    int start_steps;            /* most Newton steps from the seed to the grasp at the first sample; 0: it holds the grasp */
+    int start_steps;            /* most Newton steps from the seed to the grasp at the first sample; 0: it holds it */
     int further;                /* starts that are tried where the seed leads to nothing */
     int further_steps;          /* most steps from each of them */
     double past;                /* how far a joint may pass its limit [rad or m] */

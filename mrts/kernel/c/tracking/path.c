@@ -62,7 +62,8 @@ MRTS_LOCAL void mrts_track_sample(const mrts_tracking *task, const double *time,
         mrts_predict(q - M, dq - M, ddq - M, h, *even, left_out, taylor, q);
     }
 #ifndef MRTS_UNEVEN
-    if (mrts_quick_sample(task, &at, left_out, q, dq, ddq, held, scratch) && mrts_note_jumps(q, taylor, held) <= task->jump) {
+    if (mrts_quick_sample(task, &at, left_out, q, dq, ddq, held, scratch) &&
+        mrts_note_jumps(q, taylor, held) <= task->jump) {
         return;
     }
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Inverse kinematics at a sample: damped Newton steps (Sugihara, Solvability-unconcerned inverse kinematics by
- * the Levenberg-Marquardt method, IEEE Transactions on Robotics 27, 2011), for arms with as many joints as wrench components, and those that null_space.h prefers for arms with more.
+ * the Levenberg-Marquardt method, IEEE Transactions on Robotics 27, 2011), and, for arms with more joints than wrench
+ * components, those that null_space.h prefers.
  */
 #include "tracking.h"
 
@@ -158,7 +159,8 @@ MRTS_LOCAL void mrts_hold_grasps(const mrts_tracking *task, const double *positi
                 for (int i = 0; i < joints; ++i) best[first + i] = q[i];
             }
             for (int i = 0; i < joints; ++i) longest = fmax(longest, fabs(step[i]));
-            for (int i = 0; i < joints; ++i) q[i] += longest > task->longest ? step[i] * (task->longest / longest) : step[i];
+            const double share = longest > task->longest ? task->longest / longest : 1;
+            for (int i = 0; i < joints; ++i) q[i] += share * step[i];
             largest = fmax(largest, longest);
         }
         if (largest <= task->settled) break;
