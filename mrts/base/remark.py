@@ -40,5 +40,5 @@ class Remark(InNotebooks):
         return f"warning: {printable(self.text)}"
 
     def to_json(self) -> dict[str, Any]:
-        """Code, text and sample."""
-        return {"code": self.code, "text": self.text, "sample": self.sample}
+        """Code, severity, text and sample."""
+        return {"code": self.code, "severity": self.severity, "text": self.text, "sample": self.sample}

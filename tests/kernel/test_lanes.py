@@ -3,6 +3,7 @@
 import ctypes
 import shutil
 import subprocess
+from functools import cache
 
 import numpy as np
 import pytest
@@ -62,7 +63,7 @@ void angles(long long count, const mrts_lanes *angle, mrts_lanes *sine, mrts_lan
 """
 
 
-@pytest.fixture(scope="module", params=CELLS)
+@pytest.fixture(scope="module", params=["planar_dual_arm", pytest.param("dual_ur5", marks=pytest.mark.slow)])
 def ranges(request, tmp_path_factory):
     """The ranges of a shipped cell, with a margin and with more terms, by a library compiled with some flags."""
     path = DATA.parent / request.param
@@ -90,6 +91,7 @@ def ranges(request, tmp_path_factory):
     c2 = np.repeat(rng.choice([0.5, 1.0, 2.0, 200.0], size=(SAMPLES + 19) // 20), 20)[:SAMPLES]
     units = np.where(size > 0, size, 1.0)
 
+    @cache
     def found(*flags):
         rng_of_speeds = np.random.default_rng(2)
         library = folder / f"lib{len(list(folder.iterdir()))}.so"
@@ -129,7 +131,7 @@ def reaches(number, corners):
 
 
 def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_single_samples(ranges):
-    wide, narrow, single = ranges(), ranges("-DMRTS_NARROW"), ranges("-DMRTS_NO_LANES")
+    wide, narrow, single = ranges(), ranges("-DMRTS_NARROW", "-O1"), ranges("-DMRTS_NO_LANES", "-O1")
     for part in (1, 2):
         for one, other, alone in zip(wide[part], narrow[part], single[part], strict=True):
             np.testing.assert_array_equal(one, other)
@@ -164,7 +166,7 @@ def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_sing
 @pytest.mark.parametrize("ranges", ["planar_dual_arm"], indirect=True)
 def test_torques_of_many_arms_are_found_singly(ranges):
     """In lanes their programs would fill the stack."""
-    single, many = ranges("-DMRTS_NO_LANES")[3], ranges("-DMRTS_MOST_LANE_UNKNOWNS=1")[3]
+    single, many = ranges("-DMRTS_NO_LANES", "-O1")[3], ranges("-DMRTS_MOST_LANE_UNKNOWNS=1", "-O1")[3]
     for one, other in zip(single, many, strict=True):
         for of_one, of_other in zip(one, other, strict=True):
             np.testing.assert_allclose(of_one, of_other, rtol=SOLVED, atol=SOLVED * np.max(of_one))
