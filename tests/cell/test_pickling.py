@@ -57,7 +57,7 @@ def test_without_a_compiler_a_worker_says_so_and_lives(planar_cell, lift):
 
 def test_errors_come_back_from_workers(planar_cell, lift):
     with pool(use_cache, os.environ["MRTS_CACHE_DIR"]) as workers:
-        with pytest.raises(mrts.InputError, match=r"mass = -1: must be a number > 0") as caught:
+        with pytest.raises(mrts.InputError) as caught:
             workers.submit(planar_cell.with_mass, -1).result()
         assert (caught.value.where, caught.value.value) == ("mass", -1)
         with pytest.raises(mrts.SelectionError) as refused:
