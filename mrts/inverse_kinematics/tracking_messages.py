@@ -8,7 +8,7 @@ from typing import NamedTuple
 from mrts.base.arrays import Array
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.inverse_kinematics.starting_positions import FURTHER_STARTS
-from mrts.kernel.tracking import FOLDED, LOST, NO_START, OUT_OF_REACH, PAST_LIMIT, SINGULAR, START_PAST
+from mrts.kernel.tracking import FOLDED, LEFT_LIMITS, LOST, NO_START, OUT_OF_REACH, PAST_LIMIT, SINGULAR, START_PAST
 
 CONDITION_LIMIT = 1e6
 """Condition number of a Jacobian above which an arm counts as singular: ten digits of q' are left."""
@@ -59,6 +59,7 @@ WORDINGS = {
     START_PAST: _PAST_LIMIT._replace(advice=_PAST_LIMIT.advice + _TRIED),
     OUT_OF_REACH: _OUT_OF_REACH,
     PAST_LIMIT: _PAST_LIMIT,
+    LEFT_LIMITS: _PAST_LIMIT,
     LOST: _Wording(
         "off their path",
         "loses its branch",

@@ -13,7 +13,7 @@ from mrts.base.arrays import Array
 from mrts.kernel.cell_library import CellLibrary, MotionLibrary, Scratch, pointers, sample_inputs
 from mrts.kernel.foreign_arrays import over_chunks, pointer
 
-FOLLOWED, NO_START, START_PAST, OUT_OF_REACH, LOST, FOLDED, SINGULAR, PAST_LIMIT, REFUSED = range(9)
+FOLLOWED, NO_START, START_PAST, OUT_OF_REACH, LOST, FOLDED, SINGULAR, PAST_LIMIT, LEFT_LIMITS, REFUSED = range(10)
 """How following ends for an arm, as in follow.h."""
 
 OUTCOME = np.dtype(

@@ -14,7 +14,7 @@ from mrts.inverse_kinematics.grasp_tracking import FURTHER_STEPS, reached, solve
 from mrts.inverse_kinematics.null_space import is_redundant
 from mrts.inverse_kinematics.starting_positions import starting_reference
 from mrts.inverse_kinematics.variant_tracking import follow_from
-from mrts.kernel.tracking import FOLDED, FOLLOWED, LOST, OUT_OF_REACH, PAST_LIMIT, SINGULAR
+from mrts.kernel.tracking import FOLDED, FOLLOWED, LEFT_LIMITS, LOST, OUT_OF_REACH, SINGULAR
 from mrts.motion.velocity_profile import PROFILES
 
 KINDS = {"planar_dual_arm": {LOST}, "dual_ur5": {LOST}, "redundant": {FOLDED}}
@@ -67,7 +67,7 @@ def test_arms_follow_and_fail_as_in_numpy(name):
             outcome = found.joints.outcome[0, index]
             parts, code, sample = tracked(cell, index, motion, starts.q[0])
             met[code] += 1
-            if outcome["code"] == PAST_LIMIT:  # of a redundant arm, which then fails
+            if outcome["code"] == LEFT_LIMITS:
                 assert code != FOLLOWED
                 assert outcome["sample"] < sample
                 continue

@@ -190,6 +190,7 @@ static void mrts_follow_one(const mrts_following *rule, long long samples, const
             if (failed[robot] && MRTS_FIRST(robot + 1) - MRTS_FIRST(robot) > MRTS_SIZE) {
                 /* between its limits a redundant arm fails soon after it passed one, which is then the reason */
                 mrts_past_limits(rule, n, 0, robot, q, outcome + robot);
+                if (outcome[robot].code == MRTS_PAST_LIMIT) outcome[robot].code = MRTS_LEFT_LIMITS;
             }
         }
     }

@@ -26,8 +26,9 @@ enum {
     MRTS_LOST = 4,         /* it would have to jump; amount: how far [rad or m] */
     MRTS_FOLDED = 5,       /* the positions that a redundant arm prefers end */
     MRTS_SINGULAR = 6,     /* amount: condition number */
-    MRTS_PAST_LIMIT = 7,   /* of a joint; amount: its position */
-    MRTS_REFUSED = 8       /* by the caller: passed over */
+    MRTS_PAST_LIMIT = 7,   /* of a joint, of an arm that is followed to the end; amount: its position */
+    MRTS_LEFT_LIMITS = 8,  /* a redundant arm, which then failed; amount: the joint's position */
+    MRTS_REFUSED = 9       /* by the caller: passed over */
 };
 
 /* Of one arm of a variant. */

@@ -120,7 +120,7 @@ MRTS_LOCAL void mrts_hold_grasps(const mrts_tracking *task, const double *positi
     for (int robot = 0; robot < R; ++robot) gap[robot] = turn[robot] = drift[robot] = least[robot] = MRTS_INFINITY;
     for (int i = 0; i < M; ++i) best[i] = now[i];
     for (int iteration = 0; iteration < task->steps; ++iteration) {
-        double largest = 0;
+        double largest = 0, farthest = 0;
         scratch->arg[0] = now;
         scratch->arg[1] = task->geometry;
         scratch->res[0] = tips;
@@ -142,6 +142,7 @@ MRTS_LOCAL void mrts_hold_grasps(const mrts_tracking *task, const double *positi
             mrts_tip_error(arm, position, rotation, tips + 3 * robot, rotations + 9 * robot, off, turned, &gap_now,
                            &turn_now);
             double size = fmax(gap_now, turn_now);
+            farthest = fmax(farthest, size);
             const double damping = mrts_arm_error(task, arm, off, turned, error);
             mrts_newton_step(joints, J_all + W * first, error, damping, step);
 #ifdef MRTS_REDUNDANT
@@ -163,7 +164,7 @@ MRTS_LOCAL void mrts_hold_grasps(const mrts_tracking *task, const double *positi
             for (int i = 0; i < joints; ++i) q[i] += share * step[i];
             largest = fmax(largest, longest);
         }
-        if (largest <= task->settled) break;
+        if (largest <= task->settled && farthest <= task->reached) break; /* farther away, rounding leaves a saddle */
     }
 }
 
