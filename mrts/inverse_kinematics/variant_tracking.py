@@ -113,7 +113,8 @@ class VariantTracking:
         nothing = np.zeros((1, 0, posture.shape[1]))
         joints = follow_variants(self._library, self._rule, refused | beyond, {**given, "further": nothing})
         reasons = self._reasons(path, geometry, np.flatnonzero(~refused & ~joints.followed))
-        may_start = np.any(np.isin(joints.outcome["code"], (NO_START, START_PAST)), axis=1)
+        code = joints.outcome["code"]
+        may_start = np.any((code == NO_START) | (code == START_PAST), axis=1)
         may_start[list(reasons)] = False
         again = np.flatnonzero(may_start)
         if again.size:
@@ -173,9 +174,9 @@ class VariantTracking:
     def _arms(self, geometry: Array) -> Iterator[tuple[Robot, slice, ArmPlaces]]:
         """Each arm, its joints and where it stands and holds, of geometries with V or 1 first."""
         for index, (robot, joints) in enumerate(zip(self._cell.robots, self._cell.joint_slices.values(), strict=True)):
-            first = GRAVITY_SIZE + ROBOT_SIZE * index
-            base, at, tip, held = np.split(geometry[:, first : first + ROBOT_SIZE], (9, 12, 21), axis=1)
-            yield robot, joints, ArmPlaces(base.reshape(-1, 3, 3), at, tip.reshape(-1, 3, 3), held)
+            of = geometry[:, GRAVITY_SIZE + ROBOT_SIZE * index :]
+            base, tip = of[:, :9].reshape(-1, 3, 3), of[:, 12:21].reshape(-1, 3, 3)
+            yield robot, joints, ArmPlaces(base, of[:, 9:12], tip, of[:, 21:24])
 
     def _further(self, posture: Array) -> Array:
         """The starts tried after the posture, Shape (V or 1, F, m)."""
