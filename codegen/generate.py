@@ -34,7 +34,7 @@ class Generated(Generic[Record]):
     Attributes:
         record: What the functions are: those of chains alone, or of a whole cell.
         c_source: The content of the C file.
-        functions: The same functions for CasADi's virtual machine, by short name.
+        functions: The same functions as CasADi has them, by short name.
     """
 
     record: Record

@@ -17,7 +17,15 @@ from mrts_codegen.urdf_reference import mesh_reference, robot_reference
 from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_uri
 from mrts.base.input_file import validated
-from mrts.base.manifest import ChainsRecord, Manifest, PoseRecord, RobotRecord, ShapeRecord
+from mrts.base.manifest import (
+    ChainsRecord,
+    Manifest,
+    MotionManifest,
+    MotionRecord,
+    PoseRecord,
+    RobotRecord,
+    ShapeRecord,
+)
 from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.yaml_parser import parse_yaml, yaml_text
 
@@ -53,7 +61,8 @@ def cell_file_text(manifest: Manifest, folder: Path, beside: Path | None) -> str
     described_shape = None if shape is None else _described_shape(where, shape, folder, beside)
     text = yaml_text(_described(manifest, described_shape, robots))
     description = validated(where, parse_yaml(text), CellDescription, "cell file")
-    chains = ChainsRecord(**{name: getattr(manifest, name) for name in ChainsRecord.model_fields})
+    kind = MotionRecord if isinstance(manifest, MotionManifest) else ChainsRecord
+    chains = kind(**{name: getattr(manifest, name) for name in ChainsRecord.model_fields})
     _check_same(where, manifest, cell_manifest(build_cell_model(where, description, beside or folder), chains))
     return text
 

@@ -70,7 +70,7 @@ class Search:
             raise TypeError
         self.position, self.velocity = lift.position[SAMPLES, :2], lift.twist[SAMPLES, :2]
         self.acceleration = lift.acceleration[SAMPLES, :2]
-        self.kernel = compiled_programs(find_compiler() or ())
+        self.kernel = compiled_programs(find_compiler())
 
     def deviations(self, geometry: Array) -> Array:
         """Relative deviations from `SEVEN`, Shape (N, 7), for w, h, a, Shape (N, 3); -1 where nothing is admissible."""

@@ -38,7 +38,7 @@ def with_contact(half_width: float, height: float, *, moments: bool = True) -> m
         path = Path(folder) / "cell.yaml"
         path.write_text(yaml.safe_dump(description), encoding="utf-8")
         shutil.copy(DATA / "planar_dual_arm" / "planar_arm.urdf", folder)
-        return mrts.load_cell(path, backend="vm")
+        return mrts.load_cell(path)
 
 
 def examples(cell: mrts.Cell) -> list[float]:

@@ -59,7 +59,7 @@ def main(samples: int = SAMPLES, repeats: int = REPEATS) -> None:
     g = np.zeros((count, k))
     low, high = np.full((count, k), -np.inf), np.full((count, k), np.inf)
     low[:, -1], high[:, -1] = 0, UNBOUNDED
-    kernel = compiled_programs(find_compiler() or ())
+    kernel = compiled_programs(find_compiler())
     for name, direction in (("least c²", 1.0), ("largest c²", -1.0)):
         g[:, -1] = direction
         effect = np.max(np.abs(problem.A[:, :, -1]), axis=1)

@@ -51,7 +51,7 @@ def export_library(
 
     Args:
         manifest: Manifest of the cell; its name is that of the library.
-        functions: Its generated functions for CasADi's virtual machine.
+        functions: Its generated functions, as CasADi has them.
         limits: What the cell must keep.
         vectors: Test vectors.
         path_samples: The first so many of them are one motion with the nominal load.

@@ -148,7 +148,7 @@ class MotionError(MrtsError):
 
 
 class CompilerError(MrtsError):
-    """The C compiler failed, or none is there and nothing else can evaluate the generated C.
+    """The C compiler failed, or there is none.
 
     Lines that the compiler printed stay lines.
     """

@@ -19,9 +19,10 @@ from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS, Sh
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.remark import Remark
 from mrts.cell.cell_check import check_generated, check_placement
-from mrts.cell.functions import Backend, CellFunctions
+from mrts.cell.functions import CellFunctions
 from mrts.cell.robot import JOINT_HEAD, Robot
 from mrts.cell.robot_changes import Bounds, Numbers, posed, torque_limited, vector, wrench_limited
+from mrts.kernel.cell_library import CellLibrary
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -94,23 +95,20 @@ class Cell(InNotebooks):
                 raise InputError(f"robot '{robot.name}'", rule, key="wrench_lower", value=robot.wrench_lower.tolist())
 
     @classmethod
-    def from_description(
-        cls, description: Mapping[str, Any], *, folder: Path | str | None = None, backend: Backend = "auto"
-    ) -> "Cell":
+    def from_description(cls, description: Mapping[str, Any], *, folder: Path | str | None = None) -> "Cell":
         """A cell from a dictionary with the keys of a cell file, under the same rules; numpy's numbers and arrays too.
 
         Args:
             description: The keys; see docs/cell_file.md.
             folder: That URDFs are relative to; None is the current one.
-            backend: As in `mrts.load_cell`.
 
         Raises:
             InputError: If the description or a URDF breaks a rule.
-            CompilerError: If the compiler fails.
+            CompilerError: If there is no C compiler, or it fails.
         """
         from mrts.cell.loading import described_cell  # noqa: PLC0415 (it makes cells)
 
-        return described_cell(description, folder, backend)
+        return described_cell(description, folder)
 
     def to_yaml(self, path: Path | str | None = None) -> str:
         """The text of a cell file that reads back to an equal cell: it was read again before it is handed out.
@@ -158,6 +156,11 @@ class Cell(InNotebooks):
         from mrts.cell.remarks.cell_remarks import cell_remarks  # noqa: PLC0415 (it looks at cells)
 
         return tuple(cell_remarks(self))
+
+    @property
+    def library(self) -> CellLibrary:
+        """What was compiled of it, and the kernel with it; see `CellFunctions.library`."""
+        return self.functions.library
 
     @property
     def joint_slices(self) -> dict[str, slice]:

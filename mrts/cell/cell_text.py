@@ -79,7 +79,7 @@ def manifest_of(cell: Cell) -> Manifest:
         robots = [robot_record(robot, record) for robot, record in zip(cell.robots, generated.robots, strict=True)]
         ours = {"name": cell.name, "gravity": cell.gravity.tolist(), "robots": robots}
         changed = generated.model_copy(update=ours).model_dump()
-        return Manifest.model_validate(changed | {"object": carried}).sealed()
+        return type(generated).model_validate(changed | {"object": carried}).sealed()
     except ValueError:
         raise InputError(
             "cell",

@@ -1,26 +1,22 @@
 # SPDX-License-Identifier: MIT
 """The generated functions of a cell, bound once, called for all samples of a motion at once."""
 
-import logging
-from collections.abc import Callable
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Self
 
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import CompilerError, InputError
-from mrts.base.manifest import GEOMETRY, MANIFEST_NAME, FunctionRecord, Manifest, check_source, verified_manifest
+from mrts.base.errors import CompilerError, InputError, MrtsError
+from mrts.base.manifest import GEOMETRY, MANIFEST_NAME, Manifest, check_source, verified_manifest
+from mrts.cell.generation import emitted
 from mrts.cell.robot import Robot, robot_from_record
-from mrts.kernel.c_text import cell_source
-from mrts.kernel.cell_library import CellLibrary
+from mrts.kernel.c_text import cell_source, motion_source
+from mrts.kernel.cell_library import CellLibrary, MotionLibrary
 from mrts.kernel.compiled_cache import library_or_rebuilt
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.function_shapes import check_shapes
-
-Backend = Literal["auto", "compiled", "vm"]
-logger = logging.getLogger("mrts")
 
 
 class CellFunctions:
@@ -30,26 +26,21 @@ class CellFunctions:
 
     Args:
         manifest: What was generated.
-        evaluate: Evaluates one of its functions: short name, number of samples, inputs by name to outputs by name.
-        backend: What evaluates them; "none" refuses to.
+        bound: What evaluates them: the cell's library; CasADi, where nothing was compiled yet; or the error that using
+            them raises.
         origin: What they are bound from: the generated C text, CasADi's functions by short name, or a saved result.
-        compiled: The cell's library, if there is one.
     """
 
     def __init__(
         self,
         manifest: Manifest,
-        evaluate: Callable[[str, int, dict[str, Array]], dict[str, Array]],
-        backend: Literal["compiled", "vm", "none"],
+        bound: "CellLibrary | CasadiFunctions | MrtsError",
         origin: str | dict[str, Any] | Path,
-        compiled: CellLibrary | None = None,
     ) -> None:
         self.manifest = manifest
-        self.backend = backend
-        self.compiled = compiled
+        self.bound = bound
+        self.origin = origin
         self._geometry: Array | None = None
-        self._evaluate = evaluate
-        self._origin = origin
 
     @cached_property
     def robots(self) -> tuple[Robot, ...]:
@@ -71,16 +62,40 @@ class CellFunctions:
         Returns:
             By output name, Shape (N, rows, columns); (N, rows) for a column.
         """
+        if isinstance(self.bound, MrtsError):
+            raise self.bound.with_traceback(None)
         if self._geometry is not None:
             inputs = {GEOMETRY: self._geometry} | inputs
-        return self._evaluate(name, samples, inputs)
+        return self.bound.map(name, samples, inputs)
 
     @property
-    def symbolic(self) -> dict[str, Any]:
-        """CasADi's functions by short name, to build programs of; only those of the backend "vm" have them."""
-        if not isinstance(self._origin, dict):
-            raise InputError("backend", "must be 'vm': compiled functions have no expressions.", value=self.backend)
-        return self._origin
+    def compiled(self) -> CellLibrary | None:
+        """The cell's library; None where a motion is only followed, before anything is compiled."""
+        return self.bound if isinstance(self.bound, CellLibrary) else None
+
+    @property
+    def library(self) -> CellLibrary:
+        """The cell's library.
+
+        Raises:
+            CompilerError: If the cell is not compiled.
+            InputError: If the cell is that of a saved result.
+        """
+        if isinstance(self.bound, CellLibrary):
+            return self.bound
+        if isinstance(self.bound, MrtsError):
+            raise self.bound.with_traceback(None)
+        raise CompilerError(f"cell '{self.manifest.name}' is not compiled: load it with mrts.load_cell.")
+
+    @property
+    def motion_library(self) -> MotionLibrary:
+        """What follows: the cell's library, or, where nothing else was compiled, one that does only that.
+
+        Raises:
+            CompilerError: If there is no compiler, or it fails.
+            InputError: If the cell is that of a saved result.
+        """
+        return self.bound.library if isinstance(self.bound, CasadiFunctions) else self.library
 
     def placed(self, geometry: Array) -> Self:
         """The same functions for a cell of this geometry, Shape (3 + 24 n + h,)."""
@@ -89,55 +104,35 @@ class CellFunctions:
         return ours
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _bound_again, (self.manifest.to_json(), self.backend, self._origin)
+        return _bound_again, (self.manifest.to_json(), self.origin)
 
     def __deepcopy__(self, _memo: dict[int, Any]) -> Self:
         return self  # nothing of them changes
 
 
-def bind_functions(
-    manifest: Manifest,
-    source: Path,
-    backend: Backend,
-    virtual_machine: Callable[[], dict[str, Any]] | None,
-) -> CellFunctions:
-    """Compile and bind the generated C; without a compiler, fall back to CasADi's virtual machine.
+class CasadiFunctions:
+    """CasADi's functions, mapped over all samples: what evaluates a cell before it is compiled.
 
     Args:
-        manifest: Manifest of the cell.
-        source: Its C file.
-        backend: "compiled" insists on a compiler, "vm" on the virtual machine, "auto" prefers the compiler.
-        virtual_machine: Builds the functions from the cell file; None if only generated files are there.
-
-    Raises:
-        CompilerError: If the compiler fails, or none is there and nothing else can evaluate the C.
-        InputError: If the C file is not the one that the manifest describes.
+        manifest: Of their cell.
+        functions: By short name.
     """
-    command = None if backend == "vm" else find_compiler()
-    if command is not None:
-        where = source.with_name(MANIFEST_NAME)
-        return _compiled_functions(where, manifest, command, source.read_text(encoding="utf-8"))
-    if backend == "compiled" or virtual_machine is None:
-        raise CompilerError(
-            f"no C compiler was found to compile {source.name}. Install one (Debian: apt-get install gcc libc6-dev), "
-            "set CC, or take the cell file instead of its generated folder: it can run without a compiler."
-        )
-    if backend == "auto":
-        logger.warning("no C compiler found: running in CasADi's virtual machine, about 20 times slower")
-    return machine_functions(manifest, virtual_machine())
 
-
-class _VirtualMachine:
-    """CasADi Functions, mapped over all samples."""
-
-    def __init__(self, records: dict[str, FunctionRecord], functions: dict[str, Any]) -> None:
-        self._records, self._functions = records, functions
+    def __init__(self, manifest: Manifest, functions: dict[str, Any]) -> None:
+        self._manifest, self._functions = manifest, functions
         self._maps: dict[tuple[str, int], Any] = {}
 
-    def __call__(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
-        import casadi as ca  # noqa: PLC0415 (the compiled path does without)
+    @cached_property
+    def library(self) -> MotionLibrary:
+        """A library of those that following takes, compiled with the first motion, in a tenth of the time."""
+        text = motion_source(self._manifest, emitted(self._functions))
+        return library_or_rebuilt(find_compiler(), "motion", text, partial(MotionLibrary, self._manifest))
 
-        record = self._records[name]
+    def map(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
+        """Evaluate a function at all samples; see `CellFunctions`."""
+        import casadi as ca  # noqa: PLC0415 (a compiled cell does without)
+
+        record = self._manifest.functions[name]
         function = self._maps.get((name, samples))
         if function is None:
             function = self._maps[name, samples] = self._functions[name].map(samples)
@@ -158,6 +153,37 @@ class _VirtualMachine:
         return outputs
 
 
+def compiled_functions(manifest: Manifest, source: Path) -> CellFunctions:
+    """The functions of a library that is compiled unless the cache holds it.
+
+    Args:
+        manifest: Manifest of the cell.
+        source: Its C file.
+
+    Raises:
+        CompilerError: If there is no compiler, or it fails.
+        InputError: If the C file is not the one that the manifest describes.
+    """
+    return _compiled(source.with_name(MANIFEST_NAME), manifest, source.read_text(encoding="utf-8"))
+
+
+def _compiled(where: Path | str, manifest: Manifest, generated: str) -> CellFunctions:
+    text, name = cell_source(manifest, generated), manifest.source.removesuffix(".c")
+    library = library_or_rebuilt(find_compiler(), name, text, partial(CellLibrary, manifest))
+    check_shapes(where, manifest, library.opened)
+    return CellFunctions(manifest, library, generated)
+
+
+def uncompiled_functions(manifest: Manifest, functions: dict[str, Any]) -> CellFunctions:
+    """CasADi's functions.
+
+    Args:
+        manifest: Of their cell.
+        functions: By short name.
+    """
+    return CellFunctions(manifest, CasadiFunctions(manifest, functions), functions)
+
+
 def saved_functions(manifest: Manifest, path: Path) -> CellFunctions:
     """What stands for the functions of a cell that was read from a saved result: it says what is missing.
 
@@ -165,38 +191,16 @@ def saved_functions(manifest: Manifest, path: Path) -> CellFunctions:
         manifest: Manifest of the cell.
         path: The saved result.
     """
-
-    def refuse(name: str, _samples: int, _inputs: dict[str, Array]) -> dict[str, Array]:
-        raise InputError(
-            path,
-            f"this takes the compiled functions of cell '{manifest.name}', which a saved result does not hold: read it "
-            "with mrts.load_result(path, cell=mrts.load_cell(CELL)).",
-            key=f"function '{name}'",
-        )
-
-    return CellFunctions(manifest, refuse, "none", path)
+    missing = InputError(
+        path,
+        f"this takes the compiled functions of cell '{manifest.name}', which a saved result does not hold: read it "
+        "with mrts.load_result(path, cell=mrts.load_cell(CELL)).",
+        key="functions",
+    )
+    return CellFunctions(manifest, missing, path)
 
 
-def _compiled_functions(
-    where: Path | str, manifest: Manifest, command: tuple[str, ...], generated: str
-) -> CellFunctions:
-    text = cell_source(manifest, generated)
-    compiled = library_or_rebuilt(command, manifest.source.removesuffix(".c"), text, partial(CellLibrary, manifest))
-    check_shapes(where, manifest, compiled.opened)
-    return CellFunctions(manifest, compiled.map, "compiled", generated, compiled)
-
-
-def machine_functions(manifest: Manifest, functions: dict[str, Any]) -> CellFunctions:
-    """CasADi's functions in its virtual machine.
-
-    Args:
-        manifest: Of their cell.
-        functions: By short name.
-    """
-    return CellFunctions(manifest, _VirtualMachine(manifest.functions, functions), "vm", functions)
-
-
-def _bound_again(manifest_text: str, backend: str, origin: Any) -> CellFunctions:
+def _bound_again(manifest_text: str, origin: str | dict[str, Any] | Path) -> CellFunctions:
     """The functions of a pickle: what it holds is checked as `read_generated` does, and compiled unless it is cached.
 
     Where the C cannot be compiled, using the functions says so: what raises while a worker unpickles its task ends it.
@@ -206,23 +210,12 @@ def _bound_again(manifest_text: str, backend: str, origin: Any) -> CellFunctions
     """
     where = "pickled cell"
     manifest = verified_manifest(where, manifest_text)
-    if backend == "none":
+    if isinstance(origin, Path):
         return saved_functions(manifest, origin)
-    if backend == "vm":
-        return machine_functions(manifest, origin)
+    if isinstance(origin, dict):
+        return uncompiled_functions(manifest, origin)
     check_source(where, manifest, origin)
-    command = find_compiler()
-    problem = (
-        f"the pickled cell '{manifest.name}' has to be compiled, but no C compiler was found. Install one (Debian: "
-        'apt-get install gcc libc6-dev), set CC, or pickle what mrts.load_cell(path, backend="vm") gives.'
-    )
     try:
-        if command is not None:
-            return _compiled_functions(where, manifest, command, origin)
+        return _compiled(where, manifest, origin)
     except CompilerError as error:
-        problem = str(error)
-
-    def refuse(_name: str, _samples: int, _inputs: dict[str, Array]) -> dict[str, Array]:
-        raise CompilerError(problem)
-
-    return CellFunctions(manifest, refuse, "compiled", origin)
+        return CellFunctions(manifest, error, origin)

@@ -4,8 +4,7 @@
 Here and in `source_files.py` beside it, and nowhere else, the run time calls the build time (`mrts_codegen`).
 """
 
-from collections.abc import Callable
-from functools import cache, lru_cache, partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -48,11 +47,11 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     if manifest is not None:
         return manifest, _source_in_cache(manifest)
     key = _content_key(path)
-    manifest = _manifest(_model(path, key), partial(_chains, path, key))
+    manifest = _manifest(_model(path, key))
     if (text_key(path), _content_key(path)) == (text, key):
         write_text_atomically(described, manifest.to_json(), private=True)
     else:  # a file was written meanwhile: what was read may be another cell than the keys say
-        _forget()
+        _model.cache_clear()
     return manifest, _source_in_cache(manifest)
 
 
@@ -82,8 +81,8 @@ def _content_key(path: Path) -> str:
     return content_key(path, read_cell_description(path).references)
 
 
-def described_in_cache(description: object, folder: Path) -> tuple[Manifest, Path, Callable[[], dict[str, Any]]]:
-    """Manifest of a cell that a dictionary describes, its C file, and what gives CasADi's functions; chains are cached.
+def described_in_cache(description: object, folder: Path) -> tuple[Manifest, Path]:
+    """Manifest of a cell that a dictionary describes, and its C file; chains are cached.
 
     Args:
         description: Keys of a cell file.
@@ -92,31 +91,31 @@ def described_in_cache(description: object, folder: Path) -> tuple[Manifest, Pat
     Raises:
         InputError: If the description or a URDF breaks a rule.
     """
+    manifest = _manifest(described_model(description, folder))
+    return manifest, _source_in_cache(manifest)
+
+
+def described_model(description: object, folder: Path) -> Any:
+    """A cell that a dictionary describes, with its URDFs; as in `described_in_cache`.
+
+    Raises:
+        InputError: If the description or a URDF breaks a rule.
+    """
     from mrts_codegen.cell_file import DESCRIBED, cell_description  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.cell_model import build_cell_model  # noqa: PLC0415
 
-    cell = build_cell_model(DESCRIBED, cell_description(description), folder)
-
-    @cache
-    def chains() -> Any:
-        return _generate_chains(cell)
-
-    manifest = _manifest(cell, chains)
-    return manifest, _source_in_cache(manifest), lambda: dict(chains().functions)
+    return build_cell_model(DESCRIBED, cell_description(description), folder)
 
 
-def _manifest(cell: Any, generate: Callable[[], Any]) -> Manifest:
-    """The manifest of a cell, its C file in the cache.
-
-    Args:
-        cell: With its URDFs.
-        generate: Its functions, if the cache lacks them.
-    """
+def _manifest(cell: Any) -> Manifest:
+    """The manifest of a cell with its URDFs, its C file in the cache."""
     from mrts_codegen.cell_manifest import cell_manifest  # noqa: PLC0415 (build time, on demand)
 
     folder, chains = _chains_in_cache(cell)
     if chains is None:
-        made = generate()
+        from mrts_codegen.generate import generate_chains  # noqa: PLC0415 (the symbolic layer, only if it is needed)
+
+        made = generate_chains(cell, CACHED_STEM)
         made.write(folder, private=True)
         chains = made.record
     return cell_manifest(cell, chains)
@@ -223,45 +222,48 @@ def comes_with_tests(parts: tuple[str, ...]) -> bool:
     return not parts or is_whole(parts)
 
 
-def virtual_machine_functions(path: Path) -> dict[str, Any]:
-    """The functions of a cell file for CasADi's virtual machine, by short name.
+def symbolic_functions(description: object, folder: Path) -> dict[str, Any]:
+    """CasADi's functions of a cell by short name, to build programs of; as in `described_in_cache`.
+
+    Raises:
+        InputError: If the description or a URDF breaks a rule.
+    """
+    from mrts_codegen.function_registry import build_functions  # noqa: PLC0415 (build time, on demand)
+
+    functions: dict[str, Any] = build_functions(described_model(description, folder), CACHED_STEM, bake=False)
+    return functions
+
+
+def emitted(functions: dict[str, Any]) -> str:
+    """The C text of CasADi's functions by short name."""
+    from mrts_codegen.generate import emit_c  # noqa: PLC0415 (build time, on demand)
+
+    text: str = emit_c(CACHED_STEM, functions)
+    return text
+
+
+def cell_model(path: Path) -> Any:
+    """A cell with its URDFs.
+
+    Args:
+        path: The cell file.
 
     Raises:
         InputError: If the cell file or a URDF breaks a rule.
     """
-    functions: dict[str, Any] = _chains(path, _content_key(path)).functions
-    _forget()
-    return functions
-
-
-def _forget() -> None:
-    """Let go of what was read and generated last."""
-    _chains.cache_clear()
-    _model.cache_clear()
+    return _model(path, _content_key(path))
 
 
 @lru_cache(maxsize=1)
 def _model(path: Path, _key: str) -> Any:
-    """A cell with its URDFs, read from files of this content."""
+    """The same, read from files of this content."""
     from mrts_codegen.cell_manifest import read_cell_model  # noqa: PLC0415 (build time, on demand)
 
     return read_cell_model(path)
 
 
-@lru_cache(maxsize=1)
-def _chains(path: Path, key: str) -> Any:
-    """Functions generated from files of this content, kept until the virtual machine takes them: that takes seconds."""
-    return _generate_chains(_model(path, key))
-
-
-def _generate_chains(cell: Any) -> Any:
-    from mrts_codegen.generate import generate_chains  # noqa: PLC0415 (the symbolic layer, only if it is needed)
-
-    return generate_chains(cell, CACHED_STEM)
-
-
 def motion_functions_of(cell: Any) -> tuple[Manifest, dict[str, Any]]:
-    """Functions of the motion of a cell's joints for CasADi's virtual machine, and the manifest: nothing is compiled.
+    """CasADi's functions of the motion of a cell's joints, and the manifest: nothing is compiled.
 
     Args:
         cell: With its URDFs, as from `mrts.cell.source_files.read_without_generating`.
@@ -285,5 +287,5 @@ def read_to_generate(path: Path) -> Any | None:
 
     if _manifest_as_made(path, cache_folder("cells", text_key(path)) / MANIFEST_NAME) is not None:
         return None
-    cell = _model(path, _content_key(path))
+    cell = cell_model(path)
     return cell if _chains_in_cache(cell)[1] is None else None

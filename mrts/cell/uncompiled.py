@@ -6,7 +6,7 @@ from typing import Any
 
 from mrts.base.argument_types import as_path
 from mrts.cell.cell import Cell
-from mrts.cell.functions import machine_functions
+from mrts.cell.functions import uncompiled_functions
 from mrts.cell.generation import motion_functions_of, read_to_generate
 from mrts.cell.loading import cell_from_manifest
 from mrts.cell.source_files import is_generated
@@ -20,7 +20,7 @@ def uncompiled_cell(model: Any, folder: Path) -> Cell:
         folder: That its URDFs are relative to, absolute.
     """
     manifest, functions = motion_functions_of(model)
-    return cell_from_manifest(manifest, machine_functions(manifest, functions), folder)
+    return cell_from_manifest(manifest, uncompiled_functions(manifest, functions), folder)
 
 
 def cell_to_compile(path: Path | str) -> Cell | None:

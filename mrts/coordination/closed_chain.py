@@ -28,15 +28,14 @@ from mrts.coordination.grasp_closure import (
     tip_motions,
 )
 from mrts.inverse_kinematics.grasp_tracking import (
-    CONDITION_LIMIT,
     POSE_TOLERANCE,
     TRACKING_STEPS,
     solve_grasps,
     tip_rates,
 )
 from mrts.inverse_kinematics.joint_limits import PRINTED_TOLERANCE, check_joint_limits
-from mrts.inverse_kinematics.tracking_messages import unreachable
-from mrts.kernel.tracking import closure_sizes
+from mrts.inverse_kinematics.tracking_messages import CONDITION_LIMIT, tracking_failure
+from mrts.kernel.tracking import OUT_OF_REACH, closure_sizes
 from mrts.motion.joint_table import Source
 from mrts.motion.object_motion import ObjectMotion
 
@@ -93,7 +92,7 @@ def close_chain(
 
 
 def _holds(cell: Cell, given: CoordinatedMotion, bound: ClosureBound) -> bool:
-    """Whether given joints hold every grasp, where the compiled library can say so; it does not say what they lack."""
+    """Whether given joints hold every grasp, where the cell is compiled already; it does not say what they lack."""
     library = cell.functions.compiled
     if library is None:
         return False
@@ -157,15 +156,12 @@ def mean_object(cell: Cell, time: Array, tips: list[TipMotion]) -> ObjectMotion:
 
 def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
     """Joint positions on the grasps near the given ones, Shape (N, m)."""
-    held = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS, None)
+    held = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS, near=None)
     gaps = GraspGaps(held.gap.T, held.turn.T)
     if gaps.largest > POSE_TOLERANCE:
         robot, sample, _ = gaps.worst(ClosureBound(POSE_TOLERANCE, POSE_TOLERANCE))
-        raise MotionError(
-            unreachable(
-                cell.robots[robot], target.time, sample, gaps.distance[robot, sample], gaps.angle[robot, sample]
-            )
-        )
+        amounts = [gaps.distance[robot, sample], gaps.angle[robot, sample]]
+        raise MotionError(tracking_failure(OUT_OF_REACH, cell.robots[robot], target.time, sample, amounts).message)
     return held.q
 
 

@@ -14,11 +14,12 @@ from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import plane_normal
 from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
 from mrts.coordination.grasp_closure import TipMotion, in_world, tip_motions
-from mrts.inverse_kinematics.grasp_tracking import follow_grasps
-from mrts.inverse_kinematics.joint_limits import check_joint_limits, within_limits
-from mrts.inverse_kinematics.starting_positions import starting_positions
+from mrts.inverse_kinematics.starting_positions import FURTHER_STARTS
 from mrts.inverse_kinematics.structural_rank import lacking_freedom, postures_for_rank
+from mrts.inverse_kinematics.variant_tracking import VariantTracking
+from mrts.kernel.tracking import PATH
 from mrts.motion.joint_table import JointSplines
 from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
 
@@ -177,12 +178,25 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     check_type("cell", cell, Cell)
     check_type("motion", motion, ObjectMotion)
     check_motion(cell, motion)
-    start, remarks = starting_positions(cell, motion)
-    q, dq, ddq = follow_grasps(cell, motion, start)
-    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
-        q[:, joints] = within_limits(robot, q[:, joints])
-    check_joint_limits(cell, motion.time, q)
+    path = {name: getattr(motion, name)[None] for name in PATH}
+    posture = np.concatenate([robot.posture for robot in cell.robots])
+    tracked = VariantTracking(cell).follow(path, cell.geometry[None], posture[None], np.zeros(1, dtype=bool))
+    failure = tracked.failure(0)
+    if failure is not None:
+        raise MotionError(failure.message)
+    q, dq, ddq, outcome = (part[0] for part in tracked.joints.parts())
+    others = zip(cell.robots, outcome["start"].tolist(), strict=True)
+    remarks = tuple(_other_start(robot) for robot, start in others if start)
     return CoordinatedMotion(motion, q, dq, ddq, motion.remarks + remarks)
+
+
+def _other_start(robot: Robot) -> Remark:
+    return Remark(
+        "other-start",
+        f"robot '{robot.name}' does not reach its grasp at t = 0 from its posture inside its joint limits: it starts "
+        f"at the nearest positions that {FURTHER_STARTS} further starts led to.",
+        0,
+    )
 
 
 def carried_by_first(

@@ -13,11 +13,12 @@ from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.diagnosis.nearest_hold import NearestHold, nearest_hold
 from mrts.inverse_kinematics.branches import branches_at_start
-from mrts.inverse_kinematics.grasp_tracking import TrackingFailure, track_grasps
 from mrts.inverse_kinematics.joint_limits import POSITION_TOLERANCE, within_limits
 from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_triangles
 from mrts.inverse_kinematics.reach import ArmPlaces, arm_reach
 from mrts.inverse_kinematics.starting_positions import further_starts
+from mrts.inverse_kinematics.tracking_messages import TrackingFailure
+from mrts.inverse_kinematics.variant_tracking import follow_from
 from mrts.motion.object_motion import ObjectMotion
 
 HELD = 1e-5
@@ -207,9 +208,8 @@ def _ways(arm: Cell, motion: ObjectMotion, most: int) -> tuple[Array, list[Track
         return found, []
     order = np.argsort(np.max(np.abs(found - robot.posture), axis=1), kind="stable")
     found = found[order][:most]
-    tracks = track_grasps(arm, motion, found)
-    ended = [failures[robot.name] for failures in tracks.failures]
-    return found, [_first_failure(arm, q, failure) for q, failure in zip(tracks.q, ended, strict=True)]
+    tracks = follow_from(arm, motion, found)
+    return found, [_first_failure(arm, q, tracks.of_arm(way, 0)) for way, q in enumerate(tracks.joints.q)]
 
 
 def _first_failure(arm: Cell, q: Array, failure: TrackingFailure | None) -> TrackingFailure | None:

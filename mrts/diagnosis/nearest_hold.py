@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, apply
 from mrts.base.notebook.in_notebooks import InNotebooks
+from mrts.base.rigid_transform import vectors_from_rotations
 from mrts.cell.cell import Cell
-from mrts.inverse_kinematics.grasp_tracking import pose_error
 from mrts.motion.object_motion import ObjectMotion
 
 ROTATION_WEIGHT = 30.0
@@ -64,7 +64,7 @@ def nearest_hold(arm: Cell, motion: ObjectMotion, sample: int, starts: Array) ->
 
     def errors(q: Array) -> tuple[Array, Array, Array]:
         poses = arm.functions("kinematics", len(q), {"q": q})
-        error, sizes = pose_error(arm, robot, 0, motion, sample, poses)
+        error, sizes = _pose_error(arm, motion, sample, poses)
         return weights * error, weights[:, None] * poses["jacobian"], sizes
 
     q = np.clip(starts, robot.position_lower, robot.position_upper)
@@ -86,6 +86,23 @@ def nearest_hold(arm: Cell, motion: ObjectMotion, sample: int, starts: Array) ->
     off = np.zeros(6)
     off[arm.wrench_rows] = error[best] / weights
     return NearestHold(q[best], robot.T_world_base.R @ off[:3], float(sizes[best, 1]))
+
+
+def _pose_error(arm: Cell, motion: ObjectMotion, sample: int, poses: dict[str, Array]) -> tuple[Array, Array]:
+    """Error in base axes and cell components, Shape (T, w), and its sizes [m, rad], Shape (T, 2).
+
+    Args:
+        arm: A cell of one arm.
+        motion: Motion of the object.
+        sample: Of the motion.
+        poses: What "kinematics" gives at T joint positions.
+    """
+    (robot,) = arm.robots
+    grasp, R = robot.T_object_tip, robot.T_world_base.R
+    off = motion.position[sample] + motion.rotation[sample] @ grasp.p - poses["position"]
+    turned = vectors_from_rotations(motion.rotation[sample] @ grasp.R @ poses["rotation"].transpose(0, 2, 1))
+    sizes = np.column_stack([np.linalg.norm(off, axis=1), np.linalg.norm(turned, axis=1)])
+    return np.concatenate([off @ R, turned @ R], axis=1)[:, arm.wrench_rows], sizes
 
 
 def _pushed(q: Array, error: Array, J: Array, low: Array, high: Array) -> NDArray[np.bool_]:

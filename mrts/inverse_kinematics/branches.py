@@ -6,7 +6,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.inverse_kinematics.grasp_tracking import STARTING_STEPS, solve_grasps
+from mrts.inverse_kinematics.grasp_tracking import SETTLED_PREFERENCE, STARTING_STEPS, reached, solve_grasps
 from mrts.inverse_kinematics.joint_limits import joint_limit_failure, nearest_turns, within_limits
 from mrts.inverse_kinematics.null_space import is_redundant
 from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_branches
@@ -48,9 +48,10 @@ def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int 
         guesses = found if found is not None and len(found) else _random_starts(robot, starts)
     start = np.tile(posture, (len(guesses), 1))
     start[:, joints] = guesses
-    held = solve_grasps(cell, motion, 0, start, STARTING_STEPS, np.tile(starting_reference(cell), (len(guesses), 1)))
+    held = solve_grasps(cell, motion, 0, start, STARTING_STEPS, near=starting_reference(cell))
+    settled = reached(held) & (held.drift <= SETTLED_PREFERENCE)
     distinct: list[Array] = []
-    for candidate in held.q[held.settled()[:, index]][:, joints]:
+    for candidate in held.q[settled[:, index]][:, joints]:
         # a redundant arm has settled where its null space points, whole turns and all
         near = candidate if redundant else nearest_turns(robot, candidate)
         near = within_limits(robot, near[None])[0]

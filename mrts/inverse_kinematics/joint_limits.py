@@ -7,7 +7,9 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.cell.cell import Cell
-from mrts.cell.robot import DEGREES_SUSPECTED, Robot
+from mrts.cell.robot import Robot
+from mrts.inverse_kinematics.tracking_messages import tracking_failure
+from mrts.kernel.tracking import PAST_LIMIT
 
 POSITION_TOLERANCE = 1e-9
 """How far a joint may pass its position limit [rad or m]: rounding."""
@@ -65,27 +67,7 @@ def joint_limit_failure(robot: Robot, time: Array, q: Array, tolerance: float = 
         return None
     sample = int(np.argmax(np.any(beyond, axis=1)))
     joint = int(np.argmax(beyond[sample]))
-    return past_a_limit(robot, time, sample, joint, float(q[sample, joint]))
-
-
-def past_a_limit(robot: Robot, time: Array, sample: int, joint: int, position: float) -> str:
-    """The message for a joint that passes its position limit.
-
-    Args:
-        robot: The arm.
-        time: Shape (N,) [s].
-        sample: Where.
-        joint: Which.
-        position: Where it would be [rad or m].
-    """
-    hint = ""
-    if robot.joint_types[joint] == "revolute" and abs(position) > DEGREES_SUSPECTED:
-        hint = " If these are degrees: positions are in rad."
-    return (
-        f"robot '{robot.name}' passes a position limit at sample {sample} (t = {time[sample]:.6g} s): joint "
-        f"'{robot.joints[joint]}' would be at {position:.6g}, its limits are [{robot.position_lower[joint]:g}, "
-        f"{robot.position_upper[joint]:g}].{hint} Choose another posture, path, base or grasp."
-    )
+    return tracking_failure(PAST_LIMIT, robot, time, sample, [float(q[sample, joint])], joint).message
 
 
 def check_joint_limits(cell: Cell, time: Array, q: Array, tolerance: float = POSITION_TOLERANCE) -> None:

@@ -15,12 +15,15 @@ PROGRAM_FILES = (
 )
 """The programs, which need no cell."""
 
+TRACKING_FILES = tuple(f"tracking/{name}.c" for name in ("null_space", "tracking", "quick_sample", "path", "follow"))
+"""Inverse kinematics, which needs a cell's sizes and the functions of its motion."""
+
 CELL_FILES = (
     *(*PROGRAM_FILES, "basis/kept_basis.c", "lanes/lanes.c", "lanes/forms.c", "rows.c", "speed_intervals.c"),
     *("trajectory.c", "one_unknown/one_unknown.c"),
-    *(f"tracking/{name}.c" for name in ("null_space", "tracking", "quick_sample", "path", "closure")),
+    *(*TRACKING_FILES, "tracking/closure.c"),
     *(f"dense/{name}.c" for name in ("path_places", "path_rows", "widening")),
-    *(f"variants/{name}.c" for name in ("follow", "end_rows", "ranges")),
+    *(f"variants/{name}.c" for name in ("end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""
 
@@ -100,20 +103,46 @@ def smooth_source() -> str:
     return f"#define MRTS_LOCAL static\n{one_text(SMOOTH_FILES)}"
 
 
-def cell_source(manifest: Manifest, generated: str) -> str:
-    """The C text of a cell's library: generated functions, sizes, the whole kernel."""
+def motion_macros(manifest: Manifest) -> dict[str, int | str]:
+    """Sizes of a cell and its generated functions, as far as the motion of its joints takes them."""
     symbol = {name: record.symbol for name, record in manifest.functions.items()}
     components, joints = len(manifest.wrench_components), [len(robot.joints) for robot in manifest.robots]
     first = list(accumulate(joints, initial=0))
-    read = manifest.functions["kinematics"].inputs
-    sizes = [one.shape[0] * one.shape[1] for one in manifest.functions["wrench_form"].inputs]
-    macros = {
+    macros: dict[str, int | str] = {
         "MRTS_LOCAL": "static",
         "MRTS_JOINTS": first[-1],
         "MRTS_FIRST_JOINTS": f"{{{', '.join(map(str, first))}}}",
         "MRTS_MOST_JOINTS": max(joints),
         "MRTS_ROBOTS": len(manifest.robots),
         "MRTS_SIZE": components,
+        "MRTS_KINEMATICS": symbol["kinematics"],
+        "MRTS_BIAS_ACCELERATION": symbol["bias_acceleration"],
+    }
+    if {*joints} != {components}:
+        macros["MRTS_UNEVEN"] = 1
+    if max(joints) > components:
+        macros["MRTS_REDUNDANT"] = 1
+        macros["MRTS_GEOMETRIC_STIFFNESS"] = symbol["geometric_stiffness"]
+        macros["MRTS_GEOMETRIC_STIFFNESS_RATE"] = symbol["geometric_stiffness_rate"]
+    return macros
+
+
+def _defined(macros: dict[str, int | str]) -> str:
+    return "".join(f"#define {name} {value}\n" for name, value in macros.items())
+
+
+def motion_source(manifest: Manifest, generated: str) -> str:
+    """The C text of a library that only follows: the functions of a cell's motion, sizes, inverse kinematics."""
+    return f"{QUICKLY.format(generated)}\n{_defined(motion_macros(manifest))}{one_text(TRACKING_FILES)}"
+
+
+def cell_source(manifest: Manifest, generated: str) -> str:
+    """The C text of a cell's library: generated functions, sizes, the whole kernel."""
+    symbol = {name: record.symbol for name, record in manifest.functions.items()}
+    components = len(manifest.wrench_components)
+    read = manifest.functions["kinematics"].inputs
+    sizes = [one.shape[0] * one.shape[1] for one in manifest.functions["wrench_form"].inputs]
+    macros: dict[str, int | str] = {
         "MRTS_WRENCHES": components * len(manifest.robots),
         "MRTS_INPUTS": len(manifest.functions["wrench_form"].inputs),
         "MRTS_INPUT_SIZES": f"{{{', '.join(map(str, sizes))}}}",
@@ -121,14 +150,8 @@ def cell_source(manifest: Manifest, generated: str) -> str:
         "MRTS_GEOMETRY_NUMBERS": next((one.shape[0] for one in read if one.name == GEOMETRY), 1),
         "MRTS_UNKNOWNS": components * (len(manifest.robots) - 1) + 1,
         "MRTS_WRENCH_FORM": symbol["wrench_form"],
-        "MRTS_KINEMATICS": symbol["kinematics"],
-        "MRTS_BIAS_ACCELERATION": symbol["bias_acceleration"],
     }
-    if max(joints) > components:
-        macros["MRTS_REDUNDANT"] = 1
-        macros["MRTS_GEOMETRIC_STIFFNESS"] = symbol["geometric_stiffness"]
-        macros["MRTS_GEOMETRIC_STIFFNESS_RATE"] = symbol["geometric_stiffness_rate"]
-    defined = "".join(f"#define {name} {value}\n" for name, value in macros.items())
+    defined = _defined(motion_macros(manifest) | macros)
     in_lanes = [
         function_of_lanes(generated, symbol["wrench_form"], "form"),
         function_of_lanes(generated, symbol["kinematics"], "kinematics"),

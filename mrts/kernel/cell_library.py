@@ -116,8 +116,8 @@ class KernelRanges:
     gap: Array | None = None
 
 
-class CellLibrary:
-    """The library of one cell.
+class MotionLibrary:
+    """The library of one cell, as far as following a motion takes it.
 
     Args:
         manifest: Manifest of the cell.
@@ -125,11 +125,31 @@ class CellLibrary:
 
     Attributes:
         opened: The library.
-        programs: The programs that it holds.
         records: Its generated functions by short name.
-        unknowns: Wrenches of all arms but the last, and c².
         robots: Number of them.
         joints: Of all arms.
+
+    Raises:
+        OSError: If it cannot be opened.
+    """
+
+    def __init__(self, manifest: Manifest, library: Path) -> None:
+        self.opened = ctypes.CDLL(str(library))
+        self.records = manifest.functions
+        self.robots = len(manifest.robots)
+        self.joints = sum(len(robot.joints) for robot in manifest.robots)
+
+
+class CellLibrary(MotionLibrary):
+    """The library of one cell.
+
+    Args:
+        manifest: Manifest of the cell.
+        library: Path of the shared library.
+
+    Attributes:
+        programs: The programs that it holds.
+        unknowns: Wrenches of all arms but the last, and c².
         wrenches: Components of all wrenches.
 
     Raises:
@@ -139,12 +159,9 @@ class CellLibrary:
 
     def __init__(self, manifest: Manifest, library: Path) -> None:
         keep_freed_memory()
-        self.opened = ctypes.CDLL(str(library))
+        super().__init__(manifest, library)
         self.programs = Programs(self.opened)
-        self.records = manifest.functions
         self.unknowns = len(manifest.wrench_components) * (len(manifest.robots) - 1) + 1
-        self.robots = len(manifest.robots)
-        self.joints = sum(len(robot.joints) for robot in manifest.robots)
         self.wrenches = len(manifest.wrench_components) * len(manifest.robots)
         offer_programs(self.programs)
 

@@ -13,7 +13,7 @@ from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import CompilerError
 
 FLAGS = ("-std=c99", "-O2", "-fPIC", "-shared", "-ffp-contract=off", "-Wno-psabi")
-"""No contraction to fused multiply-add, so that compiled C equals CasADi's virtual machine. Vectors are passed between
+"""No contraction to fused multiply-add, so that compiled C equals CasADi's own evaluation. Vectors are passed between
 functions of one library only, so how they are passed is no matter."""
 
 CANDIDATES = ("cc", "gcc", "clang")
@@ -23,11 +23,11 @@ PATIENCE = 600.0
 """The longest that a compiler may take [s]: a cell takes a few seconds, and a minute on a small board."""
 
 
-def find_compiler() -> tuple[str, ...] | None:
-    """Command of the C compiler: the environment's CC, else the first of cc, gcc, clang; None if there is none.
+def find_compiler() -> tuple[str, ...]:
+    """Command of the C compiler: the environment's CC, else the first of cc, gcc, clang.
 
     Raises:
-        CompilerError: If CC names a program that is not there.
+        CompilerError: If there is none, or CC names a program that is not there.
     """
     named = os.environ.get("CC", "").strip()
     if named:
@@ -40,21 +40,13 @@ def find_compiler() -> tuple[str, ...] | None:
                 f"the environment variable CC = {named!r} names no program on this machine. Install it, or unset CC."
             )
         return command
-    return next(((name,) for name in CANDIDATES if shutil.which(name)), None)
-
-
-def needed_compiler() -> tuple[str, ...]:
-    """Command of the C compiler, where there is no way without one.
-
-    Raises:
-        CompilerError: If there is none, or CC names a program that is not there.
-    """
-    command = find_compiler()
-    if command is None:
-        raise CompilerError(
-            "our kernel needs a C compiler. Install one (Debian: apt-get install gcc libc6-dev) or set CC."
-        )
-    return command
+    for name in CANDIDATES:
+        if shutil.which(name):
+            return (name,)
+    raise CompilerError(
+        "there is no C compiler, which whatever is computed of a cell takes. Install one (Debian: apt-get install gcc "
+        "libc6-dev), or set CC."
+    )
 
 
 def compile_library(command: tuple[str, ...], source: Path, library: Path) -> None:

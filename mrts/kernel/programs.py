@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.kernel.c_text import programs_source
 from mrts.kernel.compiled_cache import library_or_rebuilt
-from mrts.kernel.compiler import needed_compiler
+from mrts.kernel.compiler import find_compiler
 from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
 
 CORNERS = 64
@@ -241,4 +241,4 @@ def default_programs() -> Programs:
 
 @lru_cache(maxsize=1)
 def _programs_alone() -> Programs:
-    return compiled_programs(needed_compiler())
+    return compiled_programs(find_compiler())

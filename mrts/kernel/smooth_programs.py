@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.kernel.c_text import smooth_source
 from mrts.kernel.compiled_cache import library_or_rebuilt
-from mrts.kernel.compiler import needed_compiler
+from mrts.kernel.compiler import find_compiler
 from mrts.kernel.foreign_arrays import INFINITY, interruptible
 
 FOUND = 0
@@ -207,5 +207,5 @@ def smooth_programs() -> SmoothPrograms:
         CompilerError: If there is no compiler, or it fails.
     """
     return library_or_rebuilt(
-        needed_compiler(), "mrts_smooth", smooth_source(), lambda library: SmoothPrograms(ctypes.CDLL(str(library)))
+        find_compiler(), "mrts_smooth", smooth_source(), lambda library: SmoothPrograms(ctypes.CDLL(str(library)))
     )

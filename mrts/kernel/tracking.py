@@ -1,18 +1,31 @@
 # SPDX-License-Identifier: MIT
-"""Inverse kinematics along a path, and how far given joints are from it, each one foreign call to kernel/c/tracking."""
+"""Inverse kinematics of many variants along their paths, and how far given joints are off (kernel/c/tracking)."""
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.cell_library import CellLibrary, Scratch, pointers, sample_inputs
+from mrts.kernel.cell_library import CellLibrary, MotionLibrary, Scratch, pointers, sample_inputs
 from mrts.kernel.foreign_arrays import over_chunks, pointer
 
-HELD = ("gap", "turn", "jump", "condition", "drift", "curvature")
-"""What is told of each robot at a sample: `mrts_held` of tracking.h."""
+FOLLOWED, NO_START, START_PAST, OUT_OF_REACH, LOST, FOLDED, SINGULAR, PAST_LIMIT, LEFT_LIMITS, REFUSED = range(10)
+"""How following ends for an arm, as in follow.h."""
+
+OUTCOME = np.dtype(
+    [(name, np.int32) for name in ("code", "sample", "joint", "start")] + [("amount", np.float64, (2,))], align=True
+)
+"""`mrts_outcome` of follow.h."""
+
+PATH = {"time": (), "position": (3,), "rotation": (3, 3), "twist": (6,), "acceleration": (6,)}
+"""What is known of the object at each sample, and its shape there."""
+
+NUMBERS = ("settled", "longest", "reached", "condition", "jump", "drift", "fold")
+"""Of a `TrackingRule`, which C takes as they are."""
 
 CLOSURE_SIZES = 6
 """Numbers of each arm, `MRTS_CLOSURE_SIZES` of closure.h."""
@@ -29,133 +42,223 @@ class _Preference(ctypes.Structure):
     ]
 
 
-@dataclass(frozen=True)
-class NewtonRule:
-    """How the iteration at a sample goes.
-
-    Attributes:
-        steps: Most steps.
-        settled: Joint step at which it ends [rad or m].
-        longest: Largest joint step [rad or m].
-        reached: Remaining error at which a grasp counts as held [m, rad].
-        condition: Of a Jacobian, at which an arm may be singular.
-    """
-
-    steps: int
-    settled: float
-    longest: float
-    reached: float
-    condition: float
-
-
-class TrackingStructure(ctypes.Structure):
+class _Tracking(ctypes.Structure):
     """`mrts_tracking` of tracking.h."""
 
     _fields_ = [
         ("steps", ctypes.c_int),
-        ("settled", ctypes.c_double),
-        ("longest", ctypes.c_double),
-        ("reached", ctypes.c_double),
-        ("condition", ctypes.c_double),
+        *((name, ctypes.c_double) for name in NUMBERS),
         ("components", ctypes.c_int * 6),
         ("wish", _Preference),
         ("geometry", ctypes.c_void_p),
     ]
 
 
-class GraspTask:
-    """What the n arms of a cell, m joints in all, are to hold, and how: the same at every sample.
+class _Following(ctypes.Structure):
+    """`mrts_following` of follow.h."""
 
-    Args:
-        newton: How the iteration at a sample goes.
+    _fields_ = [
+        ("task", _Tracking),
+        ("start_steps", ctypes.c_int),
+        ("further", ctypes.c_int),
+        ("further_steps", ctypes.c_int),
+        ("past", ctypes.c_double),
+        ("turns", ctypes.c_void_p),
+    ]
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrackingRule:
+    """How the arms of a cell, m joints in all, hold their grasps, and what counts as failed.
+
+    Attributes:
+        steps: Most Newton steps at a sample.
+        start_steps: The same from a seed to the grasp at the first sample.
+        further_steps: The same from each further start.
+        settled: Joint step at which the iteration ends [rad or m].
+        longest: Largest joint step [rad or m].
+        reached: Remaining error at which a grasp counts as held [m, rad].
+        condition: Of a Jacobian, at which an arm is singular.
+        jump: Correction of a predicted joint at which an arm has lost its branch [rad or m].
+        drift: Step left to a redundant arm that is not settled [rad or m].
+        fold: Curvature at which its positions end (`mrts.inverse_kinematics.null_space`).
+        past: How far a joint may pass its limit [rad or m].
+        push: What h adds at a limit [rad or m].
         components: Rows of a six-component twist that the cell uses.
-        geometry: Of the cell, Shape (3 + 24 n + h,).
         lower: Least joint positions, minus infinity where there is none, Shape (m,) [rad or m].
         upper: Largest ones, Shape (m,).
         zone: Widths of the zones beside them, Shape (m,).
-        push: What h adds at a limit [rad or m], see `mrts.inverse_kinematics.null_space`.
+        turns: Whether whole turns of a joint are the same position, Shape (m,).
     """
 
-    def __init__(
-        self,
-        *,
-        newton: NewtonRule,
-        components: Sequence[int],
-        geometry: Array,
-        lower: Array,
-        upper: Array,
-        zone: Array,
-        push: float,
-    ) -> None:
-        self._arrays = [np.ascontiguousarray(array) for array in (lower, upper, zone, geometry)]
-        *limits, place = (pointer(array) for array in self._arrays)
-        used = (ctypes.c_int * 6)(*components)
-        wish = _Preference(*limits, push)
-        self.structure = TrackingStructure(
-            steps=newton.steps,
-            settled=newton.settled,
-            longest=newton.longest,
-            reached=newton.reached,
-            condition=newton.condition,
-            components=used,
-            wish=wish,
-            geometry=place,
+    steps: int
+    start_steps: int
+    further_steps: int
+    settled: float
+    longest: float
+    reached: float
+    condition: float
+    jump: float
+    drift: float
+    fold: float
+    past: float
+    push: float
+    components: Sequence[int]
+    lower: Array
+    upper: Array
+    zone: Array
+    turns: NDArray[np.bool_]
+
+    def structure(self, steps: int, geometry: Array | None = None) -> _Tracking:
+        """As C reads it, which keeps none of the arrays alive."""
+        return _Tracking(
+            steps=steps,
+            components=(ctypes.c_int * 6)(*self.components),
+            wish=_Preference(*(pointer(array) for array in (self.lower, self.upper, self.zone)), self.push),
+            geometry=None if geometry is None else pointer(geometry),
+            **{name: getattr(self, name) for name in NUMBERS},
         )
 
 
 @dataclass(frozen=True)
-class TrackedJoints:
-    """Joints along a path of N samples, n robots.
+class FollowedVariants:
+    """Joints of V variants along a path of N samples, m in all.
 
     Attributes:
-        done: How many samples were followed; fewer than N where an arm is singular.
-        q: Shape (N, m); likewise `dq` and `ddq`.
-        gap: Remaining error of position, or more, Shape (N, n) [m].
-        turn: Remaining error of rotation, or more, Shape (N, n) [rad].
-        jump: Largest correction of a predicted joint, Shape (N, n) [rad or m].
-        condition: At least the condition number of the Jacobian, Shape (N, n).
-        drift: Step still to go of a redundant arm, Shape (N, n) [rad or m]; zero for others.
-        curvature: Product of the curvatures of H (`mrts.inverse_kinematics.null_space`), Shape (N, n); one for others.
+        q: Shape (V, N, m) [rad or m]; likewise `dq` and `ddq`. Of an arm that fails, what was found before.
+        dq: q'.
+        ddq: q''.
+        outcome: How each ends for each arm, Shape (V, n) of `OUTCOME`.
     """
 
-    done: int
     q: Array
     dq: Array
     ddq: Array
-    gap: Array
-    turn: Array
-    jump: Array
-    condition: Array
-    drift: Array
-    curvature: Array
+    outcome: NDArray[np.void]
+
+    def parts(self) -> tuple[NDArray[Any], ...]:
+        """All arrays."""
+        return self.q, self.dq, self.ddq, self.outcome
+
+    @property
+    def followed(self) -> NDArray[np.bool_]:
+        """Variants that all arms followed, Shape (V,)."""
+        done: NDArray[np.bool_] = np.all(self.outcome["code"] == FOLLOWED, axis=1)
+        return done
 
 
-def track_path(library: CellLibrary, task: GraspTask, path: Sequence[Array], start: Array) -> TrackedJoints:
-    """Follow the grasps from joint positions that hold them.
+def follow_variants(
+    library: MotionLibrary, rule: TrackingRule, refused: NDArray[np.bool_], given: Mapping[str, Array]
+) -> FollowedVariants:
+    """Start poses and joints along the path of many variants; one motion is one variant.
 
     Args:
         library: Of the cell.
-        task: What its arms are to hold.
-        path: Of the object: time, Shape (N,) [s], position, Shape (N, 3) [m], rotation, Shape (N, 3, 3), twist and
-            acceleration, Shape (N, 6).
-        start: Positions at the first sample, Shape (m,) [rad or m].
+        rule: How they start and follow; without steps to a start, the seeds hold the grasps.
+        refused: Variants that are passed over, Shape (V,).
+        given: By name, with V first, or 1 where all share one: the path's `PATH`, with N before the shape of each,
+            "geometry", Shape (V, 3 + 24 n + h), "posture" and "seed" (where the search for a start begins), Shape
+            (V, m), and "further" (the starts tried after it), Shape (V, F, m).
     """
-    given = [np.ascontiguousarray(part) for part in path]
-    samples = len(given[0])
-    q, dq, ddq = (np.zeros((samples, len(start))) for _ in range(3))
-    held = np.zeros((samples, len(HELD), library.robots))
-    q[0] = start
-    used = ("kinematics", "bias_acceleration", "geometric_stiffness", "geometric_stiffness_rate")
-    scratch = [Scratch(library.opened, library.records[name]) for name in used if name in library.records]
-    run = library.opened.mrts_track
-    run.restype = ctypes.c_longlong
-    done = run(
-        ctypes.c_longlong(samples),
-        ctypes.byref(task.structure),
-        *(pointer(array) for array in (*given, q, dq, ddq, held)),
-        *scratch[0].at_least(*scratch[1:]).pointers(),
+    variants, samples, m = len(refused), given["time"].shape[1], library.joints
+    shapes = {name: (samples, *shape) for name, shape in PATH.items()} | {
+        "geometry": given["geometry"].shape[-1:],
+        "posture": (m,),
+        "seed": (m,),
+        "further": given["further"].shape[-2:],
+    }
+    arrays, strides = strided(variants, shapes, given)
+    further = shapes["further"][0]
+    structure = _Following(
+        *(rule.structure(rule.steps), rule.start_steps, further, rule.further_steps, rule.past, pointer(rule.turns))
     )
-    return TrackedJoints(int(done), q, dq, ddq, **dict(zip(HELD, held.swapaxes(0, 1), strict=True)))
+    q, dq, ddq = (np.zeros((variants, samples, m)) for _ in range(3))
+    outcome = np.zeros((variants, library.robots), dtype=OUTCOME)
+    outcome["code"][refused] = REFUSED
+    library.opened.mrts_follow(
+        ctypes.c_longlong(variants),
+        ctypes.c_longlong(samples),
+        ctypes.byref(structure),
+        pointers(arrays),
+        strides,
+        *(pointer(array) for array in (q, dq, ddq, outcome)),
+        *_scratch(library).pointers(),
+    )
+    return FollowedVariants(q, dq, ddq, outcome)
+
+
+@dataclass(frozen=True)
+class HeldGrasps:
+    """Joint positions that hold the grasps at one sample each, as well as T starts led to.
+
+    Attributes:
+        q: Those with the smallest errors met; of those without, the most settled in the null space, Shape (T, m)
+            [rad or m].
+        gap: Error of position, Shape (T, n) [m].
+        turn: Error of rotation, Shape (T, n) [rad].
+        drift: Step still to go in the null space, Shape (T, n) [rad or m]; zero for an arm that has none.
+    """
+
+    q: Array
+    gap: Array
+    turn: Array
+    drift: Array
+
+
+def hold_grasps(
+    library: MotionLibrary, rule: TrackingRule, steps: int, start: Array, given: Mapping[str, Array], geometry: Array
+) -> HeldGrasps:
+    """Damped Newton steps (Sugihara 2011) from T starts, at one sample each.
+
+    Args:
+        library: Of the cell.
+        rule: How they hold.
+        steps: Most to take.
+        start: Shape (T, m) [rad or m].
+        given: By name, with T first, or 1 where all share one: "position" and "rotation" of the object, and
+            "reference", the positions that redundant arms stay near, Shape (T, m); without it they move no further
+            than needed.
+        geometry: Of the cell.
+    """
+    count, m = start.shape
+    shapes = {"position": (3,), "rotation": (3, 3), "reference": (m,)}
+    arrays, strides = strided(count, shapes, {"reference": start, **given})
+    places = pointers(arrays)
+    if "reference" not in given:
+        places[2] = None
+    q, at = np.array(start, dtype=np.float64), np.ascontiguousarray(geometry)
+    sizes = [np.zeros((count, library.robots)) for _ in range(3)]
+    library.opened.mrts_hold(
+        ctypes.c_longlong(count),
+        ctypes.byref(rule.structure(steps, at)),
+        places,
+        strides,
+        *(pointer(array) for array in (q, *sizes)),
+        *_scratch(library).pointers(),
+    )
+    return HeldGrasps(q, *sizes)
+
+
+def _scratch(library: MotionLibrary) -> Scratch:
+    used = ("kinematics", "bias_acceleration", "geometric_stiffness", "geometric_stiffness_rate")
+    first, *others = (Scratch(library.opened, library.records[name]) for name in used if name in library.records)
+    return first.at_least(*others)
+
+
+def strided(count: int, shapes: Mapping[str, tuple[int, ...]], given: Mapping[str, Array]) -> tuple[list[Array], Any]:
+    """Arrays of many variants as C reads them, and how many reals apart they lie in each (0: the one for all).
+
+    Raises:
+        ValueError: If an array has another shape: the C would read past its end.
+    """
+    arrays, strides = [], []
+    for name, shape in shapes.items():
+        array = np.ascontiguousarray(given[name], dtype=np.float64)
+        if array.shape not in {(1, *shape), (count, *shape)}:
+            raise ValueError(f"{name} has Shape {array.shape}, not {(count, *shape)}")
+        arrays.append(array)
+        strides.append(0 if len(array) == 1 else int(np.prod(shape)))
+    return arrays, (ctypes.c_longlong * len(strides))(*strides)
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,7 @@ def grasp_equations(
 
     Args:
         cell: The cell.
-        functions: Its functions for CasADi's virtual machine.
+        functions: CasADi's functions of the cell.
         joints: q, q' and q'' of all arms, Shape (m,) each.
         carried: The object.
         geometry: Shape (g,).

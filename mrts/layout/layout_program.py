@@ -87,7 +87,7 @@ class LayoutProgram:
     generated C is made of.
 
     Args:
-        functions: The cell's functions for CasADi's virtual machine.
+        functions: CasADi's functions of the cell.
         numbers: The numbers of the layout.
         start: What to start from; says which chains, limits and loads.
         samples: Indices of its motion's samples, N of them.

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import MrtsError
 from mrts.cell.cell import Cell
+from mrts.cell.generation import symbolic_functions
 from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.layout.layout_program import LayoutAnswer, LayoutProgram, LayoutStart
 from mrts.motion.object_motion import ObjectMotion
@@ -69,7 +70,7 @@ class LayoutSearch:
         study: The study.
         numbers: Its numbers.
         motion: Motion of the object.
-        machine: The cell with functions for CasADi's virtual machine.
+        cell: The cell of the study.
         over: Says whether to come to the end.
     """
 
@@ -78,11 +79,12 @@ class LayoutSearch:
         study: Study,
         numbers: LayoutNumbers,
         motion: ObjectMotion,
-        machine: Cell,
+        cell: Cell,
         over: Callable[[], bool],
     ) -> None:
         self.study, self.numbers, self.motion, self.over = study, numbers, motion, over
-        self.functions, self.machines = machine.functions.symbolic, machine.functions.manifest.machines
+        self.functions = symbolic_functions(study.cell, study.folder.absolute())
+        self.machines = cell.functions.manifest.machines
 
     def tried(self, values: Array, postures: dict[str, list[float]] | None = None) -> Playable | str:
         """What the cell can do in a layout, or why it can do nothing.

@@ -95,12 +95,12 @@ class _Placing:
     def __init__(self, study: Study, between: float | None, seconds: float | None, progress: Progress) -> None:
         study = study.at_hand()
         self.study, self.between, self.progress = study, between, progress
-        machine = Cell.from_description(study.cell, folder=study.folder, backend="vm")
-        self.numbers = LayoutNumbers.of(study, machine)
+        cell = Cell.from_description(study.cell, folder=study.folder)
+        self.numbers = LayoutNumbers.of(study, cell)
         self.motion = _object_motion(study)
         self.until = None if seconds is None else monotonic() + seconds
         self.asked: list[int] = []
-        self.search = LayoutSearch(study, self.numbers, self.motion, machine, self._over)
+        self.search = LayoutSearch(study, self.numbers, self.motion, cell, self._over)
 
     def best(self, starts: int, looked_at: int) -> Placement:
         """The best of some searches from the best of some layouts.

@@ -6,10 +6,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, apply
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.inverse_kinematics.null_space import LIMIT_PUSH, is_redundant, limit_zone, null_spaces
+from mrts.inverse_kinematics.null_space import LIMIT_PUSH, is_redundant, limit_zone, stretched
 
 
 def redundant_joints(cell: Cell) -> list[int]:
@@ -27,7 +27,7 @@ def preference(cell: Cell, functions: dict[str, Any], q: Any, F: Any, reference:
 
     Args:
         cell: The cell.
-        functions: Its functions for CasADi's virtual machine.
+        functions: CasADi's functions of the cell.
         q: Joint positions of all arms, Shape (m,).
         F: Multipliers of the grasps of redundant arms, Shape (w,) each, stacked.
         reference: Joint positions of redundant arms to stay near, Shape (R,).
@@ -68,8 +68,12 @@ def multipliers(cell: Cell, q: Array, reference: Array) -> Array:
         reference: Positions of all arms to stay near, Shape (m,) [rad or m].
     """
     J = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
-    spaces = null_spaces(cell, q, J, np.tile(reference, (len(q), 1)))
-    return np.concatenate([np.zeros((len(q), 0)), *(space.multiplier for space in spaces.values())], axis=1)
+    found = [np.zeros((len(q), 0))]
+    for robot, part in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        if is_redundant(cell, robot):
+            gradient = stretched(robot, q[:, part]) - stretched(robot, reference[None, part])
+            found.append(apply(np.linalg.pinv(J[:, :, part]).transpose(0, 2, 1), gradient))
+    return np.concatenate(found, axis=1)
 
 
 def _stretched(robot: Robot, q: Any) -> Any:

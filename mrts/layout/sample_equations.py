@@ -77,7 +77,7 @@ def sample_equations(
 
     Args:
         cell: The cell that the search starts from.
-        functions: Its functions for CasADi's virtual machine.
+        functions: CasADi's functions of the cell.
         geometry: Of the cell, in terms of the layout, Shape (g,).
         shared: What all samples share.
         limits: The rows.

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from mrts.base.arrays import Array, median
-from mrts.reachability.speed_kernel import speed_kernel
+from mrts.kernel.programs import default_programs
 from mrts.reachability.speed_regions import SpeedRegions
 
 END_SPEED_TOLERANCE = 1e-9
@@ -80,7 +80,7 @@ def fastest_profile(
     lower[last] = upper[last] = ends[1]
     planes = np.ascontiguousarray(regions.planes)
     steps = np.ascontiguousarray(step)
-    kernel = speed_kernel()
+    kernel = default_programs()
     failed = kernel.backward(steps, rise, regions.start, planes, lower, upper)
     if failed >= 0:
         return Obstacle("segment", failed, (float(lower[failed + 1]), float(upper[failed + 1])))

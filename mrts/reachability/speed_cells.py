@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.kernel.programs import Programs, default_programs
 from mrts.reachability.fastest_profile import Obstacle, SpeedProfile, fastest_profile
-from mrts.reachability.speed_kernel import SpeedKernel, speed_kernel
 from mrts.reachability.speed_regions import FARTHEST, SpeedRegions, intersect_regions, speed_regions
 from mrts.reachability.speed_terms import Ends, RootLines, chords, tangents, without_root
 from mrts.samples.sample_problem import SampleProblem
@@ -95,7 +95,7 @@ def _cell(problems: Sequence[SampleProblem], length: float, ends: Ends, least: f
 
 def _reaches(cells: Sequence[SpeedRegions], step: Array) -> list[list[_Reach]]:
     """At every sample the x from which the end is reached, the fastest cells first."""
-    kernel, last = speed_kernel(), len(step)
+    kernel, last = default_programs(), len(step)
     reaches: list[list[_Reach]] = [[] for _ in range(last + 1)]
     for number, cell in reversed(list(enumerate(cells))):
         low, high = float(cell.lower[last]), float(cell.upper[last])
@@ -155,7 +155,7 @@ def _hull(reaches: Sequence[_Reach]) -> tuple[float, float]:
 
 
 def _backward(
-    kernel: SpeedKernel, cells: tuple[SpeedRegions, SpeedRegions], i: int, step: float, reach: tuple[float, float]
+    kernel: Programs, cells: tuple[SpeedRegions, SpeedRegions], i: int, step: float, reach: tuple[float, float]
 ) -> tuple[float, float] | None:
     """The x of one cell at sample i from which an interval of another is reached at the next sample."""
     if not cells[0].lower[i] <= cells[0].upper[i]:

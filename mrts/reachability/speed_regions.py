@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, median
 from mrts.kernel.one_unknown import KnownPlanes
-from mrts.kernel.programs import INFEASIBLE, OPTIMAL
-from mrts.reachability.speed_kernel import speed_kernel
+from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
 from mrts.samples.sample_problem import SampleProblem
 from mrts.samples.sample_ranges import REST_TOLERANCE
 
@@ -68,7 +67,7 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
         ends: x at the first and the last sample.
     """
     rows, most = np.flatnonzero(~problem.is_cap).astype(np.int32), problem.cap()
-    effect = speed_kernel().effects(problem.A, rows)
+    effect = default_programs().effects(problem.A, rows)
     if problem.unknowns == 2:  # noqa: PLR2004 (u and x: the rows are the half-planes)
         A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]
         return regions_of_planes(KnownPlanes(_both_sides(A, lower, upper), effect), most, length, ends)
@@ -212,7 +211,7 @@ class _Polytopes:
         self, scale: Array, bounds: tuple[Array, Array]
     ) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
         """Their projections onto (u, x); see `mrts.kernel.programs.Programs.projections`."""
-        return speed_kernel().projections(self.A, self.lower, self.upper, scale, bounds, self.rows)
+        return default_programs().projections(self.A, self.lower, self.upper, scale, bounds, self.rows)
 
     def decided_projections(self, scale: Array, bounds: tuple[Array, Array]) -> tuple[NDArray[np.int32], Array]:
         """The same, without corners where there is none. What the kernel did not decide, over other free unknowns.
@@ -249,7 +248,7 @@ def _by_projection(given: _Polytopes, scale: Array, unit: Array, most: Array, bo
     found = (number > 0) & ~np.any(given.lower > given.upper, axis=1)  # sides that cross leave nothing to project
     if not np.all(found):
         corners, number = corners[np.repeat(found, number)], np.where(found, number, 0)
-    start, planes, low, high = speed_kernel().half_planes(number, corners, unit[:, -2:], cap, BOX, NEAR_BOX)
+    start, planes, low, high = default_programs().half_planes(number, corners, unit[:, -2:], cap, BOX, NEAR_BOX)
     high = np.where(high >= NEAR_BOX * box, np.inf, high)
     return SpeedRegions(
         start,

@@ -9,12 +9,8 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import (
-    CoordinatedMotion,
-    carried_by_first,
-    unchecked_coordinated_motion,
-)
-from mrts.coordination.denser_motion import WHOLE_WAY, polynomial_weights, velocity_polynomials
+from mrts.coordination.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
+from mrts.coordination.denser_motion import WHOLE_WAY, polynomial_weights
 from mrts.kernel.motion_rows import path_places
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.reachability.fastest_profile import SpeedProfile, segment_times
@@ -74,16 +70,6 @@ class TimedPiece:
         """
         own = time[self.piece.first :][: len(self.x)].tolist()
         return {"r": own, "s": self.arc.tolist(), "speed": self.arc_speed.tolist()}
-
-    def inside(self, places: Array) -> tuple[Array, Array]:
-        """ṡ² and s̈ inside the segments, each Shape (p (n - 1),), segment after segment.
-
-        Args:
-            places: Where in each segment, in (0, 1), Shape (p,).
-        """
-        start, change = self.rates[:, :1], np.diff(self.rates, axis=1)
-        x = self.x[:-1, None] + 2 * self.piece.step[:, None] * places * (start + change * places / 2)
-        return x.ravel(), (start + change * places).ravel()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -199,14 +185,9 @@ def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> Coordin
     Returns:
         The motion at p (n - 1) samples, segment after segment; its time is the path parameter.
     """
-    path, library = part.piece.path, cell.functions.compiled
-    if library is None:
-        s = (path.object.time[:-1, None] + part.piece.step[:, None] * places).ravel()
-        x, rate = part.inside(places)
-        q, dq, ddq = velocity_polynomials(path.object.time, (path.q, path.dq, path.ddq), s)
-        return _retimed(carried_by_first(cell, s - s[0], q, dq, ddq, smooth=False), np.sqrt(x), x, rate)
+    path = part.piece.path
     s, q, dq, ddq, *carried = path_places(
-        library,
+        cell.library,
         (path.object.time, path.q, path.dq, path.ddq),
         (places, polynomial_weights(places), WHOLE_WAY),
         (part.x, part.rates),

@@ -219,7 +219,7 @@ def build_sample_problem(
     elif formulation == "torque":
         _check_invertible(cell, motion)
     limits, motors = squared_limits(cell, motion), motor_terms(cell, motion)
-    if varying and samples is None and sharing is None and formulation == "wrench" and _can_be_compiled(cell, limits):
+    if varying and samples is None and sharing is None and formulation == "wrench" and not limits.crosses:
         return _path_problem(cell, motion.samples, inputs, limits, motors)
     count = motion.samples
     if samples is not None:
@@ -306,17 +306,11 @@ def _problem(
     return _with_rows(form, motors, rows, maps, A=A / size[:, None], lower=lower, upper=upper)
 
 
-def _can_be_compiled(cell: Cell, form: SquaredRows) -> bool:
-    """Whether the kernel puts rows together: there is one, and no sides cross, as by a reserve."""
-    return cell.functions.compiled is not None and bool(np.all(form.rows.lower <= form.rows.upper))
-
-
 def _path_problem(
     cell: Cell, count: int, inputs: dict[str, Array], form: SquaredRows, motors: MotorTerms | None
 ) -> SampleProblem:
     """The rows of the wrench form where the speed varies, by the kernel in one call."""
-    library, rows = cell.functions.compiled, form.rows
-    assert library is not None  # noqa: S101 (`_can_be_compiled` has seen to it)
+    library, rows = cell.library, form.rows
     terms, rate = SampleTerms(square=rows.square), np.zeros((count, library.joints))
     if motors is not None:
         rate, margin = motors.rate, _margin(motors, rows)

@@ -104,10 +104,6 @@ def known_torques(cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | 
     inputs, name = motion.inputs(cell.load), "wrench_form"
     if sharing is not None:
         inputs, name = inputs | sharing.inputs(cell, motion), "fixed_distribution"
-    motors, compiled = motor_terms(cell, motion), cell.functions.compiled
-    if compiled is None:
-        maps = cell.functions(name, motion.samples, inputs)
-        torque, wrench = (maps[f"{kind}_map"] * c2 + maps[f"{kind}_offset"] for kind in ("torque", "wrench"))
-    else:
-        torque, wrench = known_values(compiled, name, motion.samples, inputs | {GEOMETRY: cell.geometry}, c2)
+    motors = motor_terms(cell, motion)
+    torque, wrench = known_values(cell.library, name, motion.samples, inputs | {GEOMETRY: cell.geometry}, c2)
     return torque if motors is None else torque + motors.torque(float(np.sqrt(c2))), wrench

@@ -356,8 +356,8 @@ def compiled_trajectory(
         InputError: If there is no such solver.
     """
     check_solver(solver)
-    compiled = cell.functions.compiled
-    if compiled is None or solver != "kernel" or formulation != "wrench":
+    compiled = cell.library
+    if solver != "kernel" or formulation != "wrench":
         return None
     form = squared_limits(cell, motion)
     if len(form.kept) + compiled.unknowns > MOST_ROWS or form.crosses:

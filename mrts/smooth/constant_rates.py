@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import CompilerError, SolverError
+from mrts.base.errors import SolverError
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, RowName
@@ -135,10 +135,7 @@ class RatedFactors:
         """Whether torques within the rates are found at a c² > 0: much sooner than by HiGHS, but no proof if not."""
         square, nothing = np.full(self.program.nodes, c2), np.zeros(self.program.nodes)
         program = _with_margins(self.program)
-        try:
-            free = KernelSolver().torques(program, square, nothing)
-        except CompilerError:
-            return False
+        free = KernelSolver().torques(program, square, nothing)
         return free is not None and program.excess(square, nothing, free) <= RATE_MARGIN
 
     def _followed(self, c2: float, within: tuple[float, float], *, faster: bool) -> RatesAtEnd | None:

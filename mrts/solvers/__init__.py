@@ -9,7 +9,7 @@ from typing import Protocol
 
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
-from mrts.base.errors import CompilerError, InputError
+from mrts.base.errors import InputError
 
 DEFAULT_SOLVER = "kernel"
 
@@ -31,13 +31,9 @@ class BatchSolver(Protocol):
 
 
 def _kernel() -> BatchSolver:
-    """Our kernel; without a C compiler that works, the next best."""
     from mrts.solvers.kernel_solver import KernelSolver  # noqa: PLC0415 (a solver is imported when it is asked)
 
-    try:
-        return KernelSolver()
-    except CompilerError:
-        return _qpoases()
+    return KernelSolver()
 
 
 def _qpoases() -> BatchSolver:

@@ -17,17 +17,11 @@ from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
-from mrts.cell.robot import Robot
 from mrts.coordination.coordinated_motion import CoordinatedMotion, check_motion
 from mrts.inverse_kinematics.branches import branches_at_start
-from mrts.inverse_kinematics.grasp_tracking import (
-    OUT_OF_REACH,
-    PAST_A_LIMIT,
-    TrackingFailure,
-    Tracks,
-    track_grasps,
-)
-from mrts.inverse_kinematics.joint_limits import joint_limit_failure, within_limits
+from mrts.inverse_kinematics.tracking_messages import WORDINGS, TrackingFailure
+from mrts.inverse_kinematics.variant_tracking import TrackedVariants, follow_from
+from mrts.kernel.tracking import OUT_OF_REACH, FollowedVariants
 from mrts.motion.object_motion import ObjectMotion
 from mrts.refinement.excess import BETWEEN, checked_tolerance
 from mrts.samples.load_sharing import LoadSharing
@@ -258,7 +252,7 @@ def _without_hands(cell: Cell) -> Cell:
     return replace(cell, robots=tuple(replace(robot, contacts=()) for robot in cell.robots))
 
 
-def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[Tracks, dict[str, list[Branch]]]:
+def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[FollowedVariants, dict[str, list[Branch]]]:
     """Follow all branches of all arms at once: track t carries branch t of every arm that has one."""
     posture = np.concatenate([robot.posture for robot in cell.robots])
     start = np.tile(posture, (max(1, *(len(of_robot) for of_robot in starts)), 1))
@@ -266,34 +260,27 @@ def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[Trac
         start[: len(of_robot), joints] = of_robot
         if len(of_robot):  # an arm with fewer branches repeats its first in the other tracks
             start[len(of_robot) :, joints] = of_robot[0]
-    tracks = track_grasps(cell, motion, start)
+    tracks = follow_from(cell, motion, start)
     branches: dict[str, list[Branch]] = {}
-    for robot, of_robot in zip(cell.robots, starts, strict=True):
-        branches[robot.name] = [
-            _branch(cell, motion, tracks, robot, number, start) for number, start in enumerate(of_robot)
-        ]
+    for index, (robot, of_robot) in enumerate(zip(cell.robots, starts, strict=True)):
+        branches[robot.name] = [_branch(cell, tracks, index, number, start) for number, start in enumerate(of_robot)]
         if not len(of_robot):
             message = f"robot '{robot.name}' cannot reach its grasp at t = 0. Move the path, the base or the grasp."
-            failure = TrackingFailure(OUT_OF_REACH, message, 0)
+            failure = TrackingFailure(WORDINGS[OUT_OF_REACH].kind, message, 0)
             branches[robot.name] = [Branch(robot.name, 1, robot.posture, failure)]
-    return tracks, branches
+    return tracks.joints, branches
 
 
-def _branch(cell: Cell, motion: ObjectMotion, tracks: Tracks, robot: Robot, number: int, start: Array) -> Branch:
-    joints = cell.joint_slices[robot.name]
-    q = within_limits(robot, tracks.q[number][:, joints])
-    tracks.q[number][:, joints] = q
-    failure = tracks.failures[number][robot.name]
-    beyond = joint_limit_failure(robot, motion.time, q)
-    if failure is None and beyond is not None:
-        failure = TrackingFailure(PAST_A_LIMIT, beyond, None)
-    return Branch(robot.name, number + 1, q[0] if failure is None else start, failure)
+def _branch(cell: Cell, tracks: TrackedVariants, index: int, number: int, start: Array) -> Branch:
+    robot, failure = cell.robots[index], tracks.of_arm(number, index)
+    followed = tracks.joints.q[number, 0, cell.joint_slices[robot.name]]
+    return Branch(robot.name, number + 1, followed if failure is None else start, failure)
 
 
 def _evaluate(
     cell: Cell,
     motion: ObjectMotion,
-    tracks: Tracks,
+    tracks: FollowedVariants,
     choice: tuple[Branch, ...],
     rule: DistributionRule,
     solver: str,

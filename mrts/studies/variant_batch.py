@@ -15,9 +15,9 @@ from mrts.base.rigid_transform import plane_normal, rotations_from_rpy
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinated_motion import CoordinatedMotion, leaves_plane
 from mrts.inverse_kinematics.variant_tracking import VariantTracking
-from mrts.kernel.cell_library import CellLibrary
 from mrts.kernel.sample_terms import SampleTerms
-from mrts.kernel.variants import PATH, variant_ranges
+from mrts.kernel.tracking import PATH
+from mrts.kernel.variants import variant_ranges
 from mrts.limits import LIMITS
 from mrts.limits.contact_limits import contact_limits
 from mrts.limits.motor_limits import motor_limits
@@ -82,10 +82,9 @@ def _batch(study: Study) -> "VariantBatch | None":
         return None
     known = question.load == "nominal" or (question.load == "auto" and cell.load_box is None)
     entries = varied_entries(study, cell)
-    library = cell.functions.compiled
-    if not known or entries is None or library is None or len(cell.robots) == 1 or not _covers(cell, entries):
+    if not known or entries is None or len(cell.robots) == 1 or not _covers(cell, entries):
         return None
-    return VariantBatch(here, cell, library, motion, entries) if isinstance(motion, ObjectMotion) else None
+    return VariantBatch(here, cell, motion, entries) if isinstance(motion, ObjectMotion) else None
 
 
 def _covers(cell: Cell, entries: Sequence[Entry]) -> bool:
@@ -107,19 +106,16 @@ class VariantBatch:
     Args:
         study: Whose variants they are, as from `Study.at_hand`.
         cell: Its cell, unvaried.
-        library: Of the cell.
         motion: Its motion, unvaried.
         entries: What is varied.
     """
 
-    def __init__(
-        self, study: Study, cell: Cell, library: CellLibrary, motion: ObjectMotion, entries: Sequence[Entry]
-    ) -> None:
-        self._study, self._cell, self._library, self._motion, self._entries = study, cell, library, motion, entries
+    def __init__(self, study: Study, cell: Cell, motion: ObjectMotion, entries: Sequence[Entry]) -> None:
+        self._study, self._cell, self._motion, self._entries = study, cell, motion, entries
         reserve = cell.reserve if study.question.reserve is None else study.question.reserve
         still = np.zeros((len(motion.time), sum(len(robot.joints) for robot in cell.robots)))
         self._limits = VariantLimits(cell, CoordinatedMotion(motion, still, still, still), reserve)
-        self._tracking = VariantTracking(cell, library)
+        self._tracking = VariantTracking(cell)
         self._base = base_numbers(study, cell)
         varied = {entry.name for entry in entries}
         m = still.shape[1]
@@ -154,11 +150,13 @@ class VariantBatch:
             refused |= leaves_plane(self._cell, path["twist"]) | _tilted(self._cell, geometry)
         tracked = self._tracking.follow(path, geometry, numbers["posture"], refused)
         given = {**path, "geometry": geometry, "load": numbers.loads(), **self._limits.of(numbers, geometry)}
-        found = variant_ranges(self._library, tracked.joints, self._limits.sparse, SampleTerms(), self._order, given)
-        return VariantAnswers(self._tracking, self._limits, given, tracked, found)
+        found = variant_ranges(
+            self._cell.library, tracked.joints, self._limits.sparse, SampleTerms(), self._order, given
+        )
+        return VariantAnswers(self._limits, given, tracked, found)
 
     def _path(self, numbers: VariantNumbers, refused: NDArray[np.bool_]) -> dict[str, Array]:
-        """The motion of the object, as `mrts.kernel.variants.PATH` with V or 1 first; refused ones last a second."""
+        """The motion of the object, as `mrts.kernel.tracking.PATH` with V or 1 first; refused ones last a second."""
         if not numbers.any_of(PATH_ENDS):
             return {name: getattr(self._motion, name)[None] for name in PATH}
         u = np.linspace(0.0, 1.0, len(self._motion.time))

@@ -1,12 +1,12 @@
 """Bad input through the command line: one clear paragraph, exit code 2, never a traceback."""
 
-import os
 import shutil
 
 import pytest
 import yaml
 from conftest import DATA
 
+from mrts import CompilerError, load_cell
 from mrts.cli import main
 
 pytestmark = pytest.mark.quick
@@ -332,16 +332,16 @@ def test_a_cache_that_cannot_be_made(files, capsys, monkeypatch):
     assert "Set MRTS_CACHE_DIR" in run(capsys, files)
 
 
-def test_without_a_compiler_everything_runs_in_the_virtual_machine(files, capsys, caplog, monkeypatch, tmp_path):
+def test_without_a_compiler_a_cell_is_checked_and_not_answered(files, capsys, monkeypatch, tmp_path):
     monkeypatch.delenv("CC", raising=False)
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))
-    assert os.environ["PATH"] == str(tmp_path)
-    assert main(["scale", str(files / "cell.yaml"), str(files / "lift.yaml")]) == 0
-    assert "[0, 3.062]" in capsys.readouterr().out
-    assert [record.message for record in caplog.records].count(
-        "no C compiler found: running in CasADi's virtual machine, about 20 times slower"
-    ) == 1
-    generated = tmp_path / "generated"
-    assert main(["generate", str(files / "cell.yaml"), "-o", str(generated)]) == 0
-    assert "no C compiler was found" in refused(capsys, "scale", generated, files / "lift.yaml")
+    assert main(["check", str(files / "cell.yaml"), str(files / "lift.yaml")]) == 0
+    capsys.readouterr()
+    assert main(["generate", str(files / "cell.yaml"), "-o", str(tmp_path / "generated")]) == 0
+    for path in (files / "cell.yaml", tmp_path / "generated"):
+        with pytest.raises(CompilerError):
+            load_cell(path)
+        said = refused(capsys, "scale", path, files / "lift.yaml")
+        assert "no C compiler" in said
+        assert "CC" in said

@@ -114,7 +114,7 @@ def good(planar_cell):
         | named,
         "check": {"cell": DATA / "cell.yaml", "motion": DATA / "lift.yaml", "progress": lambda _done, _total: None},
         "follow_object": {"cell": planar_cell, "motion": motion},
-        "load_cell": {"path": DATA / "cell.yaml", "backend": "auto"},
+        "load_cell": {"path": DATA / "cell.yaml"},
         "load_motion": {"path": DATA / "lift.yaml"},
         "load_result": {"path": "good.npz", "cell": planar_cell},
         "rank_configurations": search | with_solver | {"cap": 1},
@@ -146,7 +146,6 @@ def good(planar_cell):
         "Cell.from_description": {
             "description": yaml.safe_load((DATA / "cell.yaml").read_text()),
             "folder": DATA,
-            "backend": "auto",
         },
         "Cell.with_base": {"self": planar_cell, "name": "left", "xyz": [0.1, 0.0, 0.0], "rpy": [0.0, 0.0, 0.1]},
         "Cell.with_grasp": {"self": planar_cell, "name": "left", "xyz": [-1.0, 0.0, 0.0], "rpy": [0.0, 0.0, 0.1]},

@@ -1,6 +1,5 @@
 """Random cells on a fixed bank of structures: each is generated once, and limits, object and motion are drawn on it."""
 
-import pickle
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -9,8 +8,6 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pinocchio as pin
 import yaml
-from mrts_codegen.content_key import content_key
-from mrts_codegen.urdf_reference import robot_reference
 from random_cells import (
     PLANES,
     Structure,
@@ -22,17 +19,12 @@ from random_cells import (
 )
 
 import mrts
-from mrts.base.atomic_file import write_atomically
 from mrts.base.load_box import load_vector
-from mrts.cell.functions import bind_functions
-from mrts.cell.generation import generated_in_cache, virtual_machine_functions
-from mrts.cell.loading import cell_from_manifest
-from mrts.kernel.cache_folder import cache_folder
 
 ARMS = (1, 2, 3, 4)
 PLANAR = {f"{plane}_{arms}": (plane, arms) for plane in PLANES for arms in ARMS}
 SPATIAL = {f"spatial_{arms}_{number}": (arms, number) for arms in ARMS for number in (0, 1)}
-"""The bank, 20 structures in all, because each costs up to 2 s to generate."""
+"""The bank, 20 structures in all, because each costs up to 15 s to generate and compile."""
 
 PROFILES = ("sinusoid", "trapezoid", "cubic", "quintic")
 
@@ -42,7 +34,7 @@ class RandomCell:
     """A cell and a motion, and the files that say the same.
 
     Attributes:
-        cell: Evaluated by CasADi's virtual machine.
+        cell: Without the folder of its files.
         motion: Of the object.
         cell_file: In a folder with its URDFs.
         motion_file: Beside it.
@@ -162,18 +154,6 @@ def structure(name: str) -> Structure:
     return spatial_structure(np.random.default_rng([arms, number]), arms)
 
 
-def compiled(cell: mrts.Cell) -> mrts.Cell:
-    """A cell of the bank, as it is now, evaluated by its compiled C."""
-    return replace(cell, functions=compiled_functions(cell.name))
-
-
-@cache
-def compiled_functions(name: str):
-    """Of a structure, compiled once."""
-    with TemporaryDirectory() as folder:
-        return bind_functions(*generated_in_cache(bare_cell(name, Path(folder))), "compiled", None)
-
-
 def bare_cell(name: str, folder: Path) -> Path:
     """A structure with some object, as files."""
     bare = {"name": name, "object": {"mass": 1.0, "inertia": [1.0, 1.0, 1.0]}}
@@ -182,17 +162,9 @@ def bare_cell(name: str, folder: Path) -> Path:
 
 @cache
 def structure_cell(name: str) -> mrts.Cell:
-    """The cell of a structure; what another process generated for it comes from the cache of the tests."""
+    """The cell of a structure; what another process compiled for it comes from the cache of the tests."""
     with TemporaryDirectory() as folder:
-        path = bare_cell(name, Path(folder))
-        manifest, source = generated_in_cache(path)
-        key = content_key(path, map(robot_reference, manifest.robots))
-        stored = cache_folder("structures") / f"{key}.pickle"
-        if not stored.is_file():
-            made = pickle.dumps(virtual_machine_functions(path))
-            write_atomically(stored, lambda file: file.write_bytes(made), private=True)
-    functions = pickle.loads(stored.read_bytes())  # noqa: S301 (our own, in a folder that only we can write)
-    return cell_from_manifest(manifest, bind_functions(manifest, source, "vm", lambda: functions))
+        return replace(mrts.load_cell(bare_cell(name, Path(folder))), folder=None)
 
 
 def write_cell(folder, description, urdfs) -> Path:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
+from casadi_cells import casadi_cell
 from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA
 from draws import seeds
@@ -81,9 +82,9 @@ def test_everything_that_a_file_can_say_comes_back(name, seed, tmp_path):
 @pytest.mark.parametrize("seed", seeds(1, 1))
 def test_random_cells_come_back(draw, seed, tmp_path):
     case = draw(np.random.default_rng([22, seed]), tmp_path / "drawn", 1 + seed % 3)
-    cell = mrts.load_cell(case.cell_file, backend="vm")
+    cell = casadi_cell(case.cell_file)
     text = cell.to_yaml(tmp_path / "cell.yaml")
-    again = mrts.load_cell(tmp_path / "cell.yaml", backend="vm")
+    again = casadi_cell(tmp_path / "cell.yaml")
     assert same_cell(cell, again)
     assert "drawn/" in text  # below the file: relative
     assert str(tmp_path) not in text
@@ -232,6 +233,6 @@ def test_names_that_look_like_numbers_stay_names(tmp_path):
     description = yaml.safe_load((DATA / "cell.yaml").read_text())
     for robot in description["robots"]:
         robot |= {"urdf": "arm.urdf", "tip_link": "1e5", "base_link": "on"}
-    cell = mrts.Cell.from_description(description, folder=tmp_path, backend="vm")
+    cell = mrts.Cell.from_description(description, folder=tmp_path)
     cell.to_yaml(tmp_path / "cell.yaml")
-    assert same_cell(cell, mrts.load_cell(tmp_path / "cell.yaml", backend="vm"))
+    assert same_cell(cell, mrts.load_cell(tmp_path / "cell.yaml"))

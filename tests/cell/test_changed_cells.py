@@ -189,5 +189,5 @@ def test_gravity_is_changed_in_the_cell_file(planar_cell, lift, tmp_path):
     text = (DATA / "cell.yaml").read_text().replace("planar_arm.urdf", str(DATA / "planar_arm.urdf"))
     lines = [line if not line.startswith("gravity:") else "gravity: [0.0, -1.6, 0.0]" for line in text.splitlines()]
     (tmp_path / "cell.yaml").write_text("\n".join(lines))
-    moon = mrts.load_cell(tmp_path / "cell.yaml", backend="vm")
+    moon = mrts.load_cell(tmp_path / "cell.yaml")
     assert c2(moon, lift) > 1.1 * c2(planar_cell, lift)

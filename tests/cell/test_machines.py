@@ -59,7 +59,7 @@ def test_a_shared_joint_is_refused_with_the_ways_out(tmp_path, capsys):
 
 def test_held_still_the_machine_is_the_shipped_cell(tmp_path, planar_cell, lift):
     """The torso turned and lifted to where the shipped arms stand: the same range, the same torques."""
-    cell = mrts.load_cell(machine_cell(tmp_path, hold(turn=TURN, lift=0.4)), backend="vm")
+    cell = mrts.load_cell(machine_cell(tmp_path, hold(turn=TURN, lift=0.4)))
     assert [robot.joints for robot in cell.robots] == [
         tuple(f"{side}_{joint}" for joint in planar_cell.robots[0].joints) for side in ("left", "right")
     ]
@@ -80,7 +80,7 @@ def test_a_base_link_past_the_joint_is_the_shipped_cell(tmp_path, planar_cell, l
         for robot in robots:
             robot |= {"base_link": "torso", "base": {"xyz": [0, 0, 0]}}
 
-    cell = mrts.load_cell(machine_cell(tmp_path, past), backend="vm")
+    cell = mrts.load_cell(machine_cell(tmp_path, past))
     assert mrts.scale(cell, lift).range.upper.c2 == pytest.approx(
         mrts.scale(planar_cell, lift).range.upper.c2, rel=1e-9
     )
@@ -221,7 +221,7 @@ def test_held_joints_equal_pinocchios_locked_ones(path, tip, fixed):
 
 def one_machine(folder):
     """The cell whose arms stand on one held torso."""
-    return mrts.load_cell(machine_cell(folder, hold(turn=TURN, lift=0.4)), backend="vm")
+    return mrts.load_cell(machine_cell(folder, hold(turn=TURN, lift=0.4)))
 
 
 def test_one_base_of_a_machine_does_not_move_alone(tmp_path):
@@ -238,7 +238,7 @@ def test_one_base_of_a_machine_does_not_move_alone(tmp_path):
     step = mrts.RigidTransform.from_xyz_rpy([0.1, -0.2, 0], [0, 0, 0.4])
     moved = tuple(replace(robot, T_world_base=step @ robot.T_world_base) for robot in cell.robots)
     together = replace(cell, robots=moved)
-    assert same_cell(mrts.Cell.from_description(yaml.safe_load(together.to_yaml()), backend="vm"), together)
+    assert same_cell(mrts.Cell.from_description(yaml.safe_load(together.to_yaml())), together)
     assert cell.with_grasp("left", xyz=left.T_object_tip.p).with_mass(1.0).robots[1] is right
 
 
@@ -249,7 +249,7 @@ def test_two_machines_do_not_come_to_stand_in_one_place(tmp_path):
         hold(turn=TURN, lift=0.4)(robots)
         robots[1]["base"]["xyz"][0] += 5.0
 
-    cell = mrts.load_cell(machine_cell(tmp_path, apart), backend="vm")
+    cell = mrts.load_cell(machine_cell(tmp_path, apart))
     left, right = cell.robots
     assert cell.functions.manifest.machines == []
     assert cell.with_base("right", xyz=right.T_world_base.p + STEP)
@@ -269,11 +269,11 @@ def test_held_joints_are_written_without_their_followers(tmp_path):
              "posture": [0.1] * 8, "torque": [100.0] * 8}
         ],
     }  # fmt: skip
-    cell = mrts.Cell.from_description(description, backend="vm")
+    cell = mrts.Cell.from_description(description)
     assert len(cell.robots[0].held) > len(held)
     text = cell.to_yaml(tmp_path / "cell.yaml")
     assert yaml.safe_load(text)["robots"][0]["fixed"] == held
-    assert same_cell(cell, mrts.load_cell(tmp_path / "cell.yaml", backend="vm"))
+    assert same_cell(cell, mrts.load_cell(tmp_path / "cell.yaml"))
 
 
 def test_what_if_moves_the_bases_of_a_machine_together(tmp_path):

@@ -1,7 +1,6 @@
 """Cells, motions and results pass between processes and copy: equal results, libraries of their own, no addresses."""
 
 import copy
-import json
 import os
 import pickle
 from concurrent.futures import ProcessPoolExecutor
@@ -10,7 +9,6 @@ from multiprocessing import get_context
 import cloudpickle
 import numpy as np
 import pytest
-from conftest import DATA
 from joblib import Parallel, delayed
 
 import mrts
@@ -23,7 +21,7 @@ def through_pickle(thing):
 def c2_of(cell, motion):
     """What a worker does."""
     result = mrts.scale(cell, motion)
-    return result.json_text(), cell.functions.backend, os.environ["MRTS_CACHE_DIR"]
+    return result.json_text(), os.environ["MRTS_CACHE_DIR"]
 
 
 def use_cache(folder):
@@ -45,28 +43,21 @@ def test_a_worker_with_an_empty_cache_finds_the_same(planar_cell, lift, lifted, 
     heavier = planar_cell.with_mass(4.0)
     with pool(use_cache, str(tmp_path)) as workers:
         results = list(workers.map(c2_of, [planar_cell, heavier], [lift, lifted.motion]))
-    assert [backend for _, backend, _ in results] == ["compiled", "compiled"]
     assert {folder for *_, folder in results} == {str(tmp_path)}
     assert [text for text, *_ in results] == [lifted.json_text(), mrts.scale(heavier, lift).json_text()]
     assert len(list(tmp_path.glob("lib/*/cell.so"))) == 1  # compiled once, bound twice
 
 
-def test_without_a_compiler_a_worker_says_so_and_the_virtual_machine_runs(planar_cell, lift):
-    machine = mrts.load_cell(DATA / "cell.yaml", backend="vm")
+def test_without_a_compiler_a_worker_says_so_and_lives(planar_cell, lift):
     with pool(without_compiler) as workers:
-        text, backend, _ = workers.submit(c2_of, machine, lift).result()
-        with pytest.raises(mrts.CompilerError, match=r"the pickled cell 'planar_dual_arm'.*backend=\"vm\""):
-            workers.submit(c2_of, planar_cell, lift).result()
-    assert backend == "vm"
-    found, ours = json.loads(text), mrts.scale(machine, lift, solver="qpsol:qpoases").to_json()
-    for result in (found, ours):  # the rows of a reserve have multipliers that depend on the solver
-        del result["reserve"]["rows"], result["reserve"]["distributed"]["rows"]
-    assert found == ours
+        for _ in range(2):
+            with pytest.raises(mrts.CompilerError):
+                workers.submit(c2_of, planar_cell, lift).result()
 
 
 def test_errors_come_back_from_workers(planar_cell, lift):
     with pool(use_cache, os.environ["MRTS_CACHE_DIR"]) as workers:
-        with pytest.raises(mrts.InputError, match=r"mass = -1: must be a number > 0") as caught:
+        with pytest.raises(mrts.InputError) as caught:
             workers.submit(planar_cell.with_mass, -1).result()
         assert (caught.value.where, caught.value.value) == ("mass", -1)
         with pytest.raises(mrts.SelectionError) as refused:
@@ -161,7 +152,7 @@ def test_a_copy_does_not_share_what_can_change(planar_cell, lifted):
                 fixed[:] = 0
     other.trajectory.torque[:] = 0
     assert lifted.json_text() == before
-    assert copy.deepcopy(planar_cell).functions.compiled is planar_cell.functions.compiled  # nothing of them can
+    assert copy.deepcopy(planar_cell).library is planar_cell.library  # nothing of them can
 
 
 def test_no_address_is_pickled_and_content_is_checked(planar_cell):

@@ -4,9 +4,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import yaml
+from casadi_cells import casadi_cell
 from random_cells import chain_model, configuration, spatial_cell
-
-import mrts
 
 STATES = 200
 TOLERANCE = 1e-10  # relative; both sides are exact recursions, 1e-13 is typical
@@ -18,7 +17,7 @@ DIFFERENCE_TOLERANCE = 1e-7  # central differences of O(1) quantities: step² pl
 def spatial(tmp_path_factory):
     folder = tmp_path_factory.mktemp("spatial")
     path, description = spatial_cell(folder, seed=7)
-    return mrts.load_cell(path, backend="vm"), description, folder
+    return casadi_cell(path), description, folder
 
 
 @pytest.fixture(scope="module")
@@ -156,7 +155,7 @@ def test_a_chain_inside_a_larger_tree_starts_at_its_base_link(spatial, tmp_path)
         ],
     }
     (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell), encoding="utf-8")
-    loaded = mrts.load_cell(tmp_path / "cell.yaml", backend="vm")
+    loaded = casadi_cell(tmp_path / "cell.yaml")
     assert loaded.robots[0].joints == ("j1", "j2", "j3")
     assert "torque_form" not in loaded.functions  # three joints, six wrench components
     # what hangs beyond the tip still has weight: compare with the whole arm's last columns

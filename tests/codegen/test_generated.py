@@ -1,4 +1,4 @@
-"""Generated code: current, deterministic, marked, equal in C and in the virtual machine, cached, safe."""
+"""Generated code: current, deterministic, marked, equal in C and in CasADi, cached, safe."""
 
 import hashlib
 import json
@@ -10,6 +10,7 @@ from importlib.resources import files
 
 import numpy as np
 import pytest
+from casadi_cells import casadi_cell
 from conftest import DATA, ROOT
 from mrts_codegen.generate import generate_cell
 
@@ -23,7 +24,7 @@ from mrts.output.embedded_limits import embedded_limits
 COMMITTED = ROOT / "generated" / "planar_dual_arm"
 SHIPPED = ["planar_dual_arm", "dual_ur5"]
 SAME = 1e-15
-"""Compiled without contraction, C and virtual machine differ by libm at most."""
+"""Compiled without contraction, C and CasADi differ by libm at most."""
 
 
 @pytest.mark.quick
@@ -45,14 +46,13 @@ def test_generated_files_name_no_place_of_this_machine():
 
 
 @pytest.mark.quick
-def test_compiled_c_equals_the_virtual_machine(planar_cell):
-    machine = mrts.load_cell(DATA / "cell.yaml", backend="vm")
-    assert (planar_cell.functions.backend, machine.functions.backend) == ("compiled", "vm")
+def test_compiled_c_equals_casadis_own_evaluation(planar_cell):
+    casadi = casadi_cell(DATA / "cell.yaml")
     rng = np.random.default_rng(2)
     count = 64
     for name, record in planar_cell.functions.manifest.functions.items():
         inputs = {a.name: rng.normal(size=(count, *a.shape)) for a in record.inputs}
-        ours, theirs = (cell.functions(name, count, inputs) for cell in (planar_cell, machine))
+        ours, theirs = (cell.functions(name, count, inputs) for cell in (planar_cell, casadi))
         for output in ours:
             np.testing.assert_allclose(
                 ours[output], theirs[output], rtol=SAME, atol=SAME * np.max(np.abs(theirs[output]))
@@ -196,7 +196,7 @@ def test_shapes_that_the_kernel_takes_for_granted_are_checked(short, planar_cell
     )
     altered = manifest.model_copy(update={"functions": manifest.functions | {short: record}})
     with pytest.raises(mrts.InputError, match="do not follow from robots"):
-        check_shapes("manifest.json", altered, planar_cell.functions.compiled.opened)
+        check_shapes("manifest.json", altered, planar_cell.library.opened)
 
 
 def test_a_function_that_the_c_file_lacks_is_missed(tmp_path):
@@ -229,14 +229,14 @@ def test_a_cut_off_library_is_compiled_again(tmp_path, monkeypatch):
     """Loading one would kill the process."""
     monkeypatch.setenv("MRTS_QUICK_CC", "-O0")
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
-    script = "import mrts, sys; print(mrts.load_cell(sys.argv[1]).functions.backend)"
+    script = "import mrts, sys; print(mrts.load_cell(sys.argv[1]).library.joints)"
     arguments = [sys.executable, "-c", script, str(DATA / "cell.yaml")]
     library = None
     for kept in (None, -5000):
         if library is not None:
             library.write_bytes(library.read_bytes()[:kept])
         done = subprocess.run(arguments, capture_output=True, text=True, check=False)
-        assert (done.returncode, done.stdout.strip()) == (0, "compiled"), kept
+        assert (done.returncode, done.stdout.strip()) == (0, "6"), kept
         library = next(tmp_path.rglob("*.so"))
 
 
@@ -268,10 +268,10 @@ def test_the_cache_is_keyed_by_content_and_survives_damage(tmp_path, lift, monke
 def test_two_processes_may_fill_the_cache_at_once(tmp_path, monkeypatch):
     monkeypatch.setenv("MRTS_QUICK_CC", "-O0")
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
-    script = "import mrts, sys; print(mrts.load_cell(sys.argv[1]).functions.backend)"
+    script = "import mrts, sys; print(mrts.load_cell(sys.argv[1]).library.joints)"
     arguments = [sys.executable, "-c", script, str(DATA / "cell.yaml")]
     running = [subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) for _ in range(2)]
-    assert [process.communicate()[0].strip() for process in running] == ["compiled"] * 2
+    assert [process.communicate()[0].strip() for process in running] == ["6"] * 2
     assert not list(tmp_path.rglob(".*"))  # no temporary file is left
 
 

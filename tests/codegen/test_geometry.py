@@ -4,6 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 import yaml
+from casadi_cells import casadi_cell
 from conftest import DATA
 from machines import machine_cell
 from mrts_codegen.cell_manifest import read_cell_model
@@ -63,7 +64,7 @@ def test_functions_of_geometry_are_those_with_it_folded_in(make, tmp_path):
         made = generate_chains(model, CACHED_STEM)
         keys.add(made.record.chains)
         sources.add(made.c_source)
-        geometry = mrts.load_cell(tmp_path / "cell.yaml", backend="vm").geometry
+        geometry = casadi_cell(tmp_path / "cell.yaml").geometry
         folded = build_functions(model, "folded", bake=True)
         assert made.functions.keys() == folded.keys()
         for name, function in made.functions.items():

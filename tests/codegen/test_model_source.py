@@ -1,4 +1,4 @@
-"""Generated functions as an exported library writes them: the numbers of CasADi's virtual machine."""
+"""Generated functions as an exported library writes them: the numbers that CasADi finds."""
 
 import ctypes
 from functools import cache

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
+from casadi_cells import casadi_cell
 from random_cells import spatial_cell
 from scipy.spatial.transform import Rotation
-
-import mrts
 
 SAMPLES = 50
 STEP = 1e-6
@@ -16,7 +15,7 @@ TOLERANCE = 1e-10
 @pytest.fixture(scope="module")
 def cell(tmp_path_factory):
     folder = tmp_path_factory.mktemp("three")
-    return mrts.load_cell(spatial_cell(folder, seed=3, joints=(6, 6, 6))[0], backend="vm")
+    return casadi_cell(spatial_cell(folder, seed=3, joints=(6, 6, 6))[0])
 
 
 @pytest.fixture(scope="module")

@@ -4,10 +4,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import yaml
+from casadi_cells import casadi_cell
 from published_robots import CASES, ROBOTS, single_arm_cell, urdf_path
 from random_cells import chain_model, configuration
-
-import mrts
 
 STATES = 1000
 TOLERANCE = 1e-10  # relative; both sides are exact recursions
@@ -19,7 +18,7 @@ def test_terms_equal_pinocchio(name, tmp_path):
     model = chain_model(urdf_path(reference), tip)
     model.gravity.linear = np.array([0.3, -0.2, -9.81])
     data, frame = model.createData(), model.getFrameId(tip)
-    cell = mrts.load_cell(single_arm_cell(tmp_path, reference, tip, model.nv), backend="vm")
+    cell = casadi_cell(single_arm_cell(tmp_path, reference, tip, model.nv))
     assert list(cell.robots[0].joints) == list(model.names)[1:]
 
     rng = np.random.default_rng(12)
@@ -62,7 +61,7 @@ def test_efforts_and_limits_come_from_the_file(tmp_path):
     description = yaml.safe_load(path.read_text())
     del description["robots"][0]["torque"]
     path.write_text(yaml.safe_dump(description))
-    robot = mrts.load_cell(path, backend="vm").robots[0]
+    robot = casadi_cell(path).robots[0]
     np.testing.assert_array_equal(robot.torque_upper, [150, 150, 150, 28, 28, 28])
     np.testing.assert_allclose(robot.position_upper, [2 * np.pi, 2 * np.pi, np.pi, 2 * np.pi, 2 * np.pi, 2 * np.pi])
     np.testing.assert_allclose(robot.velocity_limit, [3.15, 3.15, 3.15, 3.2, 3.2, 3.2])
@@ -89,7 +88,7 @@ def test_two_arms_of_one_urdf_form_a_cell(tmp_path):
         "robots": robots,
     }
     (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell), encoding="utf-8")
-    loaded = mrts.load_cell(tmp_path / "cell.yaml", backend="vm")
+    loaded = casadi_cell(tmp_path / "cell.yaml")
     assert [len(robot.joints) for robot in loaded.robots] == [7, 7]
     assert "torque_form" not in loaded.functions
     assert "geometric_stiffness" in loaded.functions

@@ -23,7 +23,7 @@ ROUNDING = 1e-12
 
 def by_the_library(cell, motion):
     inputs = motion.inputs(cell.load) | {GEOMETRY: cell.geometry}
-    return closure_sizes(cell.functions.compiled, inputs, motion.object.position, cell.geometry, cell.wrench_rows)
+    return closure_sizes(cell.library, inputs, motion.object.position, cell.geometry, cell.wrench_rows)
 
 
 def assert_same(cell, motion):

@@ -137,7 +137,7 @@ def test_what_is_proposed_is_played_near_its_limit(name, tmp_path):
 
 def test_placeholders_make_a_short_motion_and_no_absurd_factor(dual_ur5, tmp_path):
     """Of an arm whose efforts are 5e4 and that has no velocity limits, a tenth of a second would be far too long."""
-    assert dual_ur5.functions.backend == "compiled"
+    assert dual_ur5.library
     text = re.sub('effort="[^"]*"', 'effort="50000"', URDF.read_text(encoding="utf-8"))
     (tmp_path / "arm.urdf").write_text(re.sub('velocity="[^"]*"', 'velocity="1e6"', text), encoding="utf-8")
     given = Given("cell", [str(tmp_path / "arm.urdf")], ["tool0"] * 2, [], [], None, np.array([0, 0, -9.81]))

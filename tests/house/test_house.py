@@ -60,7 +60,7 @@ def test_scaling_a_cached_cell_imports_what_it_uses(dual_ur5, profile):
     done = subprocess.run([sys.executable, "-c", script, *line], capture_output=True, text=True, check=True)
     verb = ["mrts.commands." + name for name in ("completion", "options", "options.common", "options.profile", "scale")]
     assert done.stdout == f"0 []\n{verb}\n"
-    assert dual_ur5.functions.backend == "compiled"
+    assert dual_ur5.library
 
 
 def test_running_generated_code_needs_no_build_time():

@@ -9,6 +9,7 @@ import pytest
 import toppra
 import toppra.constraint
 import yaml
+from casadi_cells import casadi_cell
 from cell_bank import random_spatial_cell
 from conftest import DATA
 from followed_motions import assert_consistent, motion
@@ -152,7 +153,7 @@ def test_too_few_joints_are_refused(tmp_path):
     robot.pop("wrench", None)
     case.cell_file.write_text(yaml.safe_dump(description))
     with pytest.raises(mrts.InputError, match="4 moving joints, but holding the object takes 6"):
-        mrts.follow_object(mrts.load_cell(case.cell_file, backend="vm"), case.motion)
+        mrts.follow_object(casadi_cell(case.cell_file), case.motion)
 
 
 GIVEN_MISTAKES = {

@@ -6,13 +6,15 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import yaml
+from casadi_cells import casadi_cell
 from followed_motions import assert_consistent, motion
+from grasp_tracking import stretched as oracle_stretched
 from published_robots import ROBOTS
 from scipy.optimize import minimize
 
 import mrts
-import mrts.inverse_kinematics.null_space
-from mrts.inverse_kinematics.null_space import is_redundant, limit_zone, stretched
+import mrts.inverse_kinematics.grasp_tracking
+from mrts.inverse_kinematics.null_space import LIMIT_PUSH, is_redundant, limit_zone, stretched
 
 PANDA = {"urdf": "panda_description/urdf/panda.urdf", "tip_link": "panda_hand_tcp"}
 XARM = {"urdf": "xarm_description/urdf/xarm7.urdf", "tip_link": "link7"}
@@ -24,7 +26,7 @@ BEFORE_THE_CHEST = {"left": [0.081, 0.213, 1.278, -1.159, -0.699, 0.707, -0.007]
 BEFORE_THE_CHEST["right"] = (np.array([-1, -1, -1, 1, -1, -1, -1]) * BEFORE_THE_CHEST["left"]).tolist()
 
 SAME_PATH = 1e-9
-"""Paths of one motion in other samples, or by the virtual machine: both are solved to 1e-10 in the tip's pose."""
+"""Paths of one motion in other samples, or by CasADi: both are solved to 1e-10 in the tip's pose."""
 
 
 def both_hands(kind, postures, places=((0, 0, 0, 0),) * 2):
@@ -32,7 +34,7 @@ def both_hands(kind, postures, places=((0, 0, 0, 0),) * 2):
     return {name: kind | {"posture": postures[name], "place": places[index]} for index, name in enumerate(postures)}
 
 
-def held_cell(folder, arms, backend="vm"):
+def held_cell(folder, arms, load=casadi_cell):
     """A cell whose arms hold the object at their postures, and where the object then is: between the hands."""
     tips = {}
     for name, arm in arms.items():
@@ -67,7 +69,7 @@ def held_cell(folder, arms, backend="vm"):
     ]
     cell = {"name": "held", "gravity": [0, 0, -9.81], "object": {"mass": 1.0, "inertia": [0.01, 0.02, 0.02]}}
     (folder / "cell.yaml").write_text(yaml.safe_dump(cell | {"robots": robots}), encoding="utf-8")
-    return mrts.load_cell(folder / "cell.yaml", backend=backend), middle
+    return load(folder / "cell.yaml"), middle
 
 
 def chain_joints(model, arm):
@@ -103,7 +105,7 @@ def panda_and_ur5(folder):
     """A redundant arm and one that is not."""
     arms = both_hands(PANDA, {"left": [0.0, 0.3, 0.0, -2.0, 0.0, 2.3, 0.8]}, OPPOSITE)
     arms |= both_hands(UR5, {"right": [0.3, -1.2, 1.8, -2.2, -1.5, 0.2]}, OPPOSITE[1:])
-    cell, middle = held_cell(folder, arms, backend="auto")
+    cell, middle = held_cell(folder, arms, mrts.load_cell)
     assert [is_redundant(cell, robot) for robot in cell.robots] == [True, False]
     return cell, middle
 
@@ -129,17 +131,13 @@ def test_of_all_positions_that_hold_the_grasp_the_nearest_to_the_start_are_taken
         gap = (ours["position"] - poses["position"])[0, :, 0]
         return np.concatenate([gap, pin.log3(ours["rotation"][0, :, :3] @ poses["rotation"][0, :, :3].T)])
 
-    reference = stretched(robot, start[None]).h[0]
+    reference = stretched(robot, start[None])[0]
 
     def distance(q):
         """The integral of h(q) - h(start)."""
         zone = limit_zone(robot)
         depth = np.maximum([(q - robot.position_upper) / zone + 1, (robot.position_lower - q) / zone + 1], 0)
-        return np.sum(
-            q**2 / 2
-            + mrts.inverse_kinematics.null_space.LIMIT_PUSH * zone / 6 * np.sum(depth**6, axis=0)
-            - reference * q
-        )
+        return np.sum(q**2 / 2 + LIMIT_PUSH * zone / 6 * np.sum(depth**6, axis=0) - reference * q)
 
     nearest = minimize(
         distance,
@@ -162,7 +160,7 @@ def test_a_posture_is_preferred_at_the_start(panda_and_ur5):
         start = mrts.follow_object(moved, given).q[0, :7]
         J = cell.functions("kinematics", 1, {"q": np.concatenate([start, np.zeros(6)])[None]})["jacobian"][0][:, :7]
         null = np.eye(7) - np.linalg.pinv(J) @ J
-        h, wanted = (stretched(moved.robots[0], q[None]).h[0] for q in (start, moved.robots[0].posture))
+        h, wanted = (stretched(moved.robots[0], q[None])[0] for q in (start, moved.robots[0].posture))
         assert np.max(np.abs(null @ (h - wanted))) < 1e-8
 
 
@@ -192,9 +190,9 @@ def test_there_and_back_ends_where_it_began(panda_and_ur5):
     np.testing.assert_allclose(followed.q[-1], followed.q[0], atol=SAME_PATH)
 
 
-def test_compiled_code_and_virtual_machine_agree(panda_and_ur5, folder):
+def test_compiled_code_and_casadi_agree(panda_and_ur5, folder):
     compiled, middle = panda_and_ur5
-    machine = mrts.load_cell(folder / "cell.yaml", backend="vm")
+    machine = casadi_cell(folder / "cell.yaml")
     given = from_to(middle, [0.03, 0.08, 0.1], rpy=(0.1, 0.0, 0.2), samples=21)
     ours, theirs = mrts.follow_object(compiled, given), mrts.follow_object(machine, given)
     for name in ("q", "dq", "ddq"):
@@ -209,7 +207,7 @@ def test_talos_lifts_with_both_hands_inside_its_limits(talos, monkeypatch):
     followed = mrts.follow_object(cell, given)
     assert margin(cell, followed.q) > 0.01
     assert_consistent(cell, followed, tolerance=1e-4)  # so few samples: errors of the rule that integrates here
-    monkeypatch.setattr(mrts.inverse_kinematics.null_space, "LIMIT_PUSH", 0.0)
+    monkeypatch.setattr(mrts.inverse_kinematics.grasp_tracking, "LIMIT_PUSH", 0.0)
     with pytest.raises(mrts.MotionError, match=r"passes a position limit .* 'arm_(left|right)_7_joint'"):
         mrts.follow_object(cell, given)
 
@@ -218,7 +216,7 @@ def test_velocities_and_accelerations_are_derivatives_where_limits_push(talos):
     cell, middle = talos
     followed = mrts.follow_object(cell, from_to(middle, [0, 0, 0.3], samples=201))
     robot = cell.robots[0]
-    assert np.max(np.abs(stretched(robot, followed.q[:, :7]).h - followed.q[:, :7])) > 1  # they do
+    assert np.max(np.abs(stretched(robot, followed.q[:, :7]) - followed.q[:, :7])) > 1  # they do
     assert_consistent(cell, followed)
 
 
@@ -251,15 +249,15 @@ def test_stretched_positions_and_their_derivatives(panda_and_ur5):
     zone = limit_zone(robot)
     lower, upper = robot.position_lower, np.minimum(robot.position_upper, 3.0)
     unlimited = np.array([[0.0, 0.0, 1e3, 0.0, 0.0, 0.0, 0.0]])
-    assert stretched(robot, unlimited).h[0, 2] == 1e3
-    np.testing.assert_allclose(
-        stretched(robot, lower[None]).h[0], lower - mrts.inverse_kinematics.null_space.LIMIT_PUSH, atol=1e-2
-    )
+    assert stretched(robot, unlimited)[0, 2] == 1e3
+    np.testing.assert_allclose(stretched(robot, lower[None])[0], lower - LIMIT_PUSH, atol=1e-2)
     step = 1e-6
     for q in (lower + 0.3 * zone, upper - 0.6 * zone, upper + 0.1 * zone):
-        at = stretched(robot, np.array([q - step, q, q + step]))
-        np.testing.assert_allclose((at.h[2] - at.h[0]) / (2 * step), at.slope[1], rtol=1e-6)
-        np.testing.assert_allclose((at.slope[2] - at.slope[0]) / (2 * step), at.bend[1], rtol=1e-6, atol=1e-6)
+        around = np.array([q - step, q, q + step])
+        h, slope, bend = oracle_stretched(robot, around)
+        np.testing.assert_array_equal(stretched(robot, around), h)
+        np.testing.assert_allclose((h[2] - h[0]) / (2 * step), slope[1], rtol=1e-6)
+        np.testing.assert_allclose((slope[2] - slope[0]) / (2 * step), bend[1], rtol=1e-6, atol=1e-6)
 
 
 def test_ranked_configurations_are_what_their_postures_lead_to(panda_and_ur5):

@@ -20,7 +20,7 @@ from mrts.kernel.c_text import programs_source
 from mrts.kernel.compiled_cache import library_in_cache
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.foreign_arrays import work_arrays
-from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, _programs_alone, compiled_programs
+from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, compiled_programs
 from mrts.samples.trajectory_programs import compiled_trajectory
 from mrts.solvers.convex_program import ConvexPrograms, optimality_error, solve_programs
 
@@ -246,7 +246,7 @@ def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch
         assert result.fallbacks == 0
         timed = mrts.retime(cell, motion, between=None)
         fast = compiled_trajectory(cell.without_velocity_limits(), motion, "wrench", None, "kernel")
-        ends = cell.functions.compiled.ranges(
+        ends = cell.library.ranges(
             motion.samples,
             motion.inputs(cell.load) | {"geometry": cell.geometry},
             fast.sparse(),
@@ -380,12 +380,3 @@ def test_the_first_answer_compiles_one_library(tmp_path):
     )
     assert done.returncode == 0, done.stderr
     assert [path.name for path in tmp_path.rglob("*.so")] == ["planar_dual_arm.so"]
-
-
-def test_a_broken_compiler_does_not_stop_the_virtual_machine(monkeypatch, lift):
-    monkeypatch.setenv("CC", "false")
-    monkeypatch.setattr("mrts.kernel.programs._of_a_cell", [])
-    _programs_alone.cache_clear()
-    cell = mrts.load_cell(DATA / "cell.yaml", backend="vm")
-    assert mrts.scale(cell, lift).range.upper.c2 == pytest.approx(3.0618, abs=1e-4)
-    _programs_alone.cache_clear()

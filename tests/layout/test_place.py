@@ -133,10 +133,10 @@ def test_postures_follow_where_the_studys_own_lead_elsewhere(tmp_path):
     path = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, PLANAR_VARY)
     layouts = Layouts.of(path)
     study, values = layouts.study, np.array([0.0, 0.0, 2.5, 0.0])
-    machine = mrts.Cell.from_description(study.cell, folder=study.folder, backend="vm")
-    numbers = LayoutNumbers.of(study, machine)
-    search = LayoutSearch(study, numbers, layouts.motion, machine, lambda: False)
-    ranked = mrts.rank_configurations(machine, layouts.motion, between=None).ranked
+    cell = mrts.Cell.from_description(study.cell, folder=study.folder)
+    numbers = LayoutNumbers.of(study, cell)
+    search = LayoutSearch(study, numbers, layouts.motion, cell, lambda: False)
+    ranked = mrts.rank_configurations(cell, layouts.motion, between=None).ranked
     other = next(one for one in ranked if one.c2_upper < 0.95 * ranked[0].c2_upper)
     start = search.tried(values, other.postures())
     assert start.c2 == pytest.approx(other.c2_upper, rel=SAME)
@@ -248,7 +248,7 @@ def test_a_number_that_rounds_to_its_bound_is_at_it(tmp_path):
     vary = {"robots.left.base.xyz[0]": {"from": low, "to": high}}
     path = write_study(tmp_path, shipped("planar_dual_arm"), DATA / "planar_dual_arm" / "lift.yaml", vary)
     study = mrts.read_study(path)
-    machine = mrts.Cell.from_description(study.cell, folder=study.folder, backend="vm")
-    numbers = LayoutNumbers.of(study, machine)
+    cell = mrts.Cell.from_description(study.cell, folder=study.folder)
+    numbers = LayoutNumbers.of(study, cell)
     for value, written in ((high - 1e-8, high), (low + 1e-8, low), (0.07654321, 0.07654)):
         assert numbers.rounded(np.array([value])).tolist() == [written]

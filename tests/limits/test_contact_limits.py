@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cell_bank import compiled, random_planar_cell, random_spatial_cell
+from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA
 from contact_forces import least_pressing
 
@@ -98,7 +98,7 @@ def test_compiled_rows_are_those_of_numpy_on_random_cells(draw, tmp_path):
         cell = random_contacts(rng, case.cell.without_velocity_limits())
         try:
             ours, theirs = (
-                mrts.scale(compiled(cell), case.motion),
+                mrts.scale(cell, case.motion),
                 mrts.scale(cell, case.motion, solver="qpsol:qpoases"),
             )
         except mrts.MotionError:

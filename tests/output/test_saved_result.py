@@ -9,6 +9,7 @@ from dataclasses import fields, is_dataclass, replace
 import numpy as np
 import pytest
 import yaml
+from casadi_cells import casadi_cell
 from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA, ROOT
 from saved_files import contents
@@ -201,17 +202,16 @@ def test_the_functions_come_from_the_cell_that_is_given(planar_cell, lift, tmp_p
     result = mrts.scale(box, lift)
     mrts.save_result(result, tmp_path / "result.npz")
     alone = mrts.load_result(tmp_path / "result.npz")
-    assert alone.cell.functions.backend == "none"
     for asked in (
         alone.residuals,
         lambda: mrts.torques_for_load(alone, box.load),
         lambda: mrts.follow_object(alone.cell, lift),
         lambda: mrts.scale(alone.cell, alone.motion),
     ):
-        with pytest.raises(mrts.InputError, match=r"result\.npz: function '.*': .*load_result\(path, cell=mrts\.load"):
+        with pytest.raises(mrts.InputError, match=r"result\.npz: functions: .*load_result\(path, cell=mrts\.load"):
             asked()
     whole = mrts.load_result(tmp_path / "result.npz", cell=planar_cell)
-    assert whole.cell.functions.compiled is planar_cell.functions.compiled
+    assert whole.cell.library is planar_cell.library
     assert (whole.cell.folder, alone.cell.folder) == (planar_cell.folder, None)
     assert differences(result.cell, whole.cell) == []
     assert whole.residuals() == result.residuals()
@@ -228,19 +228,19 @@ def test_another_cell_is_refused(lifted, dual_ur5, planar_cell, tmp_path):
         robot["urdf"] = str(DATA / "planar_arm.urdf")
         robot["torque"] = [1, 1, 1]  # limits do not enter the functions
     (tmp_path / "weak.yaml").write_text(yaml.safe_dump(description))
-    whole = mrts.load_result(tmp_path / "result.npz", cell=mrts.load_cell(tmp_path / "weak.yaml", backend="vm"))
+    whole = mrts.load_result(tmp_path / "result.npz", cell=mrts.load_cell(tmp_path / "weak.yaml"))
     np.testing.assert_array_equal(whole.cell.robots[0].torque_upper, planar_cell.robots[0].torque_upper)
     assert max(whole.residuals().arms, whole.residuals().object) < 1e-9
     description["robots"][1]["base"]["xyz"][0] += 0.001  # an input of the functions
     (tmp_path / "moved.yaml").write_text(yaml.safe_dump(description))
-    whole = mrts.load_result(tmp_path / "result.npz", cell=mrts.load_cell(tmp_path / "moved.yaml", backend="vm"))
+    whole = mrts.load_result(tmp_path / "result.npz", cell=mrts.load_cell(tmp_path / "moved.yaml"))
     np.testing.assert_array_equal(whole.cell.geometry, planar_cell.geometry)
     assert max(whole.residuals().arms, whole.residuals().object) < 1e-9
     text = (DATA / "planar_arm.urdf").read_text().replace('mass value="', 'mass value="1')
     (tmp_path / "heavier.urdf").write_text(text)
     description["robots"][1]["urdf"] = "heavier.urdf"
     (tmp_path / "heavier.yaml").write_text(yaml.safe_dump(description))
-    for cell, what in ((dual_ur5, "plane"), (mrts.load_cell(tmp_path / "heavier.yaml", backend="vm"), "robots.1.")):
+    for cell, what in ((dual_ur5, "plane"), (casadi_cell(tmp_path / "heavier.yaml"), "robots.1.")):
         with pytest.raises(mrts.InputError, match=rf"cell: .*they differ in {what}.* Read the cell file"):
             mrts.load_result(tmp_path / "result.npz", cell=cell)
     with pytest.raises(mrts.InputError, match=r"cell.*from mrts\.load_cell"):

@@ -9,8 +9,6 @@ from one_arm import duration
 from random_motors import equipped
 
 import mrts
-from mrts.base.errors import CompilerError
-from mrts.reachability import speed_kernel
 from mrts.reachability import successive_profiles as successive
 from mrts.reachability.fastest_profile import Obstacle
 from mrts.reachability.speed_cells import profile_through_cells
@@ -93,25 +91,6 @@ def test_what_cannot_be_timed_says_which_limits_conflict(planar_cell, lift, tmp_
     assert found.status.value == "start speed not admissible", found.summary()
     assert "cannot start from rest" in found.explanation
     assert "fx contact wrench" in found.explanation
-
-
-def test_it_is_the_same_without_a_compiler(planar_cell, monkeypatch):
-    cell = equipped(planar_cell, viscous=8.0, torque_speed=[[0, 100], [2, 100], [8, 20]])
-    motion = mrts.sample_motion(
-        mrts.MotionDescription(
-            start={"xyz": [1.25, 1.0, 0]}, end={"xyz": [1.25, 1.5, 0]}, duration=0.5, samples=15, profile="cubic"
-        )
-    )
-    problem, piece = rows(cell, motion)
-    compiled = successive.successive_profiles([problem], piece.step, (0.0, 0.0))
-
-    def missing():
-        raise CompilerError("none")
-
-    monkeypatch.setattr(speed_kernel, "default_programs", missing)
-    without = successive.successive_profiles([problem], piece.step, (0.0, 0.0))
-    assert len(compiled) > 2
-    np.testing.assert_allclose(without[-1].profile.x, compiled[-1].profile.x, rtol=1e-5, atol=1e-12)
 
 
 def test_a_search_that_finds_nothing_says_where(tmp_path):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
-from cell_bank import compiled, drawn_until, random_planar_cell
+from cell_bank import drawn_until, random_planar_cell
 from conftest import DATA
 from draws import seeds
 from gantries import along_x, gantries
@@ -36,7 +36,7 @@ def test_one_arm_equals_toppra_pointwise(seed, tmp_path):
     cell, model, path = one_arm(seed, tmp_path)
     theirs = by_toppra(cell, model, path, grid)
     motion = carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
-    planes = motion_planes(compiled(cell), motion, None, None)
+    planes = motion_planes(cell, motion, None, None)
     assert planes is not None
     rows = build_sample_problem(cell, motion, varying=True)
     for regions in (speed_regions(rows, 1.0), regions_of_planes(*planes, 1.0)):

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
-from cell_bank import compiled
 from conftest import DATA
 from one_arm import one_arm
 from random_cells import configuration
@@ -31,9 +30,9 @@ ROW_BY_ROW = "scipy:highs"
 """A solver that is asked for nothing where c² is the only unknown: rows are then looked at in numpy."""
 
 
-def compiled_arm(folder):
+def arm_and_path(folder):
     cell, _, path = one_arm(3, folder)
-    return compiled(cell), path
+    return cell, path
 
 
 def along_spline(cell, path, samples):
@@ -43,7 +42,7 @@ def along_spline(cell, path, samples):
 
 def asked(name, folder, planar_cell, lift, dual_ur5):
     """A cell, its motion and how its load is shared."""
-    arm, path = compiled_arm(folder)
+    arm, path = arm_and_path(folder)
     motion = along_spline(arm, path, 61)
     coordinated = mrts.follow_object(planar_cell, lift)
     carried = mrts.follow_object(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml"))
@@ -117,14 +116,14 @@ def test_torques_are_those_of_the_rows(case):
 
 
 def test_a_standstill_that_holds_is_named_alone(tmp_path):
-    cell, path = compiled_arm(tmp_path)
+    cell, path = arm_and_path(tmp_path)
     found = motion_ranges(cell, along_spline(cell, path, 9), "wrench", None, "kernel")
     assert {row.name for k in range(9) for row in found.binding(k, "lower")} == {STANDSTILL}
 
 
 def test_pieces_of_a_long_motion_are_the_whole_to_the_bit(tmp_path):
     """Threads take pieces of a motion of so many samples."""
-    cell, path = compiled_arm(tmp_path)
+    cell, path = arm_and_path(tmp_path)
     motion = along_spline(cell, path, 97)
     places = np.arange(2 * ONE_PIECE + 5) % motion.samples
     long = motion_ranges(cell, motion.at(places), "wrench", None, "kernel")
@@ -177,7 +176,7 @@ def test_half_planes_are_those_of_the_rows(case, monkeypatch):
 @pytest.mark.parametrize("seed", range(2))
 def test_half_planes_of_an_arm_are_its_torques_by_pinocchio(seed, tmp_path):
     cell, model, path = one_arm(seed, tmp_path)
-    cell, data = compiled(cell).without_velocity_limits(), model.createData()
+    cell, data = cell.without_velocity_limits(), model.createData()
     motion, rng = along_spline(cell, path, 23), np.random.default_rng(seed)
     known = motion_planes(cell, motion, None, None)
     assert known is not None
@@ -192,7 +191,7 @@ def test_half_planes_of_an_arm_are_its_torques_by_pinocchio(seed, tmp_path):
 
 
 def test_friction_in_proportion_to_speed_is_left_to_the_intervals(tmp_path):
-    cell, path = compiled_arm(tmp_path)
+    cell, path = arm_and_path(tmp_path)
     cell = equipped(cell, viscous=3.0)
     motion = along_spline(cell, path, 31)
     assert motion_planes(cell, motion, None, None) is None
@@ -202,7 +201,7 @@ def test_friction_in_proportion_to_speed_is_left_to_the_intervals(tmp_path):
 
 def test_what_is_no_number_is_left_to_the_rows(tmp_path, monkeypatch):
     """The C says so rather than take it for no limit."""
-    cell, path = compiled_arm(tmp_path)
+    cell, path = arm_and_path(tmp_path)
     motion = along_spline(cell, path, 9)
     poor = motion.inputs(cell.load)
     poor["ddq"] = np.where(np.arange(9)[:, None] == 4, np.nan, motion.ddq)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cell_bank import compiled, random_planar_cell, random_spatial_cell
+from cell_bank import random_planar_cell, random_spatial_cell
 from draws import draws
 from reference import ReferenceCell
 from speed_scan import Motors, SpeedScan
@@ -74,8 +74,6 @@ def random_case(seed, folder):
 
 def compared(seed, folder, seen):
     case, cell, motion, rng = random_case(seed, folder)
-    if seed % 4 == 0:  # planar ones: spatial ones take long to compile, and those below are
-        cell = compiled(cell)
     found = motion_ranges(cell, motion, "wrench", None, "kernel")
     reference = ReferenceCell(case.cell_file)
     _, samples = reference.object_motion(case.motion_file)
@@ -140,7 +138,7 @@ def checked_ends(problem, found, sample):
 )
 def test_every_way_finds_the_same_ends_and_they_hold(seed, tmp_path):
     _, cell, motion, _ = random_case(seed, tmp_path)
-    fast = motion_ranges(compiled(cell), motion, "wrench", None, "kernel")
+    fast = motion_ranges(cell, motion, "wrench", None, "kernel")
     problem = build_sample_problem(cell, motion)
     solvers = SOLVERS if seed == 1 else SOLVERS[:2]
     others = {name: motion_ranges(cell, motion, "wrench", None, name) for name in solvers}

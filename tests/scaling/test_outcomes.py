@@ -98,7 +98,7 @@ def test_units_do_not_matter(planar_cell, lift, k, formulation, tmp_path):
         for side in robot["wrench"]:
             robot["wrench"][side] = [value and value * k for value in robot["wrench"][side]]
     (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
-    scaled = mrts.load_cell(tmp_path / "cell.yaml", backend="vm")
+    scaled = mrts.load_cell(tmp_path / "cell.yaml")
     result = mrts.scale(scaled, lift, formulation=formulation)
     assert result.range.upper.c2 == pytest.approx(mrts.scale(planar_cell, lift).range.upper.c2, rel=1e-9)
     assert result.residuals().limits < 1e-8
@@ -326,5 +326,3 @@ def test_changes_of_a_cell_are_checked(planar_cell):
     for postures in ({"middle": [0, 0, 0]}, {"left": [0, 0]}, {"left": None}, {"left": [0, 0, np.inf]}):
         with pytest.raises(mrts.InputError, match="postures"):
             planar_cell.with_postures(postures)
-    with pytest.raises(mrts.InputError, match="backend"):
-        mrts.load_cell(DATA / "cell.yaml", backend="gpu")

@@ -305,7 +305,7 @@ def test_first_moments_equal_an_object_whose_frame_lies_elsewhere(dual_ur5, lift
         robot["urdf"] = str(UR5 / robot["urdf"])
         robot["grasp"]["xyz"] = (np.array(robot["grasp"]["xyz"]) - d).tolist()
     (tmp_path / "cell.yaml").write_text(yaml.safe_dump(description))
-    there = scaled(mrts.load_cell(tmp_path / "cell.yaml", backend="vm"), centre)
+    there = scaled(mrts.load_cell(tmp_path / "cell.yaml"), centre)
     np.testing.assert_allclose(here.range.samples.upper, there.range.samples.upper, rtol=1e-7)
     np.testing.assert_allclose(here.range.samples.lower, there.range.samples.lower, atol=1e-7)
 

@@ -294,7 +294,7 @@ def test_samples_that_were_added_stay(planar_cell):
 
 def test_a_redundant_arm_stays_near_its_posture_whatever_has_moved(tmp_path):
     """Its joints are not those of where it starts, but those that scaling the moved cell finds."""
-    cell = mrts.load_cell(single_arm_cell(tmp_path, *CASES["panda"], 7), backend="vm")
+    cell = mrts.load_cell(single_arm_cell(tmp_path, *CASES["panda"], 7))
     posture = [0.1, 0.3, -0.2, -1.9, 0.1, 2.1, 0.7]
     cell = cell.with_postures({"arm": [0.05 + angle for angle in posture]}).without_wrench_limits()
     tip = cell.functions("kinematics", 1, {"q": np.array([posture])})

@@ -40,7 +40,7 @@ def requested(*robots, folder=DATA, **others):
 
 @pytest.fixture(scope="module")
 def two_ur5(dual_ur5):
-    assert dual_ur5.functions.backend == "compiled"  # the chains of the proposal, which need no other compilation
+    assert dual_ur5.library  # the chains of the proposal, which need no other compilation
     return propose(requested(UR5, tips=["tool0", "tool0"], mass=4.0))
 
 
@@ -90,7 +90,7 @@ def test_the_arms_start_where_the_file_says(two_ur5):
 
 
 def test_too_heavy_a_load_gives_way_and_the_file_says_so(dual_ur5):
-    assert dual_ur5.functions.backend == "compiled"
+    assert dual_ur5.library
     proposal = propose(requested(UR5, mass=400.0))
     assert proposal.mass < 400
     assert proposal.result.range.upper.c2 > 1
@@ -99,7 +99,7 @@ def test_too_heavy_a_load_gives_way_and_the_file_says_so(dual_ur5):
 
 def test_a_planar_arm_without_efforts_gets_torques_that_hold_it(planar_cell):
     """Twice its worst torque at rest: more than the arm and its share of the load take at the start."""
-    assert planar_cell.functions.backend == "compiled"
+    assert planar_cell.library
     request = requested(PLANAR, gravity=np.array([0, -9.81, 0]))
     assert request.plane == "xy"
     proposal = propose(request)
@@ -114,7 +114,7 @@ def test_a_planar_arm_without_efforts_gets_torques_that_hold_it(planar_cell):
 
 def test_efforts_that_are_known_stay_beside_one_that_is_assumed(planar_cell, tmp_path):
     """The chains are those of the shipped arm: limits are no part of what is compiled."""
-    assert planar_cell.functions.backend == "compiled"
+    assert planar_cell.library
     text = PLANAR.read_text()
     assert text.count("<limit ") == 0
     limit = '<limit lower="-3" upper="3" effort="{}" velocity="4"/>'
@@ -132,7 +132,7 @@ def test_efforts_that_are_known_stay_beside_one_that_is_assumed(planar_cell, tmp
 
 def test_postures_that_are_given_are_kept_and_held(dual_ur5):
     """'Hold it here, now': the hands are at their grasps without a step of inverse kinematics."""
-    assert dual_ur5.functions.backend == "compiled"
+    assert dual_ur5.library
     postures = [np.array([0.1, -1.3, 1.9, -0.7, 0.2, 0.3]), np.array([-0.4, -1.2, 1.8, -0.5, -0.2, 1.0])]
     proposal = propose(requested(UR5, postures=postures))
     for robot, posture in zip(proposal.cell["robots"], postures, strict=True):

@@ -9,6 +9,7 @@ import yaml
 
 import mrts
 from mrts.base.arrays import Array
+from mrts.cell.generation import symbolic_functions
 from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.layout.layout_program import LayoutAnswer, LayoutProgram, LayoutStart
 
@@ -62,7 +63,6 @@ class Layouts:
 
     def program_at(self, values: Array) -> LayoutAnswer:
         """The program with its layout held fixed: c²⁺ there, and how it changes."""
-        machine = mrts.Cell.from_description(self.study.cell, folder=self.study.folder, backend="vm")
         result = self.result(values)
         start = LayoutStart(
             cell=result.cell,
@@ -72,6 +72,7 @@ class Layouts:
             c2=result.range.upper.c2,
             loads=(result.cell.load,) if result.load is None else tuple(point.load for point in result.load.points),
         )
-        numbers = LayoutNumbers.of(self.study, machine)
-        program = LayoutProgram(machine.functions.symbolic, numbers, start, np.arange(result.motion.samples))
+        numbers = LayoutNumbers.of(self.study, result.cell)
+        functions = symbolic_functions(self.study.cell, self.study.folder.absolute())
+        program = LayoutProgram(functions, numbers, start, np.arange(result.motion.samples))
         return program.solve((values, values))

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from casadi_cells import casadi_cell
 from conftest import DATA
 
-import mrts
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.uncompiled import cell_to_compile
 from mrts.cli import main
@@ -66,7 +66,7 @@ def test_a_cell_stands_at_its_posture_follows_its_places_and_is_saved(alone):
         close_server(server)
     (path,), remark = save_choices(alone, bench.choices, "moved.yaml", "", overwrite=False)
     assert remark == ""
-    saved = mrts.load_cell(path, backend="vm")
+    saved = casadi_cell(path)
     np.testing.assert_allclose(saved.robots[0].T_world_base.p, near.p)
     assert saved.mass == 0.75
 

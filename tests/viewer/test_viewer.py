@@ -11,6 +11,7 @@ import pytest
 import viser
 import yaml
 import yourdfpy
+from casadi_cells import casadi_cell
 from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA, ROOT
 from published_robots import ROBOTS
@@ -72,7 +73,7 @@ def arm_of(folder, urdf, base_link, tip_link, joints):
 )
 def test_meshes_stand_where_yourdfpy_puts_them(urdf, base_link, tip_link, joints, tmp_path):
     """The independent side is yourdfpy's kinematics at q; ours turns the meshes at zero by the manifest's axes."""
-    cell = mrts.load_cell(arm_of(tmp_path, ROBOTS / urdf, base_link, tip_link, joints), backend="vm")
+    cell = casadi_cell(arm_of(tmp_path, ROBOTS / urdf, base_link, tip_link, joints))
     (robot,) = cell.robots
     (path, base), *_ = urdf_files(tmp_path / "cell.yaml").values()
     assert base == base_link

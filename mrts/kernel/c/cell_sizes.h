@@ -18,7 +18,8 @@
 #define MRTS_INPUT_SIZES {14, 14, 14, 9, 6, 6, 10, 51} /* numbers of each */
 #define MRTS_INPUT_NUMBERS 124         /* of all */
 #define MRTS_GEOMETRY_NUMBERS 51       /* of the geometry that functions read */
-#define MRTS_REDUNDANT 1               /* defined if an arm has more joints than a wrench components */
+#define MRTS_UNEVEN 1                  /* defined if an arm has other than as many joints as a wrench components */
+#define MRTS_REDUNDANT 1               /* defined if an arm has more */
 #define MRTS_WRENCH_FORM sample_wrench_form
 #define MRTS_KINEMATICS sample_kinematics
 #define MRTS_BIAS_ACCELERATION sample_bias_acceleration
@@ -43,7 +44,9 @@ typedef struct {
 
 /* The last input of each is the geometry, see mrts_arm; functions into which it is folded do not read it. */
 /* q, q', q'', rotation, twist, acceleration, load to the affine maps of torques and wrenches, see rows.h. */
+#ifdef MRTS_WRENCH_FORM
 MRTS_GENERATED(MRTS_WRENCH_FORM);
+#endif
 /* q to positions and rotations of the tips and the Jacobians of all arms side by side. */
 MRTS_GENERATED(MRTS_KINEMATICS);
 /* q, q' to J' q' of each arm. */

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.inverse_kinematics.variant_tracking import TrackedVariants, VariantTracking
+from mrts.inverse_kinematics.variant_tracking import TrackedVariants
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL
-from mrts.kernel.variants import FOLLOWED, REFUSED, UNSETTLED
+from mrts.kernel.tracking import REFUSED
 from mrts.limits.rows import ActiveRow
 from mrts.samples.range_status import RangeStatus
 from mrts.samples.sample_ranges import POINT_TOLERANCE
@@ -23,7 +23,6 @@ class VariantAnswers:
     """The rows of the table of some variants, as far as they are settled.
 
     Args:
-        tracking: How they followed.
         limits: Of their cell.
         given: What the native calls took, by name, with V or 1 first.
         tracked: What they gave.
@@ -35,14 +34,12 @@ class VariantAnswers:
 
     def __init__(
         self,
-        tracking: VariantTracking,
         limits: VariantLimits,
         given: Mapping[str, Array],
         tracked: TrackedVariants,
         found: NDArray[np.void],
     ) -> None:
-        self._tracking, self._limits, self._given = tracking, limits, given
-        self._joints, self._reasons, self.found = tracked.joints, tracked.reasons, found
+        self._limits, self._given, self._tracked, self.found = limits, given, tracked, found
 
     def row(self, variant: int) -> Row | None:
         """The row of one variant, without its number and its parameters; None where it is not settled.
@@ -50,14 +47,11 @@ class VariantAnswers:
         Args:
             variant: Place in the arrays.
         """
-        outcome = self._joints.outcome[variant]
-        code = int(outcome["code"])
-        if variant in self._reasons:
-            return {"status": UNREACHABLE, "reason": self._reasons[variant]}
-        if code in {UNSETTLED, REFUSED}:
+        failure = self._tracked.failure(variant)
+        if failure is not None:
+            return {"status": UNREACHABLE, "reason": failure.message}
+        if self._tracked.joints.outcome[variant, 0]["code"] == REFUSED:
             return None
-        if code != FOLLOWED:
-            return {"status": UNREACHABLE, "reason": self._tracking.reason(outcome, self._of("time", variant))}
         status = int(self.found[variant]["status"])
         if status == INFEASIBLE:
             return self._infeasible(variant)
@@ -112,12 +106,12 @@ class VariantAnswers:
     @cached_property
     def _velocities(self) -> dict[int, list[ActiveRow]]:
         """By variant that velocities bound: those that do the most."""
-        settled = (self._joints.outcome["code"] == FOLLOWED) & (self.found["status"] == OPTIMAL)
+        settled = self._tracked.joints.followed & (self.found["status"] == OPTIMAL)
         capped = np.flatnonzero(settled & (self.found["capped"] != 0))
         sample = self.found["sample"][capped, 1]
         twist, limit = (np.broadcast_to(each, (len(self.found), *each.shape[1:])) for each in
                         (self._given["twist"], self._given["velocity"]))  # fmt: skip
-        rows = self._limits.velocities_at(self._joints.dq[capped, sample], twist[capped, sample], limit[capped])
+        rows = self._limits.velocities_at(self._tracked.joints.dq[capped, sample], twist[capped, sample], limit[capped])
         return dict(zip(capped.tolist(), rows, strict=True))
 
     def _named(self, variant: int, end: int) -> list[ActiveRow]:

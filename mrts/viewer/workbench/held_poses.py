@@ -12,8 +12,7 @@ from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.drawing.bodies.cell_shapes import body_poses
-from mrts.inverse_kinematics.grasp_tracking import POSE_TOLERANCE, solve_grasps
-from mrts.inverse_kinematics.starting_positions import FURTHER_STEPS
+from mrts.inverse_kinematics.grasp_tracking import FURTHER_STEPS, reached, solve_grasps
 from mrts.motion.object_motion import ObjectMotion
 
 MOST_SAMPLES = 41
@@ -116,7 +115,7 @@ def _held(cell: Cell, motion: ObjectMotion) -> dict[str, Any]:
     samples = np.unique(np.linspace(0, len(motion.time) - 1, count).round().astype(np.intp))
     start = np.concatenate([robot.posture for robot in cell.robots])
     starts = np.tile(start, (len(samples), 1))
-    held = solve_grasps(cell, motion, samples, starts, FURTHER_STEPS, None)
+    held = solve_grasps(cell, motion, samples, starts, FURTHER_STEPS, near=None)
     return {
         "cell": cell,
         "time": motion.time[samples],
@@ -124,5 +123,5 @@ def _held(cell: Cell, motion: ObjectMotion) -> dict[str, Any]:
         "rotation": motion.rotation[samples],
         "q": held.q,
         "gap": held.gap,
-        "reached": np.maximum(held.gap, held.turn) <= POSE_TOLERANCE,
+        "reached": reached(held),
     }

@@ -16,9 +16,9 @@ from mrts.base.input_file import read_text
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.base.yaml_parser import parse_yaml, yaml_text
 from mrts.cell.cell import Cell
-from mrts.cell.functions import Backend
-from mrts.cell.loading import load_cell
+from mrts.cell.generation import cell_model, described_model
 from mrts.cell.robot import Robot
+from mrts.cell.uncompiled import uncompiled_cell
 from mrts.motion.motion_file import MotionDescription
 from mrts.viewer.workbench.choices import Choices, Given
 from mrts.viewer.workbench.edited_yaml import Key, edited_yaml
@@ -93,12 +93,11 @@ def _target(folder: Path, where: str, name: str) -> Path:
 
 def _cell_text(given: Given, choices: Choices, path: Path, target: Path) -> tuple[str, str]:
     """The original text with the edited keys; where that does not read back to the cell, a text written anew."""
-    backend: Backend = "vm" if given.stands else "auto"  # who looks at a cell may have no compiler
-    original = load_cell(path, backend=backend)
+    original = uncompiled_cell(cell_model(path), path.resolve().parent)
     wanted = choices.saved_cell(replace(given, cell=original))
 
     def is_wanted(read: Any) -> bool:
-        return _same(Cell.from_description(read, folder=target.parent, backend=backend), wanted)
+        return _same(uncompiled_cell(described_model(read, target.parent), target.parent), wanted)
 
     return _edited_or_anew("cell", path, _cell_edits(original, wanted, choices), is_wanted, wanted.to_yaml)
 

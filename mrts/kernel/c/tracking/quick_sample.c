@@ -11,7 +11,7 @@
 /* Steps of the fast iteration; what takes more is left to the rule of tracking.c. */
 enum { MRTS_QUICK = 4 };
 
-#ifndef MRTS_REDUNDANT
+#ifndef MRTS_UNEVEN
 
 /* J' q' of one arm in cell components from the columns of J alone: a joint turns every column behind it about its axis,
  * and one behind it moves with it. */
@@ -130,7 +130,7 @@ MRTS_LOCAL int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at,
             double velocity[W], change[W], bias[W];
             for (int i = 0; i < W; ++i) dq[W * robot + i] = ddq[W * robot + i] = 0;
             held->drift[robot] = 0;
-            held->curvature[robot] = 1;
+            held->folds[robot] = 0;
             if (left_out[robot]) continue;
             mrts_tip_rates(task, MRTS_ARM(task->geometry, robot), at->rotation, at->twist, at->acceleration, velocity,
                            change);

@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
  * Inverse kinematics at a sample: damped Newton steps (Sugihara, Solvability-unconcerned inverse kinematics by
- * the Levenberg-Marquardt method, IEEE Transactions on Robotics 27, 2011), for arms with as many joints as wrench components, and those that null_space.h prefers for arms with more.
+ * the Levenberg-Marquardt method, IEEE Transactions on Robotics 27, 2011), and, for arms with more joints than wrench
+ * components, those that null_space.h prefers.
  */
 #include "tracking.h"
 
 /* Sine of an angle below which a turn has no axis: it is none, or half a turn. */
 #define MRTS_NO_TURN 1e-9
+
+/* Damping, as a share of the trace of J J', of a step that has no other where that is singular. */
+#define MRTS_LEAST_DAMPING 1e-14
 
 /* R v and R'v of a rotation matrix by rows. */
 static void mrts_times(const double *R, const double *v, double *out) {
@@ -38,46 +42,6 @@ static void mrts_turn_between(const double *target, const double *tip, double *t
     cosine = (E[0] + E[4] + E[8] - 1) / 2;
     for (int i = 0; i < 3; ++i) turn[i] = sine > MRTS_NO_TURN ? axis[i] * (atan2(sine, cosine) / sine) : axis[i];
     if (sine <= MRTS_NO_TURN && cosine < 0) turn[0] = 3.14159265358979; /* half a turn: its axis does not matter here */
-}
-
-MRTS_LOCAL int mrts_invert(const double *matrix, double *inverse) {
-    enum { W = MRTS_SIZE };
-    double M[W * W];
-    for (int i = 0; i < W * W; ++i) {
-        M[i] = matrix[i];
-        inverse[i] = i % (W + 1) == 0;
-    }
-    for (int j = 0; j < W; ++j) {
-        int p = j;
-        for (int i = j + 1; i < W; ++i) {
-            if (fabs(M[i * W + j]) > fabs(M[p * W + j])) p = i;
-        }
-        if (!(fabs(M[p * W + j]) > 0)) return 0;
-        if (p != j) {
-            for (int l = 0; l < W; ++l) {
-                double t = M[j * W + l];
-                M[j * W + l] = M[p * W + l];
-                M[p * W + l] = t;
-                t = inverse[j * W + l];
-                inverse[j * W + l] = inverse[p * W + l];
-                inverse[p * W + l] = t;
-            }
-        }
-        const double factor = 1 / M[j * W + j];
-        for (int l = 0; l < W; ++l) {
-            M[j * W + l] *= factor;
-            inverse[j * W + l] *= factor;
-        }
-        for (int i = 0; i < W; ++i) {
-            const double f = M[i * W + j];
-            if (i == j || f == 0) continue;
-            for (int l = 0; l < W; ++l) {
-                M[i * W + l] -= f * M[j * W + l];
-                inverse[i * W + l] -= f * inverse[j * W + l];
-            }
-        }
-    }
-    return 1;
 }
 
 MRTS_LOCAL void mrts_tip_rates(const mrts_tracking *task, const mrts_arm *arm, const double *rotation,
@@ -128,71 +92,66 @@ MRTS_LOCAL double mrts_arm_error(const mrts_tracking *task, const mrts_arm *arm,
     return damping;
 }
 
-/* One damped Newton step of an arm, J by columns: (J J' + |error|^2 / 2)^-1; 0 if that is singular. */
-static int mrts_newton_step(const double *J, const double *error, double damping, double *step) {
+/* One damped Newton step of an arm, J by columns: J' (J J' + damping)^-1 error. */
+static void mrts_newton_step(int joints, const double *J, const double *error, double damping, double *step) {
     enum { W = MRTS_SIZE };
-    double square[W * W], solved[W * W], weight[W];
-    for (int i = 0; i < W; ++i) {
-        for (int j = 0; j < W; ++j) {
-            square[i * W + j] = i == j ? damping : 0;
-            for (int l = 0; l < W; ++l) square[i * W + j] += J[l * W + i] * J[l * W + j];
+    double square[W * W], weight[W];
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        double trace = 0;
+        for (int i = 0; i < W; ++i) {
+            weight[i] = error[i];
+            for (int j = 0; j < W; ++j) {
+                square[i * W + j] = i == j ? damping : 0;
+                for (int l = 0; l < joints; ++l) square[i * W + j] += J[l * W + i] * J[l * W + j];
+            }
+            trace += square[i * W + i];
         }
+        if (mrts_eliminate(W, square, weight)) break;
+        damping = MRTS_LEAST_DAMPING * trace;
     }
-    if (!mrts_invert(square, solved)) return 0;
-    for (int i = 0; i < W; ++i) weight[i] = mrts_dot(W, solved + i * W, error);
-    for (int l = 0; l < W; ++l) {
-        step[l] = mrts_dot(W, J + l * W, weight);
-    }
-    return 1;
+    for (int l = 0; l < joints; ++l) step[l] = mrts_dot(W, J + l * W, weight);
 }
 
-/* Shortens a step that is too long; returns how long it was. */
-static double mrts_shorten(const mrts_tracking *task, int joints, double *step) {
-    double longest = 0;
-    for (int l = 0; l < joints; ++l) longest = fmax(longest, fabs(step[l]));
-    for (int l = 0; longest > task->longest && l < joints; ++l) step[l] *= task->longest / longest;
-    return longest;
-}
-
-MRTS_LOCAL int mrts_hold_grasps(const mrts_tracking *task, const double *position, const double *rotation,
-                                const double *reference, double *now, double *best, double *gap, double *turn,
-                                double *drift, const double **arg, double **res, long long *iw, double *w) {
+MRTS_LOCAL void mrts_hold_grasps(const mrts_tracking *task, const double *position, const double *rotation,
+                                 const double *reference, const unsigned char *left_out, double *now, double *best,
+                                 double *gap, double *turn, double *drift, mrts_scratch *scratch) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double tips[3 * R], rotations[9 * R], J_all[W * M], off[3], turned[3], error[W], step[M], least[R];
-    (void)reference; /* of redundant arms */
     for (int robot = 0; robot < R; ++robot) gap[robot] = turn[robot] = drift[robot] = least[robot] = MRTS_INFINITY;
+    for (int i = 0; i < M; ++i) best[i] = now[i];
     for (int iteration = 0; iteration < task->steps; ++iteration) {
-        double largest = 0;
-        arg[0] = now;
-        arg[1] = task->geometry;
-        res[0] = tips;
-        res[1] = rotations;
-        res[2] = J_all;
-        if (MRTS_KINEMATICS(arg, res, iw, w, 0)) return 0;
+        double largest = 0, farthest = 0;
+        scratch->arg[0] = now;
+        scratch->arg[1] = task->geometry;
+        scratch->res[0] = tips;
+        scratch->res[1] = rotations;
+        scratch->res[2] = J_all;
+        MRTS_KINEMATICS(scratch->arg, scratch->res, scratch->iw, scratch->w, 0);
 #ifdef MRTS_REDUNDANT
         mrts_null_space spaces[R];
-        double F[W * R], fall[M], unused[W];
-        if (!mrts_null_spaces(&task->wish, task->geometry, now, reference, J_all, spaces, F, arg, res, iw, w)) return 0;
+        double F[W * R], fall[MRTS_MOST_JOINTS];
+        if (reference) mrts_null_spaces(&task->wish, task->fold, task->geometry, now, reference, J_all, spaces, F, scratch);
+#else
+        (void)reference;
 #endif
         for (int robot = 0; robot < R; ++robot) {
             const mrts_arm *arm = MRTS_ARM(task->geometry, robot);
             const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
-            const double *J = J_all + W * first;
-            double gap_now, turn_now, size, left = 0, *q = now + first;
+            double gap_now, turn_now, left = 0, longest = 0, *q = now + first;
+            if (left_out[robot]) continue;
             mrts_tip_error(arm, position, rotation, tips + 3 * robot, rotations + 9 * robot, off, turned, &gap_now,
                            &turn_now);
-            size = fmax(gap_now, turn_now);
+            double size = fmax(gap_now, turn_now);
+            farthest = fmax(farthest, size);
             const double damping = mrts_arm_error(task, arm, off, turned, error);
-            if (joints == W && !mrts_newton_step(J, error, damping, step)) return 0;
+            mrts_newton_step(joints, J_all + W * first, error, damping, step);
 #ifdef MRTS_REDUNDANT
-            if (joints > W) {
+            if (reference && joints > W) {
                 for (int i = 0; i < joints; ++i) fall[i] = -spaces[robot].gradient[i];
-                if (mrts_preferred(joints, J, spaces + robot, damping, error, fall, step, unused) == 0) return 0;
+                left = mrts_add_preferred(joints, spaces + robot, fall, step);
+                if (size <= task->reached) size = task->reached * tanh(left);
             }
 #endif
-            const double longest = mrts_shorten(task, joints, step);
-            if (joints > W) left = longest;
-            if (joints > W && size <= task->reached) size = task->reached * tanh(left);
             if (size < least[robot]) {
                 least[robot] = size;
                 gap[robot] = gap_now;
@@ -200,103 +159,69 @@ MRTS_LOCAL int mrts_hold_grasps(const mrts_tracking *task, const double *positio
                 drift[robot] = left;
                 for (int i = 0; i < joints; ++i) best[first + i] = q[i];
             }
-            for (int i = 0; i < joints; ++i) {
-                q[i] += step[i];
-                if (fabs(step[i]) > largest) largest = fabs(step[i]);
-            }
+            for (int i = 0; i < joints; ++i) longest = fmax(longest, fabs(step[i]));
+            const double share = longest > task->longest ? task->longest / longest : 1;
+            for (int i = 0; i < joints; ++i) q[i] += share * step[i];
+            largest = fmax(largest, longest);
         }
-        if (largest <= task->settled) break;
+        if (largest <= task->settled && farthest <= task->reached) break; /* farther away, rounding leaves a saddle */
     }
-    return 1;
 }
 
-/* What an arm's tip is to do at a sample, and the inverse that it takes: of J, of a redundant arm of J J'. */
-typedef struct {
-    double velocity[MRTS_SIZE];
-    double change[MRTS_SIZE];
-    double inverse[MRTS_SIZE * MRTS_SIZE];
-} mrts_task_rates;
-
-/* Rates of all tips, and a bound of each Jacobian's condition number. 0 if an arm is singular. */
-static int mrts_rates_of_tips(const mrts_tracking *task, const double *rotation, const double *twist,
-                              const double *acceleration, const double *J_all, mrts_task_rates *rates,
-                              double *condition) {
-    enum { R = MRTS_ROBOTS, W = MRTS_SIZE };
-    for (int robot = 0; robot < R; ++robot) {
-        mrts_task_rates *rate = rates + robot;
-        const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
-        const double *J = J_all + W * first;
-        double matrix[W * W];
-        if (joints == W) {
-            for (int i = 0; i < W; ++i) {
-                for (int j = 0; j < W; ++j) matrix[i * W + j] = J[j * W + i];
-            }
-        }
-#ifdef MRTS_REDUNDANT
-        if (joints > W) mrts_square(joints, J, matrix);
-#endif
-        if (!mrts_invert(matrix, rate->inverse)) return 0;
-        condition[robot] = sqrt(mrts_dot(W * W, matrix, matrix) * mrts_dot(W * W, rate->inverse, rate->inverse));
-        if (joints > W) condition[robot] = sqrt(condition[robot] * W);
-        mrts_tip_rates(task, MRTS_ARM(task->geometry, robot), rotation, twist, acceleration, rate->velocity,
-                       rate->change);
-    }
-    return 1;
-}
-
-MRTS_LOCAL int mrts_joint_rates(const mrts_tracking *task, const double *rotation, const double *twist,
-                                const double *acceleration, const double *reference, const double *q, double *dq,
-                                double *ddq, double *condition, double *curvature, const double **arg, double **res,
-                                long long *iw, double *w) {
+MRTS_LOCAL void mrts_joint_rates(const mrts_tracking *task, const mrts_path *at, const double *reference,
+                                 const unsigned char *left_out, const double *q, double *dq, double *ddq,
+                                 mrts_held *held, mrts_scratch *scratch) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
-    double tips[3 * R], rotations[9 * R], J[W * M], bias[W * R];
-    mrts_task_rates rates[R];
-    (void)reference; /* of redundant arms */
-    arg[0] = q;
-    arg[1] = task->geometry;
-    res[0] = tips;
-    res[1] = rotations;
-    res[2] = J;
-    if (MRTS_KINEMATICS(arg, res, iw, w, 0)) return 0;
-    if (!mrts_rates_of_tips(task, rotation, twist, acceleration, J, rates, condition)) return 0;
+    double tips[3 * R], rotations[9 * R], J_all[W * M], bias[W * R], wanted[W * R], velocity[W];
+    mrts_split splits[R];
+    scratch->arg[0] = q;
+    scratch->arg[1] = task->geometry;
+    scratch->res[0] = tips;
+    scratch->res[1] = rotations;
+    scratch->res[2] = J_all;
+    MRTS_KINEMATICS(scratch->arg, scratch->res, scratch->iw, scratch->w, 0);
 #ifdef MRTS_REDUNDANT
     mrts_null_space spaces[R];
-    double F[W * R], dF[W * R] = {0}, change[M], nothing[M] = {0};
-    if (!mrts_null_spaces(&task->wish, task->geometry, q, reference, J, spaces, F, arg, res, iw, w)) return 0;
+    double F[W * R], change[M];
+    const double nothing[MRTS_MOST_JOINTS] = {0};
+    mrts_null_spaces(&task->wish, task->fold, task->geometry, q, reference, J_all, spaces, F, scratch);
+#else
+    (void)reference;
 #endif
     for (int robot = 0; robot < R; ++robot) {
         const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
-        curvature[robot] = 1;
-        for (int i = 0; joints == W && i < W; ++i) {
-            dq[first + i] = mrts_dot(W, rates[robot].inverse + i * W, rates[robot].velocity);
-        }
+        const double *J = J_all + W * first;
+        held->folds[robot] = 0;
+        for (int i = 0; i < joints; ++i) dq[first + i] = ddq[first + i] = 0;
+        if (left_out[robot]) continue;
+        mrts_split_joints(joints, J, splits + robot);
+        held->condition[robot] = splits[robot].condition;
+        if (!(held->condition[robot] < task->condition)) held->condition[robot] = mrts_condition(joints, J);
+        mrts_tip_rates(task, MRTS_ARM(task->geometry, robot), at->rotation, at->twist, at->acceleration, velocity,
+                       wanted + W * robot);
+        mrts_least_joints(joints, splits + robot, velocity, dq + first);
 #ifdef MRTS_REDUNDANT
         if (joints > W) {
-            const double determinant = mrts_preferred(joints, J + W * first, spaces + robot, 0, rates[robot].velocity,
-                                                      nothing, dq + first, dF + W * robot);
-            curvature[robot] = mrts_curvature(joints, J + W * first, determinant);
+            mrts_add_preferred(joints, spaces + robot, nothing, dq + first);
+            held->folds[robot] = spaces[robot].folds;
         }
 #endif
     }
-    arg[0] = q;
-    arg[1] = dq;
-    arg[2] = task->geometry;
-    res[0] = bias;
-    if (MRTS_BIAS_ACCELERATION(arg, res, iw, w, 0)) return 0;
+    scratch->arg[0] = q;
+    scratch->arg[1] = dq;
+    scratch->arg[2] = task->geometry;
+    scratch->res[0] = bias;
+    MRTS_BIAS_ACCELERATION(scratch->arg, scratch->res, scratch->iw, scratch->w, 0);
 #ifdef MRTS_REDUNDANT
-    if (!mrts_change_along(task->geometry, q, dq, spaces, F, dF, change, arg, res, iw, w)) return 0;
+    mrts_change_along(task->geometry, q, dq, spaces, F, change, scratch);
 #endif
     for (int robot = 0; robot < R; ++robot) {
         const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
-        double *wanted = rates[robot].change;
-        for (int i = 0; i < W; ++i) wanted[i] -= bias[robot * W + i];
-        for (int i = 0; joints == W && i < W; ++i) ddq[first + i] = mrts_dot(W, rates[robot].inverse + i * W, wanted);
+        if (left_out[robot]) continue;
+        for (int i = W * robot; i < W * (robot + 1); ++i) wanted[i] -= bias[i];
+        mrts_least_joints(joints, splits + robot, wanted + W * robot, ddq + first);
 #ifdef MRTS_REDUNDANT
-        if (joints > W) {
-            double unused[W];
-            mrts_preferred(joints, J + W * first, spaces + robot, 0, wanted, change + first, ddq + first, unused);
-        }
+        if (joints > W) mrts_add_preferred(joints, spaces + robot, change + first, ddq + first);
 #endif
     }
-    return 1;
 }

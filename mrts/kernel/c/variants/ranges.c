@@ -5,8 +5,8 @@
  * there; those of a sample nearby, in the middle of all limits, usually do.
  */
 #include "../basis/kept_basis.h"
+#include "../tracking/null_space.h"
 #include "ranges.h"
-#include "variants.h"
 
 /* Share of an end by which another sample's may differ and still count as the same: twice that of the samples that tie.
  */
