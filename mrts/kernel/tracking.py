@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.kernel.cell_library import CellLibrary, Scratch, pointers, sample_inputs
+from mrts.kernel.cell_library import CellLibrary, pointers, sample_inputs
 from mrts.kernel.foreign_arrays import over_chunks, pointer
 
 HELD = ("gap", "turn", "jump", "condition", "drift", "curvature")
@@ -145,15 +145,12 @@ def track_path(library: CellLibrary, task: GraspTask, path: Sequence[Array], sta
     q, dq, ddq = (np.zeros((samples, len(start))) for _ in range(3))
     held = np.zeros((samples, len(HELD), library.robots))
     q[0] = start
-    used = ("kinematics", "bias_acceleration", "geometric_stiffness", "geometric_stiffness_rate")
-    scratch = [Scratch(library.opened, library.records[name]) for name in used if name in library.records]
     run = library.opened.mrts_track
     run.restype = ctypes.c_longlong
     done = run(
         ctypes.c_longlong(samples),
         ctypes.byref(task.structure),
         *(pointer(array) for array in (*given, q, dq, ddq, held)),
-        *scratch[0].at_least(*scratch[1:]).pointers(),
     )
     return TrackedJoints(int(done), q, dq, ddq, **dict(zip(HELD, held.swapaxes(0, 1), strict=True)))
 
@@ -181,8 +178,8 @@ class ClosureSizes:
 
 def closure_sizes(
     library: CellLibrary, inputs: dict[str, Array], position: Array, geometry: Array, components: Sequence[int]
-) -> ClosureSizes | None:
-    """How far given joints are from holding an object; None where the library has no lanes.
+) -> ClosureSizes:
+    """How far given joints are from holding an object.
 
     Args:
         library: Of the cell.
@@ -199,18 +196,15 @@ def closure_sizes(
 
     def run(first: int, count: int) -> None:
         most = np.zeros((library.robots, CLOSURE_SIZES))
-        without = library.opened.mrts_closure(
+        library.opened.mrts_closure(
             ctypes.c_longlong(count),
             pointers(given, first, strides),
             strides,
             *(pointer(array) for array in (at[first:], placed, taken, most)),
         )
-        if not without:
-            found.append(most)
+        found.append(most)
 
     over_chunks(library.opened, samples, run)
-    if not found:
-        return None
     apart, turned, *rates = np.max(found, axis=0).T
     # |R - S|² of two rotations is 8 sin² of half the angle between them
     return ClosureSizes(np.sqrt(apart), 2 * np.arcsin(np.minimum(np.sqrt(turned / 8), 1.0)), *rates)

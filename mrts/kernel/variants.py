@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.cell_library import CellLibrary, Scratch, SparseLimits
+from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.foreign_arrays import INFINITY, pointer, work_arrays
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.kernel.tracking import GraspTask, TrackingStructure
@@ -122,8 +122,6 @@ def follow_variants(
     q, dq, ddq = (np.zeros((variants, samples, m)) for _ in range(3))
     outcome = np.zeros(variants, dtype=OUTCOME)
     outcome["code"][refused] = REFUSED
-    used = ("kinematics", "bias_acceleration", "geometric_stiffness", "geometric_stiffness_rate")
-    scratch = [Scratch(library.opened, library.records[name]) for name in used if name in library.records]
     library.opened.mrts_follow_variants(
         ctypes.c_longlong(variants),
         ctypes.c_longlong(samples),
@@ -131,7 +129,6 @@ def follow_variants(
         _addresses(arrays),
         strides,
         *(pointer(array) for array in (q, dq, ddq, outcome)),
-        *scratch[0].at_least(*scratch[1:]).pointers(),
     )
     return FollowedVariants(q, dq, ddq, outcome)
 
@@ -187,7 +184,6 @@ def variant_ranges(
     first = np.ascontiguousarray(order, dtype=np.int32)
     skipped = np.ascontiguousarray(followed.outcome["code"] != FOLLOWED, dtype=np.uint8)
     found = np.zeros(variants, dtype=range_record(library.unknowns))
-    scratch = Scratch(library.opened, library.records["wrench_form"])
     work = work_arrays(library.opened, "mrts_variant_ranges", limits.rows, samples)
     library.opened.mrts_variant_ranges(
         ctypes.c_longlong(variants),
@@ -197,7 +193,6 @@ def variant_ranges(
         ctypes.byref(limits.structure),
         ctypes.byref(terms.structure()),
         *(pointer(array) for array in (first, skipped, found)),
-        *scratch.pointers(),
         *(pointer(array) for array in work),
     )
     return found

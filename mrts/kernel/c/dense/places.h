@@ -26,10 +26,6 @@ typedef struct {
     const int *components;  /* those of a twist that a wrench of the cell has */
     /* Time from the first place of all on; rotations by columns, as generated functions want them. */
     double *time, *q, *dq, *ddq, *position, *rotation, *twist, *acceleration;
-    const double **arg;     /* work of generated functions */
-    double **res;
-    long long *iw;
-    double *w;
 } mrts_places;
 
 #endif

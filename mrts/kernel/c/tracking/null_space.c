@@ -84,10 +84,10 @@ MRTS_LOCAL void mrts_square(int joints, const double *J, double *square) {
 
 MRTS_LOCAL int mrts_null_spaces(const mrts_preference *wish, const double *geometry, const double *q,
                                 const double *reference, const double *J_all,
-                                mrts_null_space *spaces, double *F, const double **arg, double **res, long long *iw,
-                                double *w) {
+                                mrts_null_space *spaces, double *F) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
-    double stiffness[M * M], slope[M], unused;
+    double stiffness[M * M], slope[M], unused, *const res[] = {stiffness};
+    const double *const at[] = {q, F, geometry};
     for (int robot = 0; robot < R; ++robot) {
         const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
         const double *J = J_all + W * first;
@@ -103,11 +103,7 @@ MRTS_LOCAL int mrts_null_spaces(const mrts_preference *wish, const double *geome
         mrts_square(joints, J, square);
         if (mrts_solve(W, square, multiplier) == 0) return 0;
     }
-    arg[0] = q;
-    arg[1] = F;
-    arg[2] = geometry;
-    res[0] = stiffness;
-    if (MRTS_GEOMETRIC_STIFFNESS(arg, res, iw, w, 0)) return 0;
+    MRTS_GEOMETRIC_STIFFNESS(at, res);
     for (int robot = 0; robot < R; ++robot) {
         const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
         if (joints == W) continue;
@@ -121,23 +117,14 @@ MRTS_LOCAL int mrts_null_spaces(const mrts_preference *wish, const double *geome
     return 1;
 }
 
-MRTS_LOCAL int mrts_change_along(const double *geometry, const double *q, const double *dq,
+MRTS_LOCAL void mrts_change_along(const double *geometry, const double *q, const double *dq,
                                  const mrts_null_space *spaces, const double *F,
-                                 const double *dF, double *change, const double **arg, double **res, long long *iw,
-                                 double *w) {
+                                 const double *dF, double *change) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
-    double stiffness[M * M];
-    arg[0] = q;
-    arg[1] = dq;
-    arg[2] = F;
-    arg[3] = geometry;
-    res[0] = change;
-    if (MRTS_GEOMETRIC_STIFFNESS_RATE(arg, res, iw, w, 0)) return 0;
-    arg[0] = q;
-    arg[1] = dF;
-    arg[2] = geometry;
-    res[0] = stiffness;
-    if (MRTS_GEOMETRIC_STIFFNESS(arg, res, iw, w, 0)) return 0;
+    double stiffness[M * M], *const rates[] = {change}, *const res[] = {stiffness};
+    const double *const moving[] = {q, dq, F, geometry}, *const at[] = {q, dF, geometry};
+    MRTS_GEOMETRIC_STIFFNESS_RATE(moving, rates);
+    MRTS_GEOMETRIC_STIFFNESS(at, res);
     for (int robot = 0; robot < R; ++robot) {
         const int first = MRTS_FIRST(robot), last = MRTS_FIRST(robot + 1);
         if (last - first == W) continue;
@@ -146,7 +133,6 @@ MRTS_LOCAL int mrts_change_along(const double *geometry, const double *q, const 
             change[i] -= spaces[robot].bend[i - first] * dq[i] * dq[i];
         }
     }
-    return 1;
 }
 
 MRTS_LOCAL double mrts_curvature(int joints, const double *J, double determinant) {

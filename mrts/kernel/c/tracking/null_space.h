@@ -37,8 +37,7 @@ typedef struct {
 /* The null spaces of the redundant arms at q, and their multipliers F of least squares; 0 if an arm is singular. */
 MRTS_LOCAL int mrts_null_spaces(const mrts_preference *wish, const double *geometry, const double *q,
                                 const double *reference,
-                                const double *J_all, mrts_null_space *spaces, double *F, const double **arg,
-                                double **res, long long *iw, double *w);
+                                const double *J_all, mrts_null_space *spaces, double *F);
 
 /* x with J x + damping F = along and hessian x - J'F = change, J by columns; returns the determinant. */
 MRTS_LOCAL double mrts_preferred(int joints, const double *J, const mrts_null_space *space, double damping,
@@ -48,10 +47,9 @@ MRTS_LOCAL double mrts_preferred(int joints, const double *J, const mrts_null_sp
 MRTS_LOCAL void mrts_square(int joints, const double *J, double *square);
 
 /* hessian q'' - J'F'' of the redundant arms from the rates F' of their multipliers, Shape (M,). */
-MRTS_LOCAL int mrts_change_along(const double *geometry, const double *q, const double *dq,
+MRTS_LOCAL void mrts_change_along(const double *geometry, const double *q, const double *dq,
                                  const mrts_null_space *spaces, const double *F,
-                                 const double *dF, double *change, const double **arg, double **res, long long *iw,
-                                 double *w);
+                                 const double *dF, double *change);
 
 /* A product of the curvatures of H on the set that holds the grasp, from both determinants. */
 MRTS_LOCAL double mrts_curvature(int joints, const double *J, double determinant);

@@ -34,19 +34,16 @@ static void mrts_predict(const double *q, const double *dq, const double *ddq, d
 
 /* One sample by the rule of tracking.c, from Taylor's prediction; 0 if an arm is singular. */
 static int mrts_sample_by_rule(const mrts_tracking *task, const mrts_path *at, const double *reference,
-                               const double *taylor, double *q, double *dq, double *ddq, mrts_held *held,
-                               mrts_scratch *scratch) {
+                               const double *taylor, double *q, double *dq, double *ddq, mrts_held *held) {
     double now[MRTS_JOINTS];
     for (int i = 0; i < MRTS_JOINTS; ++i) now[i] = taylor[i];
-    return mrts_hold_grasps(task, at->position, at->rotation, reference, now, q, held->gap, held->turn, held->drift,
-                            scratch->arg, scratch->res, scratch->iw, scratch->w) &&
-           mrts_joint_rates(task, at->rotation, at->twist, at->acceleration, reference, q, dq, ddq, held->condition,
-                            held->curvature, scratch->arg, scratch->res, scratch->iw, scratch->w);
+    return mrts_hold_grasps(task, at->position, at->rotation, reference, now, q, held->gap, held->turn, held->drift) &&
+           mrts_joint_rates(task, at->rotation, at->twist, at->acceleration, reference, q, dq, ddq, held->condition, held->curvature);
 }
 
 MRTS_LOCAL int mrts_track_sample(const mrts_tracking *task, const double *time, const mrts_path *path, long long n,
                                  const double *reference, const unsigned char *left_out, long long *even, double *q,
-                                 double *dq, double *ddq, mrts_held *held, mrts_scratch *scratch) {
+                                 double *dq, double *ddq, mrts_held *held) {
     enum { M = MRTS_JOINTS };
     const mrts_path at = {path->position + 3 * n, path->rotation + 9 * n, path->twist + 6 * n, path->acceleration + 6 * n};
     double taylor[M];
@@ -61,9 +58,9 @@ MRTS_LOCAL int mrts_track_sample(const mrts_tracking *task, const double *time, 
 #ifdef MRTS_REDUNDANT
     (void)left_out;
 #else
-    done = mrts_quick_sample(task, &at, left_out, q, dq, ddq, held, scratch);
+    done = mrts_quick_sample(task, &at, left_out, q, dq, ddq, held);
 #endif
-    if (!done && !mrts_sample_by_rule(task, &at, reference, taylor, q, dq, ddq, held, scratch)) return 0;
+    if (!done && !mrts_sample_by_rule(task, &at, reference, taylor, q, dq, ddq, held)) return 0;
     for (int robot = 0; robot < MRTS_ROBOTS; ++robot) {
         held->jump[robot] = 0;
         for (int i = MRTS_FIRST(robot); i < MRTS_FIRST(robot + 1); ++i) {
@@ -77,18 +74,16 @@ MRTS_LOCAL int mrts_track_sample(const mrts_tracking *task, const double *time, 
  * object come by rows. Ends early, with the number of samples done, where an arm is singular. */
 MRTS_EXPORT long long mrts_track(long long count, const mrts_tracking *task, const double *time, const double *position,
                                  const double *rotation, const double *twist, const double *acceleration, double *q,
-                                 double *dq, double *ddq, mrts_held *held, const double **arg, double **res,
-                                 long long *iw, double *w) {
+                                 double *dq, double *ddq, mrts_held *held) {
     enum { M = MRTS_JOINTS };
     const mrts_path path = {position, rotation, twist, acceleration};
     const unsigned char left_out[MRTS_ROBOTS] = {0};
-    mrts_scratch scratch = {arg, res, iw, w};
     double reference[M];
     long long even = 0;
     for (int i = 0; i < M; ++i) reference[i] = q[i];
     for (long long n = 0; n < count; ++n) {
         if (!mrts_track_sample(task, time, &path, n, reference, left_out, &even, q + n * M, dq + n * M, ddq + n * M,
-                               held + n, &scratch)) {
+                               held + n)) {
             return n;
         }
     }

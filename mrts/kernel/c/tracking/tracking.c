@@ -156,23 +156,20 @@ static double mrts_shorten(const mrts_tracking *task, int joints, double *step) 
 
 MRTS_LOCAL int mrts_hold_grasps(const mrts_tracking *task, const double *position, const double *rotation,
                                 const double *reference, double *now, double *best, double *gap, double *turn,
-                                double *drift, const double **arg, double **res, long long *iw, double *w) {
+                                double *drift) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double tips[3 * R], rotations[9 * R], J_all[W * M], off[3], turned[3], error[W], step[M], least[R];
+    const double *const at[] = {now, task->geometry};
+    double *const poses[] = {tips, rotations, J_all};
     (void)reference; /* of redundant arms */
     for (int robot = 0; robot < R; ++robot) gap[robot] = turn[robot] = drift[robot] = least[robot] = MRTS_INFINITY;
     for (int iteration = 0; iteration < task->steps; ++iteration) {
         double largest = 0;
-        arg[0] = now;
-        arg[1] = task->geometry;
-        res[0] = tips;
-        res[1] = rotations;
-        res[2] = J_all;
-        if (MRTS_KINEMATICS(arg, res, iw, w, 0)) return 0;
+        MRTS_KINEMATICS(at, poses);
 #ifdef MRTS_REDUNDANT
         mrts_null_space spaces[R];
         double F[W * R], fall[M], unused[W];
-        if (!mrts_null_spaces(&task->wish, task->geometry, now, reference, J_all, spaces, F, arg, res, iw, w)) return 0;
+        if (!mrts_null_spaces(&task->wish, task->geometry, now, reference, J_all, spaces, F)) return 0;
 #endif
         for (int robot = 0; robot < R; ++robot) {
             const mrts_arm *arm = MRTS_ARM(task->geometry, robot);
@@ -246,23 +243,19 @@ static int mrts_rates_of_tips(const mrts_tracking *task, const double *rotation,
 
 MRTS_LOCAL int mrts_joint_rates(const mrts_tracking *task, const double *rotation, const double *twist,
                                 const double *acceleration, const double *reference, const double *q, double *dq,
-                                double *ddq, double *condition, double *curvature, const double **arg, double **res,
-                                long long *iw, double *w) {
+                                double *ddq, double *condition, double *curvature) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double tips[3 * R], rotations[9 * R], J[W * M], bias[W * R];
+    const double *const at[] = {q, task->geometry}, *const moving[] = {q, dq, task->geometry};
+    double *const poses[] = {tips, rotations, J}, *const biases[] = {bias};
     mrts_task_rates rates[R];
     (void)reference; /* of redundant arms */
-    arg[0] = q;
-    arg[1] = task->geometry;
-    res[0] = tips;
-    res[1] = rotations;
-    res[2] = J;
-    if (MRTS_KINEMATICS(arg, res, iw, w, 0)) return 0;
+    MRTS_KINEMATICS(at, poses);
     if (!mrts_rates_of_tips(task, rotation, twist, acceleration, J, rates, condition)) return 0;
 #ifdef MRTS_REDUNDANT
     mrts_null_space spaces[R];
     double F[W * R], dF[W * R] = {0}, change[M], nothing[M] = {0};
-    if (!mrts_null_spaces(&task->wish, task->geometry, q, reference, J, spaces, F, arg, res, iw, w)) return 0;
+    if (!mrts_null_spaces(&task->wish, task->geometry, q, reference, J, spaces, F)) return 0;
 #endif
     for (int robot = 0; robot < R; ++robot) {
         const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
@@ -278,13 +271,9 @@ MRTS_LOCAL int mrts_joint_rates(const mrts_tracking *task, const double *rotatio
         }
 #endif
     }
-    arg[0] = q;
-    arg[1] = dq;
-    arg[2] = task->geometry;
-    res[0] = bias;
-    if (MRTS_BIAS_ACCELERATION(arg, res, iw, w, 0)) return 0;
+    MRTS_BIAS_ACCELERATION(moving, biases);
 #ifdef MRTS_REDUNDANT
-    if (!mrts_change_along(task->geometry, q, dq, spaces, F, dF, change, arg, res, iw, w)) return 0;
+    mrts_change_along(task->geometry, q, dq, spaces, F, dF, change);
 #endif
     for (int robot = 0; robot < R; ++robot) {
         const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;

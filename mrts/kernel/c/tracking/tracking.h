@@ -25,14 +25,6 @@ typedef struct {
     const double *position, *rotation, *twist, *acceleration;
 } mrts_path;
 
-/* Work of generated functions. */
-typedef struct {
-    const double **arg;
-    double **res;
-    long long *iw;
-    double *w;
-} mrts_scratch;
-
 /* How the arms hold their grasps at a sample. */
 typedef struct {
     double gap[MRTS_ROBOTS], turn[MRTS_ROBOTS]; /* remaining errors, or larger [m, rad] */
@@ -64,19 +56,18 @@ MRTS_LOCAL double mrts_arm_error(const mrts_tracking *task, const mrts_arm *arm,
  * arm, those with the smallest step still to go. 0 if an arm is singular. */
 MRTS_LOCAL int mrts_hold_grasps(const mrts_tracking *task, const double *position, const double *rotation,
                                 const double *reference, double *now, double *best, double *gap, double *turn,
-                                double *drift, const double **arg, double **res, long long *iw, double *w);
+                                double *drift);
 
 /* q' = J^-1 v and q'' = J^-1 (a - J' q') of all arms, of redundant ones as null_space.h prefers. 0 if one is singular. */
 MRTS_LOCAL int mrts_joint_rates(const mrts_tracking *task, const double *rotation, const double *twist,
                                 const double *acceleration, const double *reference, const double *q, double *dq,
-                                double *ddq, double *condition, double *curvature, const double **arg, double **res,
-                                long long *iw, double *w);
+                                double *ddq, double *condition, double *curvature);
 
 #ifndef MRTS_REDUNDANT
 /* q, q', q'' at a sample by undamped Newton steps from `now`, which is moved; 0 where they do not lead to the grasps at
  * once. Arms that are left out stay. */
 MRTS_LOCAL int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, const unsigned char *left_out, double *now,
-                                 double *dq, double *ddq, mrts_held *held, mrts_scratch *scratch);
+                                 double *dq, double *ddq, mrts_held *held);
 #endif
 
 /* Sample n of a path: q, q', q'' of all arms, which lie behind those of the samples before it, or, at the first one,
@@ -84,6 +75,6 @@ MRTS_LOCAL int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at,
  * be held the errors tell; 0 if an arm is singular. */
 MRTS_LOCAL int mrts_track_sample(const mrts_tracking *task, const double *time, const mrts_path *path, long long n,
                                  const double *reference, const unsigned char *left_out, long long *even, double *q,
-                                 double *dq, double *ddq, mrts_held *held, mrts_scratch *scratch);
+                                 double *dq, double *ddq, mrts_held *held);
 
 #endif

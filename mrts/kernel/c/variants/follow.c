@@ -97,7 +97,7 @@ static void mrts_take_start(const mrts_following *rule, int robot, const double 
 /* Joints that hold the grasps at the first sample, near the posture; 0 where an arm has none. `seed` is where the first
  * search begins; `further` are the starts that follow where that leads to nothing, (further, joints). */
 static int mrts_find_start(const mrts_following *rule, const mrts_path *at, const double *posture, const double *seed,
-                           const double *further, double *q, mrts_outcome *outcome, mrts_scratch *scratch) {
+                           const double *further, double *q, mrts_outcome *outcome) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS };
     double now[M], reference[M], gap[R], turn[R], drift[R], found[M];
     mrts_tracking task = rule->task;
@@ -111,8 +111,7 @@ static int mrts_find_start(const mrts_following *rule, const mrts_path *at, cons
     for (int attempt = 0; attempt <= rule->further && (attempt == 0 || lost); ++attempt) {
         for (int i = 0; i < M && attempt > 0; ++i) now[i] = further[(attempt - 1) * M + i];
         task.steps = attempt ? rule->further_steps : rule->start_steps;
-        if (!mrts_hold_grasps(&task, at->position, at->rotation, reference, now, found, gap, turn, drift, scratch->arg,
-                              scratch->res, scratch->iw, scratch->w)) {
+        if (!mrts_hold_grasps(&task, at->position, at->rotation, reference, now, found, gap, turn, drift)) {
             return 0;
         }
         for (int robot = 0; robot < R; ++robot) {
@@ -162,7 +161,7 @@ static int mrts_note_failures(const mrts_following *rule, const mrts_held *held,
 /* Follows one variant from its start: q, q', q'' of all samples, and how that ends. An arm that fails is not looked at
  * again; what counts is the first one in order. */
 static void mrts_follow_one(const mrts_following *rule, long long samples, const double *time, const mrts_path *path,
-                            double *q, double *dq, double *ddq, mrts_outcome *outcome, mrts_scratch *scratch) {
+                            double *q, double *dq, double *ddq, mrts_outcome *outcome) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS };
     double reference[M];
     unsigned char failed[R] = {0};
@@ -173,8 +172,7 @@ static void mrts_follow_one(const mrts_following *rule, long long samples, const
     for (int i = 0; i < M; ++i) reference[i] = q[i];
     for (long long n = 0; n < samples && !failed[0]; ++n) {
         const long long at = n * M;
-        if (!mrts_track_sample(&rule->task, time, path, n, reference, failed, &even, q + at, dq + at, ddq + at, &held,
-                               scratch) ||
+        if (!mrts_track_sample(&rule->task, time, path, n, reference, failed, &even, q + at, dq + at, ddq + at, &held) ||
             !mrts_note_failures(rule, &held, (int)n, failures, failed)) {
             outcome->code = MRTS_UNSETTLED;
             return;
@@ -192,10 +190,8 @@ static void mrts_follow_one(const mrts_following *rule, long long samples, const
  * over. */
 MRTS_EXPORT void mrts_follow_variants(long long count, long long samples, const mrts_following *rule,
                                       const double *const *given, const long long *stride, double *q, double *dq,
-                                      double *ddq, mrts_outcome *outcome, const double **arg, double **res, long long *iw,
-                                      double *w) {
+                                      double *ddq, mrts_outcome *outcome) {
     enum { M = MRTS_JOINTS, TIME = 0, POSITION, ROTATION, TWIST, ACCELERATION, GEOMETRY, POSTURE, SEED, FURTHER, GIVEN };
-    mrts_scratch scratch = {arg, res, iw, w};
     mrts_following here = *rule;
     for (long long v = 0; v < count; ++v) {
         const double *of[GIVEN];
@@ -204,8 +200,8 @@ MRTS_EXPORT void mrts_follow_variants(long long count, long long samples, const 
         for (int i = 0; i < GIVEN; ++i) of[i] = given[i] + v * stride[i];
         const mrts_path path = {of[POSITION], of[ROTATION], of[TWIST], of[ACCELERATION]};
         here.task.geometry = of[GEOMETRY];
-        if (mrts_find_start(&here, &path, of[POSTURE], of[SEED], of[FURTHER], q + first, outcome + v, &scratch)) {
-            mrts_follow_one(&here, samples, of[TIME], &path, q + first, dq + first, ddq + first, outcome + v, &scratch);
+        if (mrts_find_start(&here, &path, of[POSTURE], of[SEED], of[FURTHER], q + first, outcome + v)) {
+            mrts_follow_one(&here, samples, of[TIME], &path, q + first, dq + first, ddq + first, outcome + v);
         }
     }
 }
