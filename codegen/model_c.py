@@ -24,7 +24,7 @@ OPERATIONS: dict[int, str] = {
 """C of CasADi's operations on scalars."""
 
 ANGLES: dict[int, tuple[str, str]] = {ca.OP_SIN: ("MRTS_SIN", "sin"), ca.OP_COS: ("MRTS_COS", "cos")}
-"""Those of an angle: the macro for that of a joint, entry j of the first input, and the function of math.h for others."""
+"""Those of an angle: the macro for a joint's, entry j of the first input, and the function of math.h for others."""
 
 DOUBLE = """#include <math.h>
 

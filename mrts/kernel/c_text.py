@@ -42,6 +42,7 @@ IN_LANES = ("wrench_form", "kinematics", "bias_acceleration")
 
 INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.(?:h|inc))"\n', re.MULTILINE)
 
+
 def one_file(name: str) -> str:
     """The text of a file in mrts/kernel/c, such as "linear_programs.c"."""
     return (Path(__file__).parent / "c" / name).read_text(encoding="utf-8")
