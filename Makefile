@@ -10,7 +10,7 @@ BEFORE ?=
 VARIANTS ?= 20000
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo quick test fuzz wheel docs check bench differential instructions embedded-counts generate figures clean
+.PHONY: help install demo quick test test-slow fuzz wheel docs check bench differential instructions embedded-counts generate figures clean
 .NOTPARALLEL:  # one pip at a time in .venv
 
 help:  ## show this list
@@ -67,8 +67,11 @@ demo: $(VENV)/demo  ## generate, compile and run the paper's examples; figures i
 quick: install  ## run one test of each kind, in about a minute
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m quick
 
-test: install  ## run all tests
-	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal
+test: install  ## run the tests, each on small motions and few seeds
+	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m "not slow"
+
+test-slow: install  ## run the others: many seeds, sanitizers, cross-compilation, browsers, recipes, rivals
+	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m slow
 
 fuzz: install  ## read CASES damaged input files, from SEED on; look between the samples of 50 motions; draw more cells, loads and variants
 	FUZZ_CASES=$(CASES) FUZZ_SEED=$(SEED) $(BIN)/python -m pytest -q -x tests/base/test_mutated_inputs.py

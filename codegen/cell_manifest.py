@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from mrts_codegen.cell_file import read_cell_description
+from mrts_codegen.cell_file import RobotDescription, read_cell_description
 from mrts_codegen.cell_model import CellModel, CellRobot, build_cell_model
 
 from mrts.base.manifest import (
@@ -66,9 +66,9 @@ def cell_manifest(cell: CellModel, chains: ChainsRecord) -> Manifest:
         wrench_components=list(cell.wrench_components),  # type: ignore[arg-type]  # the manifest checks them
         gravity=list(description.gravity),
         object=_object_record(cell),
-        robots=[_robot_record(robot) for robot in cell.robots],
+        robots=[_robot_record(*both) for both in zip(cell.robots, description.robots, strict=True)],
         machines=list(cell.machines),
-        remarks=[RemarkRecord(code=remark.code, text=remark.text) for remark in cell.remarks],
+        remarks=[RemarkRecord(code=remark.code, text=remark.text, severity=remark.severity) for remark in cell.remarks],
     ).sealed()
 
 
@@ -86,7 +86,7 @@ def _object_record(cell: CellModel) -> ObjectRecord:
     )
 
 
-def _robot_record(robot: CellRobot) -> RobotRecord:
+def _robot_record(robot: CellRobot, described: RobotDescription) -> RobotRecord:
     *frames, tip = robot.model.zero_frames()
     joints = [
         JointRecord(
@@ -99,6 +99,8 @@ def _robot_record(robot: CellRobot) -> RobotRecord:
             velocity=joint.velocity,
             torque_lower=float(robot.torque_lower[index]),
             torque_upper=float(robot.torque_upper[index]),
+            carried_mass=joint.body.mass,
+            point_links=list(joint.point_links),
         )
         for index, (joint, frame) in enumerate(zip(robot.model.joints, frames, strict=True))
     ]
@@ -120,6 +122,8 @@ def _robot_record(robot: CellRobot) -> RobotRecord:
         wrench_lower=[_finite(value) for value in robot.wrench_lower],
         wrench_upper=[_finite(value) for value in robot.wrench_upper],
         motors=motors_record(robot.motors),
+        torque_from_urdf=described.torque is None,
+        friction_from_urdf=described.motors.friction is None,
         contacts=[contact_record(contact) for contact in robot.contacts],
         contact_rate=[_finite(value) for value in robot.contact_rate],
     )

@@ -204,7 +204,7 @@ def build_robot(
             raise InputError(path, rule, key=f"{key}.posture", value=robot.posture)
     with mistakes.noted():
         torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model)
-        motors, remarks = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
+        motors, of_motors = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
     with mistakes.noted():
         wrench_lower, wrench_upper = given_wrench_limits(
             path, f"{key}.wrench", bounds.lower, bounds.upper, len(components)
@@ -231,7 +231,7 @@ def build_robot(
         wrench_lower=wrench_lower,
         wrench_upper=wrench_upper,
         motors=motors,
-        remarks=remarks,
+        remarks=(*robot.base.degrees_remarks(f"{key}.base"), *robot.grasp.degrees_remarks(f"{key}.grasp"), *of_motors),
         contacts=contacts,
         contact_rate=_contact_rate(robot.contact_rate, components),
     )

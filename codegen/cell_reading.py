@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A cell file and its URDFs with all that is wrong with them, and where what they say of the joints is from."""
+"""A cell file and its URDFs with all that is wrong with them."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +14,6 @@ from mrts_codegen.urdf_reference import FileReference
 
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.input_file import read_data, validated
-from mrts.motors.joint_source import JointSource
 
 
 @dataclass(frozen=True)
@@ -24,12 +23,10 @@ class CellReading:
     Attributes:
         model: The cell; None if something is wrong.
         mistakes: All that is.
-        joints: Of the arms in order, where what is known of them is from; none if something is wrong.
     """
 
     model: CellModel | None
     mistakes: tuple[InputError, ...]
-    joints: tuple[JointSource, ...]
 
 
 def read_cell(path: Path) -> CellReading:
@@ -47,9 +44,8 @@ def read_cell(path: Path) -> CellReading:
             mistakes.add(error)
             _read_robots(path, data, mistakes)
         else:
-            model = build_cell_model(path, description)
-            return CellReading(model, (), _joint_sources(model))
-    return CellReading(None, tuple(mistakes.found), ())
+            return CellReading(build_cell_model(path, description), ())
+    return CellReading(None, tuple(mistakes.found))
 
 
 def _read_robots(path: Path, data: Any, mistakes: Mistakes) -> None:
@@ -89,31 +85,6 @@ def _xacro_arguments(given: Any) -> dict[str, str] | None:
     if not isinstance(given, dict) or not all(isinstance(value, str | float | int) for value in given.values()):
         return None
     return {str(name): xacro_text(value) for name, value in given.items()}
-
-
-def _joint_sources(cell: CellModel) -> tuple[JointSource, ...]:
-    sources = []
-    for described, robot in zip(cell.description.robots, cell.robots, strict=True):
-        motors = robot.motors
-        for index, joint in enumerate(robot.model.joints):
-            of_urdf = described.motors.friction is None
-            some = motors.coulomb[index] or motors.viscous[index]
-            sources.append(
-                JointSource(
-                    robot=robot.name,
-                    joint=joint.name,
-                    unit="m" if joint.kind == "prismatic" else "rad",
-                    position=(joint.lower, joint.upper),
-                    velocity=joint.velocity,
-                    torque=(float(robot.torque_lower[index]), float(robot.torque_upper[index])),
-                    torque_from="URDF" if described.torque is None else "cell file",
-                    friction_from="cell file" if not of_urdf else "URDF" if some else "none given",
-                    armature=float(motors.armature[index]) or None,
-                    carried_mass=joint.body.mass,
-                    point_links=joint.point_links,
-                )
-            )
-    return tuple(sources)
 
 
 def arms_alone(cell: CellModel) -> tuple[CellModel, ...]:

@@ -29,6 +29,9 @@ Curves = Annotated[list[Curve | None], Field(min_length=1)]
 OF_FRICTION = ("coulomb", "viscous")
 """The keys of `friction`."""
 
+FEWEST_JOINTS = 3
+"""Joints of an arm from which on equal friction is no accident."""
+
 FRICTION_RULE = (
     "must be 'none', which ignores that of the URDF, or give coulomb, viscous or both, such as {coulomb: 5, viscous: 8}"
 )
@@ -132,11 +135,18 @@ def _of_urdf(robot: str, friction: dict[str, list[float]]) -> Remark:
     shown = "; ".join(
         f"{name} {', '.join(f'{value:g}' for value in values)}" for name, values in friction.items() if any(values)
     )
+    same = any(_same_round_number(values) for values in friction.values())
     return Remark(
-        "urdf-friction",
-        f"robot '{robot}': friction is that of the URDF's <dynamics> ({shown}), which is often a placeholder. Give "
+        "friction-placeholders" if same else "urdf-friction",
+        f"robot '{robot}': friction is that of the URDF's <dynamics> ({shown}), which "
+        f"{'looks like' if same else 'is often'} a placeholder. Give "
         "'motors: {friction: …}' in the cell file, or 'motors: {friction: none}' to ignore it.",
     )
+
+
+def _same_round_number(values: list[float]) -> bool:
+    """Whether all joints have the same number, of one digit: of joints of different size, none that was measured is."""
+    return len(values) >= FEWEST_JOINTS and {*values} == {float(f"{values[0]:.0e}")} != {0.0}
 
 
 def _curves(

@@ -129,7 +129,7 @@ def _described_robot(where: Path, robot: RobotRecord, reference: str, urdf: tupl
             "base": _pose(robot.world_base),
             "grasp": _pose(robot.object_tip),
             "posture": robot.posture,
-            "torque": upper if symmetric else {"lower": lower, "upper": upper},
+            "torque": None if robot.torque_from_urdf else upper if symmetric else {"lower": lower, "upper": upper},
             "wrench": limited or None,
             "contact_rate": None if rates == [None, None] else rates,
             "contact": [contact.given for contact in robot.contacts] or None,

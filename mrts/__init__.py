@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from mrts.diagnosis.arm_reach import ArmMargin, ArmReach
     from mrts.diagnosis.cell_check import CellCheck
     from mrts.diagnosis.check import check
-    from mrts.diagnosis.hint import Hint
     from mrts.diagnosis.nearest_hold import NearestHold
     from mrts.hands.box import box_contact
     from mrts.hands.contact import Contact
@@ -93,7 +92,6 @@ _HOMES = {
     "CoordinatedMotion": "coordination.coordinated_motion",
     "DistributionRule": "scaling.result",
     "Excess": "refinement.excess",
-    "Hint": "diagnosis.hint",
     "Holding": "scaling.holding_torques",
     "InputError": "base.errors",
     "JointDuty": "motors.joint_duty",
@@ -188,7 +186,6 @@ __all__ = [
     "CoordinatedMotion",
     "DistributionRule",
     "Excess",
-    "Hint",
     "Holding",
     "InputError",
     "JointDuty",

@@ -1,4 +1,5 @@
 import os
+import shlex
 import shutil
 import tempfile
 from importlib.resources import files
@@ -24,6 +25,8 @@ def pytest_configure(config):
     if sum(1 for _ in CACHE.glob("*/*")) > MOST_ENTRIES:
         shutil.rmtree(CACHE)
     CACHE.parent.mkdir(exist_ok=True)
+    if shutil.which("cc"):
+        os.environ.setdefault("CC", shlex.quote(str(ROOT / "tests" / "helpers" / "c" / "quick_cc")))
     os.environ["MRTS_CACHE_DIR"] = str(CACHE)
     if cache_folder() != CACHE:  # others can write this checkout
         os.environ["MRTS_CACHE_DIR"] = folder = tempfile.mkdtemp(prefix="mrts-tests-")

@@ -23,7 +23,7 @@ ARGUMENT = re.compile(r"<xacro:arg\s[^>]*?name\s*=\s*[\"']([^\"']+)[\"']|\$\(arg
 
 
 def main() -> None:
-    """Answer with `warnings`, and with `urdf` and the `known` arguments or with `rule`, null where memory lacks."""
+    """Answer with `warnings`, and `urdf`, `files`, `known` arguments; or with `rule`, null where memory lacks."""
     request = json.load(sys.stdin)
     _limit(resource.RLIMIT_CPU, request["processor_time"])
     _limit(resource.RLIMIT_AS, request["memory"])
@@ -60,7 +60,8 @@ def _expanded(path: Path, arguments: Mapping[str, str], most_bytes: int, warning
     urdf: str = document.dom.toxml()
     if (size := len(urdf.encode())) > most_bytes:
         return {"rule": f"becomes a URDF of {size} bytes; a URDF has at most {most_bytes}."}
-    return {"urdf": urdf, "known": _known_arguments({path, *map(Path, xacro.all_includes)}) if arguments else []}
+    files = {path, *map(Path, xacro.all_includes)}
+    return {"urdf": urdf, "files": sorted(map(str, files)), "known": _known_arguments(files) if arguments else []}
 
 
 def _as_included(path: Path) -> str:

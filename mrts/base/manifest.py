@@ -17,7 +17,7 @@ MANIFEST_NAME, CHAINS_NAME = "manifest.json", "chains.json"
 GEOMETRY = "geometry"
 """Name of the last input of functions that hold no numbers of a cell file."""
 
-FORMAT = 9
+FORMAT = 10
 """Version of this file's layout; a change that old code cannot read raises it."""
 
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
@@ -67,7 +67,11 @@ def geometry_size(robots: int, held: int) -> int:
 
 
 class JointRecord(Record):
-    """One joint; axis and a point on it in base axes with every joint at zero; None is unbounded."""
+    """One joint; axis and a point on it in base axes with every joint at zero; None is unbounded.
+
+    It carries a mass up to the next joint, 0 where the URDF gives none [kg], of links some of which may be points: they
+    have a mass but no inertia in the URDF.
+    """
 
     name: str
     type: Literal["revolute", "prismatic"]
@@ -78,6 +82,8 @@ class JointRecord(Record):
     velocity: float | None
     torque_lower: float
     torque_upper: float
+    carried_mass: float
+    point_links: list[str]
 
 
 class MotorsRecord(Record):
@@ -133,6 +139,8 @@ class RobotRecord(Record):
     wrench_upper: list[float | None]
     contact_rate: list[float | None]
     motors: MotorsRecord
+    torque_from_urdf: bool
+    friction_from_urdf: bool
     contacts: Annotated[list[ContactRecord], Rule(max_length=MOST)]
 
     def problem(self) -> str:
@@ -245,6 +253,7 @@ class RemarkRecord(Record):
 
     code: str
     text: str
+    severity: Literal["hint", "warning", "assumption"]
 
 
 class ChainsRecord(Record):

@@ -1,11 +1,18 @@
 # SPDX-License-Identifier: MIT
-"""What a user should know about an answer that stands."""
+"""What a user should know about a cell, a motion, or an answer that stands."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.printable import printable
+
+Severity = Literal["hint", "warning", "assumption"]
+"""How much it matters: a likely mistake, what to know before trusting an answer, or what is taken for granted, which is
+told by a check alone."""
+
+EFFORT_PLACEHOLDERS = "effort-placeholders"
+"""Code of the remark on efforts of a URDF that say nothing of the motors: an outcome names it in its first sentence."""
 
 
 @dataclass(frozen=True)
@@ -16,15 +23,22 @@ class Remark(InNotebooks):
         code: Stable name of its kind, such as "not-at-rest", for programs.
         text: A sentence for people.
         sample: Where along the motion, None if it is about all of it.
+        severity: How much it matters.
     """
 
     code: str
     text: str
     sample: int | None = None
+    severity: Severity = "warning"
+
+    @staticmethod
+    def hint(code: str, text: str) -> "Remark":
+        """A likely mistake."""
+        return Remark(code, text, severity="hint")
 
     def __str__(self) -> str:
         return f"warning: {printable(self.text)}"
 
     def to_json(self) -> dict[str, Any]:
-        """Code, text and sample."""
-        return {"code": self.code, "text": self.text, "sample": self.sample}
+        """Code, severity, text and sample."""
+        return {"code": self.code, "severity": self.severity, "text": self.text, "sample": self.sample}

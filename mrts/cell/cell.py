@@ -40,7 +40,7 @@ class Cell(InNotebooks):
         robots: The arms in the order of the cell file.
         functions: The generated functions.
         enforces_velocity_limits: Whether velocity limits bound the speed, or are reported only.
-        remarks: What to know of how its files were read.
+        remarks: What was noticed as its files were read.
         reserve: Share of every limit that is kept free, 0 or more and below 1.
         folder: That the URDFs of its cell file are relative to; None where that is not known.
         object_shape: What the object looks like, None where that is not known; for pictures alone.
@@ -152,6 +152,13 @@ class Cell(InNotebooks):
         whole.flags.writeable = False
         return whole
 
+    @cached_property
+    def all_remarks(self) -> tuple[Remark, ...]:
+        """All that is to know of it, what its numbers look like included."""
+        from mrts.cell.remarks.cell_remarks import cell_remarks  # noqa: PLC0415 (it looks at cells)
+
+        return tuple(cell_remarks(self))
+
     @property
     def joint_slices(self) -> dict[str, slice]:
         """Where each robot's joints stand in a vector over all joints, Shape (m,)."""
@@ -192,7 +199,7 @@ class Cell(InNotebooks):
             InputError: Unless the mass is finite and > 0.
         """
         if not is_number(mass, SMALLEST_NUMBER, LARGEST_NUMBER):
-            rule = f"must be a number from {SMALLEST_NUMBER:g} to {LARGEST_NUMBER:.0e}, in kg."
+            rule = f"must be a number > 0, from {SMALLEST_NUMBER:g} to {LARGEST_NUMBER:.0e}, in kg."
             raise InputError("mass", rule, value=mass)
         box = None if self.load_box is None else replace(self.load_box, mass=float(mass))
         return replace(self, load=np.array([mass, *self.load[1:]], dtype=np.float64), load_box=box)

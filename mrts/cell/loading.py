@@ -85,6 +85,6 @@ def cell_from_manifest(manifest: Manifest, functions: CellFunctions, folder: Pat
         object_shape=carried.shape,
         robots=functions.robots if manifest is functions.manifest else tuple(map(robot_from_record, manifest.robots)),
         functions=functions,
-        remarks=tuple(Remark(record.code, record.text) for record in manifest.remarks),
+        remarks=tuple(Remark(record.code, record.text, severity=record.severity) for record in manifest.remarks),
         folder=folder,
     )

@@ -27,6 +27,9 @@ ARRAYS = (
 )
 """Attributes of a robot that are arrays."""
 
+DEGREES_SUSPECTED = 4 * np.pi
+"""A joint position beyond two turns is rather degrees than radians."""
+
 JOINT_HEAD = ("type", "torque", "position", "velocity")
 """Of `Robot.joint_rows`, after the name."""
 
@@ -222,8 +225,11 @@ def robot_record(robot: Robot, generated: RobotRecord) -> RobotRecord:
         without_infinity(robot.velocity_limit),
         robot.torque_lower.tolist(),
         robot.torque_upper.tolist(),
+        [joint.carried_mass for joint in generated.joints],
+        [joint.point_links for joint in generated.joints],
         strict=True,
     )
+    motors = motors_record(robot.motors)
     return generated.model_copy(
         update={
             "name": robot.name,
@@ -237,10 +243,26 @@ def robot_record(robot: Robot, generated: RobotRecord) -> RobotRecord:
             "wrench_lower": without_infinity(robot.wrench_lower),
             "wrench_upper": without_infinity(robot.wrench_upper),
             "contact_rate": without_infinity(robot.contact_rate),
-            "motors": motors_record(robot.motors),
+            "motors": motors,
+            "torque_from_urdf": has_torque_of_urdf(robot, generated),
+            "friction_from_urdf": generated.friction_from_urdf
+            and (motors.coulomb, motors.viscous) == (generated.motors.coulomb, generated.motors.viscous),
             "contacts": [contact_record(contact) for contact in robot.contacts],
         }
     )
+
+
+def has_torque_of_urdf(robot: Robot, generated: RobotRecord) -> bool:
+    """Whether the torque limits of a robot are the effort limits of its URDF.
+
+    Args:
+        robot: The robot.
+        generated: Its entry in the manifest of its functions.
+    """
+    limits = zip(robot.torque_lower.tolist(), robot.torque_upper.tolist(), strict=True)
+    return generated.torque_from_urdf and [*limits] == [
+        (joint.torque_lower, joint.torque_upper) for joint in generated.joints
+    ]
 
 
 def _checked_pose(where: str, key: str, given: object) -> RigidTransform:

@@ -17,7 +17,6 @@ from mrts.kernel.cache_folder import cache_folder
 
 if TYPE_CHECKING:
     from mrts.base.formats.urdf_tree import Survey, UrdfTree
-    from mrts.motors.joint_source import JointSource
 
 
 CELL_FILE = "cell.yaml"
@@ -188,8 +187,8 @@ def all_cell_keys(path: Path) -> dict[str, Any]:
     return read_cell_description(path).model_dump()
 
 
-def read_without_generating(path: Path) -> "tuple[Any, tuple[InputError, ...], tuple[JointSource, ...]]":
-    """A cell with its URDFs (None if something is wrong), all that is wrong, and where what is known of joints is from.
+def read_without_generating(path: Path) -> tuple[Any, tuple[InputError, ...]]:
+    """A cell with its URDFs (None if something is wrong), and all that is wrong.
 
     Args:
         path: The cell file.
@@ -197,7 +196,7 @@ def read_without_generating(path: Path) -> "tuple[Any, tuple[InputError, ...], t
     from mrts_codegen.cell_reading import read_cell  # noqa: PLC0415 (build time, on demand)
 
     found = read_cell(path)
-    return found.model, found.mistakes, found.joints
+    return found.model, found.mistakes
 
 
 def arms_alone_of(cell: Any) -> tuple[Any, ...]:

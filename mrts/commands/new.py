@@ -88,6 +88,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _begin(options: argparse.Namespace, folder: Path, request: "Request") -> int:
+    from mrts.cell.remarks.unit_remarks import urdf_remarks
     from mrts.starting.proposal import propose, renamed
 
     copies = _copies(request, folder, force=options.force) if options.copy else {}
@@ -97,6 +98,8 @@ def _begin(options: argparse.Namespace, folder: Path, request: "Request") -> int
             proposal = propose(request, progress)
         except MotionError as error:
             say(f"{folder}: nothing written: {error}", "bad")
+            for remark in (one for each in request.arms for one in urdf_remarks(each.arm.robot)):
+                say(str(remark), "note")
             return INFEASIBLE
     if copies:
         proposal = renamed(proposal, [copies[each.path] for each in request.arms])
@@ -236,7 +239,6 @@ def _asked_tips(name: str, tree: "UrdfTree", found: list["Hand"]) -> list[str]:
 
 def _tell_arms(request: "Request") -> None:
     """What was read: the chain of each arm, its joints and limits, and what is missing."""
-    from mrts.diagnosis.unit_hints import urdf_hints
     from mrts.starting.cell_writing import missing
     from mrts.starting.urdf_check import joint_lines
 
@@ -252,8 +254,6 @@ def _tell_arms(request: "Request") -> None:
             say(line)
         for sentence in missing(each.arm):
             say(f"  missing: {sentence}", "note")
-        for hint in urdf_hints(each.arm.robot):
-            say(f"  hint: {hint.text}", "note")
     say("")
 
 
@@ -299,7 +299,7 @@ def _write(folder: Path, proposal: "Proposal", copies: dict[Path, str]) -> None:
 
 def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
     """What was written, what it can do, and what to do next."""
-    from mrts.diagnosis.assumptions import NO_COLLISIONS
+    from mrts.cell.remarks.assumptions import NO_COLLISIONS
 
     lift = max(abs(proposal.layout.lift))
     asked = proposal.request.mass
@@ -311,6 +311,8 @@ def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
     say(f"{cell}: {len(proposal.request.arms)} arms hold {proposal.mass:g} kg", "strong")
     say(f"{motion}: up by {lift:g} m in {proposal.motion['duration']:g} s", "strong")
     say(proposal.result.sentence())
+    for remark in proposal.result.warnings:
+        say(str(remark), "note")
     say(f"{NO_COLLISIONS}\n", "note")
     say("Look at it, ask how fast it may be played, then put your own numbers in:")
     files = f"{shlex.quote(str(cell))} {shlex.quote(str(motion))}"

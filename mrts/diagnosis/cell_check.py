@@ -16,9 +16,8 @@ from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
-from mrts.base.remark import Remark
+from mrts.base.remark import Remark, Severity
 from mrts.diagnosis.arm_reach import HELD, ArmMargin, ArmReach
-from mrts.diagnosis.hint import Hint
 from mrts.motors.joint_source import JointSource
 
 CheckStatus = Literal["fine", "impossible", "wrong-input"]
@@ -41,22 +40,36 @@ class CellCheck(InNotebooks):
         motion: The motion; None if none was given.
         mistakes: All that breaks a rule, in both files and the URDFs.
         joints: What is known of every joint, and where it is from; empty if something breaks a rule.
-        assumed: What is taken for granted, a sentence each.
-        remarks: What to know of the files.
+        remarks: What to know of the cell and the motion, what is taken for granted included.
         arms: How far every arm follows the motion of an object; empty where that is not asked or not known.
         problem: Why the motion is impossible whatever the arms do, or as joints that are given; empty if it is not.
-        hints: Likely mistakes.
     """
 
     cell: Path
     motion: Path | None = None
     mistakes: tuple[InputError, ...] = ()
     joints: tuple[JointSource, ...] = ()
-    assumed: tuple[str, ...] = ()
     remarks: tuple[Remark, ...] = ()
     arms: tuple[ArmReach, ...] = ()
     problem: str = ""
-    hints: tuple[Hint, ...] = ()
+
+    @property
+    def hints(self) -> tuple[Remark, ...]:
+        """Likely mistakes among the remarks."""
+        return self._of("hint")
+
+    @property
+    def warnings(self) -> tuple[Remark, ...]:
+        """What to know before trusting an answer, among the remarks."""
+        return self._of("warning")
+
+    @property
+    def assumed(self) -> tuple[Remark, ...]:
+        """What is taken for granted, among the remarks."""
+        return self._of("assumption")
+
+    def _of(self, severity: Severity) -> tuple[Remark, ...]:
+        return tuple(remark for remark in self.remarks if remark.severity == severity)
 
     @property
     def status(self) -> CheckStatus:
@@ -71,7 +84,7 @@ class CellCheck(InNotebooks):
     def notebook_words(self) -> list[str]:
         """The outcome, what is wrong, and hints."""
         said = [*map(str, self.mistakes), *([self.problem] if self.problem else [])]
-        return [self.outcome(), *said, *(f"hint: {hint.text}" for hint in self.hints)]
+        return [self.outcome(), *said, *(f"hint: {hint.text}" for hint in self.hints), *map(str, self.warnings)]
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """How far every arm follows, what is known of its joints, and what is assumed."""
@@ -81,7 +94,7 @@ class CellCheck(InNotebooks):
         if self.joints:
             head, *joints = joint_rows(self.joints)
             yield NotebookTable(head, joints)
-            yield NotebookTable(("assumed",), [(text,) for text in self.assumed])
+            yield NotebookTable(("assumed",), [(remark.text,) for remark in self.assumed])
 
     def lines(self) -> Iterator[str]:
         """The answer for people, the outcome first."""
@@ -89,6 +102,7 @@ class CellCheck(InNotebooks):
         for number, mistake in enumerate(self.mistakes, start=1):
             yield f"  {number}. {mistake}"
         yield from (f"hint: {hint.text}" for hint in self.hints)
+        yield from map(str, self.warnings)
         if self.problem:
             yield f"  {self.problem}"
         if self.arms:
@@ -101,8 +115,7 @@ class CellCheck(InNotebooks):
         if self.assumed:
             yield ""
             yield "assumed:"
-            yield from (f"  {text}" for text in self.assumed)
-        yield from map(str, self.remarks)
+            yield from (f"  {remark.text}" for remark in self.assumed)
         if self.status == "fine":
             yield ""
             motion = "MOTION" if self.motion is None else shlex.quote(str(self.motion))
@@ -129,12 +142,12 @@ class CellCheck(InNotebooks):
             "cell": str(self.cell),
             "motion": None if self.motion is None else str(self.motion),
             "mistakes": mistakes_json(self.mistakes),
-            "hints": [asdict(hint) for hint in self.hints],
+            "hints": [remark.to_json() for remark in self.hints],
             "problem": self.problem or None,
             "arms": [_arm_json(arm) for arm in self.arms],
             "joints": [finite_json(asdict(joint)) for joint in self.joints],
-            "assumed": list(self.assumed),
-            "warnings": [remark.to_json() for remark in self.remarks],
+            "assumed": [remark.to_json() for remark in self.assumed],
+            "warnings": [remark.to_json() for remark in self.warnings],
         }
 
     def json_text(self) -> str:

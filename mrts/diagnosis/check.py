@@ -1,34 +1,35 @@
 # SPDX-License-Identifier: MIT
 """Everything that is wrong with a cell and a motion at once, before anything is generated or compiled."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from mrts.base.argument_types import Progress, as_path, check_callable
 from mrts.base.errors import InputError, Mistakes, MotionError
 from mrts.base.formats.pose import Pose
-from mrts.base.input_file import read_data
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import machine_of
+from mrts.cell.remarks.joint_sources import joint_sources
 from mrts.cell.source_files import arms_alone_of, is_generated, read_without_generating
 from mrts.cell.uncompiled import uncompiled_cell
 from mrts.coordination.coordinate import coordinate
 from mrts.coordination.coordinated_motion import check_motion
 from mrts.diagnosis.arm_reach import ArmReach, of_machine, reach_of
-from mrts.diagnosis.assumptions import assumptions
 from mrts.diagnosis.cell_check import CellCheck
-from mrts.diagnosis.hint import Hint
+from mrts.diagnosis.motion_units import motion_units
 from mrts.diagnosis.postures_at_start import posture_hints
-from mrts.diagnosis.unit_hints import TORQUE_UNIT, unit_hints, written_degrees
-from mrts.diagnosis.unlike_limits import unlike_limits
 from mrts.diagnosis.what_would_work import swapped_columns, what_would_work
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import load_motion
 from mrts.motion.object_motion import ObjectMotion
-from mrts.motors.joint_source import JointSource
+
+OF_PLACES = frozenset(
+    {"base-millimetres", "grasp-millimetres", "motion-millimetres", "urdf-millimetres", "posture-degrees"}
+    | {"rpy-degrees", "limits-equal", "limits-degrees"}
+)
+"""Codes of remarks that explain why an arm does not follow: nothing else is looked for then."""
 
 
 def check(
@@ -51,7 +52,7 @@ def check(
     check_callable("progress", progress)
     if is_generated(path):
         raise InputError(path, "is generated; check the cell file that it was made from.")
-    model, wrong, joints = read_without_generating(path)
+    model, wrong = read_without_generating(path)
     mistakes = Mistakes()
     for error in wrong:
         mistakes.add(error)
@@ -63,34 +64,16 @@ def check(
     if model is None:
         return found
     whole = uncompiled_cell(model, path.resolve().parent)
-    of_object = given if isinstance(given, ObjectMotion) else None
-    hints = [*_angles_written(model, motion_path if of_object is not None else None)]
-    hints += unit_hints(whole, joints, of_object)
-    found = replace(
-        found,
-        joints=joints,
-        assumed=tuple(assumptions(whole, joints)),
-        remarks=whole.remarks,
-        hints=tuple(hints),
-    )
-    if given is not None:
-        found = _with_reach(found, _Question(model, whole, joints, given), progress)
-    if any(hint.code == TORQUE_UNIT for hint in found.hints):
-        return found
-    return replace(found, hints=(*found.hints, *unlike_limits(whole, joints)))
+    found = replace(found, joints=joint_sources(whole), remarks=whole.all_remarks)
+    return found if given is None else _with_reach(found, model, whole, given, progress)
 
 
-@dataclass(frozen=True)
-class _Question:
-    model: Any
-    cell: Cell
-    joints: Sequence[JointSource]
-    motion: ObjectMotion | JointTable
-
-
-def _with_reach(found: CellCheck, question: _Question, progress: Progress) -> CellCheck:
+def _with_reach(
+    found: CellCheck, model: Any, cell: Cell, motion: ObjectMotion | JointTable, progress: Progress
+) -> CellCheck:
     """What a check found, with what became of the motion."""
-    cell, motion = question.cell, question.motion
+    if isinstance(motion, ObjectMotion):
+        found = replace(found, remarks=(*found.remarks, *motion.remarks, *motion_units(cell, motion)))
     try:
         if isinstance(motion, JointTable):
             closed = coordinate(cell, motion)
@@ -100,40 +83,30 @@ def _with_reach(found: CellCheck, question: _Question, progress: Progress) -> Ce
         return replace(found, mistakes=(*found.mistakes, *error.each()))
     except MotionError as error:
         swapped = swapped_columns(cell, motion) if isinstance(motion, JointTable) else ()
-        return replace(found, problem=str(error), hints=(*found.hints, *swapped))
-    arms = [uncompiled_cell(model, cell.folder or Path()) for model in arms_alone_of(question.model)]
+        return replace(found, problem=str(error), remarks=(*found.remarks, *swapped))
+    arms = [uncompiled_cell(alone, cell.folder or Path()) for alone in arms_alone_of(model)]
     reaches: list[ArmReach] = []
-    hints: list[Hint] = [*found.hints]
+    remarks = [*found.remarks]
+    explained = any(remark.code in OF_PLACES for remark in remarks)
     for number, arm in enumerate(arms):
         progress(number, len(arms))
-        reach = reach_of(arm, motion, seek=not hints)
+        reach = reach_of(arm, motion, seek=not explained)
         fellows = [arms[index] for index in _fellows(cell, number)]
         reaches.append(of_machine(reach, fellows, motion) if fellows else reach)
     lost = [index for index, reach in enumerate(reaches) if not reach.follows and reach.posture is None]
-    if lost and not hints:
-        hints += what_would_work(arms, lost, motion, _other_orders(question.model), cell.functions.manifest.machines)
-    if not hints and any(not reach.follows for reach in reaches):
-        hints += posture_hints(arms, motion)
+    if lost and not explained:
+        machines = cell.functions.manifest.machines
+        remarks += what_would_work(arms, lost, motion, _other_orders(model), machines)
+    if len(remarks) == len(found.remarks) and not explained and any(not reach.follows for reach in reaches):
+        remarks += posture_hints(arms, motion)
     progress(len(arms), len(arms))
-    return replace(found, arms=tuple(reaches), hints=tuple(hints), remarks=(*found.remarks, *motion.remarks))
+    return replace(found, arms=tuple(reaches), remarks=tuple(remarks))
 
 
 def _fellows(cell: Cell, index: int) -> list[int]:
     """The other arms of the machine that an arm is of."""
     names = [robot.name for robot in cell.robots]
     return [names.index(name) for name in machine_of(cell, names[index]) if name != names[index]]
-
-
-def _angles_written(model: Any, motion: Path | None) -> Iterator[Hint]:
-    """Hints on angles of poses that are written in degrees."""
-    for index, robot in enumerate(model.description.robots):
-        for key in ("base", "grasp"):
-            yield from written_degrees(f"robots[{index}] ({robot.name}).{key}.rpy", getattr(robot, key).rpy or [])
-    data = read_data(motion, "motion file") if motion is not None and motion.suffix in {".yaml", ".yml"} else {}
-    for key in ("start", "end"):
-        yield from written_degrees(f"the motion's {key}.rpy", (data.get(key) or {}).get("rpy") or [])
-    for index, pose in enumerate(data.get("waypoints") or []):
-        yield from written_degrees(f"the motion's waypoints[{index}].rpy", pose.get("rpy") or [])
 
 
 def _other_orders(model: Any) -> dict[int, dict[str, RigidTransform]]:

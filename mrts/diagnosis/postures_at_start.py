@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform, angles_of_rotations
 from mrts.cell.cell import Cell
-from mrts.diagnosis.hint import Hint
 from mrts.motion.object_motion import ObjectMotion
 
 AGREE = (0.05, 0.2)
@@ -17,7 +17,7 @@ ELSEWHERE = (0.1, 0.5)
 """Distance [m] and angle [rad] from which on that is not where the motion starts."""
 
 
-def posture_hints(arms: Sequence[Cell], motion: ObjectMotion) -> Iterator[Hint]:
+def posture_hints(arms: Sequence[Cell], motion: ObjectMotion) -> Iterator[Remark]:
     """A hint where the postures of all arms hold the object together, but elsewhere than the motion starts.
 
     Args:
@@ -29,7 +29,7 @@ def posture_hints(arms: Sequence[Cell], motion: ObjectMotion) -> Iterator[Hint]:
         return
     if _beyond(held[0], RigidTransform(motion.rotation[0], motion.position[0]), ELSEWHERE):
         ours, theirs = (", ".join(f"{value:.3g}" for value in p) for p in (held[0].p, motion.position[0]))
-        yield Hint(
+        yield Remark.hint(
             "other-start-pose",
             f"the postures hold the object at [{ours}] m, and the motion starts at [{theirs}] m or turned otherwise: "
             "were they made for another motion?",

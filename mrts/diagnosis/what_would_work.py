@@ -9,12 +9,12 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
+from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy, rpy_from_rotation
 from mrts.cell.cell import Cell
 from mrts.coordination.coordinate import coordinate
 from mrts.coordination.joint_columns import columns_by_joint
 from mrts.diagnosis.arm_reach import follows
-from mrts.diagnosis.hint import Hint
 from mrts.diagnosis.postures_at_start import posture_off, posture_turned
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
@@ -36,7 +36,7 @@ def what_would_work(
     motion: ObjectMotion,
     orders: OtherOrders,
     machines: Sequence[tuple[str, str]],
-) -> Iterator[Hint]:
+) -> Iterator[Remark]:
     """Hints on changes with which the arms that fail would follow, and those that follow still do.
 
     Args:
@@ -60,7 +60,7 @@ def what_would_work(
         if working:
             (_, likely), *less = sorted(working)
             also = f" (or with each other's {less[0][1]})" if less else ""
-            yield Hint(
+            yield Remark.hint(
                 f"swapped-{likely}s",
                 f"robots '{names[one]}' and '{names[other]}' would follow with each other's {likely}{also}: are the "
                 "two swapped?",
@@ -71,7 +71,7 @@ def what_would_work(
         yield from _other_side(arms[index], motion)
 
 
-def swapped_columns(cell: Cell, table: JointTable) -> Iterator[Hint]:
+def swapped_columns(cell: Cell, table: JointTable) -> Iterator[Remark]:
     """A hint where given joints would hold the grasps if two arms had each other's columns.
 
     Args:
@@ -87,7 +87,7 @@ def swapped_columns(cell: Cell, table: JointTable) -> Iterator[Hint]:
             coordinate(cell, table.renamed(dict(zip(ours + theirs, theirs + ours, strict=True))))
         except MrtsError:
             continue
-        yield Hint(
+        yield Remark.hint(
             "swapped-columns",
             f"the joints would hold the grasps if '{one.name}' and '{other.name}' had each other's columns of "
             f"{table.path.name}: are the two swapped?",
@@ -114,7 +114,7 @@ def _posed(arm: Cell, place: str, pose: RigidTransform) -> Cell:
     return replace(arm, robots=(changed,))
 
 
-def _other_order(arm: Cell, poses: Mapping[str, RigidTransform], motion: ObjectMotion) -> Iterator[Hint]:
+def _other_order(arm: Cell, poses: Mapping[str, RigidTransform], motion: ObjectMotion) -> Iterator[Remark]:
     """A hint where a quaternion in the other order lets the arm follow."""
     (robot,) = arm.robots
     for what, pose in poses.items():
@@ -123,14 +123,14 @@ def _other_order(arm: Cell, poses: Mapping[str, RigidTransform], motion: ObjectM
         except InputError:  # out of the plane of a planar cell
             continue
         if follows(meant, motion):
-            yield Hint(
+            yield Remark.hint(
                 "quaternion-order",
                 f"robot '{robot.name}' would follow with the quaternion of its {what} in the other order: "
                 "quaternion_wxyz has the real part first, quaternion_xyzw last.",
             )
 
 
-def _other_side(arm: Cell, motion: ObjectMotion) -> Iterator[Hint]:
+def _other_side(arm: Cell, motion: ObjectMotion) -> Iterator[Remark]:
     """A hint where the hand could hold the object from the other side, as its posture does rather."""
     (robot,) = arm.robots
     for axis, turn in OTHER_SIDES.items():
@@ -141,7 +141,7 @@ def _other_side(arm: Cell, motion: ObjectMotion) -> Iterator[Hint]:
             continue
         if posture_turned(turned, motion) < posture_turned(arm, motion) / 2 and follows(turned, motion):
             shown = ", ".join(f"{angle:.6g}" for angle in rpy_from_rotation(turned.robots[0].T_object_tip.R))
-            yield Hint(
+            yield Remark.hint(
                 "other-side",
                 f"robot '{robot.name}' would follow if its hand were turned by half a turn about its {axis} axis, so "
                 f"that it holds the object from the other side: grasp rpy: [{shown}]. Does its tool axis point the "

@@ -7,10 +7,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.cell.cell import Cell
-from mrts.cell.robot import Robot
-
-DEGREES_SUSPECTED = 4 * np.pi
-"""A joint position beyond two turns is rather degrees than radians."""
+from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 
 POSITION_TOLERANCE = 1e-9
 """How far a joint may pass its position limit [rad or m]: rounding."""

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The motion file: a pose to a pose, waypoints, or a table of object or joint motion; tables and bags by themselves."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -163,10 +164,17 @@ def sample_motion(description: MotionDescription) -> ObjectMotion:
         raise InputError("description", "is that of a table; read it with load_motion.")
     poses = description.waypoints or [description.start or Pose(), description.end or Pose()]
     through = waypoint_motion if description.waypoints else geodesic_motion
-    return through(
+    motion = through(
         np.array([pose.xyz for pose in poses]),
         np.array([pose.rotation() for pose in poses]),
         PROFILES[description.profile],
         description.duration,
         description.samples or DEFAULT_SAMPLES,
     )
+    names = [f"waypoints[{index}]" for index in range(len(poses))] if description.waypoints else ["start", "end"]
+    written = tuple(
+        remark
+        for name, pose in zip(names, poses, strict=True)
+        for remark in pose.degrees_remarks(f"the motion's {name}")
+    )
+    return replace(motion, remarks=(*motion.remarks, *written)) if written else motion

@@ -59,7 +59,7 @@ class JointMotors(InNotebooks):
             wrong = ~((value >= SMALLEST_NUMBER) if unlimited else (value >= 0) & (value <= LARGEST_NUMBER))
             if np.any(wrong):
                 rule = (
-                    f"must be at least {SMALLEST_NUMBER:g}."
+                    f"must be > 0, at least {SMALLEST_NUMBER:g}."
                     if unlimited
                     else f"must be >= 0 and at most {LARGEST_NUMBER:.0e}."
                 )

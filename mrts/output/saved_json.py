@@ -13,6 +13,7 @@ from mrts.base.formats.broken_record import BrokenRecordError
 from mrts.base.formats.strict_model import broken_rule
 from mrts.base.load_box import PARAMETERS, LoadBox
 from mrts.base.manifest import FORMAT, LOAD_ENTRIES, Manifest, Matrix, Matrix3, Vector3
+from mrts.base.remark import Severity
 from mrts.cell.cell_change import ChangeKind
 from mrts.limits import OWN_LIMITS
 from mrts.limits.rows import ActiveRow, RowName
@@ -231,6 +232,7 @@ class WarningEntry(_Record):
     """What to know before trusting the result, as `mrts.base.remark.Remark`."""
 
     code: str
+    severity: Severity = "warning"
     text: str
     sample: Index | None
 

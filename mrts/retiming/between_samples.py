@@ -28,8 +28,9 @@ MOST_ROUNDS = 12
 MOST_SAMPLES, MOST_TIMES = 1000, 4
 """Samples up to which more are added, or so many times those of the motion."""
 
-MOST_STALLED = 3
-"""Times in turn that a path is timed again without less excess than at best: what is left is the samples' rounding."""
+MOST_STALLED = 6
+"""Times in turn that a path is timed again without less excess than at best: what is left is the samples' rounding.
+Those that end take up to four, where a new sample moves a switch of the fastest timing."""
 
 COARSE = 64
 """Motions of fewer samples are looked at between all of them, as by `mrts.refinement.search.COARSE`."""

@@ -237,7 +237,7 @@ class RetimingResult(InNotebooks):
 
     def sentence(self) -> str:
         """The outcome alone."""
-        kept = kept_text(self.cell.reserve)
+        kept = kept_text(self.cell.reserve, self.warnings)
         if not self.status.admits_motion:
             return printable(f"{kept}{self.status.value}: {self.explanation}")
         given, best = float(self.motion.object.time[-1]), self.factor

@@ -69,6 +69,16 @@ _SEEN: WeakKeyDictionary[CoordinatedMotion, _Roughness] = WeakKeyDictionary()
 """Of motions that still exist: a timing and what it is compared with both ask for it."""
 
 
+def given_remarks(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
+    """Those of a cell and of its motion as they are given, but for what is taken for granted.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+    """
+    return [remark for remark in (*cell.all_remarks, *motion.remarks) if remark.severity != "assumption"]
+
+
 def motion_remarks(cell: Cell, motion: CoordinatedMotion, found: ScalingRange) -> tuple[Remark, ...]:
     """All remarks of a cell, its motion and the range that was found, in this order.
 
@@ -77,7 +87,7 @@ def motion_remarks(cell: Cell, motion: CoordinatedMotion, found: ScalingRange) -
         motion: Its motion, as given.
         found: The range of c².
     """
-    remarks = [*cell.remarks, *motion.remarks, *_not_at_rest(cell, motion), *_rough(cell, motion, lambda: found)]
+    remarks = [*given_remarks(cell, motion), *_not_at_rest(cell, motion), *_rough(cell, motion, lambda: found)]
     if found.status.admits_motion and found.upper is not None:
         remarks += _fast(found.upper)
     return tuple(remarks)
@@ -91,7 +101,7 @@ def timing_remarks(cell: Cell, motion: CoordinatedMotion, found: Callable[[], Sc
         motion: Its motion, as given.
         found: Finds the range of c², which is asked for only where accelerations look like noise.
     """
-    return (*cell.remarks, *motion.remarks, *_rough(cell, motion, found))
+    return (*given_remarks(cell, motion), *_rough(cell, motion, found))
 
 
 def lasting(remarks: tuple[Remark, ...]) -> tuple[Remark, ...]:

@@ -2,7 +2,7 @@
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -16,7 +16,7 @@ from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import SolverError, as_array
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
-from mrts.base.remark import Remark
+from mrts.base.remark import EFFORT_PLACEHOLDERS, Remark
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.coordination.coordinated_motion import CoordinatedMotion
@@ -236,7 +236,7 @@ class ScalingResult(InNotebooks):
     def sentence(self) -> str:
         """The outcome alone."""
         rated = "" if self.rule.rates is None else "rates apart, " if self.origin else "within the rates, "
-        text = f"{kept_text(self.cell.reserve)}{rated}{self._outcome()}"
+        text = f"{kept_text(self.cell.reserve, self.warnings)}{rated}{self._outcome()}"
         text = text if self.load is None else f"{self.load.sentence()}: {text}"
         return printable(f"{self.origin}; as it is now, {text}" if self.origin else text)
 
@@ -356,13 +356,16 @@ def fallbacks_text(count: int) -> str:
     return f"{count} {'program was' if count == 1 else 'programs were'} left by the chosen solver and solved by another"
 
 
-def kept_text(reserve: float) -> str:
-    """What a reserve that all limits keep makes of an answer, as its beginning; empty without one.
+def kept_text(reserve: float, warnings: Iterable[Remark] = ()) -> str:
+    """What a reserve that all limits keep, and limits that are none, make of an answer, as its beginning.
 
     Args:
         reserve: Of the cell.
+        warnings: Of the answer.
     """
-    return f"with {100 * reserve:.4g} % of every limit in reserve, " if reserve else ""
+    doubtful = any(remark.code == EFFORT_PLACEHOLDERS for remark in warnings)
+    text = "with efforts of the URDF that look like placeholders, " if doubtful else ""
+    return f"{text}with {100 * reserve:.4g} % of every limit in reserve, " if reserve else text
 
 
 def _largest_excess(cell: Cell, done: ScaledTrajectory) -> float:

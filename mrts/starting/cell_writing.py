@@ -11,7 +11,7 @@ import numpy as np
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.base.yaml_parser import parse_yaml
-from mrts.diagnosis.assumptions import POINT_MASSES, WEIGHTLESS, first_few
+from mrts.cell.remarks.assumptions import POINT_MASSES, WEIGHTLESS, first_few
 from mrts.starting.arm import Arm
 from mrts.starting.proposal import Proposal
 from mrts.starting.request import ArmRequest
@@ -133,12 +133,12 @@ def _limits(arm: Arm, robot: dict[str, Any], assumed: tuple[str, ...]) -> Iterat
         yield _line(f"    # torque: {flow(efforts)}", "the URDF's efforts, which count; remove the # to set your own")
     speeds = ", ".join("none" if each is None else f"{each:.4g}" for each in chain.velocity)
     yield f"    # the URDF's velocity limits: {speeds}"
-    for sentence in _bodies(arm):
+    for sentence in missing_bodies(arm):
         yield f"    # {printable(sentence)}"
 
 
 def missing(arm: Arm) -> list[str]:
-    """What a URDF does not say, in sentences.
+    """What a URDF does not say of limits, in sentences.
 
     Args:
         arm: The arm.
@@ -150,11 +150,15 @@ def missing(arm: Arm) -> list[str]:
     without = [name for name, limit in zip(chain.joints, chain.velocity, strict=True) if limit is None]
     if without:
         told.append(f"no velocity limit of {_some(without, chain.joints)}: nothing bounds its speed but torques")
-    return [*told, *_bodies(arm)]
+    return told
 
 
-def _bodies(arm: Arm) -> Iterator[str]:
-    """What a URDF does not say of masses and inertias."""
+def missing_bodies(arm: Arm) -> Iterator[str]:
+    """What a URDF does not say of masses and inertias.
+
+    Args:
+        arm: The arm.
+    """
     chain = arm.chain
     weightless = [name for name, mass in zip(chain.joints, chain.mass, strict=True) if mass == 0]
     if weightless:

@@ -39,11 +39,11 @@ FIRST_DURATION = 2.0
 SPARE = 2.0
 """How many times as fast as given the motion may be played at least."""
 
-DURATIONS = (1.0, 1.5, 2.0, 3.0, 5.0)
-"""First digits of durations."""
+DURATIONS = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
+"""First digits of durations: the next longer one is at most a third longer."""
 
-SHORTEST, LONGEST = 0.1, 60.0
-"""Of the motion [s]."""
+SHORTEST, LONGEST = 1e-3, 60.0
+"""Of the motion [s]. Efforts that are placeholders, and no velocity limits, make it shorter than anyone would move."""
 
 STRONG = 2.0
 """Torques that are assumed where a URDF says nothing: so many times what its worst posture takes at rest."""

@@ -14,9 +14,9 @@ from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_uri, is_xacro
 from mrts.base.formats.urdf_tree import ArmChain, Survey, UrdfTree
 from mrts.base.rigid_transform import RigidTransform
+from mrts.cell.remarks.unit_remarks import urdf_remarks
+from mrts.cell.robot import DEGREES_SUSPECTED
 from mrts.cell.source_files import surveyed_urdf
-from mrts.diagnosis.unit_hints import urdf_hints
-from mrts.inverse_kinematics.joint_limits import DEGREES_SUSPECTED
 from mrts.inverse_kinematics.structural_rank import lacking_freedom, postures_for_rank
 from mrts.starting.arm import Arm, make_arm, plane_of
 from mrts.starting.request import ArmRequest, Request
@@ -33,7 +33,7 @@ MOST_STEPS_UP = 3
 """Folders that a relative path may climb; a URDF farther away is named by its whole path."""
 
 HOPELESS = ("urdf-millimetres", "limits-equal")
-"""Codes of hints on URDFs of which no cell can be made."""
+"""Codes of remarks on URDFs of which no cell can be made."""
 
 ROBOT, TIP, BASE, POSTURE, XACRO_ARG = "--robot", "--tip", "--base", "--posture", "--xacro-arg"
 """Whose values they are, for messages."""
@@ -159,9 +159,9 @@ def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
             f"takes {SPATIAL_JOINTS}, or {FEWEST_JOINTS} where all move in one plane. Choose another tip or robot."
         )
         raise InputError(path, rule)
-    for hint in urdf_hints(arm.robot):
-        if hint.code in HOPELESS:
-            raise InputError(path, hint.text)
+    for remark in urdf_remarks(arm.robot):
+        if remark.code in HOPELESS:
+            raise InputError(path, remark.text)
     rows = twist_rows(plane)
     q = postures_for_rank(arm.middle())
     if lacking := lacking_freedom(arm.chain.joints, q, arm.at(q).jacobian[:, rows], rows):

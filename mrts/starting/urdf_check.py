@@ -3,19 +3,18 @@
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.package_uri import is_xacro
 from mrts.base.formats.urdf_tree import ArmChain
-from mrts.base.remark import Remark
+from mrts.base.remark import Remark, Severity
+from mrts.cell.remarks.assumptions import first_few
+from mrts.cell.remarks.unit_remarks import urdf_remarks
 from mrts.cell.source_files import UrdfReading, urdf_with_mistakes
-from mrts.diagnosis.assumptions import first_few
 from mrts.diagnosis.cell_check import finite_json, mistakes_json, position_range
-from mrts.diagnosis.hint import Hint
-from mrts.diagnosis.unit_hints import urdf_hints
 from mrts.drawing.bodies.arm_meshes import mesh_file
 from mrts.starting.arm import Arm, make_arm, plane_of
 from mrts.starting.cell_writing import missing
@@ -41,8 +40,7 @@ class UrdfCheck:
         links: How many there are.
         joints: Likewise.
         arms: Chains to the hands that it seems to have.
-        hints: Likely mistakes, and why an arm can hold nothing.
-        remarks: What to know of it.
+        remarks: What to know of it; hints are likely mistakes, and why an arm can hold nothing.
     """
 
     urdf: Path
@@ -50,7 +48,6 @@ class UrdfCheck:
     links: int = 0
     joints: int = 0
     arms: tuple[Arm, ...] = ()
-    hints: tuple[Hint, ...] = ()
     remarks: tuple[Remark, ...] = ()
 
     @property
@@ -58,20 +55,24 @@ class UrdfCheck:
         """What came of it."""
         return "wrong-input" if self.mistakes else "fine"
 
-    def lines(self) -> Iterator[str]:
-        """The answer for people, the outcome first."""
+    def outcome(self) -> str:
+        """The answer in a sentence."""
         count = len(self.mistakes)
         sound = f"the URDF is sound: {self.links} links, {self.joints} joints"
-        yield f"{self.urdf.name}: " + (f"{count} mistake{'s' * (count > 1)}:" if count else sound)
+        return f"{self.urdf.name}: " + (f"{count} mistake{'s' * (count > 1)}" if count else sound)
+
+    def lines(self) -> Iterator[str]:
+        """The answer for people, the outcome first."""
+        yield f"{self.outcome()}{':' * bool(self.mistakes)}"
         for number, mistake in enumerate(self.mistakes, start=1):
             yield f"  {number}. {mistake}"
-        yield from (f"hint: {hint.text}" for hint in self.hints)
+        yield from (f"hint: {remark.text}" for remark in self._told("hint"))
         for arm in self.arms:
             yield ""
             yield f"{arm.chain.base_link} to {arm.chain.tip_link}, {arm.chain.mass.sum():.4g} kg"
             yield from joint_lines(arm.chain)
             yield from (f"  missing: {sentence}" for sentence in missing(arm))
-        yield from map(str, self.remarks)
+        yield from map(str, self._told("warning"))
 
     def json_text(self) -> str:
         """All of it as JSON."""
@@ -82,10 +83,13 @@ class UrdfCheck:
             "links": self.links,
             "joints": self.joints,
             "arms": [_arm_json(arm) for arm in self.arms],
-            "hints": [asdict(hint) for hint in self.hints],
-            "warnings": [remark.to_json() for remark in self.remarks],
+            "hints": [remark.to_json() for remark in self._told("hint")],
+            "warnings": [remark.to_json() for remark in self._told("warning")],
         }
         return json.dumps(told, allow_nan=False, ensure_ascii=False)
+
+    def _told(self, severity: Severity) -> list[Remark]:
+        return [remark for remark in self.remarks if remark.severity == severity]
 
 
 def check_urdf(path: Path, args: Mapping[str, str]) -> UrdfCheck:
@@ -111,8 +115,7 @@ def check_urdf(path: Path, args: Mapping[str, str]) -> UrdfCheck:
         links=0 if read.tree is None else len(read.tree.links),
         joints=0 if read.tree is None else len(read.tree.joints),
         arms=tuple(arms),
-        hints=tuple(hint for arm in arms for hint in _hints(arm, path)),
-        remarks=(*read.remarks, *_missing_meshes(read)),
+        remarks=(*(hint for arm in arms for hint in _hints(arm, path)), *read.remarks, *_missing_meshes(read)),
     )
 
 
@@ -148,14 +151,14 @@ def _arms(read: UrdfReading, mistakes: Mistakes) -> list[Arm]:
     return arms
 
 
-def _hints(arm: Arm, path: Path) -> Iterator[Hint]:
-    likely = [*urdf_hints(arm.robot)]
+def _hints(arm: Arm, path: Path) -> Iterator[Remark]:
+    likely = [*urdf_remarks(arm.robot)]
     yield from likely
     try:
         check_movable(arm, path, plane_of([arm]))
     except InputError as error:
         if error.rule not in {hint.text for hint in likely}:
-            yield Hint("cannot-hold", f"{arm.chain.tip_link}: {error.rule}")
+            yield Remark.hint("cannot-hold", f"{arm.chain.tip_link}: {error.rule}")
 
 
 def _missing_meshes(read: UrdfReading) -> Iterator[Remark]:

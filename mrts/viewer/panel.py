@@ -110,6 +110,7 @@ def outcome_html(state: PlayerState, *, coarse: bool = False) -> str:
         text = f"<b>Coarse, the whole answer follows</b> (limits are kept at {samples} samples only): {text}"
     if result.load is not None:
         text += f" Torques are those of the nominal load of {result.cell.mass:.4g} kg."
+    text += "".join(f"<br>{html_text(str(remark))}" for remark in result.warnings)
     admits = result.status.admits_motion and not state.refusal
     return _paragraph("outcome", text, "inherit" if admits else OVER)
 

@@ -35,7 +35,7 @@ GIVEN = {
     },
     JointRecord: {
         "name": "elbow", "type": "revolute", "axis": [0.0, 0.0, 1.0], "point": [0, 0, 0], "lower": None, "upper": 2.0,
-        "velocity": 1, "torque_lower": -1.0, "torque_upper": 1.0,
+        "velocity": 1, "torque_lower": -1.0, "torque_upper": 1.0, "carried_mass": 2.0, "point_links": ["rim"],
     },
     MotorsRecord: {
         "armature": [0.1], "coulomb": [0], "viscous": [0.2], "torque_speed": [[[0.0, 1.0], [2.0, 0.5]]],

@@ -101,16 +101,17 @@ def good(planar_cell):
     mrts.sweep(study, "swept", workers=1)
     plan = {"weights": None, "load": "auto", "distribute": "reserve", "reserve": None, "closure": None}
     smooth = {"start_speed": 0.0, "end_speed": 0.0, "rates": 11.5, "weigh": None, "least_energy_in": None}
-    smooth |= {"start_torque": None, "end_torque": None, "solver": "kernel", "distribute": "least-torque"}
+    smooth |= {"start_torque": None, "end_torque": None, "distribute": "least-torque"}
     return {
         "box_contact": {"lower": [0.0] * 6, "upper": [9.0] * 6, "frame": "tip"} | named,
         "gripper_contact": {"force": 50.0, "axis": [1, 0, 0]} | pressed | named,
         "identify": {"cell": planar_cell, "recording": "recorded.csv", "cutoff": 10.0},
         "hold_here": {"cell": planar_cell, "xyz": [1.25, 0.95, 0.0], "rpy": [0.0, 0.0, 0.1]},
         "load_recording": {"path": "recorded.csv"},
-        "pad_contact": {"normal": [0, 0, 1], "force": [1.0, 50.0]} | pressed | named,
+        "pad_contact": {"normal": [0, 0, 1], "force": [1.0, 50.0], "pull": False} | pressed | named,
         "rows_contact": {"A": np.vstack([np.eye(6), -np.eye(6)]), "upper": [1.0] * 12} | named,
-        "suction_contact": {"holding_force": 50.0, "friction": 0.5, "radius": 0.02, "normal": [0, 0, 1]} | named,
+        "suction_contact": {"holding_force": 50.0, "friction": 0.5, "radius": 0.02, "normal": [0, 0, 1], "pull": False}
+        | named,
         "check": {"cell": DATA / "cell.yaml", "motion": DATA / "lift.yaml", "progress": lambda _done, _total: None},
         "follow_object": {"cell": planar_cell, "motion": motion},
         "load_cell": {"path": DATA / "cell.yaml", "backend": "auto"},

@@ -10,14 +10,14 @@ import pytest
 import yaml
 from conftest import DATA, ROOT
 from embedded_target import cross_compile, missing_tools, run_on_target
-from exported_library import answers, changed_cell, link, run, sources, tool
+from exported_library import SANITIZED, answers, changed_cell, link, run, sources, tool
 
 import mrts
 from mrts.cell.generation import export_to
 from mrts.cli import main
 from mrts.output.embedded_limits import embedded_limits
 
-CELLS = ("planar_dual_arm", "dual_ur5", "with_motors")
+CELLS = ("dual_ur5", "with_motors")
 WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror"]
 DOUBLE_HELPER = re.compile(r"__aeabi_d|__\w+df\d|\b(sin|cos|sqrt|sincos)\b")
 FORBIDDEN = re.compile(r"\b(malloc|calloc|realloc|free|printf|puts|fprintf)\b")
@@ -85,17 +85,17 @@ def test_it_compiles_as_cpp(library, tmp_path):
             f"-I{folder}/tests", "-c", source, "-o", tmp_path / "o")  # fmt: skip
 
 
-def test_the_vectors_pass_on_the_host_and_under_sanitizers(library, tmp_path):
+@pytest.mark.parametrize("flags", [["-O2"], pytest.param(SANITIZED, marks=pytest.mark.slow)], ids=["host", "sanitized"])
+def test_the_vectors_pass_on_the_host_and_under_sanitizers(library, flags, tmp_path):
     _, precision, folder = library
-    for flags in (["-O2"], ["-g1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]):
-        said = run(link(folder, folder / "tests/test_main.c", tmp_path / "test", *flags))
-        found = re.findall(r"(\d+) (ok|unbounded|infeasible|undecided|vectors|mismatches)", said)
-        counts = {what: number for number, what in found}
-        assert int(counts["vectors"]) >= 500
-        assert all(int(counts[status]) > 0 for status in ("ok", "unbounded", "infeasible"))
-        assert int(counts["mismatches"]) == 0
-        if precision == "double":
-            assert int(counts["undecided"]) == 0
+    said = run(link(folder, folder / "tests/test_main.c", tmp_path / "test", *flags))
+    found = re.findall(r"(\d+) (ok|unbounded|infeasible|undecided|vectors|mismatches)", said)
+    counts = {what: number for number, what in found}
+    assert int(counts["vectors"]) >= 500
+    assert all(int(counts[status]) > 0 for status in ("ok", "unbounded", "infeasible"))
+    assert int(counts["mismatches"]) == 0
+    if precision == "double":
+        assert int(counts["undecided"]) == 0
 
 
 @SOME
@@ -130,6 +130,7 @@ def test_its_symbols_are_its_own(library, tmp_path):
     assert not FORBIDDEN.search(re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL))
 
 
+@pytest.mark.slow
 def test_the_vectors_pass_on_a_cortex_m7(library, tmp_path):
     cell, _, folder = library
     for package in missing_tools():
@@ -142,7 +143,9 @@ def test_the_vectors_pass_on_a_cortex_m7(library, tmp_path):
     assert cell
 
 
-@SOME
+@pytest.mark.parametrize(
+    "library", [SOME_LIBRARIES[0], pytest.param(SOME_LIBRARIES[1], marks=pytest.mark.slow)], ids="-".join, indirect=True
+)
 def test_out_of_tree_use_as_its_readme_says(library, tmp_path):
     cell, _, folder = library
     copy = tmp_path / "library"

@@ -227,6 +227,7 @@ def test_a_library_cannot_be_called_what_c_takes_otherwise(name, planar_cell, tm
 
 def test_a_cut_off_library_is_compiled_again(tmp_path, monkeypatch):
     """Loading one would kill the process."""
+    monkeypatch.setenv("MRTS_QUICK_CC", "-O0")
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
     script = "import mrts, sys; print(mrts.load_cell(sys.argv[1]).functions.backend)"
     arguments = [sys.executable, "-c", script, str(DATA / "cell.yaml")]
@@ -240,6 +241,7 @@ def test_a_cut_off_library_is_compiled_again(tmp_path, monkeypatch):
 
 
 def test_the_cache_is_keyed_by_content_and_survives_damage(tmp_path, lift, monkeypatch):
+    monkeypatch.setenv("MRTS_QUICK_CC", "-O0")
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))
     for name in ("cell.yaml", "planar_arm.urdf"):
         shutil.copy(DATA / name, tmp_path / name)
@@ -264,6 +266,7 @@ def test_the_cache_is_keyed_by_content_and_survives_damage(tmp_path, lift, monke
 
 
 def test_two_processes_may_fill_the_cache_at_once(tmp_path, monkeypatch):
+    monkeypatch.setenv("MRTS_QUICK_CC", "-O0")
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
     script = "import mrts, sys; print(mrts.load_cell(sys.argv[1]).functions.backend)"
     arguments = [sys.executable, "-c", script, str(DATA / "cell.yaml")]

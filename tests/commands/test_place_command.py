@@ -10,8 +10,8 @@ from layouts import DATA, shipped, write_study
 
 import mrts
 import mrts.commands.place
+from mrts.cell.remarks.assumptions import NO_COLLISIONS
 from mrts.cli import main
-from mrts.diagnosis.assumptions import NO_COLLISIONS
 
 LIFT = DATA / "planar_dual_arm" / "lift.yaml"
 VARY = {

@@ -13,8 +13,8 @@ from draws import draws
 from published_robots import CASES, single_arm_cell
 
 import mrts
-from mrts.diagnosis.assumptions import POINT_MASSES, WEIGHTLESS
-from mrts.starting.cell_writing import missing
+from mrts.cell.remarks.assumptions import POINT_MASSES, WEIGHTLESS
+from mrts.starting.cell_writing import missing_bodies
 from mrts.starting.reading import HOPELESS, Given, request_of
 
 UR5 = DATA.parent / "dual_ur5"
@@ -277,8 +277,12 @@ def test_links_without_mass_and_points_are_told_in_the_same_words_as_for_a_new_c
     cell["robots"][1]["urdf"] = str(DATA / "planar_arm.urdf")
     (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
     found = mrts.check(tmp_path / "cell.yaml")
-    assert {f"{WEIGHTLESS} (left: elbow)", f"{POINT_MASSES} (left: hand)"} <= {*found.assumed}
+    said = {remark.code: remark.text for remark in found.warnings}
+    assert said == {
+        "links-without-mass": f"{WEIGHTLESS} (left: elbow)",
+        "links-without-inertia": f"{POINT_MASSES} (left: hand)",
+    }
     given = Given("cell", [str(tmp_path / "arm.urdf")], [], [], [], None, np.array([0, -9.81, 0]))
-    told = missing(request_of(given, tmp_path).arms[0].arm)
-    assert told[-2:] == [f"{WEIGHTLESS} (elbow)", f"{POINT_MASSES} (hand)"]
-    assert not [text for text in mrts.check(DATA / "cell.yaml").assumed if "mass" in text and "URDF" in text]
+    told = missing_bodies(request_of(given, tmp_path).arms[0].arm)
+    assert [*told] == [f"{WEIGHTLESS} (elbow)", f"{POINT_MASSES} (hand)"]
+    assert mrts.check(DATA / "cell.yaml").warnings == ()

@@ -10,9 +10,9 @@ from conftest import DATA
 from damaged_cells import sound, written
 
 import mrts
+from mrts.cell.remarks.assumptions import NO_COLLISIONS
 from mrts.cell.uncompiled import cell_to_compile
 from mrts.cli import main
-from mrts.diagnosis.assumptions import NO_COLLISIONS
 
 UR5 = DATA.parent / "dual_ur5"
 
@@ -32,7 +32,7 @@ def test_exit_codes_and_json(far, tmp_path, capsys):
     told = json.loads(capsys.readouterr().out)
     assert told["status"] == "impossible"
     assert [arm["follows"] for arm in told["arms"]] == [True, False]
-    assert NO_COLLISIONS in told["assumed"]
+    assert NO_COLLISIONS in [one["text"] for one in told["assumed"]]
     assert told["arms"][1]["shift"][0] < 0
     output = tmp_path / "out.json"
     assert main(["check", *far[::-1], "--json", str(output)]) == 2

@@ -9,7 +9,7 @@ from mrts.hands.gripper import gripper_contact
 from mrts.hands.pad import pad_contact
 from mrts.hands.suction import suction_contact
 
-WRENCHES = 10_000
+WRENCHES = 2_000
 SHAPES = 5
 
 SAME = 1e-7
@@ -20,7 +20,7 @@ NEAR = 1e-6
 
 
 def shapes(kind):
-    """A few shapes of a kind with their random wrenches, 10 000 in all, some of them on the boundary."""
+    """A few shapes of a kind with their random wrenches, some of them on the boundary."""
     rng = np.random.default_rng([WRENCHES, *kind.encode()])
     for number in range(SHAPES):
         normal = rng.normal(size=3) if number else np.eye(3)[rng.integers(3)]

@@ -52,7 +52,9 @@ def test_every_script_is_run_or_named():
     assert scripts == SMALLEST.keys() | ELSEWHERE.keys()
 
 
-@pytest.mark.parametrize("script", SMALLEST)
+@pytest.mark.parametrize(
+    "script", ["table.py", *(pytest.param(each, marks=pytest.mark.slow) for each in SMALLEST if each != "table.py")]
+)
 def test_a_benchmark_runs_and_prints_finite_numbers(script, capsys, monkeypatch):
     monkeypatch.setattr(sys, "path", [str((FOLDER / script).parent), *sys.path])
     runpy.run_path(str(FOLDER / script))["main"](**SMALLEST[script])

@@ -1,6 +1,7 @@
 """The verbs of the Makefile: what each installs, and that none uses or changes the environment of another folder."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -66,11 +67,16 @@ def test_the_demo_installs_what_it_needs_and_no_more(clone):
     assert commands.rstrip().endswith(".venv/bin/mrts demo -o build/demo")
 
 
-@pytest.mark.parametrize("verb", ["quick", "test", "check", "docs", "fuzz", "instructions", "generate"])
+@pytest.mark.parametrize("verb", ["quick", "test", "test-slow", "check", "docs", "fuzz", "instructions", "generate"])
 def test_the_other_verbs_install_everything_at_once(clone, verb):
     commands = plan(clone, verb)
     assert "-e '.[plot,test,check]'" in commands
     assert commands.count("pip install") == 1
+
+
+def test_the_two_suites_are_all_tests(installed):
+    chosen = [re.search(r"pytest .* -m (.+)$", plan(installed, verb).strip())[1] for verb in ("test", "test-slow")]
+    assert chosen == ['"not slow"', "slow"]
 
 
 def test_what_is_installed_stays(installed):

@@ -72,7 +72,6 @@ def held(planar_cell, lift, lifted, tmp_path_factory):
         mrts.Remark("code", "a remark."),
         mrts.check(DATA / "cell.yaml", DATA / "lift.yaml"),
         mrts.NearestHold(np.zeros(3), np.array([0.1, 0.0, 0.0]), 0.0),
-        mrts.Hint("millimetres", "a hint."),
     ]  # fmt: skip
     found, seen = {}, {}
     while roots:

@@ -19,18 +19,18 @@ DOCS = ROOT / "docs"
     ("name", "blocks"),
     [
         ("tutorial", 13),
-        ("gallery", 9),
-        ("own_cell", 8),
-        ("own_robot", 4),
-        ("check", 5),
-        ("command_line", 4),
-        ("ros2", 3),
-        ("optimal_profile", 2),
-        ("smooth", 3),
-        ("real_cell", 9),
-        ("studies", 11),
-        ("what_if", 2),
-        ("study_file", 5),
+        pytest.param("gallery", 9, marks=pytest.mark.slow),
+        pytest.param("own_cell", 8, marks=pytest.mark.slow),
+        pytest.param("own_robot", 4, marks=pytest.mark.slow),
+        pytest.param("check", 5, marks=pytest.mark.slow),
+        pytest.param("command_line", 4, marks=pytest.mark.slow),
+        pytest.param("ros2", 3, marks=pytest.mark.slow),
+        pytest.param("optimal_profile", 2, marks=pytest.mark.slow),
+        pytest.param("smooth", 3, marks=pytest.mark.slow),
+        pytest.param("real_cell", 9, marks=pytest.mark.slow),
+        pytest.param("studies", 11, marks=pytest.mark.slow),
+        pytest.param("what_if", 2, marks=pytest.mark.slow),
+        pytest.param("study_file", 5, marks=pytest.mark.slow),
     ],
 )
 def test_a_page_does_what_it_shows_and_prints_what_it_says(name, blocks, tmp_path):
@@ -60,6 +60,7 @@ def test_every_verb_is_on_the_page_of_the_command_line():
         assert f"| `mrts {verb}" in page, verb
 
 
+@pytest.mark.slow
 def test_the_site_builds_without_a_warning(tmp_path):
     """As `make docs` does, with the reference of every public class and function in it."""
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(tmp_path / "site")]

@@ -1,8 +1,7 @@
-"""The rooms of mrts: each imports only what stands above it, and a newcomer sees a folder at a glance."""
+"""The rooms of mrts: each imports only what stands above it."""
 
 import ast
 import re
-from pathlib import Path
 
 import pytest
 from conftest import ROOT
@@ -46,9 +45,6 @@ ROOMS = (
 """A room imports itself and what stands above it; of the last rooms, each has its own library and none the others'."""
 
 APART = ("figures", "report", "viewer")
-
-MOST_FILES = 15
-"""Of a folder, its `__init__.py` aside: what is seen at a glance."""
 
 ROOT_FILES = {"__init__.py", "__main__.py", "cli.py", "py.typed"}
 
@@ -141,12 +137,3 @@ def test_no_circle_of_modules():
         free = {name for name, needs in below.items() if not needs & below.keys()}
         assert free, f"these import each other: {sorted(below)}"
         below = {name: needs for name, needs in below.items() if name not in free}
-
-
-def test_a_folder_is_seen_at_a_glance():
-    folders = [*PACKAGE.rglob("*/"), *(ROOT / "codegen").rglob("*/"), ROOT / "codegen", ROOT / "benchmarks"]
-    for folder in (Path(each) for each in folders if "data" not in each.parts and "__pycache__" not in each.parts):
-        files = [
-            path.name for path in folder.iterdir() if path.is_file() and path.name not in {"__init__.py", "py.typed"}
-        ]
-        assert len(files) <= MOST_FILES, (folder, sorted(files))

@@ -39,14 +39,14 @@ def check(compiler, file, *flags):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("compiler", ["gcc", pytest.param("clang", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("file", FILES)
 def test_a_file_can_be_checked_alone(file, compiler):
     check(compiler, file)
     check(compiler, file, *(f"-D{name}={value}" for name, value in PLANAR.items()))
 
 
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("compiler", ["gcc", pytest.param("clang", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("file", EXPORTED)
 def test_what_an_export_carries_is_also_float(file, compiler):
     check(compiler, file, "-DMRTS_REAL=float", "-DMRTS_SINGLE", "-Wdouble-promotion")

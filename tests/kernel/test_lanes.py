@@ -57,7 +57,7 @@ void angles(long long count, const mrts_lanes *angle, mrts_lanes *sine, mrts_lan
 """
 
 
-@pytest.fixture(scope="module", params=CELLS)
+@pytest.fixture(scope="module", params=["planar_dual_arm", pytest.param("dual_ur5", marks=pytest.mark.slow)])
 def answers(request, tmp_path_factory):
     """What a library of a shipped cell, compiled with some flags, finds at some samples, by name, samples first."""
     path = DATA.parent / request.param
@@ -134,7 +134,7 @@ def reaches(number, corners):
 
 def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_samples_alone(answers):
     compiled, found, of_all = answers
-    narrow, wide = compiled(), compiled(*WIDE)
+    narrow, wide = compiled("-O1"), compiled(*WIDE)
     together = found(narrow, np.arange(SAMPLES))
     for name, value in found(wide, np.arange(SAMPLES)).items():
         np.testing.assert_array_equal(value, together[name], err_msg=name)
@@ -154,6 +154,18 @@ def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_samp
         if name.endswith("widening"):
             assert np.any(value == 0)
             assert np.max(value) > 1e-2
+
+
+@pytest.mark.parametrize("answers", ["planar_dual_arm"], indirect=True)
+def test_torques_of_many_arms_are_found_singly(answers):
+    """In lanes their programs would fill the stack."""
+    compiled, found, _ = answers
+    some = np.arange(20)
+    in_lanes, singly = found(compiled("-O1"), some), found(compiled("-O1", "-DMRTS_MOST_LANE_UNKNOWNS=1"), some)
+    for name in (name for name in in_lanes if name.endswith("torque")):
+        np.testing.assert_allclose(
+            in_lanes[name], singly[name], atol=SOLVED * np.max(np.abs(singly[name])), err_msg=name
+        )
 
 
 def test_sines_and_cosines_are_those_of_extended_precision(tmp_path):

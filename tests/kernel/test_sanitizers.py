@@ -117,6 +117,7 @@ assert mrts.retime(cell, followed).pieces
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "command",
     [
@@ -139,7 +140,7 @@ def test_the_library_is_clean_under_sanitizers(command, private_cache):
     """The same library, compiled with AddressSanitizer and UndefinedBehaviorSanitizer, under the whole Python path."""
     asan = subprocess.run([GCC, "-print-file-name=libasan.so"], capture_output=True, text=True, check=True).stdout
     environment = os.environ | {
-        "CC": f"{GCC} -fsanitize=address,undefined -fno-sanitize-recover=all -g1",
+        "CC": f"{os.environ.get('CC', GCC)} -fsanitize=address,undefined -fno-sanitize-recover=all -g1",
         "LD_PRELOAD": asan.strip(),
         "ASAN_OPTIONS": "detect_leaks=0",  # Python's own
         "MRTS_CACHE_DIR": str(private_cache / "sanitized"),
@@ -157,6 +158,7 @@ ONCE_FOUND = bytes.fromhex("0f8009493e3e3e3e3e3e3e28ff08fff90809643e3e3e3e3e3e3e
 """A program whose answer was refined past a limit that had been looked at before."""
 
 
+@pytest.mark.slow
 def test_a_fuzzer_finds_no_wrong_answer(tmp_path):
     """Coverage-guided (libFuzzer) for a bounded number of runs; the target checks every answer by substitution."""
     target = tmp_path / "fuzz"

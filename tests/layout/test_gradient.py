@@ -110,7 +110,11 @@ def redundant(folder):
 CASES = (dual_ur5, planar, squeeze, with_motors, uncertain_load, redundant)
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.__name__)
+@pytest.mark.parametrize(
+    "case",
+    [with_motors, *(pytest.param(case, marks=pytest.mark.slow) for case in CASES if case is not with_motors)],
+    ids=lambda case: case.__name__,
+)
 def test_the_slope_is_that_of_scale(case, tmp_path):
     layouts = Layouts.of(case(tmp_path))
     bounds = np.array([parameter.spread.bounds for parameter in layouts.study.parameters])

@@ -44,6 +44,7 @@ PLOTTED_LIKE_ANOTHER = {"spatial", "least speed", "infeasible load", "fixed rule
 """Kinds whose pages have the plots of one that is opened; their texts and figures are tested where they are made."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in PLOTTED_LIKE_ANOTHER])
 def test_every_kind_of_result_opens_offline_with_all_its_plots(kind, planar_cell, dual_ur5, lift, tmp_path, page):  # noqa: F811
     found = result_of(kind, planar_cell, dual_ur5, lift, tmp_path)
@@ -102,9 +103,7 @@ def first_arm(page):  # noqa: F811
     return np.array([x, y, z]).T
 
 
-def test_the_player_moves(result, tmp_path, page):  # noqa: F811
-    mrts.write_report(result, tmp_path / "report.html")
-    show(page, tmp_path / "report.html")
+def plays(result, page):  # noqa: F811
     start, seen = first_arm(page), scene(page)
     assert len(set(seen)) > 50  # something is drawn
     slider = page.locator("#frame")
@@ -136,9 +135,7 @@ def test_the_player_moves(result, tmp_path, page):  # noqa: F811
     assert page.problems == []
 
 
-def test_the_camera_is_the_readers_even_while_the_motion_plays(result, tmp_path, page):  # noqa: F811
-    mrts.write_report(result, tmp_path / "report.html")
-    show(page, tmp_path / "report.html")
+def keeps_the_readers_camera_while_it_plays(page):  # noqa: F811
 
     def eye():
         camera = page.evaluate("document.getElementById('player')._fullLayout.scene._scene.getCamera().eye")
@@ -146,8 +143,8 @@ def test_the_camera_is_the_readers_even_while_the_motion_plays(result, tmp_path,
 
     slider = page.locator("#frame")
     page.locator("#speed").select_option("0.01")
-    page.locator("#play").click()
-    expect(slider).not_to_have_value("0", timeout=SLOW)
+    page.locator("#play").click()  # from the end it starts again
+    expect(slider).to_have_value(re.compile(r"^[1-9]\d?$"), timeout=SLOW)
     page.locator("#player").scroll_into_view_if_needed()
     box, before = page.locator("#player").bounding_box(), eye()
     page.mouse.move(box["x"] + 300, box["y"] + 300)
@@ -165,9 +162,7 @@ def test_the_camera_is_the_readers_even_while_the_motion_plays(result, tmp_path,
     np.testing.assert_allclose(eye(), turned, atol=0.2)
 
 
-def test_hovering_names_the_rows_that_bind(result, tmp_path, page):  # noqa: F811
-    mrts.write_report(result, tmp_path / "report.html")
-    show(page, tmp_path / "report.html")
+def names_the_rows_that_bind_under_the_mouse(page):  # noqa: F811
     plot = page.locator("#plot-c2-range .nsewdrag").first
     plot.scroll_into_view_if_needed()
     box = plot.bounding_box()
@@ -178,14 +173,21 @@ def test_hovering_names_the_rows_that_bind(result, tmp_path, page):  # noqa: F81
     assert "c² ≥ 0" in said
 
 
-def test_no_button_sends_anything_away(result, tmp_path, page):  # noqa: F811
+def sends_nothing_away(page):  # noqa: F811
     """plotly's own choice of buttons has one that uploads the chart."""
-    mrts.write_report(result, tmp_path / "report.html")
-    show(page, tmp_path / "report.html")
     titles = page.evaluate("[...document.querySelectorAll('.modebar-btn')].map((button) => button.dataset.title)")
     assert set(titles) == {
         "Download plot as a PNG", "Zoom", "Pan", "Reset axes", "Turntable rotation", "Reset camera to default"
     }  # fmt: skip
+
+
+def test_a_reader_moves_turns_and_asks_the_page(result, tmp_path, page):  # noqa: F811
+    mrts.write_report(result, tmp_path / "report.html")
+    show(page, tmp_path / "report.html")
+    plays(result, page)
+    keeps_the_readers_camera_while_it_plays(page)
+    names_the_rows_that_bind_under_the_mouse(page)
+    sends_nothing_away(page)
 
 
 def test_the_page_loads_nothing(result):

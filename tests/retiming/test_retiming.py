@@ -7,7 +7,7 @@ import pytest
 import yaml
 from cell_bank import compiled, drawn_until, random_planar_cell
 from conftest import DATA
-from draws import draws
+from draws import seeds
 from gantries import along_x, gantries
 from one_arm import by_toppra, duration, one_arm
 from scipy.optimize import linprog
@@ -26,9 +26,10 @@ TOPPRA_TOLERANCE = 1e-4  # seidel keeps limits to 1e-6 of their size; a thin reg
 DURATION_TOLERANCE = 1e-3
 TRANSCRIPTION_TOLERANCE = 1e-3
 EXCESS_GOAL = 1e-3
+PATHS = 15
 
 
-@pytest.mark.parametrize("seed", range(50))
+@pytest.mark.parametrize("seed", seeds(5, PATHS - 5))
 def test_one_arm_equals_toppra_pointwise(seed, tmp_path):
     """On the same parameter, grid and scheme."""
     grid = np.linspace(0, 1, 101)
@@ -48,12 +49,13 @@ def test_one_arm_equals_toppra_pointwise(seed, tmp_path):
         assert duration(np.diff(grid), ours.x) == pytest.approx(duration(np.diff(grid), theirs), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_most_random_paths_can_be_followed(tmp_path):
     grid = np.linspace(0, 1, 101)
-    assert sum(by_toppra(*one_arm(seed, tmp_path), grid) is not None for seed in range(50)) >= 40
+    assert sum(by_toppra(*one_arm(seed, tmp_path), grid) is not None for seed in range(PATHS)) >= 0.8 * PATHS
 
 
-@pytest.mark.parametrize("seed", range(draws(4)))
+@pytest.mark.parametrize("seed", seeds(1, 1))
 @pytest.mark.parametrize("fast", [False, True])
 def test_one_arm_equals_toppra_as_a_user_calls_it(seed, fast, tmp_path):
     """On the arc length instead of the spline's parameter: both converge to the same duration."""
@@ -128,7 +130,7 @@ def best_constant_speed(case):
     return constant.trajectory if found else None
 
 
-@pytest.mark.parametrize("seed", range(draws(15)))
+@pytest.mark.parametrize("seed", seeds(3, 3))
 def test_it_is_never_slower_than_the_best_constant_speed(seed, tmp_path):
     rng = np.random.default_rng([31, seed])
     case, constant = drawn_until(
@@ -168,7 +170,7 @@ def test_a_fixed_distribution_is_slower_than_a_free_one(planar_cell, lift):
     np.testing.assert_allclose(halves[0], halves[1], atol=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(1, 3))
 def test_regions_reach_as_far_as_highs_finds(seed, tmp_path):
     """In every direction, for arms some of whose wrench components have no limits."""
     case = random_planar_cell(np.random.default_rng([99, seed]), tmp_path, 3, samples=11)

@@ -132,7 +132,10 @@ def checked_ends(problem, found, sample):
             assert {row.name.kind for row in (*gap.lower_rows, *gap.upper_rows)} - {"c2", "velocity"}
 
 
-@pytest.mark.parametrize("seed", [pytest.param(1, marks=pytest.mark.quick), 5, 10, 22])
+@pytest.mark.parametrize(
+    "seed",
+    [pytest.param(1, marks=pytest.mark.quick), 5, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (10, 22))],
+)
 def test_every_way_finds_the_same_ends_and_they_hold(seed, tmp_path):
     _, cell, motion, _ = random_case(seed, tmp_path)
     fast = motion_ranges(compiled(cell), motion, "wrench", None, "kernel")
@@ -150,7 +153,7 @@ def test_every_way_finds_the_same_ends_and_they_hold(seed, tmp_path):
     assert all(found.status == fast.status for found in others.values())
 
 
-@pytest.mark.parametrize("seed", [1, 5, 10])
+@pytest.mark.parametrize("seed", [1, pytest.param(5, marks=pytest.mark.slow)])
 def test_shared_loads_have_the_ends_of_their_rows(seed, tmp_path):
     _, cell, motion, _ = random_case(seed, tmp_path)
     found = motion_ranges(cell, motion, "wrench", mrts.LoadSharing(), "kernel")

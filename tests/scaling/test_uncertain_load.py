@@ -8,7 +8,7 @@ import pytest
 import yaml
 from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
 from conftest import DATA
-from draws import draws
+from draws import seeds
 from reference import ReferenceCell
 from scipy.optimize import linprog
 
@@ -25,6 +25,8 @@ RANGE_TOLERANCE = 1e-8  # the bar of a guaranteed end; programs are verified to 
 SEARCH_TOLERANCE = 1e-6  # what the nonlinear program's answer must reach
 
 GRID = 1e-3  # a grid of 2001 loads misses an interior optimum by about this
+
+RULES = 12
 
 scaled = partial(mrts.scale, between=None)  # ranges of the same samples are compared
 
@@ -71,7 +73,7 @@ def ends_of_loads(cell, motion, sample, loads, sharing=None):
 
 @pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
 @pytest.mark.parametrize("sharing", [None, mrts.LoadSharing()])
-@pytest.mark.parametrize("seed", range(draws(3)))
+@pytest.mark.parametrize("seed", seeds(1, 2))
 def test_guaranteed_lies_in_nominal_lies_in_possible(seed, make, sharing, tmp_path):
     cell, motion = coordinated(np.random.default_rng(seed), make, 1 + seed % 3, tmp_path)
     sure, nominal, some = (scaled(cell, motion, sharing=sharing, load=question).range for question in QUESTIONS)
@@ -103,7 +105,7 @@ def guaranteed_with_an_end(pair):
 
 
 @pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
-@pytest.mark.parametrize("seed", range(draws(4)))
+@pytest.mark.parametrize("seed", seeds(1, 1))
 def test_no_load_of_the_box_violates_the_guaranteed_range_and_a_corner_attains_it(seed, make, tmp_path):
     rng = np.random.default_rng([100 + seed, 2])
     (cell, motion), found = drawn_until(guaranteed_with_an_end, lambda: coordinated(rng, make, 2, tmp_path))
@@ -212,7 +214,7 @@ def test_where_the_load_enters_monotonically_the_best_is_a_corner(planar_cell, l
     assert result.trajectory is None
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", seeds(3, RULES - 3))
 def test_the_closed_form_of_a_fixed_rule_equals_its_corners(seed, tmp_path):
     cell, motion = coordinated(np.random.default_rng(200 + seed), random_planar_cell, 1 + seed % 3, tmp_path)
     rule = mrts.LoadSharing()
@@ -230,11 +232,13 @@ def test_the_closed_form_of_a_fixed_rule_equals_its_corners(seed, tmp_path):
         assert worst.upper[0] == pytest.approx(end.c2, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_most_fixed_rules_have_a_closed_form(tmp_path):
     found = (
-        coordinated(np.random.default_rng(200 + seed), random_planar_cell, 1 + seed % 3, tmp_path) for seed in range(30)
+        coordinated(np.random.default_rng(200 + seed), random_planar_cell, 1 + seed % 3, tmp_path)
+        for seed in range(RULES)
     )
-    assert sum(not scaled(*pair, sharing=mrts.LoadSharing()).load.points for pair in found) > 10
+    assert sum(not scaled(*pair, sharing=mrts.LoadSharing()).load.points for pair in found) >= RULES / 3
 
 
 def test_how_fast_a_motion_is_given_hides_no_parameter(dual_ur5, lift_and_turn):

@@ -8,7 +8,7 @@ from jerk_paths import jerk_path
 import mrts
 
 NODES = 200
-PATHS = 10  # of each robot
+PATHS = 3  # of each robot
 LONGER = 1e-3
 """Share of copp's duration by which ours may be longer."""
 
@@ -20,7 +20,7 @@ JERK_BETWEEN = 3e-3
 """Likewise of jerk: q''' is that of polynomials through places an eighth of a step apart."""
 
 
-@pytest.mark.parametrize("robot", ["ur5", "panda"])
+@pytest.mark.parametrize("robot", ["ur5", pytest.param("panda", marks=pytest.mark.slow)])
 def test_never_longer_than_copp(robot, tmp_path):
     """Same velocity, torque and jerk limits, same number of nodes; copp has its two linearisations."""
     for seed in range(PATHS):
@@ -30,6 +30,7 @@ def test_never_longer_than_copp(robot, tmp_path):
         assert ours < (1 + LONGER) * theirs, (seed, ours, theirs)
 
 
+@pytest.mark.slow
 def test_nor_with_five_times_as_many_nodes(tmp_path):
     path = jerk_path("panda", 2, tmp_path)  # where copp comes nearest
     *_, theirs = by_copp(path, 5 * NODES)
@@ -37,7 +38,9 @@ def test_nor_with_five_times_as_many_nodes(tmp_path):
     assert ours < (1 + LONGER) * theirs
 
 
-@pytest.mark.parametrize(("robot", "seed"), [("ur5", 9), ("panda", 1), ("panda", 2)])
+@pytest.mark.parametrize(
+    ("robot", "seed"), [("ur5", 9), *(pytest.param("panda", seed, marks=pytest.mark.slow) for seed in (1, 2))]
+)
 def test_limits_between_the_nodes_are_kept_better(robot, seed, tmp_path):
     """Both densely along the exact path: where torque binds we overstep it less. Of jerk see `JERK_BETWEEN`."""
     path = jerk_path(robot, seed, tmp_path)
@@ -49,6 +52,7 @@ def test_limits_between_the_nodes_are_kept_better(robot, seed, tmp_path):
     assert jerk < JERK_BETWEEN
 
 
+@pytest.mark.slow
 def test_what_jerk_oversteps_falls_with_the_step(tmp_path):
     path = jerk_path("ur5", 1, tmp_path)
     coarse, fine = (
@@ -58,7 +62,7 @@ def test_what_jerk_oversteps_falls_with_the_step(tmp_path):
     assert fine < coarse / 2
 
 
-@pytest.mark.parametrize("robot", ["ur5", "panda"])
+@pytest.mark.parametrize("robot", ["ur5", pytest.param("panda", marks=pytest.mark.slow)])
 def test_a_path_starts_and_ends_with_constant_jerk(robot, tmp_path):
     """Inside the end segments too, where no row at a node sees x fall: jerk would be 4 times its limit there."""
     path = jerk_path(robot, 0, tmp_path)

@@ -38,7 +38,7 @@ def shipped(name):
     return cell, described(SHIPPED[name], MOTIONS[name]), RATE * limits
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", ["planar", pytest.param("dual", marks=pytest.mark.slow)])
 def test_torque_rates_on_the_shipped_cells(name):
     cell, description, rates = shipped(name)
     ours = mrts.retime(cell, mrts.sample_motion(description), rates=RATE, between=None)
@@ -109,7 +109,7 @@ def holding_torque(cell, motion, squeeze):
     return torque
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", ["planar", pytest.param("dual", marks=pytest.mark.slow)])
 def test_the_shipped_cells_over_time(name):
     """The local optimum is as good as that of another discretisation, solved as one nonlinear program."""
     cell, description, rates = shipped(name)
@@ -118,6 +118,7 @@ def test_the_shipped_cells_over_time(name):
     assert ours.duration == pytest.approx(theirs, rel=OTHER)
 
 
+@pytest.mark.slow
 def test_a_random_cell_over_time(tmp_path):
     rng = np.random.default_rng(16)
     drawn = random_spatial_cell(rng, tmp_path, 2, samples=81)
@@ -129,6 +130,7 @@ def test_a_random_cell_over_time(tmp_path):
     assert ours.duration == pytest.approx(theirs, rel=OTHER)
 
 
+@pytest.mark.slow
 def test_steps_of_time_converge_to_it():
     cell, description, rates = shipped("planar")
     ours = mrts.retime(cell, mrts.sample_motion(description), rates=RATE, between=None).duration

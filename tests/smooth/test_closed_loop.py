@@ -27,7 +27,7 @@ NEARER = {"dual_ur5": "error", "planar_dual_arm": "off_path"}
 the path, while its joints, slower at most, are the less late."""
 
 
-@pytest.fixture(scope="module", params=["dual_ur5", "planar_dual_arm"])
+@pytest.fixture(scope="module", params=["planar_dual_arm", pytest.param("dual_ur5", marks=pytest.mark.slow)])
 def tried(request):
     return trial(request.param)
 
@@ -75,6 +75,7 @@ def test_at_the_end_the_grasps_carry_the_true_load(tried):
         np.testing.assert_allclose(lifted, weight, rtol=0, atol=SAME_LOAD * np.linalg.norm(weight))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("grasp", GRASPS)
 def test_wrenches_of_a_slow_motion_without_errors_are_those_of_the_plan(grasp, monkeypatch):
     """What is measured is what the plan's limits are about: the same point, axes and sign."""

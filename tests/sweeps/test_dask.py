@@ -84,6 +84,7 @@ def test_a_cluster_gives_the_same_bits_though_a_worker_is_killed(cluster, study,
     assert done[-1] == study.variants
 
 
+@pytest.mark.slow
 def test_a_cluster_goes_on_with_what_processes_of_this_machine_began(cluster, study, alone, tmp_path):
     mrts.sweep(study, tmp_path / "out", workers=1)
     for path in sorted((tmp_path / "out").glob("rows/part*"))[::2]:
@@ -91,6 +92,7 @@ def test_a_cluster_goes_on_with_what_processes_of_this_machine_began(cluster, st
     assert_same_table(mrts.sweep(study, tmp_path / "out", scheduler=cluster[0]), alone)
 
 
+@pytest.mark.slow
 def test_a_local_cluster_is_made_and_gone_after(alone, study, tmp_path):
     path = tmp_path / "study.yaml"
     path.write_text(f"cell: {DATA / 'cell.yaml'}\nmotion: {DATA / 'lift.yaml'}\n{STUDY}\n")
@@ -103,6 +105,7 @@ def test_a_local_cluster_is_made_and_gone_after(alone, study, tmp_path):
     assert mrts.read_study_folder(out).variants == study.variants
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_goes_away_is_said_and_the_study_gone_on_with(study, alone, tmp_path):
     with started(SCHEDULER) as scheduler:
         address = address_of(scheduler)
@@ -118,6 +121,7 @@ def test_a_scheduler_that_goes_away_is_said_and_the_study_gone_on_with(study, al
     assert_same_table(mrts.sweep(study, tmp_path / "out", workers=1), alone)
 
 
+@pytest.mark.slow
 def test_a_worker_of_another_version_is_refused(cluster, study, monkeypatch):
     monkeypatch.setattr("mrts.sweeps.chunks.__version__", "0.0.9")
     with pytest.raises(mrts.InputError, match=r"worker: runs mrts .*, the sweep 0\.0\.9: install the same"):

@@ -4,6 +4,7 @@ import io
 import time
 
 import numpy as np
+import pytest
 from PIL import Image
 from viewer_browser import SECONDS, chromium, open_page, running_viewer
 
@@ -25,6 +26,7 @@ OUTSIDE = """() => [...document.querySelectorAll('[data-plot] svg')].flatMap(svg
 })"""
 
 
+@pytest.mark.slow
 def test_plots_follow_a_saved_result_and_its_picture_is_taken(chromium, lifted, planar_cell, lift, tmp_path):
     mrts.save_result(lifted, tmp_path / "fast.npz")
     mrts.save_result(mrts.scale(planar_cell, lift, 0.5), tmp_path / "slow.npz")

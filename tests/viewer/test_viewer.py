@@ -176,7 +176,7 @@ def assert_links_join(links, line):
 
 
 @pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
-@pytest.mark.parametrize("arms", [1, 2, 3, 4])
+@pytest.mark.parametrize("arms", [1, 3])
 def test_what_is_drawn_follows_the_time(make, arms, tmp_path):
     """Balls at the tips, and arrows that start there, at the contacts of the moving object; sliding joints too."""
     case = make(np.random.default_rng([11, arms]), tmp_path, arms)
@@ -231,7 +231,7 @@ def test_arrows_have_the_length_that_the_panel_states(dual_ur5):
 
 
 @pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
-@pytest.mark.parametrize("arms", [1, 2, 4])
+@pytest.mark.parametrize("arms", [1, 3])
 def test_the_cell_is_in_the_picture_and_upright(make, arms, tmp_path):
     case = make(np.random.default_rng([9, arms]), tmp_path, arms)
     cell = case.cell
@@ -334,6 +334,7 @@ CONNECTS = """([url, protocol]) => new Promise(done => {
 })"""
 
 
+@pytest.mark.slow
 def test_the_page_can_be_loaded_again_and_no_other_page_connects(chromium):
     with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (_, url):
         ours = [url.replace("http", "ws"), f"viser-v{viser.__version__}"]
@@ -350,6 +351,7 @@ def test_the_page_can_be_loaded_again_and_no_other_page_connects(chromium):
         other.close()
 
 
+@pytest.mark.slow
 def test_the_motion_plays_and_stops(chromium):
     with (
         running_viewer(ROOT / "generated" / "dual_ur5", UR5 / "lift_and_turn.yaml") as (_, url),
@@ -367,6 +369,7 @@ def test_the_motion_plays_and_stops(chromium):
         assert page.problems == []
 
 
+@pytest.mark.slow
 def test_an_infeasible_motion_opens_with_real_arms(chromium, tmp_path):
     path = cell_of_real_arms(tmp_path)
     description = yaml.safe_load(path.read_text())

@@ -3,6 +3,7 @@
 import shutil
 
 import numpy as np
+import pytest
 from conftest import DATA
 from playwright.sync_api import TimeoutError as NotInTime
 from viewer_browser import chromium, in_picture, open_page, running_viewer
@@ -111,6 +112,7 @@ def change_view(page):
     page.get_by_role("button", name="Show the whole cell").click()
 
 
+@pytest.mark.slow
 def test_every_control_does_what_it_says(chromium, planar_cell, lifted, tmp_path):
     folder = shutil.copytree(DATA, tmp_path / "cell")
     cell = folder / "cell.yaml"
@@ -163,6 +165,7 @@ def test_every_control_does_what_it_says(chromium, planar_cell, lifted, tmp_path
     assert (folder / "changed_motion.yaml").read_text() == (folder / "lift.yaml").read_text()
 
 
+@pytest.mark.slow
 def test_the_panel_covers_no_scene_and_cuts_no_text(chromium):
     with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (_, url), open_page(chromium, url) as page:
         for width in WIDTHS:

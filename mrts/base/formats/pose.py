@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Kinds of values that formats share, and the pose."""
 
-from math import hypot
+from math import hypot, pi, radians
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import IDENTIFIER, LARGEST_NUMBER, LONGEST_NAME, SMALLEST_NUMBER
+from mrts.base.remark import Remark
 from mrts.base.rigid_transform import (
     RigidTransform,
     multiply,
@@ -42,6 +43,9 @@ NO_DISTANCE = 1e-9
 
 OPPOSITE = 1e-12
 """Sine of the angle between two directions that is as good as π: the turn's axis is rounding then."""
+
+WHOLE_TURN = 2 * pi
+"""An angle beyond it [rad] is rather meant in degrees."""
 
 
 class Pose(Record):
@@ -77,6 +81,18 @@ class Pose(Record):
             return rotation_from_rpy(*self.rpy)
         x_to_w = self._x_to_w()
         return np.eye(3) if x_to_w is None else snap_rotation(rotations_from_quaternions(np.array(x_to_w)))
+
+    def degrees_remarks(self, where: str) -> tuple[Remark, ...]:
+        """That its angles seem to be in degrees, if one is beyond a whole turn.
+
+        Args:
+            where: Its key, with the name of the file.
+        """
+        if self.rpy is None or all(abs(angle) <= WHOLE_TURN for angle in self.rpy):
+            return ()
+        given, meant = (", ".join(f"{angle:.6g}" for angle in angles) for angles in (self.rpy, map(radians, self.rpy)))
+        text = f"{where}.rpy is [{given}] rad: if degrees are meant, it is [{meant}]."
+        return (Remark.hint("rpy-degrees", text),)
 
     def problem(self) -> str:
         """The rule that its keys break with each other; empty if none."""

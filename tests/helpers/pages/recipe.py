@@ -16,13 +16,13 @@ COPIED += ("README.md", "pyproject.toml")
 TYPING = "build/typing"
 """Where codegen/ has its import name, as after `make install`."""
 
-HOUSE = "notation or equation or sitting or room or circle or glance or apart"
+HOUSE = "notation or equation or room or circle or apart"
 """The house's tests that a recipe can break."""
 
 
 @dataclass
 class Recipe:
-    """One recipe: its blocks in order, in a copy of its own.
+    """One recipe: its blocks in order, in a copy of the repository.
 
     A block with a title is that new file, or (`diff`) a change to it; `python` and `sh` are run, each by a process that
     imports the copy; `text` is what the block before prints.
@@ -30,7 +30,7 @@ class Recipe:
 
     text: str
     folder: Path
-    touched: set = field(default_factory=set)
+    touched: dict = field(default_factory=dict)
     ran: int = 0
 
     def copy(self, root):
@@ -46,18 +46,27 @@ class Recipe:
         (self.folder / TYPING / "mrts_codegen").symlink_to(self.folder / "codegen")
         return self
 
-    def follow(self):
+    def follow(self, *, run=True):
+        """Change the copy, and run what is to be run; `touched` keeps what was in each file before."""
         printed = None
         for kind, title, code in BLOCK.findall(self.text):
             if title:
-                self.touched.add(title)
+                path = self.folder / title
+                self.touched.setdefault(title, path.read_text(encoding="utf-8") if path.exists() else None)
                 self.change(title, code) if kind == "diff" else self.write(title, code)
+            elif not run:
+                continue
             elif kind == "text":
                 assert matches(code, printed), f"the page says\n{code}\nbut this is printed:\n{printed}"
             else:
                 printed = self.call([sys.executable, "-c", code] if kind == "python" else ["bash", "-eu", "-c", code])
                 self.ran += 1
         return self
+
+    def undo(self):
+        for title, before in self.touched.items():
+            path = self.folder / title
+            path.unlink() if before is None else path.write_text(before, encoding="utf-8")
 
     def write(self, title, code):
         path = self.folder / title

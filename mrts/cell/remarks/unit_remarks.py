@@ -1,17 +1,21 @@
 # SPDX-License-Identifier: MIT
 """Numbers that make sense in another unit: millimetres, degrees, N mm, grams, and gravity that points upward."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.cell.cell import Cell
-from mrts.cell.robot import Robot
-from mrts.diagnosis.hint import Hint
-from mrts.inverse_kinematics.joint_limits import DEGREES_SUSPECTED
-from mrts.motion.object_motion import ObjectMotion
+from mrts.base.formats.pose import WHOLE_TURN
+from mrts.base.remark import Remark
+from mrts.cell.robot import DEGREES_SUSPECTED
 from mrts.motors.joint_source import JointSource
+
+if TYPE_CHECKING:
+    from mrts.cell.cell import Cell
+    from mrts.cell.robot import Robot
+
 
 FAR = 10.0
 """Lengths of an arm from which on nobody puts the arm's object so far away."""
@@ -43,45 +47,42 @@ STRAIGHT = 0.9
 TORQUE_UNIT = "torque-millimetres"
 """Code of the hint on torques in N mm."""
 
-WHOLE_TURN = 2 * np.pi
-"""An angle beyond it [rad] is rather meant in degrees."""
 
-
-def unit_hints(cell: Cell, joints: Sequence[JointSource], motion: ObjectMotion | None) -> Iterator[Hint]:
-    """Hints on the numbers of a cell and of a motion that are likely in another unit.
+def unit_remarks(cell: "Cell", joints: Sequence[JointSource], without_efforts: Container[str]) -> Iterator[Remark]:
+    """Remarks on the numbers of a cell that are likely in another unit.
 
     Args:
         cell: The cell.
         joints: Of its arms in order.
-        motion: Of the object, where there is one.
+        without_efforts: Names of arms whose torque limits are not looked at.
     """
     yield from _gravity(cell.gravity)
     for robot in cell.robots:
         yield from _angles(robot)
-        yield from urdf_hints(robot)
+        yield from urdf_remarks(robot)
     if any(arm_length(robot) > LONGEST_ARM for robot in cell.robots):
         return  # the rest compares with that length
-    yield from _lengths(cell, motion)
-    yield from _torques(cell, joints)
+    yield from _lengths(cell)
+    yield from _torques(cell, joints, without_efforts)
     yield from _load(cell)
 
 
-def urdf_hints(robot: Robot) -> Iterator[Hint]:
-    """Hints on the numbers of a robot's URDF.
+def urdf_remarks(robot: "Robot") -> Iterator[Remark]:
+    """Remarks on the numbers of a robot's URDF.
 
     Args:
         robot: The robot.
     """
     length = arm_length(robot)
     if length > LONGEST_ARM:
-        yield Hint(
+        yield Remark.hint(
             "urdf-millimetres",
             f"robot '{robot.name}' is {length:.4g} m long: the lengths of its URDF seem to be in mm, and must be in m.",
         )
     lower, upper = robot.position_lower, robot.position_upper
     stuck = [name for name, least, most in zip(robot.joints, lower, upper, strict=True) if least == most]
     if stuck:
-        yield Hint(
+        yield Remark.hint(
             "limits-equal",
             f"robot '{robot.name}' cannot move {', '.join(stuck)}: the upper position limit is the lower one, as "
             "exporters write it that were told none. Give the joint's own limits, or the type 'continuous'; the cell "
@@ -91,14 +92,14 @@ def urdf_hints(robot: Robot) -> Iterator[Hint]:
     far = turning & np.isfinite(lower) & np.isfinite(upper) & (np.maximum(-lower, upper) > DEGREES_SUSPECTED)
     if np.any(far):
         worst = int(np.argmax(far))
-        yield Hint(
+        yield Remark.hint(
             "limits-degrees",
             f"robot '{robot.name}' may turn {robot.joints[worst]} from {lower[worst]:g} to {upper[worst]:g} rad: the "
             "position limits of its URDF seem to be in degrees.",
         )
 
 
-def arm_length(robot: Robot) -> float:
+def arm_length(robot: "Robot") -> float:
     """From the first joint to the tip along the links, and what prismatic joints add where they have limits [m]."""
     corners = np.concatenate([robot.points, robot.T_base_tip.p[None]])
     length = float(np.sum(np.linalg.norm(np.diff(corners, axis=0), axis=1)))
@@ -107,50 +108,38 @@ def arm_length(robot: Robot) -> float:
     return length + float(np.sum(stroke[np.isfinite(stroke)]))
 
 
-def _gravity(gravity: Array) -> Iterator[Hint]:
+def _gravity(gravity: Array) -> Iterator[Remark]:
     size = float(np.linalg.norm(gravity))
     if EARTHLY[0] <= size / 1000 <= EARTHLY[1]:
-        yield Hint("gravity-millimetres", f"gravity is {size:.4g} m/s²: it seems to be in mm/s².")
+        yield Remark.hint("gravity-millimetres", f"gravity is {size:.4g} m/s²: it seems to be in mm/s².")
     if not EARTHLY[0] <= size <= EARTHLY[1]:
         return
     axis = int(np.argmax(np.abs(gravity)))
     if gravity[axis] > STRAIGHT * size:
         down = [0.0, 0.0, 0.0]
         down[axis] = -STANDARD_GRAVITY
-        yield Hint(
+        yield Remark.hint(
             "gravity-upward",
             f"gravity points along +{'xyz'[axis]}, so things fall that way. If {'xyz'[axis]} points upward, it must "
             f"be gravity: [{', '.join(f'{value:g}' for value in down)}].",
         )
 
 
-def _angles(robot: Robot) -> Iterator[Hint]:
+def _angles(robot: "Robot") -> Iterator[Remark]:
     turning = np.array([kind == "revolute" for kind in robot.joint_types])
     far = turning & (np.abs(robot.posture) > WHOLE_TURN)
     if np.any(far):
         radians = np.where(turning, np.radians(robot.posture), robot.posture)
         shown = ", ".join(f"{value:.4g}" for value in radians)
         worst = float(robot.posture[int(np.argmax(np.abs(robot.posture) * far))])
-        yield Hint(
+        yield Remark.hint(
             "posture-degrees",
             f"the posture of robot '{robot.name}' has a joint at {worst:g} rad: if degrees are meant, it is "
             f"posture: [{shown}].",
         )
 
 
-def written_degrees(where: str, rpy: Sequence[float]) -> Iterator[Hint]:
-    """A hint where an angle of roll, pitch, yaw is beyond a whole turn.
-
-    Args:
-        where: Its key, with the name of the file.
-        rpy: As written, Shape (3,).
-    """
-    if any(abs(angle) > WHOLE_TURN for angle in rpy):
-        given, meant = (", ".join(f"{angle:.6g}" for angle in angles) for angles in (rpy, np.radians(rpy)))
-        yield Hint("rpy-degrees", f"{where} is [{given}] rad: if degrees are meant, it is [{meant}].")
-
-
-def _lengths(cell: Cell, motion: ObjectMotion | None) -> Iterator[Hint]:
+def _lengths(cell: "Cell") -> Iterator[Remark]:
     lengths = [arm_length(robot) for robot in cell.robots]
     longest = max(lengths)
     if not 0 < longest <= LONGEST_ARM:
@@ -158,44 +147,47 @@ def _lengths(cell: Cell, motion: ObjectMotion | None) -> Iterator[Hint]:
     for robot in cell.robots:
         grasp = float(np.linalg.norm(robot.T_object_tip.p))
         if grasp > FAR * longest and grasp / 1000 < NEAR * longest:
-            yield Hint(
+            yield Remark.hint(
                 "grasp-millimetres",
                 f"robot '{robot.name}' holds the object {grasp:.4g} m from its centre of mass, and the arm is "
                 f"{longest:.3g} m long: the lengths of its grasp seem to be in mm.",
             )
-    if motion is not None:
-        yield from _path_length(cell, motion, longest)
-    middle = np.mean([robot.T_world_base.p for robot in cell.robots], axis=0) if motion is None else motion.position[0]
-    for robot in cell.robots:
-        away = float(np.linalg.norm(robot.T_world_base.p - middle))
-        thousandth = float(np.linalg.norm(robot.T_world_base.p / 1000 - (middle / 1000 if motion is None else middle)))
-        if away > FAR * longest + np.linalg.norm(robot.T_object_tip.p) and thousandth < NEAR * longest:
-            yield Hint(
-                "base-millimetres",
-                f"the base of robot '{robot.name}' is {away:.4g} m from the object, and the arm is {longest:.3g} m "
-                "long: its position seems to be in mm.",
-            )
+    bases = [robot.T_world_base.p for robot in cell.robots]
+    middle = np.mean(bases, axis=0)
+    for robot, base in zip(cell.robots, bases, strict=True):
+        if float(np.linalg.norm(base)) > FAR * longest:  # the farther one of two bases is the wrong one
+            yield from base_remarks(robot, middle, middle / 1000, longest)
 
 
-def _path_length(cell: Cell, motion: ObjectMotion, longest: float) -> Iterator[Hint]:
-    bases = max(float(np.linalg.norm(robot.T_world_base.p)) for robot in cell.robots)
-    furthest = float(np.max(np.linalg.norm(motion.position, axis=1)))
-    if furthest > FAR * longest + bases and furthest / 1000 < NEAR * longest + bases:
-        yield Hint(
-            "motion-millimetres",
-            f"the motion takes the object {furthest:.4g} m from the origin, no base is farther from it than "
-            f"{bases:.3g} m, and the longest arm is {longest:.3g} m long: its lengths seem to be in mm.",
+def base_remarks(robot: "Robot", middle: Array, meant: Array, longest: float) -> Iterator[Remark]:
+    """That the base of an arm is a thousand times too far from where the arms work.
+
+    Args:
+        robot: The arm.
+        middle: Where that is, Shape (3,) [m].
+        meant: Where it would be, were the base in metres, Shape (3,) [m].
+        longest: Length of the longest arm [m].
+    """
+    away = float(np.linalg.norm(robot.T_world_base.p - middle))
+    thousandth = float(np.linalg.norm(robot.T_world_base.p / 1000 - meant))
+    if away > FAR * longest + np.linalg.norm(robot.T_object_tip.p) and thousandth < NEAR * longest:
+        yield Remark.hint(
+            "base-millimetres",
+            f"the base of robot '{robot.name}' is {away:.4g} m from the object, and the arm is {longest:.3g} m "
+            "long: its position seems to be in mm.",
         )
 
 
-def _torques(cell: Cell, joints: Sequence[JointSource]) -> Iterator[Hint]:
+def _torques(cell: "Cell", joints: Sequence[JointSource], without_efforts: Container[str]) -> Iterator[Remark]:
     for robot in cell.robots:
+        if robot.name in without_efforts:
+            continue
         own = [joint for joint in joints if joint.robot == robot.name]
         weight = STANDARD_GRAVITY * sum(joint.carried_mass for joint in own) * arm_length(robot)
         turning = [joint.torque[1] for joint in own if joint.unit == "rad"]
         if turning and weight > 0 and float(np.median(turning)) > STRONG * weight:
             source = own[0].torque_from
-            yield Hint(
+            yield Remark.hint(
                 TORQUE_UNIT,
                 f"the torque limits of robot '{robot.name}' ({source}) are around {float(np.median(turning)):.4g} N m, "
                 f"and {weight:.3g} N m hold the whole arm stretched out: they seem to be in N mm, and must be in N m, "
@@ -203,19 +195,19 @@ def _torques(cell: Cell, joints: Sequence[JointSource]) -> Iterator[Hint]:
             )
 
 
-def _load(cell: Cell) -> Iterator[Hint]:
+def _load(cell: "Cell") -> Iterator[Remark]:
     lengths = [max(arm_length(robot), 1e-3) for robot in cell.robots]
     forces = [float(np.max(robot.torque_upper)) / length for robot, length in zip(cell.robots, lengths, strict=True)]
     weight = STANDARD_GRAVITY * cell.mass
     if weight > HEAVY * sum(forces) > weight / 1000:
-        yield Hint(
+        yield Remark.hint(
             "mass-grams",
             f"the object weighs {weight:.4g} N, and the motors hold about {sum(forces):.3g} N at arm's length: its "
             f"mass, {cell.mass:g} kg, seems to be in g.",
         )
     radius = float(np.sqrt(np.max(np.linalg.eigvalsh(cell.inertia)) / cell.mass))
     if radius > WIDE * max(lengths):
-        yield Hint(
+        yield Remark.hint(
             "inertia-unit",
             f"the object's inertia is that of a body {radius:.3g} m wide on each side of its axis (the radius of "
             "gyration): it must be in kg m², with a mass in kg. 1 kg mm² is 1e-6 kg m², 1 g mm² is 1e-9 kg m².",

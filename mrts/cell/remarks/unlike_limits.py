@@ -4,13 +4,16 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mrts.cell.cell import Cell
-from mrts.cell.robot import Robot
-from mrts.diagnosis.hint import Hint
+from mrts.base.remark import Remark
 from mrts.motors.joint_source import JointSource
+
+if TYPE_CHECKING:
+    from mrts.cell.cell import Cell
+    from mrts.cell.robot import Robot
 
 TENFOLD = 9.99
 """Ratio of two limits from which on one of them is mistyped: a decimal point that slipped, but for rounding."""
@@ -43,8 +46,8 @@ class _Unlike:
         return max(self.values) / min(self.values)
 
 
-def unlike_limits(cell: Cell, joints: Sequence[JointSource]) -> Iterator[Hint]:
-    """A hint on the torque or velocity limits that differ most between arms that are alike, if they differ tenfold.
+def unlike_limits(cell: "Cell", joints: Sequence[JointSource]) -> Iterator[Remark]:
+    """A remark on the torque or velocity limits that differ most between arms that are alike, if they differ tenfold.
 
     Args:
         cell: The cell.
@@ -65,14 +68,14 @@ def unlike_limits(cell: Cell, joints: Sequence[JointSource]) -> Iterator[Hint]:
             f"{joint.joint} of robot '{joint.robot}', {value:.4g} {worst.unit} ({source}),"
             for joint, value, source in zip(worst.joints, worst.values, worst.sources, strict=True)
         ]
-        yield Hint(
+        yield Remark.hint(
             "limits-unlike",
             f"the {worst.kind} limits of {said[0]} and of {said[1]} differ {worst.ratio:.3g}-fold, and the two arms "
             "are alike: one of them seems to be mistyped.",
         )
 
 
-def _alike(one: Robot, other: Robot, of_one: Sequence[JointSource], of_other: Sequence[JointSource]) -> bool:
+def _alike(one: "Robot", other: "Robot", of_one: Sequence[JointSource], of_other: Sequence[JointSource]) -> bool:
     """Whether two arms have the same joints in the same distances, and links of the same masses."""
     if one.joint_types != other.joint_types:
         return False

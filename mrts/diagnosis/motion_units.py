@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: MIT
+"""Lengths in millimetres, as a motion and a cell show them together."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from mrts.base.remark import Remark
+from mrts.cell.cell import Cell
+from mrts.cell.remarks.unit_remarks import FAR, LONGEST_ARM, NEAR, arm_length, base_remarks
+from mrts.motion.object_motion import ObjectMotion
+
+
+def motion_units(cell: Cell, motion: ObjectMotion) -> Iterator[Remark]:
+    """Remarks on lengths of a motion, or of bases beside it, that are likely in mm.
+
+    Args:
+        cell: The cell.
+        motion: Of its object.
+    """
+    longest = max(arm_length(robot) for robot in cell.robots)
+    if not 0 < longest <= LONGEST_ARM:
+        return
+    bases = max(float(np.linalg.norm(robot.T_world_base.p)) for robot in cell.robots)
+    furthest = float(np.max(np.linalg.norm(motion.position, axis=1)))
+    if furthest > FAR * longest + bases and furthest / 1000 < NEAR * longest + bases:
+        yield Remark.hint(
+            "motion-millimetres",
+            f"the motion takes the object {furthest:.4g} m from the origin, no base is farther from it than "
+            f"{bases:.3g} m, and the longest arm is {longest:.3g} m long: its lengths seem to be in mm.",
+        )
+    if not any(remark.code == "base-millimetres" for remark in cell.all_remarks):
+        for robot in cell.robots:
+            yield from base_remarks(robot, motion.position[0], motion.position[0], longest)

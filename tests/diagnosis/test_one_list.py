@@ -1,0 +1,151 @@
+"""What is to know of a cell is told by every command in the same codes, and never as a traceback or not at all."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+from damaged_cells import URDF, sound, written
+from published_robots import ROBOTS
+
+import mrts
+from mrts.cli import main
+from mrts.starting.proposal import propose
+from mrts.starting.reading import Given, request_of
+
+
+def of_urdf(change):
+    """A cell whose arms are as their URDF has them, and that URDF changed."""
+
+    def damage(cell, folder):
+        (folder / "arm.urdf").write_text(change(URDF.read_text(encoding="utf-8")), encoding="utf-8")
+        for robot in cell["robots"]:
+            robot["urdf"] = "arm.urdf"
+            robot.pop("torque", None)
+
+    return damage
+
+
+def efforts(value):
+    return of_urdf(lambda text: re.sub('effort="[^"]*"', f'effort="{value}"', text))
+
+
+def friction(text):
+    return text.replace("</joint>", '<dynamics damping="0.5" friction="1.0"/></joint>')
+
+
+def weightless(text):
+    return re.sub(r"<inertial>.*?</inertial>", "", text, count=2, flags=re.DOTALL)
+
+
+def carries(**keys):
+    def damage(cell, _folder):
+        cell["object"] = {**keys}
+
+    return damage
+
+
+def turned(cell, _folder):
+    cell["robots"][0]["posture"][5] += 6 * np.pi
+
+
+BAD = {
+    "effort-placeholders": [efforts(1000), efforts(5e4), efforts(100)],
+    "friction-placeholders": [of_urdf(friction)],
+    "links-without-mass": [of_urdf(weightless)],
+    "inertia-unlike-shape": [
+        carries(mass=4.0, inertia=[4, 4, 4], shape={"box": [0.25] * 3}),
+        carries(mass=4.0, inertia=[4, 4, 4]),
+        carries(mass=4.0, inertia=[4e-6] * 3, shape={"cylinder": {"radius": 0.1, "length": 0.2}}),
+    ],
+    "mass-grams": [carries(mass=8000.0, inertia=[0.04] * 3)],
+    "posture-degrees": [turned],
+}
+
+
+@pytest.mark.parametrize(
+    ("code", "damage"), [(code, damage) for code, damages in BAD.items() for damage in damages], ids=lambda value: value
+    if isinstance(value, str) else ""
+)  # fmt: skip
+def test_every_command_tells_what_a_check_does(code, damage, tmp_path, capsys):
+    cell, motion = sound()
+    damage(cell, tmp_path)
+    paths = [str(path) for path in written(tmp_path, cell, motion)]
+    checked = mrts.check(*paths)
+    remark = next(one for one in checked.remarks if one.code == code)
+    assert remark.severity != "assumption"
+    assert main(["check", *paths, "-q", "--json", "-"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert code in {one["code"] for one in told["hints"] + told["warnings"]}
+    report, saved = tmp_path / "report.html", tmp_path / "result.npz"
+    output = tmp_path / "output.json"
+    options = ["--report", str(report), "--save", str(saved), "--json", str(output)]
+    assert main(["scale", *paths, *options]) in {0, 1}
+    first, *lines = capsys.readouterr().out.splitlines()
+    assert str(remark) in lines
+    assert ("efforts of the URDF that look like placeholders" in first) == (code == "effort-placeholders")
+    written_json = json.loads(output.read_text(encoding="utf-8"))
+    expected = [one.code for one in checked.remarks if one.severity != "assumption"]
+    assert [one["code"] for one in written_json["warnings"]][: len(expected)] == expected
+    assert remark.text.split("'")[0] in report.read_text(encoding="utf-8").replace("&#x27;", "'")
+    assert code in {one.code for one in mrts.load_result(saved).warnings}
+    timed = mrts.retime(mrts.load_cell(paths[0]), mrts.load_motion(paths[1]))
+    assert code in {one.code for one in timed.warnings}
+
+
+def test_limits_of_a_cell_file_or_of_python_are_no_placeholders(tmp_path):
+    cell, motion = sound()
+    efforts(1000)(cell, tmp_path)
+    given = mrts.load_cell(written(tmp_path, cell, motion)[0])
+    codes = lambda of: {remark.code for remark in of.all_remarks}  # noqa: E731
+    assert "effort-placeholders" in codes(given)
+    other = given
+    for robot in given.robots:
+        other = other.with_torque_limits(robot.name, [150.0, 150, 150, 28, 28, 28])
+    assert "effort-placeholders" not in codes(other)
+    assert "torque-of-urdf" not in codes(other)
+    again = tmp_path / "again.yaml"
+    given.to_yaml(again)
+    assert "torque" not in yaml.safe_load(again.read_text(encoding="utf-8"))["robots"][0]
+    for robot in cell["robots"]:
+        robot["torque"] = [1000.0] * 6
+    assert "effort-placeholders" not in codes(mrts.load_cell(written(tmp_path, cell, motion)[0]))
+
+
+NEW = {
+    "ur5": ("ur_description/urdf/ur5_robot.urdf", ["tool0", "tool0"], None),
+    "z1": ("z1_description/urdf/z1.urdf", ["link06", "link06"], "urdf-friction"),
+}
+
+
+def arm_of(reference, tips):
+    return Given("cell", [str(ROBOTS / reference)], tips, [], [], None, np.array([0, 0, -9.81]))
+
+
+@pytest.mark.parametrize("name", NEW)
+def test_what_is_proposed_is_played_near_its_limit(name, tmp_path):
+    reference, tips, code = NEW[name]
+    proposal = propose(request_of(arm_of(reference, tips), tmp_path))
+    factor = proposal.result.range.upper.c2**0.5
+    assert 1.5 <= factor <= 3
+    codes = {remark.code for remark in proposal.result.warnings}
+    assert "factor-above-10" not in codes
+    assert code is None or code in codes
+
+
+def test_placeholders_make_a_short_motion_and_no_absurd_factor(dual_ur5, tmp_path):
+    """Of an arm whose efforts are 5e4 and that has no velocity limits, a tenth of a second would be far too long."""
+    assert dual_ur5.functions.backend == "compiled"
+    text = re.sub('effort="[^"]*"', 'effort="50000"', URDF.read_text(encoding="utf-8"))
+    (tmp_path / "arm.urdf").write_text(re.sub('velocity="[^"]*"', 'velocity="1e6"', text), encoding="utf-8")
+    given = Given("cell", [str(tmp_path / "arm.urdf")], ["tool0"] * 2, [], [], None, np.array([0, 0, -9.81]))
+    proposal = propose(request_of(given, tmp_path))
+    assert 1.5 <= proposal.result.range.upper.c2**0.5 <= 3
+    assert {remark.code for remark in proposal.result.warnings} == {"effort-placeholders"}
+
+
+def test_shipped_cells_have_nothing_to_be_told():
+    for path in sorted(DATA.parent.glob("*/*cell.yaml")):
+        assert [one.code for one in mrts.check(path).remarks if one.severity != "assumption"] == [], path
