@@ -104,7 +104,7 @@ def test_no_common_speed(planar_cell, start_of_lowering):
 
 
 def test_no_speed_at_all(planar_cell, lift):
-    text = mrts.scale(planar_cell.with_mass(60.0), lift).summary()
+    text = mrts.scale(planar_cell.with_mass(60.0), lift).sentence()
     assert text.startswith("infeasible: 51 of 101 samples are infeasible. The worst: at t = 0 s (sample 0) no torques")
     assert "moving all limits outward by 282 % of their size (left/elbow by 226 N m" in text
     assert text.endswith("Move the path, raise a limit, lighten the load, or try another configuration.")
