@@ -199,7 +199,7 @@ class Cell(InNotebooks):
             InputError: Unless the mass is finite and > 0.
         """
         if not is_number(mass, SMALLEST_NUMBER, LARGEST_NUMBER):
-            rule = f"must be a number > 0, from {SMALLEST_NUMBER:g} to {LARGEST_NUMBER:.0e}, in kg."
+            rule = f"must be a number > 0, at least {SMALLEST_NUMBER:g} and at most {LARGEST_NUMBER:.0e}, in kg."
             raise InputError("mass", rule, value=mass)
         box = None if self.load_box is None else replace(self.load_box, mass=float(mass))
         return replace(self, load=np.array([mass, *self.load[1:]], dtype=np.float64), load_box=box)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, median
 from mrts.base.formats.pose import WHOLE_TURN
 from mrts.base.remark import Remark
 from mrts.cell.robot import DEGREES_SUSPECTED
@@ -185,11 +185,11 @@ def _torques(cell: "Cell", joints: Sequence[JointSource], without_efforts: Conta
         own = [joint for joint in joints if joint.robot == robot.name]
         weight = STANDARD_GRAVITY * sum(joint.carried_mass for joint in own) * arm_length(robot)
         turning = [joint.torque[1] for joint in own if joint.unit == "rad"]
-        if turning and weight > 0 and float(np.median(turning)) > STRONG * weight:
+        if turning and weight > 0 and median(np.array(turning)) > STRONG * weight:
             source = own[0].torque_from
             yield Remark.hint(
                 TORQUE_UNIT,
-                f"the torque limits of robot '{robot.name}' ({source}) are around {float(np.median(turning)):.4g} N m, "
+                f"the torque limits of robot '{robot.name}' ({source}) are around {median(np.array(turning)):.4g} N m, "
                 f"and {weight:.3g} N m hold the whole arm stretched out: they seem to be in N mm, and must be in N m, "
                 "or the links weigh more than their URDF says.",
             )

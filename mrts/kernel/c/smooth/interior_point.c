@@ -133,7 +133,7 @@ static double mrts_smooth_evaluate(const mrts_smooth_program *p, mrts_smooth_sta
 }
 
 /* The slope of the Lagrangian along the share, with multipliers y. */
-static double mrts_smooth_share_slope(const mrts_smooth_program *p, const mrts_smooth_iterate *at, const double *y) {
+static double mrts_smooth_share_slope(const mrts_smooth_program *p, const double *y) {
     const long long last = mrts_smooth_share_slot(p);
     double slope = p->relaxed - y[last];
     for (long long i = 0; i < last; ++i) slope -= mrts_smooth_relaxes(p, i) ? y[i] : 0;
@@ -151,7 +151,7 @@ static double mrts_smooth_decrement(const mrts_smooth_program *p, mrts_smooth_st
     mrts_front_solve(p, at->factor, at->w);
     for (long long i = 0; i < unknowns; ++i) sum += at->b[i] * at->w[i];
     if (p->relaxed > 0) {
-        const double slope = mrts_smooth_share_slope(p, at, at->y);
+        const double slope = mrts_smooth_share_slope(p, at->y);
         sum += slope * slope / at->share_pull;
     }
     return sum;
@@ -178,7 +178,7 @@ static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *
     double relaxed = 0; /* the step of the share */
     if (p->relaxed > 0) {
         for (long long i = 0; i < unknowns; ++i) relaxed += at->border[i] * at->b[i];
-        relaxed = (relaxed - mrts_smooth_share_slope(p, at, at->target)) / at->share_pull;
+        relaxed = (relaxed - mrts_smooth_share_slope(p, at->target)) / at->share_pull;
         for (long long i = 0; i < unknowns; ++i) at->b[i] += relaxed * at->w[i];
         at->ds[mrts_smooth_share_slot(p)] = -relaxed;
     }
