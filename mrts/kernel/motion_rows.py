@@ -17,7 +17,7 @@ from mrts.kernel.sample_terms import SampleTerms
 
 
 class _Path(ctypes.Structure):
-    """`mrts_joint_path` of places.h."""
+    """`mrts_joint_path` of path_places.c."""
 
     _fields_ = [
         *((name, ctypes.c_void_p) for name in ("time", "q", "dq", "ddq", "weight", "at", "whole")),

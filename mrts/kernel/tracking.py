@@ -15,7 +15,7 @@ HELD = ("gap", "turn", "jump", "condition", "drift", "curvature")
 """What is told of each robot at a sample: `mrts_held` of tracking.h."""
 
 CLOSURE_SIZES = 6
-"""Numbers of each arm, `MRTS_CLOSURE_SIZES` of closure.h."""
+"""Numbers of each arm, `MRTS_CLOSURE_SIZES` of closure.c."""
 
 
 class _Preference(ctypes.Structure):

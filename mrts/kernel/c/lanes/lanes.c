@@ -4,7 +4,7 @@
  *
  * Sines and cosines of lanes are off by no more than half a unit in the last place of 1: rotations need no more, where they
  * are all but 0 neither. The argument less a multiple of pi / 2, in two parts, and the polynomials of FreeBSD's msun
- * (k_sin.c, k_cos.c, Sun Microsystems, 1993). An angle of more than MRTS_MOST_ANGLE is left to the C library.
+ * (k_sin, k_cos, Sun Microsystems, 1993). An angle of more than MRTS_MOST_ANGLE is left to the C library.
  */
 #include "lanes.h"
 #include "../basis/kept_basis.h"
