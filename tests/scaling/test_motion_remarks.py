@@ -188,7 +188,7 @@ def test_a_warning_is_wherever_the_result_is(planar_cell, lift, tmp_path):
     assert result.warnings == (SAID,)
     assert result.summary().splitlines() == [result.sentence(), f"warning: {SAID.text}"]
     assert list(scaling_lines(result))[:2] == [f"{cell.name}: {result.sentence()}", f"warning: {SAID.text}"]
-    assert result.to_json()["warnings"] == [{"code": SAID.code, "text": SAID.text, "sample": 3}]
+    assert result.to_json()["warnings"] == [{"code": SAID.code, "severity": "warning", "text": SAID.text, "sample": 3}]
     assert "the &lt;cell&gt; says something." in result._repr_html_()
     assert "the &lt;cell&gt; says something." in report_html(result)
     mrts.save_result(result, tmp_path / "result.npz")
