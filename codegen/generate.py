@@ -11,15 +11,14 @@ from mrts_codegen.cell_manifest import NOTICE, cell_manifest, read_cell_model
 from mrts_codegen.cell_model import CellModel
 from mrts_codegen.content_key import chains_key
 from mrts_codegen.function_registry import build_functions
+from mrts_codegen.model_c import DOUBLE, function_record, model_c
 
 from mrts.base.atomic_file import text_writer, write_together
 from mrts.base.manifest import (
     CHAINS_NAME,
     MANIFEST_NAME,
     OF_MOTION,
-    ArgumentRecord,
     ChainsRecord,
-    FunctionRecord,
     Manifest,
     MotionRecord,
 )
@@ -78,15 +77,20 @@ def generate_chains(cell: CellModel, stem: str, *, bake: bool = False) -> Genera
         bake: As in `generate_cell`.
     """
     functions = build_functions(cell, stem, bake=bake)
-    c_source = emit_c(stem, functions)
+    c_source = emit_c(functions)
     record = ChainsRecord(
         chains=chains_key(cell, stem, bake=bake),
         casadi_version=ca.CasadiMeta.version(),
         source=f"{stem}.c",
         source_sha256=hashlib.sha256(c_source.encode()).hexdigest(),
-        functions={name: _function_record(function) for name, function in functions.items()},
+        functions={name: function_record(function.name(), function) for name, function in functions.items()},
     )
     return Generated(record, c_source, functions)
+
+
+def emit_c(functions: dict[str, ca.Function]) -> str:
+    """The C text of functions by short name, for doubles."""
+    return f"/* {NOTICE} */\n{DOUBLE}\n{model_c({one.name(): one for one in functions.values()})}"
 
 
 def motion_functions(cell: CellModel, stem: str) -> tuple[Manifest, dict[str, ca.Function]]:
@@ -102,25 +106,6 @@ def motion_functions(cell: CellModel, stem: str) -> tuple[Manifest, dict[str, ca
         casadi_version=ca.CasadiMeta.version(),
         source=f"{stem}.c",
         source_sha256="",
-        functions={name: _function_record(function) for name, function in functions.items()},
+        functions={name: function_record(function.name(), function) for name, function in functions.items()},
     )
     return cell_manifest(cell, record), functions
-
-
-def emit_c(name: str, functions: dict[str, ca.Function]) -> str:
-    """C source of all functions, marked as generated; the same bytes for the same input and CasADi version."""
-    generator = ca.CodeGenerator(f"{name}.c", {"with_header": False, "main": False, "mex": False})
-    for function in functions.values():
-        generator.add(function)
-    return f"/* {NOTICE} */\n{generator.dump()}"
-
-
-def _function_record(function: ca.Function) -> FunctionRecord:
-    return FunctionRecord(
-        symbol=function.name(),
-        instructions=function.n_instructions(),
-        inputs=[ArgumentRecord(name=function.name_in(i), shape=function.size_in(i)) for i in range(function.n_in())],
-        outputs=[
-            ArgumentRecord(name=function.name_out(i), shape=function.size_out(i)) for i in range(function.n_out())
-        ],
-    )

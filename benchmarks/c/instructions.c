@@ -40,18 +40,14 @@ int main(int arguments, char **argument) {
     double *wrench = torque + n * MRTS_JOINTS;
     short *bases = calloc((size_t)n * 2 * K, sizeof(short));
     unsigned char *status = calloc((size_t)n * 3, 1);
-    double weights[MRTS_JOINTS * MRTS_JOINTS] = {0}, c2 = 1, *w = calloc(100000, sizeof(double));
+    double weights[MRTS_JOINTS * MRTS_JOINTS] = {0}, c2 = 1;
     double *work = calloc(100000, sizeof(double)), *most = calloc((size_t)n, sizeof(double));
-    const double *arg[64];
-    double *res[64];
-    long long *iw = calloc(1000, sizeof(long long));
     int *iwork = calloc(10000, sizeof(int));
     for (int i = 0; i < MRTS_JOINTS; ++i) weights[i * (MRTS_JOINTS + 1)] = 1;
     for (long long i = 0; i < n; ++i) most[i] = MRTS_INFINITY;
     mrts_ranges(n, in, stride, &limits, &terms, most, low, high, status, status + n, effect, bases, bases + n * K, low_dual,
-                high_dual, arg, res, iw, w, work, iwork);
-    mrts_torques(n, in, stride, &limits, &terms, &c2, 0, weights, 1e-9, torque, wrench, status + 2 * n, arg, res, iw, w, work,
-                 iwork);
+                high_dual, work, iwork);
+    mrts_torques(n, in, stride, &limits, &terms, &c2, 0, weights, 1e-9, torque, wrench, status + 2 * n, work, iwork);
     printf("%.6g\n", high[0]);
     return 0;
 }

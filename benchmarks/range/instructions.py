@@ -14,7 +14,7 @@ import mrts
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.generation import generated_in_cache
 from mrts.kernel.c_text import cell_source
-from mrts.kernel.compiler import FLAGS
+from mrts.kernel.compiler import flags
 from mrts.limits import limit_rows
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -56,8 +56,8 @@ def count(name: str) -> None:
         source.write_text(
             cell_source(manifest, generated_text) + (HERE / "c" / "instructions.c").read_text(encoding="utf-8")
         )
-        flags = [flag for flag in FLAGS if flag not in {"-fPIC", "-shared"}]
-        build = [compiler, *flags, "-g", "-fno-inline-functions", str(source), "-o", str(program), "-lm"]
+        wanted = [flag for flag in flags() if flag not in {"-fPIC", "-shared"}]
+        build = [compiler, *wanted, "-g", "-fno-inline-functions", str(source), "-o", str(program), "-lm"]
         subprocess.run(build, check=True)  # noqa: S603 (fixed commands on files of our own, here and below)
         samples_file(data, cell, motion)
         record = Path(folder) / "callgrind.out"

@@ -7,7 +7,6 @@ from pathlib import Path
 import casadi as ca
 from mrts_codegen.embedded.c_literals import WIDTH, Precision
 from mrts_codegen.embedded.export_name import check_library_name
-from mrts_codegen.embedded.model_source import model_prototypes, model_source
 from mrts_codegen.embedded.motor_words import motor_words
 from mrts_codegen.embedded.parts import (
     DECLARATIONS,
@@ -23,6 +22,7 @@ from mrts_codegen.embedded.parts import (
 from mrts_codegen.embedded.template import filled
 from mrts_codegen.embedded.template_words import NOTICE, cell_words, memory_words
 from mrts_codegen.embedded.vector_rows import vector_words
+from mrts_codegen.model_c import model_c
 
 from mrts.base.atomic_file import text_writer, write_together
 from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
@@ -68,7 +68,7 @@ def export_library(
         raise InputError("--precision", "must be double or float.", value=precision)
     check_library_name(manifest.name)
     name, with_tests = manifest.name, is_whole(parts)
-    model = {short: functions[short] for short in chosen(MODEL_FUNCTIONS, parts)}
+    model = {f"{name}_model_{short}": functions[short] for short in chosen(MODEL_FUNCTIONS, parts)}
     motors = limits.motors is not None
     carried, own = (chosen(table, parts, motors=motors) for table in (KERNEL_FILES, LIBRARY_PARTS))
     included = [*(f"kernel/{file}" for file in carried if file.endswith(".c")), *(f"parts/{file}" for file in own)]
@@ -77,8 +77,11 @@ def export_library(
         | memory_words(manifest, limits, precision)
         | vector_words(vectors, path_samples, precision, macro=name.upper(), motors=limits.motors)
         | {
-            "MODEL": model_source(model, name, precision),
-            "MODEL_PROTOTYPES": model_prototypes(model, name),
+            "MODEL": model_c(model),
+            "MODEL_PROTOTYPES": "".join(
+                f"void {symbol}(const {name}_real *const *arg, {name}_real *const *res);\n" for symbol in model
+            ),
+            "MODEL_SUFFIX": "##f" if precision == "float" else "",
             "LINKAGE": "static" if with_tests else "static inline",  # of which some may be unused
             "INCLUDES": "\n".join(f'#include "{file}"' for file in included),
         }

@@ -17,7 +17,7 @@ MANIFEST_NAME, CHAINS_NAME = "manifest.json", "chains.json"
 GEOMETRY = "geometry"
 """Name of the last input of functions that hold no numbers of a cell file."""
 
-FORMAT = 9
+FORMAT = 10
 """Version of this file's layout; a change that old code cannot read raises it."""
 
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
@@ -166,6 +166,15 @@ class FunctionRecord(Record):
     instructions: Annotated[int, Rule(ge=0)]
     inputs: Annotated[list[ArgumentRecord], Rule(min_length=1, max_length=MOST)]
     outputs: Annotated[list[ArgumentRecord], Rule(min_length=1, max_length=MOST)]
+
+    @property
+    def signature(self) -> str:
+        """Names and shapes of what goes in and comes out, as the C has them too."""
+        given, found = (
+            ", ".join(f"{item.name}[{item.shape[0]}x{item.shape[1]}]" for item in side)
+            for side in (self.inputs, self.outputs)
+        )
+        return f"{given} -> {found}"
 
 
 class CylinderRecord(Record):

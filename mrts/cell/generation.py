@@ -238,7 +238,7 @@ def emitted(functions: dict[str, Any]) -> str:
     """The C text of CasADi's functions by short name."""
     from mrts_codegen.generate import emit_c  # noqa: PLC0415 (build time, on demand)
 
-    text: str = emit_c(CACHED_STEM, functions)
+    text: str = emit_c(functions)
     return text
 
 

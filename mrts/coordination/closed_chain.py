@@ -98,8 +98,6 @@ def _holds(cell: Cell, given: CoordinatedMotion, bound: ClosureBound) -> bool:
         return False
     inputs = given.inputs(cell.load) | {GEOMETRY: cell.geometry}
     off = closure_sizes(library, inputs, given.object.position, cell.geometry, cell.wrench_rows)
-    if off is None:
-        return False
     return bool(
         np.all(off.distance <= min(GIVEN_CLOSURE, bound.position))
         and np.all(off.angle <= min(GIVEN_CLOSURE, bound.angle))

@@ -19,10 +19,10 @@ TRACKING_FILES = tuple(f"tracking/{name}.c" for name in ("null_space", "tracking
 """Inverse kinematics, which needs a cell's sizes and the functions of its motion."""
 
 CELL_FILES = (
-    *(*PROGRAM_FILES, "basis/kept_basis.c", "lanes/lanes.c", "lanes/forms.c", "rows.c", "speed_intervals.c"),
-    *("trajectory.c", "one_unknown/one_unknown.c"),
+    *(*PROGRAM_FILES, "basis/kept_basis.c", "lanes/forms.c", "lanes/lanes.c", "lanes/lane_torques.c", "rows.c"),
+    *("speed_intervals.c", "trajectory.c", "one_unknown/one_unknown.c"),
     *(*TRACKING_FILES, "tracking/closure.c"),
-    *(f"dense/{name}.c" for name in ("path_places", "path_rows", "widening")),
+    *(f"dense/{name}.c" for name in ("path_places", "path_rows", "lane_widening", "widening")),
     *(f"variants/{name}.c" for name in ("end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""
@@ -40,32 +40,10 @@ QUICKLY = """#if defined(__GNUC__) && !defined(__clang__)
 #endif"""
 """Generated statements, which stand in a row without a loop: more than this gcc takes long over, and gains little."""
 
+IN_LANES = ("wrench_form", "kinematics", "bias_acceleration")
+"""Generated functions that are compiled for lanes too."""
+
 INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.(?:h|inc))"\n', re.MULTILINE)
-
-ARITHMETIC = re.compile(r"^  a\d+=\((?:-|(?:a\d+|\d[\d.e+-]*)[-+*/])a\d+\);$", re.MULTILINE)
-"""Statements of a generated function that are those of lanes too."""
-
-OTHERS = re.compile(r"^  (?!a\d+=\()(.*)$", re.MULTILINE)
-
-ANGLE = re.compile(r"(a\d+)=(sin|cos)\((a\d+)\);")
-"""What takes the sine or cosine of a joint."""
-
-JOINT = re.compile(r"arg\[0\]\? arg\[0\]\[(\d+)\] : 0;")
-"""What a joint is."""
-
-STATEMENTS = (
-    (re.compile(r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=(a\d+);"), r"res[\1][\2]=\3;"),
-    (re.compile(r"(a\d+)=arg\[(\d+)\]\? arg\[\2\]\[(\d+)\] : 0;"), r"\1=arg[\2][\3];"),
-    (re.compile(r"(a\d+)=(-?\d[\d.e+-]*);"), r"\1=MRTS_V_OF(\2);"),
-    (
-        re.compile(r"(a\d+)=(sqrt|fabs)\((a\d+)\);"),
-        r"for (int lane = 0; lane < MRTS_LANES; ++lane) \1[lane]=\2(\3[lane]);",
-    ),
-    (re.compile(r"(a\d+)=casadi_sq\((a\d+)\);"), r"\1=(\2*\2);"),
-    (re.compile(r"casadi_real ((?:a\d+, )*a\d+);"), r"mrts_lanes \1;"),
-    (re.compile(r"return 0;"), ""),
-)
-"""The others, and the same of lanes."""
 
 
 def one_file(name: str) -> str:
@@ -138,7 +116,6 @@ def motion_source(manifest: Manifest, generated: str) -> str:
 
 def cell_source(manifest: Manifest, generated: str) -> str:
     """The C text of a cell's library: generated functions, sizes, the whole kernel."""
-    symbol = {name: record.symbol for name, record in manifest.functions.items()}
     components = len(manifest.wrench_components)
     read = manifest.functions["kinematics"].inputs
     sizes = [one.shape[0] * one.shape[1] for one in manifest.functions["wrench_form"].inputs]
@@ -149,50 +126,16 @@ def cell_source(manifest: Manifest, generated: str) -> str:
         "MRTS_INPUT_NUMBERS": sum(sizes),
         "MRTS_GEOMETRY_NUMBERS": next((one.shape[0] for one in read if one.name == GEOMETRY), 1),
         "MRTS_UNKNOWNS": components * (len(manifest.robots) - 1) + 1,
-        "MRTS_WRENCH_FORM": symbol["wrench_form"],
     }
     defined = _defined(motion_macros(manifest) | macros)
-    in_lanes = [
-        function_of_lanes(generated, symbol["wrench_form"], "form"),
-        function_of_lanes(generated, symbol["kinematics"], "kinematics"),
-        function_of_lanes(generated, symbol["bias_acceleration"], "bias"),
-    ]
-    defined += "" if all(in_lanes) else "#define MRTS_NO_LANES\n"
-    of = "#define MRTS_V_OF(value) ((mrts_lanes){0} + (value))\n"
-    lanes = f"#if MRTS_LANES > 1\n{of}{''.join(in_lanes)}#endif\n" if all(in_lanes) else ""
-    return f"{QUICKLY.format(generated)}\n{defined}{one_text(CELL_FILES)}\n{lanes}"
+    in_lanes = {f"MRTS_{name.upper()}": manifest.functions[name].symbol for name in IN_LANES}
+    defined += _defined({f"{name}_LANES": f"{symbol}_lanes" for name, symbol in in_lanes.items()})
+    of_lanes = "".join(_one_function(generated, symbol) for symbol in in_lanes.values())
+    of_lanes = f"{one_file('lanes/model_of_lanes.inc')}{of_lanes}"
+    return f"{QUICKLY.format(generated)}\n{defined}{one_text(CELL_FILES)}\n{QUICKLY.format(of_lanes)}\n"
 
 
-def function_of_lanes(generated: str, symbol: str, name: str) -> str:
-    """A generated function for lanes, see lanes/lanes.h; nothing where it has statements of another kind.
-
-    Args:
-        generated: A cell's generated C.
-        symbol: Of the function.
-        name: That it gets there.
-    """
-    called = re.search(rf"int {symbol}\(const casadi_real.*\n  return (\w+)\(", generated)
-    start = generated.find(f"static int {called[1]}(") if called else -1
-    body = generated[generated.find("\n", start) + 1 : generated.find("\n}\n", start)] if start >= 0 else ""
-    known = len(ARITHMETIC.findall(body))
-
-    def of_lanes(statement: re.Match[str]) -> str:
-        nonlocal known
-        angle = ANGLE.fullmatch(statement[1])
-        if angle:
-            given = f"\n  {angle[3]}="
-            joint = JOINT.match(body, body.rfind(given, 0, statement.start()) + len(given))
-            known += joint is not None
-            return f"  {angle[1]}=sines[{2 * int(joint[1]) + (angle[2] == 'cos')}];" if joint else ""
-        for old, new in STATEMENTS:
-            found = old.fullmatch(statement[1])
-            if found:
-                known += 1
-                return found.expand(new)
-        return ""
-
-    lines = OTHERS.sub(of_lanes, body)
-    if not body or known != body.count("\n") + 1:
-        return ""
-    plain, wide = (f"MRTS_LANE_FUNCTION(mrts_{name}_of_{of}) {{\n{lines}\n}}\n" for of in ("lanes", "wide_lanes"))
-    return f"{plain}#ifdef MRTS_WIDE\nMRTS_WIDE {wide}#endif\n"
+def _one_function(generated: str, symbol: str) -> str:
+    """The definition of a function in a cell's generated C; nothing where it has none."""
+    start = generated.find(f"MRTS_MODEL({symbol},")
+    return generated[start : generated.index("\n}\n", start) + 3] if start >= 0 else ""

@@ -4,7 +4,6 @@
 import ctypes
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,6 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.manifest import FunctionRecord, Manifest
 from mrts.kernel.foreign_arrays import INFINITY, keep_freed_memory, over_chunks, pointer, work_arrays
-from mrts.kernel.function_shapes import work_sizes
 from mrts.kernel.programs import STOPPED, Programs, offer_programs
 from mrts.kernel.sample_terms import SampleTerms
 
@@ -170,8 +168,7 @@ class CellLibrary(MotionLibrary):
         record = self.records[name]
         given, strides = sample_inputs(record, samples, inputs)
         outputs = {item.name: np.empty((samples, item.shape[1], item.shape[0])) for item in record.outputs}
-        scratch = Scratch(self.opened, record)
-        failed = self.opened.mrts_map(
+        self.opened.mrts_map(
             ctypes.cast(getattr(self.opened, record.symbol), ctypes.c_void_p),
             ctypes.c_longlong(samples),
             len(given),
@@ -180,9 +177,7 @@ class CellLibrary(MotionLibrary):
             len(outputs),
             pointers(list(outputs.values())),
             (ctypes.c_longlong * len(outputs))(*(item.shape[0] * item.shape[1] for item in record.outputs)),
-            *scratch.pointers(),
         )
-        assert failed == 0  # noqa: S101 (generated functions of smooth expressions cannot fail)
         return {name: _by_rows(value) for name, value in outputs.items()}
 
     def ranges(
@@ -293,7 +288,6 @@ class CellLibrary(MotionLibrary):
         given, strides = sample_inputs(self.records["wrench_form"], samples, inputs)
 
         def run(first: int, count: int) -> None:
-            scratch = Scratch(self.opened, self.records["wrench_form"])
             work = work_arrays(self.opened, name, limits.rows)
             failed = getattr(self.opened, name)(
                 ctypes.c_longlong(count),
@@ -304,37 +298,11 @@ class CellLibrary(MotionLibrary):
                 pointer(each[first:]),
                 *for_all,
                 *(pointer(output[first:]) for output in outputs),
-                *scratch.pointers(),
                 *(pointer(array) for array in work),
             )
-            assert failed == 0  # noqa: S101 (as in `map`)
+            assert failed == 0  # noqa: S101 (`SparseLimits` has looked at the limits)
 
         over_chunks(self.opened, samples, run)
-
-
-class Scratch:
-    """The work arrays that a generated function wants.
-
-    Args:
-        library: The cell's library.
-        record: The function.
-    """
-
-    def __init__(self, library: ctypes.CDLL, record: FunctionRecord) -> None:
-        self.sizes = work_sizes(library, record.symbol)
-
-    def at_least(self, *others: "Scratch") -> "Scratch":
-        """The same with room for other functions' work as well."""
-        self.sizes = tuple(max(sizes) for sizes in zip(self.sizes, *(other.sizes for other in others), strict=True))
-        return self
-
-    def pointers(self) -> list[ctypes.c_void_p]:
-        """arg, res, iw, w, in memory that lasts as long as they do."""
-        *starts, size = [0, *accumulate(size + 1 for size in self.sizes)]
-        memory = np.zeros(size)  # pointers and whole numbers have as many bytes
-        place = memory.ctypes
-        first = place.data_as(ctypes.c_void_p)  # it keeps the memory
-        return [first, *(ctypes.c_void_p(place.data + memory.itemsize * start) for start in starts[1:])]
 
 
 def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]) -> tuple[list[Array], Any]:

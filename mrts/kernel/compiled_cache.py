@@ -9,7 +9,7 @@ from typing import TypeVar
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import CompilerError
 from mrts.kernel.cache_folder import cache_folder, only_ours
-from mrts.kernel.compiler import FLAGS, compile_library
+from mrts.kernel.compiler import compile_library, flags
 
 Library = TypeVar("Library")
 
@@ -52,7 +52,7 @@ def library_in_cache(command: tuple[str, ...], name: str, source: str, *, rebuil
     Raises:
         CompilerError: If the compiler fails.
     """
-    text = "\0".join((source, *command, *FLAGS)).encode()
+    text = "\0".join((source, *command, *flags())).encode()
     library = cache_folder("lib", hashlib.sha256(text).hexdigest()) / f"{name}.so"
     seal = library.with_suffix(".sha256")
     if rebuild or not _is_whole(library, seal):

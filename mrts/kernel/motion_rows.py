@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.cell_library import CellLibrary, Scratch, SparseLimits
+from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.foreign_arrays import over_chunks, pointer
 from mrts.kernel.programs import STOPPED
 from mrts.kernel.sample_terms import SampleTerms
 
 
 class _Path(ctypes.Structure):
-    """`mrts_joint_path` of places.h."""
+    """`mrts_joint_path` of path_places.c."""
 
     _fields_ = [
         *((name, ctypes.c_void_p) for name in ("time", "q", "dq", "ddq", "weight", "at", "whole")),
@@ -59,16 +59,12 @@ def path_places(
     found = [np.empty((count, *shape)) for shape in shapes]
 
     def run(first: int, samples: int) -> None:
-        parts = [Scratch(library.opened, library.records[name]) for name in ("kinematics", "bias_acceleration")]
-        scratch = parts[0].at_least(parts[1])
-        failed = library.opened.mrts_path_places(
+        library.opened.mrts_path_places(
             ctypes.c_longlong(first),
             ctypes.c_longlong(samples),
             ctypes.byref(along),
             *(pointer(array) for array in [*asked, taken, *found]),
-            *scratch.pointers(),
         )
-        assert failed == 0  # noqa: S101 (generated functions of smooth expressions cannot fail)
 
     over_chunks(library.opened, count, run)
     for array in found:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.cell_library import CellLibrary, MotionLibrary, Scratch, pointers, sample_inputs
+from mrts.kernel.cell_library import CellLibrary, MotionLibrary, pointers, sample_inputs
 from mrts.kernel.foreign_arrays import over_chunks, pointer
 
 FOLLOWED, NO_START, START_PAST, OUT_OF_REACH, LOST, FOLDED, SINGULAR, PAST_LIMIT, LEFT_LIMITS, REFUSED = range(10)
@@ -28,7 +28,7 @@ NUMBERS = ("settled", "longest", "reached", "condition", "jump", "drift", "fold"
 """Of a `TrackingRule`, which C takes as they are."""
 
 CLOSURE_SIZES = 6
-"""Numbers of each arm, `MRTS_CLOSURE_SIZES` of closure.h."""
+"""Numbers of each arm, `MRTS_CLOSURE_SIZES` of closure.c."""
 
 
 class _Preference(ctypes.Structure):
@@ -182,7 +182,6 @@ def follow_variants(
         pointers(arrays),
         strides,
         *(pointer(array) for array in (q, dq, ddq, outcome)),
-        *_scratch(library).pointers(),
     )
     return FollowedVariants(q, dq, ddq, outcome)
 
@@ -234,15 +233,8 @@ def hold_grasps(
         places,
         strides,
         *(pointer(array) for array in (q, *sizes)),
-        *_scratch(library).pointers(),
     )
     return HeldGrasps(q, *sizes)
-
-
-def _scratch(library: MotionLibrary) -> Scratch:
-    used = ("kinematics", "bias_acceleration", "geometric_stiffness", "geometric_stiffness_rate")
-    first, *others = (Scratch(library.opened, library.records[name]) for name in used if name in library.records)
-    return first.at_least(*others)
 
 
 def strided(count: int, shapes: Mapping[str, tuple[int, ...]], given: Mapping[str, Array]) -> tuple[list[Array], Any]:
@@ -284,8 +276,8 @@ class ClosureSizes:
 
 def closure_sizes(
     library: CellLibrary, inputs: dict[str, Array], position: Array, geometry: Array, components: Sequence[int]
-) -> ClosureSizes | None:
-    """How far given joints are from holding an object; None where the library has no lanes.
+) -> ClosureSizes:
+    """How far given joints are from holding an object.
 
     Args:
         library: Of the cell.
@@ -302,18 +294,15 @@ def closure_sizes(
 
     def run(first: int, count: int) -> None:
         most = np.zeros((library.robots, CLOSURE_SIZES))
-        without = library.opened.mrts_closure(
+        library.opened.mrts_closure(
             ctypes.c_longlong(count),
             pointers(given, first, strides),
             strides,
             *(pointer(array) for array in (at[first:], placed, taken, most)),
         )
-        if not without:
-            found.append(most)
+        found.append(most)
 
     over_chunks(library.opened, samples, run)
-    if not found:
-        return None
     apart, turned, *rates = np.max(found, axis=0).T
     # |R - S|² of two rotations is 8 sin² of half the angle between them
     return ClosureSizes(np.sqrt(apart), 2 * np.arcsin(np.minimum(np.sqrt(turned / 8), 1.0)), *rates)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.cell_library import CellLibrary, Scratch, SparseLimits, pointers
+from mrts.kernel.cell_library import CellLibrary, SparseLimits, pointers
 from mrts.kernel.foreign_arrays import INFINITY, pointer, work_arrays
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.kernel.tracking import PATH, FollowedVariants, strided
@@ -69,7 +69,6 @@ def variant_ranges(
     first = np.ascontiguousarray(order, dtype=np.int32)
     skipped = np.ascontiguousarray(~followed.followed, dtype=np.uint8)
     found = np.zeros(variants, dtype=range_record(library.unknowns))
-    scratch = Scratch(library.opened, library.records["wrench_form"])
     work = work_arrays(library.opened, "mrts_variant_ranges", limits.rows, samples)
     library.opened.mrts_variant_ranges(
         ctypes.c_longlong(variants),
@@ -79,7 +78,6 @@ def variant_ranges(
         ctypes.byref(limits.structure),
         ctypes.byref(terms.structure()),
         *(pointer(array) for array in (first, skipped, found)),
-        *scratch.pointers(),
         *(pointer(array) for array in work),
     )
     return found

@@ -23,6 +23,9 @@ PLANAR = {
     "MRTS_WRENCH_FORM": "wrench_form",
     "MRTS_KINEMATICS": "kinematics",
     "MRTS_BIAS_ACCELERATION": "bias_acceleration",
+    "MRTS_WRENCH_FORM_LANES": "wrench_form_lanes",
+    "MRTS_KINEMATICS_LANES": "kinematics_lanes",
+    "MRTS_BIAS_ACCELERATION_LANES": "bias_acceleration_lanes",
 }
 EXPORTED = ("basis/kept_basis.c", "linear_programs.c", "quadratic_programs.c", "rows.c")
 FILES = sorted(str(path.relative_to(C)) for path in C.rglob("*.c"))

@@ -9,18 +9,16 @@
 /* Samples between cold starts. */
 MRTS_EXPORT int mrts_chunk(void) { return MRTS_CHUNK; }
 
-typedef int (*mrts_function)(const double **arg, double **res, long long *iw, double *w, int mem);
+typedef void (*mrts_function)(const double *const *arg, double *const *res);
 
-/* Evaluates a generated function at `count` samples; a stride of 0 repeats an input. */
-MRTS_EXPORT int mrts_map(mrts_function function, long long count, int inputs, const double *const *in,
-                         const long long *in_stride, int outputs, double *const *out, const long long *out_stride,
-                         const double **arg, double **res, long long *iw, double *w) {
+/* Evaluates a generated function at `count` samples; a stride of 0 repeats an input. `in` and `out` move along. */
+MRTS_EXPORT void mrts_map(mrts_function function, long long count, int inputs, const double **in, const long long *in_stride,
+                          int outputs, double **out, const long long *out_stride) {
     for (long long sample = 0; sample < count; ++sample) {
-        for (int i = 0; i < inputs; ++i) arg[i] = in[i] + sample * in_stride[i];
-        for (int i = 0; i < outputs; ++i) res[i] = out[i] + sample * out_stride[i];
-        if (function(arg, res, iw, w, 0)) return 1;
+        function(in, out);
+        for (int i = 0; i < inputs; ++i) in[i] += in_stride[i];
+        for (int i = 0; i < outputs; ++i) out[i] += out_stride[i];
     }
-    return 0;
 }
 
 /* Reals and ints of work of the batches below. */

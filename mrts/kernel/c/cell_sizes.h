@@ -23,6 +23,9 @@
 #define MRTS_WRENCH_FORM sample_wrench_form
 #define MRTS_KINEMATICS sample_kinematics
 #define MRTS_BIAS_ACCELERATION sample_bias_acceleration
+#define MRTS_WRENCH_FORM_LANES sample_wrench_form_lanes
+#define MRTS_KINEMATICS_LANES sample_kinematics_lanes
+#define MRTS_BIAS_ACCELERATION_LANES sample_bias_acceleration_lanes
 #define MRTS_GEOMETRIC_STIFFNESS sample_geometric_stiffness
 #define MRTS_GEOMETRIC_STIFFNESS_RATE sample_geometric_stiffness_rate
 #endif
@@ -39,8 +42,8 @@ typedef struct {
 #define MRTS_GRAVITY 3
 #define MRTS_ARM(geometry, robot) ((const mrts_arm *)((geometry) + MRTS_GRAVITY) + (robot))
 
-/* A generated function: inputs, outputs, work, and a memory that is not used; 0 if it worked. Matrices by columns. */
-#define MRTS_GENERATED(name) int name(const double **arg, double **res, long long *iw, double *w, int mem)
+/* A generated function: inputs and outputs. Matrices by columns. */
+#define MRTS_GENERATED(name) void name(const double *const *arg, double *const *res)
 
 /* The last input of each is the geometry, see mrts_arm; functions into which it is folded do not read it. */
 /* q, q', q'', rotation, twist, acceleration, load to the affine maps of torques and wrenches, see rows.h. */

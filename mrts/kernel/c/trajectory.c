@@ -16,23 +16,20 @@ static int mrts_rows_of_form(const double *rotation, const mrts_limits *limits, 
     return mrts_build_rows(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, form, limits, terms, rows);
 }
 
-/* Evaluates the wrench form of a sample alone; 0 if it failed. */
-static int mrts_form_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
-                               const double **arg, double **res, long long *iw, double *w) {
+/* Evaluates the wrench form of a sample alone; arg, (MRTS_INPUTS), then has its inputs. */
+static void mrts_form_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
+                                const double **arg) {
+    double *const res[] = {form->torque_map, form->torque_offset, form->wrench_map, form->wrench_offset};
     for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + sample * stride[i];
-    res[0] = form->torque_map;
-    res[1] = form->torque_offset;
-    res[2] = form->wrench_map;
-    res[3] = form->wrench_offset;
-    return MRTS_WRENCH_FORM(arg, res, iw, w, 0) == 0;
+    MRTS_WRENCH_FORM(arg, res);
 }
 
-/* Evaluates the wrench form of a sample and builds its rows: 1 if they are finite, 0 if not, -1 if the form failed. */
+/* Evaluates the wrench form of a sample and builds its rows; 1 if they are finite. */
 static int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
-                               double *turned, const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows,
-                               const double **arg, double **res, long long *iw, double *w) {
+                               double *turned, const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows) {
+    const double *arg[MRTS_INPUTS];
     const mrts_terms terms = mrts_terms_of_sample(all, sample, limits->rows);
-    if (!mrts_form_of_sample(in, stride, sample, form, arg, res, iw, w)) return -1;
+    mrts_form_of_sample(in, stride, sample, form, arg);
     mrts_add_motors(MRTS_UNKNOWNS, MRTS_JOINTS, &terms, form);
     return mrts_rows_of_form(arg[MRTS_ROTATION], limits, &terms, turned, form, rows);
 }
@@ -90,7 +87,7 @@ static void mrts_range_of_sample(const mrts_limits *limits, mrts_rows *rows, dou
         mrts_codes(limits, rows, basis[end], found->basis[end] + n * K);
         mrts_keep_range(found, n, end, status, x[K - 1], column[K - 1], y);
         if (status != MRTS_OPTIMAL) basis[end][0] = 0;
-        if (MRTS_LANES > 1 && status == MRTS_OPTIMAL) { /* for the order of its rows, which lanes take as it is */
+        if (status == MRTS_OPTIMAL) { /* for the order of its rows, which lanes take as it is */
             mrts_lp_again(K, rows->count, rows->A, rows->lower, rows->upper, g, basis[end], x, y, &entering, work, iwork);
         }
     }
@@ -99,7 +96,6 @@ static void mrts_range_of_sample(const mrts_limits *limits, mrts_rows *rows, dou
 #if MRTS_TORQUE_LANES
 /* The samples of a call in lanes. */
 typedef struct {
-    mrts_lane_functions functions;
     mrts_lane_rows rows;
     mrts_lanes x[2][MRTS_UNKNOWNS], y[2][MRTS_UNKNOWNS];
     short code[2][MRTS_UNKNOWNS]; /* of the bases that were tried */
@@ -113,7 +109,7 @@ static void mrts_try_bases(const mrts_limits *limits, int (*basis)[MRTS_UNKNOWNS
         lanes->kept[end] = (mrts_lane_mask){0};
         if (basis[end][0] == 0) continue;
         mrts_codes(limits, lanes->rows.of, basis[end], lanes->code[end]);
-        lanes->functions.end(&lanes->rows, end ? -1 : 1, basis[end], lanes->x[end], lanes->y[end], lanes->kept + end);
+        mrts_lane_end(&lanes->rows, end ? -1 : 1, basis[end], lanes->x[end], lanes->y[end], lanes->kept + end);
     }
 }
 
@@ -136,13 +132,13 @@ static void mrts_keep_lane(const mrts_samples_in_lanes *lanes, int lane, const m
 
 /* Least and largest c^2 <= most of samples 0 .. count - 1. For each sample the status of both programs, the largest effect
  * of c^2 = 1 on a row, the rows that determine each end and their multipliers (see mrts_lp); the bounds of c^2 are row
- * rows + MRTS_UNKNOWNS - 1. `terms` are those of all samples one after the other. Returns 1 if the wrench form failed
- * or a lower limit is above its upper one. */
+ * rows + MRTS_UNKNOWNS - 1. `terms` are those of all samples one after the other. Returns 1 if
+ * a lower limit is above its upper one. */
 MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long long *stride,
                             const mrts_limits *limits, const mrts_terms *terms, const double *most, double *low,
                             double *high, unsigned char *low_status, unsigned char *high_status, double *effect,
-                            short *low_basis, short *high_basis, float *low_dual, float *high_dual, const double **arg,
-                            double **res, long long *iw, double *w, double *work, int *iwork) {
+                            short *low_basis, short *high_basis, float *low_dual, float *high_dual, double *work,
+                            int *iwork) {
     enum { K = MRTS_UNKNOWNS };
     const mrts_found_ranges found = {{low, high},           {low_status, high_status}, effect,
                                      {low_basis, high_basis}, {low_dual, high_dual}};
@@ -155,7 +151,6 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
 #if MRTS_TORQUE_LANES
     mrts_samples_in_lanes lanes;
-    lanes.functions = mrts_lane_functions_here();
     lanes.rows.of = &rows;
     lanes.rows.A = (mrts_lanes *)(void *)(lp_work + MRTS_LP_WORK(K));
     lanes.rows.lower = lanes.rows.A + rows.count * K;
@@ -168,7 +163,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
         const int lane = (int)(n % MRTS_LANES), in_lanes = !limits->base;
         if (lane == 0 && in_lanes) {
             mrts_take_inputs(in, stride, n, count, 0, &lanes.inputs);
-            lanes.functions.rows(lanes.inputs.arg, limits, terms, lanes.inputs.at, most, &lanes.rows);
+            mrts_lane_rows_of(lanes.inputs.arg, limits, terms, lanes.inputs.at, most, &lanes.rows);
             mrts_try_bases(limits, basis, &lanes);
         }
         if (in_lanes && lanes.kept[0][lane] && lanes.kept[1][lane]) {
@@ -176,9 +171,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
             continue;
         }
 #endif
-        const int built = mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows, arg, res, iw, w);
-        if (built < 0) return 1;
-        if (built) {
+        if (mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows)) {
             mrts_range_of_sample(limits, &rows, most[n], n, basis, &found, lp_work, lp_iwork);
         } else {
             low_status[n] = high_status[n] = MRTS_STOPPED;
@@ -211,8 +204,7 @@ MRTS_EXPORT void mrts_speed_ranges_work(int rows, long long *reals, long long *i
 MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, const long long *stride,
                                   const mrts_limits *limits, const mrts_terms *terms, const double *most, double *low,
                                   double *high, double *gap, unsigned char *status, double *effect, short *low_basis,
-                                  short *high_basis, float *low_dual, float *high_dual, const double **arg,
-                                  double **res, long long *iw, double *w, double *work, int *iwork) {
+                                  short *high_basis, float *low_dual, float *high_dual, double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS, N = MRTS_UNKNOWNS + 1 };
     double *speed = work + MRTS_ROWS_WORK(K, limits->rows), column[K], end_dual[2 * N];
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
@@ -229,8 +221,7 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
             ends.speed = 0;
             for (int i = 0; i < MRTS_CURVE_BASES; ++i) basis[i * N] = 0;
         }
-        const int built = mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows, arg, res, iw, w);
-        if (built < 0) return 1;
+        const int built = mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows);
         status[n] = MRTS_STOPPED;
         if (!built) continue;
         const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
@@ -318,7 +309,6 @@ static int mrts_torques_of_sample(mrts_torque_search *of, const double *rotation
 #if MRTS_TORQUE_LANES
 /* The samples of a call in lanes. */
 typedef struct {
-    mrts_lane_functions functions;
     mrts_lane_program program;
     mrts_lane_inputs inputs;
     mrts_lane_mask kept;
@@ -331,13 +321,13 @@ static void mrts_take_torques(const double *const *in, const long long *stride, 
     mrts_lanes speed;
     mrts_take_inputs(in, stride, first, count, first == 0, &lanes->inputs);
     for (int lane = 0; lane < MRTS_LANES; ++lane) speed[lane] = c2[lanes->inputs.at[lane] * c2_stride];
-    lanes->functions.programs(lanes->inputs.arg, limits, terms, lanes->inputs.at, &speed, &lanes->program);
+    mrts_lane_programs(lanes->inputs.arg, limits, terms, lanes->inputs.at, &speed, &lanes->program);
 }
 
 /* Looks which samples have the active rows of the one before. */
 static void mrts_try_active(const mrts_torque_search *of, mrts_torque_lanes *lanes) {
     lanes->kept = (mrts_lane_mask){0};
-    if (of->active_count >= 0) lanes->functions.torques(&lanes->program, of->active, of->active_count, &lanes->kept);
+    if (of->active_count >= 0) mrts_lane_torques(&lanes->program, of->active, of->active_count, &lanes->kept);
 }
 #endif
 
@@ -346,11 +336,11 @@ static void mrts_try_active(const mrts_torque_search *of, mrts_torque_lanes *lan
 MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const long long *stride,
                              const mrts_limits *limits, const mrts_terms *terms, const double *c2, int c2_stride,
                              const double *weights, double widening, double *torque, double *wrench,
-                             unsigned char *status, const double **arg, double **res, long long *iw, double *w,
-                             double *work, int *iwork) {
+                             unsigned char *status, double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1, M = MRTS_JOINTS, N = MRTS_WRENCHES };
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
     double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
+    const double *arg[MRTS_INPUTS];
     mrts_forms forms;
     mrts_torque_search search = {.limits = limits, .weights = weights, .widening = widening, .turned = turned};
     search.form = mrts_form_in(K, M, N, memory);
@@ -361,7 +351,6 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     for (int i = 0; i < M * M; ++i) search.is_diagonal &= i % (M + 1) == 0 || weights[i] == 0;
 #if MRTS_TORQUE_LANES
     mrts_torque_lanes lanes;
-    lanes.functions = mrts_lane_functions_here();
     lanes.program.weights = weights;
     lanes.program.widening = widening;
     lanes.program.rows.of = &search.rows;
@@ -387,9 +376,10 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
             continue;
         }
 #endif
-        if (!(in_lanes ? mrts_form_of_sample(in, stride, n, &search.form, arg, res, iw, w)
-                       : mrts_next_form(&forms, n, &search.form, arg, res, iw, w))) {
-            return 1;
+        if (in_lanes) {
+            mrts_form_of_sample(in, stride, n, &search.form, arg);
+        } else {
+            mrts_next_form(&forms, n, &search.form, arg);
         }
         mrts_add_motors(K, M, &here, &search.form);
         status[n] = (unsigned char)mrts_torques_of_sample(&search, arg[MRTS_ROTATION], &here, c2[n * c2_stride], torque + n * M,

@@ -3,31 +3,37 @@
 
 #include <math.h>
 
-/* terms: q[6x1], dq[6x1], ddq[6x1], object_rotation[3x3], object_twist[6x1], object_acceleration[6x1], load[10x1] -> E[6x1], A[6x1], G[6x1], J[3x6], B[3x6], P[3x1], S[3x1], Q[3x1] */
-void planar_dual_arm_model_terms(const planar_dual_arm_real *const *arg, planar_dual_arm_real *const *res) {
-    planar_dual_arm_real a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15, a16, a17, a18, a19, a20, a21, a22, a23;
-    planar_dual_arm_real a24, a25, a26, a27, a28, a29, a30, a31, a32, a33, a34, a35, a36;
-    a0 = 0.0016666666666666668;
+#define MRTS_MODEL(name, signature) void name(const planar_dual_arm_real *const *arg, planar_dual_arm_real *const *res)
+#define MRTS_NUMBER planar_dual_arm_real
+#define MRTS_CONSTANT(value) ((planar_dual_arm_real)(value))
+#define MRTS_MATH(function, a) function(a)
+#define MRTS_SIN(joint, a) MRTS_MATH(sin, a)
+#define MRTS_COS(joint, a) MRTS_MATH(cos, a)
+
+MRTS_MODEL(planar_dual_arm_model_terms, "q[6x1], dq[6x1], ddq[6x1], object_rotation[3x3], object_twist[6x1], object_acceleration[6x1], load[10x1] -> E[6x1], A[6x1], G[6x1], J[3x6], B[3x6], P[3x1], S[3x1], Q[3x1]") {
+    MRTS_NUMBER a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15, a16, a17, a18, a19, a20, a21, a22, a23;
+    MRTS_NUMBER a24, a25, a26, a27, a28, a29, a30, a31, a32, a33, a34, a35, a36;
+    a0 = MRTS_CONSTANT(0.0016666666666666668);
     a1 = arg[2][0];
     a2 = arg[2][1];
     a2 = a1 + a2;
     a3 = arg[2][2];
     a3 = a2 + a3;
     a4 = a0 * a3;
-    a5 = 0.025;
+    a5 = MRTS_CONSTANT(0.025);
     a6 = arg[0][2];
-    a7 = cos(a6);
+    a7 = MRTS_COS(2, a6);
     a8 = arg[0][1];
-    a9 = sin(a8);
+    a9 = MRTS_SIN(1, a8);
     a10 = arg[1][0];
     a11 = a10 * a10;
     a12 = a9 * a11;
-    a8 = cos(a8);
+    a8 = MRTS_COS(1, a8);
     a13 = a8 * a1;
     a12 = a12 + a13;
     a13 = a12 + a2;
     a14 = a7 * a13;
-    a6 = sin(a6);
+    a6 = MRTS_SIN(2, a6);
     a15 = a9 * a1;
     a11 = a8 * a11;
     a15 = a15 - a11;
@@ -37,12 +43,12 @@ void planar_dual_arm_model_terms(const planar_dual_arm_real *const *arg, planar_
     a16 = a15 - a16;
     a17 = a6 * a16;
     a14 = a14 - a17;
-    a17 = 0.05;
+    a17 = MRTS_CONSTANT(0.05);
     a3 = a17 * a3;
     a14 = a14 + a3;
     a3 = a5 * a14;
     a4 = a4 + a3;
-    a3 = 0.5;
+    a3 = MRTS_CONSTANT(0.5);
     a16 = a7 * a16;
     a13 = a6 * a13;
     a16 = a16 + a13;
@@ -57,7 +63,7 @@ void planar_dual_arm_model_terms(const planar_dual_arm_real *const *arg, planar_
     a20 = a7 * a14;
     a19 = a19 + a20;
     a20 = a4 + a19;
-    a21 = 0.3433333333333333;
+    a21 = MRTS_CONSTANT(0.3433333333333333);
     a22 = a21 * a2;
     a2 = a3 * a2;
     a12 = a12 + a2;
@@ -67,7 +73,7 @@ void planar_dual_arm_model_terms(const planar_dual_arm_real *const *arg, planar_
     a16 = a7 * a16;
     a14 = a6 * a14;
     a16 = a16 - a14;
-    a14 = 4.0;
+    a14 = MRTS_CONSTANT(4.0);
     a22 = a3 * a11;
     a2 = a11 * a22;
     a15 = a15 - a2;
@@ -79,9 +85,9 @@ void planar_dual_arm_model_terms(const planar_dual_arm_real *const *arg, planar_
     a19 = a8 * a19;
     a16 = a16 + a19;
     a16 = a20 + a16;
-    a19 = 0.42916666666666664;
+    a19 = MRTS_CONSTANT(0.42916666666666664);
     a12 = a19 * a1;
-    a15 = 1.25;
+    a15 = MRTS_CONSTANT(1.25);
     a1 = a15 * a1;
     a12 = a12 + a1;
     a16 = a16 + a12;
@@ -95,18 +101,18 @@ void planar_dual_arm_model_terms(const planar_dual_arm_real *const *arg, planar_
     a16 = a20 + a16;
     a12 = a0 * a16;
     a1 = arg[0][5];
-    a2 = cos(a1);
+    a2 = MRTS_COS(5, a1);
     a23 = arg[0][4];
-    a24 = sin(a23);
+    a24 = MRTS_SIN(4, a23);
     a25 = arg[1][3];
     a26 = a25 * a25;
     a27 = a24 * a26;
-    a23 = cos(a23);
+    a23 = MRTS_COS(4, a23);
     a28 = a23 * a4;
     a27 = a27 + a28;
     a28 = a27 + a20;
     a29 = a2 * a28;
-    a1 = sin(a1);
+    a1 = MRTS_SIN(5, a1);
     a30 = a24 * a4;
     a26 = a23 * a26;
     a30 = a30 - a26;
@@ -245,12 +251,12 @@ void planar_dual_arm_model_terms(const planar_dual_arm_real *const *arg, planar_
     res[1][3] = a17;
     res[1][4] = a32;
     res[1][5] = a0;
-    a0 = 9.8;
+    a0 = MRTS_CONSTANT(9.8);
     a32 = arg[0][0];
-    a17 = cos(a32);
+    a17 = MRTS_COS(0, a32);
     a19 = a0 * a17;
     a15 = a8 * a19;
-    a32 = sin(a32);
+    a32 = MRTS_SIN(0, a32);
     a25 = a0 * a32;
     a13 = a9 * a25;
     a15 = a15 - a13;
@@ -283,17 +289,17 @@ void planar_dual_arm_model_terms(const planar_dual_arm_real *const *arg, planar_
     a18 = a8 * a18;
     a28 = a28 + a18;
     a28 = a4 + a28;
-    a18 = 24.5;
+    a18 = MRTS_CONSTANT(24.5);
     a15 = a18 * a17;
     a28 = a28 + a15;
     res[2][0] = a28;
     res[2][1] = a4;
     res[2][2] = a19;
     a19 = arg[0][3];
-    a4 = cos(a19);
+    a4 = MRTS_COS(3, a19);
     a28 = a0 * a4;
     a15 = a23 * a28;
-    a19 = sin(a19);
+    a19 = MRTS_SIN(3, a19);
     a25 = a0 * a19;
     a13 = a24 * a25;
     a15 = a15 - a13;
@@ -335,7 +341,7 @@ void planar_dual_arm_model_terms(const planar_dual_arm_real *const *arg, planar_
     a13 = a17 * a9;
     a28 = a5 + a13;
     a18 = a32 + a28;
-    a21 = 0.1;
+    a21 = MRTS_CONSTANT(0.1);
     a28 = a28 * a7;
     a8 = a17 * a8;
     a9 = a32 * a9;
@@ -354,7 +360,7 @@ void planar_dual_arm_model_terms(const planar_dual_arm_real *const *arg, planar_
     a8 = a21 * a8;
     a9 = a9 + a8;
     res[3][1] = a9;
-    a13 = 1.0;
+    a13 = MRTS_CONSTANT(1.0);
     res[3][2] = a13;
     a18 = a18 - a32;
     a18 = -a18;
@@ -400,9 +406,9 @@ void planar_dual_arm_model_terms(const planar_dual_arm_real *const *arg, planar_
     res[3][16] = a21;
     res[3][17] = a13;
     res[4][0] = a13;
-    a21 = 0.0;
+    a21 = MRTS_CONSTANT(0.0);
     res[4][1] = a21;
-    a9 = -1.1;
+    a9 = MRTS_CONSTANT(-1.1);
     a24 = arg[3][1];
     a4 = a9 * a24;
     a4 = -a4;
@@ -417,7 +423,7 @@ void planar_dual_arm_model_terms(const planar_dual_arm_real *const *arg, planar_
     res[4][8] = a13;
     res[4][9] = a13;
     res[4][10] = a21;
-    a9 = 1.1;
+    a9 = MRTS_CONSTANT(1.1);
     a17 = a9 * a24;
     a17 = -a17;
     res[4][11] = a17;
@@ -636,29 +642,28 @@ void planar_dual_arm_model_terms(const planar_dual_arm_real *const *arg, planar_
     res[7][2] = a0;
 }
 
-/* wrench_form: q[6x1], dq[6x1], ddq[6x1], object_rotation[3x3], object_twist[6x1], object_acceleration[6x1], load[10x1] -> torque_map[6x4], torque_offset[6x1], wrench_map[6x4], wrench_offset[6x1] */
-void planar_dual_arm_model_wrench_form(const planar_dual_arm_real *const *arg, planar_dual_arm_real *const *res) {
-    planar_dual_arm_real a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15, a16, a17, a18, a19, a20, a21, a22, a23;
-    planar_dual_arm_real a24, a25, a26, a27, a28, a29, a30, a31, a32, a33, a34, a35, a36, a37, a38, a39, a40, a41, a42, a43, a44, a45;
-    planar_dual_arm_real a46, a47, a48, a49, a50, a51, a52, a53, a54, a55, a56, a57, a58, a59, a60, a61, a62, a63, a64;
+MRTS_MODEL(planar_dual_arm_model_wrench_form, "q[6x1], dq[6x1], ddq[6x1], object_rotation[3x3], object_twist[6x1], object_acceleration[6x1], load[10x1] -> torque_map[6x4], torque_offset[6x1], wrench_map[6x4], wrench_offset[6x1]") {
+    MRTS_NUMBER a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15, a16, a17, a18, a19, a20, a21, a22, a23;
+    MRTS_NUMBER a24, a25, a26, a27, a28, a29, a30, a31, a32, a33, a34, a35, a36, a37, a38, a39, a40, a41, a42, a43, a44, a45;
+    MRTS_NUMBER a46, a47, a48, a49, a50, a51, a52, a53, a54, a55, a56, a57, a58, a59, a60, a61, a62, a63, a64;
     a0 = arg[0][0];
-    a1 = sin(a0);
+    a1 = MRTS_SIN(0, a0);
     a2 = arg[0][1];
-    a3 = cos(a2);
+    a3 = MRTS_COS(1, a2);
     a4 = a1 * a3;
-    a0 = cos(a0);
-    a2 = sin(a2);
+    a0 = MRTS_COS(0, a0);
+    a2 = MRTS_SIN(1, a2);
     a5 = a0 * a2;
     a6 = a4 + a5;
     a7 = a1 + a6;
-    a8 = 0.1;
+    a8 = MRTS_CONSTANT(0.1);
     a9 = arg[0][2];
-    a10 = cos(a9);
+    a10 = MRTS_COS(2, a9);
     a6 = a6 * a10;
     a11 = a0 * a3;
     a12 = a1 * a2;
     a11 = a11 - a12;
-    a9 = sin(a9);
+    a9 = MRTS_SIN(2, a9);
     a12 = a11 * a9;
     a6 = a6 + a12;
     a6 = a8 * a6;
@@ -671,30 +676,30 @@ void planar_dual_arm_model_wrench_form(const planar_dual_arm_real *const *arg, p
     a6 = -a6;
     res[0][2] = a6;
     a6 = arg[0][3];
-    a7 = sin(a6);
+    a7 = MRTS_SIN(3, a6);
     a12 = arg[0][4];
-    a13 = cos(a12);
+    a13 = MRTS_COS(4, a12);
     a14 = a7 * a13;
-    a6 = cos(a6);
-    a12 = sin(a12);
+    a6 = MRTS_COS(3, a6);
+    a12 = MRTS_SIN(4, a12);
     a15 = a6 * a12;
     a16 = a14 + a15;
     a17 = a7 + a16;
     a18 = arg[0][5];
-    a19 = cos(a18);
+    a19 = MRTS_COS(5, a18);
     a16 = a16 * a19;
     a20 = a6 * a13;
     a21 = a7 * a12;
     a20 = a20 - a21;
-    a18 = sin(a18);
+    a18 = MRTS_SIN(5, a18);
     a21 = a20 * a18;
     a16 = a16 + a21;
     a16 = a8 * a16;
     a17 = a17 + a16;
-    a21 = -1.1;
+    a21 = MRTS_CONSTANT(-1.1);
     a22 = arg[3][1];
     a23 = a21 * a22;
-    a24 = 1.1;
+    a24 = MRTS_CONSTANT(1.1);
     a25 = a24 * a22;
     a23 = a23 - a25;
     a26 = a17 + a23;
@@ -733,22 +738,22 @@ void planar_dual_arm_model_wrench_form(const planar_dual_arm_real *const *arg, p
     res[0][10] = a15;
     a15 = a21 - a8;
     res[0][11] = a15;
-    a15 = 1.0;
+    a15 = MRTS_CONSTANT(1.0);
     res[0][12] = a15;
     res[0][13] = a15;
     res[0][14] = a15;
-    a14 = -1.0;
+    a14 = MRTS_CONSTANT(-1.0);
     res[0][15] = a14;
     res[0][16] = a14;
     res[0][17] = a14;
-    a5 = 0.0016666666666666668;
+    a5 = MRTS_CONSTANT(0.0016666666666666668);
     a4 = arg[2][0];
     a28 = arg[2][1];
     a28 = a4 + a28;
     a29 = arg[2][2];
     a29 = a28 + a29;
     a30 = a5 * a29;
-    a31 = 0.025;
+    a31 = MRTS_CONSTANT(0.025);
     a32 = arg[1][0];
     a33 = a32 * a32;
     a34 = a2 * a33;
@@ -765,12 +770,12 @@ void planar_dual_arm_model_wrench_form(const planar_dual_arm_real *const *arg, p
     a33 = a37 - a33;
     a38 = a9 * a33;
     a36 = a36 - a38;
-    a38 = 0.05;
+    a38 = MRTS_CONSTANT(0.05);
     a29 = a38 * a29;
     a36 = a36 + a29;
     a29 = a31 * a36;
     a30 = a30 + a29;
-    a29 = 0.5;
+    a29 = MRTS_CONSTANT(0.5);
     a33 = a10 * a33;
     a35 = a9 * a35;
     a33 = a33 + a35;
@@ -785,7 +790,7 @@ void planar_dual_arm_model_wrench_form(const planar_dual_arm_real *const *arg, p
     a39 = a10 * a36;
     a35 = a35 + a39;
     a39 = a30 + a35;
-    a40 = 0.3433333333333333;
+    a40 = MRTS_CONSTANT(0.3433333333333333);
     a41 = a40 * a28;
     a28 = a29 * a28;
     a34 = a34 + a28;
@@ -795,7 +800,7 @@ void planar_dual_arm_model_wrench_form(const planar_dual_arm_real *const *arg, p
     a33 = a10 * a33;
     a36 = a9 * a36;
     a33 = a33 - a36;
-    a36 = 4.0;
+    a36 = MRTS_CONSTANT(4.0);
     a41 = a29 * a32;
     a32 = a32 * a41;
     a37 = a37 - a32;
@@ -807,9 +812,9 @@ void planar_dual_arm_model_wrench_form(const planar_dual_arm_real *const *arg, p
     a35 = a3 * a35;
     a33 = a33 + a35;
     a33 = a39 + a33;
-    a35 = 0.42916666666666664;
+    a35 = MRTS_CONSTANT(0.42916666666666664);
     a34 = a35 * a4;
-    a37 = 1.25;
+    a37 = MRTS_CONSTANT(1.25);
     a4 = a37 * a4;
     a34 = a34 + a4;
     a33 = a33 + a34;
@@ -1082,7 +1087,7 @@ void planar_dual_arm_model_wrench_form(const planar_dual_arm_real *const *arg, p
     a51 = a51 + a25;
     a51 = a51 + a5;
     res[0][23] = a51;
-    a51 = 9.8;
+    a51 = MRTS_CONSTANT(9.8);
     a5 = a51 * a0;
     a16 = a3 * a5;
     a1 = a51 * a1;
@@ -1117,7 +1122,7 @@ void planar_dual_arm_model_wrench_form(const planar_dual_arm_real *const *arg, p
     a3 = a3 * a34;
     a2 = a2 + a3;
     a2 = a35 + a2;
-    a3 = 24.5;
+    a3 = MRTS_CONSTANT(24.5);
     a0 = a3 * a0;
     a2 = a2 + a0;
     res[1][0] = a2;
@@ -1176,7 +1181,7 @@ void planar_dual_arm_model_wrench_form(const planar_dual_arm_real *const *arg, p
     a8 = a8 + a31;
     res[1][5] = a8;
     res[2][0] = a15;
-    a8 = 0.0;
+    a8 = MRTS_CONSTANT(0.0);
     res[2][1] = a8;
     res[2][2] = a8;
     res[2][3] = a14;
@@ -1208,29 +1213,28 @@ void planar_dual_arm_model_wrench_form(const planar_dual_arm_real *const *arg, p
     res[3][5] = a32;
 }
 
-/* fixed_distribution: q[6x1], dq[6x1], ddq[6x1], object_rotation[3x3], object_twist[6x1], object_acceleration[6x1], load[10x1], shares[2x1], internal_wrench[6x1] -> torque_map[6x1], torque_offset[6x1], wrench_map[6x1], wrench_offset[6x1] */
-void planar_dual_arm_model_fixed_distribution(const planar_dual_arm_real *const *arg, planar_dual_arm_real *const *res) {
-    planar_dual_arm_real a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15, a16, a17, a18, a19, a20, a21, a22, a23;
-    planar_dual_arm_real a24, a25, a26, a27, a28, a29, a30, a31, a32, a33, a34, a35, a36, a37, a38, a39, a40, a41, a42, a43, a44, a45;
-    planar_dual_arm_real a46, a47, a48, a49, a50, a51, a52;
+MRTS_MODEL(planar_dual_arm_model_fixed_distribution, "q[6x1], dq[6x1], ddq[6x1], object_rotation[3x3], object_twist[6x1], object_acceleration[6x1], load[10x1], shares[2x1], internal_wrench[6x1] -> torque_map[6x1], torque_offset[6x1], wrench_map[6x1], wrench_offset[6x1]") {
+    MRTS_NUMBER a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15, a16, a17, a18, a19, a20, a21, a22, a23;
+    MRTS_NUMBER a24, a25, a26, a27, a28, a29, a30, a31, a32, a33, a34, a35, a36, a37, a38, a39, a40, a41, a42, a43, a44, a45;
+    MRTS_NUMBER a46, a47, a48, a49, a50, a51, a52;
     a0 = arg[0][0];
-    a1 = cos(a0);
+    a1 = MRTS_COS(0, a0);
     a2 = arg[0][1];
-    a3 = cos(a2);
+    a3 = MRTS_COS(1, a2);
     a4 = a1 * a3;
-    a0 = sin(a0);
-    a2 = sin(a2);
+    a0 = MRTS_SIN(0, a0);
+    a2 = MRTS_SIN(1, a2);
     a5 = a0 * a2;
     a4 = a4 - a5;
     a5 = a1 + a4;
-    a6 = 0.1;
+    a6 = MRTS_CONSTANT(0.1);
     a7 = arg[0][2];
-    a8 = cos(a7);
+    a8 = MRTS_COS(2, a7);
     a9 = a4 * a8;
     a10 = a1 * a2;
     a11 = a0 * a3;
     a12 = a10 + a11;
-    a7 = sin(a7);
+    a7 = MRTS_SIN(2, a7);
     a12 = a12 * a7;
     a9 = a9 - a12;
     a9 = a6 * a9;
@@ -1430,7 +1434,7 @@ void planar_dual_arm_model_fixed_distribution(const planar_dual_arm_real *const 
     a17 = a17 * a4;
     a13 = a13 - a17;
     a41 = a41 + a13;
-    a13 = -1.1;
+    a13 = MRTS_CONSTANT(-1.1);
     a17 = a13 * a16;
     a4 = a30 * a14;
     a4 = a17 * a4;
@@ -1439,7 +1443,7 @@ void planar_dual_arm_model_fixed_distribution(const planar_dual_arm_real *const 
     a13 = a13 * a15;
     a4 = a4 - a13;
     a41 = a41 - a4;
-    a4 = 1.1;
+    a4 = MRTS_CONSTANT(1.1);
     a16 = a4 * a16;
     a13 = arg[7][1];
     a15 = a13 * a14;
@@ -1451,14 +1455,14 @@ void planar_dual_arm_model_fixed_distribution(const planar_dual_arm_real *const 
     a41 = a41 - a15;
     a15 = a41 * a30;
     a35 = a35 + a15;
-    a4 = 0.0016666666666666668;
+    a4 = MRTS_CONSTANT(0.0016666666666666668);
     a31 = arg[2][0];
     a29 = arg[2][1];
     a29 = a31 + a29;
     a26 = arg[2][2];
     a26 = a29 + a26;
     a38 = a4 * a26;
-    a23 = 0.025;
+    a23 = MRTS_CONSTANT(0.025);
     a40 = arg[1][0];
     a28 = a40 * a40;
     a39 = a2 * a28;
@@ -1475,12 +1479,12 @@ void planar_dual_arm_model_fixed_distribution(const planar_dual_arm_real *const 
     a28 = a22 - a28;
     a20 = a7 * a28;
     a25 = a25 - a20;
-    a20 = 0.05;
+    a20 = MRTS_CONSTANT(0.05);
     a26 = a20 * a26;
     a25 = a25 + a26;
     a26 = a23 * a25;
     a38 = a38 + a26;
-    a26 = 0.5;
+    a26 = MRTS_CONSTANT(0.5);
     a28 = a8 * a28;
     a27 = a7 * a27;
     a28 = a28 + a27;
@@ -1495,7 +1499,7 @@ void planar_dual_arm_model_fixed_distribution(const planar_dual_arm_real *const 
     a32 = a8 * a25;
     a27 = a27 + a32;
     a32 = a38 + a27;
-    a21 = 0.3433333333333333;
+    a21 = MRTS_CONSTANT(0.3433333333333333);
     a46 = a21 * a29;
     a29 = a26 * a29;
     a39 = a39 + a29;
@@ -1505,7 +1509,7 @@ void planar_dual_arm_model_fixed_distribution(const planar_dual_arm_real *const 
     a28 = a8 * a28;
     a25 = a7 * a25;
     a28 = a28 - a25;
-    a25 = 4.0;
+    a25 = MRTS_CONSTANT(4.0);
     a46 = a26 * a40;
     a40 = a40 * a46;
     a22 = a22 - a40;
@@ -1517,9 +1521,9 @@ void planar_dual_arm_model_fixed_distribution(const planar_dual_arm_real *const 
     a27 = a3 * a27;
     a28 = a28 + a27;
     a28 = a32 + a28;
-    a27 = 0.42916666666666664;
+    a27 = MRTS_CONSTANT(0.42916666666666664);
     a39 = a27 * a31;
-    a22 = 1.25;
+    a22 = MRTS_CONSTANT(1.25);
     a31 = a22 * a31;
     a39 = a39 + a31;
     a28 = a28 + a39;
@@ -1540,22 +1544,22 @@ void planar_dual_arm_model_fixed_distribution(const planar_dual_arm_real *const 
     a28 = a28 + a38;
     res[0][2] = a28;
     a28 = arg[0][3];
-    a38 = cos(a28);
+    a38 = MRTS_COS(3, a28);
     a32 = arg[0][4];
-    a31 = cos(a32);
+    a31 = MRTS_COS(4, a32);
     a40 = a38 * a31;
-    a28 = sin(a28);
-    a32 = sin(a32);
+    a28 = MRTS_SIN(3, a28);
+    a32 = MRTS_SIN(4, a32);
     a46 = a28 * a32;
     a40 = a40 - a46;
     a46 = a38 + a40;
     a29 = arg[0][5];
-    a19 = cos(a29);
+    a19 = MRTS_COS(5, a29);
     a44 = a40 * a19;
     a43 = a38 * a32;
     a42 = a28 * a31;
     a45 = a43 + a42;
-    a29 = sin(a29);
+    a29 = MRTS_SIN(5, a29);
     a45 = a45 * a29;
     a44 = a44 - a45;
     a44 = a6 * a44;
@@ -1654,7 +1658,7 @@ void planar_dual_arm_model_fixed_distribution(const planar_dual_arm_real *const 
     a47 = a47 + a41;
     a47 = a47 + a4;
     res[0][5] = a47;
-    a47 = 9.8;
+    a47 = MRTS_CONSTANT(9.8);
     a12 = a47 * a12;
     a4 = a12 * a30;
     a20 = arg[8][1];
@@ -1708,7 +1712,7 @@ void planar_dual_arm_model_fixed_distribution(const planar_dual_arm_real *const 
     a3 = a3 * a42;
     a2 = a2 + a3;
     a2 = a49 + a2;
-    a3 = 24.5;
+    a3 = MRTS_CONSTANT(24.5);
     a1 = a3 * a1;
     a2 = a2 + a1;
     a5 = a5 + a2;

@@ -36,13 +36,13 @@ MRTS_EXPORT void mrts_path_rows_work(int rows, long long *reals, long long *ints
 MRTS_EXPORT int mrts_path_rows(long long count, const double *const *in, const long long *stride,
                                const mrts_limits *limits, const mrts_terms *terms, const double *torque_rate,
                                const double *unit, double *torque_map, double *torque_offset, double *wrench_map,
-                               double *wrench_offset, double *A, double *lower, double *upper, const double **arg,
-                               double **res, long long *iw, double *w, double *work, int *iwork) {
+                               double *wrench_offset, double *A, double *lower, double *upper, double *work, int *iwork) {
     enum { V = MRTS_PATH_UNKNOWNS, F = MRTS_UNKNOWNS - 1, M = MRTS_JOINTS, N = MRTS_WRENCHES };
     double memory[MRTS_FORM_WORK(MRTS_PATH_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
     double rates[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
     double turned[MRTS_TURNED_WORK(MRTS_PATH_UNKNOWNS, MRTS_WRENCHES)];
     mrts_form form = mrts_form_in(V, M, N, memory), by_rate = mrts_form_in(MRTS_UNKNOWNS, M, N, rates);
+    const double *arg[MRTS_INPUTS];
     mrts_rate_inputs rate;
     mrts_forms forms, rate_forms;
     mrts_rows rows;
@@ -53,8 +53,8 @@ MRTS_EXPORT int mrts_path_rows(long long count, const double *const *in, const l
     mrts_begin_forms(rate.in, rate.stride, count, &rate_forms);
     for (long long n = 0; n < count; ++n) {
         const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
-        if (!mrts_next_form(&rate_forms, n, &by_rate, arg, res, iw, w)) return 1;
-        if (!mrts_next_form(&forms, n, &form, arg, res, iw, w)) return 1;
+        mrts_next_form(&rate_forms, n, &by_rate, arg);
+        mrts_next_form(&forms, n, &form, arg);
         mrts_with_rate(M, by_rate.torque_map, form.torque_map);
         mrts_with_rate(N, by_rate.wrench_map, form.wrench_map);
         mrts_add_motors(V, M, &here, &form);

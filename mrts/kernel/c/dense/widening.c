@@ -206,10 +206,8 @@ static int mrts_widening_of_sample(mrts_dense_path *path, double *share) {
     return status;
 }
 
-#if MRTS_LANES > 1
 /* Some samples of a call. */
 typedef struct {
-    mrts_lane_functions functions;
     mrts_lane_inputs inputs;
     mrts_dense_lanes at;
     mrts_lanes free[MRTS_UNKNOWNS], most;
@@ -222,7 +220,7 @@ static void mrts_take_widening(const double *const *in, const long long *stride,
                                const double *c2, mrts_widening_lanes *lanes) {
     mrts_take_inputs(in, stride, first, count, first == 0, &lanes->inputs);
     for (int lane = 0; lane < MRTS_LANES; ++lane) lanes->at.c2[lane] = c2[lanes->inputs.at[lane]];
-    lanes->functions.dense_form(lanes->inputs.arg, &lanes->at);
+    mrts_dense_form(lanes->inputs.arg, &lanes->at);
     lanes->tried = 0;
 }
 
@@ -232,8 +230,8 @@ static int mrts_widening_in_lanes(mrts_widening_lanes *lanes, int lane, mrts_wre
     if (F > 0 && known->count < 0) return 0;
     if (!lanes->tried) {
         for (int j = 0; j < F; ++j) lanes->free[j] = (mrts_lanes){0} + known->wrench[j];
-        if (F > 0) lanes->functions.dense_bound(&lanes->at, known, lanes->free);
-        lanes->functions.dense_passed(&lanes->at, lanes->free, &lanes->most, &lanes->finite);
+        if (F > 0) mrts_dense_bound(&lanes->at, known, lanes->free);
+        mrts_dense_passed(&lanes->at, lanes->free, &lanes->most, &lanes->finite);
         lanes->tried = 1;
     }
     if (!lanes->finite[lane] || (F > 0 && !(lanes->most[lane] <= MRTS_FEASIBLE))) {
@@ -253,13 +251,12 @@ static void mrts_form_of_lane(const mrts_dense_lanes *at, int lane, mrts_form *f
     mrts_take_lane(K * N, at->wrench, lane, form->wrench_map);
     mrts_take_lane(N, at->wrench + K * N, lane, form->wrench_offset);
 }
-#endif
 
 /* Of samples 0 .. count - 1 the least widening of all limits that admits c2, one a sample, in shares of each, of which 100 %
  * are a `unit`; `terms` and what is returned as in mrts_ranges. A sample that is not MRTS_OPTIMAL has no answer. */
 MRTS_EXPORT int mrts_widenings(long long count, const double *const *in, const long long *stride,
                                const mrts_limits *limits, const mrts_terms *terms, const double *c2, const double *unit,
-                               double *share, unsigned char *status, const double **arg, double **res, long long *iw, double *w,
+                               double *share, unsigned char *status,
                                double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1 };
     double *few_work = work + MRTS_ROWS_WORK(K, limits->rows);
@@ -274,42 +271,25 @@ MRTS_EXPORT int mrts_widenings(long long count, const double *const *in, const l
     if (!mrts_rows_over(K, limits, work, iwork, &path.rows)) return 1;
     if (!mrts_rows_over(K, limits, few_work, few_iwork, &path.some)) return 1;
     for (int i = 0; i < path.rows.count; ++i) path.rows.unit[i] = unit[path.rows.which[i]];
-#if MRTS_LANES > 1
     mrts_widening_lanes lanes;
-    lanes.functions = mrts_lane_functions_here();
     lanes.at.limits = limits;
     lanes.at.terms = terms;
     lanes.at.of = &path.rows;
     lanes.at.samples = lanes.inputs.at;
-    (void)res;
-    (void)iw;
-    (void)w;
-#endif
     for (long long n = 0; n < count; ++n) {
         if (n % MRTS_CHUNK == 0) { /* so that chunks do not depend on each other */
             path.known.count = -1;
             path.basis[0] = 0;
         }
         for (int j = 0; j < F && path.known.count < 0; ++j) path.known.wrench[j] = 0;
-#if MRTS_LANES > 1
         const int lane = (int)(n % MRTS_LANES);
         if (lane == 0) mrts_take_widening(in, stride, n, count, c2, &lanes);
         status[n] = MRTS_OPTIMAL;
         if (mrts_widening_in_lanes(&lanes, lane, &path.known, share + n)) continue;
         mrts_form_of_lane(&lanes.at, lane, &path.at.form);
-#endif
-        for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + n * stride[i];
         path.at.terms = mrts_terms_of_sample(terms, n, limits->rows);
-        path.at.rotation = arg[MRTS_ROTATION];
+        path.at.rotation = in[MRTS_ROTATION] + n * stride[MRTS_ROTATION];
         path.at.c2 = c2[n];
-#if MRTS_LANES == 1
-        res[0] = path.at.form.torque_map;
-        res[1] = path.at.form.torque_offset;
-        res[2] = path.at.form.wrench_map;
-        res[3] = path.at.form.wrench_offset;
-        if (MRTS_WRENCH_FORM(arg, res, iw, w, 0)) return 1;
-        mrts_add_motors(K, MRTS_JOINTS, &path.at.terms, &path.at.form);
-#endif
         status[n] = (unsigned char)mrts_widening_of_sample(&path, share + n);
     }
     return 0;

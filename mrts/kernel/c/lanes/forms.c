@@ -5,7 +5,6 @@
 #include "forms.h"
 #include "../trajectory.h"
 
-#if MRTS_LANES > 1
 MRTS_LOCAL void mrts_take_inputs(const double *const *in, const long long *stride, long long first, long long count,
                                  int all, mrts_lane_inputs *lanes) {
     static const int sizes[MRTS_INPUTS] = MRTS_INPUT_SIZES;
@@ -26,16 +25,12 @@ MRTS_LOCAL void mrts_take_lane(int count, const mrts_lanes *from, int lane, doub
     const double *numbers = (const double *)(const void *)from + lane;
     for (int i = 0; i < count; ++i) to[i] = numbers[i * MRTS_LANES];
 }
-#endif
 
 MRTS_LOCAL void mrts_begin_forms(const double *const *in, const long long *stride, long long count, mrts_forms *forms) {
     forms->in = in;
     forms->stride = stride;
     forms->count = count;
-#if MRTS_LANES > 1
-    forms->evaluate = mrts_lane_functions_here().form;
     if (count > 0) mrts_take_inputs(in, stride, 0, count, 1, &forms->inputs);
-#endif
 }
 
 MRTS_LOCAL void mrts_inputs_by_rate(const double *const *in, const long long *stride, mrts_rate_inputs *rate) {
@@ -47,29 +42,16 @@ MRTS_LOCAL void mrts_inputs_by_rate(const double *const *in, const long long *st
     }
 }
 
-MRTS_LOCAL int mrts_next_form(mrts_forms *forms, long long sample, mrts_form *form, const double **arg, double **res,
-                              long long *iw, double *w) {
+MRTS_LOCAL void mrts_next_form(mrts_forms *forms, long long sample, mrts_form *form, const double **arg) {
     for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = forms->in[i] + sample * forms->stride[i];
-#if MRTS_LANES > 1
-    (void)res;
-    (void)iw;
-    (void)w;
     const int lane = (int)(sample % MRTS_LANES);
     if (lane == 0) {
         mrts_lanes *const found[4] = {forms->torque_map, forms->torque_offset, forms->wrench_map, forms->wrench_offset};
         mrts_take_inputs(forms->in, forms->stride, sample, forms->count, 0, &forms->inputs);
-        forms->evaluate(forms->inputs.arg, found);
+        mrts_lane_form(forms->inputs.arg, found);
     }
     mrts_take_lane(MRTS_UNKNOWNS * MRTS_JOINTS, forms->torque_map, lane, form->torque_map);
     mrts_take_lane(MRTS_JOINTS, forms->torque_offset, lane, form->torque_offset);
     mrts_take_lane(MRTS_UNKNOWNS * MRTS_WRENCHES, forms->wrench_map, lane, form->wrench_map);
     mrts_take_lane(MRTS_WRENCHES, forms->wrench_offset, lane, form->wrench_offset);
-    return 1;
-#else
-    res[0] = form->torque_map;
-    res[1] = form->torque_offset;
-    res[2] = form->wrench_map;
-    res[3] = form->wrench_offset;
-    return MRTS_WRENCH_FORM(arg, res, iw, w, 0) == 0;
-#endif
 }

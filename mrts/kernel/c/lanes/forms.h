@@ -7,7 +7,6 @@
 
 #include "lanes.h"
 
-#if MRTS_LANES > 1
 /* Inputs of some samples in lanes: those that are the same for all stand there once. */
 typedef struct {
     mrts_lanes numbers[MRTS_INPUT_NUMBERS];
@@ -22,19 +21,15 @@ MRTS_LOCAL void mrts_take_inputs(const double *const *in, const long long *strid
 
 /* One lane of some numbers. */
 MRTS_LOCAL void mrts_take_lane(int count, const mrts_lanes *from, int lane, double *to);
-#endif
 
 /* The forms of the samples of a call. */
 typedef struct {
     const double *const *in;
     const long long *stride;
     long long count; /* of samples */
-#if MRTS_LANES > 1
     mrts_lane_inputs inputs;
-    void (*evaluate)(const mrts_lanes *const *arg, mrts_lanes *const *res);
     mrts_lanes torque_map[MRTS_UNKNOWNS * MRTS_JOINTS], torque_offset[MRTS_JOINTS];
     mrts_lanes wrench_map[MRTS_UNKNOWNS * MRTS_WRENCHES], wrench_offset[MRTS_WRENCHES];
-#endif
 } mrts_forms;
 
 /* Those of samples 0 .. count - 1. */
@@ -49,9 +44,8 @@ typedef struct {
 
 MRTS_LOCAL void mrts_inputs_by_rate(const double *const *in, const long long *stride, mrts_rate_inputs *rate);
 
-/* The next form, that of a sample, which are asked for one after the other from 0 on; arg then has the sample's inputs.
- * 0 if it failed. */
-MRTS_LOCAL int mrts_next_form(mrts_forms *forms, long long sample, mrts_form *form, const double **arg, double **res,
-                              long long *iw, double *w);
+/* The next form, that of a sample, which are asked for one after the other from 0 on; arg, (MRTS_INPUTS), then has the
+ * sample's inputs. */
+MRTS_LOCAL void mrts_next_form(mrts_forms *forms, long long sample, mrts_form *form, const double **arg);
 
 #endif

@@ -7,10 +7,8 @@
 #define MRTS_LANES_H
 
 #include "../cell_sizes.h"
-#include "../dense/places.h"
 #include "../dense/wrenches_before.h"
 #include "../rows.h"
-#include "../tracking/closure.h"
 #include "lane_types.h"
 
 /* Unknowns up to which torques are found in lanes: their programs stand on the stack, 10 kB times the square of the number of
@@ -18,20 +16,14 @@
 #ifndef MRTS_MOST_LANE_UNKNOWNS
 #define MRTS_MOST_LANE_UNKNOWNS 55
 #endif
-#define MRTS_TORQUE_LANES (MRTS_LANES > 1 && MRTS_UNKNOWNS <= MRTS_MOST_LANE_UNKNOWNS)
+#define MRTS_TORQUE_LANES (MRTS_UNKNOWNS <= MRTS_MOST_LANE_UNKNOWNS)
 
-#if MRTS_LANES > 1
 /* Generated functions for lanes: every input is there, with sine and cosine of each of the first input's numbers, and every
  * output. */
 #define MRTS_LANE_FUNCTION(name) void name(const mrts_lanes *const *arg, const mrts_lanes *sines, mrts_lanes *const *res)
-MRTS_LANE_FUNCTION(mrts_form_of_lanes);
-MRTS_LANE_FUNCTION(mrts_kinematics_of_lanes);
-MRTS_LANE_FUNCTION(mrts_bias_of_lanes);
-#ifdef MRTS_WIDE
-MRTS_LANE_FUNCTION(mrts_form_of_wide_lanes);
-MRTS_LANE_FUNCTION(mrts_kinematics_of_wide_lanes);
-MRTS_LANE_FUNCTION(mrts_bias_of_wide_lanes);
-#endif
+MRTS_LANE_FUNCTION(MRTS_WRENCH_FORM_LANES);
+MRTS_LANE_FUNCTION(MRTS_KINEMATICS_LANES);
+MRTS_LANE_FUNCTION(MRTS_BIAS_ACCELERATION_LANES);
 
 /* Scaled rows of several samples, as of mrts_rows. */
 typedef struct {
@@ -69,42 +61,55 @@ typedef struct {
     mrts_lanes x[MRTS_UNKNOWNS], least_torque[MRTS_JOINTS], its_wrench[MRTS_WRENCHES]; /* the answer */
 } mrts_lane_program;
 
-/* What works on lanes. */
-typedef struct {
-    /* The generated wrench form. */
-    void (*form)(const mrts_lanes *const *arg, mrts_lanes *const *res);
-    /* Evaluates the wrench form and builds scaled rows of the samples at the places `at`; `terms` are those of all. */
-    void (*rows)(const mrts_lanes *const *arg, const mrts_limits *limits, const mrts_terms *terms, const long long *at,
-                 const double *most, mrts_lane_rows *rows);
-    /* Whether the basis of a program with cost `sign` of c^2 answers it, of each lane: see mrts_kept_basis. */
-    void (*end)(const mrts_lane_rows *rows, double sign, const int *basis, mrts_lanes *x, mrts_lanes *y,
-                mrts_lane_mask *kept);
-    /* The forms of samples of a dense check. */
-    void (*dense_form)(const mrts_lanes *const *arg, mrts_dense_lanes *at);
-    /* Moves free wrenches to the nearest whose known rows bind again, in the unit of their scale. What they are worth is
-     * seen when they are put in. */
-    void (*dense_bound)(const mrts_dense_lanes *at, const mrts_wrenches_before *known, mrts_lanes *free);
-    /* By how much a row is passed with given free wrenches, in shares of its limit, at most, 0 if none is; and whether all
-     * rows are numbers. */
-    void (*dense_passed)(const mrts_dense_lanes *at, const mrts_lanes *free, mrts_lanes *most, mrts_lane_mask *finite);
-    /* Finds what is wanted at some places of a path. */
-    int (*places)(const mrts_places *to, const mrts_lanes *geometry, const long long *places);
-    /* Makes what is known of the closure of each arm, (MRTS_ROBOTS, MRTS_CLOSURE_SIZES), the larger of that and of some
-     * samples, and takes from `finite` those of which one is no number; `given` are the inputs of the wrench form. */
-    void (*closures)(const double *geometry, const int *components, const mrts_lanes *const *given,
-                     const mrts_lanes *position, mrts_lanes *most, mrts_lane_mask *finite);
-    /* Evaluates the wrench form and makes the programs of the samples at the places `at`, each at its c2. */
-    void (*programs)(const mrts_lanes *const *arg, const mrts_limits *limits, const mrts_terms *terms, const long long *at,
-                     const mrts_lanes *c2, mrts_lane_program *program);
-    /* Of which samples the active rows, coded as those of mrts_qp, are those of the minimiser, verified as there. */
-    void (*torques)(mrts_lane_program *program, const int *active, int count, mrts_lane_mask *kept);
-} mrts_lane_functions;
+/* Sines and cosines of some angles, both of one after the other. */
+MRTS_LOCAL void mrts_sines(int count, const mrts_lanes *angle, mrts_lanes *both);
 
-/* Those for this machine. */
-MRTS_LOCAL mrts_lane_functions mrts_lane_functions_here(void);
+/* The generated wrench form. */
+MRTS_LOCAL void mrts_lane_form(const mrts_lanes *const *arg, mrts_lanes *const *res);
 
-#else
-#define MRTS_LANE_WORK(k, rows) 0
-#endif
+/* A term of each sample, of those of all samples one after the other, `size` each. */
+MRTS_LOCAL mrts_lanes mrts_term(const double *all, const long long *at, int size, int place);
+
+/* What motors give besides. */
+MRTS_LOCAL void mrts_lane_motors(const mrts_terms *terms, const long long *at, mrts_lanes *torque_square,
+                                 mrts_lanes *torque_offset);
+
+/* As mrts_build_rows, without wrenches in object axes. */
+MRTS_LOCAL void mrts_lane_build(const mrts_lanes *torque, const mrts_lanes *wrench, const mrts_limits *limits,
+                                const mrts_terms *terms, const long long *at, mrts_lane_rows *rows);
+
+/* Evaluates the wrench form and builds scaled rows of the samples at the places `at`; `terms` are those of all. */
+MRTS_LOCAL void mrts_lane_rows_of(const mrts_lanes *const *arg, const mrts_limits *limits, const mrts_terms *terms,
+                                  const long long *at, const double *most, mrts_lane_rows *rows);
+
+/* Whether the basis of a program with cost `sign` of c^2 answers it, of each lane: see mrts_kept_basis. */
+MRTS_LOCAL void mrts_lane_end(const mrts_lane_rows *rows, double sign, const int *basis, mrts_lanes *x, mrts_lanes *y,
+                              mrts_lane_mask *kept);
+
+/* Evaluates the wrench form of samples of a dense check, and adds what motors give. */
+MRTS_LOCAL void mrts_dense_form(const mrts_lanes *const *arg, mrts_dense_lanes *at);
+
+/* Moves free wrenches to the nearest whose known rows bind again, in the unit of their scale. What they are worth is seen
+ * when they are put in. */
+MRTS_LOCAL void mrts_dense_bound(const mrts_dense_lanes *at, const mrts_wrenches_before *known, mrts_lanes *free);
+
+/* By how much a row is passed with given free wrenches, in shares of its limit, at most, 0 if none is; and whether all rows
+ * are numbers. */
+MRTS_LOCAL void mrts_dense_passed(const mrts_dense_lanes *at, const mrts_lanes *free, mrts_lanes *most,
+                                  mrts_lane_mask *finite);
+
+/* v -= w x r */
+MRTS_LOCAL void mrts_less_cross(const mrts_lanes *w, const mrts_lanes *r, mrts_lanes *v);
+
+/* The rates of a tip from those of its arm's joints, first .. end - 1 of all; `change` is the bias acceleration before. */
+MRTS_LOCAL void mrts_tip_by_joints(int first, int end, const mrts_lanes *J, const mrts_lanes *dq, const mrts_lanes *ddq,
+                                   mrts_lanes *rate, mrts_lanes *change);
+
+/* Evaluates the wrench form and makes the programs of the samples at the places `at`, each at its c2. */
+MRTS_LOCAL void mrts_lane_programs(const mrts_lanes *const *arg, const mrts_limits *limits, const mrts_terms *terms,
+                                   const long long *at, const mrts_lanes *c2, mrts_lane_program *program);
+
+/* Of which samples the active rows, coded as those of mrts_qp, are those of the minimiser, verified as there. */
+MRTS_LOCAL void mrts_lane_torques(mrts_lane_program *program, const int *active, int count, mrts_lane_mask *kept);
 
 #endif

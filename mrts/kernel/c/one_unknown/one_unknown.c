@@ -12,14 +12,11 @@
 /* A generated function of a moving sample and its inputs at the first: like the wrench form it gives maps and offsets of
  * torques and wrenches, with c^2 for the only unknown. */
 typedef struct {
-    int (*run)(const double **arg, double **res, long long *iw, double *w, int mem);
+    MRTS_GENERATED((*run));
     int inputs;
     const double *const *in;
     const long long *stride;
-    const double **arg;
-    double **res;
-    long long *iw;
-    double *w;
+    const double *arg[MRTS_INPUTS + 2]; /* of the sample that was evaluated last */
     int by_rate;  /* whether it is to give what u adds, in the place of c^2 */
     int in_forms; /* whether it is the wrench form, which is evaluated for several samples at a time */
     mrts_rate_inputs rate;
@@ -35,21 +32,21 @@ static void mrts_begin_known(long long count, int by_rate, mrts_known *known) {
     mrts_begin_forms(by_rate ? known->rate.in : known->in, by_rate ? known->rate.stride : known->stride, count, &known->forms);
 }
 
-/* Evaluates the function at a sample, the next one, into column `column` of a form; 1 if it failed. */
-static int mrts_known_at(mrts_known *known, long long sample, int column, const mrts_form *form) {
+/* Evaluates the function at a sample, the next one, into column `column` of a form. */
+static void mrts_known_at(mrts_known *known, long long sample, int column, const mrts_form *form) {
     mrts_form to = *form;
     to.torque_map += column * MRTS_JOINTS;
     to.wrench_map += column * MRTS_WRENCHES;
-    if (known->in_forms) return !mrts_next_form(&known->forms, sample, &to, known->arg, known->res, known->iw, known->w);
+    if (known->in_forms) {
+        mrts_next_form(&known->forms, sample, &to, known->arg);
+        return;
+    }
     for (int i = 0; i < known->inputs; ++i) {
         const int of_rate = known->by_rate && i < MRTS_INPUTS;
         known->arg[i] = of_rate ? known->rate.in[i] + sample * known->rate.stride[i] : known->in[i] + sample * known->stride[i];
     }
-    known->res[0] = to.torque_map;
-    known->res[1] = to.torque_offset;
-    known->res[2] = to.wrench_map;
-    known->res[3] = to.wrench_offset;
-    return known->run(known->arg, known->res, known->iw, known->w, 0);
+    double *const res[] = {to.torque_map, to.torque_offset, to.wrench_map, to.wrench_offset};
+    known->run(known->arg, res);
 }
 
 /* The c^2 >= 0 that keep a c^2 <= limit: [*least, *most], from infinity to minus infinity where there are none. */
@@ -96,14 +93,14 @@ MRTS_EXPORT void mrts_known_ranges_work(int rows, long long *reals, long long *i
 /* Eq. (38): least and largest c^2 <= most of samples 0 .. count - 1, the largest effect of c^2 = 1 on a row, and which rows
  * tie at each end, Shape (count, rows), as 1 at an upper and -1 at a lower limit; these are zero on entry. Where no c^2 keeps all
  * rows, low is above high. `run` is a function of so many inputs that leaves c^2 as the only unknown, `terms` are those of
- * all samples one after the other. Returns 1 if the function failed or a lower limit is above its upper one. */
+ * all samples one after the other. Returns 1 if a lower limit is above its upper one. */
 MRTS_EXPORT int mrts_known_ranges(long long count, const double *const *in, const long long *stride,
                                   const mrts_limits *limits, const mrts_terms *terms, const double *most,
-                                  int (*run)(const double **, double **, long long *, double *, int), int inputs,
+                                  MRTS_GENERATED((*run)), int inputs,
                                   double *low, double *high, double *effect, signed char *low_tied,
-                                  signed char *high_tied, const double **arg, double **res, long long *iw, double *w,
+                                  signed char *high_tied,
                                   double *work, int *iwork) {
-    mrts_known known = {.run = run, .inputs = inputs, .in = in, .stride = stride, .arg = arg, .res = res, .iw = iw, .w = w};
+    mrts_known known = {.run = run, .inputs = inputs, .in = in, .stride = stride};
     double memory[MRTS_FORM_WORK(1, MRTS_JOINTS, MRTS_WRENCHES)], turned[MRTS_TURNED_WORK(1, MRTS_WRENCHES)];
     mrts_form form = mrts_form_in(1, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_row_ends ends;
@@ -116,9 +113,9 @@ MRTS_EXPORT int mrts_known_ranges(long long count, const double *const *in, cons
     ends.most_side = ends.least_side + limits->rows;
     for (long long n = 0; n < count; ++n) {
         const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
-        if (mrts_known_at(&known, n, 0, &form)) return 1;
+        mrts_known_at(&known, n, 0, &form);
         mrts_add_motors(1, MRTS_JOINTS, &here, &form);
-        mrts_turn_wrenches(1, MRTS_ROBOTS, MRTS_SIZE, limits, arg[MRTS_ROTATION], 1, 3, turned, &form);
+        mrts_turn_wrenches(1, MRTS_ROBOTS, MRTS_SIZE, limits, known.arg[MRTS_ROTATION], 1, 3, turned, &form);
         low[n] = INFINITY;
         high[n] = -INFINITY;
         effect[n] = 0;
@@ -156,10 +153,9 @@ static double *mrts_put_plane(const mrts_rows *rows, int row, double sign, doubl
  * is returned are as in mrts_known_ranges; it is 2 where one is no number. */
 MRTS_EXPORT int mrts_known_planes(long long count, const double *const *in, const long long *stride,
                                   const mrts_limits *limits, const mrts_terms *terms, const mrts_terms *rate_terms,
-                                  int (*run)(const double **, double **, long long *, double *, int), int inputs,
-                                  double *effect, double *planes, const double **arg, double **res, long long *iw,
-                                  double *w, double *work, int *iwork) {
-    mrts_known known = {.run = run, .inputs = inputs, .in = in, .stride = stride, .arg = arg, .res = res, .iw = iw, .w = w};
+                                  MRTS_GENERATED((*run)), int inputs,
+                                  double *effect, double *planes, double *work, int *iwork) {
+    mrts_known known = {.run = run, .inputs = inputs, .in = in, .stride = stride};
     mrts_known rates = known;
     double memory[MRTS_FORM_WORK(2, MRTS_JOINTS, MRTS_WRENCHES)], turned[MRTS_TURNED_WORK(2, MRTS_WRENCHES)];
     mrts_form form = mrts_form_in(2, MRTS_JOINTS, MRTS_WRENCHES, memory);
@@ -170,10 +166,11 @@ MRTS_EXPORT int mrts_known_planes(long long count, const double *const *in, cons
     for (long long n = 0; n < count; ++n) {
         const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
         const mrts_terms by_rate = mrts_terms_of_sample(rate_terms, n, limits->rows);
-        if (mrts_known_at(&rates, n, 0, &form) || mrts_known_at(&known, n, 1, &form)) return 1; /* its offsets last */
+        mrts_known_at(&rates, n, 0, &form);
+        mrts_known_at(&known, n, 1, &form); /* its offsets last */
         mrts_add_motors(2, MRTS_JOINTS, &here, &form);
         mrts_add_motors(1, MRTS_JOINTS, &by_rate, &form);
-        mrts_turn_wrenches(2, MRTS_ROBOTS, MRTS_SIZE, limits, arg[MRTS_ROTATION], 1, 3, turned, &form);
+        mrts_turn_wrenches(2, MRTS_ROBOTS, MRTS_SIZE, limits, known.arg[MRTS_ROTATION], 1, 3, turned, &form);
         if (!mrts_build_rows(2, MRTS_JOINTS, MRTS_WRENCHES, &form, limits, &here, &rows)) return 2;
         double *of = effect + 2 * n;
         of[0] = of[1] = 0;
@@ -193,19 +190,17 @@ MRTS_EXPORT int mrts_known_planes(long long count, const double *const *in, cons
     return 0;
 }
 
-/* Torques and wrenches of samples 0 .. count - 1 at c2, without what motors give. `run` is as in mrts_known_ranges, as is what is
- * returned. */
-MRTS_EXPORT int mrts_known_torques(long long count, const double *const *in, const long long *stride, double c2,
-                                   int (*run)(const double **, double **, long long *, double *, int), int inputs,
-                                   double *torque, double *wrench, const double **arg, double **res, long long *iw, double *w) {
-    mrts_known known = {.run = run, .inputs = inputs, .in = in, .stride = stride, .arg = arg, .res = res, .iw = iw, .w = w};
+/* Torques and wrenches of samples 0 .. count - 1 at c2, without what motors give. `run` is as in mrts_known_ranges. */
+MRTS_EXPORT void mrts_known_torques(long long count, const double *const *in, const long long *stride, double c2,
+                                   MRTS_GENERATED((*run)), int inputs,
+                                   double *torque, double *wrench) {
+    mrts_known known = {.run = run, .inputs = inputs, .in = in, .stride = stride};
     double memory[MRTS_FORM_WORK(1, MRTS_JOINTS, MRTS_WRENCHES)];
     const mrts_form form = mrts_form_in(1, MRTS_JOINTS, MRTS_WRENCHES, memory);
     mrts_begin_known(count, 0, &known);
     for (long long n = 0; n < count; ++n) {
-        if (mrts_known_at(&known, n, 0, &form)) return 1;
+        mrts_known_at(&known, n, 0, &form);
         for (int i = 0; i < MRTS_JOINTS; ++i) *torque++ = form.torque_map[i] * c2 + form.torque_offset[i];
         for (int i = 0; i < MRTS_WRENCHES; ++i) *wrench++ = form.wrench_map[i] * c2 + form.wrench_offset[i];
     }
-    return 0;
 }

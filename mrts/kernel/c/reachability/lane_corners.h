@@ -29,7 +29,6 @@ static inline double mrts_finite(double limit) {
     return limit < -MRTS_INFINITY ? -MRTS_INFINITY : limit > MRTS_INFINITY ? MRTS_INFINITY : limit;
 }
 
-#if MRTS_LANES > 1
 /* Some of them in lanes, and what is known of all: the unknown that a row alone bounds. */
 typedef struct {
     const mrts_polytopes *of;
@@ -63,21 +62,11 @@ typedef struct {
 /* Lays them out in work arrays. */
 MRTS_LOCAL mrts_lane_polytopes mrts_lane_polytopes_in(const mrts_polytopes *of, double *work, int *iwork);
 
-/* What works on them. */
-typedef struct {
-    /* Takes the samples from `first` on; beyond the last the last is repeated. */
-    void (*take)(long long first, mrts_lane_polytopes *in);
-    /* Of which samples the bases of an outline are all corners: each is verified as mrts_is_corner does, and each edge as
-     * mrts_is_furthest. */
-    void (*outline)(const mrts_lane_polytopes *in, const mrts_outline *outline, mrts_lane_mask *known);
-} mrts_corner_functions;
+/* Takes the samples from `first` on; beyond the last the last is repeated. */
+MRTS_LOCAL void mrts_take_polytopes(long long first, mrts_lane_polytopes *in);
 
-/* Those for this machine. */
-MRTS_LOCAL mrts_corner_functions mrts_corner_functions_here(void);
-
-#else
-#define MRTS_LANE_POLYTOPES_WORK(k, rows) 0
-#define MRTS_LANE_POLYTOPES_IWORK(k, rows) 0
-#endif
+/* Of which samples the bases of an outline are all corners: each is verified as mrts_is_corner does, and each edge as
+ * mrts_is_furthest. */
+MRTS_LOCAL void mrts_known_outline(const mrts_lane_polytopes *in, const mrts_outline *outline, mrts_lane_mask *known);
 
 #endif

@@ -68,7 +68,6 @@ MRTS_EXPORT void mrts_project_batch_work(int k, int rows, long long *reals, long
     *ints += MRTS_LANE_POLYTOPES_IWORK(k, rows);
 }
 
-#if MRTS_LANES > 1
 /* Which unknown each row alone bounds, and which rows bound several. */
 static void mrts_learn_alone(const mrts_polytope *of, mrts_lane_polytopes *in) {
     in->several_count = 0;
@@ -90,7 +89,6 @@ static void mrts_take_outline(const mrts_lane_polytopes *in, int lane, int count
         corners[2 * i + 1] = corner[1][lane];
     }
 }
-#endif
 
 /* The polytope of a sample. */
 static void mrts_take_polytope(const mrts_polytopes *of, long long n, mrts_polytope *in) {
@@ -124,22 +122,18 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
         in.lower[rows + j] = -MRTS_INFINITY;
         in.upper[rows + j] = MRTS_INFINITY;
     }
-#if MRTS_LANES > 1
-    const mrts_corner_functions functions = mrts_corner_functions_here();
     mrts_lane_polytopes lanes =
         mrts_lane_polytopes_in(&of, project_work + MRTS_PROJECT_WORK(k, rows), project_iwork + MRTS_PROJECT_IWORK(k, rows));
     mrts_lane_mask known = {0};
-#endif
     for (long long n = 0; n < count; ++n) {
         double *found = corners + n * 2 * MRTS_CORNERS;
         if (n % MRTS_CHUNK == 0) outline.count = 0;
-#if MRTS_LANES > 1
         const int lane = (int)(n % MRTS_LANES);
         if (lane == 0) {
             known = (mrts_lane_mask){0};
             if (outline.count > 2) {
-                functions.take(n, &lanes);
-                functions.outline(&lanes, &outline, &known);
+                mrts_take_polytopes(n, &lanes);
+                mrts_known_outline(&lanes, &outline, &known);
             }
         }
         if (known[lane]) {
@@ -148,7 +142,6 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
             status[n] = MRTS_OPTIMAL;
             continue;
         }
-#endif
         mrts_take_polytope(&of, n, &in);
         for (int attempt = 0; attempt < 2; ++attempt) {
             const int cold = outline.count == 0;
@@ -156,15 +149,13 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
             status[n] = (unsigned char)mrts_project(&in, &outline, corner_count + n, found, project_work, project_iwork);
             if (status[n] == MRTS_OPTIMAL || status[n] == MRTS_INFEASIBLE || cold) break;
         }
-#if MRTS_LANES > 1
         known = (mrts_lane_mask){0};
         if (outline.count > 2) { /* for the samples beside this one */
             mrts_learn_alone(&in, &lanes);
             if (lane + 1 < MRTS_LANES) {
-                functions.take(n - lane, &lanes);
-                functions.outline(&lanes, &outline, &known);
+                mrts_take_polytopes(n - lane, &lanes);
+                mrts_known_outline(&lanes, &outline, &known);
             }
         }
-#endif
     }
 }

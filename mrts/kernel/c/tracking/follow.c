@@ -107,7 +107,7 @@ static void mrts_take_start(const mrts_following *rule, int robot, const double 
 /* Joints that hold the grasps at the first sample, near the posture; 0 where an arm has none. `seed` is where the first
  * search begins; `further` are the starts that follow where that leads to nothing, (further, joints). */
 static int mrts_find_start(const mrts_following *rule, const mrts_path *at, const double *posture, const double *seed,
-                           const double *further, double *q, mrts_outcome *outcome, mrts_scratch *scratch) {
+                           const double *further, double *q, mrts_outcome *outcome) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS };
     double now[M], reference[M], gap[R], turn[R], drift[R], found[M];
     unsigned char done[R] = {0};
@@ -122,7 +122,7 @@ static int mrts_find_start(const mrts_following *rule, const mrts_path *at, cons
     for (int attempt = 0; attempt <= rule->further && lost; ++attempt) {
         for (int i = 0; i < M; ++i) now[i] = attempt ? further[(attempt - 1) * M + i] : seed[i];
         task.steps = attempt ? rule->further_steps : rule->start_steps;
-        mrts_hold_grasps(&task, at->position, at->rotation, reference, done, now, found, gap, turn, drift, scratch);
+        mrts_hold_grasps(&task, at->position, at->rotation, reference, done, now, found, gap, turn, drift);
         for (int robot = 0; robot < R; ++robot) {
             if (done[robot]) continue;
             mrts_take_start(rule, robot, posture, found, gap[robot], turn[robot], attempt, start + robot);
@@ -171,7 +171,7 @@ static void mrts_note_failure(const mrts_tracking *task, const mrts_held *held, 
 /* Follows one variant from its start: q, q', q'' of all samples, and how that ends for each arm. One that fails is not
  * looked at again. */
 static void mrts_follow_one(const mrts_following *rule, long long samples, const double *time, const mrts_path *path,
-                            double *q, double *dq, double *ddq, mrts_outcome *outcome, mrts_scratch *scratch) {
+                            double *q, double *dq, double *ddq, mrts_outcome *outcome) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS };
     double reference[M];
     unsigned char failed[R] = {0};
@@ -181,7 +181,7 @@ static void mrts_follow_one(const mrts_following *rule, long long samples, const
     for (int i = 0; i < M; ++i) reference[i] = q[i];
     for (long long n = 0; n < samples && left; ++n) {
         const long long at = n * M;
-        mrts_track_sample(&rule->task, time, path, n, reference, failed, &even, q + at, dq + at, ddq + at, &held, scratch);
+        mrts_track_sample(&rule->task, time, path, n, reference, failed, &even, q + at, dq + at, ddq + at, &held);
         for (int robot = 0; robot < R; ++robot) {
             if (failed[robot]) continue;
             mrts_note_failure(&rule->task, &held, robot, (int)n, outcome + robot);
@@ -203,11 +203,9 @@ static void mrts_follow_one(const mrts_following *rule, long long samples, const
  * a stride, in reals from one variant to the next, is 0 where they share one. Outcomes are of each arm of each variant;
  * variants of which the first has MRTS_REFUSED are passed over. */
 MRTS_EXPORT void mrts_follow(long long count, long long samples, const mrts_following *rule, const double *const *given,
-                             const long long *stride, double *q, double *dq, double *ddq, mrts_outcome *outcome,
-                             const double **arg, double **res, long long *iw, double *w) {
+                             const long long *stride, double *q, double *dq, double *ddq, mrts_outcome *outcome) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS };
     enum { TIME, POSITION, ROTATION, TWIST, ACCELERATION, GEOMETRY, POSTURE, SEED, FURTHER, GIVEN };
-    mrts_scratch scratch = {arg, res, iw, w};
     mrts_following here = *rule;
     for (long long v = 0; v < count; ++v, outcome += R) {
         const double *of[GIVEN];
@@ -217,9 +215,8 @@ MRTS_EXPORT void mrts_follow(long long count, long long samples, const mrts_foll
         const mrts_path path = {of[POSITION], of[ROTATION], of[TWIST], of[ACCELERATION]};
         here.task.geometry = of[GEOMETRY];
         for (int i = 0; i < M; ++i) q[first + i] = of[SEED][i];
-        if (rule->start_steps == 0 || mrts_find_start(&here, &path, of[POSTURE], of[SEED], of[FURTHER], q + first, outcome,
-                                                      &scratch)) {
-            mrts_follow_one(&here, samples, of[TIME], &path, q + first, dq + first, ddq + first, outcome, &scratch);
+        if (rule->start_steps == 0 || mrts_find_start(&here, &path, of[POSTURE], of[SEED], of[FURTHER], q + first, outcome)) {
+            mrts_follow_one(&here, samples, of[TIME], &path, q + first, dq + first, ddq + first, outcome);
         }
     }
 }
@@ -227,16 +224,14 @@ MRTS_EXPORT void mrts_follow(long long count, long long samples, const mrts_foll
 /* Joints that hold the grasps at one sample each, (count, joints): from q on, which they replace. Of references there may
  * be none; strides as above. */
 MRTS_EXPORT void mrts_hold(long long count, const mrts_tracking *task, const double *const *given, const long long *stride,
-                           double *q, double *gap, double *turn, double *drift, const double **arg, double **res,
-                           long long *iw, double *w) {
+                           double *q, double *gap, double *turn, double *drift) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, POSITION = 0, ROTATION, REFERENCE, GIVEN };
     const unsigned char left_out[R] = {0};
-    mrts_scratch scratch = {arg, res, iw, w};
     for (long long n = 0; n < count; ++n, q += M, gap += R, turn += R, drift += R) {
         const double *of[GIVEN];
         double now[M];
         for (int i = 0; i < GIVEN; ++i) of[i] = given[i] ? given[i] + n * stride[i] : given[i];
         for (int i = 0; i < M; ++i) now[i] = q[i];
-        mrts_hold_grasps(task, of[POSITION], of[ROTATION], of[REFERENCE], left_out, now, q, gap, turn, drift, &scratch);
+        mrts_hold_grasps(task, of[POSITION], of[ROTATION], of[REFERENCE], left_out, now, q, gap, turn, drift);
     }
 }

@@ -197,10 +197,11 @@ MRTS_LOCAL double mrts_add_preferred(int joints, const mrts_null_space *space, c
 }
 
 MRTS_LOCAL void mrts_null_spaces(const mrts_preference *wish, double fold, const double *geometry, const double *q,
-                                 const double *reference, const double *J_all, mrts_null_space *spaces, double *F,
-                                 mrts_scratch *scratch) {
+                                 const double *reference, const double *J_all, mrts_null_space *spaces, double *F) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double stiffness[M * M], slope[M], reduced[MRTS_MOST_JOINTS * MRTS_MOST_JOINTS], unused;
+    double *const res[] = {stiffness};
+    const double *const at[] = {q, F, geometry};
     for (int robot = 0; robot < R; ++robot) {
         const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
         mrts_null_space *space = spaces + robot;
@@ -213,11 +214,7 @@ MRTS_LOCAL void mrts_null_spaces(const mrts_preference *wish, double fold, const
         mrts_split_joints(joints, J_all + W * first, &space->split);
         mrts_multipliers(joints, &space->split, space->gradient, F + W * robot);
     }
-    scratch->arg[0] = q;
-    scratch->arg[1] = F;
-    scratch->arg[2] = geometry;
-    scratch->res[0] = stiffness;
-    MRTS_GEOMETRIC_STIFFNESS(scratch->arg, scratch->res, scratch->iw, scratch->w, 0);
+    MRTS_GEOMETRIC_STIFFNESS(at, res);
     for (int robot = 0; robot < R; ++robot) {
         const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
         mrts_null_space *space = spaces + robot;
@@ -237,26 +234,19 @@ MRTS_LOCAL void mrts_null_spaces(const mrts_preference *wish, double fold, const
 }
 
 MRTS_LOCAL void mrts_change_along(const double *geometry, const double *q, const double *dq, const mrts_null_space *spaces,
-                                  const double *F, double *change, mrts_scratch *scratch) {
+                                  const double *F, double *change) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double stiffness[M * M], dF[W * R] = {0}, torque[MRTS_MOST_JOINTS];
+    const double *const moving[] = {q, dq, F, geometry}, *const at[] = {q, dF, geometry};
+    double *const changes[] = {change}, *const stiffnesses[] = {stiffness};
     for (int robot = 0; robot < R; ++robot) {
         const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
         if (joints <= W) continue;
         for (int i = 0; i < joints; ++i) torque[i] = mrts_dot(joints, spaces[robot].hessian + i * joints, dq + first);
         mrts_multipliers(joints, &spaces[robot].split, torque, dF + W * robot);
     }
-    scratch->arg[0] = q;
-    scratch->arg[1] = dq;
-    scratch->arg[2] = F;
-    scratch->arg[3] = geometry;
-    scratch->res[0] = change;
-    MRTS_GEOMETRIC_STIFFNESS_RATE(scratch->arg, scratch->res, scratch->iw, scratch->w, 0);
-    scratch->arg[0] = q;
-    scratch->arg[1] = dF;
-    scratch->arg[2] = geometry;
-    scratch->res[0] = stiffness;
-    MRTS_GEOMETRIC_STIFFNESS(scratch->arg, scratch->res, scratch->iw, scratch->w, 0);
+    MRTS_GEOMETRIC_STIFFNESS_RATE(moving, changes);
+    MRTS_GEOMETRIC_STIFFNESS(at, stiffnesses);
     for (int robot = 0; robot < R; ++robot) {
         const int first = MRTS_FIRST(robot), last = MRTS_FIRST(robot + 1);
         if (last - first <= W) continue;

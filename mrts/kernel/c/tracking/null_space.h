@@ -18,14 +18,6 @@ static const int mrts_first_joints[MRTS_ROBOTS + 1] = MRTS_FIRST_JOINTS;
 #define MRTS_FIRST(robot) ((robot) * MRTS_SIZE)
 #endif
 
-/* Work of generated functions. */
-typedef struct {
-    const double **arg;
-    double **res;
-    long long *iw;
-    double *w;
-} mrts_scratch;
-
 /* What the arms of a cell prefer; one value a joint of all arms [rad or m]. */
 typedef struct {
     const double *lower; /* position limits, infinite where there are none */
@@ -68,15 +60,14 @@ typedef struct {
 /* The null spaces of the redundant arms at q, and their multipliers F of least squares. `fold` is the curvature of H at
  * which its minimum ends. */
 MRTS_LOCAL void mrts_null_spaces(const mrts_preference *wish, double fold, const double *geometry, const double *q,
-                                 const double *reference, const double *J_all, mrts_null_space *spaces, double *F,
-                                 mrts_scratch *scratch);
+                                 const double *reference, const double *J_all, mrts_null_space *spaces, double *F);
 
 /* Adds to x, what the grasp wants of the joints, what makes hessian x = change + J'(anything); returns its length. */
 MRTS_LOCAL double mrts_add_preferred(int joints, const mrts_null_space *space, const double *change, double *x);
 
 /* hessian q'' - J'F'' of the redundant arms, Shape (M,), from the second derivative of h(q) - h(reference) = J'F. */
 MRTS_LOCAL void mrts_change_along(const double *geometry, const double *q, const double *dq, const mrts_null_space *spaces,
-                                  const double *F, double *change, mrts_scratch *scratch);
+                                  const double *F, double *change);
 
 #endif
 

@@ -50,7 +50,7 @@ static double mrts_note_jumps(const double *q, const double *taylor, mrts_held *
 
 MRTS_LOCAL void mrts_track_sample(const mrts_tracking *task, const double *time, const mrts_path *path, long long n,
                                   const double *reference, const unsigned char *left_out, long long *even, double *q,
-                                  double *dq, double *ddq, mrts_held *held, mrts_scratch *scratch) {
+                                  double *dq, double *ddq, mrts_held *held) {
     enum { M = MRTS_JOINTS };
     const mrts_path at = {path->position + 3 * n, path->rotation + 9 * n, path->twist + 6 * n, path->acceleration + 6 * n};
     double taylor[M], now[M];
@@ -62,14 +62,13 @@ MRTS_LOCAL void mrts_track_sample(const mrts_tracking *task, const double *time,
         mrts_predict(q - M, dq - M, ddq - M, h, *even, left_out, taylor, q);
     }
 #ifndef MRTS_UNEVEN
-    if (mrts_quick_sample(task, &at, left_out, q, dq, ddq, held, scratch) &&
+    if (mrts_quick_sample(task, &at, left_out, q, dq, ddq, held) &&
         mrts_note_jumps(q, taylor, held) <= task->jump) {
         return;
     }
 #endif
     for (int i = 0; i < M; ++i) now[i] = taylor[i];
-    mrts_hold_grasps(task, at.position, at.rotation, reference, left_out, now, q, held->gap, held->turn, held->drift,
-                     scratch);
-    mrts_joint_rates(task, &at, reference, left_out, q, dq, ddq, held, scratch);
+    mrts_hold_grasps(task, at.position, at.rotation, reference, left_out, now, q, held->gap, held->turn, held->drift);
+    mrts_joint_rates(task, &at, reference, left_out, q, dq, ddq, held);
     mrts_note_jumps(q, taylor, held);
 }

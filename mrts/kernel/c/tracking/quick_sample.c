@@ -97,18 +97,15 @@ static void mrts_solve(const mrts_factors *factors, const double *y, double *x) 
 }
 
 MRTS_LOCAL int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, const unsigned char *left_out, double *now,
-                                 double *dq, double *ddq, mrts_held *held, mrts_scratch *scratch) {
+                                 double *dq, double *ddq, mrts_held *held) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double tips[3 * R], rotations[9 * R], J[W * M], off[3], turned[3], error[W], step[W];
+    const double *const given[] = {now, task->geometry};
+    double *const poses[] = {tips, rotations, J};
     mrts_factors factors[R];
     for (int iteration = 0; iteration < MRTS_QUICK; ++iteration) {
         double largest = 0, furthest = 0;
-        scratch->arg[0] = now;
-        scratch->arg[1] = task->geometry;
-        scratch->res[0] = tips;
-        scratch->res[1] = rotations;
-        scratch->res[2] = J;
-        if (MRTS_KINEMATICS(scratch->arg, scratch->res, scratch->iw, scratch->w, 0)) return 0;
+        MRTS_KINEMATICS(given, poses);
         for (int robot = 0; robot < R; ++robot) {
             const mrts_arm *arm = MRTS_ARM(task->geometry, robot);
             if (left_out[robot]) continue;

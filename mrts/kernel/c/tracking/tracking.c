@@ -114,23 +114,20 @@ static void mrts_newton_step(int joints, const double *J, const double *error, d
 
 MRTS_LOCAL void mrts_hold_grasps(const mrts_tracking *task, const double *position, const double *rotation,
                                  const double *reference, const unsigned char *left_out, double *now, double *best,
-                                 double *gap, double *turn, double *drift, mrts_scratch *scratch) {
+                                 double *gap, double *turn, double *drift) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double tips[3 * R], rotations[9 * R], J_all[W * M], off[3], turned[3], error[W], step[M], least[R];
+    const double *const at[] = {now, task->geometry};
+    double *const poses[] = {tips, rotations, J_all};
     for (int robot = 0; robot < R; ++robot) gap[robot] = turn[robot] = drift[robot] = least[robot] = MRTS_INFINITY;
     for (int i = 0; i < M; ++i) best[i] = now[i];
     for (int iteration = 0; iteration < task->steps; ++iteration) {
         double largest = 0, farthest = 0;
-        scratch->arg[0] = now;
-        scratch->arg[1] = task->geometry;
-        scratch->res[0] = tips;
-        scratch->res[1] = rotations;
-        scratch->res[2] = J_all;
-        MRTS_KINEMATICS(scratch->arg, scratch->res, scratch->iw, scratch->w, 0);
+        MRTS_KINEMATICS(at, poses);
 #ifdef MRTS_REDUNDANT
         mrts_null_space spaces[R];
         double F[W * R], fall[MRTS_MOST_JOINTS];
-        if (reference) mrts_null_spaces(&task->wish, task->fold, task->geometry, now, reference, J_all, spaces, F, scratch);
+        if (reference) mrts_null_spaces(&task->wish, task->fold, task->geometry, now, reference, J_all, spaces, F);
 #else
         (void)reference;
 #endif
@@ -170,21 +167,18 @@ MRTS_LOCAL void mrts_hold_grasps(const mrts_tracking *task, const double *positi
 
 MRTS_LOCAL void mrts_joint_rates(const mrts_tracking *task, const mrts_path *at, const double *reference,
                                  const unsigned char *left_out, const double *q, double *dq, double *ddq,
-                                 mrts_held *held, mrts_scratch *scratch) {
+                                 mrts_held *held) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double tips[3 * R], rotations[9 * R], J_all[W * M], bias[W * R], wanted[W * R], velocity[W];
+    const double *const here[] = {q, task->geometry}, *const moving[] = {q, dq, task->geometry};
+    double *const poses[] = {tips, rotations, J_all}, *const biases[] = {bias};
     mrts_split splits[R];
-    scratch->arg[0] = q;
-    scratch->arg[1] = task->geometry;
-    scratch->res[0] = tips;
-    scratch->res[1] = rotations;
-    scratch->res[2] = J_all;
-    MRTS_KINEMATICS(scratch->arg, scratch->res, scratch->iw, scratch->w, 0);
+    MRTS_KINEMATICS(here, poses);
 #ifdef MRTS_REDUNDANT
     mrts_null_space spaces[R];
     double F[W * R], change[M];
     const double nothing[MRTS_MOST_JOINTS] = {0};
-    mrts_null_spaces(&task->wish, task->fold, task->geometry, q, reference, J_all, spaces, F, scratch);
+    mrts_null_spaces(&task->wish, task->fold, task->geometry, q, reference, J_all, spaces, F);
 #else
     (void)reference;
 #endif
@@ -207,13 +201,9 @@ MRTS_LOCAL void mrts_joint_rates(const mrts_tracking *task, const mrts_path *at,
         }
 #endif
     }
-    scratch->arg[0] = q;
-    scratch->arg[1] = dq;
-    scratch->arg[2] = task->geometry;
-    scratch->res[0] = bias;
-    MRTS_BIAS_ACCELERATION(scratch->arg, scratch->res, scratch->iw, scratch->w, 0);
+    MRTS_BIAS_ACCELERATION(moving, biases);
 #ifdef MRTS_REDUNDANT
-    mrts_change_along(task->geometry, q, dq, spaces, F, change, scratch);
+    mrts_change_along(task->geometry, q, dq, spaces, F, change);
 #endif
     for (int robot = 0; robot < R; ++robot) {
         const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;

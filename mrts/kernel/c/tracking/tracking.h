@@ -57,18 +57,18 @@ MRTS_LOCAL double mrts_arm_error(const mrts_tracking *task, const mrts_arm *arm,
  * are left out stay. */
 MRTS_LOCAL void mrts_hold_grasps(const mrts_tracking *task, const double *position, const double *rotation,
                                  const double *reference, const unsigned char *left_out, double *now, double *best,
-                                 double *gap, double *turn, double *drift, mrts_scratch *scratch);
+                                 double *gap, double *turn, double *drift);
 
 /* q' = J^-1 v and q'' = J^-1 (a - J' q') of all arms, of redundant ones as null_space.h prefers. */
 MRTS_LOCAL void mrts_joint_rates(const mrts_tracking *task, const mrts_path *at, const double *reference,
                                  const unsigned char *left_out, const double *q, double *dq, double *ddq,
-                                 mrts_held *held, mrts_scratch *scratch);
+                                 mrts_held *held);
 
 #ifndef MRTS_UNEVEN
 /* q, q', q'' at a sample by undamped Newton steps from `now`, which is moved; 0 where they do not lead to the grasps at
  * once. Arms that are left out stay. */
 MRTS_LOCAL int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, const unsigned char *left_out, double *now,
-                                 double *dq, double *ddq, mrts_held *held, mrts_scratch *scratch);
+                                 double *dq, double *ddq, mrts_held *held);
 #endif
 
 /* Sample n of a path: q, q', q'' of all arms, which lie behind those of the samples before it, or, at the first one,
@@ -76,6 +76,6 @@ MRTS_LOCAL int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at,
  * arms that cannot follow. Those that are left out stay. */
 MRTS_LOCAL void mrts_track_sample(const mrts_tracking *task, const double *time, const mrts_path *path, long long n,
                                   const double *reference, const unsigned char *left_out, long long *even, double *q,
-                                  double *dq, double *ddq, mrts_held *held, mrts_scratch *scratch);
+                                  double *dq, double *ddq, mrts_held *held);
 
 #endif

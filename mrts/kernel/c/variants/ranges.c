@@ -149,29 +149,23 @@ typedef struct {
     const double *q, *dq, *ddq, *rotation, *twist, *acceleration, *load, *geometry, *velocity;
 } mrts_variant;
 
-/* Evaluates the wrench form at all samples of a variant; the largest effect of c^2 on any row, below 0 where it failed.
- */
+/* Evaluates the wrench form at all samples of a variant; the largest effect of c^2 on any row. */
 static double mrts_forms_of_variant(long long samples, const mrts_variant *of, const mrts_limits *limits,
-                                    const mrts_rows *rows, const mrts_terms *terms, mrts_sample *sample, double *memory,
-                                    mrts_scratch *scratch) {
+                                    const mrts_rows *rows, const mrts_terms *terms, mrts_sample *sample, double *memory) {
     enum { M = MRTS_JOINTS, N = MRTS_WRENCHES, FORM = MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES) };
     const long long each = FORM + (limits->base ? MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES) : 0);
     double largest = 0, columns[9];
     for (long long n = 0; n < samples; ++n) {
         mrts_sample *here = sample + n;
         double *own = memory + n * each;
-        const double *inputs[] = {of->q + n * M,     of->dq + n * M,           of->ddq + n * M, columns,
+        const double *const inputs[] = {of->q + n * M,     of->dq + n * M,           of->ddq + n * M, columns,
                                   of->twist + 6 * n, of->acceleration + 6 * n, of->load,        of->geometry};
         int binding;
         for (int i = 0; i < 9; ++i) columns[i] = of->rotation[9 * n + 3 * (i % 3) + i / 3];
         here->form = mrts_form_in(MRTS_VK, M, N, own);
         here->terms = mrts_terms_of_sample(terms, n, limits->rows);
-        for (int i = 0; i < MRTS_INPUTS; ++i) scratch->arg[i] = inputs[i];
-        scratch->res[0] = here->form.torque_map;
-        scratch->res[1] = here->form.torque_offset;
-        scratch->res[2] = here->form.wrench_map;
-        scratch->res[3] = here->form.wrench_offset;
-        if (MRTS_WRENCH_FORM(scratch->arg, scratch->res, scratch->iw, scratch->w, 0)) return -1;
+        double *const res[] = {here->form.torque_map, here->form.torque_offset, here->form.wrench_map, here->form.wrench_offset};
+        MRTS_WRENCH_FORM(inputs, res);
         mrts_add_motors(MRTS_VK, M, &here->terms, &here->form);
         mrts_turn_wrenches(MRTS_VK, MRTS_ROBOTS, MRTS_SIZE, limits, columns, 1, 3, own + FORM, &here->form);
         here->known[0] = here->known[1] = 0;
@@ -267,10 +261,9 @@ MRTS_EXPORT void mrts_variant_ranges_work(int rows, int samples, long long *real
 MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const double *const *given,
                                      const long long *stride, const mrts_limits *limits, const mrts_terms *terms,
                                      const int *order, const unsigned char *skipped, mrts_variant_range *range,
-                                     const double **arg, double **res, long long *iw, double *w, double *work,
+                                     double *work,
                                      int *iwork) {
     enum { Q, DQ, DDQ, ROTATION, TWIST, ACCELERATION, LOAD, GEOMETRY, VELOCITY, LOWER, UPPER, VALUES, GIVEN };
-    mrts_scratch scratch = {arg, res, iw, w};
     mrts_limits here = *limits;
     mrts_rows rows;
     double base[9 * MRTS_ROBOTS];
@@ -295,8 +288,8 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
         }
         range[v].status = MRTS_STOPPED;
         if (!mrts_rows_over(MRTS_VK, &here, work, iwork, &rows)) continue;
-        const double largest = mrts_forms_of_variant(samples, &variant, &here, &rows, &own, sample, memory, &scratch);
-        if (!(largest >= 0 && largest < MRTS_INFINITY)) continue;
+        const double largest = mrts_forms_of_variant(samples, &variant, &here, &rows, &own, sample, memory);
+        if (!(largest < MRTS_INFINITY)) continue;
         mrts_range_of_variant(samples, &here, &rows, order, largest, sample, range + v, lp_work, lp_iwork);
     }
 }
