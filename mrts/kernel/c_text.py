@@ -127,9 +127,9 @@ def cell_source(manifest: Manifest, generated: str) -> str:
         "MRTS_GEOMETRY_NUMBERS": next((one.shape[0] for one in read if one.name == GEOMETRY), 1),
         "MRTS_UNKNOWNS": components * (len(manifest.robots) - 1) + 1,
     }
-    defined = _defined(motion_macros(manifest) | macros)
     in_lanes = {f"MRTS_{name.upper()}": manifest.functions[name].symbol for name in IN_LANES}
-    defined += _defined({f"{name}_LANES": f"{symbol}_lanes" for name, symbol in in_lanes.items()})
+    macros |= in_lanes | {f"{name}_LANES": f"{symbol}_lanes" for name, symbol in in_lanes.items()}
+    defined = _defined(motion_macros(manifest) | macros)
     of_lanes = "".join(_one_function(generated, symbol) for symbol in in_lanes.values())
     of_lanes = f"{one_file('lanes/model_of_lanes.inc')}{of_lanes}"
     return f"{QUICKLY.format(generated)}\n{defined}{one_text(CELL_FILES)}\n{QUICKLY.format(of_lanes)}\n"

@@ -92,7 +92,7 @@ def compared(seed, folder, seen):
         scan = SpeedScan(reference, motors, samples[sample], [arm[sample] for arm in joints])
         ours = speeds(found, sample)
         lowest = speeds(below, sample)
-        ours = ours if lowest == ours else [*lowest, *ours]
+        ours = [*lowest, *ours] if lowest and ours and lowest[-1][1] < ours[0][0] else ours
         largest = max((end for pair in ours for end in pair if np.isfinite(end)), default=3.0)
         ends = np.array([end for pair in ours for end in pair if np.isfinite(end)])
         middles = (ends[1:] + ends[:-1]) / 2
